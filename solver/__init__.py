@@ -1,0 +1,1 @@
+"""Coupled dynamics of hinged wave energy converters on elastic platforms."""
