@@ -1,0 +1,1 @@
+"""Bottom-fixed elastic platform: a frame of 3-D Euler-Bernoulli beams."""

@@ -1,0 +1,270 @@
+"""Frozen inputs of a frame of beams, and their assembly into arrays."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from solver.errors import InputError
+from solver.structure import beam
+from solver.structure.beam import Section, positive
+
+COINCIDENT = 1e-9  # two nodes closer than this share of the frame's size are one
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Material:
+    E: float  # Young's modulus [Pa]
+    G: float  # shear modulus [Pa]
+    density: float  # [kg/m3]
+
+    def __post_init__(self):
+        positive("material.E", self.E, "Pa")
+        positive("material.G", self.G, "Pa")
+        positive("material.density", self.density, "kg/m3")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Member:
+    """A straight prismatic beam from one named node to another; equal elements.
+
+    Wave loads act on a member only if it has water coefficients: C_D > 0 or C_M > 1.
+    """
+
+    name: str
+    start: str
+    end: str
+    elements: int
+    section: Section
+    material: Material
+    drag_coefficient: float = 0.0  # C_D [-]
+    inertia_coefficient: float = 1.0  # C_M [-]
+
+    def __post_init__(self):
+        key = f"members.{self.name}"
+        if self.elements < 1 or int(self.elements) != self.elements:
+            raise InputError(f"{key}.elements", self.elements, "must be a whole number >= 1")
+        if self.start == self.end:
+            raise InputError(f"{key}.end", self.end, "must differ from start: zero length")
+        if not (np.isfinite(self.drag_coefficient) and self.drag_coefficient >= 0):
+            raise InputError(f"{key}.drag_coefficient", self.drag_coefficient, "must be >= 0")
+        if not (np.isfinite(self.inertia_coefficient) and self.inertia_coefficient >= 1):
+            raise InputError(
+                f"{key}.inertia_coefficient",
+                self.inertia_coefficient,
+                "must be >= 1 (C_M = 1 + C_a)",
+            )
+        if self.in_water and self.section.diameter == 0:
+            raise InputError(
+                f"{key}.section.diameter", 0.0, "must be > 0 m for a member with water coefficients"
+            )
+
+    @property
+    def in_water(self):
+        """Whether wave loads act on the part below still water."""
+        return self.drag_coefficient > 0 or self.inertia_coefficient > 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointMass:
+    node: str
+    mass: float  # translational only [kg]
+
+    def __post_init__(self):
+        positive(f"masses.{self.node}", self.mass, "kg")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointLoad:
+    node: str
+    force: tuple[float, float, float]  # global axes [N]
+
+    def __post_init__(self):
+        if np.shape(self.force) != (3,) or not np.all(np.isfinite(self.force)):
+            raise InputError(f"loads.{self.node}", self.force, "must be three finite forces [N]")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Frame:
+    """Named nodes, members between them, clamped feet, lumped masses and static loads."""
+
+    nodes: Mapping[str, tuple[float, float, float]]  # name -> (x, y, z) [m]
+    members: tuple[Member, ...]
+    clamped: tuple[str, ...]
+    masses: tuple[PointMass, ...] = ()
+    loads: tuple[PointLoad, ...] = ()
+
+    def __post_init__(self):
+        self._check_coordinates()
+        self._check_names()
+        self._check_supported()
+
+    def _check_coordinates(self):
+        for name, xyz in self.nodes.items():
+            if np.shape(xyz) != (3,) or not np.all(np.isfinite(xyz)):
+                raise InputError(f"nodes.{name}", xyz, "must be three finite coordinates [m]")
+        names, xyz = list(self.nodes), np.array(list(self.nodes.values()), float).reshape(-1, 3)
+        size = np.ptp(xyz, axis=0).max(initial=0.0)
+        for i, name in enumerate(names[1:], start=1):
+            gap = np.linalg.norm(xyz[:i] - xyz[i], axis=1)
+            if gap.min() <= COINCIDENT * size:
+                raise InputError(
+                    f"nodes.{name}",
+                    self.nodes[name],
+                    f"must not coincide with {names[gap.argmin()]}",
+                )
+
+    def _check_names(self):
+        if not self.members:
+            raise InputError("members", "none", "a frame needs at least one")
+        if not self.clamped:
+            raise InputError("clamped", "none", "a frame needs at least one clamped node")
+        _unique("members", [member.name for member in self.members])
+        _unique("clamped", self.clamped)
+        for member in self.members:
+            self._known(f"members.{member.name}.start", member.start)
+            self._known(f"members.{member.name}.end", member.end)
+        for node in self.clamped:
+            self._known("clamped", node)
+        for item in self.masses:
+            self._known("masses", item.node)
+        for item in self.loads:
+            self._known("loads", item.node)
+
+    def _known(self, key, node):
+        if node not in self.nodes:
+            raise InputError(key, node, f"must be one of the nodes {', '.join(self.nodes)}")
+
+    def _check_supported(self):
+        """Every node hangs on a clamped one, or the stiffness is singular."""
+        index = {name: i for i, name in enumerate(self.nodes)}
+        ends = np.array([[index[member.start], index[member.end]] for member in self.members])
+        graph = sparse.coo_matrix((np.ones(len(ends)), ends.T), shape=2 * (len(index),))
+        part = connected_components(graph, directed=False)[1]
+        held = {part[index[name]] for name in self.clamped}
+        floating = [name for name, i in index.items() if part[i] not in held]
+        if floating:
+            raise InputError(
+                "nodes", ", ".join(floating), "must be joined to a clamped node by members"
+            )
+
+
+def _unique(key, names):
+    name, count = Counter(names).most_common(1)[0]
+    if count > 1:
+        raise InputError(key, name, f"given {count} times, must be unique")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FrameModel:
+    """A frame as arrays: n nodes, ne elements; (ux, uy, uz, θx, θy, θz) at each node."""
+
+    frame: Frame
+    xyz: np.ndarray  # (n, 3) [m]
+    node_index: Mapping[str, int]  # named nodes
+    elements: np.ndarray  # (ne, 2) node numbers
+    dofs: np.ndarray  # (ne, 12) numbers of the element's degrees of freedom
+    member: np.ndarray  # (ne,) index of the element's member
+    member_elements: Mapping[str, range]  # in order from start to end
+    member_nodes: Mapping[str, np.ndarray]  # in order from start to end
+    free: np.ndarray  # numbers of the degrees of freedom that are not clamped
+    length: np.ndarray  # (ne,) [m]
+    rotation: np.ndarray  # (ne, 3, 3) rows = local axes
+    element_stiffness: np.ndarray  # (ne, 12, 12) local axes
+    K: sparse.csr_array  # (6n, 6n), supports not yet removed
+    M: sparse.csr_array  # (6n, 6n), consistent and lumped
+
+    def member_of(self, element):
+        return self.frame.members[self.member[element]]
+
+    def translations(self, node):
+        """Numbers of the three translations of a named node."""
+        return 6 * self.node_index[node] + np.arange(3)
+
+    def total(self, loads):
+        """Element loads (ne, 12) in local axes, summed as one vector (6n,) in global axes."""
+        in_global = np.einsum("ekj,eak->eaj", self.rotation, loads.reshape(-1, 4, 3))
+        vector = np.zeros(6 * len(self.xyz))
+        np.add.at(vector, self.dofs, in_global.reshape(-1, 12))
+        return vector
+
+
+def assemble(frame: Frame) -> FrameModel:
+    """Mesh, element matrices, K and M. Named nodes come first, then the members' interior nodes."""
+    xyz, node_index, member_nodes = _mesh(frame)
+    elements = np.concatenate(
+        [np.column_stack([nodes[:-1], nodes[1:]]) for nodes in member_nodes.values()]
+    )
+    counts = [member.elements for member in frame.members]
+    member = np.repeat(np.arange(len(counts)), counts)
+    ends = np.cumsum(counts)
+    dofs = (6 * elements[:, :, None] + np.arange(6)).reshape(-1, 12)
+    length = np.linalg.norm(xyz[elements[:, 1]] - xyz[elements[:, 0]], axis=1)
+    rotation = np.array([beam.rotation(*xyz[pair]) for pair in elements])
+    owner = [frame.members[i] for i in member]
+    pairs = list(zip(owner, length, strict=True))
+    stiffness = np.array(
+        [beam.stiffness(m.material.E, m.material.G, m.section, L) for m, L in pairs]
+    )
+    mass = np.array([beam.mass(m.material.density, m.section, L) for m, L in pairs])
+    size = 6 * len(xyz)
+    return FrameModel(
+        frame=frame,
+        xyz=xyz,
+        node_index=node_index,
+        elements=elements,
+        dofs=dofs,
+        member=member,
+        member_elements={
+            m.name: range(end - m.elements, end) for m, end in zip(frame.members, ends, strict=True)
+        },
+        member_nodes=member_nodes,
+        free=_free(frame, node_index, size),
+        length=length,
+        rotation=rotation,
+        element_stiffness=stiffness,
+        K=scatter(stiffness, rotation, dofs, size),
+        M=scatter(mass, rotation, dofs, size) + _lumped(frame, node_index, size),
+    )
+
+
+def _mesh(frame):
+    """Coordinates, named node numbers, and the nodes along each member."""
+    xyz = [np.asarray(point, float) for point in frame.nodes.values()]
+    node_index = {name: i for i, name in enumerate(frame.nodes)}
+    member_nodes = {}
+    for member in frame.members:
+        start, end = node_index[member.start], node_index[member.end]
+        line = np.linspace(xyz[start], xyz[end], member.elements + 1)
+        inner = np.arange(len(xyz), len(xyz) + member.elements - 1)
+        xyz.extend(line[1:-1])
+        member_nodes[member.name] = np.array([start, *inner, end])
+    return np.array(xyz), node_index, member_nodes
+
+
+def scatter(matrices, rotation, dofs, size):
+    """Element matrices (ne, 12, 12) in local axes, summed as one sparse matrix in global axes."""
+    T = np.array([beam.to_global(R) for R in rotation])
+    return sparse_sum(T.transpose(0, 2, 1) @ matrices @ T, dofs, dofs, (size, size))
+
+
+def sparse_sum(blocks, rows, columns, shape):
+    """Sparse sum of dense blocks (nb, r, c) placed at rows (nb, r) and columns (nb, c)."""
+    i = np.broadcast_to(rows[:, :, None], blocks.shape).ravel()
+    j = np.broadcast_to(columns[:, None, :], blocks.shape).ravel()
+    return sparse.csr_array(sparse.coo_array((blocks.ravel(), (i, j)), shape=shape))
+
+
+def _lumped(frame, node_index, size):
+    diagonal = np.zeros(size)
+    for item in frame.masses:
+        diagonal[6 * node_index[item.node] + np.arange(3)] += item.mass
+    return sparse.csr_array(sparse.diags_array(diagonal))
+
+
+def _free(frame, node_index, size):
+    clamped = [6 * node_index[name] + np.arange(6) for name in frame.clamped]
+    return np.setdiff1d(np.arange(size), np.concatenate(clamped))

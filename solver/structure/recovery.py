@@ -1,0 +1,54 @@
+"""Section forces and stresses from nodal displacements.
+
+(N, Vy, Vz, T, My, Mz) in local axes act on the face whose outward normal is local +x, so that
+tension is positive. Element ends are numbered 2 e (start) and 2 e + 1 (end).
+"""
+
+import numpy as np
+
+from solver.structure import beam
+from solver.structure.frame import FrameModel, sparse_sum
+
+FACE = np.repeat([-1.0, 1.0], 6)  # nodal forces at the start act on the face -x
+
+
+def section_force_matrix(model: FrameModel):
+    """S, sparse (12 ne, 6n): (S @ d).reshape(2 ne, 6) are the section forces of d (6n,) [N, N m].
+
+    Of the nodal displacements alone; what a load spread within an element adds is in
+    `section_forces`.
+    """
+    T = np.array([beam.to_global(R) for R in model.rotation])
+    blocks = FACE[:, None] * (model.element_stiffness @ T)
+    rows = np.arange(model.dofs.size).reshape(-1, 12)
+    return sparse_sum(blocks, rows, model.dofs, (model.dofs.size, model.K.shape[0]))
+
+
+def section_forces(model: FrameModel, displacement, element_loads):
+    """Static section forces at every element end, (2 ne, 6) [N, N m]: ± (k d - f).
+
+    `element_loads` f (ne, 12), local axes, are the consistent loads within the elements (self
+    weight, buoyancy): without them the foot would miss half an element's weight.
+    """
+    of_nodes = section_force_matrix(model) @ displacement
+    return (of_nodes - np.tile(FACE, len(model.elements)) * element_loads.ravel()).reshape(-1, 6)
+
+
+def compressive_stress(model: FrameModel, forces):
+    """Stress of the most compressive fibre [Pa], tension positive; forces are (..., 2 ne, 6).
+
+    σ = N/A - c hypot(My/Iy, Mz/Iz): N/A - |M| c/I for a circular section, and exact. For a
+    rectangle c is half the diagonal, which is on the safe side of the corner's stress.
+    """
+    N, My, Mz = forces[..., 0], forces[..., 4], forces[..., 5]
+    A, Iy, Iz, c = section_properties(model).T
+    return N / A - c * np.hypot(My / Iy, Mz / Iz)
+
+
+def section_properties(model: FrameModel):
+    """(A, Iy, Iz, c) at every element end, (2 ne, 4) [m2, m4, m4, m]."""
+    sections = [member.section for member in model.frame.members]
+    table = np.array(
+        [(section.area, section.Iy, section.Iz, section.fibre) for section in sections]
+    )
+    return np.repeat(table[model.member], 2, axis=0)

@@ -1,0 +1,79 @@
+"""Dead loads, static equilibrium, and what the axial force does to the stiffness."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy import linalg
+from scipy.sparse.linalg import spsolve
+
+from solver.structure import beam
+from solver.structure.frame import FrameModel, scatter
+
+ROUNDING = 1e-10  # a share of the largest |1/λ| that rounding alone can make positive
+
+
+def self_weight(model: FrameModel, g):
+    """Consistent weight ρAg of each element, local axes [N, N m], (ne, 12)."""
+    weight = np.array([m.material.density * m.section.area * g for m in model.frame.members])
+    down = model.rotation @ [0.0, 0.0, -1.0]
+    pairs = zip(weight[model.member, None] * down, model.length, strict=True)
+    return np.array([beam.distributed_load(q, L) for q, L in pairs])
+
+
+def gravity_load(model: FrameModel, g):
+    """Weight of the elements and of the point masses [N, N m], (6n,)."""
+    load = model.total(self_weight(model, g))
+    for item in model.frame.masses:
+        load[model.translations(item.node)[2]] -= item.mass * g
+    return load
+
+
+def point_load(model: FrameModel):
+    """The frame's static point loads [N], (6n,)."""
+    load = np.zeros(6 * len(model.xyz))
+    for item in model.frame.loads:
+        load[model.translations(item.node)] += item.force
+    return load
+
+
+def static(model: FrameModel, load):
+    """Displacement [m, rad] under a load: K d = f on the free degrees of freedom, else zero.
+
+    Load and answer are (6n,), or (6n, nl) for several loads.
+    """
+    displacement = np.zeros(np.shape(load))
+    K = model.K[model.free][:, model.free].tocsc()
+    displacement[model.free] = spsolve(K, load[model.free])
+    return displacement
+
+
+def axial_force(model: FrameModel, displacement):
+    """Mean axial force of each element, tension positive: EA/L (u2 - u1) [N], (ne,)."""
+    ends = displacement.reshape(-1, 6)[model.elements, :3]
+    stretch = np.einsum("ei,ei->e", ends[:, 1] - ends[:, 0], model.rotation[:, 0])
+    return model.element_stiffness[:, 0, 0] * stretch
+
+
+def geometric_stiffness(model: FrameModel, displacement):
+    """Kg of the axial forces that a static displacement sets up, sparse (6n, 6n)."""
+    pairs = zip(axial_force(model, displacement), model.length, strict=True)
+    matrices = np.array([beam.geometric_stiffness(N, L) for N, L in pairs])
+    return scatter(matrices, model.rotation, model.dofs, 6 * len(model.xyz))
+
+
+def with_geometric_stiffness(model: FrameModel, displacement):
+    """The model with K + Kg of a static displacement: compression softens it."""
+    return replace(model, K=model.K + geometric_stiffness(model, displacement))
+
+
+def buckling_factor(model: FrameModel, load):
+    """Smallest λ > 0 with det(K + λ Kg) = 0 under λ times the load; inf if it never buckles.
+
+    1/λ is the largest eigenvalue of -Kg x = μ K x. Below 1 the load exceeds the Euler load.
+    """
+    free = model.free
+    Kg = geometric_stiffness(model, static(model, load))[free][:, free].toarray()
+    K = model.K[free][:, free].toarray()
+    inverse = linalg.eigh(-Kg, K, eigvals_only=True)
+    compressed = inverse[-1] > ROUNDING * np.abs(inverse).max()
+    return 1 / inverse[-1] if compressed else np.inf

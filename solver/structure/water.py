@@ -1,0 +1,112 @@
+"""The part of a frame below still water (z = 0): stations for wave loads, added mass, buoyancy."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.errors import InputError
+from solver.structure import beam
+from solver.structure.frame import FrameModel, sparse_sum
+
+
+def wetted_span(model: FrameModel):
+    """Part (s0, s1) of each element below z = 0, (ne, 2); s0 = s1 for a dry one."""
+    z = model.xyz[model.elements, 2]
+    rise = z[:, 1] - z[:, 0]
+    waterline = np.clip(-z[:, 0] / np.where(rise == 0, 1, rise), 0, 1)
+    s0 = np.where(z[:, 0] < 0, 0, waterline)
+    s1 = np.where(z[:, 1] < 0, 1, waterline)
+    dry = z.min(axis=1) >= 0
+    return np.where(dry[:, None], 0, np.column_stack([s0, s1]))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stations:
+    """Gauss points on the wetted part of the members with water coefficients, ns of them."""
+
+    position: np.ndarray  # (ns, 3) [m]
+    weight: np.ndarray  # (ns,) length that the point stands for [m]
+    tangent: np.ndarray  # (ns, 3) unit vector along the member
+    diameter: np.ndarray  # (ns,) [m]
+    drag: np.ndarray  # (ns,) C_D [-]
+    inertia: np.ndarray  # (ns,) C_M [-]
+    element: np.ndarray  # (ns,) element number
+    dofs: np.ndarray  # (ns, 12) degrees of freedom of that element
+    shape: np.ndarray  # (ns, 3, 12) displacement there = shape @ displacement[dofs], global axes
+
+    def project(self, shapes):
+        """Displacement of the stations in each column of a modal matrix (6n, nm): (ns, 3, nm)."""
+        return self.shape @ shapes[self.dofs]
+
+    def total(self, load, size):
+        """Nodal load (size,) [N, N m] of a load per length (ns, 3) [N/m]: Σ w Nᵀ f."""
+        vector = np.zeros(size)
+        np.add.at(vector, self.dofs, np.einsum("s,ska,sk->sa", self.weight, self.shape, load))
+        return vector
+
+
+def stations(model: FrameModel, points):
+    """Gauss points, `points` on each wetted element: exact to order 2 points - 1."""
+    if points < 1:
+        raise InputError("stations.points", points, "must be >= 1")
+    node, gauss = np.polynomial.legendre.leggauss(points)
+    span = wetted_span(model)
+    in_water = np.array([member.in_water for member in model.frame.members])[model.member]
+    wet = np.flatnonzero(in_water & (span[:, 1] > span[:, 0]))
+    element = np.repeat(wet, points)
+    size = np.diff(span[wet], axis=1)
+    s = (span[wet, :1] + size * (node + 1) / 2).ravel()
+    start, end = model.xyz[model.elements[element]].transpose(1, 0, 2)
+    owner = [model.member_of(e) for e in element]
+    return Stations(
+        position=start + s[:, None] * (end - start),
+        weight=(size * gauss / 2 * model.length[wet, None]).ravel(),
+        tangent=model.rotation[element, 0],
+        diameter=np.array([member.section.diameter for member in owner]),
+        drag=np.array([member.drag_coefficient for member in owner]),
+        inertia=np.array([member.inertia_coefficient for member in owner]),
+        element=element,
+        dofs=model.dofs[element],
+        shape=_shapes(model, element, s),
+    )
+
+
+def _shapes(model, element, s):
+    shape = np.zeros((len(s), 3, 12))
+    for i, (e, station) in enumerate(zip(element, s, strict=True)):
+        shape[i] = beam.in_global(
+            beam.displacement_shape(station, model.length[e]), model.rotation[e]
+        )
+    return shape
+
+
+def added_mass(model: FrameModel, density):
+    """Consistent added mass, sparse (6n, 6n): ∫ (C_M - 1) ρπD²/4 Nᵀ(I - ttᵀ)N dx, wetted part.
+
+    Normal to the member only. Four points are exact for the product of two cubics (order 6),
+    however deep the water reaches into an element.
+    """
+    at = stations(model, 4)
+    per_length = (at.inertia - 1) * density * np.pi * at.diameter**2 / 4
+    normal = np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
+    matrices = (per_length * at.weight)[:, None, None] * (
+        at.shape.transpose(0, 2, 1) @ normal @ at.shape
+    )
+    return sparse_sum(matrices, at.dofs, at.dofs, model.K.shape)
+
+
+def buoyancy(model: FrameModel, density, g):
+    """Buoyancy ρgA of each element's own material below z = 0, local axes [N, N m], (ne, 12).
+
+    Every member below still water displaces water, with or without water coefficients; a tube is
+    flooded.
+    """
+    area = np.array([member.section.area for member in model.frame.members])[model.member]
+    up = density * g * area[:, None] * (model.rotation @ [0.0, 0.0, 1.0])
+    parts = zip(up, model.length, wetted_span(model), strict=True)
+    return np.array([beam.distributed_load(q, L, span) for q, L, span in parts])
+
+
+def buoyancy_load(model: FrameModel, density, g):
+    """Buoyancy of the material below still water [N, N m], (6n,)."""
+    return model.total(buoyancy(model, density, g))

@@ -1,0 +1,167 @@
+"""One element: equilibrium, exact integrals, section constants."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solver.errors import InputError
+from solver.structure import beam
+
+L, E, G, RHO = 3.7, 2.1e11, 8.33e10, 7850.0
+PIPE = beam.tube(diameter=0.45, thickness=0.012)
+PLANK = beam.solid_rectangle(width=0.3, height=0.1)
+ROUNDING = 1e-12  # relative to the largest entry; sums of 12 terms lose 1-2 digits of 16
+
+
+def integral(function):
+    """∫ over the element by six Gauss points, exact for every polynomial that occurs here."""
+    node, weight = np.polynomial.legendre.leggauss(6)
+    return sum(w * L / 2 * function((s + 1) / 2) for s, w in zip(node, weight, strict=True))
+
+
+def rigid_motions(x):
+    """Three shifts and three turns, (12, 6), of an element with its ends at x (2, 3)."""
+    motions = np.zeros((2, 6, 6))
+    for end in range(2):
+        motions[end, :3, :3] = motions[end, 3:, 3:] = np.eye(3)
+        motions[end, :3, 3:] = np.cross(np.eye(3), x[end]).T
+    return motions.reshape(12, 6)
+
+
+@pytest.mark.parametrize("section", [PIPE, PLANK])
+@pytest.mark.parametrize("end", [(3, 2, 1), (0, 0, 3.7), (0, 0, -3.7), (-1, 0, 0), (1e-9, 0, 2)])
+def test_rigid_motions_give_no_force(section, end):
+    T = beam.to_global(beam.rotation((0, 0, 0), end))
+    length = np.linalg.norm(end)
+    K = T.T @ beam.stiffness(E, G, section, length) @ T
+    forces = K @ rigid_motions(np.array([(0, 0, 0), end], float))
+    assert np.abs(forces).max() < ROUNDING * np.abs(K).max() * length
+
+
+def test_stiffness_has_six_elastic_motions_and_six_rigid_ones():
+    scale = np.tile([1, 1, 1, 1 / L, 1 / L, 1 / L], 2)  # metres for all, or the ranks mix units
+    values = np.linalg.eigvalsh(beam.stiffness(E, G, PLANK, L) * np.outer(scale, scale))
+    assert np.abs(values[:6]).max() < ROUNDING * values[-1]
+    assert values[6] > 1e-6 * values[-1]
+
+
+def test_mass_is_the_integral_of_the_shape_functions():
+    by_shapes = integral(
+        lambda s: RHO * PIPE.area * beam.displacement_shape(s, L).T @ beam.displacement_shape(s, L)
+    )
+    twist = integral(
+        lambda s: (
+            RHO * PIPE.Ip * np.outer(beam.rotation_shape(s, L)[0], beam.rotation_shape(s, L)[0])
+        )
+    )
+    M = beam.mass(RHO, PIPE, L)
+    assert pytest.approx(M, abs=ROUNDING * M.max()) == by_shapes + twist
+
+
+def test_geometric_stiffness_is_the_integral_of_the_slopes():
+    def slopes(s):
+        turn = beam.rotation_shape(s, L)[1:]
+        return -7e4 * turn.T @ turn
+
+    Kg = beam.geometric_stiffness(-7e4, L)
+    assert pytest.approx(integral(slopes), abs=ROUNDING * np.abs(Kg).max()) == Kg
+
+
+def test_rotations_are_the_derivatives_of_displacements():
+    s, h = 0.3, 1e-5
+    ahead, behind = (beam.displacement_shape(s + step, L) for step in (h, -h))
+    slope = (ahead - behind) / (2 * h * L)
+    # Central difference of a cubic: error h²/6 times its third derivative (12), far below 1e-8.
+    assert beam.rotation_shape(s, L)[2] == pytest.approx(slope[1], abs=1e-8)
+    assert beam.rotation_shape(s, L)[1] == pytest.approx(-slope[2], abs=1e-8)
+
+
+@pytest.mark.parametrize(("s", "first"), [(0.0, 0), (1.0, 6)])
+def test_shapes_at_the_ends_are_the_end_displacements(s, first):
+    assert beam.displacement_shape(s, L) == pytest.approx(np.eye(12)[first : first + 3])
+    assert beam.rotation_shape(s, L) == pytest.approx(np.eye(12)[first + 3 : first + 6])
+
+
+@given(
+    s=st.floats(0, 1),
+    end=st.tuples(*[st.floats(-9, 9)] * 3).filter(lambda p: np.hypot(*p[:2]) + abs(p[2]) > 0.1),
+)
+def test_shapes_reproduce_rigid_motions_in_any_direction(s, end):
+    start = np.array([1.0, -2.0, 0.5])
+    x = np.array([start, start + end])
+    shape = beam.in_global(beam.displacement_shape(s, np.linalg.norm(end)), beam.rotation(*x))
+    at = x[0] + s * np.array(end)
+    expected = np.hstack([np.eye(3), np.cross(np.eye(3), at).T])
+    assert shape @ rigid_motions(x) == pytest.approx(
+        expected, abs=1e-12 * 100
+    )  # arms up to 20 m, squared
+
+
+@given(end=st.tuples(*[st.floats(-9, 9)] * 3).filter(lambda p: np.linalg.norm(p) > 1e-3))
+def test_local_axes_are_a_right_handed_frame(end):
+    R = beam.rotation((0, 0, 0), end)
+    assert pytest.approx(np.eye(3), abs=1e-12) == R @ R.T
+    assert np.linalg.det(R) == pytest.approx(1)
+    assert R[0] == pytest.approx(np.array(end) / np.linalg.norm(end))
+
+
+def test_a_horizontal_plank_lies_flat_and_a_vertical_one_is_wide_along_y():
+    assert beam.rotation((0, 0, 0), (2, 1, 0))[2] == pytest.approx([0, 0, 1])
+    assert beam.rotation((0, 0, 0), (0, 0, 5))[1] == pytest.approx([0, 1, 0])
+    assert beam.rotation((0, 0, 5), (0, 0, 0))[1] == pytest.approx([0, 1, 0])
+
+
+def test_uniform_load_has_the_fixed_end_moments_of_the_handbook():
+    w = 1300.0
+    load = beam.distributed_load(np.array([0, w, w]), L)
+    half, moment = w * L / 2, w * L**2 / 12
+    assert load == pytest.approx(
+        [0, half, half, 0, -moment, moment, 0, half, half, 0, moment, -moment]
+    )
+
+
+@given(s0=st.floats(0, 1), s1=st.floats(0, 1))
+def test_load_on_parts_adds_up_to_the_load_on_the_whole(s0, s1):
+    q = np.array([10.0, -20.0, 30.0])
+    cuts = [0.0, *sorted((s0, s1)), 1.0]
+    parts = sum(beam.distributed_load(q, L, span) for span in pairwise(cuts))
+    assert parts == pytest.approx(beam.distributed_load(q, L), abs=1e-11)
+
+
+def test_tube_is_the_difference_of_two_rods():
+    outer, inner = (beam.tube(diameter=d, thickness=d / 2) for d in (0.45, 0.426))
+    for name in ("area", "Iy", "Iz", "J", "Ip"):
+        assert getattr(PIPE, name) == pytest.approx(getattr(outer, name) - getattr(inner, name))
+    assert (PIPE.fibre, PIPE.diameter) == (0.225, 0.45)
+
+
+# Timoshenko & Goodier, Theory of Elasticity: J = k1 a b³, printed to three or four digits.
+@pytest.mark.parametrize(
+    ("ratio", "k1"), [(1, 0.1406), (1.5, 0.196), (2, 0.229), (3, 0.263), (10, 0.312)]
+)
+def test_torsion_of_rectangles_is_timoshenkos(ratio, k1):
+    tall = beam.solid_rectangle(width=0.2, height=0.2 * ratio)
+    flat = beam.solid_rectangle(width=0.2 * ratio, height=0.2)
+    assert tall.J / (ratio * 0.2**4) == pytest.approx(k1, abs=6e-4)
+    assert flat.J == tall.J
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: beam.tube(diameter=-1, thickness=0.1), r"section.diameter = -1: must be > 0 m"),
+        (lambda: beam.tube(diameter=1, thickness=0), r"section.thickness = 0: must be > 0 m"),
+        (
+            lambda: beam.tube(diameter=1, thickness=0.6),
+            r"section.thickness = 0.6: must be <= .* 0.5 m",
+        ),
+        (lambda: beam.solid_rectangle(width=float("nan"), height=1), r"section.width = nan"),
+        (lambda: beam.solid_rectangle(width=1, height=float("inf")), r"section.height = inf"),
+    ],
+)
+def test_bad_sections_are_refused(make, message):
+    with pytest.raises(InputError, match=message):
+        make()

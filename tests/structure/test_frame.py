@@ -1,0 +1,148 @@
+"""Inputs refused with their reason; assembly counts, order and total mass."""
+
+import numpy as np
+import pytest
+
+from solver.errors import InputError
+from solver.structure.beam import solid_rectangle
+from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass, assemble
+
+NODES = {"foot": (0, 0, -9), "knee": (0, 0, 0), "hand": (4, 0, 0)}
+
+
+@pytest.fixture
+def member(steel, pipe):
+    def build(name, start, end, elements=3, **given):
+        return Member(
+            name=name,
+            start=start,
+            end=end,
+            elements=elements,
+            **{"section": pipe, "material": steel} | given,
+        )
+
+    return build
+
+
+@pytest.fixture
+def bent(member):
+    def build(**given):
+        members = (member("leg", "foot", "knee"), member("arm", "knee", "hand", 2))
+        return Frame(**{"nodes": NODES, "members": members, "clamped": ("foot",)} | given)
+
+    return build
+
+
+def test_members_share_named_nodes_and_make_their_own_between(bent):
+    model = assemble(bent())
+    assert model.xyz.shape == (3 + 2 + 1, 3)
+    assert model.elements.shape == (5, 2)
+    assert len(model.free) == 6 * 5
+    assert list(model.member) == [0, 0, 0, 1, 1]
+    assert model.member_elements["arm"] == range(3, 5)
+    assert model.xyz[model.member_nodes["leg"], 2] == pytest.approx([-9, -6, -3, 0])
+    assert model.member_nodes["leg"][-1] == model.member_nodes["arm"][0] == model.node_index["knee"]
+    assert (
+        model.elements[3:].tolist()
+        == np.column_stack([model.member_nodes["arm"][:-1], model.member_nodes["arm"][1:]]).tolist()
+    )
+
+
+def test_matrices_are_symmetric_and_carry_the_whole_mass(bent, pipe, steel):
+    model = assemble(
+        bent(masses=(PointMass(node="hand", mass=500.0), PointMass(node="hand", mass=20.0)))
+    )
+    assert abs(model.K - model.K.T).max() <= 1e-15 * abs(model.K).max()
+    assert abs(model.M - model.M.T).max() <= 1e-15 * abs(model.M).max()
+    for axis in range(3):
+        shift = np.tile(np.eye(6)[axis], len(model.xyz))
+        assert shift @ model.M @ shift == pytest.approx(520 + steel.density * pipe.area * 13)
+
+
+def test_moment_of_inertia_about_the_foot_is_that_of_rods_and_point(bent, pipe, steel):
+    model = assemble(bent(masses=(PointMass(node="hand", mass=500.0),)))
+    arm = model.xyz - NODES["foot"]
+    turn = np.hstack([np.cross([0, 1, 0], arm), np.tile([0, 1, 0], (len(arm), 1))]).ravel()
+    line = steel.density * pipe.area
+    rods = line * 9**3 / 3 + line * (4**3 / 3 + 4 * 9**2)
+    assert turn @ model.M @ turn == pytest.approx(rods + 500 * (9**2 + 4**2))
+
+
+def test_order_of_members_does_not_matter(bent):
+    frame = bent()
+    turned = bent(members=frame.members[::-1])
+    a, b = assemble(frame), assemble(turned)
+    assert np.sort(a.K.diagonal()) == pytest.approx(np.sort(b.K.diagonal()))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"clamped": ("toe",)}, r"clamped = toe: must be one of the nodes foot, knee, hand"),
+        ({"clamped": ()}, r"clamped = none"),
+        ({"clamped": ("foot", "foot")}, r"clamped = foot: given 2 times"),
+        ({"members": ()}, r"members = none"),
+        ({"masses": (PointMass(node="toe", mass=1),)}, r"masses = toe: must be one of"),
+        ({"loads": (PointLoad(node="toe", force=(0, 0, 1)),)}, r"loads = toe: must be one of"),
+        ({"nodes": NODES | {"hand": (0, 0, 0)}}, r"nodes.hand = .*: must not coincide with knee"),
+        ({"nodes": NODES | {"hand": (0, 0)}}, r"nodes.hand = .*: must be three finite"),
+        (
+            {"nodes": NODES | {"hand": (0, 0, float("nan"))}},
+            r"nodes.hand = .*: must be three finite",
+        ),
+        ({"nodes": NODES | {"far": (9, 9, 9)}}, r"nodes = far: must be joined to a clamped node"),
+    ],
+)
+def test_bad_frames_are_refused(bent, change, message):
+    with pytest.raises(InputError, match=message):
+        bent(**change)
+
+
+def test_a_floating_part_is_refused(member, bent):
+    members = (member("leg", "foot", "knee"), member("spar", "hand", "far"))
+    with pytest.raises(InputError, match=r"nodes = hand, far: must be joined"):
+        bent(nodes=NODES | {"far": (9, 9, 9)}, members=members)
+
+
+def test_two_members_of_one_name_are_refused(member, bent):
+    members = (member("leg", "foot", "knee"), member("leg", "knee", "hand"))
+    with pytest.raises(InputError, match=r"members = leg: given 2 times"):
+        bent(members=members)
+
+
+def test_an_unknown_end_is_refused(member, bent):
+    with pytest.raises(InputError, match=r"members.leg.end = toe: must be one of"):
+        bent(members=(member("leg", "foot", "toe"),))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"elements": 0}, r"members.leg.elements = 0: must be a whole number >= 1"),
+        ({"elements": 2.5}, r"members.leg.elements = 2.5"),
+        ({"end": "foot"}, r"members.leg.end = foot: must differ from start"),
+        ({"drag_coefficient": -1}, r"members.leg.drag_coefficient = -1: must be >= 0"),
+        ({"inertia_coefficient": 0.5}, r"members.leg.inertia_coefficient = 0.5: must be >= 1"),
+        (
+            {"drag_coefficient": 1, "section": solid_rectangle(1, 1)},
+            r"members.leg.section.diameter = 0.0: must be > 0 m",
+        ),
+    ],
+)
+def test_bad_members_are_refused(member, given, message):
+    with pytest.raises(InputError, match=message):
+        member(**{"name": "leg", "start": "foot", "end": "knee"} | given)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Material(E=0, G=1, density=1), r"material.E = 0: must be > 0 Pa"),
+        (lambda: Material(E=1, G=1, density=-1), r"material.density = -1: must be > 0 kg/m3"),
+        (lambda: PointMass(node="a", mass=0), r"masses.a = 0: must be > 0 kg"),
+        (lambda: PointLoad(node="a", force=(1, 2)), r"loads.a = \(1, 2\): must be three finite"),
+    ],
+)
+def test_bad_materials_masses_and_loads_are_refused(make, message):
+    with pytest.raises(InputError, match=message):
+        make()

@@ -1,0 +1,175 @@
+"""Natural frequencies against closed forms and tables, with their order in the mesh."""
+
+import numpy as np
+import pytest
+
+from solver.errors import InputError
+from solver.structure import statics
+from solver.structure.frame import Frame, Member, PointLoad, PointMass, assemble
+from solver.structure.modes import mirror, modes, modes_in, static_remainder, symmetric_basis
+
+LENGTH = 12.0
+AXIAL, TORSION, BENDING = [0], [3], [1, 5]
+# The platform's spectrum spans (ω_max / ω_1)² = 1.6e9, and eigh is backward stable: it leaves about
+# 2e-16 times as much in the lowest mode.
+SPREAD = 1e-6
+
+
+def frequencies(model, kind, count):
+    """Lowest frequencies of a line along x, each node free in the given kinds of motion only."""
+    free = model.free[np.isin(model.free % 6, kind)]
+    return modes(model.K, model.M, free, count).omega
+
+
+def bending(beta, steel, pipe):
+    """ω = β² sqrt(EI/ρA) / L²"""
+    return np.square(beta) * np.sqrt(steel.E * pipe.Iz / (steel.density * pipe.area)) / LENGTH**2
+
+
+def order(meshes, computed, exact):
+    """Slope of log(error) over log(h)."""
+    return -np.polyfit(np.log(meshes), np.log(np.array(computed) / exact - 1), 1)[0]
+
+
+# Ratio of tip mass to beam mass, and the first two roots β of the characteristic equation.
+TIP_MASS = [
+    (0, 1.87510407, 4.69409113),
+    (0.5, 1.41996443, 4.11113339),
+    (1, 1.24791741, 4.03113944),
+    (5, 0.87002146, 3.94998049),
+]
+
+
+@pytest.mark.parametrize(("ratio", "first", "second"), TIP_MASS)
+def test_cantilever_with_a_tip_mass(line, steel, pipe, ratio, first, second):
+    own = steel.density * pipe.area * LENGTH
+    tip = (PointMass(node="end", mass=ratio * own),) if ratio else ()
+    omega = frequencies(line(16, masses=tip), BENDING, 2)
+    # Error of the second mode: (βh)⁴/1440 = 5e-6.
+    assert omega == pytest.approx(bending([first, second], steel, pipe), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("clamped", "beta"), [(("start",), 4.694091132974175), (("start", "end"), 4.730040744862704)]
+)
+def test_bending_frequencies_are_fourth_order_in_the_mesh(line, steel, pipe, clamped, beta):
+    meshes = [4, 8, 16]
+    index = len(clamped) % 2  # second mode of the cantilever, first between two walls
+    omega = [frequencies(line(n, clamped=clamped), BENDING, 2)[index] for n in meshes]
+    assert order(meshes, omega, bending(beta, steel, pipe)) == pytest.approx(4, abs=0.1)
+
+
+def test_clamped_and_sliding(line, steel, pipe):
+    model = line(16)
+    slope = 6 * model.node_index["end"] + 5
+    free = np.setdiff1d(model.free[np.isin(model.free % 6, BENDING)], slope)
+    omega = modes(model.K, model.M, free, 2).omega
+    # tan β + tanh β = 0
+    assert omega == pytest.approx(bending([2.365020372, 5.497803919], steel, pipe), rel=2e-5)
+
+
+@pytest.mark.parametrize("kind", [AXIAL, TORSION])
+def test_rods_are_second_order_in_the_mesh(line, steel, pipe, kind):
+    stiffness, inertia = {0: (steel.E, 1), 3: (steel.G * pipe.J, pipe.Ip)}[kind[0]]
+    exact = np.pi / 2 * np.sqrt(stiffness / (steel.density * inertia)) / LENGTH
+    meshes = [4, 8, 16]
+    omega = [frequencies(line(n), kind, 1)[0] for n in meshes]
+    assert order(meshes, omega, exact) == pytest.approx(2, abs=0.02)
+    assert omega[-1] == pytest.approx(
+        exact, rel=np.pi**2 / 96 / 16**2 * 1.05
+    )  # (π h / 2L)² / 24 is the leading term
+
+
+@pytest.mark.parametrize(
+    "end", [(LENGTH, 0, 0), (0, 0, LENGTH), (0, 0, -LENGTH), (4.8, -9.6, 5.3665631459995)]
+)
+def test_direction_does_not_matter(line, steel, pipe, end):
+    model = line(8, end=end)
+    omega = modes(model.K, model.M, model.free, 2).omega
+    assert omega == pytest.approx(bending([1.87510407] * 2, steel, pipe), rel=1e-5)
+
+
+def test_modes_are_mass_normalised_and_of_fixed_sign(platform):
+    found = modes(platform.K, platform.M, platform.free)
+    assert found.shapes.shape == (732, 708)
+    generalized = [found.shapes.T @ matrix @ found.shapes for matrix in (platform.M, platform.K)]
+    # Plain differences: pytest.approx needs seconds for half a million numbers.
+    assert np.abs(generalized[0] - np.eye(708)).max() < 1e-9
+    stiffness = np.diag(found.omega**2)
+    assert np.abs(generalized[1] - stiffness).max() < 1e-9 * stiffness.max()
+    clamped = np.setdiff1d(np.arange(732), platform.free)
+    assert not found.shapes[clamped].any()
+    leading = found.shapes.max(axis=0) / -found.shapes.min(axis=0)
+    assert leading.min() > 1 - 1e-6
+
+
+def test_all_modes_together_are_the_static_flexibility(platform):
+    load = statics.point_load(platform)
+    load[platform.translations("hinge1")] += [3e4, 0, 1e4]
+    every = modes(platform.K, platform.M, platform.free)
+    few = modes(platform.K, platform.M, platform.free, 5)
+    exact = statics.static(platform, load)
+    left = static_remainder(platform, every, load)
+    assert np.abs(left).max() < SPREAD * np.abs(exact).max()
+    by_few = few.shapes @ (few.shapes.T @ load / few.omega**2)
+    assert by_few + static_remainder(platform, few, load) == pytest.approx(exact, abs=1e-15)
+
+
+def test_symmetric_modes_are_modes_of_the_whole(platform):
+    basis = symmetric_basis(platform)
+    assert basis.shape == (
+        732,
+        354,
+    )  # half the 116 free nodes off the plane, 6 each, and 3 of each hinge node
+    assert abs(basis.T @ basis - np.eye(354)).max() < 1e-15
+    half = modes_in(basis, platform.K, platform.M)
+    residual = platform.K @ half.shapes - platform.M @ half.shapes * half.omega**2
+    assert (
+        np.abs(residual[platform.free]).max()
+        < 1e-9 * abs(platform.K).max() * np.abs(half.shapes).max()
+    )
+    whole = modes(platform.K, platform.M, platform.free).omega
+    nearest = np.abs(whole - half.omega[:, None]).min(axis=1)
+    assert (nearest / half.omega).max() < 1e-6
+
+
+def test_symmetric_modes_answer_symmetric_loads_completely(platform):
+    load = statics.point_load(platform)
+    load[platform.translations("hinge1")] += [3e4, 0, 1e4]
+    half = modes_in(symmetric_basis(platform), platform.K, platform.M)
+    exact = statics.static(platform, load)
+    left = static_remainder(platform, half, load)
+    assert np.abs(left).max() < SPREAD * np.abs(exact).max()
+
+
+def test_a_lopsided_frame_has_no_mirror(line, steel, pipe):
+    assert mirror(line(3)) is not None
+    assert mirror(line(3, end=(12, 1, 0))) is None
+    assert symmetric_basis(line(3, end=(12, 1, 0))) is None
+    nodes = {"a": (0, 1, 0), "b": (0, -1, 0), "top": (5, 0, 0)}
+    members = tuple(
+        Member(name=i, start=i, end="top", elements=2, section=pipe, material=steel)
+        for i in ("a", "b")
+    )
+    shape = {"nodes": nodes, "members": members}
+    assert mirror(assemble(Frame(**shape, clamped=("a", "b")))) is not None
+    assert mirror(assemble(Frame(**shape, clamped=("a",)))) is None
+    lean = (PointMass(node="b", mass=1.0),)
+    assert mirror(assemble(Frame(**shape, clamped=("a",), masses=lean))) is None
+
+
+def test_count_limits_the_modes(line):
+    model = line(4)
+    all_of_them = modes(model.K, model.M, model.free)
+    assert len(all_of_them.omega) == 24
+    assert modes(model.K, model.M, model.free, 3).omega == pytest.approx(all_of_them.omega[:3])
+    assert len(modes(model.K, model.M, model.free, 99).omega) == 24
+
+
+def test_a_frame_beyond_its_euler_load_is_refused(line, steel, pipe):
+    euler = np.pi**2 * steel.E * pipe.Iy / (4 * LENGTH**2)
+    model = line(4, end=(0, 0, LENGTH), loads=(PointLoad(node="end", force=(0, 0, -1.1 * euler)),))
+    displacement = statics.static(model, statics.point_load(model))
+    softened = statics.with_geometric_stiffness(model, displacement)
+    with pytest.raises(InputError, match=r"must be > 0: the frame buckles"):
+        modes(softened.K, softened.M, softened.free)

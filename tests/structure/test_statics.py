@@ -1,0 +1,146 @@
+"""Any mesh gives beam theory's static answer; frames turn with their loads; Euler's load."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from solver.structure import recovery, statics
+from solver.structure.frame import Frame, Member, PointLoad, PointMass, assemble
+
+ROUNDING = 1e-8  # K of fine meshes is conditioned about 1e7: 1e-16 becomes 1e-9
+TIP_LOAD = (3e3, -2e3, 5e3)
+W = 9.81
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 30])
+def test_tip_load_on_a_cantilever_in_any_mesh(line, pipe, steel, n):
+    model = line(n, loads=(PointLoad(node="end", force=TIP_LOAD),))
+    tip = statics.static(model, statics.point_load(model))[model.translations("end")]
+    bending = 12**3 / (3 * steel.E * pipe.Iy)
+    expected = np.array(TIP_LOAD) * [12 / (steel.E * pipe.area), bending, bending]
+    assert tip == pytest.approx(expected, rel=ROUNDING)
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 30])
+def test_own_weight_on_a_cantilever_in_any_mesh(line, pipe, steel, n):
+    model = line(n)
+    tip = statics.static(model, statics.gravity_load(model, W))[model.translations("end")]
+    w = steel.density * pipe.area * W
+    assert tip[2] == pytest.approx(-w * 12**4 / (8 * steel.E * pipe.Iy), rel=ROUNDING)
+
+
+@pytest.mark.parametrize("n", [2, 4, 10])
+def test_own_weight_between_two_walls(line, pipe, steel, n):
+    model = line(n, clamped=("start", "end"))
+    displacement = statics.static(model, statics.gravity_load(model, W)).reshape(-1, 6)
+    middle = displacement[model.member_nodes["pile"][n // 2], 2]
+    w = steel.density * pipe.area * W
+    assert middle == pytest.approx(-w * 12**4 / (384 * steel.E * pipe.Iy), rel=ROUNDING)
+
+
+@pytest.mark.parametrize("n", [1, 3, 10])
+def test_column_shortens_under_its_weight_and_its_top(line, pipe, steel, n):
+    model = line(n, end=(0, 0, 12), masses=(PointMass(node="end", mass=4e4),))
+    top = statics.static(model, statics.gravity_load(model, W))[model.translations("end")]
+    half_own = steel.density * pipe.area * 12 / 2
+    assert top == pytest.approx(
+        [0, 0, -(4e4 + half_own) * W * 12 / (steel.E * pipe.area)], abs=1e-12
+    )
+
+
+def portal(steel, pipe, turn, meshes=(3, 2, 4)):
+    """Two legs of different length and a beam, loaded at one corner, the whole turned by `turn`."""
+    points = {"a": (0, 0, 0), "b": (0, 1, 8), "c": (6, -1, 8), "d": (7, 0, 1)}
+    nodes = {name: tuple(turn @ np.array(point, float)) for name, point in points.items()}
+    pairs = zip(("a", "b", "c"), ("b", "c", "d"), meshes, strict=True)
+    members = tuple(
+        Member(name=i + j, start=i, end=j, elements=n, section=pipe, material=steel)
+        for i, j, n in pairs
+    )
+    loads = (PointLoad(node="b", force=tuple(turn @ TIP_LOAD)),)
+    return assemble(Frame(nodes=nodes, members=members, clamped=("a", "d"), loads=loads))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_turned_frame_moves_by_the_turned_displacements(steel, pipe, seed):
+    turn = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
+    plain, turned = portal(steel, pipe, np.eye(3)), portal(steel, pipe, turn)
+    here, there = (
+        statics.static(m, statics.point_load(m)).reshape(-1, 2, 3) for m in (plain, turned)
+    )
+    assert there == pytest.approx(here @ turn.T, abs=ROUNDING * np.abs(here).max())
+
+
+def test_patch_any_mesh_of_the_members_gives_the_same_corner(steel, pipe):
+    coarse = portal(steel, pipe, np.eye(3), meshes=(1, 1, 1))
+    fine = portal(steel, pipe, np.eye(3), meshes=(13, 5, 8))
+    corner = [
+        statics.static(m, statics.point_load(m)).reshape(-1, 6)[m.node_index["c"]]
+        for m in (coarse, fine)
+    ]
+    assert corner[0] == pytest.approx(corner[1], abs=ROUNDING * np.abs(corner[0]).max())
+
+
+def test_supports_carry_what_is_loaded(steel, pipe):
+    model = portal(steel, pipe, np.eye(3))
+    load = statics.gravity_load(model, W) + statics.point_load(model)
+    reaction = (model.K @ statics.static(model, load) - load).reshape(-1, 6)[:, :3]
+    clamped = [model.node_index["a"], model.node_index["d"]]
+    total = load.reshape(-1, 6)[:, :3].sum(axis=0)
+    assert reaction[clamped].sum(axis=0) == pytest.approx(-total, rel=ROUNDING)
+    assert np.abs(np.delete(reaction, clamped, axis=0)).max() < ROUNDING * np.abs(total).max()
+
+
+def euler_load(steel, pipe):
+    return np.pi**2 * steel.E * pipe.Iy / (4 * 12**2)
+
+
+def test_cantilever_buckles_at_eulers_load_to_fourth_order(line, steel, pipe):
+    meshes = np.array([1, 2, 4, 8])
+    column = [
+        line(n, end=(0, 0, 12), loads=(PointLoad(node="end", force=(0, 0, -1e3)),)) for n in meshes
+    ]
+    load = [1e3 * statics.buckling_factor(m, statics.point_load(m)) for m in column]
+    error = np.array(load) / euler_load(steel, pipe) - 1
+    # Consistent matrices bound the load from above, by (kh)⁴/720.
+    assert error[-1] == pytest.approx((np.pi / 2 / 8) ** 4 / 720, rel=0.05)
+    assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-4, abs=0.1)
+
+
+def test_a_pulled_column_never_buckles(line):
+    model = line(4, end=(0, 0, 12), loads=(PointLoad(node="end", force=(0, 0, 1e3)),))
+    assert statics.buckling_factor(model, statics.point_load(model)) == np.inf
+
+
+def test_own_weight_buckles_a_column_at_greenhills_height(line, steel, pipe):
+    model = line(16, end=(0, 0, 12))
+    factor = statics.buckling_factor(model, statics.gravity_load(model, W))
+    w = steel.density * pipe.area * W
+    # Greenhill: w L³ / EI = 9/4 j², j = 1.866350859 the first zero of J_{-1/3}. The force is
+    # constant in each element (its mean), so second order: 16 elements leave about 1e-3.
+    assert factor * w * 12**3 / (steel.E * pipe.Iy) == pytest.approx(
+        9 / 4 * 1.866350859**2, rel=2e-3
+    )
+
+
+def test_compression_softens_and_tension_stiffens(line, steel, pipe):
+    def sway(axial):
+        force = (1e3, 0, axial)
+        model = line(8, end=(0, 0, 12), loads=(PointLoad(node="end", force=force),))
+        load = statics.point_load(model)
+        softened = statics.with_geometric_stiffness(model, statics.static(model, load))
+        return statics.static(softened, load)[model.translations("end")[0]]
+
+    # Beam-column under a tip load: δ = P/(N k) (tan kL - kL), k² = N/EI (Timoshenko & Gere, 1.28).
+    N = euler_load(steel, pipe) / 2
+    k = np.sqrt(N / (steel.E * pipe.Iy))
+    # (kh)⁴/720 = 5e-7, doubled by the nearness of the Euler load.
+    assert sway(-N) == pytest.approx(1e3 / (N * k) * (np.tan(12 * k) - 12 * k), rel=1.5e-6)
+    assert sway(N) == pytest.approx(1e3 / (N * k) * (12 * k - np.tanh(12 * k)), rel=1.5e-6)
+
+
+def test_axial_force_is_the_section_force(steel, pipe):
+    model = portal(steel, pipe, np.eye(3))
+    displacement = statics.static(model, statics.point_load(model))
+    forces = (recovery.section_force_matrix(model) @ displacement).reshape(-1, 2, 6)
+    assert statics.axial_force(model, displacement) == pytest.approx(forces[:, 1, 0], rel=1e-6)
