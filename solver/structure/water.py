@@ -39,9 +39,9 @@ class Stations:
         return self.shape @ shapes[self.dofs]
 
     def total(self, load, size):
-        """Nodal load (size,) [N, N m] of a load per length (ns, 3) [N/m]: Σ w Nᵀ f."""
-        vector = np.zeros(size)
-        np.add.at(vector, self.dofs, np.einsum("s,ska,sk->sa", self.weight, self.shape, load))
+        """Nodal load Σ w Nᵀ f (size, ...) [N, N m] of loads per length f (ns, 3, ...) [N/m]."""
+        vector = np.zeros((size, *load.shape[2:]), load.dtype)
+        np.add.at(vector, self.dofs, np.einsum("s,ska,sk...->sa...", self.weight, self.shape, load))
         return vector
 
 

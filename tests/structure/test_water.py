@@ -116,12 +116,12 @@ def test_stations_move_with_the_cubic_shape(pile, n):
 def test_load_on_stations_does_the_work_of_the_stations(pile):
     model = pile(5)
     at = water.stations(model, 4)
-    load = np.random.default_rng(1).normal(size=(len(at.weight), 3))
+    real, imaginary = np.random.default_rng(1).normal(size=(2, len(at.weight), 3, 5))
+    load = real + 1j * imaginary  # five harmonics at once
     nodal = at.total(load, 6 * len(model.xyz))
     fields = np.column_stack([cubic(model), rigid_turn(model, 0)])
-    assert nodal @ fields == pytest.approx(
-        np.einsum("s,sk,skm->m", at.weight, load, at.project(fields))
-    )
+    work = np.einsum("s,skn,skm->mn", at.weight, load, at.project(fields))
+    assert fields.T @ nodal == pytest.approx(work)
 
 
 def test_a_member_at_the_surface_or_above_is_dry(line):
