@@ -1,0 +1,193 @@
+"""The seam between objects and kernels: a scene becomes the arrays that the march reads."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.hydrodynamics.bem import DOFS, Hydrodynamics
+from solver.hydrodynamics.froude_krylov import WettedQuadrature, quadrature
+from solver.hydrodynamics.radiation import RadiationMemory
+from solver.march import Memory, Structure
+from solver.multibody.chain import PRISMATIC, REVOLUTE
+from solver.multibody.minimal import Bodies
+from solver.scene import Float, Scene
+from solver.sea.field import WaveField
+from solver.structure.support import PLANAR, Support
+
+FALLEN_OVER = np.pi / 2  # a hinged arm that has turned so far has left the model's validity [rad]
+FAR_AWAY = 100.0  # carrier motion beyond which a run has diverged [m]
+
+
+class Layout(NamedTuple):
+    """Where each driven quantity stands among the columns of the wave series."""
+
+    field: slice
+    excitation: slice
+    modal: slice
+    station: slice
+    elevation: slice
+
+
+def carrier_axes(planar: bool) -> np.ndarray:
+    """Axes of a node's motion as 6-DOF numbers: surge, heave, pitch, or all six."""
+    return PLANAR if planar else np.arange(6)
+
+
+def bodies(scene: Scene, support: Support | None, hydrodynamics: Hydrodynamics | None, added_mass) -> Bodies:
+    """Arrays of all floats; carrier coordinates only with an elastic support."""
+    floats, water = scene.floats, scene.water
+    nb = len(floats)
+    own = carrier_axes(scene.planar) if support is not None else np.zeros(0, int)
+    nc, n = nb * own.size, own.size + 1
+    kind, coordinate = np.zeros((nb, n), np.int64), np.zeros((nb, n), np.int64)
+    direction, point = np.zeros((nb, n, 3)), np.zeros((nb, n, 3))
+    for b, item in enumerate(floats):
+        kind[b] = [*(PRISMATIC if d < 3 else REVOLUTE for d in own), REVOLUTE]
+        direction[b] = [*(np.eye(3)[d % 3] for d in own), np.divide(item.axis, np.linalg.norm(item.axis))]
+        point[b] = item.hinge
+        coordinate[b] = [*(b * own.size + np.arange(own.size)), nc + b]
+    joint = np.array([f.pto_damping for f in floats])
+    dofs = hydrodynamics.dofs if hydrodynamics else ()
+    stiffness, buoyancy = _hydrostatics(scene, hydrodynamics)
+    return Bodies(
+        kind=kind,
+        direction=direction,
+        point=point,
+        coordinate=coordinate,
+        axes=np.full(nb, n, np.int64),
+        reference=np.array([f.centre for f in floats]).reshape(nb, 3),
+        mass=np.array([f.mass for f in floats]),
+        cog=np.array([f.cog for f in floats], float).reshape(nb, 3),
+        inertia=np.array([np.diag(f.inertia) for f in floats], float).reshape(nb, 3, 3),
+        nonlinear=np.full(nb, scene.settings.froude_krylov == "body-nonlinear"),
+        rule=_rules(floats, scene),
+        patches=np.array([len(_rule(f, scene).patch) for f in floats], np.int64),
+        buoyancy=buoyancy,
+        stiffness=stiffness,
+        wave_direction=np.array([np.cos(scene.sea.heading), np.sin(scene.sea.heading)]),
+        rho_g=water.density * water.gravity,
+        gravity=water.gravity,
+        depth=water.depth,
+        wheeler=scene.settings.pressure == "wheeler",
+        active=np.array([DOFS.index(d) for d in dofs], np.int64),
+        added_mass=added_mass,
+        damping=np.concatenate([np.zeros(nc), joint]),
+        quadratic=np.zeros(nc + nb),
+        spring=np.zeros(nc + nb),
+        limit=np.concatenate([np.full(nc, FAR_AWAY), np.full(nb, FALLEN_OVER)]),
+    )
+
+
+def _rule(item: Float, scene: Scene) -> WettedQuadrature:
+    s = scene.settings
+    return quadrature(
+        item.hull, azimuths=s.azimuths, arc_points=s.arc_points, line_points=s.line_points, half=scene.planar
+    )
+
+
+def _rules(floats: tuple[Float, ...], scene: Scene) -> WettedQuadrature:
+    """One rule for all floats, patches padded to the longest meridian."""
+    rules = [_rule(f, scene) for f in floats]
+    if not rules:
+        empty = np.zeros(0)
+        return WettedQuadrature(np.zeros((0, 0, 7)), np.zeros((0, 2)), 0.0, empty, empty, empty, empty, False)
+    patch = np.zeros((len(rules), max(len(r.patch) for r in rules), 7))
+    for stacked, rule in zip(patch, rules, strict=True):
+        stacked[: len(rule.patch)] = rule.patch
+    return rules[0]._replace(patch=patch)
+
+
+def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None):
+    """Stiffness (nb, 6, 6) of buoyancy and buoyancy at rest (nb, 6), for linear floats."""
+    nb = len(scene.floats)
+    stiffness, buoyancy = np.zeros((nb, 6, 6)), np.zeros((nb, 6))
+    if hydrodynamics is None:
+        return stiffness, buoyancy
+    nr = len(hydrodynamics.dofs)
+    index = [DOFS.index(d) for d in hydrodynamics.dofs]
+    for b in range(nb):
+        own = slice(b * nr, (b + 1) * nr)
+        stiffness[b][np.ix_(index, index)] = hydrodynamics.hydrostatic_stiffness[own, own]
+        buoyancy[b, 2] = hydrodynamics.displaced_mass[b] * scene.water.gravity
+    return stiffness, buoyancy
+
+
+def structure(support: Support | None, damping_ratio: float) -> Structure:
+    """Modal arrays; empty without an elastic support."""
+    if support is None:
+        return Structure(
+            np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 1, 0)), np.zeros(0), np.zeros(0)
+        )
+    return Structure(
+        omega=support.omega,
+        damping=np.full(support.omega.size, damping_ratio),
+        carrier=np.ascontiguousarray(support.carrier),
+        station=np.ascontiguousarray(support.station_shape),
+        drag=support.drag,
+        scale=np.abs(support.shapes.reshape(-1, 6, support.omega.size)[:, :3]).max(axis=(0, 1)),
+    )
+
+
+def memory(fit: RadiationMemory | None, dt: float) -> Memory:
+    """Exact propagation of ṙ = βr + v over half and whole steps for v quadratic in time."""
+    if fit is None:
+        none = np.zeros((0, 0, 0), complex)
+        return Memory(none, np.zeros((2, 0), complex), np.zeros((2, 3, 0), complex), np.zeros((2, 2, 0, 0)))
+    beta = np.asarray(fit.beta, complex)
+    x, w = np.polynomial.legendre.leggauss(48)
+    decay, weight = np.empty((2, beta.size), complex), np.empty((2, 3, beta.size), complex)
+    for s, end in enumerate((0.5, 1.0)):
+        tau = end * (x + 1) / 2
+        lagrange = np.array([2 * (tau - 0.5) * (tau - 1), -4 * tau * (tau - 1), 2 * tau * (tau - 0.5)])
+        kernel = np.exp(np.multiply.outer(beta * dt, end - tau))
+        decay[s] = np.exp(beta * dt * end)
+        weight[s] = np.einsum("pq,jq,q->jp", kernel, lagrange, w * end / 2 * dt)
+    residue = np.ascontiguousarray(fit.residue, dtype=complex)
+    direct = np.einsum("pik,sjp->sjik", residue, weight[:, 1:]).real
+    return Memory(residue, decay, weight, np.ascontiguousarray(direct))
+
+
+def newton_stiffness(body: Bodies, scene: Scene, hydrodynamics: Hydrodynamics | None) -> np.ndarray:
+    """Stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
+    from solver.multibody.minimal import move, new_motion
+
+    nz = body.damping.size
+    if hydrodynamics is None:
+        return np.zeros((nz, nz))
+    motion = new_motion(body)
+    move(body, np.zeros(nz), np.zeros(nz), motion)
+    linear, _ = _hydrostatics(scene, hydrodynamics)
+    K = np.diag(body.spring)
+    for b in range(len(scene.floats)):
+        J, index = motion.jacobian[b], body.coordinate[b]
+        K[np.ix_(index, index)] += J.T @ linear[b] @ J
+    return K
+
+
+def wave_rows(
+    scene: Scene, field: WaveField, support: Support | None, hydrodynamics: Hydrodynamics | None, terms: int
+) -> tuple[np.ndarray, Layout]:
+    """All rows (m, n) that the wave drives and where each quantity is."""
+    n = scene.sea.omega.size
+    nb = len(scene.floats)
+    parts = [
+        np.array([field.local_pressure(f.centre, terms) for f in scene.floats]).reshape(-1, n),
+        _excitation(scene, hydrodynamics).reshape(-1, n) if nb else np.zeros((0, n)),
+        support.wave_rows if support else np.zeros((0, n)),
+        support.station_rows.reshape(-1, n) if support else np.zeros((0, n)),
+        field.elevation(np.zeros((1, 3))),
+    ]
+    ends = np.cumsum([0] + [len(p) for p in parts])
+    columns = [slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return np.concatenate(parts).astype(complex), Layout(*columns)
+
+
+def _excitation(scene: Scene, hydrodynamics: Hydrodynamics) -> np.ndarray:
+    """Rows (nb, 6, n): diffraction, and linear Froude-Krylov where the scene asks for it."""
+    kind = "diffraction" if scene.settings.froude_krylov == "body-nonlinear" else "total"
+    force = hydrodynamics.excitation(scene.sea.omega, kind)
+    nb, nr = len(scene.floats), len(hydrodynamics.dofs)
+    rows = np.zeros((nb, 6, scene.sea.omega.size), complex)
+    index = [DOFS.index(d) for d in hydrodynamics.dofs]
+    rows[:, index] = (force * scene.sea.amplitude[:, None]).T.reshape(nb, nr, -1)
+    return rows

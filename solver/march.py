@@ -1,0 +1,449 @@
+"""The time loop: Lobatto IIIA collocation, fourth order and A-stable, on the coupled system.
+
+A step of length dt has its collocation points at 0, ½ and 1, so records are uniform with dt/2
+and meet the equations of motion at every sample. Stage values from stage accelerations a:
+    v_s = v₀ + dt Σ A_sj a_j,    q_s = q₀ + dt Σ A_sj v_j,    A = [5 8 -1; 4 16 4]/24.
+Each step is solved by Newton's method with the matrix of the step's start. The structure's
+modes are eliminated exactly by their flexibility at the hinge nodes, however many there are
+and however stiff; the radiation memory is exact for velocities quadratic in time.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from solver.multibody.minimal import (
+    Bodies,
+    loads,
+    mass_matrix,
+    move,
+    new_motion,
+    project_active,
+    stored_energy,
+)
+
+A0 = np.array([5 / 24, 1 / 6])  # weight of the step's start
+A = np.array([[8 / 24, -1 / 24], [4 / 6, 1 / 6]])  # weights of the stages ½ and 1
+C = np.array([0.5, 1.0])
+AA0, AA = A @ A0, A @ A
+SIMPSON = np.array([1 / 6, 4 / 6, 1 / 6])
+
+OK, NOT_CONVERGED, EXCURSION, NOT_FINITE = 0, 1, 2, 3
+# Work [J] of: pressure and excitation, radiation memory, PTO, quadratic joint damping,
+# wave inertia on the frame, drag on the frame, structural damping.
+WORKS = ("wave", "radiation", "pto", "joint_drag", "frame_inertia", "frame_drag", "structural")
+
+
+class Structure(NamedTuple):
+    """Modes of the support and its drag stations; all empty for a fixed support."""
+
+    omega: np.ndarray  # (nm,) [rad/s]
+    damping: np.ndarray  # (nm,) ratio
+    carrier: np.ndarray  # (nc, nm) carrier coordinates of unit modal amplitude
+    station: np.ndarray  # (ns, nd, nm) normal displacement at the drag stations
+    drag: np.ndarray  # (ns,) ½ρ C_D D times length [kg/m]
+    scale: np.ndarray  # (nm,) largest displacement of unit amplitude, for convergence
+
+
+class Memory(NamedTuple):
+    """Radiation memory for one step length: see solver.hydrodynamics.radiation."""
+
+    residue: np.ndarray  # (p, na, na) complex
+    decay: np.ndarray  # (2, p) complex exp(β c dt)
+    weight: np.ndarray  # (2, 3, p) complex, stage s from velocities at 0, ½, 1
+    direct: np.ndarray  # (2, 2, na, na) load at stage s from velocity at stage j
+
+
+class Drive(NamedTuple):
+    """Samples of all that the wave drives; first axis time, samples dt/2 apart."""
+
+    field: np.ndarray  # (m, nb, 2, terms)
+    excitation: np.ndarray  # (m, nb, 6)
+    modal: np.ndarray  # (m, nm)
+    station: np.ndarray  # (m, ns, nd)
+
+
+class State(NamedTuple):
+    """What one step hands to the next; arrays are updated in place."""
+
+    z: np.ndarray  # (nj,) joint coordinates
+    dz: np.ndarray  # (nj,)
+    ddz: np.ndarray  # (3, nj) at the last three samples, newest last
+    p: np.ndarray  # (nm,) modal amplitudes
+    dp: np.ndarray  # (nm,)
+    ddp: np.ndarray  # (nm,)
+    force: np.ndarray  # (3, nm) drag and hinge part of the modal load, last three samples
+    memory: np.ndarray  # (p, na) complex
+    power: np.ndarray  # (len(WORKS),) at the last sample
+    work: np.ndarray  # (len(WORKS),) [J] since the start
+
+
+class Output(NamedTuple):
+    """Samples after the first: row i belongs to sample i + 1 of the drive."""
+
+    z: np.ndarray  # (m, nz) carriers, then joints
+    dz: np.ndarray  # (m, nz)
+    p: np.ndarray  # (m, nm)
+    wrench: np.ndarray  # (m, nb, 6) load of each float on its hinge node's side [N, N m]
+
+
+@njit(cache=True)
+def _factor(K, pivot):
+    """LU factors of K in place, rows exchanged; False when singular."""
+    n = K.shape[0]
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(K[i, k]) > abs(K[best, k]):
+                best = i
+        pivot[k] = best
+        if not abs(K[best, k]) > 0:
+            return False
+        if best != k:
+            for j in range(n):
+                K[k, j], K[best, j] = K[best, j], K[k, j]
+        for i in range(k + 1, n):
+            factor = K[i, k] / K[k, k]
+            K[i, k] = factor
+            if factor != 0:
+                for j in range(k + 1, n):
+                    K[i, j] -= factor * K[k, j]
+    return True
+
+
+@njit(cache=True)
+def _substitute(K, pivot, b):
+    """b <- K⁻¹ b with the factors of `_factor`."""
+    n = K.shape[0]
+    for k in range(n):
+        best = pivot[k]
+        if best != k:
+            b[k], b[best] = b[best], b[k]
+    for k in range(n):
+        for i in range(k + 1, n):
+            b[i] -= K[i, k] * b[k]
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            b[k] -= K[k, j] * b[j]
+        b[k] /= K[k, k]
+
+
+@njit(cache=True, fastmath={"contract", "reassoc", "nsz"})
+def _drag(structure, water, dp, force):
+    """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame."""
+    ns, nd, nm = structure.station.shape
+    power = 0.0
+    for i in range(ns):
+        size = 0.0
+        relative = np.empty(nd)
+        own = np.empty(nd)
+        for d in range(nd):
+            v = 0.0
+            for m in range(nm):
+                v += structure.station[i, d, m] * dp[m]
+            own[d] = v
+            relative[d] = water[i, d] - v
+            size += relative[d] * relative[d]
+        size = structure.drag[i] * np.sqrt(size)
+        for d in range(nd):
+            f = size * relative[d]
+            power += f * own[d]
+            for m in range(nm):
+                force[m] += structure.station[i, d, m] * f
+    return power
+
+
+@njit(cache=True)
+def flexibility(structure, dt):
+    """D⁻¹ (nm, 2, 2) of each mode's stages and H (2, nc, 2, nc) of the carriers.
+
+    D = I + 2ζω dt A + ω² dt² AA maps a mode's stage accelerations to its stage loads.
+    """
+    nc, nm = structure.carrier.shape
+    inverse = np.empty((nm, 2, 2))
+    H = np.zeros((2, nc, 2, nc))
+    for m in range(nm):
+        c, k = 2 * structure.damping[m] * structure.omega[m] * dt, (structure.omega[m] * dt) ** 2
+        D = np.eye(2) + c * A + k * AA
+        det = D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
+        inverse[m, 0, 0], inverse[m, 1, 1] = D[1, 1] / det, D[0, 0] / det
+        inverse[m, 0, 1], inverse[m, 1, 0] = -D[0, 1] / det, -D[1, 0] / det
+        for s in range(2):
+            for l in range(2):
+                for i in range(nc):
+                    for j in range(nc):
+                        H[s, i, l, j] += inverse[m, s, l] * structure.carrier[i, m] * structure.carrier[j, m]
+    return inverse, H
+
+
+@njit(cache=True)
+def _newton_matrix(bodies, motion, memory, H, stiffness, dt, Z, K):
+    """Z (2nz, 2nz): stage loads from stage accelerations; K: Newton's matrix with the frame."""
+    nz = bodies.damping.size
+    nc = H.shape[1]
+    M, B = np.empty((nz, nz)), np.empty((2, 2, nz, nz))
+    mass_matrix(bodies, motion, M)
+    for s in range(2):
+        for j in range(2):
+            project_active(bodies, motion, memory.direct[s, j], B[s, j])
+    for s in range(2):
+        for l in range(2):
+            for i in range(nz):
+                for k in range(nz):
+                    value = dt * dt * AA[s, l] * stiffness[i, k]
+                    if s == l:
+                        value += M[i, k]
+                    for j in range(2):
+                        value += dt * A[j, l] * B[s, j, i, k]
+                    Z[s * nz + i, l * nz + k] = value
+                Z[s * nz + i, l * nz + i] += dt * A[s, l] * bodies.damping[i]
+    K[:] = Z
+    for s in range(2):
+        for i in range(nc):
+            row = s * nz + i
+            for col in range(2 * nz):
+                total = 0.0
+                for l in range(2):
+                    for k in range(nc):
+                        total += H[s, i, l, k] * Z[l * nz + k, col]
+                K[row, col] = total
+            K[row, row] += 1.0
+
+
+@njit(cache=True)
+def _memory_loads(memory, history, velocity, out):
+    """Memory load (2, na) at both stages: history plus the stages' own velocities (2, na)."""
+    for s in range(2):
+        for i in range(out.shape[1]):
+            total = history[s, i]
+            for j in range(2):
+                for k in range(out.shape[1]):
+                    total += memory.direct[s, j, i, k] * velocity[j, k]
+            out[s, i] = total
+
+
+@njit(cache=True)
+def _memory_history(memory, state, velocity, history):
+    """Load (2, na) at the stages from the memory so far and the velocity at the step's start."""
+    history[:] = 0.0
+    for q in range(memory.residue.shape[0]):
+        for s in range(2):
+            for k in range(velocity.size):
+                r = memory.decay[s, q] * state.memory[q, k] + memory.weight[s, 0, q] * velocity[k]
+                for i in range(velocity.size):
+                    history[s, i] += (memory.residue[q, i, k] * r).real
+
+
+@njit(cache=True)
+def _remember(memory, state, start, stages):
+    """Memory states at the step's end from velocities at its three points."""
+    for q in range(memory.residue.shape[0]):
+        for k in range(start.size):
+            state.memory[q, k] = (
+                memory.decay[1, q] * state.memory[q, k]
+                + memory.weight[1, 0, q] * start[k]
+                + memory.weight[1, 1, q] * stages[0, k]
+                + memory.weight[1, 2, q] * stages[1, k]
+            )
+
+
+@njit(cache=True)
+def _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z, dz, ddz):
+    """Stage values of modes, carriers and joints from modal loads and joint accelerations.
+
+    Returns the largest change of a modal displacement [m] since the last call.
+    """
+    nc, nm = structure.carrier.shape
+    change = 0.0
+    for m in range(nm):
+        f0, f1 = known[0, m] + force[0, m], known[1, m] + force[1, m]
+        ddp[0, m] = inverse[m, 0, 0] * f0 + inverse[m, 0, 1] * f1
+        ddp[1, m] = inverse[m, 1, 0] * f0 + inverse[m, 1, 1] * f1
+    for s in range(2):
+        for m in range(nm):
+            a0, a1, a2 = state.ddp[m], ddp[0, m], ddp[1, m]
+            dp[s, m] = state.dp[m] + dt * (A0[s] * a0 + A[s, 0] * a1 + A[s, 1] * a2)
+            new = (
+                state.p[m]
+                + dt * C[s] * state.dp[m]
+                + dt * dt * (AA0[s] * a0 + AA[s, 0] * a1 + AA[s, 1] * a2)
+            )
+            change = max(change, abs(new - p[s, m]) * structure.scale[m])
+            p[s, m] = new
+        for i in range(nc):
+            q0 = q1 = q2 = 0.0
+            for m in range(nm):
+                q0 += structure.carrier[i, m] * p[s, m]
+                q1 += structure.carrier[i, m] * dp[s, m]
+                q2 += structure.carrier[i, m] * ddp[s, m]
+            z[s, i], dz[s, i], ddz[s, i] = q0, q1, q2
+        for i in range(nc, z.shape[1]):
+            a0, a1, a2 = state.ddz[2, i - nc], ddz[0, i], ddz[1, i]
+            dz[s, i] = dz0[i] + dt * (A0[s] * a0 + A[s, 0] * a1 + A[s, 1] * a2)
+            z[s, i] = z0[i] + dt * C[s] * dz0[i] + dt * dt * (AA0[s] * a0 + AA[s, 0] * a1 + AA[s, 1] * a2)
+    return change
+
+
+@njit(cache=True)
+def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, iterations, output):
+    """Advance `state` through all samples of `drive`; return (outcome, sample, iterations used).
+
+    tolerance: Newton's last update of any stage position [m or rad]. On an outcome other than
+    OK, `sample` is where the run stopped; a state is never left with NaN unnoticed.
+    """
+    nb, nz = bodies.axes.size, bodies.damping.size
+    nc, nm = structure.carrier.shape
+    nj, na = nz - nc, nb * bodies.active.size
+    steps = (drive.modal.shape[0] - 1) // 2
+    inverse, H = flexibility(structure, dt)
+    start, stage = new_motion(bodies), (new_motion(bodies), new_motion(bodies))
+    Z, K, pivot = np.empty((2 * nz, 2 * nz)), np.empty((2 * nz, 2 * nz)), np.empty(2 * nz, np.int64)
+    z0, dz0 = np.empty(nz), np.empty(nz)
+    z, dz, ddz = np.zeros((2, nz)), np.zeros((2, nz)), np.zeros((2, nz))
+    p, dp, ddp = np.empty((2, nm)), np.empty((2, nm)), np.zeros((2, nm))
+    known, force, drag, wave = np.empty((2, nm)), np.empty((2, nm)), np.empty((2, nm)), np.empty(nm)
+    velocity, history, load = np.empty((2, na)), np.empty((2, na)), np.empty((2, na))
+    residual, wrench, power = np.empty((2, nz)), np.empty((2, nb, 6)), np.zeros((2, 4))
+    works = np.zeros((3, state.work.size))
+    update = np.empty(2 * nz)
+    used = 0
+    for step in range(steps):
+        # The step's start, and what is known of its stages.
+        for i in range(nc):
+            z0[i] = dz0[i] = 0.0
+            for m in range(nm):
+                z0[i] += structure.carrier[i, m] * state.p[m]
+                dz0[i] += structure.carrier[i, m] * state.dp[m]
+        z0[nc:], dz0[nc:] = state.z, state.dz
+        move(bodies, z0, dz0, start)
+        _memory_history(memory, state, start.active_velocity, history)
+        _newton_matrix(bodies, start, memory, H, stiffness, dt, Z, K)
+        if not _factor(K, pivot):
+            return NOT_FINITE, 2 * step, used
+        for s in range(2):
+            for m in range(nm):
+                w, cv = structure.omega[m], state.dp[m] + dt * A0[s] * state.ddp[m]
+                cq = state.p[m] + dt * C[s] * state.dp[m] + dt * dt * AA0[s] * state.ddp[m]
+                known[s, m] = (
+                    drive.modal[2 * step + 1 + s, m] - 2 * structure.damping[m] * w * cv - w * w * cq
+                )
+            # Predict loads, not accelerations, of the modes: stiff modes ring in the latter.
+            a, b, c = (1.0, -3.0, 3.0) if s == 0 else (3.0, -8.0, 6.0)
+            for m in range(nm):
+                force[s, m] = a * state.force[0, m] + b * state.force[1, m] + c * state.force[2, m]
+            for i in range(nj):
+                ddz[s, nc + i] = a * state.ddz[0, i] + b * state.ddz[1, i] + c * state.ddz[2, i]
+        p[:] = np.inf
+        converged = False
+        for _ in range(iterations):
+            used += 1
+            change = _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z, dz, ddz)
+            for s in range(2):
+                move(bodies, z[s], dz[s], stage[s])
+                velocity[s] = stage[s].active_velocity
+            _memory_loads(memory, history, velocity, load)
+            drag[:] = 0.0
+            for s in range(2):
+                sample = 2 * step + 1 + s
+                loads(
+                    bodies,
+                    z[s],
+                    dz[s],
+                    ddz[s],
+                    stage[s],
+                    drive.field[sample],
+                    drive.excitation[sample],
+                    load[s],
+                    residual[s],
+                    wrench[s],
+                    power[s],
+                )
+                works[1 + s, :4] = power[s]
+                works[1 + s, 5] = _drag(structure, drive.station[sample], dp[s], drag[s])
+            # Newton's right-hand side: a carrier's acceleration with all loads less the
+            # present one; a joint's residual as it is.
+            for s in range(2):
+                for i in range(nz):
+                    update[s * nz + i] = residual[s, i] if i >= nc else -ddz[s, i]
+            for m in range(nm):
+                f0, f1 = known[0, m] + drag[0, m], known[1, m] + drag[1, m]
+                for i in range(nc):
+                    f0 += structure.carrier[i, m] * residual[0, i]
+                    f1 += structure.carrier[i, m] * residual[1, i]
+                a0 = inverse[m, 0, 0] * f0 + inverse[m, 0, 1] * f1
+                a1 = inverse[m, 1, 0] * f0 + inverse[m, 1, 1] * f1
+                for i in range(nc):
+                    update[i] += structure.carrier[i, m] * a0
+                    update[nz + i] += structure.carrier[i, m] * a1
+            _substitute(K, pivot, update)
+            for s in range(2):
+                for i in range(nz):
+                    change = max(change, dt * dt * abs(update[s * nz + i]) * 0.2)
+                for i in range(nj):
+                    ddz[s, nc + i] += update[s * nz + nc + i]
+                force[s] = drag[s]
+                for i in range(nc):
+                    value = residual[s, i]
+                    for j in range(2 * nz):
+                        value -= Z[s * nz + i, j] * update[j]
+                    for m in range(nm):
+                        force[s, m] += structure.carrier[i, m] * value
+            if not np.isfinite(np.sum(update)):
+                return NOT_FINITE, 2 * step + 1, used
+            if change < tolerance:
+                converged = True
+                break
+        if not converged:
+            return NOT_CONVERGED, 2 * step + 1, used
+        # The last update is free accuracy: carry it into the stage values.
+        _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z, dz, ddz)
+        for s in range(2):
+            move(bodies, z[s], dz[s], stage[s])
+            velocity[s] = stage[s].active_velocity
+        for i in range(nz):
+            if not abs(z[1, i]) < bodies.limit[i]:
+                return EXCURSION, 2 * step + 2, used
+        # Work by Simpson's rule over the step's three points.
+        for s in range(2):
+            inertia = structural = 0.0
+            for m in range(nm):
+                inertia += drive.modal[2 * step + 1 + s, m] * dp[s, m]
+                structural += 2 * structure.damping[m] * structure.omega[m] * dp[s, m] ** 2
+            works[1 + s, 4], works[1 + s, 6] = inertia, structural
+        works[0] = state.power
+        for i in range(state.work.size):
+            state.work[i] += dt * (
+                SIMPSON[0] * works[0, i] + SIMPSON[1] * works[1, i] + SIMPSON[2] * works[2, i]
+            )
+        state.power[:] = works[2]
+        _remember(memory, state, start.active_velocity, velocity)
+        state.ddz[0] = state.ddz[2]
+        state.force[0] = state.force[2]
+        for s in range(2):
+            state.ddz[1 + s] = ddz[s, nc:]
+            state.force[1 + s] = force[s]
+            row = 2 * step + s
+            output.z[row], output.dz[row], output.p[row] = z[s], dz[s], p[s]
+            output.wrench[row] = wrench[s]
+        state.z[:], state.dz[:] = z[1, nc:], dz[1, nc:]
+        state.p[:], state.dp[:], state.ddp[:] = p[1], dp[1], ddp[1]
+    return OK, 2 * steps, used
+
+
+@njit(cache=True)
+def energy(bodies, structure, state):
+    """Stored energy [J] of floats and modes, radiation memory excluded."""
+    nc, nm = structure.carrier.shape
+    nz = bodies.damping.size
+    z, dz = np.zeros(nz), np.zeros(nz)
+    total = 0.0
+    for m in range(nm):
+        for i in range(nc):
+            z[i] += structure.carrier[i, m] * state.p[m]
+            dz[i] += structure.carrier[i, m] * state.dp[m]
+        total += 0.5 * (state.dp[m] ** 2 + (structure.omega[m] * state.p[m]) ** 2)
+    z[nc:], dz[nc:] = state.z, state.dz
+    motion = new_motion(bodies)
+    move(bodies, z, dz, motion)
+    return total + stored_energy(bodies, z, motion)

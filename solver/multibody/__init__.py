@@ -1,0 +1,1 @@
+"""Rigid bodies on chains of joints: kinematics and the equations of motion."""

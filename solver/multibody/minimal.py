@@ -1,0 +1,285 @@
+"""Equations of motion of the floats in minimal coordinates z = [carrier, joint].
+
+Carrier coordinates are the motion of the support's node under each float (modal shapes times
+modal amplitudes), joint coordinates the float's own axes. The load W on each body, inertia
+included (d'Alembert), is projected on the axes: JᵀW = 0 for a joint, and for a carrier JᵀW is
+the load that the float puts on its support. -W is the hinge's load on the float.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from solver.hydrodynamics.froude_krylov import WettedQuadrature, pressure_load
+from solver.multibody.chain import Chain, kinematics
+
+
+class Bodies(NamedTuple):
+    """All floats as arrays; nb floats, n axes at most, nr active hydrodynamic DOF of each."""
+
+    kind: np.ndarray  # (nb, n) axes, see chain
+    direction: np.ndarray  # (nb, n, 3)
+    point: np.ndarray  # (nb, n, 3)
+    coordinate: np.ndarray  # (nb, n) index into z
+    axes: np.ndarray  # (nb,) number of axes
+    reference: np.ndarray  # (nb, 3) reference points at rest
+    mass: np.ndarray  # (nb,)
+    cog: np.ndarray  # (nb, 3) from the reference point
+    inertia: np.ndarray  # (nb, 3, 3) about the c.o.g., body frame
+    nonlinear: np.ndarray  # (nb,) pressure by quadrature, else linear hydrostatics
+    rule: WettedQuadrature  # patch (nb, np, 7) stacked
+    patches: np.ndarray  # (nb,)
+    buoyancy: np.ndarray  # (nb, 6) hydrostatic load at rest (linear floats)
+    stiffness: np.ndarray  # (nb, 6, 6) hydrostatic stiffness about the reference point
+    wave_direction: np.ndarray  # (2,)
+    rho_g: float
+    gravity: float
+    depth: float
+    wheeler: bool
+    active: np.ndarray  # (nr,) which of the six DOF radiate
+    added_mass: np.ndarray  # (nb nr, nb nr) at infinite frequency
+    damping: np.ndarray  # (nz,) linear, PTO included
+    quadratic: np.ndarray  # (nz,) quadratic damping
+    spring: np.ndarray  # (nz,) linear spring about z = 0
+    limit: np.ndarray  # (nz,) excursion beyond which the run is given up
+
+
+class Motion(NamedTuple):
+    """Kinematics of all bodies at one instant."""
+
+    position: np.ndarray  # (nb, 3)
+    rotation: np.ndarray  # (nb, 3, 3)
+    jacobian: np.ndarray  # (nb, 6, n)
+    velocity: np.ndarray  # (nb, 6)
+    bias: np.ndarray  # (nb, 6)
+    active_velocity: np.ndarray  # (nb nr,)
+
+
+@njit(cache=True)
+def new_motion(bodies):
+    nb, n = bodies.kind.shape
+    return Motion(
+        np.zeros((nb, 3)),
+        np.zeros((nb, 3, 3)),
+        np.zeros((nb, 6, n)),
+        np.zeros((nb, 6)),
+        np.zeros((nb, 6)),
+        np.zeros(nb * bodies.active.size),
+    )
+
+
+@njit(cache=True)
+def move(bodies, z, dz, motion):
+    """Positions, Jacobians and velocities of all bodies from z, dz (nz,)."""
+    nr = bodies.active.size
+    for b in range(bodies.axes.size):
+        n = bodies.axes[b]
+        y, dy = np.empty(n), np.empty(n)
+        for i in range(n):
+            y[i], dy[i] = z[bodies.coordinate[b, i]], dz[bodies.coordinate[b, i]]
+        chain = Chain(
+            bodies.kind[b, :n], bodies.direction[b, :n], bodies.point[b, :n], bodies.coordinate[b, :n]
+        )
+        kinematics(
+            chain,
+            bodies.reference[b],
+            y,
+            dy,
+            motion.position[b],
+            motion.rotation[b],
+            motion.jacobian[b],
+            motion.velocity[b],
+            motion.bias[b],
+        )
+        for r in range(nr):
+            motion.active_velocity[b * nr + r] = motion.velocity[b, bodies.active[r]]
+
+
+@njit(cache=True)
+def _spatial_inertia(bodies, b, rotation, M, lever):
+    """M (6, 6) about the reference point in world axes; lever (3,) to the c.o.g."""
+    inertia = rotation @ bodies.inertia[b] @ rotation.T
+    m = bodies.mass[b]
+    for r in range(3):
+        lever[r] = (
+            rotation[r, 0] * bodies.cog[b, 0]
+            + rotation[r, 1] * bodies.cog[b, 1]
+            + rotation[r, 2] * bodies.cog[b, 2]
+        )
+    x, y, z = lever[0], lever[1], lever[2]
+    M[:] = 0.0
+    M[0, 0] = M[1, 1] = M[2, 2] = m
+    M[0, 4], M[0, 5], M[1, 3], M[1, 5], M[2, 3], M[2, 4] = m * z, -m * y, -m * z, m * x, m * y, -m * x
+    M[4, 0], M[5, 0], M[3, 1], M[5, 1], M[3, 2], M[4, 2] = m * z, -m * y, -m * z, m * x, m * y, -m * x
+    square = x * x + y * y + z * z
+    for i in range(3):
+        for j in range(3):
+            M[3 + i, 3 + j] = inertia[i, j] - m * lever[i] * lever[j]
+        M[3 + i, 3 + i] += m * square
+
+
+@njit(cache=True)
+def _pressure(bodies, b, motion, field, load):
+    """Hydrostatic load, and the incident wave's where it is body-nonlinear."""
+    if bodies.nonlinear[b]:
+        rule = bodies.rule
+        own = WettedQuadrature(
+            rule.patch[b : b + 1, : bodies.patches[b]][0],
+            rule.azimuth,
+            rule.dpsi,
+            rule.arc_u,
+            rule.arc_w,
+            rule.line_u,
+            rule.line_w,
+            rule.half,
+        )
+        pressure_load(
+            motion.position[b],
+            motion.rotation[b],
+            own,
+            field[b],
+            bodies.reference[b],
+            bodies.wave_direction,
+            bodies.rho_g,
+            bodies.wheeler,
+            bodies.depth,
+            load,
+        )
+        return
+    shift, R = np.empty(6), motion.rotation[b]
+    for r in range(3):
+        shift[r] = motion.position[b, r] - bodies.reference[b, r]
+    shift[3], shift[4], shift[5] = R[2, 1], R[0, 2], R[1, 0]
+    for r in range(6):
+        load[r] += bodies.buoyancy[b, r]
+        for c in range(6):
+            load[r] -= bodies.stiffness[b, r, c] * shift[c]
+
+
+@njit(cache=True)
+def loads(bodies, z, dz, ddz, motion, field, excitation, memory, residual, wrench, power):
+    """Residual JᵀW (nz,) of the equations of motion, W (nb, 6), powers (4,) [W].
+
+    field (nb, 2, terms) local pressure field; excitation (nb, 6) linear wave loads; memory
+    (nb nr,) radiation memory load; power: pressure + excitation, radiation memory, linear
+    joint damping (PTO), quadratic joint damping; the last three as dissipated.
+    """
+    nb, nr = bodies.axes.size, bodies.active.size
+    acceleration = np.empty((nb, 6))
+    for b in range(nb):
+        for r in range(6):
+            a = motion.bias[b, r]
+            for i in range(bodies.axes[b]):
+                a += motion.jacobian[b, r, i] * ddz[bodies.coordinate[b, i]]
+            acceleration[b, r] = a
+    residual[:] = 0.0
+    power[:] = 0.0
+    M, lever, spin, rate = np.empty((6, 6)), np.empty(3), np.empty(3), np.empty(3)
+    for b in range(nb):
+        W, velocity = wrench[b], motion.velocity[b]
+        W[:] = excitation[b]
+        _pressure(bodies, b, motion, field, W)
+        for r in range(6):
+            power[0] += W[r] * velocity[r]
+        for r in range(nr):
+            i = b * nr + r
+            W[bodies.active[r]] -= memory[i]
+            power[1] += memory[i] * velocity[bodies.active[r]]
+            for j in range(nb):
+                for s in range(nr):
+                    W[bodies.active[r]] -= bodies.added_mass[i, j * nr + s] * acceleration[j, bodies.active[s]]
+        _spatial_inertia(bodies, b, motion.rotation[b], M, lever)
+        weight = -bodies.mass[b] * bodies.gravity
+        W[2] += weight
+        W[3] += lever[1] * weight
+        W[4] -= lever[0] * weight
+        for r in range(6):
+            for c in range(6):
+                W[r] -= M[r, c] * acceleration[b, c]
+        # Gyroscopic part: m ω×(ω×r) at the c.o.g. and ω×(I_ref ω) about the reference point.
+        w = velocity[3:]
+        w2, wr = w[0] * w[0] + w[1] * w[1] + w[2] * w[2], w[0] * lever[0] + w[1] * lever[1] + w[2] * lever[2]
+        for r in range(3):
+            W[r] -= bodies.mass[b] * (w[r] * wr - lever[r] * w2)
+            spin[r] = M[3 + r, 3] * w[0] + M[3 + r, 4] * w[1] + M[3 + r, 5] * w[2]
+        rate[0] = w[1] * spin[2] - w[2] * spin[1]
+        rate[1] = w[2] * spin[0] - w[0] * spin[2]
+        rate[2] = w[0] * spin[1] - w[1] * spin[0]
+        for r in range(3):
+            W[3 + r] -= rate[r]
+        for i in range(bodies.axes[b]):
+            for r in range(6):
+                residual[bodies.coordinate[b, i]] += motion.jacobian[b, r, i] * W[r]
+    for i in range(z.size):
+        linear, quadratic = bodies.damping[i] * dz[i], bodies.quadratic[i] * abs(dz[i]) * dz[i]
+        residual[i] -= linear + quadratic + bodies.spring[i] * z[i]
+        power[2] += linear * dz[i]
+        power[3] += quadratic * dz[i]
+
+
+@njit(cache=True)
+def mass_matrix(bodies, motion, M):
+    """M (nz, nz) of the floats with the added mass at infinite frequency."""
+    nb, nr = bodies.axes.size, bodies.active.size
+    M[:] = 0.0
+    spatial, lever = np.empty((6, 6)), np.empty(3)
+    for b in range(nb):
+        _spatial_inertia(bodies, b, motion.rotation[b], spatial, lever)
+        _project(bodies, motion, b, b, spatial, M)
+    block = np.zeros((6, 6))
+    for b in range(nb):
+        for c in range(nb):
+            for r in range(nr):
+                for s in range(nr):
+                    block[bodies.active[r], bodies.active[s]] = bodies.added_mass[b * nr + r, c * nr + s]
+            _project(bodies, motion, b, c, block, M)
+
+
+@njit(cache=True)
+def _project(bodies, motion, b, c, X, M):
+    """M += J_bᵀ X J_c for X (6, 6)."""
+    for j in range(bodies.axes[c]):
+        column = np.zeros(6)
+        for r in range(6):
+            for s in range(6):
+                column[r] += X[r, s] * motion.jacobian[c, s, j]
+        for i in range(bodies.axes[b]):
+            total = 0.0
+            for r in range(6):
+                total += motion.jacobian[b, r, i] * column[r]
+            M[bodies.coordinate[b, i], bodies.coordinate[c, j]] += total
+
+
+@njit(cache=True)
+def project_active(bodies, motion, X, M):
+    """M (nz, nz) = Jᵀ X J for X (nb nr, nb nr) over the active DOF of all bodies."""
+    nr = bodies.active.size
+    M[:] = 0.0
+    block = np.zeros((6, 6))
+    for b in range(bodies.axes.size):
+        for c in range(bodies.axes.size):
+            for r in range(nr):
+                for s in range(nr):
+                    block[bodies.active[r], bodies.active[s]] = X[b * nr + r, c * nr + s]
+            _project(bodies, motion, b, c, block, M)
+
+
+@njit(cache=True)
+def stored_energy(bodies, z, motion):
+    """Kinetic (added mass included), gravitational and spring energy [J]."""
+    M, lever, energy = np.empty((6, 6)), np.empty(3), 0.0
+    for b in range(bodies.axes.size):
+        _spatial_inertia(bodies, b, motion.rotation[b], M, lever)
+        v = motion.velocity[b]
+        for r in range(6):
+            for c in range(6):
+                energy += 0.5 * v[r] * M[r, c] * v[c]
+        energy += bodies.mass[b] * bodies.gravity * (motion.position[b, 2] + lever[2])
+    v = motion.active_velocity
+    for i in range(v.size):
+        for j in range(v.size):
+            energy += 0.5 * v[i] * bodies.added_mass[i, j] * v[j]
+    for i in range(z.size):
+        energy += 0.5 * bodies.spring[i] * z[i] * z[i]
+    return energy

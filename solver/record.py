@@ -1,0 +1,131 @@
+"""What a run leaves: statistics, envelopes and, if asked for, time series."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from solver.assembly import Layout
+from solver.march import Output
+from solver.scene import Scene
+from solver.statistics import STATISTICS, Envelope, Statistics
+from solver.structure.support import LegOutputs, Support
+
+Labelled = tuple[tuple[str, ...], np.ndarray]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Record:
+    """name -> (dims, values) for variables and time series, coordinates, and scalars."""
+
+    variables: Mapping[str, Labelled]
+    coords: Mapping[str, np.ndarray]
+    attrs: Mapping[str, float | str]
+    series: Mapping[str, Labelled] = field(default_factory=dict)
+
+
+def probe(output: Output) -> np.ndarray:
+    """The coordinates by which two step lengths are compared: the floats', else the first mode's."""
+    return output.z if output.z.shape[1] else output.p[:, :1]
+
+
+class Recorder:
+    """Takes in the march's blocks and keeps only what the record needs."""
+
+    def __init__(self, scene: Scene, support: Support | None, *, layout: Layout, probe_samples: int):
+        self.scene, self.layout = scene, layout
+        self.legs = support.outputs if support is not None and scene.platform.legs else None
+        self.frequencies = support.dry_omega if support is not None else np.zeros(0)
+        self.channels: dict[str, Statistics] = {}
+        self.envelopes = {"displacement_envelope": Envelope(), "stress_envelope": Envelope()}
+        self.series: dict[str, list[np.ndarray]] = {}
+        self.probe_samples, self._probe = probe_samples, [np.zeros((0, 1))]
+
+    def probe(self) -> np.ndarray:
+        """The first `probe_samples` samples of the probe."""
+        return np.concatenate(self._probe[1:])[: self.probe_samples]
+
+    def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
+        """Take in a block; statistics begin after `discard` and end after `duration`."""
+        if sum(map(len, self._probe)) < self.probe_samples:
+            self._probe.append(probe(output))
+        s = self.scene.settings
+        inside = (times > s.discard - 1e-9) & (times < s.discard + s.duration + 1e-9)
+        if not inside.any():
+            return
+        kept = slice(int(inside.argmax()), int(inside.argmax() + inside.sum()))
+        for name, values in self._channels(kept, output, samples):
+            self.channels.setdefault(name, Statistics()).add(values)
+            if s.keep_series:
+                self.series.setdefault(name, []).append(values)
+        if s.keep_series:
+            self.series.setdefault("time", []).append(times[kept])
+
+    def _channels(self, kept: slice, output: Output, samples: np.ndarray):
+        yield "wave_elevation", samples[kept, self.layout.elevation][:, 0]
+        nb = len(self.scene.floats)
+        if nb:
+            joint, rate = output.z[kept, -nb:], output.dz[kept, -nb:]
+            yield "rotation", joint
+            yield "absorbed_power", np.array([f.pto_damping for f in self.scene.floats]) * rate**2
+            yield "hinge_force", -output.wrench[kept, :, :3]
+        if self.legs is not None:
+            displacement, stress = leg_response(self.legs, output.p[kept])
+            yield "top_displacement", displacement[:, :, -1]
+            yield "bottom_stress", stress[:, :, 0]
+            self.envelopes["displacement_envelope"].add(np.sqrt((displacement**2).sum(axis=-1)))
+            self.envelopes["stress_envelope"].add(np.abs(stress))
+
+    def record(self, attrs: Mapping[str, float | str]) -> Record:
+        """The record of all blocks."""
+        dims = {
+            "wave_elevation": (),
+            "rotation": ("float",),
+            "absorbed_power": ("float",),
+            "hinge_force": ("float", "direction"),
+            "top_displacement": ("leg", "direction"),
+            "bottom_stress": ("leg",),
+        }
+        variables: dict[str, Labelled] = {
+            name: ((*dims[name], "statistic"), channel.table()) for name, channel in self.channels.items()
+        }
+        coords = {
+            "statistic": np.array(STATISTICS),
+            "float": np.array([f.name for f in self.scene.floats]),
+            "direction": np.array(["x", "y", "z"]),
+        }
+        if self.legs is not None:
+            coords["leg"], coords["height"] = np.arange(1, len(self.legs.twin) + 1), self.legs.height
+            variables |= {name: (("leg", "height"), e.value) for name, e in self.envelopes.items()}
+        if self.frequencies.size:
+            coords["mode"] = np.arange(1, self.frequencies.size + 1)
+            variables["natural_frequency"] = (("mode",), self.frequencies)
+        series = {n: ((("time", *dims[n]) if n != "time" else ("time",)), np.concatenate(v)) for n, v in self.series.items()}
+        return Record(variables=variables, coords=coords, attrs=attrs, series=series)
+
+
+def leg_response(legs: LegOutputs, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement (m, nl, nh, 3) [m] and stress (m, nl, nh) [Pa] of the most compressive fibre.
+
+    σ = N/A - c|M/I|; where two elements meet, the more stressed end counts. Legs that are
+    mirror images of one another are computed once.
+    """
+    own = np.unique(legs.twin)
+    displacement = _map(p, legs.displacement[own])
+    forces = _map(p, legs.forces[own]) + legs.static_forces[own]
+    A, Iy, Iz, c = np.moveaxis(legs.properties[own], -1, 0)
+    bending = np.hypot(forces[..., 1] / Iy, forces[..., 2] / Iz)
+    ends = forces[..., 0] / A - c * bending
+    stress = np.empty((*ends.shape[:2], ends.shape[2] + 1))
+    stress[..., 0], stress[..., -1] = ends[..., 0, 0], ends[..., -1, 1]
+    above, below = ends[..., 1:, 0], ends[..., :-1, 1]
+    stress[..., 1:-1] = np.where(np.abs(above) > np.abs(below), above, below)
+    place = np.searchsorted(own, legs.twin)
+    mirrored = np.where((legs.twin != np.arange(len(place)))[:, None, None], [1.0, -1.0, 1.0], 1.0)
+    return displacement[:, place] * mirrored, stress[:, place]
+
+
+def _map(p: np.ndarray, shapes: np.ndarray) -> np.ndarray:
+    """Modal amplitudes (m, nm) times shapes (…, nm): (m, …)."""
+    nm = shapes.shape[-1]
+    return (p @ shapes.reshape(-1, nm).T).reshape(len(p), *shapes.shape[:-1])

@@ -1,0 +1,157 @@
+"""A scene: everything that one simulation needs, as frozen, validated inputs.
+
+Frame: x along the waves for heading 0, z upwards from still water, rotations right-handed.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from solver.errors import InputError
+from solver.hydrodynamics.hull import Revolution
+from solver.sea.dispersion import wavenumber
+from solver.sea.realization import Realization
+from solver.structure.frame import Frame
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Water:
+    """Still water of constant depth (inf allowed)."""
+
+    depth: float  # [m]
+    density: float = 1025.0  # [kg/m3]
+    gravity: float = 9.81  # [m/s2]
+
+    def __post_init__(self):
+        for key in ("depth", "density", "gravity"):
+            if not getattr(self, key) > 0:
+                raise InputError(f"water.{key}", getattr(self, key), "must be > 0")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Float:
+    """A rigid float on a rigid, massless arm that is hinged to the support.
+
+    The reference point (hinge + arm at rest) lies on the hull's axis at still water; rotation
+    and hydrodynamic loads refer to it.
+    """
+
+    name: str
+    hull: Revolution
+    mass: float  # [kg]
+    inertia: tuple[float, float, float]  # about the c.o.g., own axes [kg m2]
+    cog: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from the reference point [m]
+    hinge: tuple[float, float, float]  # at rest [m]
+    arm: tuple[float, float, float]  # from the hinge to the reference point [m]
+    axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    pto_damping: float = 0.0  # [N m s/rad]
+
+    def __post_init__(self):
+        if not self.mass > 0:
+            raise InputError(f"floats.{self.name}.mass", self.mass, "must be > 0 kg")
+        if not self.pto_damping >= 0:
+            raise InputError(f"floats.{self.name}.pto_damping", self.pto_damping, "must be >= 0 N m s/rad")
+        if not np.linalg.norm(self.axis) > 0:
+            raise InputError(f"floats.{self.name}.axis", self.axis, "must not have zero length")
+
+    @property
+    def centre(self) -> np.ndarray:
+        """Reference point at rest (3,) [m]."""
+        return np.add(self.hinge, self.arm)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Platform:
+    """A bottom-fixed elastic support: a beam frame, its damping and where floats are hinged."""
+
+    frame: Frame
+    legs: tuple[str, ...] = ()  # members whose displacements and stresses are put out
+    damping_ratio: float = 0.01  # of every mode [-]
+    hinge_nodes: Mapping[str, str] = field(default_factory=dict)  # float -> node
+    geometric_stiffness: bool = False
+    # "standard": C_M rho V du/dt - (C_M - 1) rho V a; "relative" (Heo et al. 2022, eq. 16, as
+    # printed): (C_M - 1) rho V (du/dt - a), which leaves out the undisturbed wave's pressure.
+    wave_inertia: Literal["standard", "relative"] = "standard"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """Record and numerics. The defaults hold the errors that `make bench` prints."""
+
+    duration: float = 3600.0  # analysed [s]
+    discard: float = 100.0  # before that [s]
+    ramp: float = 50.0  # [s]
+    ramp_form: Literal["paper", "cosine"] = "paper"
+    time_step: float = 0.2  # [s]; samples are half a step apart
+    modes: int | Literal["all"] = 12  # lowest modes kept, besides static load shapes
+    azimuths: int = 16  # of the wetted-surface quadrature, full circle
+    arc_points: int = 6
+    line_points: int = 4
+    field_tolerance: float = 1e-6  # of the local wave field, relative to the sum of amplitudes
+    memory_tolerance: float = 2e-3  # of the radiation memory's fit
+    stations_per_element: int = 1  # drag
+    pressure: Literal["extrapolated", "wheeler"] = "extrapolated"  # above still water
+    froude_krylov: Literal["body-nonlinear", "linear"] = "body-nonlinear"
+    newton_tolerance: float = 1e-6  # [m or rad]
+    keep_series: bool = False
+
+    def __post_init__(self):
+        for key in ("duration", "time_step", "newton_tolerance", "memory_tolerance", "field_tolerance"):
+            if not getattr(self, key) > 0:
+                raise InputError(f"settings.{key}", getattr(self, key), "must be > 0")
+        for key in ("discard", "ramp"):
+            if not getattr(self, key) >= 0:
+                raise InputError(f"settings.{key}", getattr(self, key), "must be >= 0 s")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """Water, one realization of the sea, floats, and their support (None: fixed in space)."""
+
+    water: Water
+    sea: Realization
+    floats: tuple[Float, ...] = ()
+    platform: Platform | None = None
+    settings: Settings = Settings()
+
+    def __post_init__(self):
+        names = [f.name for f in self.floats]
+        if len(set(names)) < len(names):
+            raise InputError("floats.name", names, "must differ")
+        for f in self.floats:
+            lowest = f.centre[2] + f.hull.meridian[0].start[1]
+            if not lowest > -self.water.depth:
+                raise InputError(
+                    f"floats.{f.name}", f"lowest point at z = {lowest:g} m",
+                    f"must stay above the seabed at z = {-self.water.depth:g} m",
+                )
+            if abs(f.centre[2]) > 1e-9:
+                raise InputError(
+                    f"floats.{f.name}.arm", f.arm, "hinge + arm must end at still water, z = 0 m"
+                )
+            if self.platform and f.name not in self.platform.hinge_nodes:
+                raise InputError("platform.hinge_nodes", f.name, "no node carries this float's hinge")
+        self._check_time_step()
+
+    def _check_time_step(self):
+        shortest = 2 * np.pi / self.sea.omega.max()
+        if self.settings.time_step > shortest / 6:
+            raise InputError(
+                "settings.time_step", self.settings.time_step,
+                f"must be <= {shortest / 6:.3g} s, a sixth of the shortest wave's period",
+            )
+
+    @property
+    def planar(self) -> bool:
+        """Scene and sea are mirror images of themselves in y = 0, so nothing leaves the plane."""
+        return self.sea.heading % np.pi == 0 and all(
+            f.hinge[1] == f.arm[1] == f.cog[1] == 0 == f.axis[0] == f.axis[2] for f in self.floats
+        )
+
+    @property
+    def steepness(self) -> float:
+        """k H/2π of a regular wave of the realized Hm0 at the peak; breaking is near 0.14 tanh kh."""
+        k = wavenumber(self.sea.peak_frequency, self.water.depth, self.water.gravity)
+        return float(self.sea.parameters()["Hm0"] * k / (2 * np.pi))

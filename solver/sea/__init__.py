@@ -1,0 +1,1 @@
+"""The sea: dispersion, spectra, realizations and the field around a float."""

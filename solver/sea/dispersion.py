@@ -1,0 +1,21 @@
+"""Linear dispersion of gravity waves."""
+
+import numpy as np
+
+
+def wavenumber(omega, depth: float, gravity: float = 9.81) -> np.ndarray:
+    """Wavenumber k [1/m] of ω² = g k tanh(kh) for ω [rad/s] of any shape, depth h [m].
+
+    Newton on y tanh y = ω²h/g from a start within 10 %; deep water (h = inf) is ω²/g.
+    """
+    omega = np.asarray(omega, dtype=float)
+    deep = omega**2 / gravity
+    if np.isinf(depth):
+        return deep
+    y0 = deep * depth
+    y = np.where(y0 > 0, y0 / np.sqrt(np.tanh(np.maximum(y0, 1e-300))), 0.0)
+    for _ in range(8):
+        t = np.tanh(y)
+        slope = t + y * (1 - t * t)
+        y = y - np.where(slope > 0, (y * t - y0) / np.where(slope > 0, slope, 1.0), 0.0)
+    return y / depth

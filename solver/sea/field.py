@@ -1,0 +1,104 @@
+"""Everything that the incident wave drives, as rows of one matrix.
+
+Each linear quantity of the sea (elevation, a coefficient of the local pressure field, a
+particle velocity, a diffraction force) is y(t) = Re Σᵢ Wᵢ exp(-iωᵢt) with its own complex
+row W. Rows are stacked and evaluated together, block by block, as one real matrix product.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import factorial
+
+import numpy as np
+
+from solver.sea.dispersion import wavenumber
+from solver.sea.realization import Realization
+
+
+@dataclass(frozen=True)
+class WaveField:
+    """A realization over a given depth: rows of its kinematics at points (…, 3) [m]."""
+
+    sea: Realization
+    depth: float
+    gravity: float
+
+    @cached_property
+    def k(self) -> np.ndarray:
+        """Wavenumbers (n,) [1/m]."""
+        return wavenumber(self.sea.omega, self.depth, self.gravity)
+
+    @property
+    def direction(self) -> np.ndarray:
+        """Unit vector of propagation (3,)."""
+        return np.array([np.cos(self.sea.heading), np.sin(self.sea.heading), 0.0])
+
+    def _phase(self, points) -> np.ndarray:
+        s = np.asarray(points, float) @ self.direction
+        return self.sea.amplitude * np.exp(1j * self.k * s[..., None])
+
+    def elevation(self, points) -> np.ndarray:
+        """η [m]: rows (…, n)."""
+        return self._phase(points)
+
+    def velocity(self, points) -> np.ndarray:
+        """Particle velocity [m/s]: rows (…, 3, n); zero above z = 0 is not implied.
+
+        along the heading: ω cosh k(z+h)/sinh kh, upward: -iω sinh k(z+h)/sinh kh.
+        """
+        z = np.asarray(points, float)[..., 2, None]
+        rise = np.exp(self.k * z)
+        image = np.zeros_like(rise) if np.isinf(self.depth) else np.exp(-self.k * (z + 2 * self.depth))
+        scale = 0.0 if np.isinf(self.depth) else np.exp(-2 * self.k * self.depth)
+        common = self.sea.omega * self._phase(points) / (1 - scale)
+        along, up = common * (rise + image), -1j * common * (rise - image)
+        return self.direction[:, None] * along[..., None, :] + np.array([0, 0, 1.0])[:, None] * up[..., None, :]
+
+    def acceleration(self, points) -> np.ndarray:
+        """∂u/∂t [m/s²]: rows (…, 3, n)."""
+        return -1j * self.sea.omega * self.velocity(points)
+
+    def local_pressure(self, centre, terms: int) -> np.ndarray:
+        """Rows (2, terms, n) of Re Cₙ, Im Cₙ [m^(1-n)]: dynamic head p/ρg = Re Σ Cₙ ζⁿ.
+
+        ζ = (z - z₀) + i(s - s₀). cosh k(z+h)/cosh kh e^{iks} splits into e^{kζ} and
+        e^{-2kh} e^{-k ζ̄}; as Re(D ζ̄ⁿ) = Re(D̄ ζⁿ), finite depth costs no further terms.
+        """
+        z0 = float(centre[2])
+        deep = 0.0 if np.isinf(self.depth) else np.exp(-2 * self.k * self.depth)
+        base = self._phase(centre) / (1 + deep)
+        n = np.arange(terms)
+        power = self.k ** n[:, None] / np.array([factorial(i) for i in n], float)[:, None]
+        direct = base * np.exp(self.k * z0) * power
+        image = base * deep * np.exp(-self.k * z0) * power * (-1.0) ** n[:, None]
+        return np.stack([direct + image, -1j * (direct - image)])
+
+    def terms_for(self, radius: float, tolerance: float, limit: int = 40) -> int:
+        """Terms so that the tail Σ|aᵢ|(kᵢr)ⁿ/n! within `radius` [m] is below tolerance·Σ|aᵢ|."""
+        amplitude, kr = np.abs(self.sea.amplitude), self.k * radius
+        if not amplitude.any():
+            return 1
+        for n in range(2, limit):
+            # The next term times 1/(1 - kr/(n+1)) bounds what is left out.
+            ratio = np.minimum(kr / (n + 1), 0.9)
+            if np.sum(amplitude * kr**n / factorial(n) / (1 - ratio)) < tolerance * amplitude.sum():
+                return n
+        return limit
+
+
+class WaveSeries:
+    """Samples of all rows at t = n·step, block after block, under the ramp."""
+
+    def __init__(self, rows: np.ndarray, omega: np.ndarray, step: float, block: int, ramp):
+        """rows (m, n) complex; ramp(t) -> factor (…,); blocks of `block` samples."""
+        self.rows, self.omega, self.step, self.ramp = rows, omega, step, ramp
+        phase = np.outer(omega, step * np.arange(block))
+        self.basis = np.concatenate([np.cos(phase), np.sin(phase)])
+
+    def block(self, first: int, count: int) -> np.ndarray:
+        """y (count, m) at samples first … first + count - 1, C-contiguous."""
+        # Re{W e^{-iω(t₀+τ)}} = Re(W e^{-iωt₀}) cos ωτ + Im(W e^{-iωt₀}) sin ωτ, t₀ = first·step
+        # exactly, so that nothing drifts over long records.
+        turned = self.rows * np.exp(-1j * self.omega * (first * self.step))
+        y = self.basis[:, :count].T @ np.concatenate([turned.real, turned.imag], axis=1).T
+        return y * self.ramp((first + np.arange(count)) * self.step)[:, None]

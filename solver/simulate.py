@@ -1,0 +1,279 @@
+"""One scene in, one record out: prepare, march block by block, and read the record."""
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solver import assembly
+from solver.errors import SimulationFailed
+from solver.hydrodynamics import radiation
+from solver.hydrodynamics.bem import Hydrodynamics
+from solver.march import (
+    EXCURSION,
+    NOT_CONVERGED,
+    OK,
+    WORKS,
+    Drive,
+    Output,
+    State,
+    energy,
+    march,
+)
+from solver.multibody.minimal import Bodies, loads, mass_matrix, move, new_motion
+from solver.record import Record, Recorder, probe
+from solver.scene import Scene
+from solver.sea.field import WaveField, WaveSeries
+from solver.sea.realization import ramp
+from solver.structure import support as platform
+
+BLOCK_STEPS = 128  # steps a block: small enough for the cache, large enough for BLAS
+PROBE = 120.0  # length of the run with half the step that estimates the discretization error [s]
+ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class System:
+    """A scene as arrays, for one step length."""
+
+    scene: Scene
+    bodies: Bodies
+    support: platform.Support | None
+    structure: assembly.Structure
+    fit: radiation.RadiationMemory | None
+    memory: assembly.Memory
+    stiffness: np.ndarray
+    rows: np.ndarray
+    layout: assembly.Layout
+    dt: float
+
+    def start(self) -> State:
+        """At rest in still water: joints in static equilibrium, modes carrying the floats' load."""
+        nm, nc = self.structure.omega.size, self.structure.carrier.shape[0]
+        nj = self.bodies.damping.size - nc
+        z, carried = _equilibrium(self)
+        p = self.structure.carrier.T @ carried / self.structure.omega**2 if nm else np.zeros(0)
+        return State(
+            z=z[nc:],
+            dz=np.zeros(nj),
+            ddz=np.zeros((3, nj)),
+            p=p,
+            dp=np.zeros(nm),
+            ddp=np.zeros(nm),
+            force=np.tile(self.structure.carrier.T @ carried, (3, 1)),
+            memory=np.zeros((self.memory.residue.shape[0], self.memory.direct.shape[2]), complex),
+            power=np.zeros(len(WORKS)),
+            work=np.zeros(len(WORKS)),
+        )
+
+    def drive(self, samples: np.ndarray) -> Drive:
+        """Columns of the wave series (m, columns) as the march reads them."""
+        nb, (ns, nd, _) = len(self.scene.floats), self.structure.station.shape
+        m, at = len(samples), self.layout
+        terms = (at.field.stop - at.field.start) // max(2 * nb, 1)
+        return Drive(
+            field=np.ascontiguousarray(samples[:, at.field]).reshape(m, nb, 2, terms),
+            excitation=np.ascontiguousarray(samples[:, at.excitation]).reshape(m, nb, 6),
+            modal=np.ascontiguousarray(samples[:, at.modal]),
+            station=np.ascontiguousarray(samples[:, at.station]).reshape(m, ns, nd),
+        )
+
+
+def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
+    """Everything that does not change during the run."""
+    settings, water = scene.settings, scene.water
+    waves = WaveField(scene.sea, water.depth, water.gravity)
+    support = None
+    if scene.platform is not None:
+        support = platform.prepare(
+            scene.platform,
+            waves,
+            water,
+            [scene.platform.hinge_nodes[f.name] for f in scene.floats],
+            planar=scene.planar,
+            modes=settings.modes,
+            stations=settings.stations_per_element,
+        )
+    fit = None
+    if scene.floats:
+        h = hydrodynamics
+        fit = radiation.fit(
+            h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, settings.memory_tolerance
+        )
+    added_mass = fit.added_mass_inf if fit else np.zeros((0, 0))
+    body = assembly.bodies(scene, support, hydrodynamics, added_mass)
+    reach = max((_reach(f) for f in scene.floats), default=0.0)
+    terms = waves.terms_for(reach, settings.field_tolerance)
+    rows, layout = assembly.wave_rows(scene, waves, support, hydrodynamics, terms)
+    return System(
+        scene=scene,
+        bodies=body,
+        support=support,
+        structure=assembly.structure(support, scene.platform.damping_ratio if scene.platform else 0.0),
+        fit=fit,
+        memory=assembly.memory(fit, settings.time_step),
+        stiffness=assembly.newton_stiffness(body, scene, hydrodynamics),
+        rows=rows,
+        layout=layout,
+        dt=settings.time_step,
+    )
+
+
+def _reach(item) -> float:
+    """How far from its centre at rest a hull's wetted surface gets at ±0.8 rad of its arm [m]."""
+    size = max(np.hypot(*s.end) for s in item.hull.meridian)
+    return 2 * np.sin(0.4) * float(np.linalg.norm(item.arm)) + size
+
+
+def _equilibrium(system: System) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates z (nz,) of the floats at rest in still water and their load on the carriers (nc,)."""
+    body = system.bodies
+    nz, nc = body.damping.size, system.structure.carrier.shape[0]
+    nb, nr = body.axes.size, body.active.size
+    z = np.zeros(nz)
+    if nb == 0:
+        return z, np.zeros(0)
+    still = np.zeros((nb, 2, 1))
+    zero6, motion = np.zeros((nb, 6)), new_motion(body)
+
+    def residual(z):
+        out, wrench = np.empty(nz), np.empty((nb, 6))
+        move(body, z, np.zeros(nz), motion)
+        loads(body, z, np.zeros(nz), np.zeros(nz), motion, still, zero6, np.zeros(nb * nr), out, wrench, np.empty(4))
+        return out
+
+    for _ in range(50):
+        r = residual(z)
+        slope = np.empty((nz - nc, nz - nc))
+        for j in range(nc, nz):
+            step = np.zeros(nz)
+            step[j] = 1e-5
+            slope[:, j - nc] = (residual(z + step) - residual(z - step))[nc:] / 2e-5
+        update = np.linalg.solve(slope, -r[nc:])
+        z[nc:] += update
+        if np.abs(update).max() < 1e-12:
+            return z, residual(z)[:nc]
+    raise SimulationFailed(f"no static equilibrium in still water: joints at {z[nc:]} after 50 steps")
+
+
+def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record:
+    """Run `scene` to its end; raises SimulationFailed with time, quantity and advice.
+
+    hydrodynamics: coefficients of the scene's floats at rest; not needed without floats.
+    """
+    clock = time.perf_counter()
+    system = prepare(scene, hydrodynamics)
+    prepared = time.perf_counter()
+    settings = scene.settings
+    h = system.dt / 2
+    steps = int(np.ceil((settings.discard + settings.duration) / system.dt - 1e-9))
+    recorder = Recorder(
+        scene, system.support, layout=system.layout, probe_samples=2 * min(steps, int(PROBE / system.dt))
+    )
+    state = system.start()
+    before = energy(system.bodies, system.structure, state)
+    for samples, output, times in blocks(system, state, steps):
+        recorder.add(times, output, samples)
+    after = energy(system.bodies, system.structure, state)
+    marched = time.perf_counter()
+    work = dict(zip(WORKS, state.work, strict=True))
+    attrs = {
+        "energy_residual": _energy_residual(work, after - before),
+        **{f"work_{name}": float(value) for name, value in work.items()},
+        "stored_energy_change": float(after - before),
+        "constraint_drift": _constraint_drift(system, state),
+        "discretization_error": _discretization_error(system, recorder, steps),
+        "samples_per_second": 1 / h,
+        "time_step": system.dt,
+        "buckling_factor": system.support.buckling_factor if system.support else np.inf,
+        "prepare_time": prepared - clock,
+        "march_time": marched - prepared,
+        **scene.sea.parameters(),
+    }
+    attrs["wall_time"] = time.perf_counter() - clock
+    return recorder.record(attrs)
+
+
+def blocks(system: System, state: State, steps: int):
+    """March `steps` steps, yielding (wave samples, output, times) block by block."""
+    settings, h = system.scene.settings, system.dt / 2
+    series = WaveSeries(
+        system.rows,
+        system.scene.sea.omega,
+        h,
+        2 * BLOCK_STEPS + 1,
+        lambda t: ramp(t, settings.ramp, settings.ramp_form),
+    )
+    nz, nm, nb = system.bodies.damping.size, system.structure.omega.size, system.bodies.axes.size
+    for first in range(0, steps, BLOCK_STEPS):
+        count = min(BLOCK_STEPS, steps - first)
+        samples = series.block(2 * first, 2 * count + 1)
+        output = Output(
+            np.empty((2 * count, nz)),
+            np.empty((2 * count, nz)),
+            np.empty((2 * count, nm)),
+            np.empty((2 * count, nb, 6)),
+        )
+        outcome, sample, _ = march(
+            system.bodies,
+            system.structure,
+            system.memory,
+            system.drive(samples),
+            state,
+            system.stiffness,
+            system.dt,
+            settings.newton_tolerance,
+            ITERATIONS,
+            output,
+        )
+        if outcome != OK:
+            raise SimulationFailed(_explain(outcome, (2 * first + sample) * h, system.dt))
+        yield samples[1:], output, (2 * first + 1 + np.arange(2 * count)) * h
+
+
+def _explain(outcome: int, t: float, dt: float) -> str:
+    if outcome == EXCURSION:
+        return f"a float turned beyond ±90° of its hinge at t = {t:.1f} s: the sea is too high for this arm and PTO damping"
+    if outcome == NOT_CONVERGED:
+        return f"no convergence in {ITERATIONS} iterations at t = {t:.1f} s: reduce time_step = {dt:g} s"
+    return f"not finite at t = {t:.1f} s: reduce time_step = {dt:g} s"
+
+
+def _energy_residual(work: dict[str, float], stored: float) -> float:
+    """|wave work - (PTO + radiation + drag + structural + stored)| over the wave's work."""
+    given = work["wave"] + work["frame_inertia"] + max(work["frame_drag"], 0.0)
+    taken = work["radiation"] + work["pto"] + work["joint_drag"] + work["structural"] - min(work["frame_drag"], 0.0)
+    return float(abs(given - taken - stored) / abs(given)) if given else 0.0
+
+
+def _constraint_drift(system: System, state: State) -> float:
+    """Largest gap [m] between the end of each arm and its hinge on the support, at the end."""
+    body, nc = system.bodies, system.structure.carrier.shape[0]
+    z = np.concatenate([system.structure.carrier @ state.p, state.z])
+    motion = new_motion(body)
+    move(body, z, np.zeros(z.size), motion)
+    drift = 0.0
+    for b, item in enumerate(system.scene.floats):
+        hinge = np.array(item.hinge, float)
+        if nc:
+            axes = assembly.carrier_axes(system.scene.planar)
+            shift = np.zeros(6)
+            shift[axes] = z[b * axes.size : (b + 1) * axes.size]
+            hinge += shift[:3]
+        gap = motion.position[b] - motion.rotation[b] @ item.arm - hinge
+        drift = max(drift, float(np.abs(gap).max()))
+    return drift
+
+
+def _discretization_error(system: System, recorder: Recorder, steps: int) -> float:
+    """Error of the step length over the first PROBE seconds, relative to the RMS of each coordinate.
+
+    The scheme is of fourth order, so the run with half the step differs by 15/16 of the error.
+    """
+    steps = min(steps, int(PROBE / system.dt))
+    coarse = recorder.probe()
+    half = replace(system, dt=system.dt / 2, memory=assembly.memory(system.fit, system.dt / 2))
+    fine = np.concatenate([probe(output) for _, output, _ in blocks(half, half.start(), 2 * steps)])
+    difference = coarse - fine[1::2]
+    scale, error = (np.sqrt(np.mean(x**2, axis=0)) for x in (coarse, difference))
+    return float(np.max(error[scale > 0] / scale[scale > 0], initial=0.0) * 16 / 15)

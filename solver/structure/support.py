@@ -1,0 +1,236 @@
+"""An elastic platform as the march sees it: few Ritz modes, drag stations, wave-load rows.
+
+The basis is the lowest modes plus the static shapes of what loads the frame (unit loads at the
+hinge nodes, the principal shapes of the wave load), made orthogonal again by Rayleigh-Ritz.
+The static shapes carry what the left-out modes would have added quasi-statically. The mass
+includes the added mass of the wetted members, because that is the mass that moves.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import linalg
+
+from solver.errors import InputError
+from solver.scene import Platform, Water
+from solver.sea.field import WaveField
+from solver.structure import modes as natural
+from solver.structure import recovery, statics, water
+from solver.structure.frame import FrameModel, assemble
+
+PLANAR = np.array([0, 2, 4])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Support:
+    """Arrays of a platform for one sea; nm modes, nc carrier coordinates, ns drag stations."""
+
+    dry_omega: np.ndarray  # natural frequencies without added mass, all modes [rad/s]
+    omega: np.ndarray  # (nm,) of the basis, with added mass [rad/s]
+    shapes: np.ndarray  # (6n, nm)
+    carrier: np.ndarray  # (nc, nm)
+    wave_rows: np.ndarray  # (nm, n) complex modal wave inertia load
+    station_shape: np.ndarray  # (ns, nd, nm)
+    station_rows: np.ndarray  # (ns, nd, n) complex normal particle velocity
+    drag: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
+    outputs: "LegOutputs"
+    buckling_factor: float  # gravity times this buckles the frame
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LegOutputs:
+    """Linear maps from modal amplitudes to what is put out along nl legs of nh nodes each."""
+
+    height: np.ndarray  # (nh,) above the leg's foot [m]
+    displacement: np.ndarray  # (nl, nh, 3, nm) [m]
+    forces: np.ndarray  # (nl, ne, 2, 3, nm) N, My, Mz at both ends of each element
+    static_forces: np.ndarray  # (nl, ne, 2, 3)
+    properties: np.ndarray  # (nl, ne, 2, 4) A, Iy, Iz, c
+    twin: np.ndarray  # (nl,) first leg with the same response: itself, or its mirror image
+
+
+def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarray, float]:
+    """Frame (softened by gravity if asked), its static displacement, and the buckling factor."""
+    model = assemble(platform.frame)
+    load = static_load(model, sea)
+    at_rest = statics.static(model, load)
+    factor = statics.buckling_factor(model, load)
+    if platform.geometric_stiffness:
+        if factor <= 1:
+            raise InputError(
+                "platform.geometric_stiffness",
+                True,
+                f"gravity is {1 / factor:.2f} times the Euler load",
+            )
+        model = statics.with_geometric_stiffness(model, at_rest)
+    return model, at_rest, factor
+
+
+def static_load(model: FrameModel, sea: Water) -> np.ndarray:
+    """Weight, point loads and buoyancy of the material (6n,) [N, N m]."""
+    return (
+        statics.gravity_load(model, sea.gravity)
+        + statics.point_load(model)
+        + water.buoyancy_load(model, sea.density, sea.gravity)
+    )
+
+
+def prepare(
+    platform: Platform,
+    field: WaveField,
+    sea: Water,
+    hinge_nodes,
+    *,
+    planar: bool,
+    modes,
+    stations: int,
+) -> Support:
+    """Reduce a platform for one sea. hinge_nodes: node names in the order of the floats."""
+    model, at_rest, factor = dynamic_model(platform, sea)
+    symmetric = natural.symmetric_basis(model) if planar else None
+    if planar and symmetric is None:
+        raise InputError(
+            "platform.frame", "not symmetric in y = 0", "a planar scene needs a symmetric frame"
+        )
+    dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (
+        PLANAR if planar else np.arange(6)
+    )
+    M = model.M + water.added_mass(model, sea.density)
+    at = water.stations(model, 4)  # once a task, so exact is free
+    inertia_rows = _inertia_rows(platform, at, field, sea)
+    nodal = _nodal_load(model, at, inertia_rows)
+    omega, shapes = _basis(model, M, symmetric, dof.ravel(), nodal, modes)
+    station_shape, station_rows, drag = _drag(model, field, sea, shapes, stations)
+    return Support(
+        dry_omega=natural.modes(model.K, model.M, model.free).omega,
+        omega=omega,
+        shapes=shapes,
+        carrier=shapes[dof.ravel()],
+        wave_rows=shapes.T @ nodal,
+        station_shape=station_shape,
+        station_rows=station_rows,
+        drag=drag,
+        outputs=_legs(platform, model, sea, at_rest, shapes),
+        buckling_factor=factor,
+    )
+
+
+def _normal(at) -> np.ndarray:
+    """Projection on the plane normal to the member at each station (ns, 3, 3)."""
+    return np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
+
+
+def _inertia_rows(platform, at, field, sea):
+    """Wave inertia load on each station [N]: C_M ρ πD²/4 w (I - ttᵀ) du/dt, (ns, 3, n)."""
+    coefficient = at.inertia - (1 if platform.wave_inertia == "relative" else 0)
+    size = coefficient * sea.density * np.pi / 4 * at.diameter**2 * at.weight
+    return size[:, None, None] * (_normal(at) @ field.acceleration(at.position))
+
+
+def _nodal_load(model, at, rows):
+    """Nodal loads (6n, n) of point loads (ns, 3, n) at the stations."""
+    load = np.zeros((6 * len(model.xyz), rows.shape[2]), complex)
+    np.add.at(load, at.dofs, np.einsum("ska,skn->san", at.shape, rows))
+    return load
+
+
+def _basis(model, M, symmetric, hinge_dof, nodal, count):
+    """Ritz frequencies and shapes (6n, nm), mass-normalised with M."""
+    if count == "all":
+        found = (
+            natural.modes(model.K, M, model.free)
+            if symmetric is None
+            else natural.modes_in(symmetric, model.K, M)
+        )
+        return found.omega, found.shapes
+    kept = (
+        natural.modes(model.K, M, model.free, count)
+        if symmetric is None
+        else natural.modes_in(symmetric, model.K, M, count)
+    )
+    unit = np.zeros((len(nodal), hinge_dof.size))
+    unit[hinge_dof, np.arange(hinge_dof.size)] = 1.0
+    patterns = np.concatenate([nodal.real, nodal.imag], axis=1)
+    left, sizes, _ = linalg.svd(patterns, full_matrices=False)
+    load = np.concatenate([unit, left[:, sizes > 1e-4 * sizes[0]]], axis=1)
+    # Only what the kept modes lack: without this the large common part would hide the rest.
+    whole, rest = statics.static(model, load), natural.static_remainder(model, kept, load)
+    size = np.sqrt(np.einsum("ij,ij->j", rest, M @ rest))
+    new = size > 1e-9 * np.sqrt(np.einsum("ij,ij->j", whole, M @ whole))
+    rest = rest[:, new] / size[new]
+    value, vector = linalg.eigh(rest.T @ (M @ rest))
+    used = value > 1e-10
+    basis = np.concatenate([kept.shapes, rest @ (vector[:, used] / np.sqrt(value[used]))], axis=1)
+    squared, mix = linalg.eigh(basis.T @ (model.K @ basis), basis.T @ (M @ basis))
+    return np.sqrt(squared), basis @ mix
+
+
+def _drag(model, field, sea, shapes, points):
+    """Normal shapes, velocity rows and coefficients of the drag stations, equals merged."""
+    at = water.stations(model, points)
+    normal = _normal(at)
+    shape, rows = normal @ at.project(shapes), normal @ field.velocity(at.position)
+    drag = 0.5 * sea.density * at.drag * at.diameter * at.weight
+    size = max(np.abs(shape).max(initial=0.0), 1e-300), max(np.abs(rows).max(initial=0.0), 1e-300)
+    used = [
+        d
+        for d in range(3)
+        if np.abs(shape[:, d]).max(initial=0) > 1e-9 * size[0]
+        or np.abs(rows[:, d]).max(initial=0) > 1e-9 * size[1]
+    ]
+    shape, rows = shape[:, used], rows[:, used]
+    # Stations that see the same water and move alike (mirror images in y) are one.
+    key = np.concatenate(
+        [
+            shape.reshape(len(drag), -1) / size[0],
+            rows.real.reshape(len(drag), -1) / size[1],
+            rows.imag.reshape(len(drag), -1) / size[1],
+        ],
+        axis=1,
+    )
+    _, first, group = np.unique(np.round(key, 7), axis=0, return_index=True, return_inverse=True)
+    total = np.bincount(group.ravel(), weights=drag, minlength=len(first))
+    wet = total > 0
+    return shape[first][wet], rows[first][wet], total[wet]
+
+
+def _legs(platform, model, sea, at_rest, shapes) -> LegOutputs:
+    loads = statics.self_weight(model, sea.gravity) + water.buoyancy(
+        model, sea.density, sea.gravity
+    )
+    still = recovery.section_forces(model, at_rest, loads).reshape(-1, 2, 6)[..., [0, 4, 5]]
+    moving = (recovery.section_force_matrix(model) @ shapes).reshape(-1, 2, 6, shapes.shape[1])[
+        :, :, [0, 4, 5]
+    ]
+    properties = recovery.section_properties(model).reshape(-1, 2, 4)
+    displacement, forces, static, section = [], [], [], []
+    for leg in platform.legs:
+        nodes, elements = model.member_nodes[leg], np.array(model.member_elements[leg])
+        end = slice(None)
+        if model.xyz[nodes[0], 2] > model.xyz[nodes[-1], 2]:  # foot first
+            nodes, elements, end = nodes[::-1], elements[::-1], slice(None, None, -1)
+        displacement.append(shapes.reshape(-1, 6, shapes.shape[1])[nodes, :3])
+        forces.append(moving[elements][:, end])
+        static.append(still[elements][:, end])
+        section.append(properties[elements][:, end])
+    displacement, forces = np.array(displacement), np.array(forces)
+    nl = len(platform.legs)
+    height = model.xyz[nodes, 2] - model.xyz[nodes[0], 2] if nl else np.zeros(0)
+    twin = np.arange(nl)
+    for i in range(nl):
+        for j in range(i):
+            mirrored = displacement[j] * np.array([1, -1, 1])[:, None]
+            if any(
+                np.allclose(displacement[i], other, atol=1e-9 * np.abs(displacement).max())
+                for other in (displacement[j], mirrored)
+            ):
+                twin[i] = twin[j]
+                break
+    return LegOutputs(
+        height=height,
+        displacement=displacement,
+        forces=forces,
+        static_forces=np.array(static),
+        properties=np.array(section),
+        twin=twin,
+    )
