@@ -1,0 +1,36 @@
+# A bare machine needs Python 3.11, make and gcc; the rest is set up in .venv, once.
+PYTHON ?= python3.11
+VENV := .venv
+READY := $(VENV)/.ready
+
+# Parallel work is processes; a thread pool beneath them only gets in the way.
+export OMP_NUM_THREADS := 1
+export OPENBLAS_NUM_THREADS := 1
+export NUMBA_NUM_THREADS := 1
+# numba's cache misses an edit in another file: a new folder for each state of the sources.
+export NUMBA_CACHE_DIR := $(CURDIR)/.jit/$(shell find solver -name '*.py' | LC_ALL=C sort | xargs cat | cksum | tr -d ' ')
+
+.PHONY: study-buan test lint setup clean
+
+study-buan: $(READY)
+	$(VENV)/bin/study run studies/buan.toml
+
+test: $(READY)
+	$(VENV)/bin/python -m pytest -q
+
+lint: $(READY)
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check pipeline tests/pipeline
+	$(VENV)/bin/mypy
+	$(VENV)/bin/lint-imports
+
+setup: $(READY)
+
+$(READY): pyproject.toml constraints.txt
+	test -x $(VENV)/bin/python || $(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	touch $@
+
+# Results stay: they are the user's.
+clean:
+	rm -rf $(VENV) .jit .mypy_cache .ruff_cache .pytest_cache .import_linter_cache *.egg-info

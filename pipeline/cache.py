@@ -1,0 +1,93 @@
+"""Hydrodynamic coefficients by content: results/hydrodynamics/<key>.nc, capytaine's names.
+
+netCDF has no complex numbers; as capytaine does, they get a last dimension `complex` = re, im.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipeline.netcdf import Variable, content, from_bytes, to_bytes
+from pipeline.store import write_atomic
+
+if TYPE_CHECKING:
+    from solver.hydrodynamics.bem import Hydrodynamics
+
+DOF = ("influenced_dof", "radiating_dof")
+# field of Hydrodynamics: name in the file, dimensions, unit (of translations), meaning
+ARRAYS = {
+    "omega": ("omega", ("omega",), "rad s-1", "Angular frequency"),
+    "added_mass": ("added_mass", ("omega", *DOF), "kg", "Added mass"),
+    "radiation_damping": ("radiation_damping", ("omega", *DOF), "kg s-1", "Radiation damping"),
+    "added_mass_inf": ("added_mass_inf", DOF, "kg", "Added mass at infinite frequency"),
+    "diffraction": ("diffraction_force", ("omega", DOF[0], "complex"), "N m-1", "Diffraction force per wave amplitude"),
+    "froude_krylov": ("Froude_Krylov_force", ("omega", DOF[0], "complex"), "N m-1", "Froude-Krylov force per wave amplitude"),
+    "hydrostatic_stiffness": ("hydrostatic_stiffness", DOF, "N m-1", "Hydrostatic stiffness of buoyancy"),
+    "displaced_mass": ("displaced_mass", ("body",), "kg", "Mass of the displaced water"),
+    "buoyancy_centre": ("center_of_buoyancy", ("body",), "m", "Height of the centre of buoyancy"),
+    "centres": ("rotation_center", ("body", "xyz"), "m", "Point that rotations and moments refer to"),
+}
+SCALARS = ("depth", "density", "gravity", "heading", "mesh_error")
+
+
+def encode(hydrodynamics: Hydrodynamics) -> bytes:
+    """The file of a set of coefficients."""
+    variables = {}
+    for field, (name, dims, unit, long_name) in ARRAYS.items():
+        values = np.asarray(getattr(hydrodynamics, field))
+        if "complex" in dims:
+            values = np.stack([values.real, values.imag], axis=-1)
+        variables[name] = Variable(dims, values, {"units": unit, "long_name": long_name})
+    bodies = range(len(hydrodynamics.centres))
+    labels = np.array([f"body{b}__{dof}" for b in bodies for dof in hydrodynamics.dofs])
+    variables |= {dof: Variable((dof,), labels, {"long_name": "Body and degree of freedom"}) for dof in DOF}
+    variables["complex"] = Variable(("complex",), np.array(["re", "im"]), {"long_name": "Part of a complex number"})
+    attrs: dict[str, Any] = {"Conventions": "CF-1.11", "title": "Hydrodynamic coefficients, Re{X exp(-i omega t)}"}
+    attrs |= {name: float(getattr(hydrodynamics, name)) for name in SCALARS}
+    attrs |= {f"setting_{key}": value for key, value in hydrodynamics.settings.items()}
+    attrs |= {"dofs": " ".join(hydrodynamics.dofs), "content": content(variables)}
+    return to_bytes(variables, attrs)
+
+
+@lru_cache(maxsize=8)
+def decode(data: bytes) -> Hydrodynamics:
+    """Coefficients from a file's bytes, bit for bit those that were encoded."""
+    from solver.hydrodynamics.bem import Hydrodynamics
+
+    variables, attrs = from_bytes(data)
+    if content(variables) != attrs["content"]:
+        raise ValueError("the file's content is not what was written")
+    fields: dict[str, Any] = {name: float(attrs[name]) for name in SCALARS}
+    for field, (name, dims, _, _) in ARRAYS.items():
+        values = variables[name].values
+        fields[field] = np.ascontiguousarray(values).view(complex)[..., 0] if "complex" in dims else values
+    settings = {k.removeprefix("setting_"): v for k, v in attrs.items() if k.startswith("setting_")}
+    return Hydrodynamics(**fields, dofs=tuple(attrs["dofs"].split()), settings=MappingProxyType(settings))
+
+
+class Cache:
+    """Files of coefficients, one for each geometry, shared by all studies of a results folder."""
+
+    def __init__(self, results: Path, readable: Callable[[bytes], object] = decode):
+        self.folder = results / "hydrodynamics"
+        self.readable = readable
+
+    def get(self, key: str) -> bytes | None:
+        """The file's bytes, None if there is none or it is damaged."""
+        try:
+            data = (self.folder / f"{key}.nc").read_bytes()
+            self.readable(data)
+        except (OSError, KeyError, ValueError):
+            return None
+        return data
+
+    def put(self, key: str, data: bytes) -> None:
+        """Keep a file of coefficients."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_atomic(self.folder / f"{key}.nc", data)

@@ -1,0 +1,67 @@
+"""What must be set in a process before numpy and numba are imported in it."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import subprocess
+import tempfile
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+PACKAGES = ("wecplatform", "numpy", "scipy", "numba", "capytaine")
+
+
+def prepare() -> None:
+    """One thread a process, and a folder of compiled kernels that belongs to these sources."""
+    for name in THREADS:
+        os.environ.setdefault(name, "1")
+    if "NUMBA_CACHE_DIR" not in os.environ:
+        os.environ["NUMBA_CACHE_DIR"] = str(_writable_cache() / f"jit-{sources()}")
+
+
+def _writable_cache() -> Path:
+    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "wecplatform"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.access(folder, os.W_OK):
+            return folder
+    except OSError:
+        pass
+    return Path(tempfile.gettempdir()) / f"wecplatform-{os.getuid()}"
+
+
+@cache
+def sources() -> str:
+    """Digest of the solver's sources: numba does not notice an edit in another file."""
+    digest = hashlib.sha256()
+    for path in sorted((ROOT / "solver").rglob("*.py")):
+        digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+@cache
+def provenance() -> dict[str, str]:
+    """Where and with what a task was computed."""
+    found = {"host": platform.node(), "python": platform.python_version(), "solver_sources": sources()}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+@cache
+def commit() -> str:
+    """Git commit of the sources, with '-dirty' if they differ from it; empty outside git."""
+    command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""

@@ -1,0 +1,73 @@
+"""One task's record as a netCDF file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Protocol
+
+import numpy as np
+
+from pipeline.netcdf import Variable, content, from_bytes, to_bytes
+from pipeline.variables import RENAMED, meaning
+
+# How long it took is no part of what came out: no two runs agree on it.
+TIMINGS = ("wall_time", "prepare_time", "march_time")
+
+
+class Record(Protocol):
+    """What the solver hands back: statistics by name, with dimensions, and audit figures."""
+
+    variables: Mapping[str, tuple[tuple[str, ...], Any]]
+    coords: Mapping[str, Any]
+    attrs: Mapping[str, Any]
+    series: Mapping[str, tuple[tuple[str, ...], Any]]
+
+
+def encode(record: Record, provenance: Mapping[str, Any]) -> tuple[bytes, str]:
+    """The file, and the digest of its content: provenance is in the first and not in the second."""
+    variables = dict(_variables(record))
+    attrs = {"Conventions": "CF-1.11", "title": "Record of one task"} | dict(provenance)
+    attrs |= {k: str(v) for k, v in record.attrs.items() if not _is_figure(v)}
+    attrs |= {k: float(v) for k, v in record.attrs.items() if k in TIMINGS}
+    return to_bytes(variables, attrs), content(variables)
+
+
+def decode(data: bytes) -> dict[str, Variable]:
+    """Variables and coordinates of a record's file."""
+    return from_bytes(data)[0]
+
+
+def _variables(record: Record) -> Iterator[tuple[str, Variable]]:
+    """Coordinates that are used, statistics, figures of the audit, time series."""
+    arrays = {**record.variables, **record.series}
+    used = {dim for dims, _ in arrays.values() for dim in dims}
+    for name, values in sorted(record.coords.items()):
+        if name in used:
+            yield name, Variable((name,), np.asarray(values), meaning(name))
+    for name, (dims, values) in sorted(arrays.items()):
+        name = RENAMED.get(name, name)
+        yield name, Variable(tuple(dims), np.asarray(values), meaning(name))
+    for name, value in sorted(record.attrs.items()):
+        if _is_figure(value) and name not in TIMINGS:
+            name = RENAMED.get(name, name)
+            yield name, Variable((), np.asarray(float(value)), meaning(name))
+
+
+def _is_figure(value: object) -> bool:
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+
+
+def differences(old: bytes, new: bytes) -> list[str]:
+    """Which variables of two records differ, and by how much."""
+    a, b = decode(old), decode(new)
+    lines = [f"{name}: only in the {'old' if name in a else 'new'} record" for name in sorted(a.keys() ^ b.keys())]
+    for name in sorted(a.keys() & b.keys()):
+        x, y = a[name].values, b[name].values
+        if x.shape != y.shape or x.dtype != y.dtype:
+            lines.append(f"{name}: {x.dtype}{x.shape} became {y.dtype}{y.shape}")
+        elif x.dtype.kind not in "UO" and x.tobytes() != y.tobytes():
+            with np.errstate(invalid="ignore"):
+                lines.append(f"{name}: differs by up to {np.nanmax(np.abs(x - y)):.3g}")
+        elif x.dtype.kind in "UO" and not np.array_equal(x, y):
+            lines.append(f"{name}: other labels")
+    return lines

@@ -1,0 +1,150 @@
+"""The printed table: ours beside the published numbers, studies/<name>-published.csv."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.table import Table
+
+from pipeline.study import StudyError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PREFIX = {"k": 1e3, "M": 1e6}
+OFF = 1 / 3  # a ratio further from 1 than this gets its sentence
+COLUMNS = ("table", "label", "variable", "selection", "statistic", "value", "unit", "note")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Published:
+    """One published number, and where ours is found."""
+
+    table: str
+    label: str
+    variable: str
+    selection: dict[str, list[str]]
+    statistic: str
+    value: float
+    unit: str
+    note: str
+
+    @property
+    def scale(self) -> float:
+        """SI units in one of the printed unit."""
+        return PREFIX.get(self.unit[0], 1.0) if len(self.unit) > 1 else 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ours:
+    """Mean, least and largest of our number over the realizations, in the printed unit."""
+
+    mean: float
+    low: float
+    high: float
+
+    def off(self, published: Published) -> bool:
+        """Whether it is more than a third away."""
+        return not abs(self.mean / published.value - 1) <= OFF
+
+
+def published(path: Path) -> list[Published]:
+    """Rows of a file of published numbers."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        if tuple(rows.fieldnames or ()) != COLUMNS:
+            raise StudyError(path, [f"columns = {rows.fieldnames}: must be {', '.join(COLUMNS)}"])
+        return [_row(path, number, row) for number, row in enumerate(rows, start=1)]
+
+
+def _row(path: Path, number: int, row: dict[str, str]) -> Published:
+    try:
+        value = float(row["value"])
+        pairs = [pair.split("=") for pair in row["selection"].split(";") if pair]
+        selection = {key: labels.split("+") for key, labels in pairs}
+    except (TypeError, ValueError) as error:
+        raise StudyError(path, [f"row {number} = {row['label']!r}: {error}"]) from None
+    words = {key: row[key] for key in ("table", "label", "variable", "statistic", "unit", "note")}
+    return Published(**words, selection=selection, value=value)
+
+
+def ours(data: xr.Dataset, row: Published) -> Ours | None:
+    """Our number: extremes are means of each record's extreme; None if it has not been computed."""
+    if row.variable not in data:
+        return None
+    wanted = dict(row.selection) | ({"statistic": [row.statistic]} if row.statistic else {})
+    values = data[row.variable]
+    for dim, labels in wanted.items():
+        if dim not in values.dims:
+            if dim in data.coords and str(data[dim].values) in labels:
+                continue
+            return None
+        known = [i for i, label in enumerate(values[dim].values.tolist()) if str(label) in labels]
+        if not known:
+            return None
+        values = values.isel({dim: known}).mean(dim)
+    numbers = values.values[~_nan(values.values)] / row.scale
+    if numbers.size == 0:
+        return None
+    return Ours(mean=float(numbers.mean()), low=float(numbers.min()), high=float(numbers.max()))
+
+
+def _nan(values: Any) -> Any:
+    import numpy as np
+
+    return np.isnan(values)
+
+
+def show(data: xr.Dataset, rows: list[Published], console: Console) -> None:
+    """Print every table, and a sentence for each number that is far off."""
+    for title in dict.fromkeys(row.table for row in rows):
+        mine = [(row, ours(data, row)) for row in rows if row.table == title]
+        table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+        for name in ("", "", "theirs", "ours", "[least, largest]", "ratio", "unit"):
+            table.add_column(name, justify="left" if name in ("", "unit") else "right", no_wrap=True)
+        for row, number in mine:
+            table.add_row(row.label, row.statistic, f"{row.value:.4g}", *_cells(row, number), row.unit)
+        console.print(table, soft_wrap=True)
+        for sentence in _sentences(mine):
+            console.print(f"  * {sentence}", soft_wrap=True, highlight=False, markup=False)
+        console.print()
+
+
+def _cells(row: Published, number: Ours | None) -> list[str]:
+    if number is None:
+        return ["-", "", ""]
+    ratio = f"{number.mean / row.value:.2f}" if row.value and math.isfinite(number.mean) else ""
+    spread = "" if number.low == number.high else f"\\[{number.low:.4g}, {number.high:.4g}]"
+    return [f"{number.mean:.4g}", spread, ratio + (" *" if number.off(row) else "")]
+
+
+def _sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
+    """Why a number is far off; numbers with the same reason share the sentence."""
+    reasons: dict[str, list[str]] = {}
+    for row, number in mine:
+        if number is not None and number.off(row):
+            name = f"{row.label} {row.statistic}".strip()
+            reasons.setdefault(row.note or "not explained yet.", []).append(name)
+    for note, names in reasons.items():
+        yield f"{'; '.join(names)}: {note}"
+
+
+def summary(data: xr.Dataset, console: Console) -> None:
+    """For a study without published numbers: mean and range of every variable that has statistics."""
+    table = Table(box=None, pad_edge=False)
+    for name in ("variable", "statistic", "mean", "least", "largest", "unit"):
+        table.add_column(name, justify="left" if name in ("variable", "statistic", "unit") else "right")
+    for name, values in data.data_vars.items():
+        if "statistic" not in values.dims or values.isnull().all():
+            continue
+        for statistic in values.statistic.values:
+            part = values.sel(statistic=statistic)
+            figures = (f"{float(f()):.4g}" for f in (part.mean, part.min, part.max))
+            table.add_row(str(name), str(statistic), *figures, values.attrs.get("units", ""))
+    console.print(table)

@@ -1,0 +1,117 @@
+"""What workers run: coefficients of a geometry, and one task. Workers compute and return bytes."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from pipeline import environment
+from pipeline.tasks import Geometry, Parameters
+
+if TYPE_CHECKING:
+    from pipeline.records import Record
+    from solver.hydrodynamics.bem import Hydrodynamics
+    from solver.scene import Scene
+
+
+@dataclass(frozen=True, kw_only=True)
+class Failure:
+    """Why a task has no record."""
+
+    kind: str
+    message: str
+    traceback: str
+
+    @classmethod
+    def of(cls, error: BaseException) -> Failure:
+        """From an exception, with its traceback."""
+        text = "".join(traceback.format_exception(error))
+        return cls(kind=type(error).__name__, message=str(error), traceback=text)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What comes back from a worker: bytes of a file, or a failure; and how it came about."""
+
+    result: bytes | Failure
+    content: str = ""  # digest of the record's values
+    wall_time: float = 0.0  # [s]
+    provenance: dict[str, str]
+
+
+def hydrodynamics(geometry: Geometry) -> Hydrodynamics:
+    """Coefficients of the floats of a geometry, by the boundary element method."""
+    from pipeline.scenes import bem_arguments
+    from solver.hydrodynamics import bem
+
+    return bem.solve(**bem_arguments(geometry))
+
+
+def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
+    """Statistics of one simulation."""
+    from solver.simulate import simulate
+
+    return simulate(scene, hydrodynamics)
+
+
+def coefficients(geometry: Geometry) -> bytes:
+    """The file of a geometry's coefficients."""
+    from pipeline import cache
+
+    return cache.encode(hydrodynamics(geometry))
+
+
+def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
+    """One task, from its parameters and its geometry's file."""
+    from pipeline import cache, scenes
+
+    known = cache.decode(coefficients) if coefficients else None
+    return simulate(scenes.scene(parameters), known)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Engine:
+    """The physics as two functions, so that the pipeline can be tested and timed without it."""
+
+    coefficients: Callable[[Geometry], bytes] = coefficients
+    compute: Callable[[Parameters, bytes | None], Record] = compute
+
+
+def attempt_geometry(engine: Engine, geometry: Geometry) -> Outcome:
+    """Coefficients, or why there are none."""
+    environment.prepare()
+    return _attempt(lambda: (engine.coefficients(geometry), ""))
+
+
+def attempt_task(engine: Engine, task_id: str, parameters: Parameters, coefficients: bytes | None) -> Outcome:
+    """A record's file, or why there is none."""
+    environment.prepare()
+    from pipeline import records
+
+    described: dict[str, Any] = environment.provenance() | {
+        "task": task_id,
+        "parameters": parameters.canonical(),
+    }
+    return _attempt(lambda: records.encode(engine.compute(parameters, coefficients), described))
+
+
+def _attempt(work: Callable[[], tuple[bytes, str]]) -> Outcome:
+    """A failure is a result like any other: it must not stop the tasks beside it."""
+    start = time.perf_counter()
+    try:
+        result, content = work()
+    except Exception as error:
+        return Outcome(
+            result=Failure.of(error),
+            wall_time=time.perf_counter() - start,
+            provenance=environment.provenance(),
+        )
+    return Outcome(
+        result=result,
+        content=content,
+        wall_time=time.perf_counter() - start,
+        provenance=environment.provenance(),
+    )

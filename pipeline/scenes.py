@@ -1,0 +1,132 @@
+"""Parameters of a task -> the solver's frozen inputs. The only translation between the two."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, assert_never
+
+from pipeline.layout import HINGE
+from pipeline.schema import Float, HemisphereCylinder, Platform, Section, Sphere, Tube, VerticalCylinder
+from pipeline.tasks import Geometry, Parameters, wave_seed
+
+if TYPE_CHECKING:
+    from solver import scene as physics
+    from solver.hydrodynamics.hull import Revolution
+    from solver.structure import beam
+    from solver.structure.frame import Member
+
+
+def scene(parameters: Parameters) -> physics.Scene:
+    """Everything that one simulation needs."""
+    from solver import scene as physics
+
+    return physics.Scene(
+        water=physics.Water(**dict(parameters.water)),
+        sea=sea(parameters),
+        floats=tuple(_float(f) for f in parameters.floats),
+        platform=_platform(parameters) if parameters.platform else None,
+        settings=physics.Settings(**dict(parameters.record), **dict(parameters.solver)),
+    )
+
+
+def sea(parameters: Parameters) -> Any:
+    """The realization of the sea that belongs to the task's sea state and seed."""
+    from solver.sea.realization import realize
+    from solver.sea.spectrum import PiersonMoskowitz
+
+    waves, state = parameters.waves, parameters.sea_state
+    return realize(
+        PiersonMoskowitz(Hs=state.Hs, Tp=state.Tp, form=waves.form),
+        components=waves.components,
+        band=waves.band,
+        intervals=waves.intervals,
+        heading=waves.heading,
+        seed=wave_seed(parameters),
+    )
+
+
+def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder) -> Revolution:
+    """The solver's hull for a hull table."""
+    from solver.hydrodynamics.hull import Revolution
+
+    match shape:
+        case HemisphereCylinder():
+            return Revolution.hemisphere_cylinder(radius=shape.radius, height=shape.height)
+        case Sphere():
+            return Revolution.sphere(radius=shape.radius, draft=shape.draft)
+        case VerticalCylinder():
+            return Revolution.vertical_cylinder(
+                radius=shape.radius, draft=shape.draft, freeboard=shape.freeboard
+            )
+        case _:
+            assert_never(shape)
+
+
+def bem_arguments(geometry: Geometry) -> dict[str, Any]:
+    """Arguments of solver.hydrodynamics.bem.solve."""
+    import numpy as np
+
+    from solver.hydrodynamics.bem import frequency_grid
+
+    water = geometry.water
+    hulls = tuple(hull(body.hull) for body in geometry.bodies)
+    centres = np.array([body.centre for body in geometry.bodies])
+    grid = frequency_grid(hulls, centres, depth=water.depth, gravity=water.gravity)
+    low, high = min(grid[0], geometry.band[0]), max(grid[-1], geometry.band[1])
+    return {
+        "hulls": hulls,
+        "centres": centres,
+        "depth": water.depth,
+        "density": water.density,
+        "gravity": water.gravity,
+        "heading": geometry.heading,
+        "omega": np.linspace(low, high, max(grid.size, math.ceil((high - low) / (grid[1] - grid[0])))),
+        "planar": geometry.planar,
+    }
+
+
+def _float(item: Float) -> physics.Float:
+    from solver import scene as physics
+
+    return physics.Float(**{**dict(item), "hull": hull(item.hull)})
+
+
+def _platform(parameters: Parameters) -> physics.Platform:
+    from solver import scene as physics
+    from solver.structure.frame import Frame, PointLoad, PointMass
+
+    table = parameters.platform
+    assert table is not None
+    return physics.Platform(
+        frame=Frame(
+            nodes=table.nodes,
+            members=_members(table),
+            clamped=table.clamped,
+            masses=tuple(PointMass(**dict(m)) for m in table.masses),
+            loads=tuple(PointLoad(**dict(p)) for p in table.loads),
+        ),
+        legs=table.legs,
+        damping_ratio=table.damping_ratio,
+        hinge_nodes={f.name: HINGE + f.name for f in parameters.floats},
+        geometric_stiffness=table.geometric_stiffness,
+        wave_inertia=table.wave_inertia,
+    )
+
+
+def _members(table: Platform) -> tuple[Member, ...]:
+    from solver.structure.frame import Material, Member
+
+    sections = {name: _section(section) for name, section in table.sections.items()}
+    materials = {name: Material(**dict(material)) for name, material in table.materials.items()}
+    return tuple(
+        Member(**{**dict(m), "section": sections[m.section], "material": materials[m.material]})
+        for m in table.members
+    )
+
+
+def _section(section: Section) -> beam.Section:
+    from solver.structure import beam
+
+    if isinstance(section, Tube):
+        return beam.tube(section.diameter, section.thickness)
+    return beam.solid_rectangle(section.width, section.height)

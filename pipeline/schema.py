@@ -1,0 +1,251 @@
+"""The tables of a study file: names, types, units, ranges. Lengths in m, masses in kg, all SI."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints, model_validator
+from pydantic_core import PydanticCustomError
+
+
+class Unit(NamedTuple):
+    """The unit of a number, for the docs and for messages."""
+
+    symbol: str
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+Count = Annotated[int, Field(strict=True, ge=1)]
+Flag = Annotated[bool, Field(strict=True)]
+Vector = tuple[Number, Number, Number]
+Name = Annotated[str, StringConstraints(strict=True, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.:-]*$")]
+# A year is a fine label, and TOML reads it as a number.
+Label = Annotated[Name, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
+Seed = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
+
+
+class Table(BaseModel):
+    """One table of a study file: immutable, and an unknown key is an error with a suggestion."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_unknown_keys(cls, data: Any) -> Any:
+        for key in data if isinstance(data, dict) else ():
+            if key not in cls.model_fields:
+                close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
+                known = f"did you mean {close[0]}?" if close else f"known: {', '.join(cls.model_fields)}"
+                raise PydanticCustomError("unknown_key", "{limit}", {"key": key, "limit": f"unknown key; {known}"})
+        return data
+
+
+class Water(Table):
+    """Still water of constant depth."""
+
+    depth: Annotated[Positive, Unit("m")]
+    density: Annotated[Positive, Unit("kg/m3")] = 1025.0
+    gravity: Annotated[Positive, Unit("m/s2")] = 9.81
+
+
+class Waves(Table):
+    """How every sea state becomes a wave record; Hs and Tp come from the sea state."""
+
+    spectrum: Literal["pierson-moskowitz"] = "pierson-moskowitz"
+    form: Literal["peak", "mean"] = "peak"  # "mean" is the form of the mean period T1
+    components: Count = 130
+    band: Annotated[tuple[Positive, Positive], Unit("rad/s")]
+    intervals: Literal["random", "even"] = "random"
+    heading: Annotated[Number, Unit("rad")] = 0.0
+    base_seed: Seed = 0
+
+
+class SeaState(Table):
+    """A row of a scatter table."""
+
+    Hs: Annotated[Positive, Unit("m")]
+    Tp: Annotated[Positive, Unit("s")]
+
+
+class Recording(Table):
+    """What of the simulated time is analysed."""
+
+    duration: Annotated[Positive, Unit("s")] = 3600.0
+    discard: Annotated[NotNegative, Unit("s")] = 100.0
+    ramp: Annotated[NotNegative, Unit("s")] = 50.0
+    ramp_form: Literal["paper", "cosine"] = "paper"
+    keep_series: Flag = False
+
+
+class Solver(Table):
+    """Numerical choices; the defaults are those of solver.scene.Settings, as a test makes sure."""
+
+    time_step: Annotated[Positive, Unit("s")] = 0.2  # samples are half a step apart
+    modes: Count | Literal["all"] = 12  # lowest modes kept, besides static load shapes
+    azimuths: Count = 16  # of the wetted-surface quadrature, full circle
+    arc_points: Count = 6
+    line_points: Count = 4
+    field_tolerance: Positive = 1e-6  # of the local wave field, relative to the sum of amplitudes
+    memory_tolerance: Positive = 2e-3  # of the radiation memory's fit
+    stations_per_element: Count = 1  # for drag
+    pressure: Literal["extrapolated", "wheeler"] = "extrapolated"  # above still water
+    froude_krylov: Literal["body-nonlinear", "linear"] = "body-nonlinear"
+    newton_tolerance: Positive = 1e-6  # m or rad
+
+
+class HemisphereCylinder(Table):
+    """A hemisphere under a cylinder of the same radius; still water at the junction."""
+
+    shape: Literal["hemisphere-cylinder"]
+    radius: Annotated[Positive, Unit("m")]
+    height: Annotated[Positive, Unit("m")]
+
+    @property
+    def draft(self) -> float:
+        """Depth of the lowest point [m]."""
+        return self.radius
+
+
+class Sphere(Table):
+    """A sphere whose lowest point is `draft` below still water."""
+
+    shape: Literal["sphere"]
+    radius: Annotated[Positive, Unit("m")]
+    draft: Annotated[Positive, Unit("m")]
+
+
+class VerticalCylinder(Table):
+    """A cylinder on end, `draft` below and `freeboard` above still water."""
+
+    shape: Literal["vertical-cylinder"]
+    radius: Annotated[Positive, Unit("m")]
+    draft: Annotated[Positive, Unit("m")]
+    freeboard: Annotated[Positive, Unit("m")]
+
+
+Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder, Field(discriminator="shape")]
+
+
+class Float(Table):
+    """A rigid float on a massless arm, hinged to the platform or to fixed ground."""
+
+    name: Name
+    hull: Hull
+    mass: Annotated[Positive, Unit("kg")]
+    inertia: Annotated[tuple[Positive, Positive, Positive], Unit("kg m2")]  # about the c.o.g.
+    cog: Annotated[Vector, Unit("m")] = (0.0, 0.0, 0.0)  # from the reference point
+    hinge: Annotated[Vector, Unit("m")]  # at rest
+    arm: Annotated[Vector, Unit("m")]  # from the hinge to the reference point
+    axis: Annotated[Vector, Unit("-")] = (0.0, 1.0, 0.0)
+    pto_damping: Annotated[NotNegative, Unit("N m s/rad")] = 0.0
+
+
+class Material(Table):
+    """Linear elastic."""
+
+    E: Annotated[Positive, Unit("Pa")]
+    G: Annotated[Positive, Unit("Pa")]
+    density: Annotated[Positive, Unit("kg/m3")]
+
+
+class Tube(Table):
+    """A circular hollow section."""
+
+    shape: Literal["tube"]
+    diameter: Annotated[Positive, Unit("m")]
+    thickness: Annotated[Positive, Unit("m")]
+
+
+class SolidRectangle(Table):
+    """A solid rectangular section."""
+
+    shape: Literal["solid-rectangle"]
+    width: Annotated[Positive, Unit("m")]
+    height: Annotated[Positive, Unit("m")]
+
+
+Section = Annotated[Tube | SolidRectangle, Field(discriminator="shape")]
+
+
+class Member(Table):
+    """A straight beam between two nodes, cut into equal elements."""
+
+    name: Name
+    start: Name
+    end: Name
+    elements: Count = 1
+    section: Name
+    material: Name
+    drag_coefficient: Annotated[NotNegative, Unit("-")] = 0.0  # C_D; 0 and C_M = 1: no wave load
+    inertia_coefficient: Annotated[Number, Field(ge=1), Unit("-")] = 1.0  # C_M = 1 + C_a
+
+
+class PointMass(Table):
+    """A mass without extent on a node."""
+
+    node: Name
+    mass: Annotated[Positive, Unit("kg")]
+
+
+class PointLoad(Table):
+    """A constant force on a node."""
+
+    node: Name
+    force: Annotated[Vector, Unit("N")]
+
+
+class Platform(Table):
+    """A beam frame. Nodes named hinge:<float> come with the floats; the rest are given here."""
+
+    nodes: dict[Name, Vector]
+    materials: dict[Name, Material]
+    sections: dict[Name, Section]
+    members: tuple[Member, ...]
+    clamped: tuple[Name, ...]
+    legs: tuple[Name, ...] = ()
+    masses: tuple[PointMass, ...] = ()
+    loads: tuple[PointLoad, ...] = ()
+    damping_ratio: Annotated[NotNegative, Field(lt=1), Unit("-")] = 0.01
+    geometric_stiffness: Flag = False
+    wave_inertia: Literal["standard", "relative"] = "standard"  # of Morison's equation
+
+
+Support = Literal["elastic", "fixed", "elastic-no-floats"]
+
+
+class Axes(Table):
+    """What is varied; the study is the product of the axes."""
+
+    sea_state: tuple[Label, ...] | None = None
+    platform: tuple[Support, ...] | None = None
+    pto_damping: Annotated[tuple[NotNegative, ...], Unit("N m s/rad")] | None = None
+    hinge_spacing: Annotated[tuple[Positive, ...], Unit("m")] | None = None
+    seed: tuple[Seed, ...] | None = None
+
+
+class StudyFile(Table):
+    """A whole study file."""
+
+    title: str = ""
+    water: Water
+    waves: Waves
+    record: Recording = Recording()
+    solver: Solver = Solver()
+    floats: tuple[Float, ...] = ()
+    platform: Platform | None = None
+    axes: Axes = Axes()
+    sea_states: dict[Label, SeaState]
+
+
+def units() -> dict[str, str]:
+    """Unit of every key that has one; a key means the same in every table."""
+    found: dict[str, str] = {}
+    for table in Table.__subclasses__():
+        for key, field in table.model_fields.items():
+            # In a union with None the unit sits one level down.
+            inner = [m for a in getattr(field.annotation, "__args__", ()) for m in getattr(a, "__metadata__", ())]
+            found.update({key: m.symbol for m in [*field.metadata, *inner] if isinstance(m, Unit)})
+    return found
