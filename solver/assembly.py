@@ -122,7 +122,7 @@ def structure(support: Support | None, damping_ratio: float) -> Structure:
         omega=support.omega,
         damping=np.full(support.omega.size, damping_ratio),
         carrier=np.ascontiguousarray(support.carrier),
-        station=np.ascontiguousarray(support.station_shape),
+        station=np.ascontiguousarray(support.station_shape.transpose(2, 1, 0)),
         drag=support.drag,
         scale=np.abs(support.shapes.reshape(-1, 6, support.omega.size)[:, :3]).max(axis=(0, 1)),
     )
@@ -174,7 +174,7 @@ def wave_rows(
         np.array([field.local_pressure(f.centre, terms) for f in scene.floats]).reshape(-1, n),
         _excitation(scene, hydrodynamics).reshape(-1, n) if nb else np.zeros((0, n)),
         support.wave_rows if support else np.zeros((0, n)),
-        support.station_rows.reshape(-1, n) if support else np.zeros((0, n)),
+        support.station_rows.transpose(1, 0, 2).reshape(-1, n) if support else np.zeros((0, n)),
         field.elevation(np.zeros((1, 3))),
     ]
     ends = np.cumsum([0] + [len(p) for p in parts])

@@ -41,7 +41,7 @@ class Structure(NamedTuple):
     omega: np.ndarray  # (nm,) [rad/s]
     damping: np.ndarray  # (nm,) ratio
     carrier: np.ndarray  # (nc, nm) carrier coordinates of unit modal amplitude
-    station: np.ndarray  # (ns, nd, nm) normal displacement at the drag stations
+    station: np.ndarray  # (nm, nd, ns) normal displacement at the drag stations
     drag: np.ndarray  # (ns,) ½ρ C_D D times length [kg/m]
     scale: np.ndarray  # (nm,) largest displacement of unit amplitude, for convergence
 
@@ -61,7 +61,7 @@ class Drive(NamedTuple):
     field: np.ndarray  # (m, nb, 2, terms)
     excitation: np.ndarray  # (m, nb, 6)
     modal: np.ndarray  # (m, nm)
-    station: np.ndarray  # (m, ns, nd)
+    station: np.ndarray  # (m, nd, ns) particle velocity normal to the members
 
 
 class State(NamedTuple):
@@ -130,27 +130,34 @@ def _substitute(K, pivot, b):
 
 
 @njit(cache=True, fastmath={"contract", "reassoc", "nsz"})
-def _drag(structure, water, dp, force):
-    """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame."""
-    ns, nd, nm = structure.station.shape
+def _drag(structure, water, dp, force, flow):
+    """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame.
+
+    water, flow (nd, ns): particle velocity, and room for the frame's own. Stations are
+    innermost, so that both products with the modal shapes run along memory.
+    """
+    nm, nd, ns = structure.station.shape
+    flow[:] = 0.0
+    for m in range(nm):
+        for d in range(nd):
+            for i in range(ns):
+                flow[d, i] += structure.station[m, d, i] * dp[m]
     power = 0.0
     for i in range(ns):
-        size = 0.0
-        relative = np.empty(nd)
-        own = np.empty(nd)
+        square = 0.0
         for d in range(nd):
-            v = 0.0
-            for m in range(nm):
-                v += structure.station[i, d, m] * dp[m]
-            own[d] = v
-            relative[d] = water[i, d] - v
-            size += relative[d] * relative[d]
-        size = structure.drag[i] * np.sqrt(size)
+            square += (water[d, i] - flow[d, i]) ** 2
+        size = structure.drag[i] * np.sqrt(square)
         for d in range(nd):
-            f = size * relative[d]
-            power += f * own[d]
-            for m in range(nm):
-                force[m] += structure.station[i, d, m] * f
+            own = flow[d, i]
+            flow[d, i] = size * (water[d, i] - own)
+            power += flow[d, i] * own
+    for m in range(nm):
+        total = 0.0
+        for d in range(nd):
+            for i in range(ns):
+                total += structure.station[m, d, i] * flow[d, i]
+        force[m] += total
     return power
 
 
@@ -306,7 +313,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
     velocity, history, load = np.empty((2, na)), np.empty((2, na)), np.empty((2, na))
     residual, wrench, power = np.empty((2, nz)), np.empty((2, nb, 6)), np.zeros((2, 4))
     works = np.zeros((3, state.work.size))
-    update = np.empty(2 * nz)
+    update, flow = np.empty(2 * nz), np.empty(structure.station.shape[1:])
     used = 0
     for step in range(steps):
         # The step's start, and what is known of its stages.
@@ -360,7 +367,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
                     power[s],
                 )
                 works[1 + s, :4] = power[s]
-                works[1 + s, 5] = _drag(structure, drive.station[sample], dp[s], drag[s])
+                works[1 + s, 5] = _drag(structure, drive.station[sample], dp[s], drag[s], flow)
             # Newton's right-hand side: a carrier's acceleration with all loads less the
             # present one; a joint's residual as it is.
             for s in range(2):

@@ -68,14 +68,14 @@ class System:
 
     def drive(self, samples: np.ndarray) -> Drive:
         """Columns of the wave series (m, columns) as the march reads them."""
-        nb, (ns, nd, _) = len(self.scene.floats), self.structure.station.shape
+        nb, (_, nd, ns) = len(self.scene.floats), self.structure.station.shape
         m, at = len(samples), self.layout
         terms = (at.field.stop - at.field.start) // max(2 * nb, 1)
         return Drive(
             field=np.ascontiguousarray(samples[:, at.field]).reshape(m, nb, 2, terms),
             excitation=np.ascontiguousarray(samples[:, at.excitation]).reshape(m, nb, 6),
             modal=np.ascontiguousarray(samples[:, at.modal]),
-            station=np.ascontiguousarray(samples[:, at.station]).reshape(m, ns, nd),
+            station=np.ascontiguousarray(samples[:, at.station]).reshape(m, nd, ns),
         )
 
 
