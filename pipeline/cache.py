@@ -26,12 +26,32 @@ ARRAYS = {
     "added_mass": ("added_mass", ("omega", *DOF), "kg", "Added mass"),
     "radiation_damping": ("radiation_damping", ("omega", *DOF), "kg s-1", "Radiation damping"),
     "added_mass_inf": ("added_mass_inf", DOF, "kg", "Added mass at infinite frequency"),
-    "diffraction": ("diffraction_force", ("omega", DOF[0], "complex"), "N m-1", "Diffraction force per wave amplitude"),
-    "froude_krylov": ("Froude_Krylov_force", ("omega", DOF[0], "complex"), "N m-1", "Froude-Krylov force per wave amplitude"),
-    "hydrostatic_stiffness": ("hydrostatic_stiffness", DOF, "N m-1", "Hydrostatic stiffness of buoyancy"),
+    "diffraction": (
+        "diffraction_force",
+        ("omega", DOF[0], "complex"),
+        "N m-1",
+        "Diffraction force per wave amplitude",
+    ),
+    "froude_krylov": (
+        "Froude_Krylov_force",
+        ("omega", DOF[0], "complex"),
+        "N m-1",
+        "Froude-Krylov force per wave amplitude",
+    ),
+    "hydrostatic_stiffness": (
+        "hydrostatic_stiffness",
+        DOF,
+        "N m-1",
+        "Hydrostatic stiffness of buoyancy",
+    ),
     "displaced_mass": ("displaced_mass", ("body",), "kg", "Mass of the displaced water"),
     "buoyancy_centre": ("center_of_buoyancy", ("body",), "m", "Height of the centre of buoyancy"),
-    "centres": ("rotation_center", ("body", "xyz"), "m", "Point that rotations and moments refer to"),
+    "centres": (
+        "rotation_center",
+        ("body", "xyz"),
+        "m",
+        "Point that rotations and moments refer to",
+    ),
 }
 SCALARS = ("depth", "density", "gravity", "heading", "mesh_error")
 
@@ -48,7 +68,10 @@ def encode(hydrodynamics: Hydrodynamics) -> bytes:
     labels = np.array([f"body{b}__{dof}" for b in bodies for dof in hydrodynamics.dofs])
     variables |= {dof: Variable((dof,), labels, {"long_name": "Body and degree of freedom"}) for dof in DOF}
     variables["complex"] = Variable(("complex",), np.array(["re", "im"]), {"long_name": "Part of a complex number"})
-    attrs: dict[str, Any] = {"Conventions": "CF-1.11", "title": "Hydrodynamic coefficients, Re{X exp(-i omega t)}"}
+    attrs: dict[str, Any] = {
+        "Conventions": "CF-1.11",
+        "title": "Hydrodynamic coefficients, Re{X exp(-i omega t)}",
+    }
     attrs |= {name: float(getattr(hydrodynamics, name)) for name in SCALARS}
     attrs |= {f"setting_{key}": value for key, value in hydrodynamics.settings.items()}
     attrs |= {"dofs": " ".join(hydrodynamics.dofs), "content": content(variables)}

@@ -25,7 +25,7 @@ class Campaign:
     study: Path
     results: Path
     store: Store
-    engine: Engine = Engine()
+    engine: Engine
     workers: int = 2
     scheduler: str | None = None
     keep_going: bool = True
@@ -40,8 +40,8 @@ class Campaign:
                 pool.submit(geometry, attempt_geometry, self.engine, geometry)
             for task in free:
                 self._submit(pool, task, None)
-            for key, (data, waiting) in known.items():
-                self._release(pool, key, data, waiting)
+            for name, (data, waiting) in known.items():
+                self._release(pool, name, data, waiting)
             for key, outcome in pool.finished():
                 if isinstance(key, Geometry):
                     watch("geometry", key, outcome)
@@ -71,7 +71,12 @@ class Campaign:
         return known, unknown, free
 
     def _geometry_done(
-        self, pool: schedule.Pool, outcome: Outcome, geometry: Geometry, waiting: list[Task], watch: Watch
+        self,
+        pool: schedule.Pool,
+        outcome: Outcome,
+        geometry: Geometry,
+        waiting: list[Task],
+        watch: Watch,
     ) -> list[Task]:
         """Keep coefficients and let their tasks go; without them, the tasks have failed too."""
         if isinstance(outcome.result, Failure):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from pipeline.layout import HINGE, hinge_nodes, spaced
 from pipeline.schema import Float, Platform, StudyFile, Tube
@@ -130,7 +130,9 @@ def _float(item: Float, study: StudyFile) -> Iterator[InputError]:
         yield InputError(f"{key}.hull.draft", draft, f"must be < the diameter, {2 * hull.radius:g} m")
     reference = item.hinge[2] + item.arm[2]
     if reference - draft <= -study.water.depth:
-        limit = f"must stay above the seabed: lowest point at z = {reference - draft:g} m, depth {study.water.depth:g} m"
+        limit = (
+            f"must stay above the seabed: lowest point at z = {reference - draft:g} m, depth {study.water.depth:g} m"
+        )
         yield InputError(f"{key}.arm", list(item.arm), limit)
     elif abs(reference) > STILL_WATER:
         limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {reference:g} m"
@@ -161,7 +163,9 @@ def _platform(platform: Platform, study: StudyFile) -> Iterator[InputError]:
     for node in platform.nodes:
         if node.startswith(HINGE):
             yield InputError(f"platform.nodes.{node}", list(nodes[node]), "comes with its float; leave it out")
-    named = [(f"platform.members.{m.name}.{end}", getattr(m, end)) for m in platform.members for end in ("start", "end")]
+    named = [
+        (f"platform.members.{m.name}.{end}", getattr(m, end)) for m in platform.members for end in ("start", "end")
+    ]
     named += [(f"platform.clamped[{i}]", n) for i, n in enumerate(platform.clamped)]
     named += [(f"platform.masses[{i}].node", m.node) for i, m in enumerate(platform.masses)]
     named += [(f"platform.loads[{i}].node", load.node) for i, load in enumerate(platform.loads)]
@@ -194,7 +198,7 @@ def _members(platform: Platform, nodes: dict[str, tuple[float, float, float]]) -
         yield from _known(f"platform.legs[{i}]", leg, {m.name: m for m in platform.members})
 
 
-def _known(key: str, name: str, known: dict[str, object] | dict[str, tuple[float, float, float]]) -> Iterator[InputError]:
+def _known(key: str, name: str, known: Collection[str]) -> Iterator[InputError]:
     if name not in known:
         yield InputError(key, name, f"must be one of {', '.join(known)}")
 

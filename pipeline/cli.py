@@ -72,7 +72,11 @@ def tally(entries: Sequence[tuple[Task, Entry]]) -> str:
 
 
 @app.command()
-def plan(study_file: File, results: Results = RESULTS, select_: Annotated[str, typer.Option("--select")] = "") -> None:
+def plan(
+    study_file: File,
+    results: Results = RESULTS,
+    select_: Annotated[str, typer.Option("--select")] = "",
+) -> None:
     """What a run would do."""
     study = load(study_file)
     tasks = select(study, expand(study.content), select_)
@@ -102,7 +106,15 @@ def run(
     with store.lock(lambda text: say(text, err)):
         todo = [task for task, entry in _unfinished(tasks, store)]
         if todo:
-            _run(study, store, results, todo, workers=workers, scheduler=scheduler, keep_going=keep_going)
+            _run(
+                study,
+                store,
+                results,
+                todo,
+                workers=workers,
+                scheduler=scheduler,
+                keep_going=keep_going,
+            )
         path = _collect(study, store)
     entries = looked(tasks, store)
     _print_table(study, path)
@@ -128,11 +140,13 @@ def _run(
 ) -> list[Task]:
     from pipeline.campaign import Campaign
     from pipeline.progress import watching
+    from pipeline.run import Engine
 
     campaign = Campaign(
         study=study.path,
         results=results,
         store=store,
+        engine=Engine(),
         workers=workers,
         scheduler=scheduler,
         keep_going=keep_going,
@@ -144,7 +158,7 @@ def _run(
 def _collect(study: Study, store: Store) -> Path:
     from pipeline.dataset import collect as collect_dataset
 
-    return collect_dataset(study, store)[0]
+    return collect_dataset(study, store, anew=False)[0]
 
 
 def _print_table(study: Study, path: Path) -> None:
@@ -165,7 +179,10 @@ def _finish(entries: Sequence[tuple[Task, Entry]], study: Study, results: Path) 
         error = entry.status.get("error", {})
         say(f"failed: {task.id} {task}: {error.get('kind')}: {error.get('message')}", err)
     if failed:
-        say(f"see `study show {study.path} TASK`, repeat with `study rerun {study.path} --failed`", err)
+        say(
+            f"see `study show {study.path} TASK`, repeat with `study rerun {study.path} --failed`",
+            err,
+        )
         raise typer.Exit(FAILED)
 
 

@@ -47,7 +47,11 @@ def sources() -> str:
 @cache
 def provenance() -> dict[str, str]:
     """Where and with what a task was computed."""
-    found = {"host": platform.node(), "python": platform.python_version(), "solver_sources": sources()}
+    found = {
+        "host": platform.node(),
+        "python": platform.python_version(),
+        "solver_sources": sources(),
+    }
     for name in PACKAGES:
         try:
             found[name] = version(name)
@@ -59,7 +63,16 @@ def provenance() -> dict[str, str]:
 @cache
 def commit() -> str:
     """Git commit of the sources, with '-dirty' if they differ from it; empty outside git."""
-    command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    command = [
+        "git",
+        "-C",
+        str(ROOT),
+        "describe",
+        "--always",
+        "--dirty",
+        "--abbrev=40",
+        "--exclude=*",
+    ]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=10, check=False)
     except (OSError, subprocess.TimeoutExpired):

@@ -20,6 +20,4 @@ def spaced(floats: tuple[Float, ...], spacing: float) -> tuple[Float, ...]:
     a, b = floats
     side = math.copysign(0.5, a.hinge[0] - b.hinge[0])
     places = (side * spacing, -side * spacing)
-    return tuple(
-        f.model_copy(update={"hinge": (x, *f.hinge[1:])}) for f, x in zip(floats, places, strict=True)
-    )
+    return tuple(f.model_copy(update={"hinge": (x, *f.hinge[1:])}) for f, x in zip(floats, places, strict=True))

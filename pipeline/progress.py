@@ -24,7 +24,12 @@ def watching(console: Console, total: int) -> Iterator[Watch]:
             clock.line(kind, what, outcome), soft_wrap=True, highlight=False, markup=False
         )
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
     with Progress(*columns, TextColumn("{task.fields[left]}"), console=console) as bar:
         job = bar.add_task("tasks", total=total, left="")
 
@@ -52,7 +57,9 @@ class Clock:
             return f"hydrodynamic coefficients of {len(what.bodies)} floats: {how}"
         self.done += 1
         self.first = self.first or time.monotonic() - self.start
-        how = f"failed: {result.kind}: {result.message}" if isinstance(result, Failure) else f"{outcome.wall_time:.1f} s"
+        how = (
+            f"failed: {result.kind}: {result.message}" if isinstance(result, Failure) else f"{outcome.wall_time:.1f} s"
+        )
         width = len(str(self.total))
         return f"[{self.done:{width}}/{self.total}] {what.id} {what}: {how}{self._comma_left()}"
 

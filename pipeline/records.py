@@ -14,13 +14,23 @@ from pipeline.variables import RENAMED, meaning
 TIMINGS = ("wall_time", "prepare_time", "march_time")
 
 
+Labelled = tuple[tuple[str, ...], Any]
+
+
 class Record(Protocol):
     """What the solver hands back: statistics by name, with dimensions, and audit figures."""
 
-    variables: Mapping[str, tuple[tuple[str, ...], Any]]
-    coords: Mapping[str, Any]
-    attrs: Mapping[str, Any]
-    series: Mapping[str, tuple[tuple[str, ...], Any]]
+    @property
+    def variables(self) -> Mapping[str, Labelled]: ...
+
+    @property
+    def coords(self) -> Mapping[str, Any]: ...
+
+    @property
+    def attrs(self) -> Mapping[str, Any]: ...
+
+    @property
+    def series(self) -> Mapping[str, Labelled]: ...
 
 
 def encode(record: Record, provenance: Mapping[str, Any]) -> tuple[bytes, str]:

@@ -140,11 +140,11 @@ def summary(data: xr.Dataset, console: Console) -> None:
     table = Table(box=None, pad_edge=False)
     for name in ("variable", "statistic", "mean", "least", "largest", "unit"):
         table.add_column(name, justify="left" if name in ("variable", "statistic", "unit") else "right")
-    for name, values in data.data_vars.items():
+    for label, values in data.data_vars.items():
         if "statistic" not in values.dims or values.isnull().all():
             continue
         for statistic in values.statistic.values:
             part = values.sel(statistic=statistic)
             figures = (f"{float(f()):.4g}" for f in (part.mean, part.min, part.max))
-            table.add_row(str(name), str(statistic), *figures, values.attrs.get("units", ""))
+            table.add_row(str(label), str(statistic), *figures, values.attrs.get("units", ""))
     console.print(table)

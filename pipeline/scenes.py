@@ -6,7 +6,15 @@ import math
 from typing import TYPE_CHECKING, Any, assert_never
 
 from pipeline.layout import HINGE
-from pipeline.schema import Float, HemisphereCylinder, Platform, Section, Sphere, Tube, VerticalCylinder
+from pipeline.schema import (
+    Float,
+    HemisphereCylinder,
+    Platform,
+    Section,
+    Sphere,
+    Tube,
+    VerticalCylinder,
+)
 from pipeline.tasks import Geometry, Parameters, wave_seed
 
 if TYPE_CHECKING:
@@ -55,9 +63,7 @@ def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder) -> Revolution:
         case Sphere():
             return Revolution.sphere(radius=shape.radius, draft=shape.draft)
         case VerticalCylinder():
-            return Revolution.vertical_cylinder(
-                radius=shape.radius, draft=shape.draft, freeboard=shape.freeboard
-            )
+            return Revolution.vertical_cylinder(radius=shape.radius, draft=shape.draft, freeboard=shape.freeboard)
         case _:
             assert_never(shape)
 
@@ -119,8 +125,7 @@ def _members(table: Platform) -> tuple[Member, ...]:
     sections = {name: _section(section) for name, section in table.sections.items()}
     materials = {name: Material(**dict(material)) for name, material in table.materials.items()}
     return tuple(
-        Member(**{**dict(m), "section": sections[m.section], "material": materials[m.material]})
-        for m in table.members
+        Member(**{**dict(m), "section": sections[m.section], "material": materials[m.material]}) for m in table.members
     )
 
 

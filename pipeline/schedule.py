@@ -14,6 +14,14 @@ from typing import Any, Protocol
 from pipeline import environment
 from pipeline.run import Failure, Outcome
 
+SETTINGS = {
+    # The coefficients of a geometry ride in the graph, once each; that is meant.
+    "distributed.admin.large-graph-warning-threshold": "100MB",
+    # One task in hand and none waiting behind it: a task that kills its worker takes no other along.
+    "distributed.scheduler.worker-saturation": 1.0,
+    "distributed.scheduler.allowed-failures": 1,
+    "distributed.comm.timeouts.connect": "10s",
+}
 SMALL = 2  # so few pieces of work are done sooner than a cluster starts
 
 
@@ -94,10 +102,8 @@ def pool(work: int, *, workers: int, scheduler: str | None) -> Iterator[Pool]:
     import dask
     from distributed import Client, LocalCluster
 
-    # The coefficients of a geometry ride in the graph, once each; that is meant.
-    quiet = {"distributed.admin.large-graph-warning-threshold": "100MB", "distributed.comm.retry.count": 3}
     with contextlib.ExitStack() as stack:
-        stack.enter_context(dask.config.set(quiet))
+        stack.enter_context(dask.config.set(SETTINGS))
         if scheduler is None:
             scheduler = stack.enter_context(
                 LocalCluster(

@@ -50,7 +50,8 @@ def _label(study: Study, axis: str, word: str, known: Sequence[Label]) -> Label:
         if str(label) == word or (not isinstance(label, str) and _number(word) == label):
             return label
     raise StudyError(
-        study.path, [f"--select = {axis}={word}: no such value; {_suggest(word, [str(v) for v in known])}"]
+        study.path,
+        [f"--select = {axis}={word}: no such value; {_suggest(word, [str(v) for v in known])}"],
     )
 
 

@@ -124,7 +124,10 @@ class Store:
             status.unlink()
             sync_folder(folder)
         described = {"id": task.id, "model_version": task.version, "labels": dict(task.labels)}
-        write_json(folder / "parameters.json", described | {"parameters": json.loads(task.parameters.canonical())})
+        write_json(
+            folder / "parameters.json",
+            described | {"parameters": json.loads(task.parameters.canonical())},
+        )
         return folder
 
     def done(self, task: Task, record: bytes, status: dict[str, Any]) -> None:
@@ -141,7 +144,12 @@ class Store:
     def failed(self, task: Task, status: dict[str, Any]) -> None:
         """Keep why a task failed."""
         folder = self.begin(task)
-        head = {"state": "failed", "id": task.id, "model_version": task.version, "finished": timestamp()}
+        head = {
+            "state": "failed",
+            "id": task.id,
+            "model_version": task.version,
+            "finished": timestamp(),
+        }
         write_json(folder / "status.json", head | status)
 
     @contextlib.contextmanager

@@ -90,7 +90,8 @@ def missing_file(path: Path) -> str:
 
 def describe(error: ErrorDetails) -> str:
     """One line for a pydantic error: key = value: limit."""
-    context: dict[str, Any] = dict(error.get("ctx", {}))
+    given: dict[str, Any] = error.get("ctx", {})
+    context = {k: f"{v:g}" if isinstance(v, float) else v for k, v in given.items()}
     parts = list(error["loc"])
     value: Any = error["input"]
     if error["type"] == "unknown_key":
@@ -106,7 +107,14 @@ def describe(error: ErrorDetails) -> str:
 
 def dotted(parts: Iterable[int | str]) -> str:
     """floats[0].hull.radius; the tag of a union (the hull's shape) is no key, so it is left out."""
-    tags = ("hemisphere-cylinder", "sphere", "vertical-cylinder", "tube", "solid-rectangle", "[key]")
+    tags = (
+        "hemisphere-cylinder",
+        "sphere",
+        "vertical-cylinder",
+        "tube",
+        "solid-rectangle",
+        "[key]",
+    )
     text = ""
     for part in parts:
         if isinstance(part, int):

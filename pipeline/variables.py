@@ -30,12 +30,12 @@ VARIABLES = {
     "bottom_stress": Meaning("Pa", "Stress of the most compressive fibre at the bottom of the leg"),
     "displacement_envelope": Meaning("m", "Largest absolute displacement along the leg"),
     "stress_envelope": Meaning("Pa", "Largest absolute stress along the leg"),
-    "wave_elevation": Meaning("m", "Elevation of the sea surface at the origin", "sea_surface_height_above_mean_sea_level"),
+    "wave_elevation": Meaning(
+        "m", "Elevation of the sea surface at the origin", "sea_surface_height_above_mean_sea_level"
+    ),
     "natural_frequency": Meaning("rad s-1", "Natural angular frequency of the dry platform"),
     "Hm0": Meaning("m", "Significant wave height of the realization", WAVE + "significant_height"),
-    "Tp_realized": Meaning(
-        "s", "Peak period of the realization", WAVE + "period_at_variance_spectral_density_maximum"
-    ),
+    "Tp_realized": Meaning("s", "Peak period of the realization", WAVE + "period_at_variance_spectral_density_maximum"),
     "Te": Meaning(
         "s",
         "Energy period of the realization",
