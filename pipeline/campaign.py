@@ -15,7 +15,7 @@ from pipeline.run import Engine, Failure, Outcome, attempt_geometry, attempt_tas
 from pipeline.store import Entry, Store
 from pipeline.tasks import Geometry, Task
 
-Watch = Callable[[str, Task | Geometry, Outcome], None]
+Watch = Callable[[Task | Geometry, Outcome], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,11 +44,11 @@ class Campaign:
                 self._release(pool, name, data, waiting)
             for key, outcome in pool.finished():
                 if isinstance(key, Geometry):
-                    watch("geometry", key, outcome)
+                    watch(key, outcome)
                     failed += self._geometry_done(pool, outcome, key, unknown[key.key][1], watch)
                 elif isinstance(key, Task):
                     failed += [key] if self._keep(key, outcome) else []
-                    watch("task", key, outcome)
+                    watch(key, outcome)
                 if failed and not self.keep_going:
                     break
         return failed
@@ -82,7 +82,7 @@ class Campaign:
         if isinstance(outcome.result, Failure):
             for task in waiting:
                 self._keep(task, outcome)
-                watch("task", task, outcome)
+                watch(task, outcome)
             return waiting
         Cache(self.results).put(geometry.key, outcome.result)
         self._release(pool, geometry.key, outcome.result, waiting)

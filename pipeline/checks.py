@@ -173,12 +173,12 @@ def _platform(platform: Platform, study: StudyFile) -> Iterator[InputError]:
         yield from _known(key, node, nodes)
     yield from _members(platform, nodes)
     ends = {end for m in platform.members for end in (m.start, m.end)}
-    for node in nodes:
+    for node, place in nodes.items():
         if node not in ends:
-            yield InputError(f"platform.nodes.{node}", list(nodes[node]), "must be the end of a member")
-        elif nodes[node][2] < -study.water.depth - STILL_WATER:
+            yield InputError(f"platform.nodes.{node}", list(place), "must be the end of a member")
+        elif place[2] < -study.water.depth - STILL_WATER:
             limit = f"must not lie below the seabed, z = {-study.water.depth:g} m"
-            yield InputError(f"platform.nodes.{node}", list(nodes[node]), limit)
+            yield InputError(f"platform.nodes.{node}", list(place), limit)
 
 
 def _members(platform: Platform, nodes: dict[str, tuple[float, float, float]]) -> Iterator[InputError]:

@@ -5,22 +5,20 @@ from __future__ import annotations
 import json
 import shutil
 import sys
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from pipeline import environment
+from pipeline.console import DONE, FAILED, compare, err, finish, looked, out, say, store_of, tally
 from pipeline.select import find, select
 from pipeline.store import Entry, Store, read_json
 from pipeline.study import Study, StudyError, load
 from pipeline.tasks import Task, expand
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
-out, err = Console(), Console(stderr=True)
 
 File = Annotated[Path, typer.Argument(metavar="STUDY", help="A study file, such as studies/buan.toml")]
 Results = Annotated[Path, typer.Option(help="Folder of results")]
@@ -30,7 +28,7 @@ Scheduler = Annotated[str | None, typer.Option(help="Address of a running dask s
 KeepGoing = Annotated[bool, typer.Option("--keep-going/--fail-fast", help="Go on after a failed task")]
 Words = Annotated[list[str] | None, typer.Argument(metavar="TASK...", help="Ids, their beginnings, or labels")]
 
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+BAD_INPUT, INTERRUPTED = 2, 130
 RESULTS = Path("results")
 
 
@@ -46,29 +44,6 @@ def main() -> None:
     except KeyboardInterrupt:
         say("interrupted; finished tasks are kept, and the same command goes on from here", err)
         sys.exit(INTERRUPTED)
-
-
-def say(text: str, console: Console = out) -> None:
-    """A plain line, whatever is in it."""
-    console.print(text, soft_wrap=True, highlight=False, markup=False)
-
-
-def store_of(study: Study, results: Path) -> Store:
-    """Where a study's results are; refuses a path that is no folder."""
-    if results.exists() and not results.is_dir():
-        raise StudyError(study.path, [f"--results = {results}: must be a folder"])
-    return Store(results, study.name)
-
-
-def looked(tasks: Sequence[Task], store: Store) -> list[tuple[Task, Entry]]:
-    """Every task, once, with its state."""
-    return [(task, store.look(task)) for task in {task.id: task for task in tasks}.values()]
-
-
-def tally(entries: Sequence[tuple[Task, Entry]]) -> str:
-    """54 tasks: 50 done, 3 missing, 1 failed."""
-    counts = Counter(entry.state for _, entry in entries)
-    return f"{len(entries)} tasks: " + ", ".join(f"{n} {state}" for state, n in counts.most_common())
 
 
 @app.command()
@@ -119,7 +94,7 @@ def run(
     entries = looked(tasks, store)
     _print_table(study, path)
     say(f"{tally(entries)}; {'nothing to run' if not todo else f'{len(todo)} run now'}; {path}")
-    _finish(entries, study, results)
+    finish(entries, study)
 
 
 def _unfinished(tasks: Sequence[Task], store: Store) -> list[tuple[Task, Entry]]:
@@ -170,20 +145,6 @@ def _print_table(study: Study, path: Path) -> None:
         report.show(data, report.published(published), out)
     else:
         report.summary(data, out)
-
-
-def _finish(entries: Sequence[tuple[Task, Entry]], study: Study, results: Path) -> None:
-    """List what failed, with reason; exit 1 if anything did."""
-    failed = [(task, entry) for task, entry in entries if entry.state == "failed"]
-    for task, entry in failed:
-        error = entry.status.get("error", {})
-        say(f"failed: {task.id} {task}: {error.get('kind')}: {error.get('message')}", err)
-    if failed:
-        say(
-            f"see `study show {study.path} TASK`, repeat with `study rerun {study.path} --failed`",
-            err,
-        )
-        raise typer.Exit(FAILED)
 
 
 @app.command()
@@ -248,29 +209,15 @@ def rerun(
     with store.lock(lambda text: say(text, err)):
         old = {task.id: _record(store, task) for task in again}
         _run(study, store, results, again, workers=workers, scheduler=scheduler)
-        changed = [not _compare(task, old[task.id], _record(store, task)) for task in again]
+        changed = [not compare(task, old[task.id], _record(store, task)) for task in again]
         _collect(study, store)
-    _finish(looked(again, store), study, results)
+    finish(looked(again, store), study)
     raise typer.Exit(FAILED if any(changed) else DONE)
 
 
 def _record(store: Store, task: Task) -> bytes | None:
     entry = store.look(task, checksums=True)
     return entry.record.read_bytes() if entry.state == "done" else None
-
-
-def _compare(task: Task, old: bytes | None, new: bytes | None) -> bool:
-    """Say how the new record relates to the old one; False if both are there and differ."""
-    from pipeline.records import differences
-
-    if old is None or new is None:
-        say(f"{task.id}: no old record to compare with" if new else f"{task.id}: no new record")
-        return True
-    lines = differences(old, new)
-    say(f"{task.id}: " + ("differs from the old record" if lines else "bitwise the same as the old record"))
-    for line in lines:
-        say(f"  {line}")
-    return not lines
 
 
 @app.command()

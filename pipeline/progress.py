@@ -12,7 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from pipeline.run import Failure, Outcome
 from pipeline.tasks import Geometry, Task
 
-Watch = Callable[[str, Task | Geometry, Outcome], None]
+Watch = Callable[[Task | Geometry, Outcome], None]
 
 
 @contextlib.contextmanager
@@ -20,8 +20,8 @@ def watching(console: Console, total: int) -> Iterator[Watch]:
     """A watch for so many tasks."""
     clock = Clock(total)
     if not console.is_terminal:
-        yield lambda kind, what, outcome: console.print(
-            clock.line(kind, what, outcome), soft_wrap=True, highlight=False, markup=False
+        yield lambda what, outcome: console.print(
+            clock.line(what, outcome), soft_wrap=True, highlight=False, markup=False
         )
         return
     columns = (
@@ -33,9 +33,9 @@ def watching(console: Console, total: int) -> Iterator[Watch]:
     with Progress(*columns, TextColumn("{task.fields[left]}"), console=console) as bar:
         job = bar.add_task("tasks", total=total, left="")
 
-        def watch(kind: str, what: Task | Geometry, outcome: Outcome) -> None:
-            line = clock.line(kind, what, outcome)
-            if kind == "geometry" or isinstance(outcome.result, Failure):
+        def watch(what: Task | Geometry, outcome: Outcome) -> None:
+            line = clock.line(what, outcome)
+            if isinstance(what, Geometry) or isinstance(outcome.result, Failure):
                 bar.console.print(line, highlight=False, markup=False)
             bar.update(job, completed=clock.done, left=clock.left())
 
@@ -49,7 +49,7 @@ class Clock:
         self.total, self.done, self.start = total, 0, time.monotonic()
         self.first = 0.0  # when the first task came in: set-up and compilation lie before it [s]
 
-    def line(self, kind: str, what: Task | Geometry, outcome: Outcome) -> str:
+    def line(self, what: Task | Geometry, outcome: Outcome) -> str:
         """One outcome in words."""
         result = outcome.result
         if isinstance(what, Geometry):

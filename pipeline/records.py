@@ -55,12 +55,11 @@ def _variables(record: Record) -> Iterator[tuple[str, Variable]]:
         if name in used:
             yield name, Variable((name,), np.asarray(values), meaning(name))
     for name, (dims, values) in sorted(arrays.items()):
-        name = RENAMED.get(name, name)
-        yield name, Variable(tuple(dims), np.asarray(values), meaning(name))
+        yield RENAMED.get(name, name), Variable(tuple(dims), np.asarray(values), meaning(RENAMED.get(name, name)))
     for name, value in sorted(record.attrs.items()):
         if _is_figure(value) and name not in TIMINGS:
-            name = RENAMED.get(name, name)
-            yield name, Variable((), np.asarray(float(value)), meaning(name))
+            own = RENAMED.get(name, name)
+            yield own, Variable((), np.asarray(float(value)), meaning(own))
 
 
 def _is_figure(value: object) -> bool:

@@ -254,5 +254,7 @@ def units() -> dict[str, str]:
         for key, field in table.model_fields.items():
             # In a union with None the unit sits one level down.
             inner = [m for a in getattr(field.annotation, "__args__", ()) for m in getattr(a, "__metadata__", ())]
-            found.update({key: m.symbol for m in [*field.metadata, *inner] if isinstance(m, Unit)})
+            for mark in (*field.metadata, *inner):
+                if isinstance(mark, Unit):
+                    found[key] = mark.symbol
     return found

@@ -19,11 +19,8 @@ def find(study: Study, tasks: Sequence[Task], words: Iterable[str]) -> list[Task
     """Tasks by id, by the beginning of an id, or by labels."""
     found: dict[str, Task] = {}
     for word in words:
-        if "=" in word:
-            matches = select(study, tasks, word)
-        else:
-            matches = [task for task in tasks if task.id.startswith(word)]
-        ids = {task.id: task for task in matches}
+        by_id = (task for task in tasks if task.id.startswith(word))
+        ids = {task.id: task for task in (select(study, tasks, word) if "=" in word else by_id)}
         if not ids:
             raise StudyError(study.path, [f"task = {word}: no such task; `study plan {study.path}` lists them"])
         if len(ids) > 1 and "=" not in word:

@@ -27,7 +27,9 @@ def run(path, results, engine, **how):
     tasks = list(expand(study.content))
     job = campaign(path, results, engine, **how)
     heard = []
-    failed = job.run([t for t, _ in unfinished(tasks, job.store)], lambda kind, what, _: heard.append(kind))
+    failed = job.run(
+        [t for t, _ in unfinished(tasks, job.store)], lambda what, _: heard.append(type(what).__name__.lower())
+    )
     return study, tasks, job.store, failed, heard
 
 

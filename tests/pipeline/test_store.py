@@ -39,9 +39,10 @@ def test_a_record_without_status_is_not_done(store, task, monkeypatch):
     def crash(*_):
         raise KeyboardInterrupt
 
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+    with monkeypatch.context() as patch:
         patch.setattr(module, "sha256", crash)
-        store.done(task, b"record", {})
+        with pytest.raises(KeyboardInterrupt):
+            store.done(task, b"record", {})
     assert store.look(task).record.exists()
     assert store.look(task).state == "missing"
 

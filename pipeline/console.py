@@ -1,0 +1,68 @@
+"""What the command line says about tasks."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+import typer
+from rich.console import Console
+
+from pipeline.store import Entry, Store
+from pipeline.study import Study, StudyError
+from pipeline.tasks import Task
+
+DONE, FAILED = 0, 1
+out, err = Console(), Console(stderr=True)
+
+
+def say(text: str, console: Console = out) -> None:
+    """A plain line, whatever is in it."""
+    console.print(text, soft_wrap=True, highlight=False, markup=False)
+
+
+def store_of(study: Study, results: Path) -> Store:
+    """Where a study's results are; refuses a path that is no folder."""
+    if results.exists() and not results.is_dir():
+        raise StudyError(study.path, [f"--results = {results}: must be a folder"])
+    return Store(results, study.name)
+
+
+def looked(tasks: Sequence[Task], store: Store) -> list[tuple[Task, Entry]]:
+    """Every task, once, with its state."""
+    return [(task, store.look(task)) for task in {task.id: task for task in tasks}.values()]
+
+
+def tally(entries: Sequence[tuple[Task, Entry]]) -> str:
+    """54 tasks: 50 done, 3 missing, 1 failed."""
+    counts = Counter(entry.state for _, entry in entries)
+    return f"{len(entries)} tasks: " + ", ".join(f"{n} {state}" for state, n in counts.most_common())
+
+
+def finish(entries: Sequence[tuple[Task, Entry]], study: Study) -> None:
+    """List what failed, with reason; exit 1 if anything did."""
+    failed = [(task, entry) for task, entry in entries if entry.state == "failed"]
+    for task, entry in failed:
+        error = entry.status.get("error", {})
+        say(f"failed: {task.id} {task}: {error.get('kind')}: {error.get('message')}", err)
+    if failed:
+        say(
+            f"see `study show {study.path} TASK`, repeat with `study rerun {study.path} --failed`",
+            err,
+        )
+        raise typer.Exit(FAILED)
+
+
+def compare(task: Task, old: bytes | None, new: bytes | None) -> bool:
+    """Say how the new record relates to the old one; False if both are there and differ."""
+    from pipeline.records import differences
+
+    if old is None or new is None:
+        say(f"{task.id}: no old record to compare with" if new else f"{task.id}: no new record")
+        return True
+    lines = differences(old, new)
+    say(f"{task.id}: " + ("differs from the old record" if lines else "bitwise the same as the old record"))
+    for line in lines:
+        say(f"  {line}")
+    return not lines
