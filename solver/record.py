@@ -24,9 +24,10 @@ class Record:
     series: Mapping[str, Labelled] = field(default_factory=dict)
 
 
-def probe(output: Output) -> np.ndarray:
-    """The coordinates by which two step lengths are compared: the floats', else the first mode's."""
-    return output.z if output.z.shape[1] else output.p[:, :1]
+def probe(output: Output, floats: int) -> np.ndarray:
+    """What two step lengths are compared by: the joints and the lowest mode, (m, …)."""
+    joints = output.z[:, output.z.shape[1] - floats :]
+    return np.concatenate([joints, output.p[:, :1]], axis=1)
 
 
 class Recorder:
@@ -48,7 +49,7 @@ class Recorder:
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block; statistics begin after `discard` and end after `duration`."""
         if sum(map(len, self._probe)) < self.probe_samples:
-            self._probe.append(probe(output))
+            self._probe.append(probe(output, len(self.scene.floats)))
         s = self.scene.settings
         inside = (times > s.discard - 1e-9) & (times < s.discard + s.duration + 1e-9)
         if not inside.any():

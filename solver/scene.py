@@ -85,13 +85,13 @@ class Settings:
     ramp: float = 50.0  # [s]
     ramp_form: Literal["paper", "cosine"] = "paper"
     time_step: float = 0.2  # [s]; samples are half a step apart
-    modes: int | Literal["all"] = 12  # lowest modes kept, besides static load shapes
+    modes: int | Literal["all"] = 6  # lowest modes kept, besides static load shapes
     azimuths: int = 16  # of the wetted-surface quadrature, full circle
     arc_points: int = 6
     line_points: int = 4
     field_tolerance: float = 1e-6  # of the local wave field, relative to the sum of amplitudes
-    memory_tolerance: float = 2e-3  # of the radiation memory's fit
-    stations_per_element: int = 1  # drag
+    memory_tolerance: float = 5e-3  # of the radiation memory's fit
+    stations_per_element: int = 2  # drag
     pressure: Literal["extrapolated", "wheeler"] = "extrapolated"  # above still water
     froude_krylov: Literal["body-nonlinear", "linear"] = "body-nonlinear"
     newton_tolerance: float = 1e-6  # [m or rad]

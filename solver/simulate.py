@@ -29,6 +29,7 @@ from solver.structure import support as platform
 
 BLOCK_STEPS = 128  # steps a block: small enough for the cache, large enough for BLAS
 PROBE = 120.0  # length of the run with half the step that estimates the discretization error [s]
+MOVING = 1.3  # times the highest wave frequency: up to there floats move, and the memory must be right
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
 
@@ -97,8 +98,15 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     fit = None
     if scene.floats:
         h = hydrodynamics
+        levers = [1.0 if d in ("surge", "sway", "heave") else f.hull.largest_radius for f in scene.floats for d in h.dofs]
         fit = radiation.fit(
-            h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, settings.memory_tolerance
+            h.omega,
+            h.added_mass,
+            h.radiation_damping,
+            h.added_mass_inf,
+            settings.memory_tolerance,
+            band=MOVING * scene.sea.omega.max(),
+            lever=np.array(levers),
         )
     added_mass = fit.added_mass_inf if fit else np.zeros((0, 0))
     body = assembly.bodies(scene, support, hydrodynamics, added_mass)
@@ -266,14 +274,14 @@ def _constraint_drift(system: System, state: State) -> float:
 
 
 def _discretization_error(system: System, recorder: Recorder, steps: int) -> float:
-    """Error of the step length over the first PROBE seconds, relative to the RMS of each coordinate.
+    """Error of the step length over the first PROBE seconds, relative to the RMS of each joint and mode.
 
     The scheme is of fourth order, so the run with half the step differs by 15/16 of the error.
     """
     steps = min(steps, int(PROBE / system.dt))
     coarse = recorder.probe()
     half = replace(system, dt=system.dt / 2, memory=assembly.memory(system.fit, system.dt / 2))
-    fine = np.concatenate([probe(output) for _, output, _ in blocks(half, half.start(), 2 * steps)])
+    fine = np.concatenate([probe(output, len(system.scene.floats)) for _, output, _ in blocks(half, half.start(), 2 * steps)])
     difference = coarse - fine[1::2]
     scale, error = (np.sqrt(np.mean(x**2, axis=0)) for x in (coarse, difference))
     return float(np.max(error[scale > 0] / scale[scale > 0], initial=0.0) * 16 / 15)

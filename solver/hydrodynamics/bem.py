@@ -2,91 +2,40 @@
 
 Capytaine evaluates the Green function; the mirror planes, the systems and the forces are ours, so
 that every right-hand side of a frequency shares one factorization, and parts that a symmetry
-makes zero are never solved. Harmonics are Re{X exp(-iωt)}; the incident wave of unit amplitude is
-η = Re exp(i(k(x cosβ + y sinβ) - ωt)), phase zero at x = y = 0.
+makes zero are never solved. Conventions: see `coefficients`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.linalg import block_diag, lu_factor, lu_solve
-from scipy.optimize import brentq
 
 from solver.errors import InputError
-from solver.hydrodynamics import hull as shapes
+from solver.hydrodynamics import mesh as meshes
+from solver.hydrodynamics.coefficients import DOFS, PLANAR, Hydrodynamics
 from solver.hydrodynamics.hull import Revolution
+from solver.sea.dispersion import wavenumber
 
-DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
-PLANAR = ("surge", "heave", "pitch")
+__all__ = ["DOFS", "PLANAR", "Hydrodynamics", "frequency_grid", "solve"]
+
 DEEP = 6.0  # kh beyond which the seabed's wave terms, exp(-2kh) = 6e-6, are dropped
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Hydrodynamics:
-    """Coefficients of nb bodies, n = nb len(dofs) degrees of freedom ordered body by body.
-
-    Rotations and moments are about each body's centre (x, y, 0), at rest in the still-water plane.
-    """
-
-    omega: np.ndarray  # (nw,) [rad/s], increasing
-    added_mass: np.ndarray  # (nw, n, n) [kg, kg m, kg m²]
-    radiation_damping: np.ndarray  # (nw, n, n) [N s/m, ...]
-    added_mass_inf: np.ndarray  # (n, n), at infinite frequency
-    diffraction: np.ndarray  # (nw, n) complex force of the scattered wave per wave amplitude [N/m]
-    froude_krylov: np.ndarray  # (nw, n) complex force of the incident wave at the mean position [N/m]
-    hydrostatic_stiffness: np.ndarray  # (n, n) of buoyancy alone: ρgS, ρg(I + V z_b); weight is the scene's
-    displaced_mass: np.ndarray  # (nb,) [kg], exact hull
-    buoyancy_centre: np.ndarray  # (nb,) z of the displaced volume's centroid [m]
-    centres: np.ndarray  # (nb, 3) [m]
-    depth: float  # [m], may be inf
-    density: float  # [kg/m³]
-    gravity: float  # [m/s²]
-    heading: float  # direction the waves travel to, from +x towards +y [rad]
-    dofs: tuple[str, ...]  # of one body
-    settings: MappingProxyType = field(default_factory=lambda: MappingProxyType({}))
-    mesh_error: float = 0.0  # largest share by which the finer mesh differs from the extrapolation
-
-    def excitation(self, omega: np.ndarray, kind: str = "total") -> np.ndarray:
-        """Force per wave amplitude (nw', n) at any ω in the grid's range; kind: total, diffraction, froude_krylov.
-
-        Cubic splines of X exp(-ik·x_b): without the phase of the wave's arrival the curves are smooth.
-        """
-        omega = np.atleast_1d(np.asarray(omega, float))
-        if omega.min() < self.omega[0] or omega.max() > self.omega[-1]:
-            low, high = self.omega[[0, -1]]
-            raise InputError("omega", omega, f"must be within the solved range, {low:.4g} to {high:.4g} rad/s")
-        parts = {"diffraction": self.diffraction, "froude_krylov": self.froude_krylov}
-        force = parts[kind] if kind in parts else self.diffraction + self.froude_krylov
-        smooth = CubicSpline(self.omega, force * self._arrival(self.omega).conj())
-        return smooth(omega) * self._arrival(omega)
-
-    def _arrival(self, omega: np.ndarray) -> np.ndarray:
-        """exp(ik(x_b cosβ + y_b sinβ)) for each degree of freedom, (nw, n)."""
-        k = np.array([wavenumber(w, self.depth, self.gravity) for w in omega])
-        along = self.centres[:, 0] * np.cos(self.heading) + self.centres[:, 1] * np.sin(self.heading)
-        return np.exp(1j * k[:, None] * np.repeat(along, len(self.dofs)))
-
-
-def wavenumber(omega: float, depth: float, gravity: float) -> float:
-    """k [1/m] with ω² = gk tanh(kh)."""
-    deep = omega**2 / gravity
-    if np.isinf(deep) or deep * depth > 20:
-        return deep
-    root = brentq(lambda x: x * np.tanh(x) - deep * depth, 0.0, 1 + deep * depth, xtol=1e-14)
-    return root / depth
+FINE, COARSE = 3, 2  # divisions of one base mesh: a family, so that its h² error can be extrapolated away
 
 
 def frequency_grid(
     hulls: tuple[Revolution, ...], centres: np.ndarray, *, depth: float, gravity: float = 9.81, count: int = 40
 ) -> np.ndarray:
-    """`count` frequencies [rad/s] from Ka = 0.02 (kh > 0.15) to Ka = 10, a the largest and the smallest radius."""
+    """At least `count` even frequencies [rad/s] from Ka = 0.02 (or kh = 0.11) to Ka = 10, K = ω²/g, a a radius.
+
+    Below, excitation is hydrostatic to 2 %; above, the fitted tail takes over. Waves between
+    bodies L apart turn the phase of a coefficient by kL: several bodies get half the spacing.
+    """
     radii = [h.largest_radius for h in hulls]
-    low = max(np.sqrt(0.02 * gravity / max(radii)), 0.15 * np.sqrt(gravity / depth))
-    high = np.sqrt(10.0 * gravity / min(radii))
-    return np.linspace(low, high, count)
+    shallow = np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
+    low = max(np.sqrt(0.02 * gravity / max(radii)), 1.001 * shallow)
+    return np.linspace(low, np.sqrt(10 * gravity / min(radii)), count)
 
 
 def solve(
@@ -101,30 +50,24 @@ def solve(
     planar: bool = True,
     panels: int = 432,
 ) -> Hydrodynamics:
-    """Coefficients of `hulls` at `centres` (nb, 3) [m].
+    """Coefficients of `hulls` at `centres` (nb, 3) [m] in water of `depth` [m, may be inf].
 
-    Each is the h² extrapolation from a mesh of `panels` a body and one of 4/9 as many: measured on
-    Hulme's hemisphere, ten times nearer than the finer mesh alone.
+    Each is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many.
     """
     centres = np.asarray(centres, float).reshape(-1, 3)
-    dofs = PLANAR if planar else DOFS
     omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
     _check(hulls, centres, depth, omega, gravity, panels)
+    dofs = PLANAR if planar else DOFS
     sea = _Sea(depth=depth, density=density, gravity=gravity, heading=heading)
-    meshes = [_Mesh.build(hulls, centres, dofs, count) for count in (panels, round(panels * 4 / 9))]
-    fine, coarse = (_coefficients(mesh, sea, omega) for mesh in meshes)
-    ratio = (meshes[0].half / meshes[1].half) ** 2
-    best = [f + (f - c) / (ratio - 1) for f, c in zip(fine, coarse, strict=True)]
-    error = max(np.max(np.abs(b - f)) / np.max(np.abs(b)) for b, f in zip(best, fine, strict=True))
-    impedance, impedance_inf, diffraction = best
-    froude_krylov = np.array([_froude_krylov(hulls, centres, dofs, sea, w) for w in omega])
+    fine, coarse = (_coefficients(hulls, centres, dofs, sea, omega, panels // FINE**2, n) for n in (FINE, COARSE))
+    impedance, impedance_inf, diffraction, error = _extrapolated(fine, coarse)
     return Hydrodynamics(
         omega=omega,
         added_mass=impedance.real,
         radiation_damping=impedance.imag * omega[:, None, None],
         added_mass_inf=impedance_inf,
         diffraction=diffraction,
-        froude_krylov=froude_krylov,
+        froude_krylov=np.array([_froude_krylov(hulls, centres, dofs, sea, w) for w in omega]),
         hydrostatic_stiffness=_hydrostatic(hulls, dofs, sea),
         displaced_mass=np.array([density * h.volume for h in hulls]),
         buoyancy_centre=np.array([h.centre_of_buoyancy for h in hulls]),
@@ -134,6 +77,191 @@ def solve(
         gravity=gravity,
         heading=heading,
         dofs=dofs,
-        settings=_settings(meshes),
-        mesh_error=float(error),
+        settings=MappingProxyType(
+            {
+                "panels": fine[-1],
+                "panels_coarse": coarse[-1],
+                "method": "direct, h2-extrapolated from two meshes, lid on the waterplane",
+                "green_function": "Delhommeau",
+            }
+        ),
+        mesh_error=error,
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Sea:
+    depth: float
+    density: float
+    gravity: float
+    heading: float
+
+    def wavenumber(self, omega: float) -> float:
+        return float(wavenumber(omega, self.depth, self.gravity))
+
+    def wave(self, points: np.ndarray, omega: float) -> tuple[np.ndarray, np.ndarray]:
+        """Pressure (np,) [Pa/m] and velocity (np, 3) [1/s] of the unit incident wave."""
+        k = self.wavenumber(omega)
+        x, y, z = points.T
+        down, up = np.exp(k * z), np.exp(-k * (z + 2 * self.depth))  # cosh and sinh without overflow
+        both = 1 + np.exp(-2 * k * self.depth)
+        c, s = np.cos(self.heading), np.sin(self.heading)
+        phase = np.exp(1j * k * (x * c + y * s))
+        pressure, climb = phase * (down + up) / both, phase * (down - up) / both
+        velocity = self.gravity * k / omega * np.column_stack([c * pressure, s * pressure, -1j * climb])
+        return self.density * self.gravity * pressure, velocity
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Mesh:
+    """The part of the wetted surface that `mirrors` complete, and all of it, as capytaine meshes about `origin`."""
+
+    mirrors: np.ndarray  # (ng, 3) of signs, the identity first
+    origin: np.ndarray  # (3,) where the mirror planes cross [m]
+    part: object  # nf panels
+    whole: object  # ng nf panels, mirror by mirror
+    wet: np.ndarray  # (nf,) True on hulls, False on lids
+    motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
+
+    @classmethod
+    def build(cls, hulls, centres, dofs, count: int, refine: int, *, lids: bool) -> "_Mesh":
+        origin, mirrors = meshes.mirror_planes(hulls, centres)
+        # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
+        makers = [(meshes.panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
+        pieces, body, wet = [], [], []
+        for b, (hull, at) in enumerate(zip(hulls, centres - origin, strict=True)):
+            share = meshes.quarters(at, len(mirrors))
+            for make, times in makers if share else ():
+                vertices, faces = make(hull, count, refine=times, quarters=share)
+                pieces.append((vertices + at, faces))
+                body.append(np.full(len(faces), b))
+                wet.append(np.full(len(faces), make is meshes.panels))
+        part, whole = _join(pieces), _join([meshes.mirrored(p, m) for m in mirrors for p in pieces])
+        wet, body = np.concatenate(wet), np.concatenate(body)
+        bodies = np.concatenate([meshes.partner(centres - origin, m)[body] for m in mirrors])
+        motions = _unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
+        motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
+        return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, motions=motions)
+
+    def scattered(self, sea: _Sea, omega: float) -> np.ndarray:
+        """Normal velocity (ng, nf, 1) that cancels the unit incident wave's, 0 on lids."""
+        _, velocity = sea.wave(self.whole.faces_centers + self.origin, omega)
+        normal = np.sum(velocity * self.whole.faces_normals, axis=1)
+        return -(normal.reshape(len(self.mirrors), -1) * self.wet)[..., None]
+
+    def solve(self, normal_velocity: np.ndarray, k: float, depth: float) -> np.ndarray:
+        """-∫ φ n dS (nc, n) of the outgoing potentials with ∂φ/∂n = normal_velocity (ng, nf, nc).
+
+        Green's identity D φ = S ∂φ/∂n, class of symmetry by class: with the signs χ(g) of a class,
+        its share of the motion, mean of χ(g) v_g over the images g, drives D = sum of χ(g) D_g.
+        """
+        ng, nf, nc = normal_velocity.shape
+        # Where the seabed matters less than 1e-5 the table of deep water serves, five times faster.
+        seabed = depth if k * depth < DEEP else np.inf
+        single, double = _green_function().evaluate(
+            self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
+        )
+        single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
+        weight = (self.wet * self.part.faces_areas)[:, None]
+        total = np.zeros((nc, self.motions.shape[-1]), complex)
+        for sign in meshes.symmetry_classes(self.mirrors):
+            source = np.tensordot(sign, normal_velocity, 1) / ng
+            if np.abs(source).max() > 1e-12 * np.abs(normal_velocity).max():
+                rhs = np.tensordot(sign, single, 1) @ source
+                potential = lu_solve(lu_factor(np.tensordot(sign, double, 1)), rhs)
+                total -= potential.T @ (weight * np.tensordot(sign, self.motions, 1))
+        return total
+
+
+def _coefficients(hulls, centres, dofs, sea: _Sea, omega: np.ndarray, count: int, refine: int):
+    """A + iB/ω (nw, n, n), A(inf) (n, n), diffraction force (nw, n), and the number of panels on hulls."""
+    bare = _Mesh.build(hulls, centres, dofs, count, refine, lids=False)  # no irregular frequency at infinity
+    mesh = _Mesh.build(hulls, centres, dofs, count, refine, lids=True)
+    n = mesh.motions.shape[-1]
+    infinite = sea.density * bare.solve(bare.motions, np.inf, np.inf).real
+    impedance, diffraction = np.empty((len(omega), n, n), complex), np.empty((len(omega), n), complex)
+    for i, w in enumerate(omega):
+        sources = np.concatenate([mesh.motions, mesh.scattered(sea, w)], axis=2)
+        forces = sea.density * mesh.solve(sources, sea.wavenumber(w), sea.depth)
+        impedance[i], diffraction[i] = _symmetric(forces[:n]), 1j * w * forces[n]
+    return impedance, _symmetric(infinite), diffraction, bare.wet.size * len(bare.mirrors)
+
+
+def _symmetric(matrix: np.ndarray) -> np.ndarray:
+    # Reciprocity holds for the exact potential; collocation misses it by a part of its own error.
+    return (matrix + matrix.T) / 2
+
+
+def _extrapolated(fine, coarse):
+    """The limit of zero panel size, error ~ h² ~ 1/panels, and how far the finer mesh is from it."""
+    *fine, many = fine
+    *coarse, few = coarse
+    best = [f + (f - c) * few / (many - few) for f, c in zip(fine, coarse, strict=True)]
+    error = max(np.max(np.abs(b - f)) / np.max(np.abs(b)) for b, f in zip(best, fine, strict=True))
+    return *best, float(error)
+
+
+@cache
+def _green_function():
+    from capytaine import Delhommeau, set_logging
+
+    set_logging("ERROR")
+    return Delhommeau()
+
+
+def _join(pieces):
+    from capytaine import Mesh
+
+    starts = np.cumsum([0] + [len(v) for v, _ in pieces[:-1]])
+    faces = [f + start for start, (_, f) in zip(starts, pieces, strict=True)]
+    return Mesh(vertices=np.concatenate([v for v, _ in pieces]), faces=np.concatenate(faces))
+
+
+def _unit_motions(points, normals, body, centres, dofs) -> np.ndarray:
+    """n · e and n · (e × r) of each body's unit motions, (np, n), r from the body's centre."""
+    turning = np.cross(points - centres[body], normals)
+    six = np.concatenate([normals, turning], axis=1)[:, [DOFS.index(d) for d in dofs]]
+    each = np.zeros((len(points), len(centres), len(dofs)))
+    each[np.arange(len(points)), body] = six
+    return each.reshape(len(points), -1)
+
+
+def _froude_krylov(hulls, centres, dofs, sea: _Sea, omega: float) -> np.ndarray:
+    """-∫ p n dS over the exact mean wetted surface, (n,)."""
+    force = []
+    for hull, centre in zip(hulls, centres, strict=True):
+        points, areas = hull.surface_points(24, 64)
+        pressure, _ = sea.wave(points + centre, omega)
+        motions = _unit_motions(points, areas, np.zeros(len(points), int), np.zeros((1, 3)), dofs)
+        force.append(-pressure @ motions)
+    return np.concatenate(force)
+
+
+def _hydrostatic(hulls, dofs, sea: _Sea) -> np.ndarray:
+    """Stiffness (n, n) of buoyancy about each centre: heave ρgπR², roll and pitch ρg(πR⁴/4 + V z_b)."""
+    blocks = []
+    for hull in hulls:
+        tilt = np.pi * hull.waterplane_radius**4 / 4 + hull.volume * hull.centre_of_buoyancy
+        six = np.array([0, 0, np.pi * hull.waterplane_radius**2, tilt, tilt, 0])
+        blocks.append(np.diag(sea.density * sea.gravity * six[[DOFS.index(d) for d in dofs]]))
+    return block_diag(*blocks)
+
+
+def _check(hulls, centres, depth, omega, gravity, panels) -> None:
+    if len(hulls) != len(centres) or not len(hulls):
+        raise InputError("centres", len(centres), f"must be one for each of the {len(hulls)} hulls")
+    if np.any(centres[:, 2] != 0):
+        raise InputError("centres", centres[:, 2].tolist(), "must lie in the still-water plane, z = 0 m")
+    if panels < 108:
+        raise InputError("panels", panels, "must be at least 108 a body")
+    deepest = max(h.draft for h in hulls)
+    if not depth > deepest:
+        raise InputError("depth", depth, f"must be greater than the draft, {deepest} m")
+    if omega[0] <= 0 or np.any(np.diff(omega) <= 0):
+        raise InputError("omega", omega.tolist(), "must increase from above 0 rad/s")
+    if wavenumber(omega[0], depth, gravity) * depth <= 0.1:
+        raise InputError("omega", omega[0], f"must have kh > 0.1 in the depth of {depth} m")
+    for i, j in zip(*np.triu_indices(len(hulls), 1), strict=True):
+        clear = np.linalg.norm(centres[i] - centres[j]) - hulls[i].largest_radius - hulls[j].largest_radius
+        if clear <= 0:
+            raise InputError("centres", centres[[i, j]].tolist(), "bodies must not touch or overlap")

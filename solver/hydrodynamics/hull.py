@@ -1,4 +1,4 @@
-"""Closed hulls of revolution: meridian, hydrostatics in closed form, panels below still water.
+"""Closed hulls of revolution: the meridian, and hydrostatics in closed form.
 
 Body coordinates: axis z upwards, z = 0 the still-water plane when the body is at rest, r the
 distance from the axis. Angles on an arc are measured from the downward axis:
@@ -74,6 +74,13 @@ class Segment:
         phi0, phi1 = self.angles
         phi = phi0 + t * (phi1 - phi0)
         return np.concatenate([np.sin(phi) * self.radius, self.centre - np.cos(phi) * self.radius], axis=-1)
+
+    def normal(self, fraction: np.ndarray) -> np.ndarray:
+        """Outward unit normals (n_r, n_z) at fractions of the length, (..., 2)."""
+        if self.centre is not None:
+            return (self.at(fraction) - np.array([0.0, self.centre])) / self.radius
+        tangent = (np.array(self.end) - np.array(self.start)) / self.length
+        return np.broadcast_to([tangent[1], -tangent[0]], (*np.shape(fraction), 2))
 
     def below_water(self) -> "Segment | None":
         """The part with z <= 0 of a segment that crosses z = 0 once, upwards."""
@@ -156,6 +163,22 @@ class Revolution:
         cut = (s.below_water() for s in self.meridian)
         return tuple(s for s in cut if s is not None)
 
+    def surface_points(self, along: int, around: int) -> tuple[np.ndarray, np.ndarray]:
+        """Quadrature of the wetted surface at rest: points (np, 3) [m] and outward areas n dS (np, 3) [m²].
+
+        `along` Gauss points a segment and `around` even azimuths: exact to rounding for smooth fields.
+        """
+        t, w = np.polynomial.legendre.leggauss(along)
+        azimuth = 2 * np.pi * (np.arange(around) + 0.5) / around
+        c, s = np.cos(azimuth), np.sin(azimuth)
+        points, areas = [], []
+        for segment in self.wetted():
+            (r, z), (nr, nz) = segment.at((t + 1) / 2).T[:, :, None], segment.normal((t + 1) / 2).T[:, :, None]
+            area = r * w[:, None] / 2 * segment.length * 2 * np.pi / around
+            points.append(np.stack([r * c, r * s, z + 0 * c], axis=-1).reshape(-1, 3))
+            areas.append(np.stack([area * nr * c, area * nr * s, area * nz + 0 * c], axis=-1).reshape(-1, 3))
+        return np.concatenate(points), np.concatenate(areas)
+
     @property
     def draft(self) -> float:
         """Depth of the lowest point [m]."""
@@ -195,110 +218,3 @@ class Revolution:
 def _positive(key: str, value: float) -> None:
     if not (np.isfinite(value) and value > 0):
         raise InputError(key, value, "must be finite and > 0 m")
-
-
-def panels(hull: Revolution, count: int, *, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
-    """Quadrilaterals on the wetted hull, about `count` on all of it: vertices (nv, 3) [m], faces (nf, 4).
-
-    `quarters` from azimuth 0: 1 is x >= 0, y >= 0; 2 is y >= 0; 4 the whole. Normals point into
-    the water. Vertices are pushed outwards, horizontally until the waterplane area is exact, then
-    vertically until the displaced volume is: coefficients do not inherit an inscribed, too small, body.
-    """
-    half = _half(hull, count)
-    arc, azimuth, faces = _quarter(_rings(hull, np.sqrt(hull.wetted_area / count)), half)
-    r, z = _along(hull, arc).T
-    points = np.column_stack([r * np.cos(azimuth), r * np.sin(azimuth), z])
-    points[:, :2] *= _polygon_scale(half)
-    points[:, 2] *= hull.volume / (4 * _volume(points, faces))
-    return _turned(points, faces, quarters)
-
-
-def lid(hull: Revolution, count: int, *, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
-    """Quadrilaterals on the waterplane inside the hull, matched to `panels`; normals point down."""
-    half, radius = _half(hull, count), hull.waterplane_radius
-    arc, azimuth, faces = _quarter(np.linspace(radius / 2, radius, 1 + (half + 1) // 2), half)
-    points = np.column_stack([arc * np.cos(azimuth), arc * np.sin(azimuth), 0 * arc])
-    return _turned(points * _polygon_scale(half), faces, quarters)
-
-
-def _half(hull: Revolution, count: int) -> int:
-    """Panels in an eighth of the circumference, for square panels of wetted area / count."""
-    if count < 12:
-        raise InputError("panels", count, "must be at least 12")
-    return max(1, round(np.pi / 4 * hull.largest_radius / np.sqrt(hull.wetted_area / count)))
-
-
-def _polygon_scale(half: int) -> float:
-    """Circumscribing factor that gives a polygon of 8 half sides the area of its circle."""
-    step = np.pi / (4 * half)
-    return float(np.sqrt(step / np.sin(step)))
-
-
-def _rings(hull: Revolution, size: float) -> np.ndarray:
-    """Arc lengths of the rings of vertices [m], finer towards edges and waterline, from mid first segment."""
-    first, *others = hull.wetted()
-    n = max(1, round(first.length / 2 / size))
-    rings = [first.length / 2 * (1 + _cluster(n, start=0.0))]
-    for segment in others:
-        n = max(2, round(segment.length / size))
-        rings.append(rings[-1][-1] + segment.length * _cluster(n, start=1.0)[1:])
-    return np.concatenate(rings)
-
-
-def _cluster(n: int, *, start: float) -> np.ndarray:
-    """n + 1 fractions from 0 to 1, half way between even and cosine spacing; start = 0: even at the start."""
-    even = np.linspace(0, 1, n + 1)
-    both, end = (1 - np.cos(np.pi * even)) / 2, np.sin(np.pi / 2 * even)
-    return even / 2 + (start * both + (1 - start) * end) / 2
-
-
-def _along(hull: Revolution, arc: np.ndarray) -> np.ndarray:
-    """Points (r, z) of the wetted meridian at arc lengths from the pole, (n, 2) [m]."""
-    wetted = hull.wetted()
-    ends = np.cumsum([s.length for s in wetted])
-    index = np.minimum(np.searchsorted(ends, arc - 1e-9 * ends[-1]), len(wetted) - 1)
-    points = np.empty((arc.size, 2))
-    for i, segment in enumerate(wetted):
-        mine = index == i
-        points[mine] = segment.at(np.clip(1 - (ends[i] - arc[mine]) / segment.length, 0, 1))
-    return points
-
-
-def _quarter(rings: np.ndarray, half: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A disc's quarter in polar coordinates: a half x half block about the pole, then rings of 2 half panels.
-
-    The block is a square half bent into a circle, so that no panel degenerates at the pole.
-    """
-    u, v = (x.ravel() / half for x in np.mgrid[: half + 1, : half + 1])
-    outer = np.maximum(np.maximum(u, v), 1e-30)
-    angle = np.where(u >= v, np.pi / 4 * v / outer, np.pi / 2 - np.pi / 4 * u / outer)
-    block = rings[0] * (0.5 * outer * np.exp(1j * angle) + 0.4 * (u + 1j * v))
-    azimuth = np.linspace(0, np.pi / 2, 2 * half + 1)
-    points = np.concatenate([block, (rings[1:, None] * np.exp(1j * azimuth)).ravel()])
-    grid = np.arange((half + 1) ** 2).reshape(half + 1, half + 1)
-    rim = np.concatenate([grid[half], grid[:half, half][::-1]])
-    shells = np.concatenate([rim, grid.size + np.arange((rings.size - 1) * azimuth.size)]).reshape(-1, azimuth.size)
-    # Walked outwards along the meridian and then towards growing azimuth, the left hand is the water side.
-    return np.abs(points), np.angle(points), np.concatenate([_cells(grid), _cells(shells)])
-
-
-def _cells(grid: np.ndarray) -> np.ndarray:
-    """Quadrilaterals of a lattice of vertex numbers, wound so that hull normals point out."""
-    return np.column_stack([g.ravel() for g in (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])])
-
-
-def _volume(points: np.ndarray, faces: np.ndarray) -> float:
-    """Volume below z = 0 over a quarter's panels [m³], ∮ z n_z dS on the two triangles of each."""
-    total = 0.0
-    for corners in ([0, 1, 2], [0, 2, 3]):
-        a, b, c = np.moveaxis(points[faces[:, corners]], 1, 0)
-        normal = np.cross(b - a, c - a) / 2
-        total += float(np.sum((a + b + c)[:, 2] / 3 * normal[:, 2]))
-    return total
-
-
-def _turned(points: np.ndarray, faces: np.ndarray, quarters: int) -> tuple[np.ndarray, np.ndarray]:
-    """The first quarter and its copies turned by 90 degrees about the axis."""
-    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    copies = [points @ np.linalg.matrix_power(turn, i).T for i in range(quarters)]
-    return np.concatenate(copies), np.concatenate([faces + i * len(points) for i in range(quarters)])
