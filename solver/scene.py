@@ -84,7 +84,7 @@ class Settings:
     discard: float = 100.0  # before that [s]
     ramp: float = 50.0  # [s]
     ramp_form: Literal["paper", "cosine"] = "paper"
-    time_step: float = 0.2  # [s]; samples are half a step apart
+    time_step: float = 0.15  # [s]; samples are half a step apart
     modes: int | Literal["all"] = 6  # lowest modes kept, besides static load shapes
     azimuths: int = 16  # of the wetted-surface quadrature, full circle
     arc_points: int = 6
@@ -94,7 +94,7 @@ class Settings:
     stations_per_element: int = 2  # drag
     pressure: Literal["extrapolated", "wheeler"] = "extrapolated"  # above still water
     froude_krylov: Literal["body-nonlinear", "linear"] = "body-nonlinear"
-    newton_tolerance: float = 1e-6  # [m or rad]
+    newton_tolerance: float = 1e-5  # [m or rad]
     keep_series: bool = False
 
     def __post_init__(self):
