@@ -20,22 +20,38 @@ from solver.sea.dispersion import wavenumber
 
 __all__ = ["DOFS", "PLANAR", "Hydrodynamics", "frequency_grid", "solve"]
 
-DEEP = 6.0  # kh beyond which the seabed's wave terms, exp(-2kh) = 6e-6, are dropped
+DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see _Sea.seabed
 FINE, COARSE = 3, 2  # divisions of one base mesh: a family, so that its h² error can be extrapolated away
 
 
 def frequency_grid(
-    hulls: tuple[Revolution, ...], centres: np.ndarray, *, depth: float, gravity: float = 9.81, count: int = 40
+    hulls: tuple[Revolution, ...],
+    centres: np.ndarray,
+    *,
+    depth: float,
+    gravity: float = 9.81,
+    count: int = 40,
+    band: tuple[float, float] | None = None,
 ) -> np.ndarray:
-    """At least `count` even frequencies [rad/s] from Ka = 0.02 (or kh = 0.11) to Ka = 10, K = ω²/g, a a radius.
+    """Frequencies [rad/s] from Ka = 0.02 (or kh = 0.11) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
 
-    Below, excitation is hydrostatic to 2 %; above, the fitted tail takes over. Waves between
-    bodies L apart turn the phase of a coefficient by kL: several bodies get half the spacing.
+    `count` even ones for a body alone. A wave reflected between bodies L apart turns the phase
+    of a force by 2kL: the spacing is then at most g/(4ωL), 1 rad, up to Ka = 2 and through the band.
     """
     radii = [h.largest_radius for h in hulls]
-    shallow = np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
-    low = max(np.sqrt(0.02 * gravity / max(radii)), 1.001 * shallow)
-    return np.linspace(low, np.sqrt(10 * gravity / min(radii)), count)
+    shallow = 1.001 * np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
+    low = max(np.sqrt(0.02 * gravity / max(radii)), shallow)
+    high, resolved = np.sqrt(np.array([10, 2]) * gravity / min(radii))
+    if band is not None:
+        low, high, resolved = min(low, band[0]), max(high, band[1]), max(resolved, band[1])
+    at = np.asarray(centres, float).reshape(-1, 3)
+    apart = np.linalg.norm(at[:, None] - at, axis=-1).max()
+    # Grid points divide the integral of their density evenly, so that the spacing varies smoothly.
+    omega = np.linspace(low, high, 4001)
+    density = (count - 1) / (high - low) + 0.0 * omega
+    density = np.maximum(density, 4 * apart / gravity * omega / (1 + (omega / resolved) ** 16))
+    index = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(omega))])
+    return np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1])) + 1), index, omega)
 
 
 def solve(
@@ -99,6 +115,14 @@ class _Sea:
     def wavenumber(self, omega: float) -> float:
         return float(wavenumber(omega, self.depth, self.gravity))
 
+    def seabed(self, k: float, radius: float) -> float:
+        """Depth to solve with: infinite, with a five times faster table, where the seabed does not matter.
+
+        Its waves fade as exp(-2kh), its images only as (a/h) (kh)^-2.5, measured on two hemispheres.
+        """
+        kh = k * self.depth
+        return np.inf if radius / self.depth * kh**-2.5 < DEEP else self.depth
+
     def wave(self, points: np.ndarray, omega: float) -> tuple[np.ndarray, np.ndarray]:
         """Pressure (np,) [Pa/m] and velocity (np, 3) [1/s] of the unit incident wave."""
         k = self.wavenumber(omega)
@@ -149,15 +173,13 @@ class _Mesh:
         normal = np.sum(velocity * self.whole.faces_normals, axis=1)
         return -(normal.reshape(len(self.mirrors), -1) * self.wet)[..., None]
 
-    def solve(self, normal_velocity: np.ndarray, k: float, depth: float) -> np.ndarray:
+    def solve(self, normal_velocity: np.ndarray, k: float, seabed: float) -> np.ndarray:
         """-∫ φ n dS (nc, n) of the outgoing potentials with ∂φ/∂n = normal_velocity (ng, nf, nc).
 
         Green's identity D φ = S ∂φ/∂n, class of symmetry by class: with the signs χ(g) of a class,
         its share of the motion, mean of χ(g) v_g over the images g, drives D = sum of χ(g) D_g.
         """
         ng, nf, nc = normal_velocity.shape
-        # Where the seabed matters less than 1e-5 the table of deep water serves, five times faster.
-        seabed = depth if k * depth < DEEP else np.inf
         single, double = _green_function().evaluate(
             self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
         )
@@ -177,12 +199,13 @@ def _coefficients(hulls, centres, dofs, sea: _Sea, omega: np.ndarray, count: int
     """A + iB/ω (nw, n, n), A(inf) (n, n), diffraction force (nw, n), and the number of panels on hulls."""
     bare = _Mesh.build(hulls, centres, dofs, count, refine, lids=False)  # no irregular frequency at infinity
     mesh = _Mesh.build(hulls, centres, dofs, count, refine, lids=True)
-    n = mesh.motions.shape[-1]
-    infinite = sea.density * bare.solve(bare.motions, np.inf, np.inf).real
+    n, largest = mesh.motions.shape[-1], max(h.largest_radius for h in hulls)
+    infinite = sea.density * bare.solve(bare.motions, np.inf, sea.seabed(np.inf, 1.0)).real
     impedance, diffraction = np.empty((len(omega), n, n), complex), np.empty((len(omega), n), complex)
     for i, w in enumerate(omega):
         sources = np.concatenate([mesh.motions, mesh.scattered(sea, w)], axis=2)
-        forces = sea.density * mesh.solve(sources, sea.wavenumber(w), sea.depth)
+        k = sea.wavenumber(w)
+        forces = sea.density * mesh.solve(sources, k, sea.seabed(k, largest))
         impedance[i], diffraction[i] = _symmetric(forces[:n]), 1j * w * forces[n]
     return impedance, _symmetric(infinite), diffraction, bare.wet.size * len(bare.mirrors)
 
@@ -202,19 +225,22 @@ def _extrapolated(fine, coarse):
 
 
 @cache
-def _green_function():
-    from capytaine import Delhommeau, set_logging
+def _capytaine():
+    import capytaine
 
-    set_logging("ERROR")
-    return Delhommeau()
+    capytaine.set_logging("ERROR")  # panels of a sphere are not plane: nothing to warn of
+    return capytaine
+
+
+@cache
+def _green_function():
+    return _capytaine().Delhommeau()
 
 
 def _join(pieces):
-    from capytaine import Mesh
-
     starts = np.cumsum([0] + [len(v) for v, _ in pieces[:-1]])
     faces = [f + start for start, (_, f) in zip(starts, pieces, strict=True)]
-    return Mesh(vertices=np.concatenate([v for v, _ in pieces]), faces=np.concatenate(faces))
+    return _capytaine().Mesh(vertices=np.concatenate([v for v, _ in pieces]), faces=np.concatenate(faces))
 
 
 def _unit_motions(points, normals, body, centres, dofs) -> np.ndarray:

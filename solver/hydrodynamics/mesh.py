@@ -60,10 +60,10 @@ def _rings(hull: Revolution, divisions: list[int]) -> np.ndarray:
 
 
 def _cluster(n: int, *, start: float) -> np.ndarray:
-    """n + 1 fractions from 0 to 1, half way between even and cosine spacing; start = 0: even at the start."""
+    """n + 1 fractions from 0 to 1, a quarter of the way from cosine to even spacing; start = 0: even at the start."""
     even = np.linspace(0, 1, n + 1)
     both, end = (1 - np.cos(np.pi * even)) / 2, np.sin(np.pi / 2 * even)
-    return even / 2 + (start * both + (1 - start) * end) / 2
+    return even / 4 + (start * both + (1 - start) * end) * 3 / 4
 
 
 def _along(hull: Revolution, arc: np.ndarray) -> np.ndarray:
