@@ -9,6 +9,7 @@ from pathlib import Path
 import typer
 from rich.console import Console
 
+from pipeline import environment
 from pipeline.store import Entry, Store
 from pipeline.study import Study, StudyError
 from pipeline.tasks import Task
@@ -37,7 +38,19 @@ def looked(tasks: Sequence[Task], store: Store) -> list[tuple[Task, Entry]]:
 def tally(entries: Sequence[tuple[Task, Entry]]) -> str:
     """54 tasks: 50 done, 3 missing, 1 failed."""
     counts = Counter(entry.state for _, entry in entries)
-    return f"{len(entries)} tasks: " + ", ".join(f"{n} {state}" for state, n in counts.most_common())
+    return (
+        f"{len(entries)} tasks: "
+        + ", ".join(f"{n} {state}" for state, n in counts.most_common())
+        + other_sources(entries)
+    )
+
+
+def other_sources(entries: Sequence[tuple[Task, Entry]]) -> str:
+    """A note if finished tasks came from other solver sources than the present ones."""
+    mine = environment.sources()
+    found = [e.status.get("provenance", {}).get("solver_sources", mine) for _, e in entries if e.state == "done"]
+    count = sum(sources != mine for sources in found)
+    return f"; {count} done by other solver sources of the same model version" if count else ""
 
 
 def finish(entries: Sequence[tuple[Task, Entry]], study: Study) -> None:

@@ -78,7 +78,7 @@ COORDINATES = {
     "float": Meaning(None, "Name of the float"),
     "leg": Meaning(None, "Name of the leg"),
     "direction": Meaning(None, "Axis of the component"),
-    "height": Meaning("m", "Height above the still-water level", "height_above_mean_sea_level"),
+    "height": Meaning("m", "Height above the foot of the leg"),
     "statistic": Meaning(None, "Statistic over the analysed time; std with ddof 0"),
     "mode": Meaning("1", "Number of the mode, from 1"),
     "time": Meaning("s", "Time since the start of the simulation"),
