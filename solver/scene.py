@@ -94,7 +94,7 @@ class Settings:
     stations_per_element: int = 2  # drag
     pressure: Literal["extrapolated", "wheeler"] = "extrapolated"  # above still water
     froude_krylov: Literal["body-nonlinear", "linear"] = "body-nonlinear"
-    newton_tolerance: float = 1e-5  # [m or rad]
+    newton_tolerance: float = 1e-6  # [m or rad]
     keep_series: bool = False
 
     def __post_init__(self):

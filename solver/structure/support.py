@@ -18,6 +18,8 @@ from solver.structure import modes as natural
 from solver.structure import recovery, statics, water
 from solver.structure.frame import FrameModel, assemble
 
+PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
+SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
 PLANAR = np.array([0, 2, 4])
 
 
@@ -100,7 +102,7 @@ def prepare(
     inertia_rows = _inertia_rows(platform, at, field, sea)
     nodal = _nodal_load(model, at, inertia_rows)
     omega, shapes = _basis(model, M, symmetric, dof.ravel(), nodal, modes)
-    station_shape, station_rows, drag = _drag(model, field, sea, shapes, stations)
+    station_shape, station_rows, drag = _drag(model, field, sea, shapes, stations, planar)
     return Support(
         dry_omega=natural.modes(model.K, model.M, model.free).omega,
         omega=omega,
@@ -152,7 +154,7 @@ def _basis(model, M, symmetric, hinge_dof, nodal, count):
     unit[hinge_dof, np.arange(hinge_dof.size)] = 1.0
     patterns = np.concatenate([nodal.real, nodal.imag], axis=1)
     left, sizes, _ = linalg.svd(patterns, full_matrices=False)
-    load = np.concatenate([unit, left[:, sizes > 1e-4 * sizes[0]]], axis=1)
+    load = np.concatenate([unit, left[:, sizes > PATTERN * sizes[0]]], axis=1)
     # Only what the kept modes lack: without this the large common part would hide the rest.
     whole, rest = statics.static(model, load), natural.static_remainder(model, kept, load)
     size = np.sqrt(np.einsum("ij,ij->j", rest, M @ rest))
@@ -165,33 +167,21 @@ def _basis(model, M, symmetric, hinge_dof, nodal, count):
     return np.sqrt(squared), basis @ mix
 
 
-def _drag(model, field, sea, shapes, points):
-    """Normal shapes, velocity rows and coefficients of the drag stations, equals merged."""
+def _drag(model, field, sea, shapes, points, planar):
+    """Normal shapes, velocity rows and coefficients of the drag stations.
+
+    In a planar scene a station and its mirror image in y = 0 are loaded alike: one counts twice.
+    """
     at = water.stations(model, points)
     normal = _normal(at)
     shape, rows = normal @ at.project(shapes), normal @ field.velocity(at.position)
     drag = 0.5 * sea.density * at.drag * at.diameter * at.weight
-    size = max(np.abs(shape).max(initial=0.0), 1e-300), max(np.abs(rows).max(initial=0.0), 1e-300)
-    used = [
-        d
-        for d in range(3)
-        if np.abs(shape[:, d]).max(initial=0) > 1e-9 * size[0]
-        or np.abs(rows[:, d]).max(initial=0) > 1e-9 * size[1]
-    ]
-    shape, rows = shape[:, used], rows[:, used]
-    # Stations that see the same water and move alike (mirror images in y) are one.
-    key = np.concatenate(
-        [
-            shape.reshape(len(drag), -1) / size[0],
-            rows.real.reshape(len(drag), -1) / size[1],
-            rows.imag.reshape(len(drag), -1) / size[1],
-        ],
-        axis=1,
-    )
-    _, first, group = np.unique(np.round(key, 7), axis=0, return_index=True, return_inverse=True)
-    total = np.bincount(group.ravel(), weights=drag, minlength=len(first))
-    wet = total > 0
-    return shape[first][wet], rows[first][wet], total[wet]
+    y = at.position[:, 1]
+    if planar:
+        drag = drag * np.where(np.abs(y) < SAME, 1.0, 2.0)
+    wet = (drag > 0) & ((y > -SAME) | (not planar))
+    moving = [np.abs(shape[:, d]).max(initial=0) > 1e-9 * np.abs(shape).max(initial=0) for d in range(3)]
+    return shape[wet][:, moving], rows[wet][:, moving], drag[wet]
 
 
 def _legs(platform, model, sea, at_rest, shapes) -> LegOutputs:
