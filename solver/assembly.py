@@ -33,7 +33,9 @@ def carrier_axes(planar: bool) -> np.ndarray:
     return PLANAR if planar else np.arange(6)
 
 
-def bodies(scene: Scene, support: Support | None, hydrodynamics: Hydrodynamics | None, added_mass) -> Bodies:
+def bodies(
+    scene: Scene, field: WaveField, support: Support | None, hydrodynamics: Hydrodynamics | None, added_mass: np.ndarray
+) -> Bodies:
     """Arrays of all floats; carrier coordinates only with an elastic support."""
     floats, water = scene.floats, scene.water
     nb = len(floats)
@@ -60,8 +62,8 @@ def bodies(scene: Scene, support: Support | None, hydrodynamics: Hydrodynamics |
         cog=np.array([f.cog for f in floats], float).reshape(nb, 3),
         inertia=np.array([np.diag(f.inertia) for f in floats], float).reshape(nb, 3, 3),
         nonlinear=np.full(nb, scene.settings.froude_krylov == "body-nonlinear"),
-        rule=_rules(floats, scene),
-        patches=np.array([len(_rule(f, scene).patch) for f in floats], np.int64),
+        rule=_rules(scene, field),
+        patches=np.array([len(_rule(f, scene, field).patch) for f in floats], np.int64),
         buoyancy=buoyancy,
         stiffness=stiffness,
         wave_direction=np.array([np.cos(scene.sea.heading), np.sin(scene.sea.heading)]),
@@ -78,23 +80,29 @@ def bodies(scene: Scene, support: Support | None, hydrodynamics: Hydrodynamics |
     )
 
 
-def _rule(item: Float, scene: Scene) -> WettedQuadrature:
+def _rule(item: Float, scene: Scene, field: WaveField) -> WettedQuadrature:
     s = scene.settings
     return quadrature(
-        item.hull, azimuths=s.azimuths, arc_points=s.arc_points, line_points=s.line_points, half=scene.planar
+        item.hull,
+        azimuths=s.azimuths,
+        arc_points=s.arc_points,
+        line_points=s.line_points,
+        half=scene.planar,
+        surface_terms=field.terms_for(item.hull.size, s.field_tolerance),
     )
 
 
-def _rules(floats: tuple[Float, ...], scene: Scene) -> WettedQuadrature:
+def _rules(scene: Scene, field: WaveField) -> WettedQuadrature:
     """One rule for all floats, patches padded to the longest meridian."""
-    rules = [_rule(f, scene) for f in floats]
+    rules = [_rule(f, scene, field) for f in scene.floats]
     if not rules:
         empty = np.zeros(0)
-        return WettedQuadrature(np.zeros((0, 0, 7)), np.zeros((0, 2)), 0.0, empty, empty, empty, empty, False)
+        return WettedQuadrature(np.zeros((0, 0, 7)), np.zeros((0, 2)), 0.0, empty, empty, empty, empty, False, 1)
+    largest = max(r.surface_terms for r in rules)
     patch = np.zeros((len(rules), max(len(r.patch) for r in rules), 7))
     for stacked, rule in zip(patch, rules, strict=True):
         stacked[: len(rule.patch)] = rule.patch
-    return rules[0]._replace(patch=patch)
+    return rules[0]._replace(patch=patch, surface_terms=largest)
 
 
 def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None):

@@ -109,7 +109,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
             lever=np.array(levers),
         )
     added_mass = fit.added_mass_inf if fit else np.zeros((0, 0))
-    body = assembly.bodies(scene, support, hydrodynamics, added_mass)
+    body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass)
     reach = max((_reach(f) for f in scene.floats), default=0.0)
     terms = waves.terms_for(reach, settings.field_tolerance)
     rows, layout = assembly.wave_rows(scene, waves, support, hydrodynamics, terms)
@@ -129,8 +129,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
 
 def _reach(item) -> float:
     """How far from its centre at rest a hull's wetted surface gets at ±0.8 rad of its arm [m]."""
-    size = max(np.hypot(*s.end) for s in item.hull.meridian)
-    return 2 * np.sin(0.4) * float(np.linalg.norm(item.arm)) + size
+    return 2 * np.sin(0.4) * float(np.linalg.norm(item.arm)) + item.hull.size
 
 
 def _equilibrium(system: System) -> tuple[np.ndarray, np.ndarray]:

@@ -32,12 +32,16 @@ class WettedQuadrature(NamedTuple):
     line_u: np.ndarray
     line_w: np.ndarray
     half: bool
+    surface_terms: int
 
 
 def quadrature(
-    hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool
+    hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool, surface_terms: int = 99
 ) -> WettedQuadrature:
-    """Rule with `azimuths` on the full circle; half = only ψ in (0, π), for planar scenes."""
+    """Rule with `azimuths` on the full circle; half = only ψ in (0, π), for planar scenes.
+
+    surface_terms: of the elevation across the hull, a shorter series than that of the whole field.
+    """
     rows = []
     for kind, r0, z0, r1, z1, zc, radius, _ in hull.segments():
         if kind == 0:
@@ -63,6 +67,7 @@ def quadrature(
         line_u=line[0],
         line_w=line[1],
         half=half,
+        surface_terms=surface_terms,
     )
 
 
@@ -91,18 +96,18 @@ def _polynomial(coefficient, x):
 
 
 @njit(cache=True)
-def _height(patch, u, slope_r, slope_z, along_r, along_z, s0, z0, surface):
+def _height(patch, u, slope_r, slope_z, along_r, along_z, z0, surface):
     """Height of a meridian point above the instantaneous surface."""
     r, z, _, _, _ = _meridian(patch, u)
-    return z0 + slope_r * r + slope_z * z - _polynomial(surface, s0 + along_r * r + along_z * z)
+    return z0 + slope_r * r + slope_z * z - _polynomial(surface, along_r * r + along_z * z)
 
 
 @njit(cache=True)
-def _crossing(patch, a, fa, b, fb, slope_r, slope_z, along_r, along_z, s0, z0, surface):
+def _crossing(patch, a, fa, b, fb, slope_r, slope_z, along_r, along_z, z0, surface):
     """u in [a, b] where the meridian meets the surface: Illinois variant of false position."""
     for _ in range(50):
         u = (a * fb - b * fa) / (fb - fa)
-        f = _height(patch, u, slope_r, slope_z, along_r, along_z, s0, z0, surface)
+        f = _height(patch, u, slope_r, slope_z, along_r, along_z, z0, surface)
         if abs(f) < 1e-10 or abs(b - a) < 1e-12:
             return u
         if (f > 0) == (fb > 0):
@@ -112,6 +117,21 @@ def _crossing(patch, a, fa, b, fb, slope_r, slope_z, along_r, along_z, s0, z0, s
             a, fa = b, fb
             b, fb = u, f
     return u
+
+
+@njit(cache=True, fastmath=FAST)
+def _surface(c, s0, terms):
+    """Coefficients of η about s0, from η(s) = Re Σ Cₙ (is)ⁿ: a Taylor shift, `terms` kept."""
+    n = c.shape[1]
+    eta = np.empty(n)
+    for i in range(n):
+        k = i % 4
+        eta[i] = c[0, i] if k == 0 else -c[1, i] if k == 1 else -c[0, i] if k == 2 else c[1, i]
+    kept = min(n, terms)
+    for i in range(kept):
+        for k in range(n - 2, i - 1, -1):
+            eta[k] += s0 * eta[k + 1]
+    return eta[:kept]
 
 
 @njit(cache=True, fastmath=FAST)
@@ -137,15 +157,11 @@ def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler
     `centre` (at z = 0); direction (2,) of the waves; wheeler: pressure at the stretched height
     (z - η)/(1 + η/h) in place of z.
     """
-    n_terms = c.shape[1]
-    surface = np.empty(n_terms)  # η(Δs) = Re Σ Cₙ (iΔs)ⁿ
-    for n in range(n_terms):
-        k = n % 4
-        surface[n] = c[0, n] if k == 0 else -c[1, n] if k == 1 else -c[0, n] if k == 2 else c[1, n]
+    s0 = (position[0] - centre[0]) * direction[0] + (position[1] - centre[1]) * direction[1]
+    surface = _surface(c, s0, rule.surface_terms)
     capacity = rule.azimuth.shape[0] * rule.patch.shape[0] * 2 * max(rule.arc_u.size, rule.line_u.size)
     s, z, head = np.empty(capacity), np.empty(capacity), np.empty(capacity)
     lever, normal = np.empty((3, capacity)), np.empty((3, capacity))
-    s0 = (position[0] - centre[0]) * direction[0] + (position[1] - centre[1]) * direction[1]
     axis_s = rotation[0, 2] * direction[0] + rotation[1, 2] * direction[1]
     count = 0
     for j in range(rule.azimuth.shape[0]):
@@ -156,9 +172,9 @@ def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler
         for i in range(rule.patch.shape[0]):
             patch = rule.patch[i]
             points, weights = (rule.line_u, rule.line_w) if patch[0] == 0 else (rule.arc_u, rule.arc_w)
-            f0 = _height(patch, -1.0, e2, rotation[2, 2], e_s, axis_s, s0, position[2], surface)
-            f1 = _height(patch, 0.0, e2, rotation[2, 2], e_s, axis_s, s0, position[2], surface)
-            f2 = _height(patch, 1.0, e2, rotation[2, 2], e_s, axis_s, s0, position[2], surface)
+            f0 = _height(patch, -1.0, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
+            f1 = _height(patch, 0.0, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
+            f2 = _height(patch, 1.0, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
             if f0 >= 0 and f1 >= 0 and f2 >= 0:
                 continue
             whole = f0 < 0 and f1 < 0 and f2 < 0
@@ -170,7 +186,7 @@ def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler
                     continue
                 elif (fa < 0) != (fb < 0):
                     u = _crossing(
-                        patch, a, fa, b, fb, e2, rotation[2, 2], e_s, axis_s, s0, position[2], surface
+                        patch, a, fa, b, fb, e2, rotation[2, 2], e_s, axis_s, position[2], surface
                     )
                     a, b = (a, u) if fa < 0 else (u, b)
                 half, middle = (b - a) / 2, (a + b) / 2
@@ -191,7 +207,7 @@ def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler
     level = z[:count].copy()
     if wheeler:
         for i in range(count):
-            eta = _polynomial(surface, s[i])
+            eta = _polynomial(surface, s[i] - s0)
             level[i] = (z[i] - eta) / (1.0 + eta / depth)
     _head(c, s[:count], level, head)
     total = np.zeros(6)

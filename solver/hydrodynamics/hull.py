@@ -190,6 +190,11 @@ class Revolution:
         return float(max(s.at(np.linspace(0, 1, 65))[:, 0].max() for s in self.wetted()))
 
     @property
+    def size(self) -> float:
+        """Distance from the reference point within which the whole hull lies [m]."""
+        return float(max(np.hypot(*s.at(np.linspace(0, 1, 65)).T).max() for s in self.meridian))
+
+    @property
     def waterplane_radius(self) -> float:
         """Radius of the waterplane [m]."""
         return self.wetted()[-1].end[0]

@@ -99,8 +99,7 @@ def move(bodies, z, dz, motion):
 @njit(cache=True)
 def _spatial_inertia(bodies, b, rotation, M, lever):
     """M (6, 6) about the reference point in world axes; lever (3,) to the c.o.g."""
-    inertia = rotation @ bodies.inertia[b] @ rotation.T
-    m = bodies.mass[b]
+    m, own = bodies.mass[b], bodies.inertia[b]
     for r in range(3):
         lever[r] = (
             rotation[r, 0] * bodies.cog[b, 0]
@@ -115,7 +114,11 @@ def _spatial_inertia(bodies, b, rotation, M, lever):
     square = x * x + y * y + z * z
     for i in range(3):
         for j in range(3):
-            M[3 + i, 3 + j] = inertia[i, j] - m * lever[i] * lever[j]
+            total = -m * lever[i] * lever[j]
+            for k in range(3):
+                for n in range(3):
+                    total += rotation[i, k] * own[k, n] * rotation[j, n]
+            M[3 + i, 3 + j] = total
         M[3 + i, 3 + i] += m * square
 
 
@@ -133,6 +136,7 @@ def _pressure(bodies, b, motion, field, load):
             rule.line_u,
             rule.line_w,
             rule.half,
+            rule.surface_terms,
         )
         pressure_load(
             motion.position[b],
