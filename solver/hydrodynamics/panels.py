@@ -1,0 +1,205 @@
+"""Body-nonlinear hydrostatic and Froude-Krylov load on a panel mesh: the paper's way, eqs. 9-11.
+
+Any closed hull, cut panel by panel at the instantaneous waterline. The hydrostatic part is exact
+on the polyhedron, the wave's pressure is that of all components summed at the centroid of each
+panel's wetted part: second order in the panel size. The slow twin of `froude_krylov`.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from solver.errors import InputError
+from solver.hydrodynamics.hull import Revolution
+
+DEEP = 40.0  # 2kh beyond which the bottom's share e^(-2kh) is below rounding
+
+
+class Mesh(NamedTuple):
+    """vertices (nv, 3) [m] from the reference point at rest; faces (nf, 4), counter-clockwise from the water.
+
+    A triangle repeats its last vertex.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+
+
+class Waves(NamedTuple):
+    """Components at one instant: η(x, y) = Re Σ aᵢ exp(i kᵢ s), s along `direction` (2,).
+
+    k (n,) [1/m]; a (n,) complex [m], the turning exp(-iωt) and any ramp included; depth [m].
+    """
+
+    k: np.ndarray
+    a: np.ndarray
+    direction: np.ndarray
+    depth: float
+
+
+def waves_at(k, omega, amplitude, *, depth: float, heading: float, t: float, factor: float = 1.0) -> Waves:
+    """Components of complex amplitude (n,) [m] at time t [s], times a ramp's factor."""
+    direction = np.array([np.cos(heading), np.sin(heading)])
+    turned = np.asarray(amplitude, complex) * np.exp(-1j * np.asarray(omega) * t) * factor
+    return Waves(np.asarray(k, float), turned, direction, float(depth))
+
+
+def revolution_mesh(hull: Revolution, *, along: int, around: int) -> Mesh:
+    """`along` x `around` panels on the whole hull, above water too; vertices lie on the hull.
+
+    The Buan float has 71 x 120 = 8,520. Each segment of the meridian gets its share by length.
+    """
+    lengths = np.array([s.length for s in hull.meridian])
+    if along < len(lengths) or around < 3:
+        raise InputError("panels", f"{along} x {around}", f"needs at least {len(lengths)} x 3 on this hull")
+    counts = np.maximum(1, np.floor(along * lengths / lengths.sum())).astype(int)
+    while counts.sum() != along:
+        step = 1 if counts.sum() < along else -1
+        size = np.where(counts + step > 0, lengths / (counts + (step > 0)), np.inf)
+        counts[np.argmax(size) if step > 0 else np.argmin(size)] += step
+    parts = [s.at(np.arange(n) / n) for s, n in zip(hull.meridian, counts, strict=True)]
+    r, z = np.concatenate([*parts, [hull.meridian[-1].end]]).T
+    psi = 2 * np.pi * np.arange(around) / around
+    vertices = np.stack([np.outer(r, np.cos(psi)), np.outer(r, np.sin(psi)), np.outer(z, np.ones(around))], -1)
+    low = np.arange(along * around).reshape(along, around)
+    high = low + around
+    faces = np.stack([low, np.roll(low, -1, axis=1), np.roll(high, -1, axis=1), high], axis=-1)
+    return _merged(Mesh(vertices.reshape(-1, 3), faces.reshape(-1, 4)))
+
+
+def _merged(mesh: Mesh) -> Mesh:
+    """The same surface with the coinciding vertices of the poles made one, and triangles there."""
+    keys = np.round(mesh.vertices / (1e-9 * np.abs(mesh.vertices).max())).astype(np.int64)
+    _, first, place = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    faces = place.reshape(-1)[mesh.faces]
+    for i, face in enumerate(faces):
+        corners = [v for n, v in enumerate(face) if v != face[n - 1]]
+        faces[i] = corners + corners[-1:] * (4 - len(corners))
+    return Mesh(mesh.vertices[first], faces)
+
+
+def volume(mesh: Mesh) -> float:
+    """Volume inside [m³]; raises InputError for a mesh that is open or inside out."""
+    edges = np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    once, back = (set(map(tuple, e)) for e in (edges, edges[:, ::-1]))
+    if len(once) < len(edges) or once != back:
+        raise InputError("mesh", f"{len(once ^ back)} open or doubled edges", "must be closed and of one winding")
+    a, b, c, d = np.moveaxis(mesh.vertices[mesh.faces], 1, 0)
+    total = float(np.sum(a * np.cross(b, c)) + np.sum(a * np.cross(c, d))) / 6
+    if not total > 0:
+        raise InputError("mesh", f"volume {total:g} m3", "must be > 0: normals point out of the body")
+    return total
+
+
+@njit(cache=True)
+def _elevation(waves, s):
+    total = 0.0
+    for i in range(waves.k.size):
+        phase = waves.k[i] * s
+        total += waves.a[i].real * np.cos(phase) - waves.a[i].imag * np.sin(phase)
+    return total
+
+
+@njit(cache=True)
+def _head(waves, s, z):
+    """Dynamic head p/ρg [m] of all components: Re Σ a cosh k(z+h)/cosh kh exp(iks), eq. 11."""
+    total = 0.0
+    for i in range(waves.k.size):
+        k = waves.k[i]
+        rise = np.exp(k * z)
+        if 2 * k * waves.depth < DEEP:
+            rise = (rise + np.exp(-k * (z + 2 * waves.depth))) / (1 + np.exp(-2 * k * waves.depth))
+        total += rise * (waves.a[i].real * np.cos(k * s) - waves.a[i].imag * np.sin(k * s))
+    return total
+
+
+@njit(cache=True)
+def _clip(corners, height, polygon):
+    """The part of a face (4, 3) whose heights (4,) above the surface are below 0; number of its corners."""
+    count = 0
+    for i in range(4):
+        j = (i + 1) % 4
+        if height[i] < 0:
+            polygon[count] = corners[i]
+            count += 1
+        if (height[i] < 0) != (height[j] < 0):
+            share = height[i] / (height[i] - height[j])
+            polygon[count] = corners[i] + share * (corners[j] - corners[i])
+            count += 1
+    return count
+
+
+@njit(cache=True)
+def _add_force(point, origin, fx, fy, fz, load):
+    x, y, z = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
+    load[0] += fx
+    load[1] += fy
+    load[2] += fz
+    load[3] += y * fz - z * fy
+    load[4] += z * fx - x * fz
+    load[5] += x * fy - y * fx
+
+
+@njit(cache=True)
+def _hydrostatic(a, b, c, origin, rho_g, area, load):
+    """-∫ p n dS, p = -ρgz, on a triangle of outward area (3,): edge midpoints are exact for z times lever."""
+    middle = np.empty(3)
+    for e in range(3):
+        p, q = (a, b) if e == 0 else (b, c) if e == 1 else (c, a)
+        for r in range(3):
+            middle[r] = (p[r] + q[r]) / 2
+        f = rho_g * middle[2] / 3
+        _add_force(middle, origin, f * area[0], f * area[1], f * area[2], load)
+
+
+@njit(cache=True)
+def _panel(polygon, count, origin, rho_g, waves, wheeler, load):
+    """Load of one wetted polygon: hydrostatic by triangles, the wave's head at the centroid."""
+    total, centroid, size = np.zeros(3), np.zeros(3), 0.0
+    area = np.empty(3)
+    a = polygon[0]
+    for n in range(1, count - 1):
+        b, c = polygon[n], polygon[n + 1]
+        for r in range(3):
+            i, j = (r + 1) % 3, (r + 2) % 3
+            area[r] = ((b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i])) / 2
+        weight = np.sqrt(area[0] ** 2 + area[1] ** 2 + area[2] ** 2)
+        if weight == 0:
+            continue
+        _hydrostatic(a, b, c, origin, rho_g, area, load)
+        size += weight
+        for r in range(3):
+            total[r] += area[r]
+            centroid[r] += weight * (a[r] + b[r] + c[r]) / 3
+    if size == 0 or waves.k.size == 0:
+        return
+    centroid /= size
+    s, z = centroid[0] * waves.direction[0] + centroid[1] * waves.direction[1], centroid[2]
+    if wheeler:
+        eta = _elevation(waves, s)
+        z = (z - eta) / (1 + eta / waves.depth)
+    p = rho_g * _head(waves, s, z)
+    _add_force(centroid, origin, -p * total[0], -p * total[1], -p * total[2], load)
+
+
+@njit(cache=True)
+def panel_load(position, rotation, mesh, waves, rho_g, wheeler, load):
+    """Load (6,) [N, N m] about the reference point at `position` (3,), added to `load`.
+
+    rotation (3, 3) of the body; pressure above still water as Airy's formula goes on, or wheeler:
+    at the stretched height (z - η)/(1 + η/h).
+    """
+    points = mesh.vertices @ rotation.T + position
+    height = np.empty(len(points))
+    for v in range(len(points)):
+        s = points[v, 0] * waves.direction[0] + points[v, 1] * waves.direction[1]
+        height[v] = points[v, 2] - _elevation(waves, s)
+    corners, level, polygon = np.empty((4, 3)), np.empty(4), np.empty((8, 3))
+    for face in mesh.faces:
+        for i in range(4):
+            corners[i], level[i] = points[face[i]], height[face[i]]
+        count = _clip(corners, level, polygon)
+        if count > 2:
+            _panel(polygon, count, position, rho_g, waves, wheeler, load)
