@@ -75,10 +75,13 @@ def _row(path: Path, number: int, row: dict[str, str]) -> Published:
 
 
 def ours(data: xr.Dataset, row: Published) -> Ours | None:
-    """Our number: extremes are means of each record's extreme; None if it has not been computed."""
+    """Our number: extremes are means of each record's extreme; None if it has not been computed.
+
+    A statistic with a leading minus counts the other way round: "-min" is minus the minimum.
+    """
     if row.variable not in data:
         return None
-    wanted = dict(row.selection) | ({"statistic": [row.statistic]} if row.statistic else {})
+    wanted = dict(row.selection) | ({"statistic": [row.statistic.lstrip("-")]} if row.statistic else {})
     values = data[row.variable]
     for dim, labels in wanted.items():
         if dim not in values.dims:
@@ -89,7 +92,8 @@ def ours(data: xr.Dataset, row: Published) -> Ours | None:
         if not known:
             return None
         values = values.isel({dim: known}).mean(dim)
-    numbers = values.values[~_nan(values.values)] / row.scale
+    sign = -1 if row.statistic.startswith("-") else 1
+    numbers = sign * values.values[~_nan(values.values)] / row.scale
     if numbers.size == 0:
         return None
     return Ours(mean=float(numbers.mean()), low=float(numbers.min()), high=float(numbers.max()))
