@@ -1,0 +1,93 @@
+"""Rational functions with common poles and real impulse responses: basis, and relaxed vector fitting.
+
+Poles are stored once a conjugate pair, the one with positive imaginary part, or real. Gustavsen
+and Semlyen (1999) and Gustavsen (2006); the per-entry elimination is Deschrijver et al. (2008).
+"""
+
+import numpy as np
+
+
+def starting_poles(omega: np.ndarray, pairs: int) -> np.ndarray:
+    """Weakly damped pairs spread evenly over the band, (pairs,) complex [rad/s]."""
+    at = np.linspace(omega[0], omega[-1], pairs + 1)[:-1] + (omega[-1] - omega[0]) / (2 * pairs)
+    return -0.05 * at + 1j * at
+
+
+def basis(poles: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Columns at s = iω, real coefficients: a pair gives 1/(s-a) + 1/(s-a*) and i/(s-a) - i/(s-a*)."""
+    s = 1j * np.asarray(omega, float)
+    columns = []
+    for a in poles:
+        if a.imag == 0:
+            columns.append(1 / (s - a.real))
+        else:
+            one, other = 1 / (s - a), 1 / (s - a.conjugate())
+            columns += [one + other, 1j * (one - other)]
+    return np.array(columns).T
+
+
+def complex_residues(poles: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """r (p, m) with response Re Σ r exp(at), from coefficients (columns of the basis, m)."""
+    rows, residues = iter(coefficients), []
+    for a in poles:
+        residues.append(next(rows) + 0j if a.imag == 0 else 2 * (next(rows) + 1j * next(rows)))
+    return np.array(residues)
+
+
+def derivative_at_start(poles: np.ndarray) -> np.ndarray:
+    """K'(0+) of each basis column: -ω² Re tends to it as ω grows."""
+    columns = []
+    for a in poles:
+        columns += [a.real] if a.imag == 0 else [2 * a.real, -2 * a.imag]
+    return np.array(columns)
+
+
+def relocated(poles: np.ndarray, omega: np.ndarray, samples: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """One step of relaxed vector fitting: the zeros of σ, where (σ samples) and σ share `poles`.
+
+    samples: (nw, m) complex at s = iω, weight (nw,). Unstable zeros are mirrored into the left half plane.
+    """
+    columns = basis(poles, omega)
+    q = columns.shape[1]
+    left = _stacked(weight[:, None] * np.column_stack([columns, 1j * omega]))
+    reduced, right = [], np.column_stack([columns, np.ones(omega.size)])
+    for f in samples.T:
+        rows = np.column_stack([left, _stacked(-(weight * f)[:, None] * right)])
+        reduced.append(np.linalg.qr(rows, mode="r")[q + 1 :, q + 1 :])
+    # σ = 1 on average: keeps the trivial solution away without fixing σ at infinity.
+    size = np.linalg.norm(weight[:, None] * samples) / omega.size
+    matrix = np.vstack([*reduced, size * right.real.sum(axis=0)])
+    target = np.zeros(len(matrix))
+    target[-1] = size * omega.size
+    norm = np.linalg.norm(matrix, axis=0)
+    solution = np.linalg.lstsq(matrix / norm, target, rcond=None)[0] / norm
+    constant = solution[-1]
+    if abs(constant) < 1e-8:
+        constant = np.copysign(1e-8, constant)
+    return _stable(_zeros(poles, solution[:-1], constant), omega)
+
+
+def _stacked(rows: np.ndarray) -> np.ndarray:
+    return np.vstack([rows.real, rows.imag])
+
+
+def _zeros(poles: np.ndarray, residue: np.ndarray, constant: float) -> np.ndarray:
+    """Eigenvalues of A - b c/d of the real realization of σ."""
+    size = len(residue)
+    a, b, i = np.zeros((size, size)), np.zeros(size), 0
+    for pole in poles:
+        if pole.imag == 0:
+            a[i, i], b[i] = pole.real, 1.0
+            i += 1
+        else:
+            a[i : i + 2, i : i + 2] = [[pole.real, pole.imag], [-pole.imag, pole.real]]
+            b[i] = 2.0
+            i += 2
+    return np.linalg.eigvals(a - np.outer(b, residue) / constant)
+
+
+def _stable(zeros: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """One of each pair, mirrored to the left, none so close to the axis that it rings beyond the data's resolution."""
+    zeros = zeros[zeros.imag >= 0]
+    damping = np.maximum(np.abs(zeros.real), 1e-3 * omega[-1] / omega.size)
+    return -damping + 1j * np.where(zeros.imag > 1e-9 * omega[0], zeros.imag, 0.0)
