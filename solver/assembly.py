@@ -123,9 +123,7 @@ def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None):
 def structure(support: Support | None, damping_ratio: float) -> Structure:
     """Modal arrays; empty without an elastic support."""
     if support is None:
-        return Structure(
-            np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 1, 0)), np.zeros(0), np.zeros(0)
-        )
+        return Structure(np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 1, 0)), np.zeros(0), np.zeros(0))
     return Structure(
         omega=support.omega,
         damping=np.full(support.omega.size, damping_ratio),

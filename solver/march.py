@@ -14,7 +14,6 @@ import numpy as np
 from numba import njit
 
 from solver.multibody.minimal import (
-    Bodies,
     loads,
     mass_matrix,
     move,
@@ -271,11 +270,7 @@ def _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z,
         for m in range(nm):
             a0, a1, a2 = state.ddp[m], ddp[0, m], ddp[1, m]
             dp[s, m] = state.dp[m] + dt * (A0[s] * a0 + A[s, 0] * a1 + A[s, 1] * a2)
-            new = (
-                state.p[m]
-                + dt * C[s] * state.dp[m]
-                + dt * dt * (AA0[s] * a0 + AA[s, 0] * a1 + AA[s, 1] * a2)
-            )
+            new = state.p[m] + dt * C[s] * state.dp[m] + dt * dt * (AA0[s] * a0 + AA[s, 0] * a1 + AA[s, 1] * a2)
             change = max(change, abs(new - p[s, m]) * structure.scale[m])
             p[s, m] = new
         for i in range(nc):
@@ -309,7 +304,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
     z0, dz0 = np.empty(nz), np.empty(nz)
     z, dz, ddz = np.zeros((2, nz)), np.zeros((2, nz)), np.zeros((2, nz))
     p, dp, ddp = np.empty((2, nm)), np.empty((2, nm)), np.zeros((2, nm))
-    known, force, drag, wave = np.empty((2, nm)), np.empty((2, nm)), np.empty((2, nm)), np.empty(nm)
+    known, force, drag = np.empty((2, nm)), np.empty((2, nm)), np.empty((2, nm))
     velocity, history, load = np.empty((2, na)), np.empty((2, na)), np.empty((2, na))
     residual, wrench, power = np.empty((2, nz)), np.empty((2, nb, 6)), np.zeros((2, 4))
     works = np.zeros((3, state.work.size))
@@ -332,9 +327,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
             for m in range(nm):
                 w, cv = structure.omega[m], state.dp[m] + dt * A0[s] * state.ddp[m]
                 cq = state.p[m] + dt * C[s] * state.dp[m] + dt * dt * AA0[s] * state.ddp[m]
-                known[s, m] = (
-                    drive.modal[2 * step + 1 + s, m] - 2 * structure.damping[m] * w * cv - w * w * cq
-                )
+                known[s, m] = drive.modal[2 * step + 1 + s, m] - 2 * structure.damping[m] * w * cv - w * w * cq
             # Predict loads, not accelerations, of the modes: stiff modes ring in the latter.
             a, b, c = (1.0, -3.0, 3.0) if s == 0 else (3.0, -8.0, 6.0)
             for m in range(nm):
@@ -410,6 +403,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
             velocity[s] = stage[s].active_velocity
         for i in range(nz):
             if not abs(z[1, i]) < bodies.limit[i]:
+                state.z[:] = z[1, nc:]
                 return EXCURSION, 2 * step + 2, used
         # Work by Simpson's rule over the step's three points.
         for s in range(2):
@@ -420,9 +414,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
             works[1 + s, 4], works[1 + s, 6] = inertia, structural
         works[0] = state.power
         for i in range(state.work.size):
-            state.work[i] += dt * (
-                SIMPSON[0] * works[0, i] + SIMPSON[1] * works[1, i] + SIMPSON[2] * works[2, i]
-            )
+            state.work[i] += dt * (SIMPSON[0] * works[0, i] + SIMPSON[1] * works[1, i] + SIMPSON[2] * works[2, i])
         state.power[:] = works[2]
         _remember(memory, state, start.active_velocity, velocity)
         state.ddz[0] = state.ddz[2]

@@ -101,7 +101,9 @@ class Recorder:
         if self.frequencies.size:
             coords["mode"] = np.arange(1, self.frequencies.size + 1)
             variables["natural_frequency"] = (("mode",), self.frequencies)
-        series = {n: ((("time", *dims[n]) if n != "time" else ("time",)), np.concatenate(v)) for n, v in self.series.items()}
+        series = {
+            n: ((("time", *dims[n]) if n != "time" else ("time",)), np.concatenate(v)) for n, v in self.series.items()
+        }
         return Record(variables=variables, coords=coords, attrs=attrs, series=series)
 
 

@@ -124,13 +124,12 @@ class Scene:
             lowest = f.centre[2] + f.hull.meridian[0].start[1]
             if not lowest > -self.water.depth:
                 raise InputError(
-                    f"floats.{f.name}", f"lowest point at z = {lowest:g} m",
+                    f"floats.{f.name}",
+                    f"lowest point at z = {lowest:g} m",
                     f"must stay above the seabed at z = {-self.water.depth:g} m",
                 )
             if abs(f.centre[2]) > 1e-9:
-                raise InputError(
-                    f"floats.{f.name}.arm", f.arm, "hinge + arm must end at still water, z = 0 m"
-                )
+                raise InputError(f"floats.{f.name}.arm", f.arm, "hinge + arm must end at still water, z = 0 m")
             if self.platform and f.name not in self.platform.hinge_nodes:
                 raise InputError("platform.hinge_nodes", f.name, "no node carries this float's hinge")
         self._check_time_step()
@@ -139,7 +138,8 @@ class Scene:
         shortest = 2 * np.pi / self.sea.omega.max()
         if self.settings.time_step > shortest / 6:
             raise InputError(
-                "settings.time_step", self.settings.time_step,
+                "settings.time_step",
+                self.settings.time_step,
                 f"must be <= {shortest / 6:.3g} s, a sixth of the shortest wave's period",
             )
 

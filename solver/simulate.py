@@ -8,7 +8,7 @@ import numpy as np
 from solver import assembly
 from solver.errors import SimulationFailed
 from solver.hydrodynamics import radiation
-from solver.hydrodynamics.bem import Hydrodynamics
+from solver.hydrodynamics.bem import DOFS, Hydrodynamics
 from solver.march import (
     EXCURSION,
     NOT_CONVERGED,
@@ -20,7 +20,7 @@ from solver.march import (
     energy,
     march,
 )
-from solver.multibody.minimal import Bodies, loads, mass_matrix, move, new_motion
+from solver.multibody.minimal import Bodies, loads, move, new_motion
 from solver.record import Record, Recorder, probe
 from solver.scene import Scene
 from solver.sea.field import WaveField, WaveSeries
@@ -98,7 +98,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     fit = None
     if scene.floats:
         h = hydrodynamics
-        levers = [1.0 if d in ("surge", "sway", "heave") else f.hull.largest_radius for f in scene.floats for d in h.dofs]
+        radii = [1.0 if DOFS.index(d) < 3 else f.hull.largest_radius for f in scene.floats for d in h.dofs]
         fit = radiation.fit(
             h.omega,
             h.added_mass,
@@ -106,7 +106,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
             h.added_mass_inf,
             settings.memory_tolerance,
             band=MOVING * scene.sea.omega.max(),
-            lever=np.array(levers),
+            lever=np.array(radii),
         )
     added_mass = fit.added_mass_inf if fit else np.zeros((0, 0))
     body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass)
@@ -234,22 +234,26 @@ def blocks(system: System, state: State, steps: int):
             output,
         )
         if outcome != OK:
-            raise SimulationFailed(_explain(outcome, (2 * first + sample) * h, system.dt))
+            raise SimulationFailed(_explain(outcome, (2 * first + sample) * h, system, state))
         yield samples[1:], output, (2 * first + 1 + np.arange(2 * count)) * h
 
 
-def _explain(outcome: int, t: float, dt: float) -> str:
+def _explain(outcome: int, t: float, system: System, state: State) -> str:
+    when = f"at t = {t:.1f} s"
     if outcome == EXCURSION:
-        return f"a float turned beyond ±90° of its hinge at t = {t:.1f} s: the sea is too high for this arm and PTO damping"
-    if outcome == NOT_CONVERGED:
-        return f"no convergence in {ITERATIONS} iterations at t = {t:.1f} s: reduce time_step = {dt:g} s"
-    return f"not finite at t = {t:.1f} s: reduce time_step = {dt:g} s"
+        where = ", ".join(f"{f.name} {angle:+.2f} rad" for f, angle in zip(system.scene.floats, state.z, strict=True))
+        return (
+            f"a float swung through beneath its hinge {when} ({where}; limit ±{assembly.FALLEN_OVER:.2f} rad):"
+            " the sea is too high for this arm and PTO damping"
+        )
+    trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
+    return f"{trouble} {when}: reduce time_step = {system.dt:g} s"
 
 
 def _energy_residual(work: dict[str, float], stored: float) -> float:
     """|wave work - (PTO + radiation + drag + structural + stored)| over the wave's work."""
     given = work["wave"] + work["frame_inertia"] + max(work["frame_drag"], 0.0)
-    taken = work["radiation"] + work["pto"] + work["joint_drag"] + work["structural"] - min(work["frame_drag"], 0.0)
+    taken = sum(work[n] for n in ("radiation", "pto", "joint_drag", "structural")) - min(work["frame_drag"], 0.0)
     return float(abs(given - taken - stored) / abs(given)) if given else 0.0
 
 
@@ -280,7 +284,9 @@ def _discretization_error(system: System, recorder: Recorder, steps: int) -> flo
     steps = min(steps, int(PROBE / system.dt))
     coarse = recorder.probe()
     half = replace(system, dt=system.dt / 2, memory=assembly.memory(system.fit, system.dt / 2))
-    fine = np.concatenate([probe(output, len(system.scene.floats)) for _, output, _ in blocks(half, half.start(), 2 * steps)])
+    fine = np.concatenate(
+        [probe(output, len(system.scene.floats)) for _, output, _ in blocks(half, half.start(), 2 * steps)]
+    )
     difference = coarse - fine[1::2]
     scale, error = (np.sqrt(np.mean(x**2, axis=0)) for x in (coarse, difference))
     return float(np.max(error[scale > 0] / scale[scale > 0], initial=0.0) * 16 / 15)

@@ -31,9 +31,7 @@ class Statistics:
     def table(self) -> np.ndarray:
         """(…, 5) in the order of STATISTICS."""
         variance = self.spread / self.count
-        return np.stack(
-            [self.high, self.low, self.mean, np.sqrt(self.mean**2 + variance), np.sqrt(variance)], axis=-1
-        )
+        return np.stack([self.high, self.low, self.mean, np.sqrt(self.mean**2 + variance), np.sqrt(variance)], axis=-1)
 
 
 class Envelope:

@@ -16,5 +16,5 @@ def test_blocks_give_what_the_whole_gives(seed, cuts, offset):
         statistics.add(block)
         envelope.add(block)
     expected = [x.max(0), x.min(0), x.mean(0), np.sqrt((x**2).mean(0)), x.std(0)]
-    assert statistics.table().T == approx(np.array(expected), rel=1e-9, abs=1e-9)
+    assert approx(np.array(expected), rel=1e-9, abs=1e-9) == statistics.table().T
     assert np.array_equal(envelope.value, x.max(0))

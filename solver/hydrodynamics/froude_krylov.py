@@ -185,9 +185,7 @@ def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler
                 elif fa >= 0 and fb >= 0:
                     continue
                 elif (fa < 0) != (fb < 0):
-                    u = _crossing(
-                        patch, a, fa, b, fb, e2, rotation[2, 2], e_s, axis_s, position[2], surface
-                    )
+                    u = _crossing(patch, a, fa, b, fb, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
                     a, b = (a, u) if fa < 0 else (u, b)
                 half, middle = (b - a) / 2, (a + b) / 2
                 for g in range(points.size):

@@ -84,7 +84,7 @@ class Segment:
 
     def below_water(self) -> "Segment | None":
         """The part with z <= 0 of a segment that crosses z = 0 once, upwards."""
-        (r0, z0), (r1, z1) = self.start, self.end
+        (_, z0), (_, z1) = self.start, self.end
         if z0 >= 0:
             return None
         if z1 <= 0:

@@ -57,8 +57,12 @@ def kinematics(chain, reference, y, dy, position, R, J, velocity, bias):
     axes, origins = np.empty((n, 3)), np.empty((n, 3))
     for i in range(n):
         for r in range(3):
-            axes[i, r] = R[r, 0] * chain.direction[i, 0] + R[r, 1] * chain.direction[i, 1] + R[r, 2] * chain.direction[i, 2]
-            origins[i, r] = R[r, 0] * chain.point[i, 0] + R[r, 1] * chain.point[i, 1] + R[r, 2] * chain.point[i, 2] + shift[r]
+            axes[i, r] = (
+                R[r, 0] * chain.direction[i, 0] + R[r, 1] * chain.direction[i, 1] + R[r, 2] * chain.direction[i, 2]
+            )
+            origins[i, r] = (
+                R[r, 0] * chain.point[i, 0] + R[r, 1] * chain.point[i, 1] + R[r, 2] * chain.point[i, 2] + shift[r]
+            )
         if chain.kind[i] == PRISMATIC:
             shift += axes[i] * y[i]
         else:

@@ -78,9 +78,7 @@ def move(bodies, z, dz, motion):
         y, dy = np.empty(n), np.empty(n)
         for i in range(n):
             y[i], dy[i] = z[bodies.coordinate[b, i]], dz[bodies.coordinate[b, i]]
-        chain = Chain(
-            bodies.kind[b, :n], bodies.direction[b, :n], bodies.point[b, :n], bodies.coordinate[b, :n]
-        )
+        chain = Chain(bodies.kind[b, :n], bodies.direction[b, :n], bodies.point[b, :n], bodies.coordinate[b, :n])
         kinematics(
             chain,
             bodies.reference[b],
@@ -102,9 +100,7 @@ def _spatial_inertia(bodies, b, rotation, M, lever):
     m, own = bodies.mass[b], bodies.inertia[b]
     for r in range(3):
         lever[r] = (
-            rotation[r, 0] * bodies.cog[b, 0]
-            + rotation[r, 1] * bodies.cog[b, 1]
-            + rotation[r, 2] * bodies.cog[b, 2]
+            rotation[r, 0] * bodies.cog[b, 0] + rotation[r, 1] * bodies.cog[b, 1] + rotation[r, 2] * bodies.cog[b, 2]
         )
     x, y, z = lever[0], lever[1], lever[2]
     M[:] = 0.0

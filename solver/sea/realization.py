@@ -67,9 +67,7 @@ def realize(
         edges[1:-1] += width * rng.uniform(-0.4, 0.4, components - 1)
     omega = (edges[1:] + edges[:-1]) / 2
     density = spectrum.density(omega)
-    amplitude = np.sqrt(2 * density * np.diff(edges)) * np.exp(
-        1j * rng.uniform(0, 2 * np.pi, components)
-    )
+    amplitude = np.sqrt(2 * density * np.diff(edges)) * np.exp(1j * rng.uniform(0, 2 * np.pi, components))
     return Realization(
         omega=omega,
         amplitude=amplitude,

@@ -91,12 +91,8 @@ def prepare(
     model, at_rest, factor = dynamic_model(platform, sea)
     symmetric = natural.symmetric_basis(model) if planar else None
     if planar and symmetric is None:
-        raise InputError(
-            "platform.frame", "not symmetric in y = 0", "a planar scene needs a symmetric frame"
-        )
-    dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (
-        PLANAR if planar else np.arange(6)
-    )
+        raise InputError("platform.frame", "not symmetric in y = 0", "a planar scene needs a symmetric frame")
+    dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
     M = model.M + water.added_mass(model, sea.density)
     at = water.stations(model, 4)  # once a task, so exact is free
     inertia_rows = _inertia_rows(platform, at, field, sea)
@@ -139,11 +135,7 @@ def _nodal_load(model, at, rows):
 def _basis(model, M, symmetric, hinge_dof, nodal, count):
     """Ritz frequencies and shapes (6n, nm), mass-normalised with M."""
     if count == "all":
-        found = (
-            natural.modes(model.K, M, model.free)
-            if symmetric is None
-            else natural.modes_in(symmetric, model.K, M)
-        )
+        found = natural.modes(model.K, M, model.free) if symmetric is None else natural.modes_in(symmetric, model.K, M)
         return found.omega, found.shapes
     kept = (
         natural.modes(model.K, M, model.free, count)
@@ -185,13 +177,9 @@ def _drag(model, field, sea, shapes, points, planar):
 
 
 def _legs(platform, model, sea, at_rest, shapes) -> LegOutputs:
-    loads = statics.self_weight(model, sea.gravity) + water.buoyancy(
-        model, sea.density, sea.gravity
-    )
+    loads = statics.self_weight(model, sea.gravity) + water.buoyancy(model, sea.density, sea.gravity)
     still = recovery.section_forces(model, at_rest, loads).reshape(-1, 2, 6)[..., [0, 4, 5]]
-    moving = (recovery.section_force_matrix(model) @ shapes).reshape(-1, 2, 6, shapes.shape[1])[
-        :, :, [0, 4, 5]
-    ]
+    moving = (recovery.section_force_matrix(model) @ shapes).reshape(-1, 2, 6, shapes.shape[1])[:, :, [0, 4, 5]]
     properties = recovery.section_properties(model).reshape(-1, 2, 4)
     displacement, forces, static, section = [], [], [], []
     for leg in platform.legs:

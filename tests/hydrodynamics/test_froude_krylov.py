@@ -24,9 +24,7 @@ def pitched(angle):
 def load(hull, shift, angle, field, *, azimuths=16, arc=6, line=4, half=False, wheeler=False, depth=50.0):
     rule = quadrature(hull, azimuths=azimuths, arc_points=arc, line_points=line, half=half)
     out = np.zeros(6)
-    pressure_load(
-        CENTRE + shift, pitched(angle), rule, field, CENTRE, np.array([1.0, 0.0]), RHO_G, wheeler, depth, out
-    )
+    pressure_load(CENTRE + shift, pitched(angle), rule, field, CENTRE, np.array([1.0, 0.0]), RHO_G, wheeler, depth, out)
     return out
 
 

@@ -102,7 +102,6 @@ def test_velocity_follows_from_the_pressure(depth):
     point, h = np.array([1.3, 0.0, -2.0]), 1e-4
     terms = field.terms_for(1.0, 1e-14)
 
-
     def p(dx, dz):
         c = (field.local_pressure(point, terms) * np.exp(-1j * sea.omega * 7.0)).sum(axis=-1).real
         return np.polynomial.polynomial.polyval(dz + 1j * dx, c[0] + 1j * c[1]).real
@@ -117,7 +116,7 @@ def test_velocity_follows_from_the_pressure(depth):
 def test_series_is_the_sum_of_components_even_after_a_day():
     sea = buan(5)
     rows = WaveField(sea, 50.0, 9.81).elevation(np.zeros((1, 3)))
-    series = WaveSeries(rows, sea.omega, 0.1, 64, lambda t: np.ones_like(t))
+    series = WaveSeries(rows, sea.omega, 0.1, 64, np.ones_like)
     first = 24 * 36_000
     t = (first + np.arange(64)) * 0.1
     exact = (rows[0] * np.exp(-1j * np.outer(t, sea.omega))).sum(axis=1).real
