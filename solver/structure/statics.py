@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from scipy import linalg
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu
 
 from solver.structure import beam
 from solver.structure.frame import FrameModel, scatter
@@ -43,7 +43,7 @@ def static(model: FrameModel, load):
     """
     displacement = np.zeros(np.shape(load))
     K = model.K[model.free][:, model.free].tocsc()
-    displacement[model.free] = spsolve(K, load[model.free])
+    displacement[model.free] = splu(K).solve(load[model.free])
     return displacement
 
 
