@@ -7,13 +7,14 @@ them, solve again. Each of these problems is a least-distance one (Lawson and Ha
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar, nnls
+from scipy.optimize import nnls
 
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.rational import basis, derivative_at_start
 
 GRID = 1500  # points of the search in the mapped frequency, before refinement
 ROUNDS = 60
+NEAR = 1e-5  # grid minima this close to zero are always searched between their neighbours
 MARGIN = 1e-7  # of the scaled transfer: cuts ask for so much more than zero, so that rounds end
 
 
@@ -45,42 +46,30 @@ class Constraint:
         columns[~inner] = -derivative_at_start(self.poles) / self.middle**2
         return columns @ self.span
 
-    def matrix(self, solution: np.ndarray, theta: np.ndarray) -> np.ndarray:
-        """G (nθ, n, n) of a solution (free, m)."""
-        entries = self.rows(theta) @ solution
-        full = np.empty((theta.size, self.n, self.n))
+    def matrix(self, entries: np.ndarray) -> np.ndarray:
+        """Symmetric (nθ, n, n) from the entries (nθ, m) of upper triangles."""
+        full = np.empty((len(entries), self.n, self.n))
         i, j = np.triu_indices(self.n)
         full[:, i, j] = entries
         full[:, j, i] = entries
         return full
 
-    def violations(self, solution: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Local minima of the eigenvalues of G below zero: θ (nv,), value (nv,), direction (nv, n)."""
-        peaks = np.pi - 2 * np.arctan2(self.middle, np.maximum(np.abs(self.poles.imag), 1e-9))
+    def grid(self) -> np.ndarray:
+        """θ for the search: even, and denser about each pole by its width."""
+        peaks = np.pi - 2 * np.arctan2(self.middle, np.abs(self.poles.imag))
         width = np.abs(self.poles.real) / np.abs(self.poles)
         near = (peaks + np.multiply.outer(np.linspace(-2, 2, 9), width)).ravel()
-        theta = np.unique(np.clip(np.concatenate([np.linspace(0, np.pi, GRID), near]), 0, np.pi))
-        values = np.linalg.eigvalsh(self.matrix(solution, theta))
-        found = []
-        for k in range(self.n):
-            line = np.concatenate([[np.inf], values[:, k], [np.inf]])
-            low = np.flatnonzero((line[1:-1] <= line[:-2]) & (line[1:-1] <= line[2:]) & (line[1:-1] < self.depth_seen))
-            found += [self._lowest(solution, theta, i, k) for i in low]
-        found = [f for f in found if f[1] < 0]
-        if not found:
-            return np.zeros(0), np.zeros(0), np.zeros((0, self.n))
-        return tuple(np.array(x) for x in zip(*found, strict=True))
+        return np.unique(np.clip(np.concatenate([np.linspace(0, np.pi, GRID), near]), 0, np.pi))
 
-    depth_seen = 1e-3  # grid minima so near zero are refined: the true minimum may lie below
-
-    def _lowest(self, solution, theta, i: int, k: int):
-        """The minimum of eigenvalue k about grid point i, with its direction."""
-        low, high = theta[max(i - 1, 0)], theta[min(i + 1, theta.size - 1)]
-        at = lambda x: np.linalg.eigvalsh(self.matrix(solution, np.array([x]))[0])[k]  # noqa: E731
-        best = minimize_scalar(at, bounds=(low, high), method="bounded", options={"xatol": 1e-9}).x
-        best = min((best, theta[i]), key=at)
-        values, vectors = np.linalg.eigh(self.matrix(solution, np.array([best]))[0])
-        return best, values[k], vectors[:, k]
+    def lowest(self, solution: np.ndarray, low: float, high: float) -> tuple[float, float]:
+        """θ and value of the least eigenvalue's minimum between two angles, by three nested grids."""
+        # Eigenvalues cross, so the least one has kinks and several minima: no golden section here.
+        for _ in range(3):
+            theta = np.linspace(low, high, 33)
+            least = np.linalg.eigvalsh(self.matrix(self.rows(theta) @ solution))[:, 0]
+            i = int(least.argmin())
+            low, high = theta[max(i - 1, 0)], theta[min(i + 1, 32)]
+        return float(theta[i]), float(least[i])
 
 
 def enforce(columns: np.ndarray, target: np.ndarray, constraint: Constraint) -> np.ndarray:
@@ -89,30 +78,54 @@ def enforce(columns: np.ndarray, target: np.ndarray, constraint: Constraint) -> 
     The first columns of `columns` are the constraint's free residues; those after are not constrained.
     """
     free = constraint.span.shape[1]
-    # Free columns last: their block of R alone then carries distances with the others at their best.
-    order = np.r_[np.arange(free, columns.shape[1]), np.arange(free)]
-    q, r = np.linalg.qr(columns[:, order])
     others = columns.shape[1] - free
+    # Free columns last: their block of R alone then carries distances with the others at their best.
+    q, r = np.linalg.qr(np.column_stack([columns[:, free:], columns[:, :free]]))
     goal, block = q.T @ target, r[others:, others:]
-    nearest = goal[others:]
-    cuts, z = np.zeros((0, nearest.size)), nearest
-    for round_ in range(ROUNDS):
+    nearest = z = goal[others:]
+    theta, cuts = constraint.grid(), np.zeros((0, nearest.size))
+    rows = constraint.rows(theta)
+    for attempt in range(ROUNDS):
         x = np.linalg.solve(block, z)
-        theta, _, direction = constraint.violations(x)
-        if theta.size == 0:
-            rest = np.linalg.solve(r[:others, :others], goal[:others] - r[:others, others:] @ x)
-            return np.vstack([x, rest])
-        cuts = np.vstack([cuts, _cuts(constraint, block, theta, direction)])
-        z = nearest + _least_distance(cuts, MARGIN * 1.5**round_ - cuts @ nearest.ravel()).reshape(nearest.shape)
+        where, direction = _negative(constraint.matrix(rows @ x))
+        if where.size == 0:
+            hidden = _between(constraint, x, theta, rows)
+            if hidden.size == 0:
+                rest = np.linalg.solve(r[:others, :others], goal[:others] - r[:others, others:] @ x)
+                return np.vstack([x, rest])
+            theta = np.sort(np.concatenate([theta, hidden]))
+            rows = constraint.rows(theta)
+            where, direction = _negative(constraint.matrix(rows @ x))
+        cuts = np.vstack([cuts, _cuts(block, rows[where], direction)])
+        z = nearest + _least_distance(cuts, MARGIN * 1.5**attempt - cuts @ nearest.ravel()).reshape(nearest.shape)
     raise SimulationFailed(f"radiation memory of {len(constraint.poles)} poles: not passive after {ROUNDS} rounds")
 
 
-def _cuts(constraint: Constraint, block, theta, direction) -> np.ndarray:
-    """Rows c with c · z = vᵀ G(θ) v, z = block x, (nv, free m)."""
-    rows = np.linalg.solve(block.T, constraint.rows(theta).T).T
-    i, j = np.triu_indices(constraint.n)
+def _negative(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where along the grid an eigenvalue has a local minimum below zero, (nv,), and in which direction (nv, n)."""
+    values, vectors = np.linalg.eigh(matrices)
+    edged = np.pad(values, ((1, 1), (0, 0)), constant_values=np.inf)
+    at, k = np.nonzero((values <= edged[:-2]) & (values <= edged[2:]) & (values < 0))
+    return at, vectors[at, :, k]
+
+
+def _between(constraint: Constraint, x, theta, rows) -> np.ndarray:
+    """Angles between grid points at which the least eigenvalue is negative: the certificate, empty when passive."""
+    least = np.linalg.eigvalsh(constraint.matrix(rows @ x))[:, 0]
+    edged = np.pad(least, 1, constant_values=np.inf)
+    dip = np.maximum(edged[:-2], edged[2:]) - least  # by as much may the true minimum lie lower
+    suspects = np.flatnonzero((least <= edged[:-2]) & (least <= edged[2:]) & (least < np.maximum(dip, NEAR)))
+    ends = [(theta[max(i - 1, 0)], theta[min(i + 1, theta.size - 1)]) for i in suspects]
+    found = [constraint.lowest(x, low, high) for low, high in ends]
+    return np.array([at for at, value in found if value < 0])
+
+
+def _cuts(block: np.ndarray, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """Rows c with c · z = vᵀ G v, z = block x, (nv, free m)."""
+    rows = np.linalg.solve(block.T, rows.T).T
+    i, j = np.triu_indices(direction.shape[1])
     pairs = direction[:, i] * direction[:, j] * np.where(i == j, 1.0, 2.0)
-    return np.einsum("vf,vm->vfm", rows, pairs).reshape(len(theta), -1)
+    return np.einsum("vf,vm->vfm", rows, pairs).reshape(len(rows), -1)
 
 
 def _least_distance(c: np.ndarray, d: np.ndarray) -> np.ndarray:

@@ -51,8 +51,8 @@ def fit(
 
     omega: (nw,) > 0 [rad/s]; added_mass, radiation_damping: (nw, n, n); added_mass_inf: (n, n).
     Misfits of entry ij are relative to sqrt(y_i y_j), y_i the largest |B_ii - iω(A_ii - A∞_ii)|, and
-    beyond the frequency of the damping's peak they count less, as 1/ω: there it is the error of
-    force per acceleration that matters. A∞ is fitted along, as the BEM's has an error too.
+    beyond the frequency ω_p where the diagonal peaks they count less, 1/(1 + (ω/ω_p)²): motions are
+    small there, and waves reflected between bodies ripple. A∞ is fitted along: the BEM's has an error too.
     Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell motions that
     radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size
     for rotations; ones if not given.
@@ -60,16 +60,24 @@ def fit(
     if not tolerance > 0:
         raise InputError("memory_tolerance", tolerance, "must be > 0")
     data = _Data.of(omega, added_mass, radiation_damping, added_mass_inf, lengths)
-    best = None
-    for pairs in ORDERS:
-        if 2 * pairs > omega.size:
-            break
-        memory = data.fitted(pairs)
-        if best is None or memory.error < best.error:
-            best = memory
-        if best.error <= tolerance:
-            break
-    return best
+    tried = []
+    for pairs in (p for p in ORDERS if 2 * p <= len(omega)):
+        candidate = data.unconstrained(pairs)
+        if candidate.error <= tolerance and (memory := data.passive(candidate)).error <= tolerance:
+            return memory
+        tried.append(candidate)
+    return data.passive(min(tried, key=lambda c: c.error))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Candidate:
+    """Poles, with the least-squares problem of the scaled residues and A∞ and its free solution's misfit."""
+
+    poles: np.ndarray
+    span: np.ndarray  # of residues with Y(0) = 0
+    columns: np.ndarray
+    target: np.ndarray
+    error: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -98,45 +106,45 @@ class _Data:
         return cls(
             omega=omega,
             samples=(total[:, upper[0], upper[1]] + np.swapaxes(total, 1, 2)[:, upper[0], upper[1]]) / 2,
-            weight=1 / np.sqrt(1 + (omega / peak) ** 2),
+            weight=1 / (1 + (omega / peak) ** 2),
             infinite=((infinite + infinite.T) / 2 / both)[upper],
             scale=scale,
         )
 
-    def fitted(self, pairs: int) -> RadiationMemory:
-        """Poles by vector fitting, then residues and A∞ by least squares under passivity."""
+    def unconstrained(self, pairs: int) -> _Candidate:
+        """Poles by vector fitting, and how well they do without regard to passivity."""
         poles = starting_poles(self.omega, pairs)
         strictly = self.samples - 1j * self.omega[:, None] * self.infinite
         for _ in range(RELOCATIONS):
             poles = relocated(poles, self.omega, strictly, self.weight)
-        span, columns = self._columns(poles)
-        constraint = Constraint(poles=poles, span=span, n=len(self.scale))
-        solution = enforce(columns, self._target(), constraint)
-        return self._memory(poles, span, solution)
+        span = np.linalg.svd(basis(poles, np.zeros(1)).real)[2][1:].T
+        columns = self.weight[:, None] * np.column_stack([basis(poles, self.omega) @ span, 1j * self.omega])
+        target = self.weight[:, None] * self.samples
+        # The BEM's A∞ is one more sample, as far out as the last.
+        far = self.omega[-1] * self.weight[-1]
+        anchor = np.append(np.zeros(span.shape[1]), far)
+        columns = np.vstack([columns.real, columns.imag, anchor])
+        target = np.vstack([target.real, target.imag, far * self.infinite])
+        solution = np.linalg.lstsq(columns, target, rcond=None)[0]
+        error = self._misfit(columns @ solution - target)
+        return _Candidate(poles=poles, span=span, columns=columns, target=target, error=error)
 
-    def _columns(self, poles: np.ndarray):
-        """Span of residues with Y(0) = 0, and the least-squares matrix of it and of A∞, real rows."""
-        at_rest = basis(poles, np.zeros(1)).real
-        span = np.linalg.svd(at_rest)[2][1:].T
-        rows = self.weight[:, None] * np.column_stack([basis(poles, self.omega) @ span, 1j * self.omega])
-        anchor = np.zeros(rows.shape[1])
-        anchor[-1] = self.omega[-1] * self.weight[-1]  # the BEM's A∞ is one more sample, as far out as the last
-        return span, np.vstack([rows.real, rows.imag, anchor])
-
-    def _target(self) -> np.ndarray:
-        rows = self.weight[:, None] * self.samples
-        return np.vstack([rows.real, rows.imag, self.omega[-1] * self.weight[-1] * self.infinite])
-
-    def _memory(self, poles, span, solution) -> RadiationMemory:
-        model = basis(poles, self.omega) @ (span @ solution[:-1]) + 1j * self.omega[:, None] * solution[-1]
+    def passive(self, candidate: _Candidate) -> RadiationMemory:
+        """The nearest residues and A∞ with Re Y >= 0 at all frequencies."""
+        n, poles, span = len(self.scale), candidate.poles, candidate.span
+        solution = enforce(candidate.columns, candidate.target, Constraint(poles=poles, span=span, n=n))
         both = np.multiply.outer(self.scale, self.scale)
-        residue = np.array([_full(r, len(self.scale)) * both for r in complex_residues(poles, span @ solution[:-1])])
+        residues = complex_residues(poles, span @ solution[:-1])
         return RadiationMemory(
             beta=poles,
-            residue=residue,
-            added_mass_inf=_full(solution[-1], len(self.scale)) * both,
-            error=float(np.max(self.weight[:, None] * np.abs(model - self.samples))),
+            residue=np.array([_full(r, n) * both for r in residues]),
+            added_mass_inf=_full(solution[-1], n) * both,
+            error=self._misfit(candidate.columns @ solution - candidate.target),
         )
+
+    def _misfit(self, residual: np.ndarray) -> float:
+        real, imag = residual[:-1].reshape(2, len(self.omega), -1)
+        return float(np.hypot(real, imag).max())
 
 
 def _full(upper: np.ndarray, n: int) -> np.ndarray:
