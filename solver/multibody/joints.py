@@ -1,0 +1,204 @@
+"""Holonomic constraints between frames, their Jacobian C_u and Q_d: eqs. 4-7 of Heo et al. (2022).
+
+A frame is a rigid body, or a support whose motion is given. Every joint is made of three kinds
+of equations; with s = R u the lever of a point and a, b directions fixed in frames i, j:
+    POINT  x_i + s_i - x_j - s_j = 0          (3 rows: two points coincide)
+    SQUARE a·b = 0                            (1 row: two directions stay perpendicular)
+    PLANE  a·(x_j + s_j - x_i - s_i) = 0      (1 row: point j stays in a plane of frame i)
+The hinge of the paper is one POINT and two SQUAREs. Rows are differentiated with respect to
+velocity and angular velocity (world axes), not to Euler angles: C_u is then short and never singular.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from solver.errors import InputError
+
+POINT, SQUARE, PLANE = 0, 1, 2
+GROUND = -1  # frames are numbered: bodies, supports, and the ground as the last
+
+
+class Frames(NamedTuple):
+    """Positions (nf, 3) [m], rotations (nf, 3, 3), velocities and accelerations (nf, 6) of all frames."""
+
+    position: np.ndarray
+    rotation: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+
+class Equations(NamedTuple):
+    """All constraint rows: kind (ne,), frames (ne, 2), first row (ne,), points (ne, 2, 3), directions (ne, 2, 3)."""
+
+    kind: np.ndarray
+    frame: np.ndarray
+    row: np.ndarray
+    point: np.ndarray
+    direction: np.ndarray
+    joint: np.ndarray  # (ne,) number of the joint that the equation belongs to
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ball:
+    """Frames share a point, given in space at the start."""
+
+    first: int
+    second: int
+    point: tuple[float, float, float]  # [m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hinge:
+    """Frames share a point and an axis, given in space at the start: five constraints."""
+
+    first: int
+    second: int
+    point: tuple[float, float, float]  # [m]
+    axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Guide:
+    """The second frame slides along a direction fixed in the first and does not turn: five constraints."""
+
+    first: int
+    second: int
+    point: tuple[float, float, float]  # [m]
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+
+Joint = Ball | Hinge | Guide
+
+
+def equations(joints: tuple[Joint, ...], frames: Frames) -> Equations:
+    """Rows of all joints from the frames' poses at the start."""
+    table, row = [], 0
+    for number, joint in enumerate(joints):
+        for kind, a, b in _parts(joint):
+            pair = [joint.first % len(frames.position), joint.second % len(frames.position)]
+            R = frames.rotation[pair]
+            points = np.einsum("nji,nj->ni", R, np.asarray(joint.point, float) - frames.position[pair])
+            directions = np.einsum("nji,nj->ni", R, np.array([a, b], float))
+            table.append((kind, pair, row, points, directions, number))
+            row += 3 if kind == POINT else 1
+    kind, pairs, rows, points, directions, number = zip(*table, strict=True) if table else [()] * 6
+    n = len(table)
+    return Equations(
+        kind=np.array(kind, np.int64),
+        frame=np.array(pairs, np.int64).reshape(n, 2),
+        row=np.array(rows, np.int64),
+        point=np.array(points, float).reshape(n, 2, 3),
+        direction=np.array(directions, float).reshape(n, 2, 3),
+        joint=np.array(number, np.int64),
+    )
+
+
+def row_count(e: Equations) -> int:
+    """Number of scalar constraints."""
+    return int(np.sum(np.where(e.kind == POINT, 3, 1)))
+
+
+def _parts(joint: Joint):
+    """(kind, direction in the first, direction in the second frame) of a joint's equations."""
+    none = np.zeros(3)
+    if type(joint) is Ball:
+        return [(POINT, none, none)]
+    length = np.linalg.norm(joint.axis)
+    if not length > 0:
+        raise InputError("joint.axis", joint.axis, "must not have zero length")
+    axis = np.divide(joint.axis, length)
+    one, two = across(axis)
+    if type(joint) is Hinge:
+        return [(POINT, none, none), (SQUARE, axis, one), (SQUARE, axis, two)]
+    fixed = [(SQUARE, axis, one), (SQUARE, axis, two), (SQUARE, one, two)]
+    return [(PLANE, one, none), (PLANE, two, none), *fixed]
+
+
+def across(axis: np.ndarray) -> np.ndarray:
+    """Two unit vectors (2, 3) perpendicular to a unit axis and to each other."""
+    start = np.eye(3)[np.argmin(np.abs(axis))]
+    one = np.cross(axis, start)
+    one /= np.linalg.norm(one)
+    return np.array([one, np.cross(axis, one)])
+
+
+@njit(cache=True, inline="always")
+def _cross(a, b):
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+@njit(cache=True, inline="always")
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True)
+def _point_rows(J, row, column, sign, lever):
+    """± [I, -s̃] of x + s."""
+    x, y, z = sign * lever[0], sign * lever[1], sign * lever[2]
+    for r in range(3):
+        J[row + r, column + r] += sign
+    J[row, column + 4] += z
+    J[row, column + 5] -= y
+    J[row + 1, column + 3] -= z
+    J[row + 1, column + 5] += x
+    J[row + 2, column + 3] += y
+    J[row + 2, column + 4] -= x
+
+
+@njit(cache=True)
+def constraints(e, frames, C, J, bias):
+    """Fill C (m,), its Jacobian J (m, 6 nf) over all frames, and bias (m,) = J̇ v.
+
+    Then Ċ = J v and C̈ = J a + bias; for the bodies' columns C_u, and the supports' part J_s:
+    Q_d = -bias - J_s a_s, C_u u̇ = -J_s v_s.
+    """
+    C[:] = 0.0
+    J[:] = 0.0
+    for n in range(e.kind.size):
+        i, j, row = e.frame[n, 0], e.frame[n, 1], e.row[n]
+        Ri, Rj = frames.rotation[i], frames.rotation[j]
+        si, sj = Ri @ e.point[n, 0], Rj @ e.point[n, 1]
+        vi, vj = frames.velocity[i, :3], frames.velocity[j, :3]
+        wi, wj = frames.velocity[i, 3:], frames.velocity[j, 3:]
+        gap = frames.position[j] + sj - frames.position[i] - si
+        pull = _cross(wj, _cross(wj, sj)) - _cross(wi, _cross(wi, si))
+        if e.kind[n] == POINT:
+            C[row : row + 3] = -gap
+            bias[row : row + 3] = -pull
+            _point_rows(J, row, 6 * i, 1.0, si)
+            _point_rows(J, row, 6 * j, -1.0, sj)
+            continue
+        a = Ri @ e.direction[n, 0]
+        da = _cross(wi, a)
+        if e.kind[n] == SQUARE:
+            b = Rj @ e.direction[n, 1]
+            turn, db = _cross(a, b), _cross(wj, b)
+            C[row] = _dot(a, b)
+            bias[row] = _dot(_cross(wi, da), b) + 2 * _dot(da, db) + _dot(a, _cross(wj, db))
+            J[row, 6 * i + 3 : 6 * i + 6] += turn
+            J[row, 6 * j + 3 : 6 * j + 6] -= turn
+            continue
+        speed = vj + _cross(wj, sj) - vi - _cross(wi, si)
+        C[row] = _dot(a, gap)
+        bias[row] = _dot(_cross(wi, da), gap) + 2 * _dot(da, speed) + _dot(a, pull)
+        J[row, 6 * j : 6 * j + 3] += a
+        J[row, 6 * j + 3 : 6 * j + 6] += _cross(sj, a)
+        J[row, 6 * i : 6 * i + 3] -= a
+        J[row, 6 * i + 3 : 6 * i + 6] += _cross(a, gap) - _cross(si, a)
+
+
+@njit(cache=True)
+def joint_loads(e, frames, J, multiplier, load):
+    """Fill load (nj, 6) of each joint on its second frame, moment about the joint's point there: eq. 3."""
+    load[:] = 0.0
+    for n in range(e.kind.size):
+        j, first, out = e.frame[n, 1], e.row[n], load[e.joint[n]]
+        for row in range(first, first + (3 if e.kind[n] == POINT else 1)):
+            at_origin = -multiplier[row] * J[row, 6 * j : 6 * j + 6]
+            moved = _cross(frames.rotation[j] @ e.point[n, 1], at_origin[:3])
+            out[:3] += at_origin[:3]
+            out[3:] += at_origin[3:] - moved

@@ -1,0 +1,226 @@
+"""Two-loop time integration of a constrained mechanism: see `augmented`."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.errors import SimulationFailed
+from solver.multibody.augmented import (
+    INNER,
+    NO_SUPPORTS,
+    Augmented,
+    Body,
+    Errors,
+    Mechanism,
+    State,
+    Surroundings,
+    all_frames,
+    lobatto,
+    mechanism,
+    spin,
+)
+from solver.multibody.joints import Frames, Joint, joint_loads
+
+OUTER = 60  # iterations of the outer loop; five to ten suffice where a step is sane
+STILL = 1e-12  # change of dt² a, dt v and orientation that ends the outer loop [m or rad]
+STUCK = 1e-8  # the same where iterations no longer make it smaller
+
+
+class Sample(NamedTuple):
+    """One stage after convergence; joint_load (nj, 6) on each joint's second frame at its point."""
+
+    time: float
+    frames: Frames
+    joint_load: np.ndarray
+    errors: Errors
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trajectory:
+    """Histories (nt, ...) of all bodies; joint_load on each joint's second frame, moment at its point."""
+
+    time: np.ndarray  # [s]
+    position: np.ndarray  # (nt, nb, 3)
+    rotation: np.ndarray  # (nt, nb, 3, 3)
+    velocity: np.ndarray  # (nt, nb, 6)
+    joint_load: np.ndarray  # (nt, nj, 6)
+    errors: Errors  # largest over the run
+
+
+def evaluate(system, state, stage, t, surroundings, tolerance):
+    """Inner loops at one stage: constraints of position, velocity and acceleration in turn.
+
+    Returns the state with its accelerations and multipliers, its frames, loads at joints, errors.
+    """
+    supports = surroundings.supports(stage, t)
+    frames = all_frames(state, supports)
+    kkt = Augmented(system, frames)
+    nb = len(state.position)
+    for _ in range(INNER):
+        gap = np.abs(kkt.C).max(initial=0.0)
+        if gap <= tolerance:
+            break
+        move = kkt.correction(kkt.C)
+        q = state.quaternion + spin(move[:, 3:], state.quaternion) / 2
+        q /= np.linalg.norm(q, axis=1, keepdims=True)
+        state = state._replace(position=state.position + move[:, :3], quaternion=q)
+        frames = all_frames(state, supports)
+        kkt.look(frames)
+    for _ in range(INNER):
+        slip = kkt.J @ frames.velocity.ravel()
+        if np.abs(slip).max(initial=0.0) <= tolerance:
+            break
+        state = state._replace(velocity=state.velocity + kkt.correction(slip))
+        frames = all_frames(state, supports)
+        kkt.look(frames)
+    load = surroundings.loads(stage, t, frames)
+    given = kkt.J[:, 6 * nb :] @ frames.acceleration[nb:].ravel()
+    acceleration, multiplier, error = kkt.accelerations(np.ravel(load), -kkt.bias - given, tolerance)
+    state = state._replace(acceleration=acceleration, multiplier=multiplier)
+    carried = -(kkt.J[:, 6 * nb :].T @ multiplier).reshape(-1, 6)[:-1]
+    surroundings.carried(stage, frames, carried)
+    joints = np.empty((system.equations.joint.max(initial=-1) + 1, 6))
+    joint_loads(system.equations, frames, kkt.J, multiplier, joints)
+    errors = Errors(gap, float(np.abs(slip).max(initial=0.0)), float(error))
+    return state, Sample(t, frames._replace(acceleration=_with(frames, acceleration)), joints, errors)
+
+
+def _with(frames: Frames, acceleration: np.ndarray) -> np.ndarray:
+    out = frames.acceleration.copy()
+    out[: len(acceleration)] = acceleration
+    return out
+
+
+def march(
+    system: Mechanism,
+    state: State,
+    surroundings: Surroundings,
+    *,
+    t_end: float,
+    dt: float,
+    stages: int = 3,
+    tolerance: float = 1e-10,
+) -> Iterator[Sample]:
+    """Samples at the start and at every stage of every step; t = n dt + c dt."""
+    c, A = lobatto(stages)
+    ahead = _extrapolation(c)
+    surroundings.begin(0.0, dt, state)
+    surroundings.iterate()
+    state, sample = evaluate(system, state, 0, 0.0, surroundings, tolerance)
+    yield sample
+    chain = [state] * stages
+    for n in range(round(t_end / dt)):
+        t = n * dt
+        surroundings.begin(t, dt, chain[-1])
+        a = np.einsum("sj,jbk->sbk", ahead, np.array([s.acceleration for s in chain]))
+        chain, samples = _step(system, chain[-1], a, t, dt, (c, A), surroundings, tolerance)
+        yield from samples
+
+
+def _extrapolation(c: np.ndarray) -> np.ndarray:
+    """(s, s) values at the next step's points of the polynomial through this step's."""
+    basis = np.vander(c, increasing=True)
+    return np.vander(c + 1, increasing=True) @ np.linalg.inv(basis)
+
+
+def _step(system, start, a, t, dt, tableau, surroundings, tolerance):
+    """Outer loop: accelerations of the stages, until they stand still."""
+    c, A = tableau
+    a[0] = start.acceleration
+    chain, samples, last = [start] * len(c), [None] * len(c), np.inf
+    for _ in range(OUTER):
+        surroundings.iterate()
+        v = start.velocity + dt * np.einsum("sj,jbk->sbk", A, a)
+        x = start.position + dt * np.einsum("sj,jbk->sbk", A, v[..., :3])
+        dq = np.array([spin(v[j, :, 3:], chain[j].quaternion) / 2 for j in range(len(c))])
+        q = start.quaternion + dt * np.einsum("sj,jbk->sbk", A, dq)
+        q /= np.linalg.norm(q, axis=-1, keepdims=True)
+        change = 0.0
+        for s in range(1, len(c)):
+            guess = State(x[s], q[s], v[s], a[s], chain[s].multiplier)
+            new, samples[s] = evaluate(system, guess, s, t + c[s] * dt, surroundings, tolerance)
+            turned = np.abs(new.quaternion - chain[s].quaternion).max()
+            change = max(change, dt * dt * np.abs(new.acceleration - a[s]).max(), turned)
+            a[s], chain[s] = new.acceleration, new
+        if not np.isfinite(change):
+            raise SimulationFailed(f"not finite at t = {t:.3f} s: reduce dt = {dt:g} s")
+        # Near a singular position rounding keeps the last digits moving.
+        if change < STILL or last / 2 < change < STUCK:
+            return chain, samples[1:]
+        last = change
+    raise SimulationFailed(
+        f"no convergence in {OUTER} iterations at t = {t:.3f} s, last change {change:.1e} m: reduce dt = {dt:g} s"
+    )
+
+
+class _Given:
+    """Surroundings of which the motion of supports and the loads are known functions."""
+
+    def __init__(self, forces, supports):
+        self.forces, self.motions = forces, supports
+
+    def begin(self, _t, _dt, _state):
+        pass
+
+    def iterate(self):
+        pass
+
+    def supports(self, _stage, t):
+        if not self.motions:
+            return NO_SUPPORTS
+        return Frames(*(np.array(x, float) for x in zip(*(motion(t) for motion in self.motions), strict=True)))
+
+    def loads(self, _stage, t, frames):
+        return self.forces(t, frames)
+
+    def carried(self, _stage, _frames, _load):
+        pass
+
+
+def simulate_mechanism(
+    bodies: tuple[Body, ...],
+    joints: tuple[Joint, ...],
+    forces: Callable[[float, Frames], np.ndarray] | None,
+    t_end: float,
+    dt: float,
+    *,
+    supports: tuple[Callable[[float], tuple], ...] = (),
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81),
+    added_mass: np.ndarray | None = None,
+    stages: int = 3,
+    tolerance: float = 1e-10,
+) -> Trajectory:
+    """Motion of bodies held by joints, sampled at every stage (steps of dt/2 with 3 stages).
+
+    forces(t, frames): loads (nb, 6) about the bodies' origins, world axes, besides gravity;
+    supports: t -> (position, rotation, velocity (6,), acceleration (6,)), frames nb, nb + 1, …;
+    GROUND is frame -1. tolerance: of the constraints [m, m/s, m/s2].
+    """
+    still = np.zeros((len(bodies), 6))
+    given = _Given(forces or (lambda t, frames: still), supports)
+    system, state = mechanism(bodies, joints, given.supports(0, 0.0), gravity=gravity, added_mass=added_mass)
+    samples = list(march(system, state, given, t_end=t_end, dt=dt, stages=stages, tolerance=tolerance))
+    nb = len(bodies)
+    return Trajectory(
+        time=np.array([s.time for s in samples]),
+        position=np.array([s.frames.position[:nb] for s in samples]),
+        rotation=np.array([s.frames.rotation[:nb] for s in samples]),
+        velocity=np.array([s.frames.velocity[:nb] for s in samples]),
+        joint_load=np.array([s.joint_load for s in samples]),
+        errors=Errors(*np.max([s.errors for s in samples], axis=0)),
+    )
+
+
+def energy(bodies: tuple[Body, ...], trajectory: Trajectory, gravity=(0.0, 0.0, -9.81)) -> np.ndarray:
+    """Kinetic and potential energy of gravity (nt,) [J]."""
+    total = np.zeros(len(trajectory.time))
+    for b, body in enumerate(bodies):
+        R, v = trajectory.rotation[:, b], trajectory.velocity[:, b]
+        lever = R @ np.array(body.cog, float)
+        at_cog = v[:, :3] + np.cross(v[:, 3:], lever)
+        own = np.einsum("tij,ti->tj", R, v[:, 3:])
+        total += 0.5 * body.mass * np.sum(at_cog**2, axis=1) + 0.5 * np.sum(own**2 * body.inertia, axis=1)
+        total -= body.mass * (trajectory.position[:, b] + lever) @ np.array(gravity)
+    return total
