@@ -4,17 +4,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.hydrodynamics.bem import DOFS, Hydrodynamics
+from solver.hydrodynamics.bem import Hydrodynamics
 from solver.hydrodynamics.froude_krylov import WettedQuadrature, quadrature
 from solver.hydrodynamics.radiation import RadiationMemory
 from solver.march import Memory, Structure
 from solver.multibody.chain import PRISMATIC, REVOLUTE
-from solver.multibody.minimal import Bodies
-from solver.scene import Float, Scene
+from solver.multibody.minimal import Bodies, move, new_motion
+from solver.scene import DOFS, Float, Scene
 from solver.sea.field import WaveField
 from solver.structure.support import PLANAR, Support
 
 FALLEN_OVER = np.pi / 2  # a hinged arm that has turned so far has left the model's validity [rad]
+SPIN = 3  # number of the first rotation among the six DOF
 FAR_AWAY = 100.0  # carrier motion beyond which a run has diverged [m]
 
 
@@ -40,15 +41,18 @@ def bodies(
     floats, water = scene.floats, scene.water
     nb = len(floats)
     own = carrier_axes(scene.planar) if support is not None else np.zeros(0, int)
-    nc, n = nb * own.size, own.size + 1
+    free = [len(f.motion) for f in floats]
+    nc, n = nb * own.size, own.size + max(free, default=0)
     kind, coordinate = np.zeros((nb, n), np.int64), np.zeros((nb, n), np.int64)
     direction, point = np.zeros((nb, n, 3)), np.zeros((nb, n, 3))
     for b, item in enumerate(floats):
-        kind[b] = [*(PRISMATIC if d < 3 else REVOLUTE for d in own), REVOLUTE]
-        direction[b] = [*(np.eye(3)[d % 3] for d in own), np.divide(item.axis, np.linalg.norm(item.axis))]
+        axes = [(d >= SPIN, np.eye(3)[d % 3]) for d in own] + [_axis(item, name) for name in item.motion]
+        kind[b, : len(axes)] = [REVOLUTE if turns else PRISMATIC for turns, _ in axes]
+        direction[b, : len(axes)] = [d for _, d in axes]
         point[b] = item.hinge
-        coordinate[b] = [*(b * own.size + np.arange(own.size)), nc + b]
-    joint = np.array([f.pto_damping for f in floats])
+        first = nc + sum(free[:b])
+        coordinate[b, : len(axes)] = [*(b * own.size + np.arange(own.size)), *range(first, first + free[b])]
+    turning = np.array([name == "hinge" or DOFS.index(name) >= SPIN for f in floats for name in f.motion], bool)
     dofs = hydrodynamics.dofs if hydrodynamics else ()
     stiffness, buoyancy = _hydrostatics(scene, hydrodynamics)
     return Bodies(
@@ -56,7 +60,7 @@ def bodies(
         direction=direction,
         point=point,
         coordinate=coordinate,
-        axes=np.full(nb, n, np.int64),
+        axes=own.size + np.array(free, np.int64),
         reference=np.array([f.centre for f in floats]).reshape(nb, 3),
         mass=np.array([f.mass for f in floats]),
         cog=np.array([f.cog for f in floats], float).reshape(nb, 3),
@@ -73,11 +77,26 @@ def bodies(
         wheeler=scene.settings.pressure == "wheeler",
         active=np.array([DOFS.index(d) for d in dofs], np.int64),
         added_mass=added_mass,
-        damping=np.concatenate([np.zeros(nc), joint]),
-        quadratic=np.zeros(nc + nb),
-        spring=np.zeros(nc + nb),
-        limit=np.concatenate([np.full(nc, FAR_AWAY), np.full(nb, FALLEN_OVER)]),
+        pto=_joints(scene, nc, "pto_damping"),
+        damping=_joints(scene, nc, "damping"),
+        quadratic=_joints(scene, nc, "quadratic_damping"),
+        spring=_joints(scene, nc, "stiffness"),
+        mechanism=_joints(scene, nc, "mechanism_inertia"),
+        limit=np.concatenate([np.full(nc, FAR_AWAY), np.where(turning, FALLEN_OVER, FAR_AWAY)]),
     )
+
+
+def _axis(item: Float, name: str) -> tuple[bool, np.ndarray]:
+    """Whether a joint's axis turns, and its direction (3,)."""
+    if name == "hinge":
+        return True, np.divide(item.axis, np.linalg.norm(item.axis))
+    number = DOFS.index(name)
+    return number >= SPIN, np.eye(3)[number % 3]
+
+
+def _joints(scene: Scene, carriers: int, name: str) -> np.ndarray:
+    """A quantity of all joints' axes among the coordinates (nz,)."""
+    return np.concatenate([np.zeros(carriers), *(f.per_axis(name) for f in scene.floats)])
 
 
 def _rule(item: Float, scene: Scene, field: WaveField) -> WettedQuadrature:
@@ -134,11 +153,14 @@ def structure(support: Support | None, damping_ratio: float) -> Structure:
     )
 
 
-def memory(fit: RadiationMemory | None, dt: float) -> Memory:
-    """Exact propagation of ṙ = βr + v over half and whole steps for v quadratic in time."""
+def memory(fit: RadiationMemory | None, dt: float, directions: int) -> Memory:
+    """Exact propagation of ṙ = βr + v over half and whole steps for v quadratic in time.
+
+    Without a fit nothing is remembered of the `directions` that could radiate.
+    """
     if fit is None:
-        none = np.zeros((0, 0, 0), complex)
-        return Memory(none, np.zeros((2, 0), complex), np.zeros((2, 3, 0), complex), np.zeros((2, 2, 0, 0)))
+        none, still = np.zeros((0, directions, directions), complex), np.zeros((2, 2, directions, directions))
+        return Memory(none, np.zeros((2, 0), complex), np.zeros((2, 3, 0), complex), still)
     beta = np.asarray(fit.beta, complex)
     x, w = np.polynomial.legendre.leggauss(48)
     decay, weight = np.empty((2, beta.size), complex), np.empty((2, 3, beta.size), complex)
@@ -155,8 +177,6 @@ def memory(fit: RadiationMemory | None, dt: float) -> Memory:
 
 def newton_stiffness(body: Bodies, scene: Scene, hydrodynamics: Hydrodynamics | None) -> np.ndarray:
     """Stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
-    from solver.multibody.minimal import move, new_motion
-
     nz = body.damping.size
     if hydrodynamics is None:
         return np.zeros((nz, nz))
@@ -188,10 +208,15 @@ def wave_rows(
     return np.concatenate(parts).astype(complex), Layout(*columns)
 
 
-def _excitation(scene: Scene, hydrodynamics: Hydrodynamics) -> np.ndarray:
+def _excitation(scene: Scene, hydrodynamics: Hydrodynamics | None) -> np.ndarray:
     """Rows (nb, 6, n): diffraction, and linear Froude-Krylov where the scene asks for it."""
-    kind = "diffraction" if scene.settings.froude_krylov == "body-nonlinear" else "total"
-    force = hydrodynamics.excitation(scene.sea.omega, kind)
+    wanted = ["diffraction"] * scene.settings.diffraction
+    wanted += ["froude_krylov"] * (scene.settings.froude_krylov == "linear")
+    n = scene.sea.omega.size
+    if hydrodynamics is None:
+        return np.zeros((len(scene.floats), 6, n), complex)
+    force = sum((hydrodynamics.excitation(scene.sea.omega, kind) for kind in wanted), np.zeros((n, 1)))
+    force = np.broadcast_to(force, (n, len(scene.floats) * len(hydrodynamics.dofs)))
     nb, nr = len(scene.floats), len(hydrodynamics.dofs)
     rows = np.zeros((nb, 6, scene.sea.omega.size), complex)
     index = [DOFS.index(d) for d in hydrodynamics.dofs]

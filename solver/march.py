@@ -29,9 +29,9 @@ AA0, AA = A @ A0, A @ A
 SIMPSON = np.array([1 / 6, 4 / 6, 1 / 6])
 
 OK, NOT_CONVERGED, EXCURSION, NOT_FINITE = 0, 1, 2, 3
-# Work [J] of: pressure and excitation, radiation memory, PTO, quadratic joint damping,
+# Work [J] of: pressure and excitation, radiation memory, PTO, other damping of the joints,
 # wave inertia on the frame, drag on the frame, structural damping.
-WORKS = ("wave", "radiation", "pto", "joint_drag", "frame_inertia", "frame_drag", "structural")
+WORKS = ("wave", "radiation", "pto", "joint_damping", "frame_inertia", "frame_drag", "structural")
 
 
 class Structure(NamedTuple):
@@ -203,7 +203,7 @@ def _newton_matrix(bodies, motion, memory, H, stiffness, dt, Z, K):
                     for j in range(2):
                         value += dt * A[j, l] * B[s, j, i, k]
                     Z[s * nz + i, l * nz + k] = value
-                Z[s * nz + i, l * nz + i] += dt * A[s, l] * bodies.damping[i]
+                Z[s * nz + i, l * nz + i] += dt * A[s, l] * (bodies.pto[i] + bodies.damping[i])
     K[:] = Z
     for s in range(2):
         for i in range(nc):
@@ -445,4 +445,4 @@ def energy(bodies, structure, state):
     z[nc:], dz[nc:] = state.z, state.dz
     motion = new_motion(bodies)
     move(bodies, z, dz, motion)
-    return total + stored_energy(bodies, z, motion)
+    return total + stored_energy(bodies, z, dz, motion)

@@ -24,10 +24,9 @@ class Record:
     series: Mapping[str, Labelled] = field(default_factory=dict)
 
 
-def probe(output: Output, floats: int) -> np.ndarray:
-    """What two step lengths are compared by: the joints and the lowest mode, (m, …)."""
-    joints = output.z[:, output.z.shape[1] - floats :]
-    return np.concatenate([joints, output.p[:, :1]], axis=1)
+def probe(output: Output, joints: int) -> np.ndarray:
+    """What two step lengths are compared by: the joints' axes and the lowest mode, (m, …)."""
+    return np.concatenate([output.z[:, output.z.shape[1] - joints :], output.p[:, :1]], axis=1)
 
 
 class Recorder:
@@ -37,6 +36,11 @@ class Recorder:
         self.scene, self.layout = scene, layout
         self.legs = support.outputs if support is not None and scene.platform.legs else None
         self.frequencies = support.dry_omega if support is not None else np.zeros(0)
+        floats = scene.floats
+        self.owner = np.array([b for b, f in enumerate(floats) for _ in f.motion], int)  # of each joint axis
+        self.names = [name for f in floats for name in f.motion]
+        self.axes = list(dict.fromkeys(self.names))
+        self.pto = np.concatenate([np.zeros(0), *(f.per_axis("pto_damping") for f in floats)])
         self.channels: dict[str, Statistics] = {}
         self.envelopes = {"displacement_envelope": Envelope(), "stress_envelope": Envelope()}
         self.series: dict[str, list[np.ndarray]] = {}
@@ -49,7 +53,7 @@ class Recorder:
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block; statistics begin after `discard` and end after `duration`."""
         if sum(map(len, self._probe)) < self.probe_samples:
-            self._probe.append(probe(output, len(self.scene.floats)))
+            self._probe.append(probe(output, self.owner.size))
         s = self.scene.settings
         inside = (times > s.discard - 1e-9) & (times < s.discard + s.duration + 1e-9)
         if not inside.any():
@@ -64,11 +68,16 @@ class Recorder:
 
     def _channels(self, kept: slice, output: Output, samples: np.ndarray):
         yield "wave_elevation", samples[kept, self.layout.elevation][:, 0]
-        nb = len(self.scene.floats)
+        nb, nj = len(self.scene.floats), self.owner.size
         if nb:
-            joint, rate = output.z[kept, -nb:], output.dz[kept, -nb:]
-            yield "rotation", joint
-            yield "absorbed_power", np.array([f.pto_damping for f in self.scene.floats]) * rate**2
+            joint, rate = output.z[kept, -nj:], output.dz[kept, -nj:]
+            moved = np.full((len(joint), nb, len(self.axes)), np.nan)
+            moved[:, self.owner, [self.axes.index(name) for name in self.names]] = joint
+            if "hinge" in self.axes:
+                yield "rotation", moved[:, :, self.axes.index("hinge")]
+            if self.axes != ["hinge"]:
+                yield "motion", moved
+            yield "absorbed_power", (self.pto * rate**2) @ (self.owner[:, None] == np.arange(nb))
             yield "hinge_force", -output.wrench[kept, :, :3]
         if self.legs is not None:
             displacement, stress = leg_response(self.legs, output.p[kept])
@@ -82,6 +91,7 @@ class Recorder:
         dims = {
             "wave_elevation": (),
             "rotation": ("float",),
+            "motion": ("float", "axis"),
             "absorbed_power": ("float",),
             "hinge_force": ("float", "direction"),
             "top_displacement": ("leg", "direction"),
@@ -101,9 +111,9 @@ class Recorder:
         if self.frequencies.size:
             coords["mode"] = np.arange(1, self.frequencies.size + 1)
             variables["natural_frequency"] = (("mode",), self.frequencies)
-        series = {
-            n: ((("time", *dims[n]) if n != "time" else ("time",)), np.concatenate(v)) for n, v in self.series.items()
-        }
+        if "motion" in self.channels:
+            coords["axis"] = np.array(self.axes)
+        series = {name: (("time", *dims.get(name, ())), np.concatenate(v)) for name, v in self.series.items()}
         return Record(variables=variables, coords=coords, attrs=attrs, series=series)
 
 

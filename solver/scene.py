@@ -30,12 +30,20 @@ class Water:
                 raise InputError(f"water.{key}", getattr(self, key), "must be > 0")
 
 
+DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+PerAxis = float | tuple[float, ...]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Float:
-    """A rigid float on a rigid, massless arm that is hinged to the support.
+    """A rigid float on a rigid, massless arm, joined to the support at the hinge point.
 
-    The reference point (hinge + arm at rest) lies on the hull's axis at still water; rotation
-    and hydrodynamic loads refer to it.
+    The reference point (hinge + arm at rest) lies on the hull's axis at still water; motion and
+    hydrodynamic loads refer to it. `motion` lists the axes that the joint leaves free, in order
+    from the support: "hinge" (rotation about `axis`) or rigid-body motions at the hinge point,
+    such as ("heave",) for a guided float or ("surge", "heave", "pitch") for one free in a plane.
+    Damping, stiffness, mechanism inertia and offset are one number for a single axis, else one
+    for each. Units are those of the axis: N s/m and N/m, or N m s/rad and N m/rad.
     """
 
     name: str
@@ -46,15 +54,37 @@ class Float:
     hinge: tuple[float, float, float]  # at rest [m]
     arm: tuple[float, float, float]  # from the hinge to the reference point [m]
     axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
-    pto_damping: float = 0.0  # [N m s/rad]
+    motion: tuple[str, ...] = ("hinge",)
+    pto_damping: PerAxis = 0.0
+    damping: PerAxis = 0.0  # besides the PTO, linear
+    quadratic_damping: PerAxis = 0.0
+    stiffness: PerAxis = 0.0  # a linear spring about the position at rest
+    mechanism_inertia: PerAxis = 0.0  # of what turns or slides with the axis, besides the float
+    offset: PerAxis = 0.0  # from equilibrium, where the float is let go at t = 0 [m or rad]
 
     def __post_init__(self):
+        key = f"floats.{self.name}"
         if not self.mass > 0:
-            raise InputError(f"floats.{self.name}.mass", self.mass, "must be > 0 kg")
-        if not self.pto_damping >= 0:
-            raise InputError(f"floats.{self.name}.pto_damping", self.pto_damping, "must be >= 0 N m s/rad")
+            raise InputError(f"{key}.mass", self.mass, "must be > 0 kg")
         if not np.linalg.norm(self.axis) > 0:
-            raise InputError(f"floats.{self.name}.axis", self.axis, "must not have zero length")
+            raise InputError(f"{key}.axis", self.axis, "must not have zero length")
+        if not self.motion or len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
+            raise InputError(f"{key}.motion", self.motion, f"must list hinge, {', '.join(DOFS)}, each at most once")
+        for name in ("pto_damping", "damping", "quadratic_damping", "stiffness", "mechanism_inertia", "offset"):
+            values = self.per_axis(name)
+            if name != "offset" and not np.all(values >= 0):
+                raise InputError(f"{key}.{name}", getattr(self, name), "must be >= 0")
+
+    def per_axis(self, name: str) -> np.ndarray:
+        """A quantity of the joint for each axis (n,)."""
+        given = np.atleast_1d(np.asarray(getattr(self, name), float))
+        if given.size == 1 and not given.any():
+            return np.zeros(len(self.motion))
+        if given.size != len(self.motion):
+            raise InputError(
+                f"floats.{self.name}.{name}", getattr(self, name), f"needs one number for each of {self.motion}"
+            )
+        return given
 
     @property
     def centre(self) -> np.ndarray:
@@ -90,10 +120,12 @@ class Settings:
     arc_points: int = 6
     line_points: int = 4
     field_tolerance: float = 1e-6  # of the local wave field, relative to the sum of amplitudes
-    memory_tolerance: float = 5e-3  # of the radiation memory's fit
+    memory_tolerance: float = 1e-2  # of the radiation memory's fit
     stations_per_element: int = 2  # drag
     pressure: Literal["extrapolated", "wheeler"] = "extrapolated"  # above still water
-    froude_krylov: Literal["body-nonlinear", "linear"] = "body-nonlinear"
+    froude_krylov: Literal["body-nonlinear", "linear"] = "body-nonlinear"  # and hydrostatics
+    diffraction: bool = True
+    radiation: bool = True
     newton_tolerance: float = 1e-6  # [m or rad]
     keep_series: bool = False
 
@@ -147,7 +179,10 @@ class Scene:
     def planar(self) -> bool:
         """Scene and sea are mirror images of themselves in y = 0, so nothing leaves the plane."""
         return self.sea.heading % np.pi == 0 and all(
-            f.hinge[1] == f.arm[1] == f.cog[1] == 0 == f.axis[0] == f.axis[2] for f in self.floats
+            f.hinge[1] == f.arm[1] == f.cog[1] == 0
+            and not set(f.motion) & {"sway", "roll", "yaw"}
+            and ("hinge" not in f.motion or f.axis[0] == f.axis[2] == 0)
+            for f in self.floats
         )
 
     @property

@@ -20,7 +20,7 @@ from solver.march import (
     energy,
     march,
 )
-from solver.multibody.minimal import Bodies, loads, move, new_motion
+from solver.multibody.minimal import Bodies, loads, mass_matrix, move, new_motion
 from solver.record import Record, Recorder, probe
 from solver.scene import Scene
 from solver.sea.field import WaveField, WaveSeries
@@ -29,7 +29,6 @@ from solver.structure import support as platform
 
 BLOCK_STEPS = 128  # steps a block: small enough for the cache, large enough for BLAS
 PROBE = 120.0  # length of the run with half the step that estimates the discretization error [s]
-MOVING = 1.3  # times the highest wave frequency: up to there floats move, and the memory must be right
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
 
@@ -49,22 +48,33 @@ class System:
     dt: float
 
     def start(self) -> State:
-        """At rest in still water: joints in static equilibrium, modes carrying the floats' load."""
-        nm, nc = self.structure.omega.size, self.structure.carrier.shape[0]
-        nj = self.bodies.damping.size - nc
+        """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""
+        body, nm = self.bodies, self.structure.omega.size
+        nz, nc = body.damping.size, self.structure.carrier.shape[0]
         z, carried = _equilibrium(self)
         p = self.structure.carrier.T @ carried / self.structure.omega**2 if nm else np.zeros(0)
+        z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
+        z[:nc] = self.structure.carrier @ p
+        first = self.drive(self.series(self.dt).block(0, 1))
+        ddp, ddz, load = _initial_acceleration(self, z, p, first)
         return State(
             z=z[nc:],
-            dz=np.zeros(nj),
-            ddz=np.zeros((3, nj)),
+            dz=np.zeros(nz - nc),
+            ddz=np.tile(ddz, (3, 1)),
             p=p,
             dp=np.zeros(nm),
-            ddp=np.zeros(nm),
-            force=np.tile(self.structure.carrier.T @ carried, (3, 1)),
+            ddp=ddp,
+            force=np.tile(load, (3, 1)),
             memory=np.zeros((self.memory.residue.shape[0], self.memory.direct.shape[2]), complex),
             power=np.zeros(len(WORKS)),
             work=np.zeros(len(WORKS)),
+        )
+
+    def series(self, dt: float) -> WaveSeries:
+        """All that the wave drives, at samples dt/2 apart."""
+        s = self.scene.settings
+        return WaveSeries(
+            self.rows, self.scene.sea.omega, dt / 2, 2 * BLOCK_STEPS + 1, lambda t: ramp(t, s.ramp, s.ramp_form)
         )
 
     def drive(self, samples: np.ndarray) -> Drive:
@@ -96,7 +106,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
             stations=settings.stations_per_element,
         )
     fit = None
-    if scene.floats:
+    if scene.floats and settings.radiation:
         h = hydrodynamics
         radii = [1.0 if DOFS.index(d) < 3 else f.hull.largest_radius for f in scene.floats for d in h.dofs]
         fit = radiation.fit(
@@ -105,10 +115,10 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
             h.radiation_damping,
             h.added_mass_inf,
             settings.memory_tolerance,
-            band=MOVING * scene.sea.omega.max(),
-            lever=np.array(radii),
+            lengths=np.array(radii),
         )
-    added_mass = fit.added_mass_inf if fit else np.zeros((0, 0))
+    na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
+    added_mass = fit.added_mass_inf if fit else np.zeros((na, na))
     body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass)
     reach = max((_reach(f) for f in scene.floats), default=0.0)
     terms = waves.terms_for(reach, settings.field_tolerance)
@@ -119,7 +129,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         support=support,
         structure=assembly.structure(support, scene.platform.damping_ratio if scene.platform else 0.0),
         fit=fit,
-        memory=assembly.memory(fit, settings.time_step),
+        memory=assembly.memory(fit, settings.time_step, na),
         stiffness=assembly.newton_stiffness(body, scene, hydrodynamics),
         rows=rows,
         layout=layout,
@@ -132,35 +142,55 @@ def _reach(item) -> float:
     return 2 * np.sin(0.4) * float(np.linalg.norm(item.arm)) + item.hull.size
 
 
+def _residual(system: System, z: np.ndarray, field=None, excitation=None) -> np.ndarray:
+    """JᵀW (nz,) of the floats at rest at z, in still water unless a wave's sample is given."""
+    body = system.bodies
+    nz, nb, na = body.damping.size, body.axes.size, body.axes.size * body.active.size
+    out, motion, zero = np.empty(nz), new_motion(body), np.zeros(nz)
+    field = np.zeros((nb, 2, 1)) if field is None else field
+    excitation = np.zeros((nb, 6)) if excitation is None else excitation
+    move(body, z, zero, motion)
+    loads(body, z, zero, zero, motion, field, excitation, np.zeros(na), out, np.empty((nb, 6)), np.empty(4))
+    return out
+
+
 def _equilibrium(system: System) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates z (nz,) of the floats at rest in still water and their load on the carriers (nc,)."""
-    body = system.bodies
-    nz, nc = body.damping.size, system.structure.carrier.shape[0]
-    nb, nr = body.axes.size, body.active.size
+    nz, nc = system.bodies.damping.size, system.structure.carrier.shape[0]
     z = np.zeros(nz)
-    if nb == 0:
-        return z, np.zeros(0)
-    still = np.zeros((nb, 2, 1))
-    zero6, motion = np.zeros((nb, 6)), new_motion(body)
-
-    def residual(z):
-        out, wrench = np.empty(nz), np.empty((nb, 6))
-        move(body, z, np.zeros(nz), motion)
-        loads(body, z, np.zeros(nz), np.zeros(nz), motion, still, zero6, np.zeros(nb * nr), out, wrench, np.empty(4))
-        return out
-
+    if nz == nc:
+        return z, np.zeros(nc)
     for _ in range(50):
-        r = residual(z)
+        r = _residual(system, z)
         slope = np.empty((nz - nc, nz - nc))
         for j in range(nc, nz):
             step = np.zeros(nz)
             step[j] = 1e-5
-            slope[:, j - nc] = (residual(z + step) - residual(z - step))[nc:] / 2e-5
-        update = np.linalg.solve(slope, -r[nc:])
+            slope[:, j - nc] = (_residual(system, z + step) - _residual(system, z - step))[nc:] / 2e-5
+        # Least squares: nothing holds a free float in surge or yaw, and nothing pushes it.
+        update = np.linalg.lstsq(slope, -r[nc:], rcond=1e-9)[0]
         z[nc:] += update
         if np.abs(update).max() < 1e-12:
-            return z, residual(z)[:nc]
+            return z, _residual(system, z)[:nc]
     raise SimulationFailed(f"no static equilibrium in still water: joints at {z[nc:]} after 50 steps")
+
+
+def _initial_acceleration(system: System, z, p, first: Drive):
+    """Modal and joint accelerations at t = 0, and the modal load of the hinges, from all loads at rest."""
+    body, frame = system.bodies, system.structure
+    nz, (nc, nm) = body.damping.size, frame.carrier.shape
+    motion, M = new_motion(body), np.zeros((nz, nz))
+    move(body, z, np.zeros(nz), motion)
+    mass_matrix(body, motion, M)
+    r = _residual(system, z, first.field[0], first.excitation[0])
+    shape = frame.carrier
+    whole = np.block(
+        [[np.eye(nm) + shape.T @ M[:nc, :nc] @ shape, shape.T @ M[:nc, nc:]], [M[nc:, :nc] @ shape, M[nc:, nc:]]]
+    )
+    load = np.concatenate([shape.T @ r[:nc] - frame.omega**2 * p + first.modal[0], r[nc:]])
+    acceleration = np.linalg.solve(whole, load)
+    ddp, ddz = acceleration[:nm], acceleration[nm:]
+    return ddp, ddz, ddp + frame.omega**2 * p - first.modal[0]
 
 
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record:
@@ -190,7 +220,8 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
         "stored_energy_change": float(after - before),
         "constraint_drift": _constraint_drift(system, state),
         "discretization_error": _discretization_error(system, recorder, steps),
-        "samples_per_second": 1 / h,
+        "memory_error": system.fit.error if system.fit else 0.0,
+        "memory_poles": system.fit.beta.size if system.fit else 0,
         "time_step": system.dt,
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
         "prepare_time": prepared - clock,
@@ -204,13 +235,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
 def blocks(system: System, state: State, steps: int):
     """March `steps` steps, yielding (wave samples, output, times) block by block."""
     settings, h = system.scene.settings, system.dt / 2
-    series = WaveSeries(
-        system.rows,
-        system.scene.sea.omega,
-        h,
-        2 * BLOCK_STEPS + 1,
-        lambda t: ramp(t, settings.ramp, settings.ramp_form),
-    )
+    series = system.series(system.dt)
     nz, nm, nb = system.bodies.damping.size, system.structure.omega.size, system.bodies.axes.size
     for first in range(0, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - first)
@@ -241,10 +266,12 @@ def blocks(system: System, state: State, steps: int):
 def _explain(outcome: int, t: float, system: System, state: State) -> str:
     when = f"at t = {t:.1f} s"
     if outcome == EXCURSION:
-        where = ", ".join(f"{f.name} {angle:+.2f} rad" for f, angle in zip(system.scene.floats, state.z, strict=True))
+        names = [f"{f.name} {axis}" for f in system.scene.floats for axis in f.motion]
+        where = ", ".join(f"{name} {value:+.2f}" for name, value in zip(names, state.z, strict=True))
         return (
-            f"a float swung through beneath its hinge {when} ({where}; limit ±{assembly.FALLEN_OVER:.2f} rad):"
-            " the sea is too high for this arm and PTO damping"
+            f"a float swung through beneath its hinge or drifted away {when} ({where};"
+            f" limits {assembly.FALLEN_OVER:.2f} rad, {assembly.FAR_AWAY:g} m):"
+            " the sea is too high for this joint and its damping"
         )
     trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
     return f"{trouble} {when}: reduce time_step = {system.dt:g} s"
@@ -253,7 +280,7 @@ def _explain(outcome: int, t: float, system: System, state: State) -> str:
 def _energy_residual(work: dict[str, float], stored: float) -> float:
     """|wave work - (PTO + radiation + drag + structural + stored)| over the wave's work."""
     given = work["wave"] + work["frame_inertia"] + max(work["frame_drag"], 0.0)
-    taken = sum(work[n] for n in ("radiation", "pto", "joint_drag", "structural")) - min(work["frame_drag"], 0.0)
+    taken = sum(work[n] for n in ("radiation", "pto", "joint_damping", "structural")) - min(work["frame_drag"], 0.0)
     return float(abs(given - taken - stored) / abs(given)) if given else 0.0
 
 
@@ -265,6 +292,8 @@ def _constraint_drift(system: System, state: State) -> float:
     move(body, z, np.zeros(z.size), motion)
     drift = 0.0
     for b, item in enumerate(system.scene.floats):
+        if item.motion != ("hinge",):
+            continue
         hinge = np.array(item.hinge, float)
         if nc:
             axes = assembly.carrier_axes(system.scene.planar)
@@ -283,10 +312,11 @@ def _discretization_error(system: System, recorder: Recorder, steps: int) -> flo
     """
     steps = min(steps, int(PROBE / system.dt))
     coarse = recorder.probe()
-    half = replace(system, dt=system.dt / 2, memory=assembly.memory(system.fit, system.dt / 2))
-    fine = np.concatenate(
-        [probe(output, len(system.scene.floats)) for _, output, _ in blocks(half, half.start(), 2 * steps)]
+    half = replace(
+        system, dt=system.dt / 2, memory=assembly.memory(system.fit, system.dt / 2, system.bodies.added_mass.shape[0])
     )
+    joints = system.bodies.damping.size - system.structure.carrier.shape[0]
+    fine = np.concatenate([probe(output, joints) for _, output, _ in blocks(half, half.start(), 2 * steps)])
     difference = coarse - fine[1::2]
     scale, error = (np.sqrt(np.mean(x**2, axis=0)) for x in (coarse, difference))
     return float(np.max(error[scale > 0] / scale[scale > 0], initial=0.0) * 16 / 15)

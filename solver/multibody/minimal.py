@@ -39,9 +39,11 @@ class Bodies(NamedTuple):
     wheeler: bool
     active: np.ndarray  # (nr,) which of the six DOF radiate
     added_mass: np.ndarray  # (nb nr, nb nr) at infinite frequency
-    damping: np.ndarray  # (nz,) linear, PTO included
+    pto: np.ndarray  # (nz,) linear damping that is absorbed power
+    damping: np.ndarray  # (nz,) other linear damping
     quadratic: np.ndarray  # (nz,) quadratic damping
     spring: np.ndarray  # (nz,) linear spring about z = 0
+    mechanism: np.ndarray  # (nz,) inertia on the axes besides the floats'
     limit: np.ndarray  # (nz,) excursion beyond which the run is given up
 
 
@@ -162,8 +164,8 @@ def loads(bodies, z, dz, ddz, motion, field, excitation, memory, residual, wrenc
     """Residual JᵀW (nz,) of the equations of motion, W (nb, 6), powers (4,) [W].
 
     field (nb, 2, terms) local pressure field; excitation (nb, 6) linear wave loads; memory
-    (nb nr,) radiation memory load; power: pressure + excitation, radiation memory, linear
-    joint damping (PTO), quadratic joint damping; the last three as dissipated.
+    (nb nr,) radiation memory load; power: pressure + excitation, radiation memory, PTO, other
+    damping of the joints; the last three as dissipated.
     """
     nb, nr = bodies.axes.size, bodies.active.size
     acceleration = np.empty((nb, 6))
@@ -212,10 +214,11 @@ def loads(bodies, z, dz, ddz, motion, field, excitation, memory, residual, wrenc
             for r in range(6):
                 residual[bodies.coordinate[b, i]] += motion.jacobian[b, r, i] * W[r]
     for i in range(z.size):
-        linear, quadratic = bodies.damping[i] * dz[i], bodies.quadratic[i] * abs(dz[i]) * dz[i]
-        residual[i] -= linear + quadratic + bodies.spring[i] * z[i]
-        power[2] += linear * dz[i]
-        power[3] += quadratic * dz[i]
+        pto = bodies.pto[i] * dz[i]
+        other = (bodies.damping[i] + bodies.quadratic[i] * abs(dz[i])) * dz[i]
+        residual[i] -= pto + other + bodies.spring[i] * z[i] + bodies.mechanism[i] * ddz[i]
+        power[2] += pto * dz[i]
+        power[3] += other * dz[i]
 
 
 @njit(cache=True)
@@ -234,6 +237,8 @@ def mass_matrix(bodies, motion, M):
                 for s in range(nr):
                     block[bodies.active[r], bodies.active[s]] = bodies.added_mass[b * nr + r, c * nr + s]
             _project(bodies, motion, b, c, block, M)
+    for i in range(bodies.mechanism.size):
+        M[i, i] += bodies.mechanism[i]
 
 
 @njit(cache=True)
@@ -266,7 +271,7 @@ def project_active(bodies, motion, X, M):
 
 
 @njit(cache=True)
-def stored_energy(bodies, z, motion):
+def stored_energy(bodies, z, dz, motion):
     """Kinetic (added mass included), gravitational and spring energy [J]."""
     M, lever, energy = np.empty((6, 6)), np.empty(3), 0.0
     for b in range(bodies.axes.size):
@@ -281,5 +286,5 @@ def stored_energy(bodies, z, motion):
         for j in range(v.size):
             energy += 0.5 * v[i] * bodies.added_mass[i, j] * v[j]
     for i in range(z.size):
-        energy += 0.5 * bodies.spring[i] * z[i] * z[i]
+        energy += 0.5 * (bodies.spring[i] * z[i] * z[i] + bodies.mechanism[i] * dz[i] * dz[i])
     return energy
