@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from solver.errors import SimulationFailed
 from solver.hydrodynamics.rational import basis, derivative_at_start
 
 GRID = 1500  # points of the search in the mapped frequency, before refinement
@@ -72,8 +71,8 @@ class Constraint:
         return float(theta[i]), float(least[i])
 
 
-def enforce(columns: np.ndarray, target: np.ndarray, constraint: Constraint) -> np.ndarray:
-    """Solution (free + others, m) of least squares columns x = target with G(ω) >= 0 at all ω.
+def enforce(columns: np.ndarray, target: np.ndarray, constraint: Constraint) -> np.ndarray | None:
+    """Solution (free + others, m) of least squares columns x = target with G(ω) >= 0 at all ω; None if not found.
 
     The first columns of `columns` are the constraint's free residues; those after are not constrained.
     """
@@ -89,16 +88,18 @@ def enforce(columns: np.ndarray, target: np.ndarray, constraint: Constraint) -> 
         x = np.linalg.solve(block, z)
         where, direction = _negative(constraint.matrix(rows @ x))
         if where.size == 0:
-            hidden = _between(constraint, x, theta, rows)
-            if hidden.size == 0:
-                rest = np.linalg.solve(r[:others, :others], goal[:others] - r[:others, others:] @ x)
-                return np.vstack([x, rest])
-            theta = np.sort(np.concatenate([theta, hidden]))
+            theta = np.unique(np.concatenate([theta, _between(constraint, x, theta, rows)]))
             rows = constraint.rows(theta)
             where, direction = _negative(constraint.matrix(rows @ x))
+        if where.size == 0:
+            rest = np.linalg.solve(r[:others, :others], goal[:others] - r[:others, others:] @ x)
+            return np.vstack([x, rest])
         cuts = np.vstack([cuts, _cuts(block, rows[where], direction)])
-        z = nearest + _least_distance(cuts, MARGIN * 1.5**attempt - cuts @ nearest.ravel()).reshape(nearest.shape)
-    raise SimulationFailed(f"radiation memory of {len(constraint.poles)} poles: not passive after {ROUNDS} rounds")
+        step = _least_distance(cuts, MARGIN * 1.5**attempt - cuts @ nearest.ravel())
+        if step is None:
+            return None
+        z = nearest + step.reshape(nearest.shape)
+    return None
 
 
 def _negative(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -128,14 +129,16 @@ def _cuts(block: np.ndarray, rows: np.ndarray, direction: np.ndarray) -> np.ndar
     return np.einsum("vf,vm->vfm", rows, pairs).reshape(len(rows), -1)
 
 
-def _least_distance(c: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """The shortest z with c z >= d, by non-negative least squares on the dual."""
+def _least_distance(c: np.ndarray, d: np.ndarray) -> np.ndarray | None:
+    """The shortest z with c z >= d, by non-negative least squares on the dual; None if that does not end."""
     size = np.linalg.norm(c, axis=1)
     c, d = c / size[:, None], d / size
     unit = max(np.abs(d).max(), 1e-300)
     matrix = np.vstack([c.T, d / unit])
-    goal = np.zeros(len(matrix))
-    goal[-1] = 1.0
-    dual, _ = nnls(matrix, goal)
+    goal = np.append(np.zeros(c.shape[1]), 1.0)
+    try:
+        dual, _ = nnls(matrix, goal, maxiter=20 * len(c))
+    except RuntimeError:
+        return None
     residual = goal - matrix @ dual
     return -unit * residual[:-1] / residual[-1]
