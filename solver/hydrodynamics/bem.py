@@ -51,7 +51,7 @@ def frequency_grid(
     density = (count - 1) / (high - low) + 0.0 * omega
     density = np.maximum(density, 4 * apart / gravity * omega / (1 + (omega / resolved) ** 16))
     index = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(omega))])
-    return np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1])) + 1), index, omega)
+    return np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1] - 1e-6)) + 1), index, omega)
 
 
 def solve(
@@ -238,9 +238,8 @@ def _green_function():
 
 
 def _join(pieces):
-    starts = np.cumsum([0] + [len(v) for v, _ in pieces[:-1]])
-    faces = [f + start for start, (_, f) in zip(starts, pieces, strict=True)]
-    return _capytaine().Mesh(vertices=np.concatenate([v for v, _ in pieces]), faces=np.concatenate(faces))
+    vertices, faces = meshes.merged(pieces)
+    return _capytaine().Mesh(vertices=vertices, faces=faces)
 
 
 def _unit_motions(points, normals, body, centres, dofs) -> np.ndarray:

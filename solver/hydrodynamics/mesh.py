@@ -5,6 +5,8 @@ import numpy as np
 from solver.errors import InputError
 from solver.hydrodynamics.hull import Revolution
 
+IMAGES = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], float)  # of a quarter at x > 0, y > 0
+
 
 def panels(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Quadrilaterals on the wetted hull, about `count` on all of it: vertices (nv, 3) [m], faces (nf, 4).
@@ -19,10 +21,11 @@ def panels(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) 
     half *= refine
     arc, azimuth, faces = _quarter(_rings(hull, [refine * n for n in divisions]), half)
     r, z = _along(hull, arc).T
+    z = np.minimum(z, 0.0)  # the waterline may come out above by rounding
     points = np.column_stack([r * np.cos(azimuth), r * np.sin(azimuth), z])
     points[:, :2] *= _polygon_scale(half)
     points[:, 2] *= hull.volume / (4 * _volume(points, faces))
-    return _turned(points, faces, quarters)
+    return _copied(points, faces, quarters)
 
 
 def lid(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
@@ -31,7 +34,7 @@ def lid(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> 
     radius = hull.waterplane_radius
     arc, azimuth, faces = _quarter(np.linspace(radius / 2, radius, 1 + (half + 1) // 2), half)
     points = np.column_stack([arc * np.cos(azimuth), arc * np.sin(azimuth), 0 * arc])
-    return _turned(points * _polygon_scale(half), faces, quarters)
+    return _copied(points * _polygon_scale(half), faces, quarters)
 
 
 def _lattice(hull: Revolution, count: int) -> tuple[int, list[int]]:
@@ -111,23 +114,21 @@ def _volume(points: np.ndarray, faces: np.ndarray) -> float:
     return total
 
 
-def _turned(points: np.ndarray, faces: np.ndarray, quarters: int) -> tuple[np.ndarray, np.ndarray]:
-    """The first quarter and its copies turned by 90 degrees about the axis."""
-    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    copies = [points @ np.linalg.matrix_power(turn, i).T for i in range(quarters)]
-    return np.concatenate(copies), np.concatenate([faces + i * len(points) for i in range(quarters)])
+def _copied(points: np.ndarray, faces: np.ndarray, quarters: int) -> tuple[np.ndarray, np.ndarray]:
+    """The first quarter and its mirror images: for 2 in the plane x = 0, for 4 in y = 0 too."""
+    copies = [mirrored((points, faces), sign) for sign in IMAGES[[0, 2, 1, 3][:quarters]]]
+    return merged(copies)
 
 
 def mirror_planes(hulls: tuple[Revolution, ...], centres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where a scene's planes of symmetry cross (3,) [m], and the images (1, 2 or 4, 3) of signs they make."""
     origin = np.array([*(centres[:, :2].min(axis=0) + centres[:, :2].max(axis=0)) / 2, 0.0])
-    images = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], float)
     at = centres - origin
     if not np.allclose(at[:, 1], 0):
-        return origin, images[:1]
-    swapped = partner(at, images[2])
+        return origin, IMAGES[:1]
+    swapped = partner(at, IMAGES[2])
     both = np.all(swapped >= 0) and all(hulls[b] == hulls[other] for b, other in enumerate(swapped))
-    return origin, images if both else images[:2]
+    return origin, IMAGES if both else IMAGES[:2]
 
 
 def partner(at: np.ndarray, mirror: np.ndarray) -> np.ndarray:
@@ -146,7 +147,15 @@ def quarters(at: np.ndarray, images: int) -> int:
 def mirrored(piece: tuple[np.ndarray, np.ndarray], mirror: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Vertices and faces of a mirror image, normals still outwards."""
     vertices, faces = piece
-    return vertices * mirror, faces if np.prod(mirror) > 0 else faces[:, ::-1]
+    # Wound back from the same corner: a panel that is not plane keeps the diagonal it folds along.
+    return vertices * mirror, faces if np.prod(mirror) > 0 else faces[:, [0, 3, 2, 1]]
+
+
+def merged(pieces: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and faces of several pieces as one."""
+    starts = np.cumsum([0] + [len(v) for v, _ in pieces[:-1]])
+    faces = [f + start for start, (_, f) in zip(starts, pieces, strict=True)]
+    return np.concatenate([v for v, _ in pieces]), np.concatenate(faces)
 
 
 def symmetry_classes(mirrors: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from scipy.optimize import nnls
 from solver.hydrodynamics.rational import basis, derivative_at_start
 
 GRID = 1500  # points of the search in the mapped frequency, before refinement
-ROUNDS = 60
+ROUNDS = 40
 NEAR = 1e-5  # grid minima this close to zero are always searched between their neighbours
 MARGIN = 1e-7  # of the scaled transfer: cuts ask for so much more than zero, so that rounds end
 

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.errors import InputError
+from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.passivity import Constraint, enforce
 from solver.hydrodynamics.rational import basis, complex_residues, relocated, starting_poles
 
 ORDERS = (2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 20, 23, 26, 30)  # pole pairs tried, smallest first
 SILENT = 1e-3  # a motion with y_i, over its squared length, below this share of the largest radiates mesh error only
+PATIENCE = 3  # orders without gain once least squares alone would do
 RELOCATIONS = 12  # of the poles; vector fitting settles in half as many
 
 
@@ -60,13 +61,19 @@ def fit(
     if not tolerance > 0:
         raise InputError("memory_tolerance", tolerance, "must be > 0")
     data = _Data.of(omega, added_mass, radiation_damping, added_mass_inf, lengths)
-    tried = []
+    tried, best, stale = [], None, 0
     for pairs in (p for p in ORDERS if 2 * p <= len(omega)):
-        candidate = data.unconstrained(pairs)
-        if candidate.error <= tolerance and (memory := data.passive(candidate)).error <= tolerance:
+        tried.append(data.unconstrained(pairs))
+        if tried[-1].error > tolerance:
+            continue
+        memory = data.passive(tried[-1])
+        if memory is not None and memory.error <= tolerance:
             return memory
-        tried.append(candidate)
-    return data.passive(min(tried, key=lambda c: c.error))
+        better = memory is not None and (best is None or memory.error < 0.9 * best.error)
+        best, stale = (memory, 0) if better else (best, stale + 1)
+        if stale == PATIENCE:  # the data themselves are not passive
+            break
+    return best if best is not None else data.nearest(tried)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -129,10 +136,20 @@ class _Data:
         error = self._misfit(columns @ solution - target)
         return _Candidate(poles=poles, span=span, columns=columns, target=target, error=error)
 
-    def passive(self, candidate: _Candidate) -> RadiationMemory:
-        """The nearest residues and A∞ with Re Y >= 0 at all frequencies."""
+    def nearest(self, tried: list[_Candidate]) -> RadiationMemory:
+        """The passive fit of the best candidate; of equally good ones the smallest, poles to spare condition badly."""
+        least = min(c.error for c in tried)
+        for candidate in sorted(tried, key=lambda c: (c.error > 1.5 * least, len(c.poles))):
+            if (memory := self.passive(candidate)) is not None:
+                return memory
+        raise SimulationFailed(f"radiation memory: no passive fit up to {len(tried[-1].poles)} pairs of poles")
+
+    def passive(self, candidate: _Candidate) -> RadiationMemory | None:
+        """The nearest residues and A∞ with Re Y >= 0 at all frequencies; None where poles condition too badly."""
         n, poles, span = len(self.scale), candidate.poles, candidate.span
         solution = enforce(candidate.columns, candidate.target, Constraint(poles=poles, span=span, n=n))
+        if solution is None:
+            return None
         both = np.multiply.outer(self.scale, self.scale)
         residues = complex_residues(poles, span @ solution[:-1])
         return RadiationMemory(

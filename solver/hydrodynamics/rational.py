@@ -6,6 +6,8 @@ and Semlyen (1999) and Gustavsen (2006); the per-entry elimination is Deschrijve
 
 import numpy as np
 
+FASTEST = 10  # largest modulus of a pole, in units of the highest frequency
+
 
 def starting_poles(omega: np.ndarray, pairs: int) -> np.ndarray:
     """Weakly damped pairs spread evenly over the band, (pairs,) complex [rad/s]."""
@@ -87,7 +89,8 @@ def _zeros(poles: np.ndarray, residue: np.ndarray, constant: float) -> np.ndarra
 
 
 def _stable(zeros: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """One of each pair, mirrored to the left, none so close to the axis that it rings beyond the data's resolution."""
+    """One of each pair, mirrored to the left, none ringing beyond the data's resolution or faster than they show."""
     zeros = zeros[zeros.imag >= 0]
+    zeros = zeros * np.minimum(1.0, FASTEST * omega[-1] / np.maximum(np.abs(zeros), 1e-300))
     damping = np.maximum(np.abs(zeros.real), 1e-3 * omega[-1] / omega.size)
     return -damping + 1j * np.where(zeros.imag > 1e-9 * omega[0], zeros.imag, 0.0)
