@@ -10,13 +10,16 @@ export NUMBA_NUM_THREADS := 1
 # numba's cache misses an edit in another file: a new folder for each state of the sources.
 export NUMBA_CACHE_DIR := $(CURDIR)/.jit/$(shell find solver -name '*.py' | LC_ALL=C sort | xargs cat | cksum | tr -d ' ')
 
-.PHONY: study-buan test lint setup clean
+.PHONY: study-buan test validate lint setup clean
 
 study-buan: $(READY)
 	$(VENV)/bin/study run studies/buan.toml
 
 test: $(READY)
 	$(VENV)/bin/python -m pytest -q
+
+validate: $(READY)
+	$(VENV)/bin/python studies/validate.py
 
 lint: $(READY)
 	$(VENV)/bin/ruff check .
