@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import shlex
 from collections import defaultdict
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline import schedule
+from pipeline import environment, schedule
+from pipeline.batches import AHEAD, Batch, Batches
 from pipeline.cache import Cache
-from pipeline.run import Engine, Failure, Outcome, attempt_geometry, attempt_task
+from pipeline.run import Engine, Failure, Outcome, attempt_geometry, attempt_tasks
+from pipeline.schedule import Lost, Place
 from pipeline.store import Entry, Store
 from pipeline.tasks import Geometry, Task
 
 Watch = Callable[[Task | Geometry, Outcome], None]
+Groups = dict[Geometry, list[Task]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,78 +29,24 @@ class Campaign:
     results: Path
     store: Store
     engine: Engine
-    workers: int = 2
-    scheduler: str | None = None
+    place: Place = field(default_factory=Place)
     keep_going: bool = True
+    say: Callable[[str], None] = print
 
     def run(self, tasks: Sequence[Task], watch: Watch) -> list[Task]:
         """Run and keep all; the tasks that failed. `watch` hears of every outcome."""
         tasks = list({task.id: task for task in tasks}.values())
-        known, unknown, free = self._geometries(tasks)
         failed: list[Task] = []
-        with schedule.pool(len(tasks) + len(unknown), workers=self.workers, scheduler=self.scheduler) as pool:
-            for geometry, _ in unknown.values():
-                pool.submit(geometry, attempt_geometry, self.engine, geometry)
-            for task in free:
-                self._submit(pool, task, None)
-            for name, (data, waiting) in known.items():
-                self._release(pool, name, data, waiting)
-            for key, outcome in pool.finished():
-                if isinstance(key, Geometry):
-                    watch(key, outcome)
-                    failed += self._geometry_done(pool, outcome, key, unknown[key.key][1], watch)
-                elif isinstance(key, Task):
-                    failed += [key] if self._keep(key, outcome) else []
-                    watch(key, outcome)
-                if failed and not self.keep_going:
-                    break
+        with schedule.pool(len(tasks), self.place, self.say) as pool:
+            for task, outcome in _Run(self, pool, watch).outcomes(tasks):
+                if isinstance(outcome.result, Failure):
+                    failed.append(task)
+                    if not self.keep_going:
+                        break
         return failed
 
-    def _geometries(
-        self, tasks: Sequence[Task]
-    ) -> tuple[dict[str, tuple[bytes, list[Task]]], dict[str, tuple[Geometry, list[Task]]], list[Task]]:
-        """Tasks whose coefficients are known, those that wait for them, and those that need none."""
-        groups: defaultdict[Geometry | None, list[Task]] = defaultdict(list)
-        for task in tasks:
-            groups[task.geometry].append(task)
-        free = groups.pop(None, [])
-        known, unknown, cache = {}, {}, Cache(self.results)
-        for geometry, members in groups.items():
-            assert geometry is not None
-            if (data := cache.get(geometry.key)) is not None:
-                known[geometry.key] = (data, members)
-            else:
-                unknown[geometry.key] = (geometry, members)
-        return known, unknown, free
-
-    def _geometry_done(
-        self,
-        pool: schedule.Pool,
-        outcome: Outcome,
-        geometry: Geometry,
-        waiting: list[Task],
-        watch: Watch,
-    ) -> list[Task]:
-        """Keep coefficients and let their tasks go; without them, the tasks have failed too."""
-        if isinstance(outcome.result, Failure):
-            for task in waiting:
-                self._keep(task, outcome)
-                watch(task, outcome)
-            return waiting
-        Cache(self.results).put(geometry.key, outcome.result)
-        self._release(pool, geometry.key, outcome.result, waiting)
-        return []
-
-    def _release(self, pool: schedule.Pool, key: str, data: bytes, waiting: list[Task]) -> None:
-        shared = pool.share(f"hydrodynamics-{key}", data)
-        for task in waiting:
-            self._submit(pool, task, shared)
-
-    def _submit(self, pool: schedule.Pool, task: Task, coefficients: Any) -> None:
-        pool.submit(task, attempt_task, self.engine, task.id, task.parameters, coefficients)
-
-    def _keep(self, task: Task, outcome: Outcome) -> bool:
-        """Write what came of a task; whether it failed."""
+    def keep(self, task: Task, outcome: Outcome) -> None:
+        """Write what came of a task."""
         status: dict[str, Any] = {
             "wall_time": outcome.wall_time,
             "labels": dict(task.labels),
@@ -106,9 +55,8 @@ class Campaign:
         }
         if isinstance(outcome.result, Failure):
             self.store.failed(task, status | {"error": asdict(outcome.result)})
-            return True
-        self.store.done(task, outcome.result, status | {"content": outcome.content})
-        return False
+        else:
+            self.store.done(task, outcome.result, status | {"content": outcome.content})
 
     def command(self, task: Task) -> str:
         """What reproduces a task."""
@@ -116,7 +64,99 @@ class Campaign:
         return shlex.join(["study", "rerun", str(self.study), task.id, *where])
 
 
-def unfinished(tasks: Sequence[Task], store: Store) -> list[tuple[Task, Entry]]:
+@dataclass
+class _Run:
+    """One run of a campaign on an open pool."""
+
+    campaign: Campaign
+    pool: schedule.Pool
+    watch: Watch
+    batches: Batches = field(default_factory=Batches)
+    out: int = 0  # batches that the pool has
+    waiting: Groups = field(default_factory=dict)  # for their coefficients
+
+    def outcomes(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Outcome]]:
+        """Every task with what came of it, kept."""
+        self._start(tasks)
+        self._offer()
+        for key, results in self.pool.finished():
+            for task, outcome in self._arrived(key, results):
+                self.campaign.keep(task, outcome)
+                self.watch(task, outcome)
+                yield task, outcome
+            self._offer()
+
+    def _start(self, tasks: Sequence[Task]) -> None:
+        """Coefficients that are not known go first; tasks that need none of those are ready."""
+        groups: defaultdict[Geometry | None, list[Task]] = defaultdict(list)
+        for task in tasks:
+            groups[task.geometry].append(task)
+        for task in groups.pop(None, []):
+            self.batches.add(task, None)
+        cache = Cache(self.campaign.results)
+        for geometry, members in groups.items():
+            assert geometry is not None
+            if (data := cache.get(geometry.key)) is not None:
+                self._release(data, members)
+            else:
+                self.waiting[geometry] = members
+                self.pool.submit(geometry, attempt_geometry, self.campaign.engine, geometry)
+
+    def _release(self, data: bytes, tasks: Iterable[Task]) -> None:
+        for task in tasks:
+            self.batches.add(task, data)
+
+    def _offer(self) -> None:
+        """Keep as much on offer as keeps the pool busy; the rest stays here, where it costs little."""
+        while self.batches and self.out < max(1, AHEAD * self.pool.width):
+            batch = self.batches.take(self.pool.width)
+            given = [(task.id, task.parameters) for task in batch.tasks]
+            self.pool.submit(batch, attempt_tasks, self.campaign.engine, given, batch.coefficients)
+            self.out += 1
+
+    def _arrived(self, key: Hashable, results: list[Outcome] | Lost) -> Iterator[tuple[Task, Outcome]]:
+        """Outcomes of tasks. A lost batch is tried once more, task by task; a lost task has failed."""
+        if isinstance(key, Geometry):
+            yield from self._geometry_arrived(key, _outcome(results))
+        elif isinstance(key, Batch):
+            self.out -= 1
+            if isinstance(results, Lost) and len(key.tasks) > 1:
+                self.batches.add_alone(key)
+                return
+            outcomes = [_outcome(results)] if isinstance(results, Lost) else results
+            for task, outcome in zip(key.tasks, outcomes, strict=True):
+                self.batches.heard(outcome.wall_time)
+                yield task, _same_sources(outcome)
+
+    def _geometry_arrived(self, geometry: Geometry, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
+        """Keep coefficients and let their tasks go; without them, the tasks have failed too."""
+        outcome, tasks = _same_sources(outcome), self.waiting.pop(geometry)
+        self.watch(geometry, outcome)
+        if isinstance(outcome.result, Failure):
+            yield from ((task, outcome) for task in tasks)
+        else:
+            Cache(self.campaign.results).put(geometry.key, outcome.result)
+            self._release(outcome.result, tasks)
+
+
+def _outcome(results: list[Outcome] | Lost) -> Outcome:
+    """The only one; lost work is a failure."""
+    if isinstance(results, Lost):
+        return Outcome(result=Failure.of(results), provenance=environment.provenance())
+    return results[0]
+
+
+def _same_sources(outcome: Outcome) -> Outcome:
+    """A worker with another solver computes another study: its results are refused."""
+    mine, theirs = environment.sources(), outcome.provenance["solver_sources"]
+    if theirs == mine:
+        return outcome
+    where = outcome.provenance["host"]
+    error = RuntimeError(f"the worker on {where} has solver sources {theirs}, this process {mine}: install the same")
+    return Outcome(result=Failure.of(error), provenance=outcome.provenance)
+
+
+def unfinished(tasks: Iterable[Task], store: Store) -> list[tuple[Task, Entry]]:
     """What a run has to do: all but done tasks, stale ones (kept until asked for) and failed ones."""
     looked = ((task, store.look(task, checksums=True)) for task in tasks)
     return [(task, entry) for task, entry in looked if entry.state in ("missing", "damaged")]

@@ -13,6 +13,7 @@ from solver.errors import InputError
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 STEPS_A_PERIOD = 6  # fewer time steps in the shortest wave do not describe it
 LARGEST_PERIOD = 60.0  # longer waves are no longer wind waves [s]
+SHALLOW = 0.1  # kh below which there are no coefficients
 
 
 def problems(study: StudyFile) -> Iterator[InputError]:
@@ -82,10 +83,22 @@ def _waves(study: StudyFile) -> Iterator[InputError]:
         yield InputError("waves.components", study.waves.components, "must be <= 10000")
     if abs(study.waves.heading) > 2 * math.pi:
         yield InputError("waves.heading", study.waves.heading, "must be within ±2π rad")
+    yield from _too_shallow(study)
     for label, sea in study.sea_states.items():
         if not low < 2 * math.pi / sea.Tp < high:
             limit = f"must put the peak, {2 * math.pi / sea.Tp:.3g} rad/s, inside waves.band = [{low:g}, {high:g}]"
             yield InputError(f"sea_states.{label}.Tp", sea.Tp, limit)
+
+
+def _too_shallow(study: StudyFile) -> Iterator[InputError]:
+    """The boundary element method needs kh > 0.1 at its lowest frequency."""
+    from solver.sea.dispersion import wavenumber
+
+    low, water = study.waves.band[0], study.water
+    if study.floats and float(wavenumber(low, water.depth, water.gravity)) * water.depth <= SHALLOW:
+        yield InputError(
+            "waves.band", list(study.waves.band), f"must start where kh > {SHALLOW:g} in {water.depth:g} m"
+        )
 
 
 def _breaking(study: StudyFile, label: str, height: float, period: float) -> Iterator[InputError]:

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-import typer
 from rich.console import Console
 
 from pipeline import environment
@@ -14,13 +13,14 @@ from pipeline.store import Entry, Store
 from pipeline.study import Study, StudyError
 from pipeline.tasks import Task
 
-DONE, FAILED = 0, 1
+DONE, FAILED, INCOMPLETE = 0, 1, 2
+Entries = Sequence[tuple[Task, Entry]]
 out, err = Console(), Console(stderr=True)
 
 
 def say(text: str, console: Console = out) -> None:
     """A plain line, whatever is in it."""
-    console.print(text, soft_wrap=True, highlight=False, markup=False)
+    print(text, file=console.file)
 
 
 def store_of(study: Study, results: Path) -> Store:
@@ -35,7 +35,7 @@ def looked(tasks: Sequence[Task], store: Store) -> list[tuple[Task, Entry]]:
     return [(task, store.look(task)) for task in {task.id: task for task in tasks}.values()]
 
 
-def tally(entries: Sequence[tuple[Task, Entry]]) -> str:
+def tally(entries: Entries) -> str:
     """54 tasks: 50 done, 3 missing, 1 failed."""
     counts = Counter(entry.state for _, entry in entries)
     return (
@@ -45,7 +45,7 @@ def tally(entries: Sequence[tuple[Task, Entry]]) -> str:
     )
 
 
-def other_sources(entries: Sequence[tuple[Task, Entry]]) -> str:
+def other_sources(entries: Entries) -> str:
     """A note if finished tasks came from other solver sources than the present ones."""
     mine = environment.sources()
     found = [e.status.get("provenance", {}).get("solver_sources", mine) for _, e in entries if e.state == "done"]
@@ -53,18 +53,15 @@ def other_sources(entries: Sequence[tuple[Task, Entry]]) -> str:
     return f"; {count} done by other solver sources of the same model version" if count else ""
 
 
-def finish(entries: Sequence[tuple[Task, Entry]], study: Study) -> None:
-    """List what failed, with reason; exit 1 if anything did."""
+def finish(entries: Entries, study: Study) -> int:
+    """List what failed, with reason; the exit status."""
     failed = [(task, entry) for task, entry in entries if entry.state == "failed"]
     for task, entry in failed:
         error = entry.status.get("error", {})
         say(f"failed: {task.id} {task}: {error.get('kind')}: {error.get('message')}", err)
     if failed:
-        say(
-            f"see `study show {study.path} TASK`, repeat with `study rerun {study.path} --failed`",
-            err,
-        )
-        raise typer.Exit(FAILED)
+        say(f"see `study show {study.path} TASK`, repeat with `study rerun {study.path} --failed`", err)
+    return FAILED if failed else DONE
 
 
 def compare(task: Task, old: bytes | None, new: bytes | None) -> bool:

@@ -11,66 +11,17 @@ from typing import Any
 import numpy as np
 
 from pipeline import environment
-from pipeline.netcdf import Variable, to_bytes
+from pipeline.arrays import INNER, Arrays
+from pipeline.netcdf import Variable, to_file
 from pipeline.records import decode
-from pipeline.store import Entry, Store, read_json, sha256, write_atomic, write_json
+from pipeline.store import Entry, Store, appearing, read_json, sha256, write_json
 from pipeline.study import Study
 from pipeline.tasks import MODEL_VERSION, Label, Task, axes, dimensions, expand
 from pipeline.variables import meaning
 
-# Dimensions of a record, in the order in which they follow the study's own.
-INNER = ("float", "leg", "direction", "height", "statistic", "mode")
 ALONG_MODE = "natural_frequency"
 SAME = 1e-9  # relative difference below which two frequencies are one
-LAYOUT = 1  # raise it when the dataset's form changes, so that it is written anew
-
-
-class Arrays:
-    """Arrays over the whole study, filled one record at a time; what nothing fills stays NaN."""
-
-    def __init__(self, shape: tuple[int, ...]):
-        self.shape = shape
-        self.labels: dict[str, dict[Any, int]] = {}
-        self.dims: dict[str, tuple[str, ...]] = {}
-        self.values: dict[str, np.ndarray] = {}
-
-    def add(self, cell: tuple[int, ...], record: Mapping[str, Variable]) -> None:
-        """Take a record in at a cell of the study."""
-        places = {dim: self._places(dim, v.values.tolist()) for dim, v in record.items() if dim in INNER}
-        for name, (dims, values, _) in record.items():
-            if name not in places and set(dims) <= places.keys() and values.dtype.kind in "fiub":
-                own = tuple(dim for dim in INNER if dim in dims)
-                target = self._array(name, own)
-                target[cell + np.ix_(*(places[dim] for dim in own))] = values.transpose([dims.index(d) for d in own])
-
-    def put(self, cell: tuple[int, ...], name: str, value: float) -> None:
-        """A single number at a cell."""
-        self._array(name, ())[cell] = value
-
-    def sort(self, dim: str) -> None:
-        """Put the labels of a dimension in ascending order."""
-        order = sorted(self.labels.get(dim, {}))
-        index = [self.labels[dim][label] for label in order]
-        for name, own in self.dims.items():
-            if dim in own and index:
-                self._array(name, own)
-                self.values[name] = self.values[name].take(index, axis=len(self.shape) + own.index(dim))
-        self.labels[dim] = {label: i for i, label in enumerate(order)}
-
-    def _places(self, dim: str, labels: Iterable[Any]) -> np.ndarray:
-        known = self.labels.setdefault(dim, {})
-        return np.array([known.setdefault(label, len(known)) for label in labels], dtype=int)
-
-    def _array(self, name: str, own: tuple[str, ...]) -> np.ndarray:
-        """The array of a variable, grown to hold all labels met so far."""
-        full = self.shape + tuple(len(self.labels[dim]) for dim in own)
-        old = self.values.get(name)
-        if old is None or old.shape != full:
-            self.values[name] = np.full(full, np.nan)
-            self.dims[name] = own
-            if old is not None:
-                self.values[name][tuple(slice(n) for n in old.shape)] = old
-        return self.values[name]
+LAYOUT = 2  # raise it when the dataset's form changes, so that it is written anew
 
 
 def collect(study: Study, store: Store, *, anew: bool = True) -> tuple[Path, dict[str, int]]:
@@ -81,23 +32,27 @@ def collect(study: Study, store: Store, *, anew: bool = True) -> tuple[Path, dic
     table = axes(study.content)
     shape = tuple(len(values) for values in table.values())
     tasks = list(expand(study.content))
-    entries = {task.id: store.look(task) for task in tasks}
-    path, mark = store.root / "statistics.nc", _fingerprint(study, tasks, entries)
+    path, mark = store.root / "statistics.nc", _fingerprint(study, tasks, store)
     known = read_json(store.root / ".statistics.json") or {}
-    if not anew and known.get("of") == mark and path.exists() and known.get("sha256") == sha256(path.read_bytes()):
+    if not anew and known.get("of") == mark and path.exists() and known.get("sha256") == checksum(path):
         return path, known["counts"]
-    arrays = Arrays(shape)
-    status = np.full(shape, "missing", dtype=object)
-    names = np.full(shape, "", dtype=object)
+    store.root.mkdir(parents=True, exist_ok=True)
+    arrays = Arrays(shape, store.root)
+    status, names = np.full(shape, "missing", dtype="U8"), np.full(shape, "", dtype="U16")
     for cell, task in zip(np.ndindex(*shape), tasks, strict=True):
-        entry = entries[task.id]
-        status[cell], names[cell] = _fill(arrays, cell, entry), task.id
-    data = to_bytes(*_dataset(study, table, arrays, status, names))
-    write_atomic(path, data)
-    states, numbers = np.unique(status.astype(str), return_counts=True)
+        status[cell], names[cell] = _fill(arrays, cell, store.look(task)), task.id
+    with appearing(path) as part:
+        to_file(part, *_dataset(study, table, arrays, status, names))
+    states, numbers = np.unique(status, return_counts=True)
     counts = {str(s): int(n) for s, n in zip(states, numbers, strict=True)}
-    write_json(store.root / ".statistics.json", {"of": mark, "sha256": sha256(data), "counts": counts})
+    write_json(store.root / ".statistics.json", {"of": mark, "sha256": checksum(path), "counts": counts})
     return path, counts
+
+
+def checksum(path: Path) -> str:
+    """SHA-256 of a file, read in pieces."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _fill(arrays: Arrays, cell: tuple[int, ...], entry: Entry) -> str:
@@ -115,12 +70,16 @@ def _fill(arrays: Arrays, cell: tuple[int, ...], entry: Entry) -> str:
     return entry.state
 
 
-def _fingerprint(study: Study, tasks: Sequence[Task], entries: Mapping[str, Entry]) -> str:
+def _fingerprint(study: Study, tasks: Iterable[Task], store: Store) -> str:
     """What the dataset is made of: the study's cells and the records in them."""
-    cells = [[dict(task.labels), task.id, entries[task.id].state, entries[task.id].status] for task in tasks]
+    digest = hashlib.sha256()
     seas = study.content.model_dump(mode="json", include={"sea_states", "title"})
-    text = json.dumps([LAYOUT, seas, dimensions(study.content), cells], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
+    digest.update(json.dumps([LAYOUT, seas, dimensions(study.content)], sort_keys=True).encode())
+    for task in tasks:
+        entry = store.look(task)
+        made = [entry.status.get(key) for key in ("sha256", "finished", "wall_time")]
+        digest.update(json.dumps([dict(task.labels), task.id, entry.state, made]).encode())
+    return digest.hexdigest()
 
 
 def _dataset(
@@ -137,13 +96,13 @@ def _dataset(
     keep = tuple(slice(None) if name in outer else 0 for name in table)
     variables: dict[str, Variable] = {}
     for name in sorted(arrays.values):
-        values, own = arrays._array(name, arrays.dims[name]), arrays.dims[name]
+        values, own = arrays.whole(name), arrays.dims[name]
         if name == ALONG_MODE and (single := _single(values, len(table))) is not None:
             variables[name] = Variable(own, single, meaning(name))
         else:
             variables[name] = Variable((*outer, *own), values[keep], meaning(name))
     for name, words in (("status", status), ("task", names)):
-        variables[name] = Variable(tuple(outer), np.asarray(words[keep], dtype=object), meaning(name))
+        variables[name] = Variable(tuple(outer), words[keep], meaning(name))
     coordinates = _coordinates(study, table, outer, arrays)
     return coordinates | _with_coordinates(variables, coordinates), _attributes(study)
 

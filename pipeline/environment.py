@@ -51,6 +51,7 @@ def provenance() -> dict[str, str]:
         "host": platform.node(),
         "python": platform.python_version(),
         "solver_sources": sources(),
+        "commit": commit() or "unknown",
     }
     for name in PACKAGES:
         try:
@@ -74,7 +75,9 @@ def commit() -> str:
         "--exclude=*",
     ]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=10, check=False)
+        # Looking must not lock the repository for those who work in it.
+        quiet = {**os.environ, "GIT_OPTIONAL_LOCKS": "0"}
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10, check=False, env=quiet)
     except (OSError, subprocess.TimeoutExpired):
         return ""
     return done.stdout.strip() if done.returncode == 0 else ""

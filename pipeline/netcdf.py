@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import netCDF4
 import numpy as np
+
+SLAB = 2**24  # bytes written at a time
 
 
 class Variable(NamedTuple):
@@ -19,8 +22,20 @@ class Variable(NamedTuple):
 
 
 def to_bytes(variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> bytes:
-    """A netCDF-4 file as bytes; a dimension is as long as the first variable that has it."""
+    """A netCDF-4 file as bytes."""
     file = netCDF4.Dataset("memory.nc", "w", memory=65536)
+    _write(file, variables, attrs)
+    return bytes(file.close())
+
+
+def to_file(path: Path, variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> None:
+    """A netCDF-4 file on the disk, for what need not fit in memory."""
+    with netCDF4.Dataset(path, "w") as file:
+        _write(file, variables, attrs)
+
+
+def _write(file: netCDF4.Dataset, variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> None:
+    """A dimension is as long as the first variable that has it."""
     for name, (dims, values, own) in variables.items():
         array = np.asarray(values)
         for dim, size in zip(dims, array.shape, strict=True):
@@ -29,13 +44,18 @@ def to_bytes(variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> byt
         text = array.dtype.kind in "UO"
         fill = None if text else own.get("_FillValue")  # netCDF takes it at birth or never
         variable = file.createVariable(name, str if text else array.dtype, dims, fill_value=fill)
-        if text:
-            variable[...] = np.asarray(array, dtype=object) if dims else str(array)
+        if dims:
+            for slab in _slabs(array):
+                variable[slab] = array[slab].astype(object) if text else array[slab]
         else:
-            variable[...] = array
+            variable[...] = str(array) if text else array
         variable.setncatts({key: value for key, value in own.items() if key != "_FillValue"})
     file.setncatts(attrs)
-    return bytes(file.close())
+
+
+def _slabs(array: np.ndarray) -> Iterator[slice]:
+    step = max(1, SLAB * len(array) // max(1, array.nbytes))
+    return (slice(i, i + step) for i in range(0, len(array), step))
 
 
 def from_bytes(data: bytes) -> tuple[dict[str, Variable], dict[str, Any]]:
@@ -47,6 +67,13 @@ def from_bytes(data: bytes) -> tuple[dict[str, Variable], dict[str, Any]]:
             for name, v in file.variables.items()
         }
         return variables, {name: file.getncattr(name) for name in file.ncattrs()}
+
+
+def values(data: bytes) -> dict[str, Variable]:
+    """Variables without their attributes, which take longer to read than the numbers."""
+    with netCDF4.Dataset("memory.nc", "r", memory=data) as file:
+        file.set_auto_mask(False)
+        return {name: Variable(v.dimensions, np.asarray(v[...]), {}) for name, v in file.variables.items()}
 
 
 def content(variables: Mapping[str, Variable]) -> str:

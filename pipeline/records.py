@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Protocol
 
 import numpy as np
 
-from pipeline.netcdf import Variable, content, from_bytes, to_bytes
-from pipeline.variables import RENAMED, meaning
+from pipeline.netcdf import Variable, content, to_bytes, values
+from pipeline.tasks import Parameters, wave_seed
+from pipeline.variables import RENAMED, SERIES, meaning
 
 # How long it took is no part of what came out: no two runs agree on it.
 TIMINGS = ("wall_time", "prepare_time", "march_time")
-
+SAMPLES = 4  # of a decimated series in the shortest wave
 
 Labelled = tuple[tuple[str, ...], Any]
 
@@ -33,29 +35,42 @@ class Record(Protocol):
     def series(self) -> Mapping[str, Labelled]: ...
 
 
-def encode(record: Record, provenance: Mapping[str, Any]) -> tuple[bytes, str]:
+def encode(record: Record, parameters: Parameters, provenance: Mapping[str, Any]) -> tuple[bytes, str]:
     """The file, and the digest of its content: provenance is in the first and not in the second."""
-    variables = dict(_variables(record))
-    attrs = {"Conventions": "CF-1.11", "title": "Record of one task"} | dict(provenance)
+    variables = dict(_variables(record, _thinning(record, parameters)))
+    digest = content(variables)
+    attrs = {"Conventions": "CF-1.11", "title": "Record of one task", **provenance}
+    attrs |= {"parameters": parameters.canonical(), "wave_seed": " ".join(map(str, wave_seed(parameters)))}
     attrs |= {k: str(v) for k, v in record.attrs.items() if not _is_figure(v)}
     attrs |= {k: float(v) for k, v in record.attrs.items() if k in TIMINGS}
-    return to_bytes(variables, attrs), content(variables)
+    variables["task"] = Variable((), np.array(provenance["task"]), meaning("task"))
+    return to_bytes(variables, attrs), digest
 
 
 def decode(data: bytes) -> dict[str, Variable]:
     """Variables and coordinates of a record's file."""
-    return from_bytes(data)[0]
+    return values(data)
 
 
-def _variables(record: Record) -> Iterator[tuple[str, Variable]]:
+def _thinning(record: Record, parameters: Parameters) -> slice:
+    """Which samples of the series are kept: all, or about SAMPLES in the shortest wave."""
+    if parameters.record.series != "decimated" or "time" not in record.series:
+        return slice(None)
+    _, time = record.series["time"]
+    shortest = 2 * math.pi / parameters.waves.band[1]
+    return slice(None, None, max(1, int(shortest / SAMPLES / (time[1] - time[0]) + 1e-9)))
+
+
+def _variables(record: Record, kept: slice) -> Iterator[tuple[str, Variable]]:
     """Coordinates that are used, statistics, figures of the audit, time series."""
-    arrays = {**record.variables, **record.series}
+    series = {n if n == "time" else n + SERIES: (dims, v[kept]) for n, (dims, v) in record.series.items()}
+    arrays = {**record.variables, **series}
     used = {dim for dims, _ in arrays.values() for dim in dims}
-    for name, values in sorted(record.coords.items()):
+    for name, labels in sorted(record.coords.items()):
         if name in used:
-            yield name, Variable((name,), np.asarray(values), meaning(name))
-    for name, (dims, values) in sorted(arrays.items()):
-        yield RENAMED.get(name, name), Variable(tuple(dims), np.asarray(values), meaning(RENAMED.get(name, name)))
+            yield name, Variable((name,), np.asarray(labels), meaning(name))
+    for name, (dims, array) in sorted(arrays.items()):
+        yield RENAMED.get(name, name), Variable(tuple(dims), np.asarray(array), meaning(RENAMED.get(name, name)))
     for name, value in sorted(record.attrs.items()):
         if _is_figure(value) and name not in TIMINGS:
             own = RENAMED.get(name, name)

@@ -1,12 +1,12 @@
-"""What workers run: coefficients of a geometry, and one task. Workers compute and return bytes."""
+"""What workers run: coefficients of a geometry, and tasks. Workers compute and return bytes."""
 
 from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pipeline import environment
 from pipeline.tasks import Geometry, Parameters
@@ -72,46 +72,60 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
     return simulate(scenes.scene(parameters), known)
 
 
+def check(parameters: Parameters) -> None:
+    """Whether the solver takes a task's parameters; raises InputError."""
+    from pipeline import preflight
+
+    preflight.build(parameters)
+
+
+def reduce(parameters: Parameters) -> None:
+    """Whether it takes the platform; raises InputError."""
+    from pipeline import preflight
+
+    preflight.reduce(parameters)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Engine:
-    """The physics as two functions, so that the pipeline can be tested and timed without it."""
+    """The physics as a few functions, so that the pipeline can be tested and timed without it."""
 
     coefficients: Callable[[Geometry], bytes] = coefficients
     compute: Callable[[Parameters, bytes | None], Record] = compute
+    check: Callable[[Parameters], None] = check
+    reduce: Callable[[Parameters], None] = reduce
 
 
-def attempt_geometry(engine: Engine, geometry: Geometry) -> Outcome:
+def attempt_geometry(engine: Engine, geometry: Geometry) -> list[Outcome]:
     """Coefficients, or why there are none."""
     environment.prepare()
-    return _attempt(lambda: (engine.coefficients(geometry), ""))
+    return [_attempt(lambda: (engine.coefficients(geometry), ""))]
+
+
+def attempt_tasks(engine: Engine, tasks: Sequence[tuple[str, Parameters]], coefficients: bytes | None) -> list[Outcome]:
+    """For each task a record's file, or why there is none."""
+    environment.prepare()
+    return [attempt_task(engine, task_id, parameters, coefficients) for task_id, parameters in tasks]
 
 
 def attempt_task(engine: Engine, task_id: str, parameters: Parameters, coefficients: bytes | None) -> Outcome:
     """A record's file, or why there is none."""
-    environment.prepare()
     from pipeline import records
 
-    described: dict[str, Any] = environment.provenance() | {
-        "task": task_id,
-        "parameters": parameters.canonical(),
-    }
-    return _attempt(lambda: records.encode(engine.compute(parameters, coefficients), described))
+    def work() -> tuple[bytes, str]:
+        provenance = environment.provenance() | {"task": task_id}
+        return records.encode(engine.compute(parameters, coefficients), parameters, provenance)
+
+    return _attempt(work)
 
 
 def _attempt(work: Callable[[], tuple[bytes, str]]) -> Outcome:
     """A failure is a result like any other: it must not stop the tasks beside it."""
     start = time.perf_counter()
+    result: bytes | Failure
     try:
         result, content = work()
     except Exception as error:
-        return Outcome(
-            result=Failure.of(error),
-            wall_time=time.perf_counter() - start,
-            provenance=environment.provenance(),
-        )
-    return Outcome(
-        result=result,
-        content=content,
-        wall_time=time.perf_counter() - start,
-        provenance=environment.provenance(),
-    )
+        result, content = Failure.of(error), ""
+    seconds = time.perf_counter() - start
+    return Outcome(result=result, content=content, wall_time=seconds, provenance=environment.provenance())

@@ -35,8 +35,16 @@ def scene(parameters: Parameters) -> physics.Scene:
         sea=sea(parameters),
         floats=tuple(_float(f) for f in parameters.floats),
         platform=_platform(parameters) if parameters.platform else None,
-        settings=physics.Settings(**dict(parameters.record), **dict(parameters.solver)),
+        settings=settings(parameters),
     )
+
+
+def settings(parameters: Parameters) -> physics.Settings:
+    """Record and numerics; how the series is thinned is the pipeline's own business."""
+    from solver import scene as physics
+
+    given = {**dict(parameters.record), **dict(parameters.solver)}
+    return physics.Settings(keep_series=given.pop("series") != "none", **given)
 
 
 def sea(parameters: Parameters) -> Any:

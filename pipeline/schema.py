@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from typing import Annotated, Any, Literal, NamedTuple
+from dataclasses import fields
+from types import UnionType
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
 from pydantic import (
     BaseModel,
@@ -11,9 +13,12 @@ from pydantic import (
     ConfigDict,
     Field,
     StringConstraints,
+    create_model,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
+
+from solver.scene import Settings
 
 
 class Unit(NamedTuple):
@@ -84,26 +89,35 @@ class Recording(Table):
     discard: Annotated[NotNegative, Unit("s")] = 100.0
     ramp: Annotated[NotNegative, Unit("s")] = 50.0
     ramp_form: Literal["paper", "cosine"] = "paper"
-    keep_series: Flag = False
+    series: Literal["none", "decimated", "full"] = "none"  # of the record; decimated keeps one sample a second
 
 
-class Solver(Table):
-    """Numerical choices; the defaults are those of solver.scene.Settings, as a test makes sure.
+def _knobs() -> dict[str, Any]:
+    """Numerical choices, as the solver names and defaults them; names, types and defaults are its own."""
+    strict: dict[Any, Any] = {float: Positive, int: Count, bool: Flag}
+    units = {"time_step": "s"}
+    hints, found = get_type_hints(Settings), {}
+    for knob in fields(Settings):
+        if knob.name not in (*Recording.model_fields, "keep_series"):
+            hint = hints[knob.name]
+            if isinstance(hint, UnionType) or get_origin(hint) is Union:
+                kind: Any = Union.__getitem__(tuple(strict.get(a, a) for a in get_args(hint)))
+            else:
+                kind = NotNegative if knob.default == 0.0 and hint is float else strict.get(hint, hint)
+            found[knob.name] = (Annotated[kind, Unit(units.get(knob.name, "-"))], knob.default)
+    return found
 
-    An id leaves out what is at its default: whoever changes a default raises tasks.MODEL_VERSION.
-    """
 
-    time_step: Annotated[Positive, Unit("s")] = 0.15  # samples are half a step apart
-    modes: Count | Literal["all"] = 6  # lowest modes kept, besides static load shapes
-    azimuths: Count = 16  # of the wetted-surface quadrature, full circle
-    arc_points: Count = 6
-    line_points: Count = 4
-    field_tolerance: Positive = 1e-6  # of the local wave field, relative to the sum of amplitudes
-    memory_tolerance: Positive = 5e-3  # of the radiation memory's fit
-    stations_per_element: Count = 2  # for drag
-    pressure: Literal["extrapolated", "wheeler"] = "extrapolated"  # above still water
-    froude_krylov: Literal["body-nonlinear", "linear"] = "body-nonlinear"
-    newton_tolerance: Positive = 1e-5  # m or rad
+# An id leaves out what is at its default: whoever changes a default raises tasks.MODEL_VERSION.
+if TYPE_CHECKING:
+
+    class Solver(Table):
+        """The knobs that the pipeline itself looks at."""
+
+        time_step: float = 0.0
+
+else:
+    Solver = create_model("Solver", __base__=Table, **_knobs())
 
 
 class HemisphereCylinder(Table):

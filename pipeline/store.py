@@ -1,7 +1,8 @@
-"""Results on disk: results/<study>/tasks/<id>/{parameters.json, record.nc, status.json}.
+"""Results on disk: results/<study>/tasks/<id>/{record.nc, status.json}.
 
 A file appears whole or not at all. status.json is written last and carries the checksum of the
-record, so a task is done when its status says so and its record still has that checksum.
+record, so a task is done when its status says so and its record still has that checksum. Besides,
+it has the task's parameters, labels and provenance; a failed task has it alone.
 """
 
 from __future__ import annotations
@@ -37,25 +38,28 @@ class Entry:
         return self.folder / "record.nc"
 
 
-def write_atomic(path: Path, data: bytes) -> None:
-    """Write to a temporary name beside `path`, flush to the disk, rename: a crash leaves old or new."""
+@contextlib.contextmanager
+def appearing(path: Path) -> Iterator[Path]:
+    """A temporary name beside `path` to write to; then flush to the disk and rename: old or new, never half."""
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with part.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
+        yield part
+        _flush(part)
         os.replace(part, path)
     except BaseException:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
         raise
-    sync_folder(path.parent)
 
 
-def sync_folder(folder: Path) -> None:
-    """Make renames and removals in a folder durable."""
-    descriptor = os.open(folder, os.O_RDONLY)
+def write_atomic(path: Path, data: bytes) -> None:
+    """A whole file, or none."""
+    with appearing(path) as part:
+        part.write_bytes(data)
+
+
+def _flush(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:
@@ -114,66 +118,63 @@ class Store:
         except OSError:
             return False
 
-    def begin(self, task: Task) -> Path:
-        """Make the folder and write the parameters; an older outcome is withdrawn first."""
-        folder = self.folder(task.id)
-        if not folder.is_dir():
-            folder.mkdir(parents=True)
-        status = folder / "status.json"
-        if status.exists():
-            status.unlink()
-            sync_folder(folder)
-        described = {"id": task.id, "model_version": task.version, "labels": dict(task.labels)}
-        write_json(
-            folder / "parameters.json",
-            described | {"parameters": json.loads(task.parameters.canonical())},
-        )
-        return folder
-
     def done(self, task: Task, record: bytes, status: dict[str, Any]) -> None:
         """Keep a task's record; the status, written last, makes it count."""
-        folder = self.begin(task)
+        folder = self._begin(task)
         write_atomic(folder / "record.nc", record)
-        write_json(
-            folder / "status.json",
-            {"state": "done", "id": task.id, "model_version": task.version, "bytes": len(record)}
-            | {"sha256": sha256(record), "finished": timestamp()}
-            | status,
-        )
+        self._status(task, {"state": "done", "bytes": len(record), "sha256": sha256(record)} | status)
 
     def failed(self, task: Task, status: dict[str, Any]) -> None:
         """Keep why a task failed."""
-        folder = self.begin(task)
-        head = {
-            "state": "failed",
-            "id": task.id,
-            "model_version": task.version,
-            "finished": timestamp(),
-        }
-        write_json(folder / "status.json", head | status)
+        self._begin(task)
+        self._status(task, {"state": "failed"} | status)
+
+    def _begin(self, task: Task) -> Path:
+        """Make the folder; an older outcome is withdrawn first, and a killed run's leftovers removed."""
+        folder = self.folder(task.id)
+        try:
+            folder.mkdir()
+        except FileNotFoundError:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            (folder / "status.json").unlink(missing_ok=True)
+            _flush(folder)
+            for part in folder.glob(".*.part"):
+                part.unlink(missing_ok=True)
+        return folder
+
+    def _status(self, task: Task, status: dict[str, Any]) -> None:
+        folder = self.folder(task.id)
+        head = {"id": task.id, "model_version": task.version, "finished": timestamp()}
+        parameters = {"parameters": json.loads(task.parameters.canonical())}
+        write_atomic(folder / "status.json", (json.dumps(head | status | parameters, allow_nan=False) + "\n").encode())
+        _flush(folder)
 
     @contextlib.contextmanager
     def lock(self, waiting: Callable[[str], None]) -> Iterator[None]:
         """One writer for a study. The lock dies with its process, so a killed run leaves none behind."""
         self.root.mkdir(parents=True, exist_ok=True)
-        lock, holder = FileLock(self.root / ".lock"), self.root / ".lock.json"
+        lock = FileLock(self.root / ".lock")
         try:
             lock.acquire(timeout=0)
         except Timeout:
-            who = read_json(holder) or {}
-            waiting(
-                f"{self.root} is in use by process {who.get('pid', '?')} on {who.get('host', '?')} "
-                f"since {who.get('since', '?')}; waiting, and then doing what it leaves undone"
-            )
+            waiting(f"{self.root} is in use by {self.holder()}; waiting, and then doing what it leaves undone")
             lock.acquire()
         try:
-            host = os.uname().nodename
-            write_json(holder, {"pid": os.getpid(), "host": host, "since": timestamp()})
+            if gone := self.holder():
+                waiting(f"{self.root} was left by {gone}, which did not come to its end; going on from there")
+            mine = {"pid": os.getpid(), "host": os.uname().nodename, "since": timestamp()}
+            write_json(self.root / ".lock.json", mine)
             yield
         finally:
             with contextlib.suppress(OSError):
-                holder.unlink(missing_ok=True)
+                (self.root / ".lock.json").unlink(missing_ok=True)
             lock.release()
+
+    def holder(self) -> str:
+        """Who says that it works on the study; empty if nobody does."""
+        who = read_json(self.root / ".lock.json")
+        return f"process {who.get('pid')} on {who.get('host')} since {who.get('since')}" if who else ""
 
 
 def sha256(data: bytes) -> str:

@@ -7,6 +7,7 @@ import itertools
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from pipeline.checks import supports
@@ -84,7 +85,7 @@ class Task:
     version: int = MODEL_VERSION
     varied: tuple[str, ...] = AXES  # the axes worth naming, for people
 
-    @property
+    @cached_property
     def id(self) -> str:
         """Same physics, same folder, on every machine."""
         return digest(self.parameters.canonical(), self.version)

@@ -86,9 +86,12 @@ COORDINATES = {
 
 # A name that a record shares with a nominal coordinate of the study.
 RENAMED = {"Tp": "Tp_realized"}
+# What a time series is called beside the statistics of the same variable.
+SERIES = "_series"
 
 
 def meaning(name: str) -> dict[str, str]:
     """Attributes of a variable or coordinate; an unlisted one is only named."""
+    name = name.removesuffix(SERIES)
     known = VARIABLES.get(name) or COORDINATES.get(name)
     return known.attrs() if known else {"long_name": name.replace("_", " ")}

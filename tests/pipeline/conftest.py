@@ -104,7 +104,7 @@ def fake_compute(parameters, coefficients):
 @pytest.fixture
 def engine(monkeypatch):
     """The engine without physics, also for the command line."""
-    fake = run.Engine(coefficients=fake_coefficients, compute=fake_compute)
+    fake = run.Engine(coefficients=fake_coefficients, compute=fake_compute, check=lambda _: None, reduce=lambda _: None)
     monkeypatch.setattr(run, "Engine", lambda: fake)
     return fake
 

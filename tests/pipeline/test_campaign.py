@@ -13,13 +13,14 @@ from typer.testing import CliRunner
 from pipeline import dataset
 from pipeline.campaign import Campaign, unfinished
 from pipeline.cli import app
+from pipeline.schedule import Place
 from pipeline.store import Store
 from pipeline.study import load
 from pipeline.tasks import expand
 
 
 def campaign(path, results, engine, **how):
-    return Campaign(study=path, results=results, store=Store(results, path.stem), engine=engine, **how)
+    return Campaign(study=path, results=results, store=Store(results, path.stem), engine=engine, place=Place(**how))
 
 
 def run(path, results, engine, **how):
@@ -80,11 +81,14 @@ def test_serial_and_two_workers_agree_bit_for_bit(small, tmp_path, engine):
 
 @pytest.mark.filterwarnings("default")
 def test_a_task_that_kills_its_worker_is_a_failure_and_the_others_go_on(small, tmp_path, engine):
-    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 667]"))
+    few = small.read_text().replace("seed = [0, 1]", "seed = [0, 1, 2, 3, 667]")
+    small.write_text(
+        few.replace('"elastic", "fixed", "elastic-no-floats"', '"fixed"').replace('"calm", "rough"', '"calm"')
+    )
     _, tasks, store, failed, _ = run(small, tmp_path / "r", engine, workers=2)
-    assert {t.labels["seed"] for t in failed} == {667}
-    states = {(t.labels["seed"], store.look(t).state) for t in tasks}
-    assert states == {(0, "done"), (667, "failed")}
+    assert [t.labels["seed"] for t in failed] == [667]
+    assert [store.look(t).state for t in tasks] == ["done"] * 4 + ["failed"]
+    assert "every worker that had it died" in store.look(failed[0]).status["error"]["message"]
 
 
 def test_failed_tasks_are_recorded_and_the_others_go_on(small, cli):
@@ -259,7 +263,7 @@ def test_command_line_exits_with_2_and_one_line(small):
 
 
 def test_a_killed_run_leaves_no_lock_and_loses_nothing(small, tmp_path, engine):
-    """SIGKILL while the lock is held: the next run takes it at once."""
+    """SIGKILL while the lock is held: the next run takes it at once, and says whose it was."""
     code = (
         "import sys, time; from pathlib import Path; from pipeline.store import Store\n"
         "with Store(Path(sys.argv[1]), 'small').lock(print): print('held', flush=True); time.sleep(60)"
@@ -269,5 +273,8 @@ def test_a_killed_run_leaves_no_lock_and_loses_nothing(small, tmp_path, engine):
     holder.send_signal(signal.SIGKILL)
     holder.wait()
     holder.stdout.close()
+    words = []
+    with Store(tmp_path / "r", "small").lock(words.append):
+        assert f"left by process {holder.pid}" in words[0]
     with Store(tmp_path / "r", "small").lock(pytest.fail):
         pass

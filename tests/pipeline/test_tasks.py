@@ -51,7 +51,7 @@ def test_negative_zero_is_zero():
 def test_a_parameter_at_its_default_keeps_the_id(buan_tables):
     before = ids(buan_tables)
     buan_tables["solver"] = {"time_step": Solver().time_step}
-    buan_tables["record"]["keep_series"] = False
+    buan_tables["record"]["series"] = "none"
     assert ids(buan_tables) == before
     buan_tables["solver"] = {"time_step": 0.1}
     assert not set(ids(buan_tables)) & set(before)
@@ -146,15 +146,28 @@ def test_canonical_text_is_lossless(data):
     assert json.loads(canonical(data)) == data
 
 
-def test_defaults_of_the_solver_are_its_own():
-    """The study's defaults must be the solver's: an id leaves out what is at its default."""
+def test_knobs_of_the_solver_are_its_own():
+    """Names and defaults must be the solver's: an id leaves out what is at its default."""
     from dataclasses import fields
 
     from pipeline.schema import Recording, Solver
     from solver.scene import Settings
 
-    ours = {name: field.default for table in (Recording, Solver) for name, field in table.model_fields.items()}
-    assert ours == {f.name: f.default for f in fields(Settings)}
+    assert Recording().series == "none"  # becomes Settings.keep_series
+    ours = Recording().model_dump(exclude={"series"}) | Solver().model_dump()
+    assert ours == {f.name: f.default for f in fields(Settings) if f.name != "keep_series"}
+
+
+@pytest.mark.parametrize("value", ["a", -1, float("nan"), [1]])
+def test_knobs_are_strict(buan_tables, value):
+    from pydantic import ValidationError
+
+    from pipeline.schema import Solver
+
+    for knob in Solver.model_fields:
+        buan_tables["solver"] = {knob: value}
+        with pytest.raises(ValidationError):
+            StudyFile.model_validate(buan_tables)
 
 
 def test_studies_of_the_project_are_good():

@@ -1,0 +1,75 @@
+"""What the verbs of the command line do when they have read their words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from pipeline.console import DONE, FAILED, compare, err, finish, looked, out, say
+from pipeline.schedule import Place
+from pipeline.store import Store
+from pipeline.study import Study
+from pipeline.tasks import Task
+
+
+def preflight(study: Study, tasks: Iterable[Task]) -> None:
+    """The solver's own objections, before anything runs."""
+    from pipeline.preflight import check
+    from pipeline.run import Engine
+
+    check(study, tasks, Engine())
+
+
+def run(
+    study: Study, store: Store, results: Path, tasks: Sequence[Task], place: Place, *, keep_going: bool = True
+) -> None:
+    """Run tasks, with a bar or lines about it."""
+    from pipeline.campaign import Campaign
+    from pipeline.progress import watching
+    from pipeline.run import Engine
+
+    campaign = Campaign(
+        study=study.path,
+        results=results,
+        store=store,
+        engine=Engine(),
+        place=place,
+        keep_going=keep_going,
+        say=lambda text: say(text, err),
+    )
+    with watching(err if err.is_terminal else out, len(tasks)) as watch:
+        campaign.run(tasks, watch)
+
+
+def rerun(study: Study, store: Store, results: Path, tasks: Sequence[Task], place: Place) -> int:
+    """Run tasks again and compare; the exit status."""
+    with store.lock(lambda text: say(text, err)):
+        old = {task.id: _record(store, task) for task in tasks}
+        run(study, store, results, tasks, place)
+        changed = [not compare(task, old[task.id], _record(store, task)) for task in tasks]
+        collect(study, store)
+    return max(finish(looked(tasks, store), study), FAILED if any(changed) else DONE)
+
+
+def _record(store: Store, task: Task) -> bytes | None:
+    entry = store.look(task, checksums=True)
+    return entry.record.read_bytes() if entry.state == "done" else None
+
+
+def collect(study: Study, store: Store) -> Path:
+    """The dataset's path; it is written only if the records are others."""
+    from pipeline.dataset import collect as collect_dataset
+
+    return collect_dataset(study, store, anew=False)[0]
+
+
+def print_table(study: Study, path: Path) -> None:
+    """Ours beside the published numbers, or a summary."""
+    from pipeline import dataset, report
+
+    published = study.path.with_name(f"{study.name}-published.csv")
+    data = dataset.load(path)
+    if published.exists():
+        report.show(data, report.published(published), out)
+    else:
+        report.summary(data, out)

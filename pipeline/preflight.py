@@ -1,0 +1,68 @@
+"""The solver's own judgement of a study, before anything runs: its scenes are built once each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+
+from pipeline.run import Engine
+from pipeline.schema import Recording
+from pipeline.study import Study, StudyError
+from pipeline.tasks import Parameters, Task
+from solver.errors import InputError
+
+# Sea states and seeds are judged from the file alone.
+CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
+# First word of a key of the solver's -> where a study file has it.
+PLACES = {
+    "band": "waves.band",
+    "components": "waves.components",
+    **{word: f"platform.{word}" for word in ("nodes", "members", "clamped", "masses", "loads", "legs")},
+}
+
+
+def check(study: Study, tasks: Iterable[Task], engine: Engine) -> None:
+    """Raise StudyError in the solver's words, under the study file's keys."""
+    distinct = {tuple(task.labels.get(axis) for axis in CONFIGURATION): task for task in tasks}
+    platforms = {task.labels["platform"]: task for task in distinct.values()}
+    problems = [problem for task in distinct.values() for problem in _problems(engine.check, task)]
+    # A frame takes 0.4 s to reduce, so one stands for all hinge spacings.
+    problems = problems or [problem for task in platforms.values() for problem in _problems(engine.reduce, task)]
+    if problems:
+        raise StudyError(study.path, dict.fromkeys(problems))
+
+
+def _problems(judge: Callable[[Parameters], None], task: Task) -> Iterator[str]:
+    try:
+        judge(task.parameters)
+    except InputError as error:
+        yield str(InputError(key(error.key), error.value, error.limit))
+    except Exception:
+        # Not bad input: the task will meet it again, and its failure is recorded with all there is to know.
+        return
+
+
+def key(theirs: str) -> str:
+    """settings.time_step -> solver.time_step; members.leg.end -> platform.members.leg.end."""
+    first, dot, rest = theirs.partition(".")
+    if first == "settings":
+        return f"{'record' if rest in Recording.model_fields else 'solver'}.{rest}"
+    return PLACES.get(first, first) + dot + rest
+
+
+def build(parameters: Parameters) -> None:
+    """Build a task's scene, and the frequencies of its coefficients."""
+    from pipeline import scenes
+
+    scenes.scene(parameters)
+    if geometry := Task(labels={}, parameters=parameters).geometry:
+        scenes.bem_arguments(geometry)
+
+
+def reduce(parameters: Parameters) -> None:
+    """Reduce a task's platform as the solver will, but for its floats, which need coefficients."""
+    from pipeline import scenes
+    from solver.simulate import prepare
+
+    if parameters.platform:
+        prepare(replace(scenes.scene(parameters), floats=()), None)
