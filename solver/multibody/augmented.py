@@ -66,13 +66,18 @@ class State(NamedTuple):
 
 
 class Surroundings(Protocol):
-    """What moves and loads the bodies; stage 0 is the step's start."""
+    """What moves and loads the bodies; stage 0 is the step's start.
+
+    A step is begin, then iterations of iterate and, for each stage, supports, loads and carried (the
+    joints' loads on the supports), then finish. Before the first step stage 0 alone is iterated.
+    """
 
     def begin(self, t: float, dt: float, state: State) -> None: ...
     def iterate(self) -> None: ...
     def supports(self, stage: int, t: float) -> Frames: ...
     def loads(self, stage: int, t: float, frames: Frames) -> np.ndarray: ...
     def carried(self, stage: int, frames: Frames, load: np.ndarray) -> None: ...
+    def finish(self) -> None: ...
 
 
 class Errors(NamedTuple):

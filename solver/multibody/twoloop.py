@@ -102,21 +102,36 @@ def march(
     dt: float,
     stages: int = 3,
     tolerance: float = 1e-10,
+    still: float = STILL,
 ) -> Iterator[Sample]:
-    """Samples at the start and at every stage of every step; t = n dt + c dt."""
+    """Samples at the start and at every stage of every step; t = n dt + c dt.
+
+    tolerance: of the constraints [m, m/s, m/s2]; still: last change of a stage that ends the outer loop [m].
+    """
     c, A = lobatto(stages)
     ahead = _extrapolation(c)
-    surroundings.begin(0.0, dt, state)
-    surroundings.iterate()
-    state, sample = evaluate(system, state, 0, 0.0, surroundings, tolerance)
+    state, sample = _first(system, state, dt, surroundings, tolerance)
     yield sample
     chain = [state] * stages
     for n in range(round(t_end / dt)):
         t = n * dt
         surroundings.begin(t, dt, chain[-1])
         a = np.einsum("sj,jbk->sbk", ahead, np.array([s.acceleration for s in chain]))
-        chain, samples = _step(system, chain[-1], a, t, dt, (c, A), surroundings, tolerance)
+        chain, samples = _step(system, chain[-1], a, t, dt, (c, A), surroundings, (tolerance, still))
+        surroundings.finish()
         yield from samples
+
+
+def _first(system, state, dt, surroundings, tolerance):
+    """Accelerations at t = 0, of bodies and supports together."""
+    surroundings.begin(0.0, dt, state)
+    for _ in range(OUTER):
+        surroundings.iterate()
+        new, sample = evaluate(system, state, 0, 0.0, surroundings, tolerance)
+        change, state = np.abs(new.acceleration - state.acceleration).max(), new
+        if dt * dt * change < STILL:
+            return state, sample
+    raise SimulationFailed(f"accelerations at t = 0 do not settle in {OUTER} iterations, last change {change:.1e} m/s2")
 
 
 def _extrapolation(c: np.ndarray) -> np.ndarray:
@@ -125,9 +140,9 @@ def _extrapolation(c: np.ndarray) -> np.ndarray:
     return np.vander(c + 1, increasing=True) @ np.linalg.inv(basis)
 
 
-def _step(system, start, a, t, dt, tableau, surroundings, tolerance):
+def _step(system, start, a, t, dt, tableau, surroundings, limits):
     """Outer loop: accelerations of the stages, until they stand still."""
-    c, A = tableau
+    (c, A), (tolerance, still) = tableau, limits
     a[0] = start.acceleration
     chain, samples, last = [start] * len(c), [None] * len(c), np.inf
     for _ in range(OUTER):
@@ -147,7 +162,7 @@ def _step(system, start, a, t, dt, tableau, surroundings, tolerance):
         if not np.isfinite(change):
             raise SimulationFailed(f"not finite at t = {t:.3f} s: reduce dt = {dt:g} s")
         # Near a singular position rounding keeps the last digits moving.
-        if change < STILL or last / 2 < change < STUCK:
+        if change < still or last / 2 < change < STUCK:
             return chain, samples[1:]
         last = change
     raise SimulationFailed(
@@ -178,6 +193,9 @@ class _Given:
     def carried(self, _stage, _frames, _load):
         pass
 
+    def finish(self):
+        pass
+
 
 def simulate_mechanism(
     bodies: tuple[Body, ...],
@@ -199,7 +217,7 @@ def simulate_mechanism(
     GROUND is frame -1. tolerance: of the constraints [m, m/s, m/s2].
     """
     still = np.zeros((len(bodies), 6))
-    given = _Given(forces or (lambda t, frames: still), supports)
+    given = _Given(forces or (lambda *_: still), supports)
     system, state = mechanism(bodies, joints, given.supports(0, 0.0), gravity=gravity, added_mass=added_mass)
     samples = list(march(system, state, given, t_end=t_end, dt=dt, stages=stages, tolerance=tolerance))
     nb = len(bodies)
