@@ -184,36 +184,50 @@ def flexibility(structure, dt):
 
 
 @njit(cache=True)
-def _newton_matrix(bodies, motion, memory, H, stiffness, dt, Z, K):
-    """Z (2nz, 2nz): stage loads from stage accelerations; K: Newton's matrix with the frame."""
+def _constant_part(bodies, memory, stiffness, dt, constant):
+    """Stage loads from stage accelerations (2nz, 2nz) of all but the mass, at rest.
+
+    Newton's matrix need only be near the true one: the mass follows the motion, the small rest does not.
+    """
     nz = bodies.damping.size
-    nc = H.shape[1]
-    M, B = np.empty((nz, nz)), np.empty((2, 2, nz, nz))
-    mass_matrix(bodies, motion, M)
+    motion, still = new_motion(bodies), np.zeros(nz)
+    move(bodies, still, still, motion)
+    B = np.empty((nz, nz))
+    constant[:] = 0.0
     for s in range(2):
         for j in range(2):
-            project_active(bodies, motion, memory.direct[s, j], B[s, j])
-    for s in range(2):
+            project_active(bodies, motion, memory.direct[s, j], B)
+            for l in range(2):
+                for i in range(nz):
+                    for k in range(nz):
+                        constant[s * nz + i, l * nz + k] += dt * A[j, l] * B[i, k]
         for l in range(2):
             for i in range(nz):
                 for k in range(nz):
-                    value = dt * dt * AA[s, l] * stiffness[i, k]
-                    if s == l:
-                        value += M[i, k]
-                    for j in range(2):
-                        value += dt * A[j, l] * B[s, j, i, k]
-                    Z[s * nz + i, l * nz + k] = value
-                Z[s * nz + i, l * nz + i] += dt * A[s, l] * (bodies.pto[i] + bodies.damping[i])
+                    constant[s * nz + i, l * nz + k] += dt * dt * AA[s, l] * stiffness[i, k]
+                constant[s * nz + i, l * nz + i] += dt * A[s, l] * (bodies.pto[i] + bodies.damping[i])
+
+
+@njit(cache=True)
+def _newton_matrix(bodies, motion, H, constant, M, Z, K):
+    """Z (2nz, 2nz): stage loads from stage accelerations; K: Newton's matrix with the frame."""
+    nz, nc = bodies.damping.size, H.shape[1]
+    mass_matrix(bodies, motion, M)
+    Z[:] = constant
+    for s in range(2):
+        for i in range(nz):
+            for k in range(nz):
+                Z[s * nz + i, s * nz + k] += M[i, k]
     K[:] = Z
     for s in range(2):
         for i in range(nc):
             row = s * nz + i
-            for col in range(2 * nz):
-                total = 0.0
-                for l in range(2):
-                    for k in range(nc):
-                        total += H[s, i, l, k] * Z[l * nz + k, col]
-                K[row, col] = total
+            K[row] = 0.0
+            for l in range(2):
+                for k in range(nc):
+                    factor = H[s, i, l, k]
+                    for col in range(2 * nz):
+                        K[row, col] += factor * Z[l * nz + k, col]
             K[row, row] += 1.0
 
 
@@ -300,7 +314,9 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
     steps = (drive.modal.shape[0] - 1) // 2
     inverse, H = flexibility(structure, dt)
     start, stage = new_motion(bodies), (new_motion(bodies), new_motion(bodies))
+    M, constant = np.empty((nz, nz)), np.empty((2 * nz, 2 * nz))
     Z, K, pivot = np.empty((2 * nz, 2 * nz)), np.empty((2 * nz, 2 * nz)), np.empty(2 * nz, np.int64)
+    _constant_part(bodies, memory, stiffness, dt, constant)
     z0, dz0 = np.empty(nz), np.empty(nz)
     z, dz, ddz = np.zeros((2, nz)), np.zeros((2, nz)), np.zeros((2, nz))
     p, dp, ddp = np.empty((2, nm)), np.empty((2, nm)), np.zeros((2, nm))
@@ -320,7 +336,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
         z0[nc:], dz0[nc:] = state.z, state.dz
         move(bodies, z0, dz0, start)
         _memory_history(memory, state, start.active_velocity, history)
-        _newton_matrix(bodies, start, memory, H, stiffness, dt, Z, K)
+        _newton_matrix(bodies, start, H, constant, M, Z, K)
         if not _factor(K, pivot):
             return NOT_FINITE, 2 * step, used
         for s in range(2):

@@ -117,7 +117,7 @@ class Settings:
     time_step: float = 0.15  # [s]; samples are half a step apart
     modes: int | Literal["all"] = 6  # lowest modes kept, besides static load shapes
     azimuths: int = 16  # of the wetted-surface quadrature, full circle
-    arc_points: int = 6
+    arc_points: int = 8
     line_points: int = 4
     field_tolerance: float = 1e-6  # of the local wave field, relative to the sum of amplitudes
     memory_tolerance: float = 1e-2  # of the radiation memory's fit

@@ -202,7 +202,6 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     system = prepare(scene, hydrodynamics)
     prepared = time.perf_counter()
     settings = scene.settings
-    h = system.dt / 2
     steps = int(np.ceil((settings.discard + settings.duration) / system.dt - 1e-9))
     recorder = Recorder(
         scene, system.support, layout=system.layout, probe_samples=2 * min(steps, int(PROBE / system.dt))

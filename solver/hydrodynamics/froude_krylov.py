@@ -169,27 +169,35 @@ def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler
         e1 = rule.azimuth[j, 0] * rotation[1, 0] + rule.azimuth[j, 1] * rotation[1, 1]
         e2 = rule.azimuth[j, 0] * rotation[2, 0] + rule.azimuth[j, 1] * rotation[2, 1]
         e_s = e0 * direction[0] + e1 * direction[1]
+        end = _height(rule.patch[0], -1.0, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
         for i in range(rule.patch.shape[0]):
             patch = rule.patch[i]
             points, weights = (rule.line_u, rule.line_w) if patch[0] == 0 else (rule.arc_u, rule.arc_w)
-            f0 = _height(patch, -1.0, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
-            f1 = _height(patch, 0.0, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
-            f2 = _height(patch, 1.0, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
-            if f0 >= 0 and f1 >= 0 and f2 >= 0:
+            start = end  # patches join
+            middle = _height(patch, 0.0, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
+            end = _height(patch, 1.0, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
+            if start >= 0 and middle >= 0 and end >= 0:
                 continue
-            whole = f0 < 0 and f1 < 0 and f2 < 0
-            for side in range(1 if whole else 2):
-                a, fa, b, fb = (-1.0, f0, 0.0, f1) if side == 0 else (0.0, f1, 1.0, f2)
-                if whole:
-                    b = 1.0
-                elif fa >= 0 and fb >= 0:
+            low = high = 0.0
+            if (start < 0) != (middle < 0):
+                low = _crossing(
+                    patch, -1.0, start, 0.0, middle, e2, rotation[2, 2], e_s, axis_s, position[2], surface
+                )
+            if (middle < 0) != (end < 0):
+                high = _crossing(patch, 0.0, middle, 1.0, end, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
+            # One wet interval about the middle, or one at each end where the middle is dry.
+            for side in range(1 if middle < 0 else 2):
+                if middle < 0:
+                    a, b = -1.0 if start < 0 else low, 1.0 if end < 0 else high
+                elif side == 0:
+                    a, b = -1.0, low if start < 0 else -1.0
+                else:
+                    a, b = high if end < 0 else 1.0, 1.0
+                half, centre_u = (b - a) / 2, (a + b) / 2
+                if half <= 0:
                     continue
-                elif (fa < 0) != (fb < 0):
-                    u = _crossing(patch, a, fa, b, fb, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
-                    a, b = (a, u) if fa < 0 else (u, b)
-                half, middle = (b - a) / 2, (a + b) / 2
                 for g in range(points.size):
-                    r, zb, n_r, n_z, speed = _meridian(patch, middle + half * points[g])
+                    r, zb, n_r, n_z, speed = _meridian(patch, centre_u + half * points[g])
                     area = weights[g] * half * speed * r * rule.dpsi
                     lever[0, count] = r * e0 + zb * rotation[0, 2]
                     lever[1, count] = r * e1 + zb * rotation[1, 2]

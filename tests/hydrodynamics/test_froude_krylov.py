@@ -21,7 +21,7 @@ def pitched(angle):
     return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
 
 
-def load(hull, shift, angle, field, *, azimuths=16, arc=6, line=4, half=False, wheeler=False, depth=50.0):
+def load(hull, shift, angle, field, *, azimuths=16, arc=8, line=4, half=False, wheeler=False, depth=50.0):
     rule = quadrature(hull, azimuths=azimuths, arc_points=arc, line_points=line, half=half)
     out = np.zeros(6)
     pressure_load(CENTRE + shift, pitched(angle), rule, field, CENTRE, np.array([1.0, 0.0]), RHO_G, wheeler, depth, out)
@@ -62,8 +62,8 @@ def test_slope_of_buoyancy_is_the_waterplane():
 
 
 @pytest.mark.parametrize("shift, angle, error", [
-    ((0, 0, 0), 0.0, 1e-8),
-    ((0.1, 0, 0.2), 0.3, 1e-8),
+    ((0, 0, 0), 0.0, 1e-7),
+    ((0.1, 0, 0.2), 0.3, 1e-7),
     ((-0.1, 0, -0.4), -0.5, 2e-4),  # the waterline runs over the edge of the flat top: a kink in azimuth
     ((0.2, 0, -1.2), 0.4, 1e-5),
 ])  # fmt: skip
