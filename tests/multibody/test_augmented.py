@@ -187,7 +187,7 @@ def test_moving_support_drives_a_hinged_body_as_the_minimal_chain_has_it():
         R = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
         six = np.zeros((2, 6))
         six[:, [0, 2, 4]] = dy, ddy
-        return [*hinge, y[0], 0, y[1]], R, *six
+        return hinge + np.array([y[0], 0, y[1]]), R, *six
 
     chain = Chain(
         np.array([PRISMATIC, PRISMATIC, REVOLUTE, REVOLUTE]),
