@@ -16,7 +16,7 @@ study-buan: $(READY)
 	$(VENV)/bin/study run studies/buan.toml
 
 test: $(READY)
-	$(VENV)/bin/python -m pytest -q
+	$(VENV)/bin/python -m pytest -q -m "not slow"
 
 validate: $(READY)
 	$(VENV)/bin/python studies/validate.py
