@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any, assert_never
 
 from pipeline.layout import HINGE
@@ -18,7 +17,6 @@ from pipeline.schema import (
 from pipeline.tasks import Geometry, Parameters, wave_seed
 
 if TYPE_CHECKING:
-    import numpy as np
 
     from solver import scene as physics
     from solver.hydrodynamics.hull import Revolution
@@ -87,7 +85,7 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
     water = geometry.water
     hulls = tuple(hull(body.hull) for body in geometry.bodies)
     centres = np.array([body.centre for body in geometry.bodies])
-    grid = frequency_grid(hulls, centres, depth=water.depth, gravity=water.gravity)
+    omega = frequency_grid(hulls, centres, depth=water.depth, gravity=water.gravity, band=geometry.band)
     return {
         "hulls": hulls,
         "centres": centres,
@@ -95,19 +93,9 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "density": water.density,
         "gravity": water.gravity,
         "heading": geometry.heading,
-        "omega": _covering(grid, *geometry.band),
+        "omega": omega,
         "planar": geometry.planar,
     }
-
-
-def _covering(grid: np.ndarray, low: float, high: float) -> np.ndarray:
-    """The solver's own frequencies, with more on either side where the waves have components."""
-    import numpy as np
-
-    first, last = grid[1] - grid[0], grid[-1] - grid[-2]
-    below = np.linspace(low, grid[0], 1 + max(0, math.ceil((grid[0] - low) / first)))[:-1]
-    above = np.linspace(grid[-1], high, 1 + max(0, math.ceil((high - grid[-1]) / last)))[1:]
-    return np.concatenate([below, grid, above])
 
 
 def _float(item: Float) -> physics.Float:
