@@ -13,7 +13,8 @@ import numpy as np
 from solver.hydrodynamics.coefficients import Hydrodynamics
 from solver.hydrodynamics.radiation import retardation
 
-GAUSS = 8  # points a step: exact to rounding where a step is sane for K
+GAUSS = 8  # points a step: exact to rounding where a step is sane for K,
+FRESH, DENSE = 4, 32  # but fitted kernels may have a fast, short-lived part: in the last steps so many
 
 
 class Kernel(Protocol):
@@ -44,8 +45,10 @@ class Convolution:
     """History of velocities and the weights of the past for steps of length dt and points c (s,)."""
 
     def __init__(self, kernel: Kernel, *, dt: float, c: np.ndarray, steps: int):
-        self.now = _weights(kernel, dt, c, np.zeros(1))[:, 0]  # (s, s, n, n)
-        past = _weights(kernel, dt, c, np.arange(1.0, steps + 1))
+        back = np.arange(steps + 1.0)
+        recent, old = (_weights(kernel, dt, c, part, n) for part, n in ((back[:FRESH], DENSE), (back[FRESH:], GAUSS)))
+        self.now = recent[:, 0]  # (s, s, n, n)
+        past = np.concatenate([recent[:, 1:], old], axis=1)
         s, _, _, n, _ = past.shape
         # One row a stage and direction; columns are steps back, their points and directions.
         self.past = np.moveaxis(past, 3, 1).reshape(s, n, -1)
@@ -63,12 +66,12 @@ class Convolution:
         return self.history[stage] + np.einsum("lij,lj->i", self.now[stage], velocity)
 
 
-def _weights(kernel: Kernel, dt: float, c: np.ndarray, back: np.ndarray) -> np.ndarray:
-    """∫ K((back + c_s - τ) dt) L_l(τ) dt dτ over a step `back` steps ago, (s, nb, l, n, n).
+def _weights(kernel: Kernel, dt: float, c: np.ndarray, back: np.ndarray, points: int) -> np.ndarray:
+    """∫ K((back + c_s - τ) dt) L_l(τ) dt dτ over each step `back` (nb,) steps ago, (s, nb, l, n, n).
 
     In the present step, back = 0, the integral ends at c_s.
     """
-    x, w = np.polynomial.legendre.leggauss(GAUSS)
+    x, w = np.polynomial.legendre.leggauss(points)
     inverse = np.linalg.inv(np.vander(c, increasing=True))
     rows = []
     for at in c:

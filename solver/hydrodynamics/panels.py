@@ -46,9 +46,11 @@ def waves_at(k, omega, amplitude, *, depth: float, heading: float, t: float, fac
 
 
 def revolution_mesh(hull: Revolution, *, along: int, around: int) -> Mesh:
-    """`along` x `around` panels on the whole hull, above water too; vertices lie on the hull.
+    """`along` x `around` panels on the whole hull, above water too; the Buan float has 71 x 120 = 8,520.
 
-    The Buan float has 71 x 120 = 8,520. Each segment of the meridian gets its share by length.
+    Each segment of the meridian gets its share by length. Vertices are pushed outwards, horizontally
+    until the waterplane's area is exact, then vertically until the volumes below and above still
+    water are: a mesh inscribed in the hull would float too deep.
     """
     lengths = np.array([s.length for s in hull.meridian])
     if along < len(lengths) or around < 3:
@@ -61,11 +63,26 @@ def revolution_mesh(hull: Revolution, *, along: int, around: int) -> Mesh:
     parts = [s.at(np.arange(n) / n) for s, n in zip(hull.meridian, counts, strict=True)]
     r, z = np.concatenate([*parts, [hull.meridian[-1].end]]).T
     psi = 2 * np.pi * np.arange(around) / around
+    r = r * np.sqrt(2 * np.pi / around / np.sin(2 * np.pi / around))
     vertices = np.stack([np.outer(r, np.cos(psi)), np.outer(r, np.sin(psi)), np.outer(z, np.ones(around))], -1)
     low = np.arange(along * around).reshape(along, around)
     high = low + around
     faces = np.stack([low, np.roll(low, -1, axis=1), np.roll(high, -1, axis=1), high], axis=-1)
-    return _merged(Mesh(vertices.reshape(-1, 3), faces.reshape(-1, 4)))
+    return _stretched(_merged(Mesh(vertices.reshape(-1, 3), faces.reshape(-1, 4))), hull)
+
+
+def _stretched(mesh: Mesh, hull: Revolution) -> Mesh:
+    """The mesh with heights scaled, apart below and above z = 0, to the hull's volumes."""
+    calm = Waves(np.zeros(0), np.zeros(0, complex), np.array([1.0, 0.0]), np.inf)
+    whole = sum(s.moment(0) for s in hull.meridian)
+    for _ in range(4):  # once is exact where a ring of vertices lies at z = 0
+        load = np.zeros(6)
+        panel_load(np.zeros(3), np.eye(3), mesh, calm, 1.0, False, load)
+        scale = np.where(
+            mesh.vertices[:, 2] < 0, hull.volume / load[2], (whole - hull.volume) / (volume(mesh) - load[2])
+        )
+        mesh = Mesh(mesh.vertices * np.column_stack([scale**0, scale**0, scale]), mesh.faces)
+    return mesh
 
 
 def _merged(mesh: Mesh) -> Mesh:

@@ -22,7 +22,7 @@ def pendulum(t_end, dt, **options):
     return body, simulate_mechanism(body, joint, None, t_end, dt, gravity=DOWN, **options)
 
 
-def four_bars(count, t_end, dt):
+def four_bars(count, t_end, dt, **options):
     """IFToMM A02: uniform links of 1 m and 1 kg, uprights 0 … N, then the bars between their tops."""
     link, z = {"mass": 1.0, "inertia": (1 / 12,) * 3}, (0.0, 0.0, 1.0)
     upright = [Body(**link, position=(i, 0.5, 0), velocity=(0.5, 0, 0, 0, 0, -1)) for i in range(count + 1)]
@@ -30,7 +30,7 @@ def four_bars(count, t_end, dt):
     feet = [Hinge(first=GROUND, second=i, point=(i, 0, 0), axis=z) for i in range(count + 1)]
     tops = [Hinge(first=i + e, second=count + 1 + i, point=(i + e, 1, 0), axis=z) for i in range(count) for e in (0, 1)]
     bodies = (*upright, *bars)
-    return bodies, simulate_mechanism(bodies, (*feet, *tops), None, t_end, dt, gravity=DOWN)
+    return bodies, simulate_mechanism(bodies, (*feet, *tops), None, t_end, dt, gravity=DOWN, **options)
 
 
 def random_frames(rng, count=3):
@@ -52,9 +52,7 @@ def test_jacobian_and_Qd_are_derivatives(seed):
     rng = np.random.default_rng(seed)
     q, frames = random_frames(rng)
     joints = [kind(first=0, second=1, point=rng.normal(size=3)) for kind in (Ball, Hinge, Guide)]
-    joints += [
-        kind(first=1, second=GROUND, point=rng.normal(size=3), axis=rng.normal(size=3)) for kind in (Hinge, Guide)
-    ]
+    joints += [kind(first=1, second=GROUND, point=rng.normal(size=3), axis=rng.normal(size=3)) for kind in (Hinge, Guide)]
     rows = equations(tuple(joints), frames)
     q, frames = random_frames(rng)  # other poses than those in which the joints were closed
     m = row_count(rows)
@@ -91,8 +89,8 @@ def test_four_bar_passes_its_singular_positions():
 
 @pytest.mark.slow
 def test_forty_four_bars():
-    """A02 as published: 81 bodies, 605 constraints of which 120 would do."""
-    _, run = four_bars(40, 10.0, 0.01)
+    """A02 as published: 81 bodies; in the flat position 41 DOF, where loose constraints would be noise."""
+    _, run = four_bars(40, 10.0, 0.01, tolerance=1e-12)
     tip = run.position[-1, 0] + run.rotation[-1, 0] @ [0, 0.5, 0]
     assert tip == approx([0.18051223, 0.98357274, 0], abs=1e-4)  # a tenth of the library's high precision
 
@@ -114,7 +112,7 @@ def test_order_of_accuracy(stages, order):
 def test_constraints_do_not_drift():
     """A spinning double pendulum in space, 60 s: the two loops hold 1e-10 at all three levels."""
     bodies = (
-        Body(mass=2.0, inertia=(0.1, 0.2, 0.3), position=(0.5, 0, 0), cog=(0.1, 0.05, 0), velocity=(0.0,) * 6),
+        Body(mass=2.0, inertia=(0.1, 0.2, 0.3), position=(0.5, 0, 0), cog=(0.1, 0.05, 0), velocity=(0, 0, 0, 0.0, 0, 0)),
         Body(mass=1.0, inertia=(0.1, 0.1, 0.05), position=(1.0, 0, -0.5)),
     )
     joints = (
@@ -187,7 +185,7 @@ def test_moving_support_drives_a_hinged_body_as_the_minimal_chain_has_it():
         R = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
         six = np.zeros((2, 6))
         six[:, [0, 2, 4]] = dy, ddy
-        return hinge + np.array([y[0], 0, y[1]]), R, *six
+        return hinge + [y[0], 0, y[1]], R, *six
 
     chain = Chain(
         np.array([PRISMATIC, PRISMATIC, REVOLUTE, REVOLUTE]),
@@ -211,9 +209,7 @@ def test_moving_support_drives_a_hinged_body_as_the_minimal_chain_has_it():
     body = (
         Body(mass=mass, inertia=(1.0, inertia, 1.0), position=tuple(hinge + arm), velocity=tuple(out[3])),
     )
-    run = simulate_mechanism(
-        body, (Hinge(first=1, second=0, point=tuple(hinge)),), None, 2.0, 0.005, supports=(support,)
-    )
+    run = simulate_mechanism(body, (Hinge(first=1, second=0, point=tuple(hinge)),), None, 2.0, 0.005, supports=(support,))
     exact = solve_ivp(swing, (0, 2.0), [0.0, 0.0], rtol=1e-11, atol=1e-12).y[0, -1]
     relative = support(2.0)[1].T @ run.rotation[-1, 0]
     assert np.arctan2(relative[0, 2], relative[0, 0]) == approx(exact, abs=1e-8)
