@@ -74,8 +74,8 @@ def encode(hydrodynamics: Hydrodynamics) -> bytes:
     }
     attrs |= {name: float(getattr(hydrodynamics, name)) for name in SCALARS}
     attrs |= {f"setting_{key}": value for key, value in hydrodynamics.settings.items()}
-    attrs |= {"dofs": " ".join(hydrodynamics.dofs), "content": content(variables)}
-    return to_bytes(variables, attrs)
+    attrs |= {"dofs": " ".join(hydrodynamics.dofs)}
+    return to_bytes(variables, attrs | {"content": content(variables, attrs)})
 
 
 @lru_cache(maxsize=8)
@@ -84,7 +84,7 @@ def decode(data: bytes) -> Hydrodynamics:
     from solver.hydrodynamics.bem import Hydrodynamics
 
     variables, attrs = from_bytes(data)
-    if content(variables) != attrs["content"]:
+    if content(variables, {k: v for k, v in attrs.items() if k != "content"}) != attrs["content"]:
         raise ValueError("the file's content is not what was written")
     fields: dict[str, Any] = {name: float(attrs[name]) for name in SCALARS}
     for field, (name, dims, _, _) in ARRAYS.items():

@@ -45,18 +45,21 @@ class Campaign:
                         break
         return failed
 
-    def keep(self, task: Task, outcome: Outcome) -> None:
-        """Write what came of a task."""
-        status: dict[str, Any] = {
-            "wall_time": outcome.wall_time,
-            "labels": dict(task.labels),
-            "provenance": outcome.provenance,
-            "command": self.command(task),
-        }
-        if isinstance(outcome.result, Failure):
-            self.store.failed(task, status | {"error": asdict(outcome.result)})
-        else:
-            self.store.done(task, outcome.result, status | {"content": outcome.content})
+    def keep(self, outcomes: Sequence[tuple[Task, Outcome]]) -> None:
+        """Write what came of tasks."""
+        kept: list[tuple[Task, bytes | None, dict[str, Any]]] = []
+        for task, outcome in outcomes:
+            status: dict[str, Any] = {
+                "wall_time": outcome.wall_time,
+                "labels": dict(task.labels),
+                "provenance": outcome.provenance,
+                "command": self.command(task),
+            }
+            if isinstance(outcome.result, Failure):
+                kept.append((task, None, status | {"error": asdict(outcome.result)}))
+            else:
+                kept.append((task, outcome.result, status | {"content": outcome.content}))
+        self.store.keep(kept)
 
     def command(self, task: Task) -> str:
         """What reproduces a task."""
@@ -80,8 +83,9 @@ class _Run:
         self._start(tasks)
         self._offer()
         for key, results in self.pool.finished():
-            for task, outcome in self._arrived(key, results):
-                self.campaign.keep(task, outcome)
+            arrived = list(self._arrived(key, results))
+            self.campaign.keep(arrived)
+            for task, outcome in arrived:
                 self.watch(task, outcome)
                 yield task, outcome
             self._offer()

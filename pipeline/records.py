@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from pipeline.netcdf import Variable, content, to_bytes, values
+from pipeline.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.tasks import Parameters, wave_seed
 from pipeline.variables import RENAMED, SERIES, meaning
 
@@ -49,7 +49,7 @@ def encode(record: Record, parameters: Parameters, provenance: Mapping[str, Any]
 
 def decode(data: bytes) -> dict[str, Variable]:
     """Variables and coordinates of a record's file."""
-    return values(data)
+    return from_bytes(data)[0]
 
 
 def _thinning(record: Record, parameters: Parameters) -> slice:
@@ -68,13 +68,19 @@ def _variables(record: Record, kept: slice) -> Iterator[tuple[str, Variable]]:
     used = {dim for dims, _ in arrays.values() for dim in dims}
     for name, labels in sorted(record.coords.items()):
         if name in used:
-            yield name, Variable((name,), np.asarray(labels), meaning(name))
+            yield name, Variable((name,), _narrow(labels), meaning(name))
     for name, (dims, array) in sorted(arrays.items()):
-        yield RENAMED.get(name, name), Variable(tuple(dims), np.asarray(array), meaning(RENAMED.get(name, name)))
+        yield RENAMED.get(name, name), Variable(tuple(dims), _narrow(array), meaning(RENAMED.get(name, name)))
     for name, value in sorted(record.attrs.items()):
         if _is_figure(value) and name not in TIMINGS:
             own = RENAMED.get(name, name)
             yield own, Variable((), np.asarray(float(value)), meaning(own))
+
+
+def _narrow(values: Any) -> np.ndarray:
+    """Whole numbers as the file has them, so that content read is content written."""
+    array = np.asarray(values)
+    return array.astype("i4", casting="same_kind") if array.dtype.kind in "iu" else array
 
 
 def _is_figure(value: object) -> bool:

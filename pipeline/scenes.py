@@ -17,7 +17,6 @@ from pipeline.schema import (
 from pipeline.tasks import Geometry, Parameters, wave_seed
 
 if TYPE_CHECKING:
-
     from solver import scene as physics
     from solver.hydrodynamics.hull import Revolution
     from solver.structure import beam

@@ -150,9 +150,9 @@ class Dask:
         while future.status == "finished":
             with contextlib.suppress(TimeoutError, KilledWorker):
                 return list(future.result(timeout=FETCH))
-        if future.status == "pending":
-            return None
         if future.status != "error":
+            if self._client.status == "running":
+                return None
             raise ConnectionError(f"lost the scheduler at {self._client.scheduler.address}")
         error = future.exception()
         if isinstance(error, KilledWorker):
@@ -213,8 +213,8 @@ def _cluster(workers: int, memory: str) -> Any:
         threads_per_worker=1,
         processes=True,
         host="127.0.0.1",
-        dashboard_address=None,
-        worker_dashboard_address=None,
+        dashboard_address="127.0.0.1:0",  # dask insists on some port, where it then shows nothing
+        scheduler_kwargs={"dashboard": False},
         memory_limit=memory,
         silence_logs="CRITICAL",
     )

@@ -8,11 +8,12 @@ it has the task's parameters, labels and provenance; a failed task has it alone.
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import hashlib
 import json
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -20,6 +21,9 @@ from typing import Any, Literal
 from filelock import FileLock, Timeout
 
 from pipeline.tasks import Task
+
+MANY = 4  # files from which on one flush of the file system is sooner done than one for each
+_syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)  # Linux alone has it
 
 State = Literal["done", "failed", "missing", "stale", "damaged"]
 
@@ -41,10 +45,10 @@ class Entry:
 @contextlib.contextmanager
 def appearing(path: Path) -> Iterator[Path]:
     """A temporary name beside `path` to write to; then flush to the disk and rename: old or new, never half."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    part = _partial(path)
     try:
         yield part
-        _flush(part)
+        flush([part], path.parent)
         os.replace(part, path)
     except BaseException:
         with contextlib.suppress(OSError):
@@ -58,12 +62,40 @@ def write_atomic(path: Path, data: bytes) -> None:
         part.write_bytes(data)
 
 
-def _flush(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY)
+def _partial(path: Path) -> Path:
+    return path.with_name(f".{path.name}.{os.getpid()}.part")
+
+
+def _part(path: Path, data: bytes) -> tuple[Path, Path]:
+    part = _partial(path)
     try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+        part.write_bytes(data)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+    return part, path
+
+
+def flush(paths: Sequence[Path], folder: Path) -> None:
+    """Make files durable: one by one, or many by one flush of the file system that `folder` is on."""
+    many = len(paths) > MANY and _syncfs is not None
+    for path in [folder] if many else paths:
+        descriptor = os.open(path, os.O_RDONLY)
+        try:
+            if not (many and _syncfs):
+                os.fsync(descriptor)
+            elif _syncfs(descriptor):
+                raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()), str(folder))
+        finally:
+            os.close(descriptor)
+
+
+def _described(task: Task, status: dict[str, Any]) -> bytes:
+    """The content of status.json."""
+    head = {"id": task.id, "model_version": task.version, "finished": timestamp()}
+    parameters = {"parameters": json.loads(task.parameters.canonical())}
+    return (json.dumps(head | status | parameters, allow_nan=False) + "\n").encode()
 
 
 def write_json(path: Path, data: object) -> None:
@@ -119,15 +151,35 @@ class Store:
             return False
 
     def done(self, task: Task, record: bytes, status: dict[str, Any]) -> None:
-        """Keep a task's record; the status, written last, makes it count."""
-        folder = self._begin(task)
-        write_atomic(folder / "record.nc", record)
-        self._status(task, {"state": "done", "bytes": len(record), "sha256": sha256(record)} | status)
+        """Keep a task's record."""
+        self.keep([(task, record, status)])
 
     def failed(self, task: Task, status: dict[str, Any]) -> None:
         """Keep why a task failed."""
-        self._begin(task)
-        self._status(task, {"state": "failed"} | status)
+        self.keep([(task, None, status)])
+
+    def keep(self, outcomes: Sequence[tuple[Task, bytes | None, dict[str, Any]]]) -> None:
+        """Keep records, and failures without one: all flushed to the disk at once, each whole or not at all.
+
+        The status, renamed last, makes a record count.
+        """
+        parts: list[tuple[Path, Path]] = []
+        try:
+            for task, record, status in outcomes:
+                folder = self._begin(task)
+                made: dict[str, Any] = {"state": "failed"}
+                if record is not None:
+                    made = {"state": "done", "bytes": len(record), "sha256": sha256(record)}
+                    parts.append(_part(folder / "record.nc", record))
+                parts.append(_part(folder / "status.json", _described(task, made | status)))
+            flush([part for part, _ in parts], self.tasks)
+            for part, path in parts:
+                os.replace(part, path)
+        except BaseException:
+            for part, _ in parts:
+                with contextlib.suppress(OSError):
+                    part.unlink(missing_ok=True)
+            raise
 
     def _begin(self, task: Task) -> Path:
         """Make the folder; an older outcome is withdrawn first, and a killed run's leftovers removed."""
@@ -138,17 +190,10 @@ class Store:
             folder.mkdir(parents=True)
         except FileExistsError:
             (folder / "status.json").unlink(missing_ok=True)
-            _flush(folder)
+            flush([folder], folder)
             for part in folder.glob(".*.part"):
                 part.unlink(missing_ok=True)
         return folder
-
-    def _status(self, task: Task, status: dict[str, Any]) -> None:
-        folder = self.folder(task.id)
-        head = {"id": task.id, "model_version": task.version, "finished": timestamp()}
-        parameters = {"parameters": json.loads(task.parameters.canonical())}
-        write_atomic(folder / "status.json", (json.dumps(head | status | parameters, allow_nan=False) + "\n").encode())
-        _flush(folder)
 
     @contextlib.contextmanager
     def lock(self, waiting: Callable[[str], None]) -> Iterator[None]:

@@ -51,7 +51,7 @@ def test_a_damaged_file_is_not_used(coefficients, tmp_path):
     data = bytearray(cache.encode(coefficients))
     store.put("key", bytes(data))
     assert store.get("key") == bytes(data)
-    at = bytes(data).find(np.linspace(0.5, 2, 4).tobytes())
+    at = bytes(data).find(np.linspace(0.5, 2, 4).astype(">f8").tobytes())
     data[at + 6] ^= 1
     store.put("key", bytes(data))
     assert store.get("key") is None

@@ -36,11 +36,15 @@ def test_a_crash_while_writing_leaves_the_old_file(tmp_path, monkeypatch, step):
 
 
 def test_a_record_without_status_is_not_done(store, task, monkeypatch):
-    def crash(*_):
-        raise KeyboardInterrupt
+    rename = os.replace
+
+    def crash_at_the_status(part, path):
+        if path.name == "status.json":
+            raise KeyboardInterrupt
+        rename(part, path)
 
     with monkeypatch.context() as patch:
-        patch.setattr(module, "sha256", crash)
+        patch.setattr(module.os, "replace", crash_at_the_status)
         with pytest.raises(KeyboardInterrupt):
             store.done(task, b"record", {})
     assert store.look(task).record.exists()

@@ -1,0 +1,75 @@
+"""A large study of empty tasks, and an engine that has nothing to do; for timing, killing and breaking the pipeline."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from pipeline import run
+from pipeline.tasks import wave_seed
+
+STUDY = """
+[water]
+depth = 50.0
+[waves]
+band = [0.7, 3.4]
+[[floats]]
+name = "only"
+hull = {{ shape = "sphere", radius = 1.0, draft = 1.0 }}
+mass = 2147.0
+inertia = [859.0, 859.0, 859.0]
+hinge = [0.0, 0.0, 2.6]
+arm = [-2.36, 0.0, -2.6]
+[axes]
+seed = [{seeds}]
+[sea_states]
+calm = {{ Hs = 0.5, Tp = 5.0 }}
+"""
+
+
+def study(folder: Path, tasks: int) -> Path:
+    """A study file with so many tasks."""
+    path = folder / "empty.toml"
+    path.write_text(STUDY.format(seeds=", ".join(map(str, range(tasks)))))
+    return path
+
+
+def coefficients(geometry):
+    return geometry.key.encode() * 1000
+
+
+def compute(parameters, data):
+    """Numbers that depend on the parameters alone, after EMPTY_SECONDS of work and with EMPTY_MEGABYTES in use."""
+    time.sleep(float(os.environ.get("EMPTY_SECONDS", "0")))
+    space = np.ones(int(float(os.environ.get("EMPTY_MEGABYTES", "0")) * 2**17))
+    rng = np.random.default_rng([*wave_seed(parameters), len(data)])
+    variables = {"wave_elevation": (("statistic",), rng.normal(size=5) * space[:1].sum(initial=1.0))}
+    coords = {"statistic": np.array(["max", "min", "mean", "rms", "std"])}
+    return SimpleNamespace(variables=variables, coords=coords, attrs={"energy_residual": rng.random()}, series={})
+
+
+def nothing(parameters):
+    """No objection."""
+
+
+ENGINE = run.Engine(coefficients=coefficients, compute=compute, check=nothing, reduce=nothing)
+
+
+def main() -> None:
+    """The command line, with this engine."""
+    from pipeline import cache, cli
+
+    cache.Cache.__init__.__defaults__ = (len,)  # these coefficients are no netCDF file
+    run.Engine = lambda: ENGINE
+    cli.main()
+
+
+if __name__ == "__main__":
+    # Workers import the engine by this file's own name.
+    import empty
+
+    empty.main()
