@@ -50,7 +50,7 @@ def test_negative_zero_is_zero():
 
 def test_a_parameter_at_its_default_keeps_the_id(buan_tables):
     before = ids(buan_tables)
-    buan_tables["solver"] = {"time_step": Solver().time_step}
+    buan_tables["solver"]["time_step"] = Solver().time_step
     buan_tables["record"]["series"] = "none"
     assert ids(buan_tables) == before
     buan_tables["solver"] = {"time_step": 0.1}
