@@ -163,12 +163,12 @@ def test_what_it_cannot_do_is_named():
 @pytest.mark.slow
 def test_two_hundred_seconds_coupled(coefficients):
     """The whole paper's way, all modes, against the defaults: within 1e-3 of RMS, the fit made as good as that."""
-    item = scene(elastic=True, modes="all", duration=150.0, discard=50.0, ramp=50.0, time_step=0.15,
+    item = scene(elastic=True, modes="all", duration=150.0, discard=50.0, ramp=50.0, time_step=0.125,
                  newton_tolerance=1e-7, memory_tolerance=5e-4)  # fmt: skip
     fast = {name: values for name, (_, values) in simulate(item, coefficients).series.items()}
     kernel = CosineTransform.of(coefficients)
     slow = simulate_reference(item, coefficients, kernel=kernel)
-    kept = slow.time > 50.0 + 1e-9
+    kept = (slow.time > 50.0 - 1e-9) & (slow.time < 200.0 + 1e-9)
     for name, values in (("rotation", slow.rotation), ("hinge_force", slow.hinge_force),
                          ("top_displacement", slow.top_displacement), ("bottom_stress", slow.bottom_stress)):  # fmt: skip
         rms = np.sqrt(np.mean(fast[name] ** 2))
