@@ -10,7 +10,7 @@ export NUMBA_NUM_THREADS := 1
 # numba's cache misses an edit in another file: a new folder for each state of the sources.
 export NUMBA_CACHE_DIR := $(CURDIR)/.jit/$(shell find solver -name '*.py' | LC_ALL=C sort | xargs cat | cksum | tr -d ' ')
 
-.PHONY: study-buan test validate bench lint setup clean
+.PHONY: study-buan test validate bench bench-pipeline kills faults fuzz lint setup clean
 
 study-buan: $(READY)
 	$(VENV)/bin/study run studies/buan.toml
@@ -23,6 +23,21 @@ validate: $(READY)
 
 bench: $(READY)
 	$(VENV)/bin/python studies/bench.py
+
+# What the pipeline itself costs, on empty tasks, beside others.
+bench-pipeline: $(READY)
+	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
+	PYTHONPATH=. $(VENV)/bin/python tests/pipeline/bench.py
+
+# 200 kills of running studies; broken disks, hanging and greedy tasks; 2,000 random study files.
+kills: $(READY)
+	PYTHONPATH=. $(VENV)/bin/python tests/pipeline/kills.py 200
+
+faults: $(READY)
+	$(VENV)/bin/python -m pytest -q tests/pipeline/test_robust.py
+
+fuzz: $(READY)
+	PYTHONPATH=. $(VENV)/bin/python -W ignore tests/pipeline/fuzz.py 2000
 
 lint: $(READY)
 	$(VENV)/bin/ruff check .

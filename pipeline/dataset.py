@@ -134,7 +134,7 @@ def _coordinates(
     for dim in INNER:
         if dim in used:
             labels = np.array(list(arrays.labels[dim]))
-            found[dim] = Variable((dim,), labels, meaning(dim) | ({"positive": "up"} if dim == "height" else {}))
+            found[dim] = Variable((dim,), labels, meaning(dim))
     return found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,6 +14,7 @@ from pipeline.variables import RENAMED, SERIES, meaning
 
 # How long it took is no part of what came out: no two runs agree on it.
 TIMINGS = ("wall_time", "prepare_time", "march_time")
+TASK = {"coordinates": "task"}  # so that records side by side know whose they are
 SAMPLES = 4  # of a decimated series in the shortest wave
 
 Labelled = tuple[tuple[str, ...], Any]
@@ -39,7 +40,12 @@ def encode(record: Record, parameters: Parameters, provenance: Mapping[str, Any]
     """The file, and the digest of its content: provenance is in the first and not in the second."""
     variables = dict(_variables(record, _thinning(record, parameters)))
     digest = content(variables)
-    attrs = {"Conventions": "CF-1.11", "title": "Record of one task", **provenance}
+    attrs = {
+        "Conventions": "CF-1.11",
+        "title": "Record of one task",
+        "history": "computed by `study run`",
+        **provenance,
+    }
     attrs |= {"parameters": parameters.canonical(), "wave_seed": " ".join(map(str, wave_seed(parameters)))}
     attrs |= {k: str(v) for k, v in record.attrs.items() if not _is_figure(v)}
     attrs |= {k: float(v) for k, v in record.attrs.items() if k in TIMINGS}
@@ -63,18 +69,23 @@ def _thinning(record: Record, parameters: Parameters) -> slice:
 
 def _variables(record: Record, kept: slice) -> Iterator[tuple[str, Variable]]:
     """Coordinates that are used, statistics, figures of the audit, time series."""
-    series = {n if n == "time" else n + SERIES: (dims, v[kept]) for n, (dims, v) in record.series.items()}
+    series = {n if n == "time" else n + SERIES: (_renamed(dims), v[kept]) for n, (dims, v) in record.series.items()}
     arrays = {**record.variables, **series}
     used = {dim for dims, _ in arrays.values() for dim in dims}
     for name, labels in sorted(record.coords.items()):
         if name in used:
             yield name, Variable((name,), _narrow(labels), meaning(name))
     for name, (dims, array) in sorted(arrays.items()):
-        yield RENAMED.get(name, name), Variable(tuple(dims), _narrow(array), meaning(RENAMED.get(name, name)))
+        own = RENAMED.get(name, name)
+        yield own, Variable(tuple(dims), _narrow(array), meaning(own) | ({} if (own,) == tuple(dims) else TASK))
     for name, value in sorted(record.attrs.items()):
         if _is_figure(value) and name not in TIMINGS:
             own = RENAMED.get(name, name)
-            yield own, Variable((), np.asarray(float(value)), meaning(own))
+            yield own, Variable((), np.asarray(float(value)), meaning(own) | TASK)
+
+
+def _renamed(dims: Sequence[str]) -> tuple[str, ...]:
+    return tuple(RENAMED.get(dim, dim) for dim in dims)
 
 
 def _narrow(values: Any) -> np.ndarray:

@@ -200,7 +200,7 @@ def pool(work: int, place: Place, say: Callable[[str], None]) -> Iterator[Pool]:
     with contextlib.ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
         address = place.scheduler or stack.enter_context(_cluster(min(place.workers, work), place.memory))
-        client = Client(address, timeout="30s", security=_security(place.tls))
+        client = Client(address, timeout="10s", security=_security(place.tls))
         yield Dask(stack.enter_context(client), place, say)
 
 

@@ -78,14 +78,14 @@ COORDINATES = {
     "float": Meaning(None, "Name of the float"),
     "leg": Meaning(None, "Name of the leg"),
     "direction": Meaning(None, "Axis of the component"),
-    "height": Meaning("m", "Height above the foot of the leg"),
+    "height": Meaning("m", "Height above the foot of the leg", "height"),
     "statistic": Meaning(None, "Statistic over the analysed time; std with ddof 0"),
     "mode": Meaning("1", "Number of the mode, from 1"),
-    "time": Meaning("s", "Time since the start of the simulation"),
+    "elapsed_time": Meaning("s", "Time since the start of the simulation"),
 }
 
-# A name that a record shares with a nominal coordinate of the study.
-RENAMED = {"Tp": "Tp_realized"}
+# Tp is a nominal coordinate of the study, and CF wants a calendar behind the name time.
+RENAMED = {"Tp": "Tp_realized", "time": "elapsed_time"}
 # What a time series is called beside the statistics of the same variable.
 SERIES = "_series"
 
@@ -94,4 +94,5 @@ def meaning(name: str) -> dict[str, str]:
     """Attributes of a variable or coordinate; an unlisted one is only named."""
     name = name.removesuffix(SERIES)
     known = VARIABLES.get(name) or COORDINATES.get(name)
-    return known.attrs() if known else {"long_name": name.replace("_", " ")}
+    attrs = known.attrs() if known else {"long_name": name.replace("_", " ")}
+    return attrs | {"positive": "up"} if name == "height" else attrs
