@@ -94,7 +94,7 @@ def flush(paths: Sequence[Path], folder: Path) -> None:
 def _described(task: Task, status: dict[str, Any]) -> bytes:
     """The content of status.json."""
     head = {"id": task.id, "model_version": task.version, "finished": timestamp()}
-    parameters = {"parameters": json.loads(task.parameters.canonical())}
+    parameters = {"parameters": task.parameters.model_dump(mode="json", exclude_defaults=True)}
     return (json.dumps(head | status | parameters, allow_nan=False) + "\n").encode()
 
 
