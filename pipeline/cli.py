@@ -201,13 +201,22 @@ def collect(study_file: File, results: Results = RESULTS) -> None:
 
 
 @app.command()
-def report(study_file: File, results: Results = RESULTS) -> None:
-    """Print our numbers beside the published ones."""
+def report(
+    study_file: File,
+    results: Results = RESULTS,
+    figure: Annotated[Path | None, typer.Option(metavar="PNG", help="Write the summary as one figure, too")] = None,
+) -> None:
+    """Print our numbers beside the published ones, and write results/<study>/report.html."""
+    from pipeline import page
+
     study = load(study_file)
     path = store_of(study, results).root / "statistics.nc"
     if not path.exists():
         raise StudyError(study.path, [f"{path}: not there yet; `study run {study.path}` makes it"])
     actions.print_table(study, path)
+    if figure:
+        page.write_figure(study, path, figure)
+    say(str(page.write(study, path)))
 
 
 @app.command()

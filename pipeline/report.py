@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from pipeline.study import StudyError
@@ -113,22 +114,25 @@ def show(data: xr.Dataset, rows: list[Published], console: Console) -> None:
         for name in ("", "", "theirs", "ours", "[least, largest]", "ratio", "unit"):
             table.add_column(name, justify="left" if name in ("", "unit") else "right", no_wrap=True)
         for row, number in mine:
-            table.add_row(row.label, row.statistic, f"{row.value:.4g}", *_cells(row, number), row.unit)
+            table.add_row(
+                row.label, row.statistic, f"{row.value:.4g}", *(escape(cell) for cell in cells(row, number)), row.unit
+            )
         console.print(table, soft_wrap=True)
-        for sentence in _sentences(mine):
+        for sentence in sentences(mine):
             console.print(f"  * {sentence}", soft_wrap=True, highlight=False, markup=False)
         console.print()
 
 
-def _cells(row: Published, number: Ours | None) -> list[str]:
+def cells(row: Published, number: Ours | None) -> list[str]:
+    """Ours, its range and the ratio, as text; a star if it is far off."""
     if number is None:
         return ["-", "", ""]
     ratio = f"{number.mean / row.value:.2f}" if row.value and math.isfinite(number.mean) else ""
-    spread = "" if number.low == number.high else f"\\[{number.low:.4g}, {number.high:.4g}]"
+    spread = "" if number.low == number.high else f"[{number.low:.4g}, {number.high:.4g}]"
     return [f"{number.mean:.4g}", spread, ratio + (" *" if number.off(row) else "")]
 
 
-def _sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
+def sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
     """Why a number is far off; numbers with the same reason share the sentence."""
     reasons: dict[str, list[str]] = {}
     for row, number in mine:
@@ -144,11 +148,17 @@ def summary(data: xr.Dataset, console: Console) -> None:
     table = Table(box=None, pad_edge=False)
     for name in ("variable", "statistic", "mean", "least", "largest", "unit"):
         table.add_column(name, justify="left" if name in ("variable", "statistic", "unit") else "right")
+    for row in summary_rows(data):
+        table.add_row(*row)
+    console.print(table)
+
+
+def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
+    """Variable, statistic, mean, least, largest and unit, as text."""
     for label, values in data.data_vars.items():
         if "statistic" not in values.dims or values.isnull().all():
             continue
         for statistic in values.statistic.values:
             part = values.sel(statistic=statistic)
             figures = (f"{float(f()):.4g}" for f in (part.mean, part.min, part.max))
-            table.add_row(str(label), str(statistic), *figures, values.attrs.get("units", ""))
-    console.print(table)
+            yield (str(label), str(statistic), *figures, values.attrs.get("units", ""))

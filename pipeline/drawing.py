@@ -1,0 +1,102 @@
+"""How figures look: one plain style, colours that colour-blind readers can tell apart, labels beside what they name."""
+
+from __future__ import annotations
+
+import base64
+import io
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Okabe and Ito's colours, as far as they are dark enough on white.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+INK, FAINT, PAPER = "#333333", "#dddddd", "#000000"
+WATER, SAND, STEEL = "#dcebf5", "#d9cfbf", "#8a8f94"
+
+
+@contextmanager
+def plain(size: float = 9.0) -> Iterator[None]:
+    """The one style, with text of `size` points."""
+    import matplotlib as mpl
+
+    style: dict[Any, Any] = {
+        "font.family": "DejaVu Sans",  # it comes with matplotlib: the same figure on every machine
+        "font.size": size,
+        "axes.titlesize": size,
+        "axes.titlelocation": "left",
+        "axes.labelsize": size,
+        "xtick.labelsize": 0.9 * size,
+        "ytick.labelsize": 0.9 * size,
+        "lines.markersize": 0.5 * size,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.edgecolor": INK,
+        "axes.labelcolor": INK,
+        "axes.axisbelow": True,
+        "axes.grid": True,
+        "axes.grid.axis": "x",
+        "grid.color": FAINT,
+        "grid.linewidth": 0.6,
+        "text.color": INK,
+        "xtick.color": INK,
+        "ytick.color": INK,
+        "svg.hashsalt": "wecplatform",  # the same figure, the same bytes
+    }
+    with mpl.rc_context(style):
+        yield
+
+
+def colour(index: int) -> str:
+    """The colour of the so-manyth of a kind."""
+    return COLOURS[index % len(COLOURS)]
+
+
+def canvas(width: float, height: float) -> Figure:
+    """An empty figure, in inches, without a window or global state."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def svg(figure: Figure) -> str:
+    """A figure as a data URI: an image of its own cannot clash with another one's ids."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None})
+    return "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode()
+
+
+def png(figure: Figure, dpi: float = 100.0) -> bytes:
+    """A figure as pixels."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def categories(axes: Axes, names: Sequence[str]) -> None:
+    """Names down the y axis, the first on top, with hairlines between them."""
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.tick_params(axis="y", length=0)
+    axes.spines["left"].set_visible(False)
+    for edge in range(1, len(names)):
+        axes.axhline(edge - 0.5, color=FAINT, linewidth=0.6, zorder=0)
+
+
+def decades(axes: Axes, low: float, high: float) -> None:
+    """A logarithmic x axis over whole decades, with no numbers between them."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axes.set_xscale("log")
+    axes.set_xlim(10.0 ** math.floor(math.log10(low)), 10.0 ** math.ceil(math.log10(1.01 * high)))
+    axes.xaxis.set_major_locator(LogLocator(numticks=6))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def lanes(count: int) -> list[float]:
+    """Offsets of so many series within a category, the first on top."""
+    return [(i - (count - 1) / 2) * 0.8 / max(count, 1) for i in range(count)]
