@@ -39,6 +39,9 @@ faults: $(READY)
 fuzz: $(READY)
 	PYTHONPATH=. $(VENV)/bin/python -W ignore tests/pipeline/fuzz.py 2000
 
+figure: study-buan
+	$(VENV)/bin/python studies/figure.py
+
 lint: $(READY)
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check pipeline tests/pipeline
