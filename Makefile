@@ -10,7 +10,7 @@ export NUMBA_NUM_THREADS := 1
 # numba's cache misses an edit in another file: a new folder for each state of the sources.
 export NUMBA_CACHE_DIR := $(CURDIR)/.jit/$(shell find solver -name '*.py' | LC_ALL=C sort | xargs cat | cksum | tr -d ' ')
 
-.PHONY: study-buan test validate bench bench-pipeline kills faults fuzz lint setup clean
+.PHONY: study-buan test validate bench bench-pipeline kills faults fuzz figure lint setup clean
 
 study-buan: $(READY)
 	$(VENV)/bin/study run studies/buan.toml

@@ -55,6 +55,10 @@ def simulate_reference(
     """
     if not scene.floats:
         raise InputError("floats", 0, "the reference path is that of floats: at least one is needed")
+    for item in scene.floats:
+        if item.per_axis("mechanism_inertia").any():
+            key = f"floats.{item.name}.mechanism_inertia"
+            raise InputError(key, item.mechanism_inertia, "the reference path knows only the float's own inertia")
     s, water = scene.settings, scene.water
     dt, steps = s.time_step, int(np.ceil((s.discard + s.duration) / s.time_step - 1e-9))
     c, A = lobatto(stages)
