@@ -37,7 +37,8 @@ def ours(folder: Path, tasks: int) -> None:
         wall = time.perf_counter() - start
         assert status == 0
         goal = f"(at most {limit:g})" if limit else ""
-        row("study " + name, wall, tasks, f"{used.ru_maxrss / 1024:.0f} MB at most in one process {goal}")
+        cpu = (used.ru_utime + used.ru_stime) / tasks * 1e3
+        row(f"study {name}", wall, tasks, f"{goal:13} {cpu:5.2f} ms CPU in all; {used.ru_maxrss >> 10} MB")
     size = sum(p.stat().st_size for p in results.rglob("*.*") if p.is_file())
     print(f"{'':26}{size / tasks / 1024:.1f} kB a task on disk")
 
