@@ -52,7 +52,9 @@ def test_jacobian_and_Qd_are_derivatives(seed):
     rng = np.random.default_rng(seed)
     q, frames = random_frames(rng)
     joints = [kind(first=0, second=1, point=rng.normal(size=3)) for kind in (Ball, Hinge, Guide)]
-    joints += [kind(first=1, second=GROUND, point=rng.normal(size=3), axis=rng.normal(size=3)) for kind in (Hinge, Guide)]
+    joints += [
+        kind(first=1, second=GROUND, point=rng.normal(size=3), axis=rng.normal(size=3)) for kind in (Hinge, Guide)
+    ]
     rows = equations(tuple(joints), frames)
     q, frames = random_frames(rng)  # other poses than those in which the joints were closed
     m = row_count(rows)
@@ -112,7 +114,9 @@ def test_order_of_accuracy(stages, order):
 def test_constraints_do_not_drift():
     """A spinning double pendulum in space, 30 s: the two loops hold 1e-10 at all three levels."""
     bodies = (
-        Body(mass=2.0, inertia=(0.1, 0.2, 0.3), position=(0.5, 0, 0), cog=(0.1, 0.05, 0), velocity=(0, 0, 0, 0.0, 0, 0)),
+        Body(
+            mass=2.0, inertia=(0.1, 0.2, 0.3), position=(0.5, 0, 0), cog=(0.1, 0.05, 0), velocity=(0, 0, 0, 0.0, 0, 0)
+        ),
         Body(mass=1.0, inertia=(0.1, 0.1, 0.05), position=(1.0, 0, -0.5)),
     )
     joints = (
@@ -185,7 +189,7 @@ def test_moving_support_drives_a_hinged_body_as_the_minimal_chain_has_it():
         R = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
         six = np.zeros((2, 6))
         six[:, [0, 2, 4]] = dy, ddy
-        return hinge + [y[0], 0, y[1]], R, *six
+        return np.add(hinge, [y[0], 0, y[1]]), R, *six
 
     chain = Chain(
         np.array([PRISMATIC, PRISMATIC, REVOLUTE, REVOLUTE]),
@@ -206,10 +210,10 @@ def test_moving_support_drives_a_hinged_body_as_the_minimal_chain_has_it():
     start_rate = node(0.0)[1]
     out = np.empty(3), np.empty((3, 3)), np.empty((6, 4)), np.empty(6), np.empty(6)
     kinematics(chain, hinge + arm, np.zeros(4), np.append(start_rate, 0.0), *out)
-    body = (
-        Body(mass=mass, inertia=(1.0, inertia, 1.0), position=tuple(hinge + arm), velocity=tuple(out[3])),
+    body = (Body(mass=mass, inertia=(1.0, inertia, 1.0), position=tuple(hinge + arm), velocity=tuple(out[3])),)
+    run = simulate_mechanism(
+        body, (Hinge(first=1, second=0, point=tuple(hinge)),), None, 2.0, 0.005, supports=(support,)
     )
-    run = simulate_mechanism(body, (Hinge(first=1, second=0, point=tuple(hinge)),), None, 2.0, 0.005, supports=(support,))
     exact = solve_ivp(swing, (0, 2.0), [0.0, 0.0], rtol=1e-11, atol=1e-12).y[0, -1]
     relative = support(2.0)[1].T @ run.rotation[-1, 0]
     assert np.arctan2(relative[0, 2], relative[0, 0]) == approx(exact, abs=1e-8)
