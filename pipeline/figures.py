@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 OUTER = ("sea_state", "platform", "pto_damping", "hinge_spacing", "seed")
 SUPPORT = {"elastic": "elastic", "fixed": "fixed", "elastic-no-floats": "no floats"}
+ROOM = 24  # sea states in one figure
 
 
 class Quantity(NamedTuple):
@@ -74,6 +75,11 @@ class Results:
         """Those of these axes that have several labels."""
         return [dim for dim in self.first if len(self.labels(dim)) > 1]
 
+    @property
+    def seas(self) -> list[str]:
+        """The sea states that a figure has room for."""
+        return [str(label) for label in self.labels("sea_state")[:ROOM]]
+
     @cached_property
     def sea(self) -> str:
         """The sea state that the published numbers are for; otherwise the highest."""
@@ -96,8 +102,8 @@ class Results:
     @cached_property
     def sea_names(self) -> list[str]:
         """Sea states as 2017 (1.39 m, 5.65 s)."""
-        names = self.labels("sea_state")
-        heights, periods = (np.atleast_1d(self.data[key].values) for key in ("Hs", "Tp"))
+        names = self.seas
+        heights, periods = (np.atleast_1d(self.data[key].values)[: len(names)] for key in ("Hs", "Tp"))
         return [f"{n}\n{h:.2f} m, {t:.2f} s" for n, h, t in zip(names, heights, periods, strict=True)]
 
 
@@ -123,7 +129,7 @@ def draw_sea_states(axes: Axes, results: Results, quantity: Quantity) -> None:
     every = list(series(results, name))
     categories(axes, results.sea_names)
     for (item, support, look), lane in zip(every, lanes(len(every)), strict=True):
-        for row, sea in enumerate(results.labels("sea_state")):
+        for row, sea in enumerate(results.seas):
             numbers = finite(values.sel(platform=support, float=item, sea_state=sea)) / scale
             if not numbers.size:
                 continue
@@ -155,7 +161,7 @@ def sea_states(results: Results) -> Figure | None:
     shown = [q for q in (POWER, ROTATION) if results.has(q.variable)]
     if not shown:
         return None
-    figure = canvas(9.0, 1.2 + min(0.62 * len(results.sea_names), 14.0))
+    figure = canvas(9.0, 1.2 + min(0.62 * len(results.sea_names), 15.0))
     rows = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
     for axes, quantity in zip(rows, shown, strict=True):
         draw_sea_states(axes, results, quantity)

@@ -76,7 +76,8 @@ def facts(found: Results) -> list[tuple[str, str]]:
         ("Source", attributes.get("source", "")),
         ("Signs", attributes.get("sign_conventions", "")),
     ]
-    versions = [f"{k.removeprefix(VERSION)} {v}" for k, v in attributes.items() if k.startswith(VERSION)]
+    parts = {k.removeprefix(VERSION): v for k, v in attributes.items() if k.startswith(VERSION)}
+    versions = [f"{name.replace('_', ' ')} {value}" for name, value in parts.items() if name != "host"]
     return [row for row in [*rows, ("Versions", ", ".join(versions))] if row[1]]
 
 
@@ -97,7 +98,7 @@ def troubles(found: Results) -> list[str]:
     for place in places[:MANY]:
         cell = status[tuple(place)]
         labels = ", ".join(f"{dim} {cell[dim].values}" for dim in status.dims)
-        lines.append(f"{labels}: {cell.values}")
+        lines.append(f"{labels}: {cell.values}".removeprefix(": "))
     return lines + ([f"and {len(places) - MANY} more"] if len(places) > MANY else [])
 
 
@@ -124,11 +125,13 @@ def _list(found: Results) -> list[tuple[str, str, Callable[[Results], Figure | N
     """Title, caption and maker of each figure, in order."""
     first = "; ".join(f"{dim.replace('_', ' ')} {value:g}" for dim, value in found.first.items())
     held = f" Shown at {first}." if found.varied else ""
+    count = len(found.labels("sea_state"))
+    held += f" The first {len(found.seas)} of {count} sea states." if count > len(found.seas) else ""
     fixed = "Filled: elastic platform; open: fixed." if len(found.labels("platform")) > 1 else ""
     given = " Crosses: published." if found.published else ""
     spread = f"Dots: mean over realizations; bars: least and largest. {fixed}{given}"
     return [
-        ("Scene", "At rest, to scale, seen across the waves.", lambda r: sketch.scene(r.study.content)),
+        ("Scene", "Side view along y, at rest, to scale.", lambda r: sketch.scene(r.study.content)),
         (
             "Envelopes along the legs",
             f"Sea state {found.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{held}",

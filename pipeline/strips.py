@@ -49,7 +49,7 @@ def _extremes(axes: Axes, results: Results, item: str, direction: str) -> None:
     values = results.values(FORCE, **results.first).sel(float=item, direction=direction)
     rows = [entry for entry in series(results, FORCE) if entry[0] == item]
     for (_, support, look), lane in zip(rows, lanes(len(rows)), strict=True):
-        for place, sea in enumerate(results.labels("sea_state")):
+        for place, sea in enumerate(results.seas):
             for statistic in ("max", "min"):
                 numbers = finite(values.sel(platform=support, sea_state=sea, statistic=statistic)) / 1e3
                 axes.plot(numbers, np.full(numbers.size, place + lane), "o", linestyle="", **look)

@@ -47,7 +47,7 @@ ul.note { margin: .4rem 0 0; padding-left: 1.2rem; }
 {% for figure in figures %}
 <figure>
 <h3>{{ figure.title }}</h3>
-<img alt="{{ figure.title }}" src="{{ figure.source }}">
+<img alt="{{ figure.title }}. {{ figure.caption }}" src="{{ figure.source }}">
 <figcaption>{{ figure.caption }}</figcaption>
 </figure>
 {% endfor %}
@@ -61,8 +61,10 @@ a star if it is more than a third away from 1, with the reason below.</p>
 <tr><th class="word"></th><th class="word"></th><th>theirs</th><th>ours</th><th>[least, largest]</th><th>ratio</th>
 <th class="word">unit</th></tr>
 {% for label, statistic, theirs, ours, spread, ratio, unit in table.rows %}
-<tr{% if "*" in ratio %} class="off"{% endif %}><td class="word">{{ label }}</td><td class="word">{{ statistic }}</td>
-<td>{{ theirs }}</td><td>{{ ours }}</td><td>{{ spread }}</td><td>{{ ratio }}</td><td class="word">{{ unit }}</td></tr>
+<tr><td class="word">{{ label }}</td><td class="word">{{ statistic }}</td>
+<td>{{ theirs }}</td><td>{{ ours }}</td><td>{{ spread }}</td>
+<td{% if "*" in ratio %} class="off"{% endif %}>{{ ratio }}</td>
+<td class="word">{{ unit }}</td></tr>
 {% endfor %}
 </table></div>
 {% if table.sentences %}
