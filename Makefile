@@ -40,7 +40,7 @@ fuzz: $(READY)
 	PYTHONPATH=. $(VENV)/bin/python -W ignore tests/pipeline/fuzz.py 2000
 
 figure: study-buan
-	$(VENV)/bin/python studies/figure.py
+	$(VENV)/bin/study report studies/buan.toml --figure studies/buan.png
 
 lint: $(READY)
 	$(VENV)/bin/ruff check .
