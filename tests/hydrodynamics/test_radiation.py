@@ -94,7 +94,9 @@ def test_the_fit_is_passive_even_if_the_data_are_not_quite(seed, n, spoil):
     assert least_damping(found) > -1e-12  # rounding of a sum of terms that cancel
     assert np.all(found.beta.real < 0)
     assert found.residue == pytest.approx(np.swapaxes(found.residue, 1, 2))
-    assert np.abs(found.frequency(np.zeros(1))).max() < 1e-9 * np.abs(found.frequency(OMEGA)).max()
+    # Zero up to rounding of the terms that cancel there: poles far out have large, nearly opposite residues.
+    terms = np.abs(found.residue / found.beta[:, None, None]).sum(axis=0).max()
+    assert np.abs(found.frequency(np.zeros(1))).max() < 1e-8 * terms
 
 
 def test_enforcement_repairs_what_least_squares_leaves():
