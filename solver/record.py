@@ -9,6 +9,7 @@ from solver.assembly import Layout
 from solver.march import Output
 from solver.scene import Scene
 from solver.statistics import STATISTICS, Envelope, Statistics
+from solver.structure.recovery import fibre_stress
 from solver.structure.support import LegOutputs, Support
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
@@ -120,15 +121,13 @@ class Recorder:
 def leg_response(legs: LegOutputs, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Displacement (m, nl, nh, 3) [m] and stress (m, nl, nh) [Pa] of the most compressive fibre.
 
-    σ = N/A - c|M/I|; where two elements meet, the more stressed end counts. Legs that are
-    mirror images of one another are computed once.
+    Where two elements meet, the more stressed end counts. Legs that are mirror images of one
+    another are computed once.
     """
     own = np.unique(legs.twin)
     displacement = _map(p, legs.displacement[own])
     forces = _map(p, legs.forces[own]) + legs.static_forces[own]
-    A, Iy, Iz, c = np.moveaxis(legs.properties[own], -1, 0)
-    bending = np.hypot(forces[..., 1] / Iy, forces[..., 2] / Iz)
-    ends = forces[..., 0] / A - c * bending
+    ends = fibre_stress(forces[..., 0], forces[..., 1], forces[..., 2], legs.properties[own])
     stress = np.empty((*ends.shape[:2], ends.shape[2] + 1))
     stress[..., 0], stress[..., -1] = ends[..., 0, 0], ends[..., -1, 1]
     above, below = ends[..., 1:, 0], ends[..., :-1, 1]

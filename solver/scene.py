@@ -11,7 +11,6 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import Revolution
-from solver.sea.dispersion import wavenumber
 from solver.sea.realization import Realization
 from solver.structure.frame import Frame
 
@@ -186,9 +185,3 @@ class Scene:
             and ("hinge" not in f.motion or f.axis[0] == f.axis[2] == 0)
             for f in self.floats
         )
-
-    @property
-    def steepness(self) -> float:
-        """k H/2π of a regular wave of the realized Hm0 at the peak; breaking is near 0.14 tanh kh."""
-        k = wavenumber(self.sea.peak_frequency, self.water.depth, self.water.gravity)
-        return float(self.sea.parameters()["Hm0"] * k / (2 * np.pi))

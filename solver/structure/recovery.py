@@ -34,15 +34,19 @@ def section_forces(model: FrameModel, displacement, element_loads):
     return (of_nodes - np.tile(FACE, len(model.elements)) * element_loads.ravel()).reshape(-1, 6)
 
 
-def compressive_stress(model: FrameModel, forces):
-    """Stress of the most compressive fibre [Pa], tension positive; forces are (..., 2 ne, 6).
+def fibre_stress(N, My, Mz, properties):
+    """Stress of the most compressive fibre [Pa], tension positive; properties (..., 4) are A, Iy, Iz, c.
 
     σ = N/A - c hypot(My/Iy, Mz/Iz): N/A - |M| c/I for a circular section, and exact. For a
     rectangle c is half the diagonal, which is on the safe side of the corner's stress.
     """
-    N, My, Mz = forces[..., 0], forces[..., 4], forces[..., 5]
-    A, Iy, Iz, c = section_properties(model).T
+    A, Iy, Iz, c = np.moveaxis(properties, -1, 0)
     return N / A - c * np.hypot(My / Iy, Mz / Iz)
+
+
+def compressive_stress(model: FrameModel, forces):
+    """Stress of the most compressive fibre [Pa] at every element end; forces are (..., 2 ne, 6)."""
+    return fibre_stress(forces[..., 0], forces[..., 4], forces[..., 5], section_properties(model))
 
 
 def section_properties(model: FrameModel):
