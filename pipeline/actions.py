@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
-from pipeline.console import DONE, FAILED, compare, err, finish, looked, out, say
+from pipeline.console import DONE, FAILED, Tally, compare, err, finish, looked, out, say
 from pipeline.schedule import Place
 from pipeline.store import Store
 from pipeline.study import Study
+from pipeline.tasklist import Tasks
 from pipeline.tasks import Task
 
 
@@ -20,9 +21,7 @@ def preflight(study: Study, tasks: Iterable[Task]) -> None:
     check(study, tasks, Engine())
 
 
-def run(
-    study: Study, store: Store, results: Path, tasks: Sequence[Task], place: Place, *, keep_going: bool = True
-) -> None:
+def run(study: Study, store: Store, results: Path, tasks: Tasks, place: Place, *, keep_going: bool = True) -> None:
     """Run tasks, with a bar or lines about it."""
     from pipeline.campaign import Campaign
     from pipeline.progress import watching
@@ -41,14 +40,14 @@ def run(
         campaign.run(tasks, watch)
 
 
-def rerun(study: Study, store: Store, results: Path, tasks: Sequence[Task], place: Place) -> int:
+def rerun(study: Study, store: Store, results: Path, tasks: Tasks, place: Place) -> int:
     """Run tasks again and compare; the exit status."""
     with store.lock(lambda text: say(text, err)):
         old = {task.id: _record(store, task) for task in tasks}
         run(study, store, results, tasks, place)
         changed = [not compare(task, old[task.id], _record(store, task)) for task in tasks]
         collect(study, store)
-    return max(finish(looked(tasks, store), study), FAILED if any(changed) else DONE)
+    return max(finish(Tally.of(looked(tasks, store)), study), FAILED if any(changed) else DONE)
 
 
 def _record(store: Store, task: Task) -> bytes | None:
@@ -68,8 +67,8 @@ def print_table(study: Study, path: Path) -> None:
     from pipeline import dataset, report
 
     published = study.path.with_name(f"{study.name}-published.csv")
-    data = dataset.load(path)
-    if published.exists():
-        report.show(data, report.published(published), out)
-    else:
-        report.summary(data, out)
+    with dataset.opened(path) as data:
+        if published.exists():
+            report.show(data, report.published(published), out)
+        else:
+            report.summary(data, out)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
 
+from pipeline.tasklist import Tasks
 from pipeline.tasks import Task
 
 BUSY = 0.5  # a batch takes about this long: longer tasks go out one by one [s]
@@ -21,20 +24,33 @@ class Batch:
     coefficients: bytes | None
 
 
+@dataclass(eq=False)
+class _Group:
+    """What is left of tasks with the same coefficients."""
+
+    tasks: Iterator[Task]
+    left: int
+    coefficients: bytes | None
+
+
 class Batches:
     """A queue; short tasks leave it many at a time, for a message to a worker costs 1 ms and more."""
 
     def __init__(self) -> None:
-        self._ready: deque[tuple[Task, bytes | None]] = deque()
+        self._ready: deque[_Group] = deque()
         self._alone: deque[Batch] = deque()
         self._mean: float | None = None
 
     def __len__(self) -> int:
-        return len(self._ready) + len(self._alone)
+        return self._left() + len(self._alone)
 
-    def add(self, task: Task, coefficients: bytes | None) -> None:
-        """A task, and the file of its coefficients."""
-        self._ready.append((task, coefficients))
+    def _left(self) -> int:
+        return sum(group.left for group in self._ready)
+
+    def add(self, tasks: Tasks, coefficients: bytes | None) -> None:
+        """Tasks, and the file of their coefficients."""
+        if tasks:
+            self._ready.append(_Group(iter(tasks), len(tasks), coefficients))
 
     def add_alone(self, lost: Batch) -> None:
         """The tasks of a lost batch: alone each answers for itself."""
@@ -48,15 +64,15 @@ class Batches:
         """The next batch for a pool that runs so many at once."""
         if self._alone:
             return self._alone.popleft()
-        most = self._size(width)
-        task, coefficients = self._ready.popleft()
-        tasks = [task]
-        while len(tasks) < most and self._ready and self._ready[0][1] is coefficients:
-            tasks.append(self._ready.popleft()[0])
-        return Batch(tuple(tasks), coefficients)
+        group = self._ready[0]
+        tasks = tuple(itertools.islice(group.tasks, self._size(width)))
+        group.left -= len(tasks)
+        if not group.left:
+            self._ready.popleft()
+        return Batch(tasks, group.coefficients)
 
     def _size(self, width: int) -> int:
         if not width or self._mean is None:
             return 1
-        fair = len(self._ready) // (AHEAD * width)
+        fair = self._left() // (AHEAD * width)
         return max(1, min(MOST, fair, int(BUSY / max(self._mean, BUSY / MOST))))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import shlex
-from collections import defaultdict
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,11 +14,12 @@ from pipeline.batches import AHEAD, Batch, Batches
 from pipeline.cache import Cache
 from pipeline.run import Engine, Failure, Outcome, attempt_geometry, attempt_tasks
 from pipeline.schedule import Lost, Place
-from pipeline.store import Entry, Store
+from pipeline.store import Store
+from pipeline.tasklist import Tasks
 from pipeline.tasks import Geometry, Task
 
 Watch = Callable[[Task | Geometry, Outcome], None]
-Groups = dict[Geometry, list[Task]]
+TOGETHER = 1000  # outcomes written at once, at most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,9 +34,9 @@ class Campaign:
     keep_going: bool = True
     say: Callable[[str], None] = print
 
-    def run(self, tasks: Sequence[Task], watch: Watch) -> list[Task]:
+    def run(self, tasks: Tasks, watch: Watch) -> list[Task]:
         """Run and keep all; the tasks that failed. `watch` hears of every outcome."""
-        tasks = list({task.id: task for task in tasks}.values())
+        tasks = tasks.unique
         failed: list[Task] = []
         with schedule.pool(len(tasks), self.place, self.say) as pool:
             for task, outcome in _Run(self, pool, watch).outcomes(tasks):
@@ -76,39 +77,32 @@ class _Run:
     watch: Watch
     batches: Batches = field(default_factory=Batches)
     out: int = 0  # batches that the pool has
-    waiting: Groups = field(default_factory=dict)  # for their coefficients
+    waiting: dict[Geometry, Tasks] = field(default_factory=dict)  # for their coefficients
 
-    def outcomes(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Outcome]]:
+    def outcomes(self, tasks: Tasks) -> Iterator[tuple[Task, Outcome]]:
         """Every task with what came of it, kept."""
         self._start(tasks)
         self._offer()
         for key, results in self.pool.finished():
-            arrived = list(self._arrived(key, results))
-            self.campaign.keep(arrived)
-            for task, outcome in arrived:
-                self.watch(task, outcome)
-                yield task, outcome
+            arriving = self._arrived(key, results)
+            while arrived := list(itertools.islice(arriving, TOGETHER)):
+                self.campaign.keep(arrived)
+                for task, outcome in arrived:
+                    self.watch(task, outcome)
+                    yield task, outcome
             self._offer()
 
-    def _start(self, tasks: Sequence[Task]) -> None:
+    def _start(self, tasks: Tasks) -> None:
         """Coefficients that are not known go first; tasks that need none of those are ready."""
-        groups: defaultdict[Geometry | None, list[Task]] = defaultdict(list)
-        for task in tasks:
-            groups[task.geometry].append(task)
-        for task in groups.pop(None, []):
-            self.batches.add(task, None)
         cache = Cache(self.campaign.results)
-        for geometry, members in groups.items():
-            assert geometry is not None
-            if (data := cache.get(geometry.key)) is not None:
-                self._release(data, members)
+        for geometry, members in tasks.split(lambda task: task.geometry).items():
+            if geometry is None:
+                self.batches.add(members, None)
+            elif (data := cache.get(geometry.key)) is not None:
+                self.batches.add(members, data)
             else:
                 self.waiting[geometry] = members
                 self.pool.submit(geometry, attempt_geometry, self.campaign.engine, geometry)
-
-    def _release(self, data: bytes, tasks: Iterable[Task]) -> None:
-        for task in tasks:
-            self.batches.add(task, data)
 
     def _offer(self) -> None:
         """Keep as much on offer as keeps the pool busy; the rest stays here, where it costs little."""
@@ -140,7 +134,7 @@ class _Run:
             yield from ((task, outcome) for task in tasks)
         else:
             Cache(self.campaign.results).put(geometry.key, outcome.result)
-            self._release(outcome.result, tasks)
+            self.batches.add(tasks, outcome.result)
 
 
 def _outcome(results: list[Outcome] | Lost) -> Outcome:
@@ -160,7 +154,6 @@ def _same_sources(outcome: Outcome) -> Outcome:
     return Outcome(result=Failure.of(error), provenance=outcome.provenance)
 
 
-def unfinished(tasks: Iterable[Task], store: Store) -> list[tuple[Task, Entry]]:
+def unfinished(tasks: Tasks, store: Store) -> Tasks:
     """What a run has to do: all but done tasks, stale ones (kept until asked for) and failed ones."""
-    looked = ((task, store.look(task, checksums=True)) for task in tasks)
-    return [(task, entry) for task, entry in looked if entry.state in ("missing", "damaged")]
+    return tasks.where(lambda task: store.look(task, checksums=True).state in ("missing", "damaged"))

@@ -6,17 +6,18 @@ import json
 import shutil
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from pipeline import actions, environment
-from pipeline.console import DONE, FAILED, INCOMPLETE, Entries, err, finish, looked, say, store_of, tally
+from pipeline.console import DONE, FAILED, Tally, err, finish, looked, say, store_of
 from pipeline.select import find, select
 from pipeline.store import Store, read_json
 from pipeline.study import Study, StudyError, load
-from pipeline.tasks import Task, expand
+from pipeline.tasklist import Tasks
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
@@ -63,15 +64,17 @@ def main() -> None:
 @app.command()
 def plan(study_file: File, results: Results = RESULTS, select_: Select = "", workers: Workers = 2) -> None:
     """What a run would do, and about how long it would take."""
-    from pipeline.plan import estimate
+    from pipeline.plan import Estimate
 
     study, tasks, store = _open(study_file, results, select_)
     actions.preflight(study, tasks)
-    entries = looked(tasks, store)
-    for task, entry in entries:
+    tally, estimate = Tally(), Estimate()
+    for task, entry in looked(tasks, store):
         say(f"{task.id} {entry.state:7} {task}")
-    say(tally(entries))
-    if words := estimate(entries, results, workers):
+        tally.see(task, entry)
+        estimate.see(task, entry)
+    say(str(tally))
+    if words := estimate.words(results, workers):
         say(words)
 
 
@@ -93,17 +96,16 @@ def run(
 
     study, tasks, store = _open(study_file, results, select_)
     place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
-    unique = list({task.id: task for task in tasks}.values())
     actions.preflight(study, tasks)
     with store.lock(lambda text: say(text, err)):
-        todo = [task for task, _ in unfinished(unique, store)]
+        todo = unfinished(tasks, store)
         if todo:
             actions.run(study, store, results, todo, place, keep_going=keep_going)
         path = actions.collect(study, store)
-    entries = looked(tasks, store)
+    tally = Tally.of(looked(tasks, store))
     actions.print_table(study, path)
-    say(f"{tally(entries)}; {'nothing to run' if not todo else f'{len(todo)} run now'}; {path}")
-    raise typer.Exit(finish(entries, study))
+    say(f"{tally}; {'nothing to run' if not todo else f'{len(todo)} run now'}; {path}")
+    raise typer.Exit(finish(tally, study))
 
 
 @app.command()
@@ -118,35 +120,39 @@ def status(
     study, tasks, store = _open(study_file, results)
     last = ""
     while True:
-        entries = looked(tasks, store)
-        states = {entry.state for _, entry in entries}
-        incomplete = bool(states & {"missing", "damaged"})
-        if (text := _status(study, store, entries, as_json=as_json)) != last:
+        text, tally = _status(study, tasks, store, as_json=as_json)
+        if text != last:
             say(last := text)
-        if not watch or not incomplete:
-            raise typer.Exit(FAILED if "failed" in states else INCOMPLETE if incomplete else DONE)
+        if not watch or not (tally.counts["missing"] or tally.counts["damaged"]):
+            raise typer.Exit(tally.code)
         time.sleep(every)
 
 
-def _status(study: Study, store: Store, entries: Entries, *, as_json: bool) -> str:
-    if as_json:
-        rows = [{"id": t.id, "state": e.state, "labels": dict(t.labels)} for t, e in entries]
-        return json.dumps({"study": study.name, "holder": store.holder(), "tasks": rows}, indent=1)
+def _status(study: Study, tasks: Tasks, store: Store, *, as_json: bool) -> tuple[str, Tally]:
+    tally, rows = Tally(), []
+    for task, entry in looked(tasks, store):
+        tally.see(task, entry)
+        if as_json:
+            rows.append(json.dumps({"id": task.id, "state": entry.state, "labels": dict(task.labels)}))
     holder = store.holder()
-    return tally(entries) + (f"; in the hands of {holder}" if holder else "")
+    if as_json:
+        head = json.dumps({"study": study.name, "holder": holder})[:-1]
+        return f'{head}, "tasks": [\n' + ",\n".join(rows) + "\n]}", tally
+    return str(tally) + (f"; in the hands of {holder}" if holder else ""), tally
 
 
-def _open(study_file: Path, results: Path, selection: str = "") -> tuple[Study, list[Task], Store]:
+def _open(study_file: Path, results: Path, selection: str = "") -> tuple[Study, Tasks, Store]:
     """A study, its tasks or those selected, and where its results are."""
     study = load(study_file)
-    return study, select(study, expand(study.content), selection), store_of(study, results)
+    return study, select(study, selection), store_of(study, results)
 
 
 @app.command()
 def show(study_file: File, task: Annotated[str, typer.Argument()], results: Results = RESULTS) -> None:
     """One task: labels, state, parameters, error, and the command that repeats it."""
     study, tasks, store = _open(study_file, results)
-    for found in find(study, tasks, [task]):
+    chosen = find(study, [task])
+    for found in tasks.where(lambda one: one.id in chosen):
         entry = store.look(found, checksums=True)
         say(f"{found.id} {entry.state} {found}")
         for key in ("finished", "wall_time", "command", "sha256", "provenance"):
@@ -175,19 +181,17 @@ def rerun(
     from pipeline.schedule import Place
 
     study, every, store = _open(study_file, results)
-    chosen = {task.id: task for task in find(study, every, words or [])}
-    chosen |= {task.id: task for task in select(study, every, select_)} if select_ else {}
-    for task, entry in looked(every, store):
-        if (failed and entry.state == "failed") or (stale and entry.state == "stale"):
-            chosen[task.id] = task
+    named = find(study, words or []) | ({task.id for task in select(study, select_)} if select_ else set())
+    states = {state for state, asked in {"failed": failed, "stale": stale}.items() if asked}
+    chosen = every.where(lambda task: task.id in named or (bool(states) and store.look(task).state in states))
     if not chosen and not (failed or stale):
         raise StudyError(study.path, ["rerun: name a TASK, or --failed, --stale or --select"])
     if not chosen:
         say("nothing to rerun")
         return
     place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
-    actions.preflight(study, chosen.values())
-    raise typer.Exit(actions.rerun(study, store, results, list(chosen.values()), place))
+    actions.preflight(study, chosen)
+    raise typer.Exit(actions.rerun(study, store, results, chosen, place))
 
 
 @app.command()
@@ -231,16 +235,16 @@ def verify(
     from pipeline.schedule import Place
 
     study, tasks, store = _open(study_file, results)
-    unique = {task.id: task for task in tasks}.values()
-    entries = [(task, store.look(task, checksums=True)) for task in unique]
-    say(tally(entries))
-    damaged = [task for task, entry in entries if entry.state == "damaged"]
-    for task in damaged:
+    by_state = tasks.split(lambda task: store.look(task, checksums=True).state)
+    counts: Counter[str] = Counter({state: len(members) for state, members in by_state.items()})
+    say(str(Tally(counts)))
+    for task in by_state.get("damaged", ()):
         say(f"damaged: {task.id} {task}; `study run {study.path}` makes it again", err)
-    done = [task for task, entry in entries if entry.state == "done"]
-    chosen = random.sample(done, min(rerun_, len(done)))  # which ones does not matter, only that none is favoured
-    code = actions.rerun(study, store, results, chosen, Place()) if chosen else DONE
-    raise typer.Exit(FAILED if damaged else code)
+    done = [task.id for task in by_state.get("done", ())]
+    chosen = set(random.sample(done, min(rerun_, len(done))))  # any will do, if only none is favoured
+    again = tasks.where(lambda task: task.id in chosen)
+    code = actions.rerun(study, store, results, again, Place()) if chosen else DONE
+    raise typer.Exit(FAILED if counts["damaged"] else code)
 
 
 @app.command()

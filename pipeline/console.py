@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rich.console import Console
@@ -14,7 +15,7 @@ from pipeline.study import Study, StudyError
 from pipeline.tasks import Task
 
 DONE, FAILED, INCOMPLETE = 0, 1, 2
-Entries = Sequence[tuple[Task, Entry]]
+MANY = 20  # failures that are listed
 out, err = Console(), Console(stderr=True)
 
 
@@ -30,38 +31,61 @@ def store_of(study: Study, results: Path) -> Store:
     return Store(results, study.name)
 
 
-def looked(tasks: Sequence[Task], store: Store) -> list[tuple[Task, Entry]]:
-    """Every task, once, with its state."""
-    return [(task, store.look(task)) for task in {task.id: task for task in tasks}.values()]
+def looked(tasks: Iterable[Task], store: Store) -> Iterator[tuple[Task, Entry]]:
+    """Every task with its state, one at a time: what is known of a million does not fit in memory."""
+    return ((task, store.look(task)) for task in tasks)
 
 
-def tally(entries: Entries) -> str:
-    """54 tasks: 50 done, 3 missing, 1 failed."""
-    counts = Counter(entry.state for _, entry in entries)
-    return (
-        f"{len(entries)} tasks: "
-        + ", ".join(f"{n} {state}" for state, n in counts.most_common())
-        + other_sources(entries)
-    )
+@dataclass
+class Tally:
+    """What there is to say of many tasks, gathered as they pass by."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    other_sources: int = 0  # finished tasks from other solver sources than the present ones
+    failed: list[str] = field(default_factory=list)  # the first of them, in words
+
+    @classmethod
+    def of(cls, entries: Iterable[tuple[Task, Entry]]) -> Tally:
+        """Of tasks that nobody else looks at."""
+        tally = cls()
+        for task, entry in entries:
+            tally.see(task, entry)
+        return tally
+
+    def see(self, task: Task, entry: Entry) -> None:
+        """One more."""
+        self.counts[entry.state] += 1
+        if entry.state == "done":
+            mine = environment.sources()
+            self.other_sources += entry.status.get("provenance", {}).get("solver_sources", mine) != mine
+        if entry.state == "failed" and len(self.failed) < MANY:
+            error = entry.status.get("error", {})
+            self.failed.append(f"failed: {task.id} {task}: {error.get('kind')}: {error.get('message')}")
+
+    @property
+    def code(self) -> int:
+        """The exit status."""
+        if self.counts["failed"]:
+            return FAILED
+        return INCOMPLETE if self.counts["missing"] or self.counts["damaged"] else DONE
+
+    def __str__(self) -> str:
+        """54 tasks: 50 done, 3 missing, 1 failed."""
+        others = f"; {self.other_sources} done by other solver sources of the same model version"
+        states = ", ".join(f"{n} {state}" for state, n in self.counts.most_common() if n)
+        return f"{self.counts.total()} tasks: {states}" + (others if self.other_sources else "")
 
 
-def other_sources(entries: Entries) -> str:
-    """A note if finished tasks came from other solver sources than the present ones."""
-    mine = environment.sources()
-    found = [e.status.get("provenance", {}).get("solver_sources", mine) for _, e in entries if e.state == "done"]
-    count = sum(sources != mine for sources in found)
-    return f"; {count} done by other solver sources of the same model version" if count else ""
-
-
-def finish(entries: Entries, study: Study) -> int:
+def finish(tally: Tally, study: Study) -> int:
     """List what failed, with reason; the exit status."""
-    failed = [(task, entry) for task, entry in entries if entry.state == "failed"]
-    for task, entry in failed:
-        error = entry.status.get("error", {})
-        say(f"failed: {task.id} {task}: {error.get('kind')}: {error.get('message')}", err)
-    if failed:
+    for line in tally.failed:
+        say(line, err)
+    count = tally.counts["failed"]
+    if count > MANY:
+        say(f"and {count - MANY} more that `study plan {study.path}` lists", err)
+    if count:
         say(f"see `study show {study.path} TASK`, repeat with `study rerun {study.path} --failed`", err)
-    return FAILED if failed else DONE
+    return FAILED if count else DONE
 
 
 def compare(task: Task, old: bytes | None, new: bytes | None) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from pipeline.netcdf import Variable, to_file
 from pipeline.records import decode
 from pipeline.store import Entry, Store, appearing, read_json, sha256, write_json
 from pipeline.study import Study
-from pipeline.tasks import MODEL_VERSION, Label, Task, axes, dimensions, expand
+from pipeline.tasks import MODEL_VERSION, Label, axes, dimensions
 from pipeline.variables import meaning
 
 ALONG_MODE = "natural_frequency"
@@ -31,15 +31,14 @@ def collect(study: Study, store: Store, *, anew: bool = True) -> tuple[Path, dic
     """
     table = axes(study.content)
     shape = tuple(len(values) for values in table.values())
-    tasks = list(expand(study.content))
-    path, mark = store.root / "statistics.nc", _fingerprint(study, tasks, store)
+    path, mark = store.root / "statistics.nc", _fingerprint(study, store)
     known = read_json(store.root / ".statistics.json") or {}
     if not anew and known.get("of") == mark and path.exists() and known.get("sha256") == checksum(path):
         return path, known["counts"]
     store.root.mkdir(parents=True, exist_ok=True)
     arrays = Arrays(shape, store.root)
     status, names = np.full(shape, "missing", dtype="U8"), np.full(shape, "", dtype="U16")
-    for cell, task in zip(np.ndindex(*shape), tasks, strict=True):
+    for cell, task in zip(np.ndindex(*shape), study.tasks, strict=True):
         status[cell], names[cell] = _fill(arrays, cell, store.look(task)), task.id
     with appearing(path) as part:
         to_file(part, *_dataset(study, table, arrays, status, names))
@@ -70,12 +69,12 @@ def _fill(arrays: Arrays, cell: tuple[int, ...], entry: Entry) -> str:
     return entry.state
 
 
-def _fingerprint(study: Study, tasks: Iterable[Task], store: Store) -> str:
+def _fingerprint(study: Study, store: Store) -> str:
     """What the dataset is made of: the study's cells and the records in them."""
     digest = hashlib.sha256()
     seas = study.content.model_dump(mode="json", include={"sea_states", "title"})
     digest.update(json.dumps([LAYOUT, seas, dimensions(study.content)], sort_keys=True).encode())
-    for task in tasks:
+    for task in study.tasks:
         entry = store.look(task)
         made = [entry.status.get(key) for key in ("sha256", "finished", "wall_time")]
         digest.update(json.dumps([dict(task.labels), task.id, entry.state, made]).encode())
@@ -162,9 +161,14 @@ def _attributes(study: Study) -> dict[str, Any]:
     }
 
 
-def load(path: Path) -> Any:
-    """The dataset as xarray.Dataset, read whole."""
+def opened(path: Path) -> Any:
+    """The dataset as xarray.Dataset, read as far as it is used, and again when used again."""
     import xarray as xr
 
-    with xr.open_dataset(path) as data:
+    return xr.open_dataset(path, cache=False)
+
+
+def load(path: Path) -> Any:
+    """The dataset as xarray.Dataset, read whole."""
+    with opened(path) as data:
         return data.load()

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-import statistics
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,33 +13,70 @@ from pipeline.cache import Cache
 from pipeline.progress import about
 from pipeline.schema import Recording
 from pipeline.store import Entry, read_json
-from pipeline.tasks import Geometry, Label, Task
+from pipeline.tasks import Geometry, Label, Task, geometry
 
 SAMPLE = 200  # tasks of other studies looked at
 
 
-def estimate(entries: Sequence[tuple[Task, Entry]], results: Path, workers: int) -> str:
-    """A sentence on the time that missing tasks will take; empty if nothing is missing."""
-    todo = [task for task, entry in entries if entry.state in ("missing", "damaged")]
-    if not todo:
-        return ""
-    past = [entry.status for _, entry in entries if entry.state in ("done", "stale")]
-    source = f"{len(past)} tasks done"
-    if not past:
-        past = list(itertools.islice(_others(results), SAMPLE))
-        source = f"{len(past)} tasks of other studies"
-    rates = {label: _rate(past, label) for label in {task.labels["platform"] for task in todo}}
-    lengths = ((task.labels["platform"], task.parameters.record) for task in todo)
-    seconds = sum(rates[label] * (record.duration + record.discard) for label, record in lengths) / workers
-    words = f"{about(seconds)} on {workers} workers, from {source}" if past else "no past run tells how long they take"
-    fresh = _unsolved(todo, results)
-    return f"to run: {len(todo)} tasks" + (f" after {fresh} boundary element solutions" if fresh else "") + f"; {words}"
+@dataclass
+class Rate:
+    """Wall time of a simulated second [-]."""
+
+    total: float = 0.0
+    tasks: int = 0
+
+    def add(self, rate: float) -> None:
+        """One more task."""
+        self.total, self.tasks = self.total + rate, self.tasks + 1
+
+    @property
+    def mean(self) -> float:
+        """Over the tasks."""
+        return self.total / self.tasks if self.tasks else 0.0
 
 
-def _rate(past: Sequence[dict[str, Any]], platform: Label) -> float:
-    """Mean wall time of a simulated second, of tasks with the same platform label or else of all [-]."""
-    alike = [s for s in past if s.get("labels", {}).get("platform") == platform] or past
-    return statistics.fmean(s.get("wall_time", 0.0) / _length(s) for s in alike) if alike else 0.0
+@dataclass
+class Estimate:
+    """What is left to run and how fast such tasks ran, gathered as entries pass by."""
+
+    left: int = 0  # tasks
+    length: defaultdict[Label, float] = field(default_factory=lambda: defaultdict(float))  # of records, by platform [s]
+    geometries: set[Geometry] = field(default_factory=set)
+    past: defaultdict[Label, Rate] = field(default_factory=lambda: defaultdict(Rate))
+
+    def see(self, task: Task, entry: Entry) -> None:
+        """One more task of the study."""
+        if entry.state in ("missing", "damaged"):
+            given, platform = task.parameters, task.labels["platform"]
+            self.left += 1
+            self.length[platform] += given.record.duration + given.record.discard
+            if found := geometry(given):
+                self.geometries.add(found)
+        elif entry.state in ("done", "stale"):
+            self._ran(entry.status)
+
+    def words(self, results: Path, workers: int) -> str:
+        """A sentence on the time that missing tasks will take; empty if nothing is missing."""
+        if not self.left:
+            return ""
+        source = "tasks done"
+        if not self.past:
+            source = "tasks of other studies"
+            for status in itertools.islice(_others(results), SAMPLE):
+                self._ran(status)
+        count = sum(rate.tasks for rate in self.past.values())
+        time = f"{about(self._seconds() / workers)} on {workers} workers, from {count} {source}"
+        fresh = sum(Cache(results).get(one.key) is None for one in self.geometries)
+        bem = f" after {fresh} boundary element solutions" if fresh else ""
+        return f"to run: {self.left} tasks{bem}; {time if count else 'no past run tells how long they take'}"
+
+    def _ran(self, status: dict[str, Any]) -> None:
+        self.past[status.get("labels", {}).get("platform", "")].add(status.get("wall_time", 0.0) / _length(status))
+
+    def _seconds(self) -> float:
+        """By tasks with the same platform, or else by all."""
+        every = Rate(sum(r.total for r in self.past.values()), sum(r.tasks for r in self.past.values()))
+        return sum(length * self.past.get(platform, every).mean for platform, length in self.length.items())
 
 
 def _length(status: dict[str, Any]) -> float:
@@ -50,8 +88,3 @@ def _others(results: Path) -> Iterator[dict[str, Any]]:
     for path in results.glob("*/tasks/*/status.json"):
         if (status := read_json(path)) and status.get("state") == "done":
             yield status
-
-
-def _unsolved(tasks: Sequence[Task], results: Path) -> int:
-    geometries: set[Geometry] = {task.geometry for task in tasks if task.geometry}
-    return sum(Cache(results).get(geometry.key) is None for geometry in geometries)

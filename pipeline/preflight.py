@@ -8,7 +8,7 @@ from dataclasses import replace
 from pipeline.run import Engine
 from pipeline.schema import Recording
 from pipeline.study import Study, StudyError
-from pipeline.tasks import Parameters, Task
+from pipeline.tasks import Parameters, Task, geometry
 from solver.errors import InputError
 
 # Sea states and seeds are judged from the file alone.
@@ -55,8 +55,8 @@ def build(parameters: Parameters) -> None:
     from pipeline import scenes
 
     scenes.scene(parameters)
-    if geometry := Task(labels={}, parameters=parameters).geometry:
-        scenes.bem_arguments(geometry)
+    if found := geometry(parameters):
+        scenes.bem_arguments(found)
 
 
 def reduce(parameters: Parameters) -> None:

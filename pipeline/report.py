@@ -155,8 +155,8 @@ def summary(data: xr.Dataset, console: Console) -> None:
 
 def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
     """Variable, statistic, mean, least, largest and unit, as text."""
-    for label, values in data.data_vars.items():
-        if "statistic" not in values.dims or values.isnull().all():
+    for label in data.data_vars:
+        if "statistic" not in data[label].dims or (values := data[label].compute()).isnull().all():
             continue
         for statistic in values.statistic.values:
             part = values.sel(statistic=statistic)

@@ -6,27 +6,32 @@ import difflib
 from collections.abc import Iterable, Sequence
 
 from pipeline.study import Study, StudyError
-from pipeline.tasks import Label, Task, axes
+from pipeline.tasklist import Tasks
+from pipeline.tasks import Label, axes
 
 
-def select(study: Study, tasks: Iterable[Task], text: str) -> list[Task]:
-    """The tasks whose labels are all among those asked for."""
-    wanted = _wanted(study, text) if text else {}
-    return [t for t in tasks if all(t.labels[axis] in values for axis, values in wanted.items())]
+def select(study: Study, text: str) -> Tasks:
+    """The tasks, each once, whose labels are all among those asked for."""
+    if not text:
+        return study.tasks.unique
+    wanted = _wanted(study, text)
+    return study.tasks.where(lambda t: all(t.labels[axis] in values for axis, values in wanted.items())).unique
 
 
-def find(study: Study, tasks: Sequence[Task], words: Iterable[str]) -> list[Task]:
-    """Tasks by id, by the beginning of an id, or by labels."""
-    found: dict[str, Task] = {}
+def find(study: Study, words: Iterable[str]) -> set[str]:
+    """Ids of tasks, from ids, beginnings of ids, or labels."""
+    found: set[str] = set()
     for word in words:
-        by_id = (task for task in tasks if task.id.startswith(word))
-        ids = {task.id: task for task in (select(study, tasks, word) if "=" in word else by_id)}
+        if "=" in word:
+            ids = {task.id for task in select(study, word)}
+        else:
+            ids = {task.id for task in study.tasks if task.id.startswith(word)}
         if not ids:
             raise StudyError(study.path, [f"task = {word}: no such task; `study plan {study.path}` lists them"])
         if len(ids) > 1 and "=" not in word:
             raise StudyError(study.path, [f"task = {word}: {len(ids)} tasks begin so; give more digits"])
         found |= ids
-    return list(found.values())
+    return found
 
 
 def _wanted(study: Study, text: str) -> dict[str, set[Label]]:

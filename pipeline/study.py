@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from pydantic_core import ErrorDetails
 
 from pipeline import checks
 from pipeline.schema import StudyFile, units
+from pipeline.tasklist import Tasks
 from solver.errors import InputError
 
 LIMITS = {
@@ -51,6 +53,11 @@ class Study:
     def name(self) -> str:
         """The file's stem; it names the results folder."""
         return self.path.stem
+
+    @cached_property
+    def tasks(self) -> Tasks:
+        """The tasks in all its cells; cells may share one."""
+        return Tasks.of(self.content)
 
 
 def load(path: Path) -> Study:

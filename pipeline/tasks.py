@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from pipeline.checks import supports
@@ -81,37 +81,49 @@ class Task:
     """A cell of the study: its labels along the axes, and its parameters."""
 
     labels: Mapping[str, Label]
-    parameters: Parameters
+    make: Callable[[], Parameters]  # not the parameters themselves: a million tasks must be small
     version: int = MODEL_VERSION
     varied: tuple[str, ...] = AXES  # the axes worth naming, for people
+    known: str = ""  # its id, where that has been found out before
+
+    @property
+    def parameters(self) -> Parameters:
+        """All that decides its numbers, made at each call."""
+        return self.make()
 
     @cached_property
     def id(self) -> str:
         """Same physics, same folder, on every machine."""
-        return digest(self.parameters.canonical(), self.version)
+        return self.known or digest(self.parameters.canonical(), self.version)
 
     @property
     def geometry(self) -> Geometry | None:
         """What the boundary element method must solve for it; None without floats."""
-        given = self.parameters
-        if not given.floats:
-            return None
-        return Geometry(
-            water=given.water,
-            bodies=tuple(Body(hull=f.hull, centre=_centre(f)) for f in given.floats),
-            band=given.waves.band,
-            heading=given.waves.heading,
-            planar=_is_planar(given),
-        )
+        return geometry(self.parameters)
 
     @property
     def older_ids(self) -> list[str]:
         """Names of the same task under earlier model versions, newest first."""
+        if self.version == 1:
+            return []
         text = self.parameters.canonical()
         return [digest(text, version) for version in range(self.version - 1, 0, -1)]
 
     def __str__(self) -> str:
         return ",".join(f"{axis}={label}" for axis, label in self.labels.items() if axis in self.varied)
+
+
+def geometry(given: Parameters) -> Geometry | None:
+    """What the boundary element method must solve for a task; None without floats."""
+    if not given.floats:
+        return None
+    return Geometry(
+        water=given.water,
+        bodies=tuple(Body(hull=f.hull, centre=_centre(f)) for f in given.floats),
+        band=given.waves.band,
+        heading=given.waves.heading,
+        planar=_is_planar(given),
+    )
 
 
 def _centre(item: Float) -> tuple[float, float, float]:
@@ -183,8 +195,12 @@ def expand(study: StudyFile) -> Iterator[Task]:
     """All tasks, the last axis fastest."""
     table, varied = axes(study), tuple(dimensions(study))
     for values in itertools.product(*table.values()):
-        labels = dict(zip(table, values, strict=True))
-        yield Task(labels=labels, parameters=_parameters(study, labels), varied=varied)
+        yield cell(study, dict(zip(table, values, strict=True)), varied)
+
+
+def cell(study: StudyFile, labels: Mapping[str, Label], varied: tuple[str, ...], known: str = "") -> Task:
+    """The task with these labels."""
+    return Task(labels=labels, make=partial(_parameters, study, labels), varied=varied, known=known)
 
 
 def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:

@@ -25,13 +25,11 @@ def campaign(path, results, engine, **how):
 
 def run(path, results, engine, **how):
     study = load(path)
-    tasks = list(expand(study.content))
     job = campaign(path, results, engine, **how)
     heard = []
-    failed = job.run(
-        [t for t, _ in unfinished(tasks, job.store)], lambda what, _: heard.append(type(what).__name__.lower())
-    )
-    return study, tasks, job.store, failed, heard
+    todo = unfinished(study.tasks, job.store)
+    failed = job.run(todo, lambda what, _: heard.append(type(what).__name__.lower()))
+    return study, list(study.tasks), job.store, failed, heard
 
 
 def contents(tasks, store):

@@ -15,17 +15,17 @@ from pipeline.schedule import Place
 from pipeline.schema import Recording
 from pipeline.store import Store
 from pipeline.study import load
-from pipeline.tasks import expand, wave_seed
+from pipeline.tasks import wave_seed
 
 
 @pytest.fixture
 def ran(small, tmp_path, engine):
     study = load(small)
     store = Store(tmp_path / "r", "small")
-    tasks = list(expand(study.content))
+    tasks = study.tasks
     job = Campaign(study=small, results=tmp_path / "r", store=store, engine=engine, place=Place(workers=1))
     job.run(tasks, lambda *_: None)
-    return study, store, tasks
+    return study, store, list(tasks)
 
 
 def complaints(path, tmp_path):

@@ -220,10 +220,10 @@ def test_a_clock_that_goes_backwards(small_study, results, tmp_path, monkeypatch
     monkeypatch.setattr(cache.Cache.__init__, "__defaults__", (len,))
     now = iter(range(10**9, 0, -3600))
     monkeypatch.setattr(time, "gmtime", lambda *_: time.struct_time((2000, 1, 1, next(now) % 24, 0, 0, 0, 1, 0)))
-    store, tasks = Store(results, "empty"), list(expand(load(small_study).content))
+    store, tasks = Store(results, "empty"), load(small_study).tasks
     campaign = Campaign(study=small_study, results=results, store=store, engine=empty.ENGINE)
-    campaign.run(tasks[:6], lambda *_: None)
-    campaign.run([t for t, _ in unfinished(tasks, store)], lambda *_: None)
+    campaign.run(tasks.where(lambda task: task.labels["seed"] < 6), lambda *_: None)
+    campaign.run(unfinished(tasks, store), lambda *_: None)
     assert not unfinished(tasks, store)
 
 

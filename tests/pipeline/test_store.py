@@ -73,7 +73,7 @@ def test_short_and_flipped_records_are_damaged(store, task):
 
 def test_results_of_an_older_model_are_stale(store, task):
     store.done(task, b"record", {})
-    newer = Task(labels=task.labels, parameters=task.parameters, version=task.version + 1)
+    newer = Task(labels=task.labels, make=task.make, version=task.version + 1)
     assert store.look(newer).state == "stale"
     store.done(newer, b"record", {})
     assert store.look(newer).state == "done"
