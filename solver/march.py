@@ -18,6 +18,7 @@ from solver.multibody.minimal import (
     mass_matrix,
     move,
     new_motion,
+    pressures,
     project_active,
     stored_energy,
 )
@@ -27,6 +28,11 @@ A = np.array([[8 / 24, -1 / 24], [4 / 6, 1 / 6]])  # weights of the stages ½ an
 C = np.array([0.5, 1.0])
 AA0, AA = A @ A0, A @ A
 SIMPSON = np.array([1 / 6, 4 / 6, 1 / 6])
+
+REFRESH = 8  # steps that share Newton's matrix while it serves
+# Pressure and drag are evaluated again where a stage has moved by so many tolerances since; nearer than that
+# the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance.
+NEAR = 25.0
 
 OK, NOT_CONVERGED, EXCURSION, NOT_FINITE = 0, 1, 2, 3
 # Work [J] of: pressure and excitation, radiation memory, PTO, other damping of the joints,
@@ -302,6 +308,57 @@ def _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z,
 
 
 @njit(cache=True)
+def _carry(structure, amplitude, out):
+    """out[:nc] = carrier coordinates of modal amplitudes (nm,)."""
+    nc, nm = structure.carrier.shape
+    for i in range(nc):
+        total = 0.0
+        for m in range(nm):
+            total += structure.carrier[i, m] * amplitude[m]
+        out[i] = total
+
+
+@njit(cache=True)
+def _predict(structure, state, modal, sample, dt, known, force, ddz):
+    """What is known of the stages' modal loads, and the rest extrapolated from the last step.
+
+    Loads, not accelerations, of the modes are extrapolated: stiff modes ring in the latter.
+    """
+    nc, nm = structure.carrier.shape
+    for s in range(2):
+        a, b, c = (1.0, -3.0, 3.0) if s == 0 else (3.0, -8.0, 6.0)
+        for m in range(nm):
+            w, cv = structure.omega[m], state.dp[m] + dt * A0[s] * state.ddp[m]
+            cq = state.p[m] + dt * C[s] * state.dp[m] + dt * dt * AA0[s] * state.ddp[m]
+            known[s, m] = modal[sample + s, m] - 2 * structure.damping[m] * w * cv - w * w * cq
+            force[s, m] = a * state.force[0, m] + b * state.force[1, m] + c * state.force[2, m]
+        for i in range(state.z.size):
+            ddz[s, nc + i] = a * state.ddz[0, i] + b * state.ddz[1, i] + c * state.ddz[2, i]
+
+
+@njit(cache=True)
+def _newton_side(structure, inverse, known, drag, residual, ddz, side):
+    """Newton's right-hand side (2nz,).
+
+    For a carrier its acceleration under all loads less the present one, for a joint its residual.
+    """
+    nz, (nc, nm) = residual.shape[1], structure.carrier.shape
+    for s in range(2):
+        for i in range(nz):
+            side[s * nz + i] = residual[s, i] if i >= nc else -ddz[s, i]
+    for m in range(nm):
+        f0, f1 = known[0, m] + drag[0, m], known[1, m] + drag[1, m]
+        for i in range(nc):
+            f0 += structure.carrier[i, m] * residual[0, i]
+            f1 += structure.carrier[i, m] * residual[1, i]
+        a0 = inverse[m, 0, 0] * f0 + inverse[m, 0, 1] * f1
+        a1 = inverse[m, 1, 0] * f0 + inverse[m, 1, 1] * f1
+        for i in range(nc):
+            side[i] += structure.carrier[i, m] * a0
+            side[nz + i] += structure.carrier[i, m] * a1
+
+
+@njit(cache=True)
 def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, iterations, output):
     """Advance `state` through all samples of `drive`; return (outcome, sample, iterations used).
 
@@ -313,85 +370,58 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
     nj, na = nz - nc, nb * bodies.active.size
     steps = (drive.modal.shape[0] - 1) // 2
     inverse, H = flexibility(structure, dt)
-    start, stage = new_motion(bodies), (new_motion(bodies), new_motion(bodies))
+    stage = (new_motion(bodies), new_motion(bodies))
     M, constant = np.empty((nz, nz)), np.empty((2 * nz, 2 * nz))
     Z, K, pivot = np.empty((2 * nz, 2 * nz)), np.empty((2 * nz, 2 * nz)), np.empty(2 * nz, np.int64)
     _constant_part(bodies, memory, stiffness, dt, constant)
-    z0, dz0 = np.empty(nz), np.empty(nz)
     z, dz, ddz = np.zeros((2, nz)), np.zeros((2, nz)), np.zeros((2, nz))
     p, dp, ddp = np.empty((2, nm)), np.empty((2, nm)), np.zeros((2, nm))
     known, force, drag = np.empty((2, nm)), np.empty((2, nm)), np.empty((2, nm))
     velocity, history, load = np.empty((2, na)), np.empty((2, na)), np.empty((2, na))
     residual, wrench, power = np.empty((2, nz)), np.empty((2, nb, 6)), np.zeros((2, 4))
+    pressure, anchor, since = np.empty((2, nb, 6)), np.empty((2, nz)), np.empty(nz)
     works = np.zeros((3, state.work.size))
     update, flow = np.empty(2 * nz), np.empty(structure.station.shape[1:])
-    used = 0
+    z0, dz0 = np.empty(nz), np.empty(nz)
+    _carry(structure, state.p, z0)
+    _carry(structure, state.dp, dz0)
+    z0[nc:], dz0[nc:] = state.z, state.dz
+    move(bodies, z0, dz0, stage[1])  # where a step ends the next one starts
+    velocity0 = stage[1].active_velocity.copy()
+    used = spent = 0
     for step in range(steps):
-        # The step's start, and what is known of its stages.
-        for i in range(nc):
-            z0[i] = dz0[i] = 0.0
-            for m in range(nm):
-                z0[i] += structure.carrier[i, m] * state.p[m]
-                dz0[i] += structure.carrier[i, m] * state.dp[m]
-        z0[nc:], dz0[nc:] = state.z, state.dz
-        move(bodies, z0, dz0, start)
-        _memory_history(memory, state, start.active_velocity, history)
-        _newton_matrix(bodies, start, H, constant, M, Z, K)
-        if not _factor(K, pivot):
-            return NOT_FINITE, 2 * step, used
-        for s in range(2):
-            for m in range(nm):
-                w, cv = structure.omega[m], state.dp[m] + dt * A0[s] * state.ddp[m]
-                cq = state.p[m] + dt * C[s] * state.dp[m] + dt * dt * AA0[s] * state.ddp[m]
-                known[s, m] = drive.modal[2 * step + 1 + s, m] - 2 * structure.damping[m] * w * cv - w * w * cq
-            # Predict loads, not accelerations, of the modes: stiff modes ring in the latter.
-            a, b, c = (1.0, -3.0, 3.0) if s == 0 else (3.0, -8.0, 6.0)
-            for m in range(nm):
-                force[s, m] = a * state.force[0, m] + b * state.force[1, m] + c * state.force[2, m]
-            for i in range(nj):
-                ddz[s, nc + i] = a * state.ddz[0, i] + b * state.ddz[1, i] + c * state.ddz[2, i]
+        _memory_history(memory, state, velocity0, history)
+        if step % REFRESH == 0 or spent > 2:
+            _newton_matrix(bodies, stage[1], H, constant, M, Z, K)
+            if not _factor(K, pivot):
+                return NOT_FINITE, 2 * step, used
+        _predict(structure, state, drive.modal, 2 * step + 1, dt, known, force, ddz)
         p[:] = np.inf
-        converged = False
-        for _ in range(iterations):
+        converged, spent = False, 0
+        while spent < iterations:
+            spent += 1
             used += 1
             change = _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z, dz, ddz)
             for s in range(2):
                 move(bodies, z[s], dz[s], stage[s])
                 velocity[s] = stage[s].active_velocity
             _memory_loads(memory, history, velocity, load)
-            drag[:] = 0.0
+            # What is dear and varies slowly is computed once a step, as a rule.
+            if spent == 1 or np.abs(z - anchor).max() > NEAR * tolerance:
+                anchor[:] = z
+                drag[:] = 0.0
+                for s in range(2):
+                    sample = 2 * step + 1 + s
+                    pressures(bodies, stage[s], drive.field[sample], pressure[s])
+                    works[1 + s, 5] = _drag(structure, drive.station[sample], dp[s], drag[s], flow)
             for s in range(2):
-                sample = 2 * step + 1 + s
+                since[:] = z[s] - anchor[s]
+                excitation = drive.excitation[2 * step + 1 + s]
                 loads(
-                    bodies,
-                    z[s],
-                    dz[s],
-                    ddz[s],
-                    stage[s],
-                    drive.field[sample],
-                    drive.excitation[sample],
-                    load[s],
-                    residual[s],
-                    wrench[s],
-                    power[s],
-                )
-                works[1 + s, :4] = power[s]
-                works[1 + s, 5] = _drag(structure, drive.station[sample], dp[s], drag[s], flow)
-            # Newton's right-hand side: a carrier's acceleration with all loads less the
-            # present one; a joint's residual as it is.
-            for s in range(2):
-                for i in range(nz):
-                    update[s * nz + i] = residual[s, i] if i >= nc else -ddz[s, i]
-            for m in range(nm):
-                f0, f1 = known[0, m] + drag[0, m], known[1, m] + drag[1, m]
-                for i in range(nc):
-                    f0 += structure.carrier[i, m] * residual[0, i]
-                    f1 += structure.carrier[i, m] * residual[1, i]
-                a0 = inverse[m, 0, 0] * f0 + inverse[m, 0, 1] * f1
-                a1 = inverse[m, 1, 0] * f0 + inverse[m, 1, 1] * f1
-                for i in range(nc):
-                    update[i] += structure.carrier[i, m] * a0
-                    update[nz + i] += structure.carrier[i, m] * a1
+                    bodies, z[s], dz[s], ddz[s], stage[s], pressure[s], since, excitation, load[s],
+                    residual[s], wrench[s], power[s],
+                )  # fmt: skip
+            _newton_side(structure, inverse, known, drag, residual, ddz, update)
             _substitute(K, pivot, update)
             for s in range(2):
                 for i in range(nz):
@@ -427,12 +457,14 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
             for m in range(nm):
                 inertia += drive.modal[2 * step + 1 + s, m] * dp[s, m]
                 structural += 2 * structure.damping[m] * structure.omega[m] * dp[s, m] ** 2
+            works[1 + s, :4] = power[s]
             works[1 + s, 4], works[1 + s, 6] = inertia, structural
         works[0] = state.power
         for i in range(state.work.size):
             state.work[i] += dt * (SIMPSON[0] * works[0, i] + SIMPSON[1] * works[1, i] + SIMPSON[2] * works[2, i])
         state.power[:] = works[2]
-        _remember(memory, state, start.active_velocity, velocity)
+        _remember(memory, state, velocity0, velocity)
+        velocity0[:] = velocity[1]
         state.ddz[0] = state.ddz[2]
         state.force[0] = state.force[2]
         for s in range(2):
@@ -441,7 +473,8 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
             row = 2 * step + s
             output.z[row], output.dz[row], output.p[row] = z[s], dz[s], p[s]
             output.wrench[row] = wrench[s]
-        state.z[:], state.dz[:] = z[1, nc:], dz[1, nc:]
+        z0[:], dz0[:] = z[1], dz[1]
+        state.z[:], state.dz[:] = z0[nc:], dz0[nc:]
         state.p[:], state.dp[:], state.ddp[:] = p[1], dp[1], ddp[1]
     return OK, 2 * steps, used
 

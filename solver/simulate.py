@@ -20,7 +20,7 @@ from solver.march import (
     energy,
     march,
 )
-from solver.multibody.minimal import Bodies, loads, mass_matrix, move, new_motion
+from solver.multibody.minimal import Bodies, loads, mass_matrix, move, new_motion, pressures
 from solver.record import Record, Recorder, probe
 from solver.scene import Scene
 from solver.sea.field import WaveField, WaveSeries
@@ -150,7 +150,9 @@ def _residual(system: System, z: np.ndarray, field=None, excitation=None) -> np.
     field = np.zeros((nb, 2, 1)) if field is None else field
     excitation = np.zeros((nb, 6)) if excitation is None else excitation
     move(body, z, zero, motion)
-    loads(body, z, zero, zero, motion, field, excitation, np.zeros(na), out, np.empty((nb, 6)), np.empty(4))
+    pressure = np.empty((nb, 6))
+    pressures(body, motion, field, pressure)
+    loads(body, z, zero, zero, motion, pressure, zero, excitation, np.zeros(na), out, np.empty((nb, 6)), np.empty(4))
     return out
 
 

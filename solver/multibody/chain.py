@@ -24,17 +24,25 @@ class Chain(NamedTuple):
 
 
 @njit(cache=True, inline="always")
-def _cross(a, b, out):
-    out[0] = a[1] * b[2] - a[2] * b[1]
-    out[1] = a[2] * b[0] - a[0] * b[2]
-    out[2] = a[0] * b[1] - a[1] * b[0]
+def cross(ax, ay, az, bx, by, bz):
+    """a × b."""
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+
+
+@njit(cache=True, inline="always")
+def rotated(R, v):
+    """R v."""
+    return (
+        R[0, 0] * v[0] + R[0, 1] * v[1] + R[0, 2] * v[2],
+        R[1, 0] * v[0] + R[1, 1] * v[1] + R[1, 2] * v[2],
+        R[2, 0] * v[0] + R[2, 1] * v[1] + R[2, 2] * v[2],
+    )
 
 
 @njit(cache=True)
-def _turn(axis, angle, R):
+def _turn(x, y, z, angle, R):
     """R <- exp(angle [axis]×) R, by Rodrigues' formula."""
     s, c = np.sin(angle), np.cos(angle)
-    x, y, z = axis[0], axis[1], axis[2]
     for j in range(3):
         a, b, d = R[0, j], R[1, j], R[2, j]
         along = (x * a + y * b + z * d) * (1 - c)
@@ -49,67 +57,47 @@ def kinematics(chain, reference, y, dy, position, R, J, velocity, bias):
 
     reference (3,): the body's reference point at rest; y, dy (n,) coordinates and rates of its
     axes in order. Velocity and acceleration of the reference point: v = Jẏ, a = Jÿ + J̇ẏ.
+    Each axis is a velocity field v(x) = l + e × x, so (l, e) are summed at the origin and taken to the
+    reference point at the end; the frame (v, w) that carries an axis turns it at (w × l + v × e, w × e).
     """
     n = chain.kind.size
     R[:] = 0.0
     R[0, 0] = R[1, 1] = R[2, 2] = 1.0
-    shift = np.zeros(3)  # a rest point X is now at R X + shift
-    axes, origins = np.empty((n, 3)), np.empty((n, 3))
+    sx = sy = sz = 0.0  # a rest point X is now at R X + s
+    wx = wy = wz = vx = vy = vz = 0.0  # spin, and velocity at the origin, of the frame so far
+    bx = by = bz = cx = cy = cz = 0.0  # acceleration field at ÿ = 0: at the origin, and of the spin
     for i in range(n):
-        for r in range(3):
-            axes[i, r] = (
-                R[r, 0] * chain.direction[i, 0] + R[r, 1] * chain.direction[i, 1] + R[r, 2] * chain.direction[i, 2]
-            )
-            origins[i, r] = (
-                R[r, 0] * chain.point[i, 0] + R[r, 1] * chain.point[i, 1] + R[r, 2] * chain.point[i, 2] + shift[r]
-            )
+        ex, ey, ez = rotated(R, chain.direction[i])
         if chain.kind[i] == PRISMATIC:
-            shift += axes[i] * y[i]
+            J[0, i], J[1, i], J[2, i], J[3, i], J[4, i], J[5, i] = ex, ey, ez, 0.0, 0.0, 0.0
+            sx, sy, sz = sx + ex * y[i], sy + ey * y[i], sz + ez * y[i]
         else:
-            _turn(axes[i], y[i], R)
-            for r in range(3):
-                moved = R[r, 0] * chain.point[i, 0] + R[r, 1] * chain.point[i, 1] + R[r, 2] * chain.point[i, 2]
-                shift[r] = origins[i, r] - moved
-    for r in range(3):
-        position[r] = R[r, 0] * reference[0] + R[r, 1] * reference[1] + R[r, 2] * reference[2] + shift[r]
-    arm, lever, rate, at_origin = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+            px, py, pz = rotated(R, chain.point[i])
+            ox, oy, oz = px + sx, py + sy, pz + sz
+            J[0, i], J[1, i], J[2, i] = cross(ox, oy, oz, ex, ey, ez)
+            J[3, i], J[4, i], J[5, i] = ex, ey, ez
+            _turn(ex, ey, ez, y[i], R)
+            px, py, pz = rotated(R, chain.point[i])
+            sx, sy, sz = ox - px, oy - py, oz - pz
+        lx, ly, lz, ax, ay, az, rate = J[0, i], J[1, i], J[2, i], J[3, i], J[4, i], J[5, i], dy[i]
+        dx, dy_, dz = cross(wx, wy, wz, lx, ly, lz)
+        gx, gy, gz = cross(vx, vy, vz, ax, ay, az)
+        hx, hy, hz = cross(wx, wy, wz, ax, ay, az)
+        bx, by, bz = bx + rate * (dx + gx), by + rate * (dy_ + gy), bz + rate * (dz + gz)
+        cx, cy, cz = cx + rate * hx, cy + rate * hy, cz + rate * hz
+        vx, vy, vz = vx + rate * lx, vy + rate * ly, vz + rate * lz
+        wx, wy, wz = wx + rate * ax, wy + rate * ay, wz + rate * az
+    px, py, pz = rotated(R, reference)
+    x, y_, z = px + sx, py + sy, pz + sz
+    position[0], position[1], position[2] = x, y_, z
     for i in range(n):
-        if chain.kind[i] == PRISMATIC:
-            J[:3, i], J[3:, i] = axes[i], 0.0
-        else:
-            for r in range(3):
-                arm[r] = position[r] - origins[i, r]
-            _cross(axes[i], arm, lever)
-            J[:3, i], J[3:, i] = lever, axes[i]
-    velocity[:] = 0.0
-    for i in range(n):
-        for r in range(6):
-            velocity[r] += J[r, i] * dy[i]
-    # Bias: each column's rate times its coordinate's rate. spin, slide: velocity field
-    # slide + spin × x of the frame that carries axis i.
-    bias[:] = 0.0
-    spin, slide = np.zeros(3), np.zeros(3)
-    for i in range(n):
-        _cross(spin, axes[i], rate)
-        if chain.kind[i] == PRISMATIC:
-            for r in range(3):
-                bias[r] += dy[i] * rate[r]
-                slide[r] += dy[i] * axes[i, r]
-            continue
-        for r in range(3):
-            arm[r] = position[r] - origins[i, r]
-            bias[3 + r] += dy[i] * rate[r]
-        _cross(rate, arm, lever)
-        bias[0] += dy[i] * lever[0]
-        bias[1] += dy[i] * lever[1]
-        bias[2] += dy[i] * lever[2]
-        _cross(spin, origins[i], at_origin)
-        for r in range(3):
-            rate[r] = velocity[r] - slide[r] - at_origin[r]
-        _cross(axes[i], rate, lever)
-        for r in range(3):
-            bias[r] += dy[i] * lever[r]
-        _cross(axes[i], origins[i], lever)
-        for r in range(3):
-            slide[r] -= dy[i] * lever[r]
-            spin[r] += dy[i] * axes[i, r]
+        dx, dy_, dz = cross(J[3, i], J[4, i], J[5, i], x, y_, z)
+        J[0, i], J[1, i], J[2, i] = J[0, i] + dx, J[1, i] + dy_, J[2, i] + dz
+    dx, dy_, dz = cross(wx, wy, wz, x, y_, z)
+    vx, vy, vz = vx + dx, vy + dy_, vz + dz
+    velocity[0], velocity[1], velocity[2], velocity[3], velocity[4], velocity[5] = vx, vy, vz, wx, wy, wz
+    # The field's rate at a fixed point, and that the point moves through the field.
+    dx, dy_, dz = cross(cx, cy, cz, x, y_, z)
+    gx, gy, gz = cross(wx, wy, wz, vx, vy, vz)
+    bias[0], bias[1], bias[2] = bx + dx + gx, by + dy_ + gy, bz + dz + gz
+    bias[3], bias[4], bias[5] = cx, cy, cz

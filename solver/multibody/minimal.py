@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from solver.hydrodynamics.froude_krylov import WettedQuadrature, pressure_load
-from solver.multibody.chain import Chain, kinematics
+from solver.multibody.chain import Chain, cross, kinematics, rotated
 
 
 class Bodies(NamedTuple):
@@ -55,6 +55,7 @@ class Motion(NamedTuple):
     jacobian: np.ndarray  # (nb, 6, n)
     velocity: np.ndarray  # (nb, 6)
     bias: np.ndarray  # (nb, 6)
+    acceleration: np.ndarray  # (nb, 6)
     active_velocity: np.ndarray  # (nb nr,)
 
 
@@ -67,6 +68,7 @@ def new_motion(bodies):
         np.zeros((nb, 6, n)),
         np.zeros((nb, 6)),
         np.zeros((nb, 6)),
+        np.zeros((nb, 6)),
         np.zeros(nb * bodies.active.size),
     )
 
@@ -75,9 +77,9 @@ def new_motion(bodies):
 def move(bodies, z, dz, motion):
     """Positions, Jacobians and velocities of all bodies from z, dz (nz,)."""
     nr = bodies.active.size
+    y, dy = np.empty(bodies.kind.shape[1]), np.empty(bodies.kind.shape[1])
     for b in range(bodies.axes.size):
         n = bodies.axes[b]
-        y, dy = np.empty(n), np.empty(n)
         for i in range(n):
             y[i], dy[i] = z[bodies.coordinate[b, i]], dz[bodies.coordinate[b, i]]
         chain = Chain(bodies.kind[b, :n], bodies.direction[b, :n], bodies.point[b, :n], bodies.coordinate[b, :n])
@@ -160,56 +162,52 @@ def _pressure(bodies, b, motion, field, load):
 
 
 @njit(cache=True)
-def loads(bodies, z, dz, ddz, motion, field, excitation, memory, residual, wrench, power):
+def pressures(bodies, motion, field, out):
+    """Hydrostatic load, and the incident wave's where it is body-nonlinear: out (nb, 6)."""
+    out[:] = 0.0
+    for b in range(bodies.axes.size):
+        _pressure(bodies, b, motion, field, out[b])
+
+
+@njit(cache=True)
+def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, residual, wrench, power):
     """Residual JᵀW (nz,) of the equations of motion, W (nb, 6), powers (4,) [W].
 
-    field (nb, 2, terms) local pressure field; excitation (nb, 6) linear wave loads; memory
-    (nb nr,) radiation memory load; power: pressure + excitation, radiation memory, PTO, other
-    damping of the joints; the last three as dissipated.
+    pressure (nb, 6) as it was at coordinates smaller by since (nz,): the hydrostatic stiffness
+    stands for the change; excitation (nb, 6) linear wave loads; memory (nb nr,) radiation memory
+    load; power: pressure + excitation, radiation memory, PTO, other damping of the joints; the
+    last three as dissipated.
     """
     nb, nr = bodies.axes.size, bodies.active.size
-    acceleration = np.empty((nb, 6))
     for b in range(nb):
         for r in range(6):
             a = motion.bias[b, r]
             for i in range(bodies.axes[b]):
                 a += motion.jacobian[b, r, i] * ddz[bodies.coordinate[b, i]]
-            acceleration[b, r] = a
+            motion.acceleration[b, r] = a
     residual[:] = 0.0
     power[:] = 0.0
-    M, lever, spin, rate = np.empty((6, 6)), np.empty(3), np.empty(3), np.empty(3)
     for b in range(nb):
         W, velocity = wrench[b], motion.velocity[b]
-        W[:] = excitation[b]
-        _pressure(bodies, b, motion, field, W)
+        for r in range(6):
+            W[r] = excitation[b, r] + pressure[b, r]
+        for c in range(6):
+            moved = 0.0
+            for i in range(bodies.axes[b]):
+                moved += motion.jacobian[b, c, i] * since[bodies.coordinate[b, i]]
+            for r in range(6):
+                W[r] -= bodies.stiffness[b, r, c] * moved
         for r in range(6):
             power[0] += W[r] * velocity[r]
         for r in range(nr):
             i = b * nr + r
-            W[bodies.active[r]] -= memory[i]
-            power[1] += memory[i] * velocity[bodies.active[r]]
+            total = memory[i]
+            power[1] += total * velocity[bodies.active[r]]
             for j in range(nb):
                 for s in range(nr):
-                    W[bodies.active[r]] -= bodies.added_mass[i, j * nr + s] * acceleration[j, bodies.active[s]]
-        _spatial_inertia(bodies, b, motion.rotation[b], M, lever)
-        weight = -bodies.mass[b] * bodies.gravity
-        W[2] += weight
-        W[3] += lever[1] * weight
-        W[4] -= lever[0] * weight
-        for r in range(6):
-            for c in range(6):
-                W[r] -= M[r, c] * acceleration[b, c]
-        # Gyroscopic part: m ω×(ω×r) at the c.o.g. and ω×(I_ref ω) about the reference point.
-        w = velocity[3:]
-        w2, wr = w[0] * w[0] + w[1] * w[1] + w[2] * w[2], w[0] * lever[0] + w[1] * lever[1] + w[2] * lever[2]
-        for r in range(3):
-            W[r] -= bodies.mass[b] * (w[r] * wr - lever[r] * w2)
-            spin[r] = M[3 + r, 3] * w[0] + M[3 + r, 4] * w[1] + M[3 + r, 5] * w[2]
-        rate[0] = w[1] * spin[2] - w[2] * spin[1]
-        rate[1] = w[2] * spin[0] - w[0] * spin[2]
-        rate[2] = w[0] * spin[1] - w[1] * spin[0]
-        for r in range(3):
-            W[3 + r] -= rate[r]
+                    total += bodies.added_mass[i, j * nr + s] * motion.acceleration[j, bodies.active[s]]
+            W[bodies.active[r]] -= total
+        _weight_and_inertia(bodies, b, motion, W)
         for i in range(bodies.axes[b]):
             for r in range(6):
                 residual[bodies.coordinate[b, i]] += motion.jacobian[b, r, i] * W[r]
@@ -219,6 +217,42 @@ def loads(bodies, z, dz, ddz, motion, field, excitation, memory, residual, wrenc
         residual[i] -= pto + other + bodies.spring[i] * z[i] + bodies.mechanism[i] * ddz[i]
         power[2] += pto * dz[i]
         power[3] += other * dz[i]
+
+
+@njit(cache=True)
+def _weight_and_inertia(bodies, b, motion, W):
+    """W += weight and d'Alembert's loads about the reference point, by Newton and Euler at the c.o.g."""
+    R, own, a = motion.rotation[b], bodies.inertia[b], motion.acceleration[b]
+    x, y, z = rotated(R, bodies.cog[b])
+    wx, wy, wz = motion.velocity[b, 3], motion.velocity[b, 4], motion.velocity[b, 5]
+    ux, uy, uz = cross(wx, wy, wz, x, y, z)
+    cx, cy, cz = cross(wx, wy, wz, ux, uy, uz)
+    tx, ty, tz = cross(a[3], a[4], a[5], x, y, z)
+    m = bodies.mass[b]
+    fx, fy, fz = -m * (a[0] + tx + cx), -m * (a[1] + ty + cy), -m * (a[2] + tz + cz + bodies.gravity)
+    # Spin and its rate in the body's frame, where the inertia is constant.
+    px, py, pz = _into_body(R, wx, wy, wz)
+    qx, qy, qz = _into_body(R, a[3], a[4], a[5])
+    hx, hy, hz = rotated(own, (px, py, pz))
+    gx, gy, gz = cross(px, py, pz, hx, hy, hz)
+    dx, dy, dz = rotated(own, (qx, qy, qz))
+    lx, ly, lz = rotated(R, (dx + gx, dy + gy, dz + gz))
+    mx, my, mz = cross(x, y, z, fx, fy, fz)
+    W[0] += fx
+    W[1] += fy
+    W[2] += fz
+    W[3] += mx - lx
+    W[4] += my - ly
+    W[5] += mz - lz
+
+
+@njit(cache=True, inline="always")
+def _into_body(R, x, y, z):
+    return (
+        R[0, 0] * x + R[1, 0] * y + R[2, 0] * z,
+        R[0, 1] * x + R[1, 1] * y + R[2, 1] * z,
+        R[0, 2] * x + R[1, 2] * y + R[2, 2] * z,
+    )
 
 
 @njit(cache=True)
