@@ -116,12 +116,19 @@ def _rules(scene: Scene, field: WaveField) -> WettedQuadrature:
     rules = [_rule(f, scene, field) for f in scene.floats]
     if not rules:
         empty = np.zeros(0)
-        return WettedQuadrature(np.zeros((0, 0, 7)), np.zeros((0, 2)), 0.0, empty, empty, empty, empty, False, 1)
-    largest = max(r.surface_terms for r in rules)
-    patch = np.zeros((len(rules), max(len(r.patch) for r in rules), 7))
-    for stacked, rule in zip(patch, rules, strict=True):
-        stacked[: len(rule.patch)] = rule.patch
-    return rules[0]._replace(patch=patch, surface_terms=largest)
+        nothing = np.zeros((0, 0, 7)), np.zeros((0, 0, 5)), np.zeros((0, 2)), 0.0
+        return WettedQuadrature(*nothing, empty, empty, empty, empty, False, 1, np.zeros((11, 0)))
+    most = max(len(r.patch) for r in rules)
+    return rules[0]._replace(
+        patch=np.stack([_padded(r.patch, most) for r in rules]),
+        whole=np.stack([_padded(r.whole, most) for r in rules]),
+        surface_terms=max(r.surface_terms for r in rules),
+        room=max((r.room for r in rules), key=np.size),
+    )
+
+
+def _padded(rows: np.ndarray, count: int) -> np.ndarray:
+    return np.concatenate([rows, np.zeros((count - len(rows), *rows.shape[1:]))])
 
 
 def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None):

@@ -128,7 +128,8 @@ def _pressure(bodies, b, motion, field, load):
     if bodies.nonlinear[b]:
         rule = bodies.rule
         own = WettedQuadrature(
-            rule.patch[b : b + 1, : bodies.patches[b]][0],
+            rule.patch[b, : bodies.patches[b]],
+            rule.whole[b],
             rule.azimuth,
             rule.dpsi,
             rule.arc_u,
@@ -137,6 +138,7 @@ def _pressure(bodies, b, motion, field, load):
             rule.line_w,
             rule.half,
             rule.surface_terms,
+            rule.room,
         )
         pressure_load(
             motion.position[b],
