@@ -63,7 +63,7 @@ class Study:
 def load(path: Path) -> Study:
     """Read and check a study file; raise StudyError."""
     try:
-        content = StudyFile.model_validate(read(path))
+        content = StudyFile.model_validate(read(path), context={"folder": path.parent})
     except ValidationError as error:
         raise StudyError(path, [describe(e) for e in error.errors(include_url=False)]) from None
     problems = [str(problem) for problem in checks.problems(content)]

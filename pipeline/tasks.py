@@ -15,19 +15,15 @@ from pipeline.layout import hinge_nodes, spaced
 from pipeline.schema import (
     Float,
     Hull,
-    Number,
     Platform,
-    Positive,
     Recording,
     SeaState,
-    Seed,
     Solver,
     StudyFile,
-    Table,
-    Vector,
     Water,
     Waves,
 )
+from pipeline.tables import Number, Positive, Seed, Table, Vector
 
 # Raise it when the physics or a default changes: older results then count as stale, not as done.
 MODEL_VERSION = 1

@@ -1,0 +1,66 @@
+"""Files that a study file names: read once, known by their content, carried along with the parameters.
+
+Workers share no disk with the client, so a task has its files in it, packed. Its identity holds the
+SHA-256 of the content and not the path: a file may move, and may not change unnoticed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import zlib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, InstanceOf, PlainSerializer, ValidationInfo
+from pydantic_core import PydanticCustomError
+
+LARGEST = 100e6  # bytes; a larger file would clog the way to the workers
+
+
+@dataclass(frozen=True, kw_only=True)
+class Attachment:
+    """A file's content; two are equal if their contents are."""
+
+    name: str = field(compare=False)  # as the study file gives it, relative to the study file
+    digest: str  # SHA-256 of the content
+    packed: bytes = field(compare=False, repr=False)
+
+    @classmethod
+    def of(cls, name: str, data: bytes) -> Attachment:
+        """From content in memory."""
+        return cls(name=name, digest=hashlib.sha256(data).hexdigest(), packed=zlib.compress(data))
+
+    @property
+    def data(self) -> bytes:
+        """The content."""
+        return zlib.decompress(self.packed)
+
+    def __str__(self) -> str:
+        return self.name
+
+
+def _attach(given: Any, info: ValidationInfo) -> Any:
+    """Read the file of a path, relative to the folder in the context of the validation."""
+    if isinstance(given, Attachment):
+        return given
+    if not isinstance(given, str) or not given:
+        raise PydanticCustomError("file", "must be the path of a file, relative to the study file")
+    path = (info.context or {}).get("folder", Path()) / given
+    try:
+        if not path.is_file():
+            raise PydanticCustomError("file", "{limit}", {"limit": f"no such file: {path}"})
+        if (size := path.stat().st_size) > LARGEST:
+            limit = f"must be at most {LARGEST / 1e6:g} MB, is {size / 1e6:.0f} MB"
+            raise PydanticCustomError("file", "{limit}", {"limit": limit})
+        return Attachment.of(given, path.read_bytes())
+    except OSError as error:
+        raise PydanticCustomError("file", "{limit}", {"limit": f"cannot be read: {error.strerror}"}) from None
+
+
+# The type of a key that names a file.
+File = Annotated[
+    InstanceOf[Attachment],
+    BeforeValidator(_attach),
+    PlainSerializer(lambda attachment: f"sha256:{attachment.digest}", return_type=str),
+]

@@ -1,0 +1,43 @@
+"""What the tables of a study file are made of: numbers with ranges and units, names, and the table itself."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints, model_validator
+from pydantic_core import PydanticCustomError
+
+
+class Unit(NamedTuple):
+    """The unit of a number, for the docs and for messages."""
+
+    symbol: str
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+Count = Annotated[int, Field(strict=True, ge=1)]
+Flag = Annotated[bool, Field(strict=True)]
+Vector = tuple[Number, Number, Number]
+Name = Annotated[str, StringConstraints(strict=True, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.:-]*$")]
+# A year is a fine label, and TOML reads it as a number.
+Label = Annotated[Name, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
+Seed = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
+
+
+class Table(BaseModel):
+    """One table of a study file: immutable, and an unknown key is an error with a suggestion."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_unknown_keys(cls, data: Any) -> Any:
+        for key in data if isinstance(data, dict) else ():
+            if key not in cls.model_fields:
+                close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
+                known = f"did you mean {close[0]}?" if close else f"known: {', '.join(cls.model_fields)}"
+                raise PydanticCustomError("unknown_key", "{limit}", {"key": key, "limit": f"unknown key; {known}"})
+        return data
