@@ -9,8 +9,8 @@ from solver.assembly import Layout
 from solver.march import Output
 from solver.scene import Scene
 from solver.statistics import STATISTICS, Envelope, Statistics
-from solver.structure.recovery import fibre_stress
-from solver.structure.support import LegOutputs, Support
+from solver.structure.legs import Legs, at_nodes
+from solver.structure.support import Support
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
 
@@ -35,7 +35,7 @@ class Recorder:
 
     def __init__(self, scene: Scene, support: Support | None, *, layout: Layout, probe_samples: int):
         self.scene, self.layout = scene, layout
-        self.legs = support.outputs if support is not None and scene.platform.legs else None
+        self.legs = support.legs if support is not None and scene.platform.legs else None
         self.frequencies = support.dry_omega if support is not None else np.zeros(0)
         floats = scene.floats
         self.owner = np.array([b for b, f in enumerate(floats) for _ in f.motion], int)  # of each joint axis
@@ -81,11 +81,11 @@ class Recorder:
             yield "absorbed_power", (self.pto * rate**2) @ (self.owner[:, None] == np.arange(nb))
             yield "hinge_force", -output.wrench[kept, :, :3]
         if self.legs is not None:
-            displacement, stress = leg_response(self.legs, output.p[kept])
-            yield "top_displacement", displacement[:, :, -1]
-            yield "bottom_stress", stress[:, :, 0]
-            self.envelopes["displacement_envelope"].add(np.sqrt((displacement**2).sum(axis=-1)))
-            self.envelopes["stress_envelope"].add(np.abs(stress))
+            displacement, stress = self.legs.response(output.p[kept])
+            yield "top_displacement", self.legs.of_all(displacement[:, :, -1])
+            yield "bottom_stress", stress[:, self.legs.twin, 0, 0]
+            self.envelopes["displacement_envelope"].add(np.einsum("mlhd,mlhd->mlh", displacement, displacement))
+            self.envelopes["stress_envelope"].add(np.abs(stress, out=stress))
 
     def record(self, attrs: Mapping[str, float | str]) -> Record:
         """The record of all blocks."""
@@ -108,7 +108,9 @@ class Recorder:
         }
         if self.legs is not None:
             coords["leg"], coords["height"] = np.arange(1, len(self.legs.twin) + 1), self.legs.height
-            variables |= {name: (("leg", "height"), e.value) for name, e in self.envelopes.items()}
+            squared, stress = (self.envelopes[f"{name}_envelope"].value for name in ("displacement", "stress"))
+            variables["displacement_envelope"] = ("leg", "height"), np.sqrt(squared)[self.legs.twin]
+            variables["stress_envelope"] = ("leg", "height"), at_nodes(stress)[self.legs.twin]
         if self.frequencies.size:
             coords["mode"] = np.arange(1, self.frequencies.size + 1)
             variables["natural_frequency"] = (("mode",), self.frequencies)
@@ -118,26 +120,9 @@ class Recorder:
         return Record(variables=variables, coords=coords, attrs=attrs, series=series)
 
 
-def leg_response(legs: LegOutputs, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement (m, nl, nh, 3) [m] and stress (m, nl, nh) [Pa] of the most compressive fibre.
-
-    Where two elements meet, the more stressed end counts. Legs that are mirror images of one
-    another are computed once.
-    """
-    own = np.unique(legs.twin)
-    displacement = _map(p, legs.displacement[own])
-    forces = _map(p, legs.forces[own]) + legs.static_forces[own]
-    ends = fibre_stress(forces[..., 0], forces[..., 1], forces[..., 2], legs.properties[own])
-    stress = np.empty((*ends.shape[:2], ends.shape[2] + 1))
-    stress[..., 0], stress[..., -1] = ends[..., 0, 0], ends[..., -1, 1]
-    above, below = ends[..., 1:, 0], ends[..., :-1, 1]
-    stress[..., 1:-1] = np.where(np.abs(above) > np.abs(below), above, below)
-    place = np.searchsorted(own, legs.twin)
-    mirrored = np.where((legs.twin != np.arange(len(place)))[:, None, None], [1.0, -1.0, 1.0], 1.0)
-    return displacement[:, place] * mirrored, stress[:, place]
-
-
-def _map(p: np.ndarray, shapes: np.ndarray) -> np.ndarray:
-    """Modal amplitudes (m, nm) times shapes (…, nm): (m, …)."""
-    nm = shapes.shape[-1]
-    return (p @ shapes.reshape(-1, nm).T).reshape(len(p), *shapes.shape[:-1])
+def leg_response(legs: Legs, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement (m, nl, nh, 3) [m] and stress (m, nl, nh) [Pa] of the most compressive fibre."""
+    displacement, ends = legs.response(p)
+    larger = np.where(np.abs(ends[..., 1:, 0]) > np.abs(ends[..., :-1, 1]), ends[..., 1:, 0], ends[..., :-1, 1])
+    stress = np.concatenate([ends[..., :1, 0], larger, ends[..., -1:, 1]], axis=-1)
+    return np.moveaxis(legs.of_all(np.moveaxis(displacement, 2, 1)), 1, 2), stress[:, legs.twin]

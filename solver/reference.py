@@ -141,7 +141,7 @@ def _histories(scene, floats, support, samples) -> Reference:
     rotation = [[floats.coordinate(b, s.frames) for b in range(len(scene.floats))] for s in samples]
     top, stress = np.zeros((len(samples), 0, 3)), np.zeros((len(samples), 0))
     if support.history and scene.platform.legs:
-        displacement, along = leg_response(support.support.outputs, np.array(support.history))
+        displacement, along = leg_response(support.support.legs, np.array(support.history))
         top, stress = displacement[:, :, -1], along[:, :, 0]
     return Reference(
         time=np.array([s.time for s in samples]),

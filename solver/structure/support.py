@@ -15,8 +15,9 @@ from solver.errors import InputError
 from solver.scene import Platform, Water
 from solver.sea.field import WaveField
 from solver.structure import modes as natural
-from solver.structure import recovery, statics, water
+from solver.structure import legs, statics, water
 from solver.structure.frame import FrameModel, assemble
+from solver.structure.legs import Legs
 
 PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
@@ -35,20 +36,8 @@ class Support:
     station_shape: np.ndarray  # (ns, nd, nm)
     station_rows: np.ndarray  # (ns, nd, n) complex normal particle velocity
     drag: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
-    outputs: "LegOutputs"
+    legs: Legs
     buckling_factor: float  # gravity times this buckles the frame
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class LegOutputs:
-    """Linear maps from modal amplitudes to what is put out along nl legs of nh nodes each."""
-
-    height: np.ndarray  # (nh,) above the leg's foot [m]
-    displacement: np.ndarray  # (nl, nh, 3, nm) [m]
-    forces: np.ndarray  # (nl, ne, 2, 3, nm) N, My, Mz at both ends of each element
-    static_forces: np.ndarray  # (nl, ne, 2, 3)
-    properties: np.ndarray  # (nl, ne, 2, 4) A, Iy, Iz, c
-    twin: np.ndarray  # (nl,) first leg with the same response: itself, or its mirror image
 
 
 def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarray, float]:
@@ -108,7 +97,7 @@ def prepare(
         station_shape=station_shape,
         station_rows=station_rows,
         drag=drag,
-        outputs=_legs(platform, model, sea, at_rest, shapes),
+        legs=legs.outputs(platform.legs, model, sea, at_rest, shapes),
         buckling_factor=factor,
     )
 
@@ -174,41 +163,3 @@ def _drag(model, field, sea, shapes, points, planar):
     wet = (drag > 0) & ((y > -SAME) | (not planar))
     moving = [np.abs(shape[:, d]).max(initial=0) > 1e-9 * np.abs(shape).max(initial=0) for d in range(3)]
     return shape[wet][:, moving], rows[wet][:, moving], drag[wet]
-
-
-def _legs(platform, model, sea, at_rest, shapes) -> LegOutputs:
-    loads = statics.self_weight(model, sea.gravity) + water.buoyancy(model, sea.density, sea.gravity)
-    still = recovery.section_forces(model, at_rest, loads).reshape(-1, 2, 6)[..., [0, 4, 5]]
-    moving = (recovery.section_force_matrix(model) @ shapes).reshape(-1, 2, 6, shapes.shape[1])[:, :, [0, 4, 5]]
-    properties = recovery.section_properties(model).reshape(-1, 2, 4)
-    displacement, forces, static, section = [], [], [], []
-    for leg in platform.legs:
-        nodes, elements = model.member_nodes[leg], np.array(model.member_elements[leg])
-        end = slice(None)
-        if model.xyz[nodes[0], 2] > model.xyz[nodes[-1], 2]:  # foot first
-            nodes, elements, end = nodes[::-1], elements[::-1], slice(None, None, -1)
-        displacement.append(shapes.reshape(-1, 6, shapes.shape[1])[nodes, :3])
-        forces.append(moving[elements][:, end])
-        static.append(still[elements][:, end])
-        section.append(properties[elements][:, end])
-    displacement, forces = np.array(displacement), np.array(forces)
-    nl = len(platform.legs)
-    height = model.xyz[nodes, 2] - model.xyz[nodes[0], 2] if nl else np.zeros(0)
-    twin = np.arange(nl)
-    for i in range(nl):
-        for j in range(i):
-            mirrored = displacement[j] * np.array([1, -1, 1])[:, None]
-            if any(
-                np.allclose(displacement[i], other, atol=1e-9 * np.abs(displacement).max())
-                for other in (displacement[j], mirrored)
-            ):
-                twin[i] = twin[j]
-                break
-    return LegOutputs(
-        height=height,
-        displacement=displacement,
-        forces=forces,
-        static_forces=np.array(static),
-        properties=np.array(section),
-        twin=twin,
-    )
