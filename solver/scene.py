@@ -104,6 +104,10 @@ class Platform:
     # printed): (C_M - 1) rho V (du/dt - a), which leaves out the undisturbed wave's pressure.
     wave_inertia: Literal["standard", "relative"] = "standard"
 
+    def __hash__(self):
+        """Equal platforms have equal text; what no wave changes is kept for the next task with this one."""
+        return hash(repr(self))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:

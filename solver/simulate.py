@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -55,7 +56,7 @@ class System:
         p = self.structure.carrier.T @ carried / self.structure.omega**2 if nm else np.zeros(0)
         z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
         z[:nc] = self.structure.carrier @ p
-        first = self.drive(self.series(self.dt).block(0, 1))
+        first = self.drive(self.series(self.dt, 1).block(0, 1))
         ddp, ddz, load = _initial_acceleration(self, z, p, first)
         return State(
             z=z[nc:],
@@ -70,12 +71,10 @@ class System:
             work=np.zeros(len(WORKS)),
         )
 
-    def series(self, dt: float) -> WaveSeries:
-        """All that the wave drives, at samples dt/2 apart."""
+    def series(self, dt: float, block: int = 2 * BLOCK_STEPS + 1) -> WaveSeries:
+        """All that the wave drives, at samples dt/2 apart, blocks of at most `block`."""
         s = self.scene.settings
-        return WaveSeries(
-            self.rows, self.scene.sea.omega, dt / 2, 2 * BLOCK_STEPS + 1, lambda t: ramp(t, s.ramp, s.ramp_form)
-        )
+        return WaveSeries(self.rows, self.scene.sea.omega, dt / 2, block, lambda t: ramp(t, s.ramp, s.ramp_form))
 
     def drive(self, samples: np.ndarray) -> Drive:
         """Columns of the wave series (m, columns) as the march reads them."""
@@ -107,16 +106,9 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         )
     fit = None
     if scene.floats and settings.radiation:
-        h = hydrodynamics
-        radii = [1.0 if DOFS.index(d) < 3 else f.hull.largest_radius for f in scene.floats for d in h.dofs]
-        fit = radiation.fit(
-            h.omega,
-            h.added_mass,
-            h.radiation_damping,
-            h.added_mass_inf,
-            settings.memory_tolerance,
-            lengths=np.array(radii),
-        )
+        dofs = hydrodynamics.dofs
+        radii = tuple(1.0 if DOFS.index(d) < 3 else f.hull.largest_radius for f in scene.floats for d in dofs)
+        fit = _memory(hydrodynamics, settings.memory_tolerance, radii)
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
     added_mass = fit.added_mass_inf if fit else np.zeros((na, na))
     body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass)
@@ -134,6 +126,14 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         rows=rows,
         layout=layout,
         dt=settings.time_step,
+    )
+
+
+@lru_cache(maxsize=8)
+def _memory(h: Hydrodynamics, tolerance: float, lengths: tuple[float, ...]) -> radiation.RadiationMemory:
+    """The fit for a set of coefficients: tasks that differ in sea, damping or support share it."""
+    return radiation.fit(
+        h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths=np.array(lengths)
     )
 
 

@@ -97,6 +97,10 @@ class Frame:
     masses: tuple[PointMass, ...] = ()
     loads: tuple[PointLoad, ...] = ()
 
+    def __hash__(self):
+        """Equal frames have equal text; a mapping alone would have no hash."""
+        return hash(repr(self))
+
     def __post_init__(self):
         self._check_coordinates()
         self._check_names()

@@ -4,6 +4,8 @@
 tension is positive. Element ends are numbered 2 e (start) and 2 e + 1 (end).
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from solver.structure import beam
@@ -12,6 +14,7 @@ from solver.structure.frame import FrameModel, sparse_sum
 FACE = np.repeat([-1.0, 1.0], 6)  # nodal forces at the start act on the face -x
 
 
+@lru_cache(maxsize=8)
 def section_force_matrix(model: FrameModel):
     """S, sparse (12 ne, 6n): (S @ d).reshape(2 ne, 6) are the section forces of d (6n,) [N, N m].
 

@@ -1,6 +1,7 @@
 """Dead loads, static equilibrium, and what the axial force does to the stiffness."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from scipy import linalg
@@ -12,6 +13,7 @@ from solver.structure.frame import FrameModel, scatter
 ROUNDING = 1e-10  # a share of the largest |1/λ| that rounding alone can make positive
 
 
+@lru_cache(maxsize=8)
 def self_weight(model: FrameModel, g):
     """Consistent weight ρAg of each element, local axes [N, N m], (ne, 12)."""
     weight = np.array([m.material.density * m.section.area * g for m in model.frame.members])

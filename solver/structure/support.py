@@ -7,6 +7,7 @@ includes the added mass of the wetted members, because that is the mass that mov
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import linalg
@@ -14,13 +15,14 @@ from scipy import linalg
 from solver.errors import InputError
 from solver.scene import Platform, Water
 from solver.sea.field import WaveField
-from solver.structure import modes as natural
 from solver.structure import legs, statics, water
+from solver.structure import modes as natural
 from solver.structure.frame import FrameModel, assemble
 from solver.structure.legs import Legs
 
 PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
+KNOWN = 8  # platforms of which a process keeps what no wave changes
 PLANAR = np.array([0, 2, 4])
 
 
@@ -40,6 +42,7 @@ class Support:
     buckling_factor: float  # gravity times this buckles the frame
 
 
+@lru_cache(maxsize=KNOWN)
 def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarray, float]:
     """Frame (softened by gravity if asked), its static displacement, and the buckling factor."""
     model = assemble(platform.frame)
@@ -55,6 +58,23 @@ def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarra
             )
         model = statics.with_geometric_stiffness(model, at_rest)
     return model, at_rest, factor
+
+
+@lru_cache(maxsize=KNOWN)
+def _dry_frequencies(model: FrameModel) -> np.ndarray:
+    return natural.modes(model.K, model.M, model.free).omega
+
+
+@lru_cache(maxsize=KNOWN)
+def _kept_modes(model: FrameModel, density: float, planar: bool, count: int | None):
+    """Mass with the water's, and the lowest modes; in a planar scene the symmetric ones."""
+    M = model.M + water.added_mass(model, density)
+    if not planar:
+        return M, natural.modes(model.K, M, model.free, count)
+    symmetric = natural.symmetric_basis(model)
+    if symmetric is None:
+        raise InputError("platform.frame", "not symmetric in y = 0", "a planar scene needs a symmetric frame")
+    return M, natural.modes_in(symmetric, model.K, M, count)
 
 
 def static_load(model: FrameModel, sea: Water) -> np.ndarray:
@@ -78,18 +98,15 @@ def prepare(
 ) -> Support:
     """Reduce a platform for one sea. hinge_nodes: node names in the order of the floats."""
     model, at_rest, factor = dynamic_model(platform, sea)
-    symmetric = natural.symmetric_basis(model) if planar else None
-    if planar and symmetric is None:
-        raise InputError("platform.frame", "not symmetric in y = 0", "a planar scene needs a symmetric frame")
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
-    M = model.M + water.added_mass(model, sea.density)
+    M, kept = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
     at = water.stations(model, 4)  # once a task, so exact is free
     inertia_rows = _inertia_rows(platform, at, field, sea)
     nodal = _nodal_load(model, at, inertia_rows)
-    omega, shapes = _basis(model, M, symmetric, dof.ravel(), nodal, modes)
+    omega, shapes = kept if modes == "all" else _basis(model, M, kept, dof.ravel(), nodal)
     station_shape, station_rows, drag = _drag(model, field, sea, shapes, stations, planar)
     return Support(
-        dry_omega=natural.modes(model.K, model.M, model.free).omega,
+        dry_omega=_dry_frequencies(model),
         omega=omega,
         shapes=shapes,
         carrier=shapes[dof.ravel()],
@@ -121,16 +138,8 @@ def _nodal_load(model, at, rows):
     return load
 
 
-def _basis(model, M, symmetric, hinge_dof, nodal, count):
+def _basis(model, M, kept, hinge_dof, nodal):
     """Ritz frequencies and shapes (6n, nm), mass-normalised with M."""
-    if count == "all":
-        found = natural.modes(model.K, M, model.free) if symmetric is None else natural.modes_in(symmetric, model.K, M)
-        return found.omega, found.shapes
-    kept = (
-        natural.modes(model.K, M, model.free, count)
-        if symmetric is None
-        else natural.modes_in(symmetric, model.K, M, count)
-    )
     unit = np.zeros((len(nodal), hinge_dof.size))
     unit[hinge_dof, np.arange(hinge_dof.size)] = 1.0
     patterns = np.concatenate([nodal.real, nodal.imag], axis=1)

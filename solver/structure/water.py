@@ -1,6 +1,7 @@
 """The part of a frame below still water (z = 0): stations for wave loads, added mass, buoyancy."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -45,6 +46,7 @@ class Stations:
         return vector
 
 
+@lru_cache(maxsize=8)
 def stations(model: FrameModel, points):
     """Gauss points, `points` on each wetted element: exact to order 2 points - 1."""
     if points < 1:
@@ -80,6 +82,7 @@ def _shapes(model, element, s):
     return shape
 
 
+@lru_cache(maxsize=8)
 def added_mass(model: FrameModel, density):
     """Consistent added mass, sparse (6n, 6n): ∫ (C_M - 1) ρπD²/4 Nᵀ(I - ttᵀ)N dx, wetted part.
 
@@ -95,6 +98,7 @@ def added_mass(model: FrameModel, density):
     return sparse_sum(matrices, at.dofs, at.dofs, model.K.shape)
 
 
+@lru_cache(maxsize=8)
 def buoyancy(model: FrameModel, density, g):
     """Buoyancy ρgA of each element's own material below z = 0, local axes [N, N m], (ne, 12).
 
