@@ -35,7 +35,7 @@ class Recorder:
 
     def __init__(self, scene: Scene, support: Support | None, *, layout: Layout, probe_samples: int):
         self.scene, self.layout = scene, layout
-        self.legs = support.legs if support is not None and scene.platform.legs else None
+        self.legs = support.legs if support is not None else None
         self.frequencies = support.dry_omega if support is not None else np.zeros(0)
         floats = scene.floats
         self.owner = np.array([b for b, f in enumerate(floats) for _ in f.motion], int)  # of each joint axis

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solver.errors import InputError
 from solver.structure import recovery, statics, water
 from solver.structure.frame import FrameModel
 
@@ -51,8 +52,10 @@ def outputs(names, model: FrameModel, sea, at_rest: np.ndarray, shapes: np.ndarr
     A, Iy, Iz, c = np.moveaxis(recovery.section_properties(model).reshape(-1, 2, 4), -1, 0)
     to_stress = np.stack([1 / A, c / Iy, c / Iz], axis=-1)
     still, moving = still * to_stress, moving * to_stress[..., None]
+    counts = {leg: len(model.member_elements[leg]) for leg in names}
+    if len(set(counts.values())) > 1:
+        raise InputError("platform.legs", counts, "must have as many elements each: they share the heights")
     displacement, fibre, static = [], [], []
-    nodes = []
     for leg in names:
         nodes, elements = model.member_nodes[leg], np.array(model.member_elements[leg])
         end = slice(None)
@@ -63,7 +66,7 @@ def outputs(names, model: FrameModel, sea, at_rest: np.ndarray, shapes: np.ndarr
         static.append(still[elements][:, end])
     own, twin, mirrored = _alike(np.array(displacement))
     return Legs(
-        height=model.xyz[nodes, 2] - model.xyz[nodes[0], 2] if len(nodes) else np.zeros(0),
+        height=model.xyz[nodes, 2] - model.xyz[nodes[0], 2],
         twin=twin,
         mirrored=mirrored,
         displacement=np.ascontiguousarray(np.moveaxis(np.array(displacement)[own], -1, 0)),
@@ -76,7 +79,7 @@ def _alike(displacement: np.ndarray) -> tuple[list[int], np.ndarray, np.ndarray]
     """Of legs (nl, nh, 3, nm) those whose response is their own; which of them each follows; which are mirrored."""
     own: list[int] = []
     twin, mirrored = np.zeros(len(displacement), int), np.zeros(len(displacement), bool)
-    mirror, close = np.array([1.0, -1.0, 1.0])[:, None], 1e-9 * np.abs(displacement).max(initial=0.0)
+    mirror, close = np.array([1.0, -1.0, 1.0])[:, None], 1e-9 * np.abs(displacement).max()
     for i, leg in enumerate(displacement):
         for place, j in enumerate(own):
             same = np.allclose(leg, displacement[j], rtol=0, atol=close)

@@ -38,7 +38,7 @@ class Support:
     station_shape: np.ndarray  # (ns, nd, nm)
     station_rows: np.ndarray  # (ns, nd, n) complex normal particle velocity
     drag: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
-    legs: Legs
+    legs: Legs | None
     buckling_factor: float  # gravity times this buckles the frame
 
 
@@ -114,7 +114,7 @@ def prepare(
         station_shape=station_shape,
         station_rows=station_rows,
         drag=drag,
-        legs=legs.outputs(platform.legs, model, sea, at_rest, shapes),
+        legs=legs.outputs(platform.legs, model, sea, at_rest, shapes) if platform.legs else None,
         buckling_factor=factor,
     )
 
