@@ -1,8 +1,7 @@
-"""Linear potential flow about hulls of revolution: the only place that knows capytaine.
+"""Linear potential flow about hulls by boundary elements; capytaine evaluates the Green function.
 
-Capytaine evaluates the Green function; the mirror planes, the systems and the forces are ours, so
-that every right-hand side of a frequency shares one factorization, and parts that a symmetry
-makes zero are never solved. Conventions: see `coefficients`.
+The mirror planes, the systems and the forces are ours, so that every right-hand side of a frequency
+shares one factorization, and parts that a symmetry makes zero are never solved. Conventions: see `coefficients`.
 """
 
 from dataclasses import dataclass
@@ -15,17 +14,21 @@ from scipy.linalg import block_diag, lu_factor, lu_solve
 from solver.errors import InputError
 from solver.hydrodynamics import mesh as meshes
 from solver.hydrodynamics.coefficients import DOFS, PLANAR, Hydrodynamics
-from solver.hydrodynamics.hull import Revolution
+from solver.hydrodynamics.mesh import Hull
+from solver.hydrodynamics.panel_hull import PanelHull
 from solver.sea.dispersion import wavenumber
 
 __all__ = ["DOFS", "PLANAR", "Hydrodynamics", "frequency_grid", "solve"]
 
 DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see _Sea.seabed
 FINE, COARSE = 3, 2  # divisions of one base mesh: a family, so that its h² error can be extrapolated away
+METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes"}
+HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it and halved
+AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved as given
 
 
 def frequency_grid(
-    hulls: tuple[Revolution, ...],
+    hulls: tuple[Hull, ...],
     centres: np.ndarray,
     *,
     depth: float,
@@ -41,7 +44,7 @@ def frequency_grid(
     radii = [h.largest_radius for h in hulls]
     shallow = 1.001 * np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
     low = max(np.sqrt(0.02 * gravity / max(radii)), shallow)
-    high, resolved = np.sqrt(np.array([10, 2]) * gravity / min(radii))
+    high, resolved = np.sqrt(np.array([10, 2]) * gravity / min(h.scale for h in hulls))
     if band is not None:
         low, high, resolved = min(low, band[0]), max(high, band[1]), max(resolved, band[1])
     at = np.asarray(centres, float).reshape(-1, 3)
@@ -55,7 +58,7 @@ def frequency_grid(
 
 
 def solve(
-    hulls: tuple[Revolution, ...],
+    hulls: tuple[Hull, ...],
     centres: np.ndarray,
     *,
     depth: float,
@@ -68,15 +71,18 @@ def solve(
 ) -> Hydrodynamics:
     """Coefficients of `hulls` at `centres` (nb, 3) [m] in water of `depth` [m, may be inf].
 
-    Each is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many.
+    Each is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many. A hull
+    that is a mesh is solved as given, or halved until it has panels / 4, and with all sides halved once more.
     """
     centres = np.asarray(centres, float).reshape(-1, 3)
     omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
     _check(hulls, centres, depth, omega, gravity, panels)
     dofs = PLANAR if planar else DOFS
     sea = _Sea(depth=depth, density=density, gravity=gravity, heading=heading)
-    fine, coarse = (_coefficients(hulls, centres, dofs, sea, omega, panels // FINE**2, n) for n in (FINE, COARSE))
-    impedance, impedance_inf, diffraction, error = _extrapolated(fine, coarse)
+    divisions = _divisions(hulls, centres, panels)
+    count = panels // max(divisions, default=1) ** 2
+    solutions = [_coefficients(hulls, centres, dofs, sea, omega, count, n) for n in divisions]
+    impedance, impedance_inf, diffraction, error = _extrapolated(solutions, divisions)
     return Hydrodynamics(
         omega=omega,
         added_mass=impedance.real,
@@ -95,9 +101,9 @@ def solve(
         dofs=dofs,
         settings=MappingProxyType(
             {
-                "panels": fine[-1],
-                "panels_coarse": coarse[-1],
-                "method": "direct, h2-extrapolated from two meshes, lid on the waterplane",
+                "panels": solutions[0][-1],
+                "panels_coarse": solutions[-1][-1],
+                "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
                 "green_function": "Delhommeau",
             }
         ),
@@ -215,12 +221,26 @@ def _symmetric(matrix: np.ndarray) -> np.ndarray:
     return (matrix + matrix.T) / 2
 
 
-def _extrapolated(fine, coarse):
-    """The limit of zero panel size, error ~ h² ~ 1/panels, and how far the finer mesh is from it."""
-    *fine, many = fine
-    *coarse, few = coarse
-    best = [f + (f - c) * few / (many - few) for f, c in zip(fine, coarse, strict=True)]
-    error = max(np.max(np.abs(b - f)) / np.max(np.abs(b)) for b, f in zip(best, fine, strict=True))
+def _divisions(hulls, centres, panels: int) -> tuple[int, ...]:
+    """Divisions of the base mesh to solve for, the finer first; only one where the finer costs too much."""
+    if not any(isinstance(h, PanelHull) for h in hulls):
+        return FINE, COARSE
+    _, mirrors = meshes.mirror_planes(hulls, centres)
+    count = sum(max(panels, HALVED[0] ** 2 * len(h.wetted)) if isinstance(h, PanelHull) else panels for h in hulls)
+    return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
+
+
+def _extrapolated(solutions, divisions):
+    """The limit of zero panel size, error ~ h² ~ 1/divisions², and how far the finest mesh is from it.
+
+    One solution is its own limit, its distance from the true one not known: inf.
+    """
+    finest = solutions[0][:-1]
+    if len(solutions) == 1:
+        return *finest, np.inf
+    fine, coarse = (n**2 for n in divisions)
+    best = [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(finest, solutions[1][:-1], strict=True)]
+    error = max(np.max(np.abs(b - f)) / np.max(np.abs(b)) for b, f in zip(best, finest, strict=True))
     return *best, float(error)
 
 
@@ -239,7 +259,8 @@ def _green_function():
 
 def _join(pieces):
     vertices, faces = meshes.merged(pieces)
-    return _capytaine().Mesh(vertices=vertices, faces=faces)
+    # Cleaning would take panels away that we count on; nor is there anything to clean.
+    return _capytaine().Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
 
 
 def _unit_motions(points, normals, body, centres, dofs) -> np.ndarray:
@@ -255,7 +276,7 @@ def _froude_krylov(hulls, centres, dofs, sea: _Sea, omega: float) -> np.ndarray:
     """-∫ p n dS over the exact mean wetted surface, (n,)."""
     force = []
     for hull, centre in zip(hulls, centres, strict=True):
-        points, areas = hull.surface_points(24, 64)
+        points, areas = hull.surface_points()
         pressure, _ = sea.wave(points + centre, omega)
         motions = _unit_motions(points, areas, np.zeros(len(points), int), np.zeros((1, 3)), dofs)
         force.append(-pressure @ motions)
@@ -263,12 +284,19 @@ def _froude_krylov(hulls, centres, dofs, sea: _Sea, omega: float) -> np.ndarray:
 
 
 def _hydrostatic(hulls, dofs, sea: _Sea) -> np.ndarray:
-    """Stiffness (n, n) of buoyancy about each centre: heave ρgπR², roll and pitch ρg(πR⁴/4 + V z_b)."""
+    """Stiffness (n, n) of buoyancy about each centre, moments of the waterplane S, displaced V at (xb, yb, zb):
+
+    heave ρgS; heave-roll ρgS_y, heave-pitch -ρgS_x; roll ρg(S_yy + V zb), pitch ρg(S_xx + V zb), roll-pitch
+    -ρgS_xy; and, as buoyancy stays where it is in the body, yaw on roll -ρgV xb and on pitch -ρgV yb.
+    """
     blocks = []
     for hull in hulls:
-        tilt = np.pi * hull.waterplane_radius**4 / 4 + hull.volume * hull.centre_of_buoyancy
-        six = np.array([0, 0, np.pi * hull.waterplane_radius**2, tilt, tilt, 0])
-        blocks.append(np.diag(sea.density * sea.gravity * six[[DOFS.index(d) for d in dofs]]))
+        S, Sx, Sy, Sxx, Sxy, Syy = hull.waterplane
+        xb, yb, zb = hull.volume * hull.buoyancy_point
+        six = np.zeros((6, 6))
+        six[2:5, 2:] = [[S, Sy, -Sx, 0], [Sy, Syy + zb, -Sxy, -xb], [-Sx, -Sxy, Sxx + zb, -yb]]
+        own = [DOFS.index(d) for d in dofs]
+        blocks.append(sea.density * sea.gravity * six[np.ix_(own, own)])
     return block_diag(*blocks)
 
 
@@ -287,6 +315,12 @@ def _check(hulls, centres, depth, omega, gravity, panels) -> None:
     if wavenumber(omega[0], depth, gravity) * depth <= 0.1:
         raise InputError("omega", omega[0], f"must have kh > 0.1 in the depth of {depth} m")
     for i, j in zip(*np.triu_indices(len(hulls), 1), strict=True):
-        clear = np.linalg.norm(centres[i] - centres[j]) - hulls[i].largest_radius - hulls[j].largest_radius
-        if clear <= 0:
+        if _touching(hulls[i], centres[i], hulls[j], centres[j]):
             raise InputError("centres", centres[[i, j]].tolist(), "bodies must not touch or overlap")
+
+
+def _touching(a, at, b, other) -> bool:
+    """Whether neither the circles nor the rectangles about two hulls are clear of each other."""
+    circles = np.linalg.norm(at - other) <= a.largest_radius + b.largest_radius
+    gap = np.maximum(a.box[0] + at[:2] - b.box[1] - other[:2], b.box[0] + other[:2] - a.box[1] - at[:2])
+    return bool(circles and np.all(gap <= 0))

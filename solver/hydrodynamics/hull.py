@@ -163,7 +163,7 @@ class Revolution:
         cut = (s.below_water() for s in self.meridian)
         return tuple(s for s in cut if s is not None)
 
-    def surface_points(self, along: int, around: int) -> tuple[np.ndarray, np.ndarray]:
+    def surface_points(self, along: int = 24, around: int = 64) -> tuple[np.ndarray, np.ndarray]:
         """Quadrature of the wetted surface at rest: points (np, 3) [m] and outward areas n dS (np, 3) [m²].
 
         `along` Gauss points a segment and `around` even azimuths: exact to rounding for smooth fields.
@@ -198,6 +198,37 @@ class Revolution:
     def waterplane_radius(self) -> float:
         """Radius of the waterplane [m]."""
         return self.wetted()[-1].end[0]
+
+    @property
+    def scale(self) -> float:
+        """Length that sets the shortest wave worth solving for [m]."""
+        return self.largest_radius
+
+    @property
+    def symmetry(self) -> tuple[bool, bool]:
+        """Whether the hull is its own mirror image in x = 0, and in y = 0."""
+        return True, True
+
+    @property
+    def closed(self) -> bool:
+        """Whether the surface encloses the body above still water too."""
+        return True
+
+    @property
+    def box(self) -> np.ndarray:
+        """Corners (2, 2) [m] of the square about the wetted part."""
+        return np.array([[-1.0, -1.0], [1.0, 1.0]]) * self.largest_radius
+
+    @property
+    def waterplane(self) -> np.ndarray:
+        """∫ of 1, x, y, x², xy, y² over the waterplane (6,) [m² to m⁴]."""
+        area, second = np.pi * self.waterplane_radius**2, np.pi * self.waterplane_radius**4 / 4
+        return np.array([area, 0.0, 0.0, second, 0.0, second])
+
+    @property
+    def buoyancy_point(self) -> np.ndarray:
+        """Centroid of the displaced volume (3,) [m]."""
+        return np.array([0.0, 0.0, self.centre_of_buoyancy])
 
     @property
     def volume(self) -> float:

@@ -1,13 +1,21 @@
-"""Panels on hulls of revolution below still water, lids inside them, and the mirror planes of a scene."""
+"""Panels on hulls below still water, lids inside them, and the mirror planes of a scene."""
+
+from functools import singledispatch
 
 import numpy as np
 
 from solver.errors import InputError
+from solver.hydrodynamics import surface
 from solver.hydrodynamics.hull import Revolution
+from solver.hydrodynamics.panel_hull import PanelHull
+from solver.hydrodynamics.surface import merged, mirrored
+
+Hull = Revolution | PanelHull
 
 IMAGES = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], float)  # of a quarter at x > 0, y > 0
 
 
+@singledispatch
 def panels(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Quadrilaterals on the wetted hull, about `count` on all of it: vertices (nv, 3) [m], faces (nf, 4).
 
@@ -28,6 +36,25 @@ def panels(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) 
     return _copied(points, faces, quarters)
 
 
+@panels.register
+def _(hull: PanelHull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    """The hull's own panels, halved until there are about `count`, then each into refine², a power of 4."""
+    pieces = hull.wetted
+    for axis in (1, 0)[: {4: 0, 2: 1, 1: 2}[quarters]]:
+        pieces = surface.below(pieces, axis, sign=-1)
+    pieces = surface.split(pieces, np.sqrt(2 * hull.wetted_area / count))
+    while refine > 1:
+        pieces, refine = surface.quartered(pieces), refine // 2
+    return _indexed(pieces)
+
+
+def _indexed(pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    faces = np.arange(4 * len(pieces)).reshape(-1, 4)
+    faces[np.all(pieces[:, 2] == pieces[:, 3], axis=1), 3] -= 1
+    return pieces.reshape(-1, 3), faces
+
+
+@singledispatch
 def lid(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Quadrilaterals on the waterplane inside the hull, as large as those of `panels`; normals point down."""
     half = refine * _lattice(hull, count)[0]
@@ -35,6 +62,40 @@ def lid(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> 
     arc, azimuth, faces = _quarter(np.linspace(radius / 2, radius, 1 + (half + 1) // 2), half)
     points = np.column_stack([arc * np.cos(azimuth), arc * np.sin(azimuth), 0 * arc])
     return _copied(points * _polygon_scale(half), faces, quarters)
+
+
+@lid.register
+def _(hull: PanelHull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    """Rectangles of a lattice over the waterplane, those that lie inside it; normals point down.
+
+    What is left free along the waterline is narrower than a panel: its eigenfrequencies are beyond
+    those that the panels resolve.
+    """
+    low, high = hull.box
+    size = np.sqrt(2 * hull.wetted_area / count) / refine
+    # Even numbers: planes of symmetry run between cells. Four at least, or a slender body has no lid.
+    nx, ny = (2 * max(2, round(extent / size / 2)) for extent in high - low)
+    x, y = np.linspace(low[0], high[0], nx + 1), np.linspace(low[1], high[1], ny + 1)
+    if quarters < 4:
+        y = y[ny // 2 :]
+    if quarters < 2:
+        x = x[nx // 2 :]
+    near, far = (np.stack(np.meshgrid(u, v, indexing="ij"), -1) for u, v in ((x[:-1], y[:-1]), (x[1:], y[1:])))
+    (a, c), (b, d) = near.reshape(-1, 2).T, far.reshape(-1, 2).T
+    corners = np.moveaxis(np.array([(a, c), (a, d), (b, d), (b, c)]), 2, 0)
+    shrunk = corners + 1e-3 * (corners.mean(axis=1, keepdims=True) - corners)
+    cells = corners[_inside(shrunk.reshape(-1, 2), hull.waterline).reshape(-1, 4).all(axis=1)]
+    return _indexed(np.concatenate([cells, np.zeros((*cells.shape[:2], 1))], axis=2))
+
+
+def _inside(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """Which points (n, 2) a ray along x leaves across an odd number of an outline's segments (ns, 2, 2)."""
+    (x0, y0), (x1, y1) = segments[:, 0].T, segments[:, 1].T
+    x, y = points.T[:, :, None]
+    spans = (y0 > y) != (y1 > y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        meets = x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
+    return np.sum(spans & meets, axis=1) % 2 == 1
 
 
 def _lattice(hull: Revolution, count: int) -> tuple[int, list[int]]:
@@ -120,14 +181,14 @@ def _copied(points: np.ndarray, faces: np.ndarray, quarters: int) -> tuple[np.nd
     return merged(copies)
 
 
-def mirror_planes(hulls: tuple[Revolution, ...], centres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def mirror_planes(hulls: tuple[Hull, ...], centres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where a scene's planes of symmetry cross (3,) [m], and the images (1, 2 or 4, 3) of signs they make."""
     origin = np.array([*(centres[:, :2].min(axis=0) + centres[:, :2].max(axis=0)) / 2, 0.0])
     at = centres - origin
-    if not np.allclose(at[:, 1], 0):
+    if not np.allclose(at[:, 1], 0) or not all(h.symmetry[1] for h in hulls):
         return origin, IMAGES[:1]
     swapped = partner(at, IMAGES[2])
-    both = np.all(swapped >= 0) and all(hulls[b] == hulls[other] for b, other in enumerate(swapped))
+    both = np.all(swapped >= 0) and all(hulls[b] == hulls[o] and hulls[b].symmetry[0] for b, o in enumerate(swapped))
     return origin, IMAGES if both else IMAGES[:2]
 
 
@@ -142,20 +203,6 @@ def quarters(at: np.ndarray, images: int) -> int:
     if images < 4:
         return 4 // images
     return 1 if abs(at[0]) < 1e-9 else 2 * int(at[0] > 0)
-
-
-def mirrored(piece: tuple[np.ndarray, np.ndarray], mirror: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and faces of a mirror image, normals still outwards."""
-    vertices, faces = piece
-    # Wound back from the same corner: a panel that is not plane keeps the diagonal it folds along.
-    return vertices * mirror, faces if np.prod(mirror) > 0 else faces[:, [0, 3, 2, 1]]
-
-
-def merged(pieces: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and faces of several pieces as one."""
-    starts = np.cumsum([0] + [len(v) for v, _ in pieces[:-1]])
-    faces = [f + start for start, (_, f) in zip(starts, pieces, strict=True)]
-    return np.concatenate([v for v, _ in pieces]), np.concatenate(faces)
 
 
 def symmetry_classes(mirrors: np.ndarray) -> np.ndarray:

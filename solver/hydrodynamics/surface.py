@@ -1,0 +1,208 @@
+"""Surfaces of triangles and quadrilaterals: mending, clipping, splitting.
+
+Indexed: vertices (nv, 3) [m], faces (nf, 4); loose: panels (n, 4, 3) [m], each with its own corners.
+Corners run counter-clockwise seen from the water; a triangle gives its last corner twice.
+"""
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import breadth_first_order, connected_components
+from scipy.spatial import cKDTree
+
+from solver.errors import InputError
+
+WELD = 1e-6  # of the extent: closer points are one; files in single precision hold 1e-7
+
+
+def mirrored(piece: tuple[np.ndarray, np.ndarray], mirror: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and faces of a mirror image, normals still outwards."""
+    vertices, faces = piece
+    if np.prod(mirror) > 0:
+        return vertices * mirror, faces
+    # Wound back from the same corner: a panel that is not plane keeps the diagonal it folds along.
+    triangle = (faces[:, 2] == faces[:, 3])[:, None]
+    return vertices * mirror, np.where(triangle, faces[:, [0, 2, 1, 1]], faces[:, [0, 3, 2, 1]])
+
+
+def merged(pieces: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and faces of several pieces as one."""
+    starts = np.cumsum([0] + [len(v) for v, _ in pieces[:-1]])
+    faces = [f + start for start, (_, f) in zip(starts, pieces, strict=True)]
+    return np.concatenate([v for v, _ in pieces]), np.concatenate(faces)
+
+
+def triangles(panels: np.ndarray) -> np.ndarray:
+    """Each panel as one or two triangles, (n, 3, 3), folded along its first diagonal."""
+    second = np.any(panels[:, 2] != panels[:, 3], axis=1)
+    return np.concatenate([panels[:, :3], panels[second][:, [0, 2, 3]]])
+
+
+def area_vectors(corners: np.ndarray) -> np.ndarray:
+    """n dS (n, 3) [m²] of triangles (n, 3, 3)."""
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+
+
+def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Coinciding points made one, panels without area or given twice left out; and what was done."""
+    extent = np.ptp(vertices[faces.ravel()], axis=0).max()
+    near = cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
+    links = coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(vertices),) * 2)
+    _, place = connected_components(links, directed=False)
+    first = np.unique(place, return_index=True)[1]
+    vertices, faces = vertices[first], _collapsed(place[faces])
+    area = np.linalg.norm(np.cross(*(np.diff(vertices[faces[:, [k, 2]]], axis=1)[:, 0] for k in (0, 1))), axis=1)
+    area += np.linalg.norm(np.cross(*(np.diff(vertices[faces[:, [0, k]]], axis=1)[:, 0] for k in (2, 3))), axis=1)
+    flat = area <= (WELD * extent) ** 2
+    _, kept = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    twice = np.ones(len(faces), bool)
+    twice[kept] = False
+    counts = [(flat.sum(), "without area"), ((twice & ~flat).sum(), "given twice")]
+    return vertices, faces[~(flat | twice)], [f"left out: {n} panels {what}" for n, what in counts if n]
+
+
+def _collapsed(faces: np.ndarray) -> np.ndarray:
+    """Quadrilaterals of which two neighbouring corners are one, as triangles."""
+    same = faces == np.roll(faces, -1, axis=1)
+    shift = np.where(same.any(axis=1), same.argmax(axis=1) - 2, 0)
+    return faces[np.arange(len(faces))[:, None], (np.arange(4) + shift[:, None]) % 4]
+
+
+def edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Directed edges (ne, 2) of all faces, and the face (ne,) of each."""
+    pairs = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+    owner = np.repeat(np.arange(len(faces)), 4)
+    real = pairs[:, 0] != pairs[:, 1]
+    return pairs[real], owner[real]
+
+
+def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Faces wound alike with normals out of the body, the open edges (ne, 2), and what was done.
+
+    A part's volume is ∫ z n_z dS, which a rim at z = 0 leaves unchanged: inside out where it is negative.
+    """
+    pairs, owner = edges(faces)
+    _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
+    if count.max() > 2:
+        point = vertices[pairs[np.argmax(count[place] > 2), 0]]
+        raise InputError(key, name, f"{count.max()} panels meet at an edge near {_text(point)}: two may")
+    order = np.argsort(place, kind="stable")
+    shared = order[count[place[order]] == 2].reshape(-1, 2)
+    turned, part = _consistent(len(faces), owner[shared], pairs[shared[:, 0], 0] == pairs[shared[:, 1], 0])
+    if turned is None:
+        raise InputError(key, name, "is a surface with one side only, so it encloses nothing")
+    faces = np.where(turned[:, None], _reversed(faces), faces)
+    corners = vertices[faces]
+    inside_out = np.bincount(part, _column_volume(corners)) < 0
+    faces = np.where(inside_out[part][:, None], _reversed(faces), faces)
+    notes = [f"turned: {turned.sum()} panels wound against their neighbours"] if turned.any() else []
+    notes += ["the mesh was inside out: its normals were turned into the water"] if inside_out.any() else []
+    return faces, pairs[count[place] == 1], notes
+
+
+def _text(point: np.ndarray) -> str:
+    return "(" + ", ".join(f"{x:.4g}" for x in point) + ") m"
+
+
+def _reversed(faces: np.ndarray) -> np.ndarray:
+    return mirrored((np.zeros((1, 3)), faces), np.array([1.0, 1.0, -1.0]))[1]
+
+
+def _column_volume(panels: np.ndarray) -> np.ndarray:
+    """∫ z n_z dS (n,) of each panel."""
+    total = np.zeros(len(panels))
+    for corners in (panels[:, :3], panels[:, [0, 2, 3]]):
+        total += corners[:, :, 2].mean(axis=1) * area_vectors(corners)[:, 2]
+    return total
+
+
+def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray):
+    """Which of `count` faces to turn so that neighbours (n, 2) agree, None if none do; and each one's part."""
+    a, b = neighbours.T if len(neighbours) else np.zeros((2, 0), int)
+    graph = coo_array((np.ones(len(a)), (a, b)), shape=(count, count)).tocsr()
+    parts, part = connected_components(graph, directed=False)
+    turned = np.zeros(count, bool)
+    if not against.any():
+        return turned, part
+    differs = coo_array((np.where(against, 2.0, 1.0), (a, b)), shape=(count, count)).todok()
+    for start in np.unique(part, return_index=True)[1]:
+        sequence, before = breadth_first_order(graph, start, directed=False)
+        for face in sequence[1:]:
+            other = before[face]
+            turned[face] = turned[other] ^ (max(differs[face, other], differs[other, face]) > 1)
+    # The fewer of each part are turned.
+    many = np.bincount(part, turned, parts) > np.bincount(part, minlength=parts) / 2
+    turned ^= many[part]
+    agree = np.all((turned[a] ^ turned[b]) == against)
+    return (turned if agree else None), part
+
+
+def below(panels: np.ndarray, axis: int = 2, *, sign: int = 1) -> np.ndarray:
+    """The parts of panels (n, 4, 3) where sign times the coordinate is negative."""
+    level = sign * panels[:, :, axis]
+    level = np.where(np.abs(level) < WELD**1.5 * np.abs(panels).max(initial=0.0), 0.0, level)
+    inside = level.min(axis=1) < 0
+    whole = inside & (level.max(axis=1) <= 0)
+    cut = [piece for p, h in zip(panels[inside & ~whole], level[inside & ~whole], strict=True) for piece in _cut(p, h)]
+    pieces = np.concatenate([panels[whole], np.array(cut).reshape(-1, 4, 3)])
+    snapped = pieces.copy()
+    snapped[:, :, axis] = sign * np.minimum(sign * pieces[:, :, axis], 0.0)
+    return snapped
+
+
+def _cut(panel: np.ndarray, level: np.ndarray) -> list[np.ndarray]:
+    """A panel's part below level 0 as triangles and quadrilaterals."""
+    if np.all(panel[2] == panel[3]):
+        panel, level = panel[:3], level[:3]
+    polygon = []
+    for p, q, h, g in zip(panel, np.roll(panel, -1, axis=0), level, np.roll(level, -1), strict=True):
+        if h <= 0:
+            polygon.append(p)
+        if h * g < 0:
+            polygon.append(p + h / (h - g) * (q - p))
+    last = len(polygon) - 1
+    pieces = [np.array([polygon[0], polygon[i], polygon[i + 1], polygon[min(i + 2, last)]]) for i in range(1, last, 2)]
+    return [p for p in pieces if np.linalg.norm(area_vectors(triangles(p[None])), axis=1).sum() > 0]
+
+
+def split(panels: np.ndarray, size: float) -> np.ndarray:
+    """Panels halved across their longest sides until no side exceeds `size` [m]."""
+    done = []
+    while len(panels):
+        sides = np.linalg.norm(panels - np.roll(panels, -1, axis=1), axis=2)
+        long = sides.max(axis=1) > size
+        done.append(panels[~long])
+        panels, sides = panels[long], sides[long]
+        flat = np.all(panels[:, 2] == panels[:, 3], axis=1)
+        panels = np.concatenate([_halved_triangles(panels[flat], sides[flat]), _halved(panels[~flat], sides[~flat])])
+    return np.concatenate(done) if done else panels
+
+
+def _halved(panels: np.ndarray, sides: np.ndarray) -> np.ndarray:
+    """Quadrilaterals cut across the longer pair of sides."""
+    turn = np.maximum(sides[:, 1], sides[:, 3]) > np.maximum(sides[:, 0], sides[:, 2])
+    a, b, c, d = np.moveaxis(np.where(turn[:, None, None], np.roll(panels, -1, axis=1), panels), 1, 0)
+    low, high = (a + b) / 2, (c + d) / 2
+    return np.concatenate([np.stack([a, low, high, d], axis=1), np.stack([low, b, c, high], axis=1)])
+
+
+def _halved_triangles(panels: np.ndarray, sides: np.ndarray) -> np.ndarray:
+    """Triangles cut from the middle of the longest side."""
+    longest = sides[:, [0, 1, 3]].argmax(axis=1)
+    index = (np.arange(3) + longest[:, None]) % 3
+    a, b, c = np.moveaxis(panels[np.arange(len(panels))[:, None], index], 1, 0)
+    m = (a + b) / 2
+    return np.concatenate([np.stack([a, m, c, c], axis=1), np.stack([m, b, c, c], axis=1)])
+
+
+def quartered(panels: np.ndarray) -> np.ndarray:
+    """Each panel as four with sides half as long."""
+    a, b, c, d = np.moveaxis(panels, 1, 0)
+    ab, bc, cd, da = (a + b) / 2, (b + c) / 2, (c + d) / 2, (d + a) / 2
+    m = (a + b + c + d) / 4
+    quads = [(a, ab, m, da), (ab, b, bc, m), (m, bc, c, cd), (da, m, cd, d)]
+    ca = (c + a) / 2
+    thirds = [(a, ab, ca, ca), (ab, b, bc, bc), (ca, bc, c, c), (ab, bc, ca, ca)]
+    flat = np.all(c == d, axis=1)
+    return np.concatenate(
+        [np.stack(q, axis=1)[~flat] for q in quads] + [np.stack(t, axis=1)[flat] for t in thirds]
+    )
