@@ -18,6 +18,7 @@ from pipeline.select import find, select
 from pipeline.store import Store, read_json
 from pipeline.study import Study, StudyError, load
 from pipeline.tasklist import Tasks
+from solver.errors import InputError
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
@@ -48,6 +49,9 @@ def main() -> None:
     except StudyError as error:
         for problem in error.problems:
             say(problem, err)
+        sys.exit(BAD_INPUT)
+    except InputError as error:
+        say(str(error), err)
         sys.exit(BAD_INPUT)
     except BrokenPipeError:
         sys.stderr.close()  # nobody listens any more
@@ -92,10 +96,11 @@ def run(
 ) -> None:
     """Run what is missing, collect, and print the table."""
     from pipeline.campaign import unfinished
-    from pipeline.schedule import Place
+    from pipeline.schedule import Place, check
 
-    study, tasks, store = _open(study_file, results, select_)
     place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
+    check(place)
+    study, tasks, store = _open(study_file, results, select_)
     actions.preflight(study, tasks)
     with store.lock(lambda text: say(text, err)):
         todo = unfinished(tasks, store)
@@ -178,8 +183,10 @@ def rerun(
     tls: Tls = None,
 ) -> None:
     """Run tasks again, and compare with the old records bit for bit."""
-    from pipeline.schedule import Place
+    from pipeline.schedule import Place, check
 
+    place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
+    check(place)
     study, every, store = _open(study_file, results)
     named = find(study, words or []) | ({task.id for task in select(study, select_)} if select_ else set())
     states = {state for state, asked in {"failed": failed, "stale": stale}.items() if asked}
@@ -189,7 +196,6 @@ def rerun(
     if not chosen:
         say("nothing to rerun")
         return
-    place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
     actions.preflight(study, chosen)
     raise typer.Exit(actions.rerun(study, store, results, chosen, place))
 

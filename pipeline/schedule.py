@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import contextlib
 import faulthandler
+import math
 import os
+import re
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import Any, Protocol
 
 from pipeline import environment
+from solver.errors import InputError
 
 SETTINGS = {
     # Coefficients ride with the tasks, so that none depends on what another worker may lose; that is meant.
@@ -30,8 +33,9 @@ SETTINGS = {
     "distributed.comm.timeouts.connect": "10s",
 }
 SMALL = 2  # so few pieces of work are done sooner than a cluster starts
-LATE = "study-late"  # the topic on which workers tell that a piece of work is over its time
-GRACE = 2.0  # between telling so and leaving, and between that and being made to leave [s]
+START = "study-start"  # the topic on which workers tell that they begin a piece of work
+SENT = 0.02  # words leave a worker in bundles, 2 ms apart [s]
+GRACE = 2.0  # a worker waits so long to be told that its work is given up before it leaves, or is made to [s]
 FETCH = 2.0  # after so long without a result, see whether its worker is still there [s]
 HEARTBEAT = 5.0  # how often the cluster is looked at while nothing comes back [s]
 
@@ -47,6 +51,28 @@ class Place:
     timeout: float | None = None  # of one task [s]
     memory: str = "auto"  # of one embedded worker; auto: an equal share of the machine's
     tls: tuple[Path, Path, Path] | None = None  # authority, certificate and key, for a tls:// scheduler
+
+
+def check(place: Place) -> None:
+    """Whether there can be such a place; raises InputError."""
+    if place.memory != "auto":
+        from dask.utils import parse_bytes
+
+        try:
+            parse_bytes(place.memory)
+        except ValueError:
+            raise InputError("--memory", place.memory, "must be a size such as 2GB, or auto") from None
+    for path in place.tls or ():
+        if not path.is_file():
+            raise InputError("--tls", str(path), "must be three PEM files: authority, certificate, key")
+    if place.scheduler is None:
+        if place.tls:
+            raise InputError("--tls", " ".join(map(str, place.tls)), "goes with --scheduler tls://HOST:PORT")
+        return
+    if not re.fullmatch(r"(tcp|tls|ws|wss|ucx)://.+:[0-9]+", place.scheduler):
+        raise InputError("--scheduler", place.scheduler, "must be an address such as tcp://10.0.0.1:8786")
+    if place.scheduler.startswith("tls:") and not _security(place.tls).get_connection_args("client")["ssl_context"]:
+        raise InputError("--scheduler", place.scheduler, "needs --tls CA CERT KEY, or dask's own tls settings")
 
 
 class Lost(Exception):
@@ -84,12 +110,13 @@ class Here:
             yield key, function(*args)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Job:
     key: Hashable
     future: Any
     function: Work
     args: tuple[Any, ...]
+    deadline: float = math.inf  # by time.monotonic() [s]; none before it has begun
 
 
 class Dask:
@@ -101,7 +128,7 @@ class Dask:
         self._events: SimpleQueue[tuple[str, bool]] = SimpleQueue()
         self.width = self._threads()
         if place.timeout:
-            client.subscribe_topic(LATE, lambda event: self._events.put((event[1]["key"], True)))
+            client.subscribe_topic(START, lambda event: self._events.put((event[1]["key"], True)))
 
     def _threads(self) -> int:
         # Idle clusters may yet grow, so at least one piece of work is always on offer.
@@ -115,8 +142,6 @@ class Dask:
     def finished(self) -> Iterator[tuple[Hashable, list[Any] | Lost]]:
         while self._running:
             name, late = self._next()
-            if name not in self._running:
-                continue  # late, and done all the same
             job = self._running.pop(name)
             if late:
                 job.future.cancel(force=True)
@@ -130,18 +155,30 @@ class Dask:
                 yield job.key, results
 
     def _next(self) -> tuple[str, bool]:
-        """The next event; meanwhile, an eye on the cluster."""
-        from queue import Empty
-
+        """The next piece of work that has come to an end, or is over its time; meanwhile, an eye on the cluster."""
         silent = False
         while True:
+            soonest = min((job.deadline for job in self._running.values()), default=math.inf) - time.monotonic()
             try:
-                return self._events.get(timeout=HEARTBEAT)
+                name, begun = self._events.get(timeout=min(max(soonest, 0.0), HEARTBEAT))
             except Empty:
+                # Only now: a result may have waited while this process was busy.
+                if late := next((name for name in self._running if self._late(name)), ""):
+                    return late, True
                 self.width = self._threads()
                 if not self._client.nthreads() and not silent:
                     self._say("the cluster has no workers; waiting for some")
                     silent = True
+                continue
+            if name in self._running and not begun:
+                return name, False
+            if name in self._running and self._place.timeout:
+                if self._late(name):  # its worker left before it was given up, and dask has tried once more
+                    return name, True
+                self._running[name].deadline = time.monotonic() + self._place.timeout
+
+    def _late(self, name: str) -> bool:
+        return self._running[name].deadline <= time.monotonic()
 
     def _result(self, future: Any) -> list[Any] | Lost | None:
         """What came of it; None if the worker died with the result, for dask may wait for that for ever."""
@@ -162,20 +199,11 @@ class Dask:
 
 
 def _within(seconds: float | None, function: Work, *args: Any) -> list[Any]:
-    """Call, and if it takes too long say so and leave: nothing else stops a thread that hangs."""
+    """Call, and if it takes too long end this process: nothing else stops a thread that hangs."""
     if seconds is None:
         return function(*args)
-    from distributed import get_worker
-
-    worker = get_worker()
-    key = worker.get_current_task()
-
-    def leave() -> None:
-        worker.loop.add_callback(worker.log_event, LATE, {"key": key})
-        time.sleep(GRACE)
-        os._exit(1)
-
-    timer = threading.Timer(seconds, leave)
+    _announce()
+    timer = threading.Timer(seconds + GRACE, os._exit, (1,))
     timer.daemon = True
     timer.start()
     # Compiled code may hold the interpreter, and the timer with it; this one needs no interpreter.
@@ -185,6 +213,22 @@ def _within(seconds: float | None, function: Work, *args: Any) -> list[Any]:
     finally:
         timer.cancel()
         faulthandler.cancel_dump_traceback_later()
+
+
+def _announce() -> None:
+    """Tell the client that its time runs from now on, before compiled code can keep this process from telling."""
+    from distributed import get_worker
+
+    worker, told = get_worker(), threading.Event()
+    key = worker.get_current_task()
+
+    def tell() -> None:
+        worker.log_event(START, {"key": key})
+        told.set()
+
+    worker.loop.add_callback(tell)
+    told.wait()
+    time.sleep(SENT)
 
 
 @contextlib.contextmanager
@@ -221,10 +265,10 @@ def _cluster(workers: int, memory: str) -> Any:
 
 
 def _security(tls: tuple[Path, Path, Path] | None) -> Any:
-    """None: whatever dask's own configuration says."""
-    if tls is None:
-        return None
+    """Without files, whatever dask's own configuration says."""
     from distributed import Security
 
+    if tls is None:
+        return Security()
     authority, certificate, key = map(str, tls)
     return Security(tls_ca_file=authority, tls_client_cert=certificate, tls_client_key=key, require_encryption=True)

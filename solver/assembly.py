@@ -116,7 +116,7 @@ def _rules(scene: Scene, field: WaveField) -> WettedQuadrature:
     rules = [_rule(f, scene, field) for f in scene.floats]
     if not rules:
         empty = np.zeros(0)
-        nothing = np.zeros((0, 0, 7)), np.zeros((0, 0, 5)), np.zeros((0, 2)), 0.0
+        nothing = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2)), 0.0
         return WettedQuadrature(*nothing, empty, empty, empty, empty, False, 1, np.zeros((11, 0)))
     most = max(len(r.patch) for r in rules)
     return rules[0]._replace(

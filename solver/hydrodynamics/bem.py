@@ -253,8 +253,14 @@ def _capytaine():
 
 
 @cache
-def _green_function():
+def _delhommeau():
     return _capytaine().Delhommeau()
+
+
+def _green_function():
+    # Capytaine draws the points of its finite-depth fit at random: the same numbers for each fit, on every machine.
+    _capytaine().tools.prony_decomposition.RNG = np.random.default_rng(0)
+    return _delhommeau()
 
 
 def _join(pieces):

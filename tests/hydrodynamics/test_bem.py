@@ -223,3 +223,15 @@ def test_what_cannot_be_solved_is_refused(change, key):
     with pytest.raises(InputError, match="must") as error:
         solve(**arguments)
     assert error.value.key == key
+
+
+def test_the_same_bits_in_every_process():
+    """Capytaine's fit of the finite-depth function draws random points: here afresh, as a new process would."""
+    first, second = [_afresh(omega) for omega in ([1.2], [0.9, 1.2])]
+    assert first.added_mass[-1].tobytes() == second.added_mass[-1].tobytes()
+    assert first.diffraction[-1].tobytes() == second.diffraction[-1].tobytes()
+
+
+def _afresh(omega):
+    bem._delhommeau.cache_clear()
+    return solve((FLOAT,), [[0, 0, 0]], depth=5.0, omega=np.array(omega), panels=SMALL)

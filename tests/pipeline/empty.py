@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import time
 from pathlib import Path
@@ -45,12 +46,20 @@ def coefficients(geometry):
 def compute(parameters, data):
     """Numbers that depend on the parameters alone, after EMPTY_SECONDS and with EMPTY_MEGABYTES.
 
-    EMPTY_SLOW_SEED: only this realization takes them.
+    EMPTY_SLOW_SEED: only this realization takes them. EMPTY_COMPILED: it holds the interpreter meanwhile.
+    EMPTY_LOG: a file that gets a line for each call.
     """
+    if log := os.environ.get("EMPTY_LOG"):
+        with open(log, "a") as file:
+            file.write(f"{parameters.seed}\n")
     given, slow = os.environ, os.environ.get("EMPTY_SLOW_SEED")
     hard = slow is None or int(slow) == parameters.seed
     space = np.ones(int(float(given.get("EMPTY_MEGABYTES", "0")) * 2**17) if hard else 0)
-    time.sleep(float(given.get("EMPTY_SECONDS", "0")) if hard else 0)
+    pause = float(given.get("EMPTY_SECONDS", "0")) if hard else 0.0
+    if given.get("EMPTY_COMPILED"):
+        ctypes.PyDLL(None).sleep(int(pause))  # and nothing else runs in this process, as in a compiled kernel
+    else:
+        time.sleep(pause)
     rng = np.random.default_rng([*wave_seed(parameters), len(data)])
     variables = {"wave_elevation": (("statistic",), rng.normal(size=5) * space[:1].sum(initial=1.0))}
     coords = {"statistic": np.array(["max", "min", "mean", "rms", "std"])}

@@ -37,11 +37,11 @@ def finished(results: Path) -> dict[str, bytes]:
     return {path.parent.name: path.read_bytes() for path in results.glob("*/tasks/*/status.json")}
 
 
-def dataset(results: Path) -> dict[str, bytes]:
+def dataset(results: Path, study: str = "empty") -> dict[str, bytes]:
     """Every variable of the collected dataset but the wall times."""
     from pipeline.dataset import load
 
-    data = load(results / "empty" / "statistics.nc")
+    data = load(results / study / "statistics.nc")
     return {
         str(n): np.asarray(v.values.astype(str) if v.dtype == object else v.values).tobytes()
         for n, v in data.variables.items()

@@ -5,9 +5,7 @@ import errno
 import json
 import os
 import re
-import shutil
 import subprocess
-import sys
 import time
 
 import empty
@@ -50,81 +48,6 @@ def test_killed_runs_lose_and_repeat_nothing(tmp_path):
     kills.storm(tmp_path, 2, tasks=60, seconds=0.05, longest=5.0, seed=1)
 
 
-@contextlib.contextmanager
-def cluster(folder, *security, workers=2):
-    """`dask scheduler` and `dask worker` as a user starts them; workers know nothing of the client's folders."""
-    away = folder / "away"
-    away.mkdir()
-    dask, env = [sys.executable, "-m", "dask"], kills.environment()
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": env, "cwd": away}
-    where = away / "scheduler.json"
-    host = ["--host", f"{'tls' if security else 'tcp'}://127.0.0.1"] if security else ["--host", "127.0.0.1"]
-    processes = []
-    try:
-        scheduler = [*dask, "scheduler", *host, "--port", "0", "--no-dashboard", "--scheduler-file", str(where)]
-        processes.append(subprocess.Popen([*scheduler, *security], **quiet))
-        deadline = time.monotonic() + 30
-        while not where.exists():
-            assert time.monotonic() < deadline
-            time.sleep(0.1)
-        address = json.loads(where.read_text())["address"]
-        for _ in range(workers):
-            worker = [*dask, "worker", address, "--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1"]
-            processes.append(subprocess.Popen([*worker, *security], **quiet))
-        yield address
-    finally:
-        for process in reversed(processes):
-            process.terminate()
-        for process in processes:
-            process.wait(20)
-
-
-def test_bitwise_the_same_wherever_it_runs(tmp_path, small_study):
-    """Serial, 1 worker, 2 workers, a cluster started from the command line, and a rerun."""
-    found = {}
-    for name, words in {"serial": ("--workers", 1), "one": ("--workers", 1, "--timeout", 60), "two": ()}.items():
-        done = study("run", small_study, "--results", tmp_path / name, *words)
-        assert done.returncode == 0, done.stderr
-        found[name] = contents(tmp_path / name), kills.dataset(tmp_path / name)
-    with cluster(tmp_path) as address:
-        done = study("run", small_study, "--results", tmp_path / "cluster", "--scheduler", address)
-    assert done.returncode == 0, done.stderr
-    found["cluster"] = contents(tmp_path / "cluster"), kills.dataset(tmp_path / "cluster")
-    assert not list((tmp_path / "away").rglob("record.nc"))
-    assert all(len(of[0]) == 12 and of == found["serial"] for of in found.values())
-    again = study("rerun", small_study, "seed=5", "--results", tmp_path / "two")
-    assert "bitwise the same as the old record" in again.stdout
-
-
-@pytest.mark.skipif(not shutil.which("openssl"), reason="needs openssl")
-def test_tls_is_passed_through(tmp_path, small_study):
-    key, cert = tmp_path / "key.pem", tmp_path / "cert.pem"
-    make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]
-    subprocess.run([*make, "-keyout", key, "-out", cert], check=True, capture_output=True)
-    security = ("--tls-ca-file", cert, "--tls-cert", cert, "--tls-key", key)
-    with cluster(tmp_path, *map(str, security), workers=1) as address:
-        assert address.startswith("tls://")
-        run = ("run", small_study, "--results", tmp_path / "r", "--scheduler", address)
-        assert study(*run, "--tls", cert, cert, key).returncode == 0
-        refused = study(*run)
-    assert refused.returncode != 0 or "nothing to run" in refused.stdout
-
-
-def test_no_scheduler_there(small_study, results):
-    done = study(
-        "run",
-        small_study,
-        "--results",
-        results,
-        "--scheduler",
-        "tcp://127.0.0.1:9",
-        DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT="1s",
-    )
-    assert done.returncode == 1
-    assert "Traceback" not in done.stderr
-    assert "127.0.0.1:9" in done.stderr
-
-
 def test_a_second_run_waits_and_says_so(small_study, results):
     words = kills.command("run", small_study, "--results", results)
     first = subprocess.Popen(words, env=kills.environment(EMPTY_SECONDS="0.5"), stdout=subprocess.DEVNULL)
@@ -136,10 +59,14 @@ def test_a_second_run_waits_and_says_so(small_study, results):
     assert "nothing to run" in second.stdout
 
 
-def test_a_task_that_hangs_is_stopped_and_the_others_go_on(tmp_path, results):
-    path = empty.study(tmp_path, 4)
-    done = study("run", path, "--results", results, "--timeout", "1.5", EMPTY_SECONDS="60", EMPTY_SLOW_SEED="2")
+@pytest.mark.parametrize("compiled", ["", "1"])
+def test_a_task_that_hangs_is_stopped_and_the_others_go_on(tmp_path, results, compiled):
+    """Compiled code holds the interpreter and cannot be spoken to; it is stopped and not tried again all the same."""
+    path, log = empty.study(tmp_path, 4), tmp_path / "log"
+    hangs = {"EMPTY_SECONDS": "60", "EMPTY_SLOW_SEED": "2", "EMPTY_COMPILED": compiled, "EMPTY_LOG": str(log)}
+    done = study("run", path, "--results", results, "--timeout", "1.5", **hangs)
     assert done.returncode == 1
+    assert log.read_text().split().count("2") == 1
     assert "4 tasks: 3 done, 1 failed" in done.stdout
     assert re.search(r"failed: \w+ seed=2: Lost: ran longer than --timeout = 1.5 s", done.stderr)
     assert study("rerun", path, "--failed", "--results", results).returncode == 0
