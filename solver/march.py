@@ -407,7 +407,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
                 velocity[s] = stage[s].active_velocity
             _memory_loads(memory, history, velocity, load)
             # What is dear and varies slowly is computed once a step, as a rule.
-            if spent == 1 or np.abs(z - anchor).max() > NEAR * tolerance:
+            if spent == 1 or nz == 0 or np.abs(z - anchor).max() > NEAR * tolerance:
                 anchor[:] = z
                 drag[:] = 0.0
                 for s in range(2):
