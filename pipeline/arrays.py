@@ -12,7 +12,7 @@ import numpy as np
 from pipeline.netcdf import Variable
 
 # Dimensions of a record, in the order in which they follow the study's own.
-INNER = ("float", "leg", "direction", "height", "statistic", "mode")
+INNER = ("float", "axis", "leg", "direction", "height", "statistic", "mode", "component")
 LARGE = 2**25  # an array above this is kept in a file, and the system decides what of it is in memory [bytes]
 
 

@@ -6,23 +6,24 @@ import math
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 
+from pipeline import sea_checks
 from pipeline.layout import HINGE, hinge_nodes, spaced
 from pipeline.schema import Float, Platform, StudyFile, Tube
 from solver.errors import InputError
 
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 STEPS_A_PERIOD = 6  # fewer time steps in the shortest wave do not describe it
-LARGEST_PERIOD = 60.0  # longer waves are no longer wind waves [s]
-SHALLOW = 0.1  # kh below which there are no coefficients
+
+
+PER_AXIS = ("pto_damping", "damping", "quadratic_damping", "stiffness", "mechanism_inertia", "offset")
 
 
 def problems(study: StudyFile) -> Iterator[InputError]:
     """Everything wrong with a study whose types and ranges are right."""
+    seas = list(sea_checks.problems(study))
+    yield from seas
     yield from _axes(study)
-    yield from _recording(study)
-    yield from _waves(study)
-    for label, sea in study.sea_states.items():
-        yield from _breaking(study, label, sea.Hs, sea.Tp)
+    yield from _recording(study, math.inf if seas else sea_checks.shortest_period(study))
     yield from _floats(study)
     if study.platform:
         yield from _platform(study.platform, study)
@@ -35,8 +36,6 @@ def supports(study: StudyFile) -> tuple[str, ...]:
 
 def _axes(study: StudyFile) -> Iterator[InputError]:
     axes = study.axes
-    if not study.sea_states:
-        yield InputError("sea_states", "{}", "needs at least one sea state")
     for name in type(axes).model_fields:
         values = getattr(axes, name)
         if values is not None and not values:
@@ -57,9 +56,12 @@ def _axes(study: StudyFile) -> Iterator[InputError]:
         yield InputError("axes.hinge_spacing", list(axes.hinge_spacing), "needs hinges at two different x")
     if axes.pto_damping and not study.floats:
         yield InputError("axes.pto_damping", 0, "needs [[floats]]")
+    elif axes.pto_damping and (several := [f.name for f in study.floats if len(f.motion) > 1]):
+        limit = f"needs floats with a single axis, and {several[0]} has several: give its own list"
+        yield InputError("axes.pto_damping", list(axes.pto_damping), limit)
 
 
-def _recording(study: StudyFile) -> Iterator[InputError]:
+def _recording(study: StudyFile, shortest: float) -> Iterator[InputError]:
     record, step = study.record, study.solver.time_step
     if record.ramp > record.discard:
         yield InputError("record.ramp", record.ramp, f"must be <= record.discard = {record.discard:g} s")
@@ -67,52 +69,9 @@ def _recording(study: StudyFile) -> Iterator[InputError]:
         yield InputError("record.duration", record.duration, "must be from 1 to 1e6 s")
     if record.discard > 1e5:
         yield InputError("record.discard", record.discard, "must be <= 1e5 s")
-    shortest = 2 * math.pi / study.waves.band[1]
     if step > shortest / STEPS_A_PERIOD:
         limit = f"must be <= {shortest / STEPS_A_PERIOD:.3g} s, a sixth of the shortest wave period {shortest:.3g} s"
         yield InputError("solver.time_step", step, limit)
-
-
-def _waves(study: StudyFile) -> Iterator[InputError]:
-    low, high = study.waves.band
-    if low >= high:
-        yield InputError("waves.band", [low, high], "must rise: low < high [rad/s]")
-    if high > 100:
-        yield InputError("waves.band", [low, high], "must end at or below 100 rad/s")
-    if study.waves.components > 10_000:
-        yield InputError("waves.components", study.waves.components, "must be <= 10000")
-    if abs(study.waves.heading) > 2 * math.pi:
-        yield InputError("waves.heading", study.waves.heading, "must be within ±2π rad")
-    yield from _too_shallow(study)
-    for label, sea in study.sea_states.items():
-        if not low < 2 * math.pi / sea.Tp < high:
-            limit = f"must put the peak, {2 * math.pi / sea.Tp:.3g} rad/s, inside waves.band = [{low:g}, {high:g}]"
-            yield InputError(f"sea_states.{label}.Tp", sea.Tp, limit)
-
-
-def _too_shallow(study: StudyFile) -> Iterator[InputError]:
-    """The boundary element method needs kh > 0.1 at its lowest frequency."""
-    from solver.sea.dispersion import wavenumber
-
-    low, water = study.waves.band[0], study.water
-    if study.floats and float(wavenumber(low, water.depth, water.gravity)) * water.depth <= SHALLOW:
-        yield InputError(
-            "waves.band", list(study.waves.band), f"must start where kh > {SHALLOW:g} in {water.depth:g} m"
-        )
-
-
-def _breaking(study: StudyFile, label: str, height: float, period: float) -> Iterator[InputError]:
-    """Miche's limit of a regular wave, H <= 0.142 L tanh(kh), for Hs at the peak period."""
-    from solver.sea.dispersion import wavenumber
-
-    if period > LARGEST_PERIOD:
-        yield InputError(f"sea_states.{label}.Tp", period, f"must be <= {LARGEST_PERIOD:g} s")
-        return
-    k = float(wavenumber(2 * math.pi / period, study.water.depth, study.water.gravity))
-    limit = 0.142 * 2 * math.pi / k * math.tanh(k * study.water.depth)
-    if height > limit:
-        reason = f"must be <= {limit:.3g} m, where waves of {period:g} s break (0.142 L tanh kh)"
-        yield InputError(f"sea_states.{label}.Hs", height, reason)
 
 
 def _floats(study: StudyFile) -> Iterator[InputError]:
@@ -150,14 +109,27 @@ def _float(item: Float, study: StudyFile) -> Iterator[InputError]:
     elif abs(reference) > STILL_WATER:
         limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {reference:g} m"
         yield InputError(f"{key}.arm", list(item.arm), limit)
-    if math.dist(item.axis, (0, 0, 0)) == 0:
-        yield InputError(f"{key}.axis", list(item.axis), "must not be zero")
-    elif _distance(item.arm, item.axis) < 1e-9:
-        yield InputError(f"{key}.arm", list(item.arm), "must not lie along the hinge axis")
+    yield from _joint(item)
     a, b, c = sorted(item.inertia)
     if c > (a + b) * (1 + 1e-9):
         limit = "must meet the triangle inequality: no moment above the sum of the others"
         yield InputError(f"{key}.inertia", list(item.inertia), limit)
+
+
+def _joint(item: Float) -> Iterator[InputError]:
+    key = f"floats.{item.name}"
+    if len(set(item.motion)) < len(item.motion):
+        yield InputError(f"{key}.motion", list(item.motion), "must name each axis once")
+    if "hinge" in item.motion and math.dist(item.axis, (0, 0, 0)) == 0:
+        yield InputError(f"{key}.axis", list(item.axis), "must not be zero")
+    elif item.motion == ("hinge",) and item.axis[:2] == (0, 0) and _distance(item.arm, item.axis) < 1e-9:
+        yield InputError(f"{key}.arm", list(item.arm), "must not lie along the hinge axis: the float would only spin")
+    for name in PER_AXIS:
+        value = getattr(item, name)
+        count = len(value) if isinstance(value, tuple) else 1
+        if value != 0 and count != len(item.motion):
+            given = list(value) if isinstance(value, tuple) else value
+            yield InputError(f"{key}.{name}", given, f"needs one number for each of {', '.join(item.motion)}")
 
 
 def _distance(point: tuple[float, ...], axis: tuple[float, ...]) -> float:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline import environment
+from pipeline import environment, seas
 from pipeline.arrays import INNER, Arrays
 from pipeline.netcdf import Variable, to_file
 from pipeline.records import decode
@@ -72,8 +72,8 @@ def _fill(arrays: Arrays, cell: tuple[int, ...], entry: Entry) -> str:
 def _fingerprint(study: Study, store: Store) -> str:
     """What the dataset is made of: the study's cells and the records in them."""
     digest = hashlib.sha256()
-    seas = study.content.model_dump(mode="json", include={"sea_states", "title"})
-    digest.update(json.dumps([LAYOUT, seas, dimensions(study.content)], sort_keys=True).encode())
+    words = study.content.model_dump(mode="json", include={"sea_states", "title"})
+    digest.update(json.dumps([LAYOUT, words, dimensions(study.content)], sort_keys=True).encode())
     for task in study.tasks:
         entry = store.look(task)
         made = [entry.status.get(key) for key in ("sha256", "finished", "wall_time")]
@@ -118,17 +118,17 @@ def _single(values: np.ndarray, outer: int) -> np.ndarray | None:
 def _coordinates(
     study: Study, table: Mapping[str, Sequence[Label]], outer: Sequence[str], arrays: Arrays
 ) -> dict[str, Variable]:
-    """Labels along every dimension; an axis with one value is a scalar; Hs and Tp go with the sea state."""
+    """Labels along every dimension; an axis with one value is a scalar; heights and periods go with the sea state."""
     found = {}
     for name, values in table.items():
         text = isinstance(values[0], str)
         labels = np.array(list(values), dtype=object if text else None)
         found[name] = Variable((name,) if name in outer else (), labels if name in outer else labels[0], meaning(name))
-    seas = [study.content.sea_states[str(label)] for label in table["sea_state"]]
-    for name in ("Hs", "Tp"):
-        heights = np.array([getattr(sea, name) for sea in seas])
+    known = [seas.labels(study.content.sea_states[str(label)]) for label in table["sea_state"]]
+    for name in dict.fromkeys(key for one in known for key in one):
+        numbers = np.array([one.get(name, np.nan) for one in known])
         dims = ("sea_state",) if "sea_state" in outer else ()
-        found[name] = Variable(dims, heights if dims else heights[0], meaning(name))
+        found[name] = Variable(dims, numbers if dims else numbers[0], meaning(name))
     used = {dim for own in arrays.dims.values() for dim in own}
     for dim in INNER:
         if dim in used:

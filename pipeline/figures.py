@@ -85,8 +85,17 @@ class Results:
         """The sea state that the published numbers are for; otherwise the highest."""
         named = [label for row in self.published for label in row.selection.get("sea_state", [])]
         known = [label for label in named if label in self.labels("sea_state")]
-        heights = np.atleast_1d(self.data["Hs"].values)
+        heights = np.nan_to_num(self.numbers("Hs", "wave_height"))
         return str(max(known, key=known.count) if known else self.labels("sea_state")[int(heights.argmax())])
+
+    def numbers(self, *names: str) -> np.ndarray:
+        """Of every sea state, from the first of these coordinates that it has; else NaN."""
+        found = np.full(len(self.labels("sea_state")), np.nan)
+        for name in reversed(names):
+            if name in self.data.coords:
+                values = np.atleast_1d(self.data[name].values)
+                found = np.where(np.isfinite(values), values, found)
+        return found
 
     def supports(self, name: str) -> list[str]:
         """The platforms for which a variable has numbers."""
@@ -102,9 +111,9 @@ class Results:
     @cached_property
     def sea_names(self) -> list[str]:
         """Sea states as 2017 (1.39 m, 5.65 s)."""
-        names = self.seas
-        heights, periods = (np.atleast_1d(self.data[key].values)[: len(names)] for key in ("Hs", "Tp"))
-        return [f"{n}\n{h:.2f} m, {t:.2f} s" for n, h, t in zip(names, heights, periods, strict=True)]
+        heights, periods = self.numbers("Hs", "wave_height"), self.numbers("Tp", "wave_period")
+        rows = zip(self.seas, heights, periods, strict=False)  # figures have less room than studies
+        return [f"{n}\n{h:.2f} m, {t:.2f} s" if np.isfinite([h, t]).all() else n for n, h, t in rows]
 
 
 def finite(values: xr.DataArray) -> np.ndarray:

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from pipeline import seas
 from pipeline.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.tasks import Parameters, wave_seed
 from pipeline.variables import RENAMED, SERIES, meaning
@@ -59,11 +60,12 @@ def decode(data: bytes) -> dict[str, Variable]:
 
 
 def _thinning(record: Record, parameters: Parameters) -> slice:
-    """Which samples of the series are kept: all, or about SAMPLES in the shortest wave."""
-    if parameters.record.series != "decimated" or "time" not in record.series:
+    """Which samples of the series are kept: all, or about SAMPLES in the shortest wave; all in still water."""
+    span = seas.frequencies(parameters.sea_state, parameters.waves)
+    if parameters.record.series != "decimated" or "time" not in record.series or span is None:
         return slice(None)
     _, time = record.series["time"]
-    shortest = 2 * math.pi / parameters.waves.band[1]
+    shortest = 2 * math.pi / span[1]
     return slice(None, None, max(1, int(shortest / SAMPLES / (time[1] - time[0]) + 1e-9)))
 
 

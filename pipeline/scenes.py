@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, assert_never
 
+from pipeline import seas
 from pipeline.layout import HINGE
 from pipeline.schema import (
     Float,
@@ -19,6 +20,7 @@ from pipeline.tasks import Geometry, Parameters, wave_seed
 if TYPE_CHECKING:
     from solver import scene as physics
     from solver.hydrodynamics.hull import Revolution
+    from solver.sea.realization import Realization
     from solver.structure import beam
     from solver.structure.frame import Member
 
@@ -44,20 +46,9 @@ def settings(parameters: Parameters) -> physics.Settings:
     return physics.Settings(keep_series=given.pop("series") != "none", **given)
 
 
-def sea(parameters: Parameters) -> Any:
+def sea(parameters: Parameters) -> Realization:
     """The realization of the sea that belongs to the task's sea state and seed."""
-    from solver.sea.realization import realize
-    from solver.sea.spectrum import PiersonMoskowitz
-
-    waves, state = parameters.waves, parameters.sea_state
-    return realize(
-        PiersonMoskowitz(Hs=state.Hs, Tp=state.Tp, form=waves.form),
-        components=waves.components,
-        band=waves.band,
-        intervals=waves.intervals,
-        heading=waves.heading,
-        seed=wave_seed(parameters),
-    )
+    return seas.realize(parameters.sea_state, parameters.waves, wave_seed(parameters))
 
 
 def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder) -> Revolution:

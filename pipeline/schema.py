@@ -8,15 +8,19 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_
 
 from pydantic import Field, create_model
 
+from pipeline.seas import SeaState, Waves
 from pipeline.tables import (
     Count,
+    Depth,
     Flag,
     Label,
     Name,
     NotNegative,
     Number,
+    PerAxis,
     Positive,
     Seed,
+    SignedPerAxis,
     Table,
     Unit,
     Vector,
@@ -27,28 +31,9 @@ from solver.scene import Settings
 class Water(Table):
     """Still water of constant depth."""
 
-    depth: Annotated[Positive, Unit("m")]
+    depth: Annotated[Depth, Unit("m")]  # inf for deep water
     density: Annotated[Positive, Unit("kg/m3")] = 1025.0
     gravity: Annotated[Positive, Unit("m/s2")] = 9.81
-
-
-class Waves(Table):
-    """How every sea state becomes a wave record; Hs and Tp come from the sea state."""
-
-    spectrum: Literal["pierson-moskowitz"] = "pierson-moskowitz"
-    form: Literal["peak", "mean"] = "peak"  # "mean" is the form of the mean period T1
-    components: Count = 130
-    band: Annotated[tuple[Positive, Positive], Unit("rad/s")]
-    intervals: Literal["random", "even"] = "random"
-    heading: Annotated[Number, Unit("rad")] = 0.0
-    base_seed: Seed = 0
-
-
-class SeaState(Table):
-    """A row of a scatter table."""
-
-    Hs: Annotated[Positive, Unit("m")]
-    Tp: Annotated[Positive, Unit("s")]
 
 
 class Recording(Table):
@@ -122,18 +107,31 @@ class VerticalCylinder(Table):
 Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder, Field(discriminator="shape")]
 
 
+Motion = Literal["hinge", "surge", "sway", "heave", "roll", "pitch", "yaw"]
+
+
 class Float(Table):
-    """A rigid float on a massless arm, hinged to the platform or to fixed ground."""
+    """A rigid float on a massless arm, joined to the platform or to fixed ground.
+
+    `motion` lists what the joint leaves free, in order from the support: "hinge", about `axis`, or motions
+    of the joint's point. What belongs to the joint is a number for its only axis, or a list with one for each.
+    """
 
     name: Name
     hull: Hull
     mass: Annotated[Positive, Unit("kg")]
     inertia: Annotated[tuple[Positive, Positive, Positive], Unit("kg m2")]  # about the c.o.g.
     cog: Annotated[Vector, Unit("m")] = (0.0, 0.0, 0.0)  # from the reference point
-    hinge: Annotated[Vector, Unit("m")]  # at rest
-    arm: Annotated[Vector, Unit("m")]  # from the hinge to the reference point
-    axis: Annotated[Vector, Unit("-")] = (0.0, 1.0, 0.0)
-    pto_damping: Annotated[NotNegative, Unit("N m s/rad")] = 0.0
+    hinge: Annotated[Vector, Unit("m")]  # the joint's point, at rest
+    arm: Annotated[Vector, Unit("m")] = (0.0, 0.0, 0.0)  # from there to the reference point
+    axis: Annotated[Vector, Unit("-")] = (0.0, 1.0, 0.0)  # of the hinge
+    motion: Annotated[tuple[Motion, ...], Field(min_length=1)] = ("hinge",)
+    pto_damping: Annotated[PerAxis, Unit("N m s/rad or N s/m")] = 0.0
+    damping: Annotated[PerAxis, Unit("N m s/rad or N s/m")] = 0.0  # besides the PTO
+    quadratic_damping: Annotated[PerAxis, Unit("N m s2/rad2 or N s2/m2")] = 0.0
+    stiffness: Annotated[PerAxis, Unit("N m/rad or N/m")] = 0.0  # of a spring, at ease at rest
+    mechanism_inertia: Annotated[PerAxis, Unit("kg m2 or kg")] = 0.0  # of what moves with the axis, besides the float
+    offset: Annotated[SignedPerAxis, Unit("rad or m")] = 0.0  # from equilibrium, where it is let go
 
 
 class Material(Table):
@@ -224,7 +222,7 @@ class StudyFile(Table):
 
     title: str = ""
     water: Water
-    waves: Waves
+    waves: Waves = Waves()
     record: Recording = Recording()
     solver: Solver = Solver()
     floats: tuple[Float, ...] = ()

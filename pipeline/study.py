@@ -104,16 +104,19 @@ def describe(error: ErrorDetails) -> str:
     if error["type"] == "unknown_key":
         parts, value = [*parts, context["key"]], value.get(context["key"])
     if error["type"].startswith("union_tag"):
-        parts, value = [*parts, "shape"], value.get("shape") if isinstance(value, dict) else value
+        tag = context["discriminator"].strip("_'()")
+        parts, value = [*parts, tag], value.get(tag) if isinstance(value, dict) else value
     key = dotted(parts)
     if error["type"] in ("missing", "union_tag_not_found"):
         return f"{key}: is missing{_unit(parts, ' [{}]')}"
     limit = LIMITS.get(error["type"], "{msg}").format(msg=error["msg"], unit=_unit(parts, " {}"), **context)
+    if error["type"] == "union_tag_invalid":
+        limit = limit.replace("<", "").replace(">", "")
     return str(InputError(key, _short(value), limit))
 
 
 def dotted(parts: Iterable[int | str]) -> str:
-    """floats[0].hull.radius; the tag of a union (the hull's shape) is no key, so it is left out."""
+    """floats[0].hull.radius; the tag of a union (the hull's shape, or in angle brackets) is no key and left out."""
     tags = (
         "hemisphere-cylinder",
         "sphere",
@@ -126,14 +129,14 @@ def dotted(parts: Iterable[int | str]) -> str:
     for part in parts:
         if isinstance(part, int):
             text += f"[{part}]"
-        elif part not in tags:
+        elif part not in tags and not part.startswith("<"):
             text += f".{part}" if text else str(part)
     return text
 
 
 def _unit(parts: Iterable[int | str], pattern: str) -> str:
     """The unit of the last named key, if it has one."""
-    named = [p for p in parts if isinstance(p, str)]
+    named = [p for p in parts if isinstance(p, str) and not p.startswith("<")]
     symbol = units().get(named[-1] if named else "", "-")
     return "" if symbol == "-" else pattern.format(symbol)
 

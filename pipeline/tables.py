@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 import difflib
+import math
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PlainSerializer,
+    StringConstraints,
+    Tag,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 
@@ -18,6 +30,12 @@ class Unit(NamedTuple):
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+# TOML has inf, JSON has not.
+Depth = Annotated[
+    float,
+    Field(strict=True, gt=0),
+    PlainSerializer(lambda v: "inf" if math.isinf(v) else v, when_used="json"),
+]
 Count = Annotated[int, Field(strict=True, ge=1)]
 Flag = Annotated[bool, Field(strict=True)]
 Vector = tuple[Number, Number, Number]
@@ -25,6 +43,31 @@ Name = Annotated[str, StringConstraints(strict=True, pattern=r"^[A-Za-z0-9_][A-Z
 # A year is a fine label, and TOML reads it as a number.
 Label = Annotated[Name, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
 Seed = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
+
+
+def _shortest(given: float | tuple[float, ...]) -> float | tuple[float, ...]:
+    """One spelling for one meaning: a list of one is its number, a list of zeros is zero."""
+    if isinstance(given, tuple) and (len(given) == 1 or not any(given)):
+        return given[0]
+    return given
+
+
+def _one_or_many(given: Any) -> str:
+    return "<many>" if isinstance(given, list | tuple) else "<one>"
+
+
+# A number for a joint's only axis, or a list with one for each.
+PerAxis = Annotated[
+    Annotated[NotNegative, Tag("<one>")]
+    | Annotated[tuple[NotNegative, ...], Field(min_length=1, max_length=7), Tag("<many>")],
+    Discriminator(_one_or_many),
+    AfterValidator(_shortest),
+]
+SignedPerAxis = Annotated[
+    Annotated[Number, Tag("<one>")] | Annotated[tuple[Number, ...], Field(min_length=1, max_length=7), Tag("<many>")],
+    Discriminator(_one_or_many),
+    AfterValidator(_shortest),
+]
 
 
 class Table(BaseModel):

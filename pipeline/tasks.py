@@ -5,11 +5,13 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
+from pipeline import seas
 from pipeline.checks import supports
 from pipeline.layout import hinge_nodes, spaced
 from pipeline.schema import (
@@ -17,12 +19,11 @@ from pipeline.schema import (
     Hull,
     Platform,
     Recording,
-    SeaState,
     Solver,
     StudyFile,
     Water,
-    Waves,
 )
+from pipeline.seas import SeaState, Waves
 from pipeline.tables import Number, Positive, Seed, Table, Vector
 
 # Raise it when the physics or a default changes: older results then count as stale, not as done.
@@ -37,7 +38,7 @@ class Parameters(Table):
     """All that decides a task's numbers, and nothing else: labels and order are not in it."""
 
     water: Water
-    waves: Waves
+    waves: Waves = Waves()
     sea_state: SeaState
     record: Recording = Recording()
     solver: Solver = Solver()
@@ -62,7 +63,7 @@ class Geometry(Table):
 
     water: Water
     bodies: tuple[Body, ...]
-    band: tuple[Positive, Positive]
+    band: tuple[Positive, Positive] | None = None
     heading: Number = 0.0
     planar: bool = True  # nothing leaves the plane y = 0
 
@@ -116,7 +117,7 @@ def geometry(given: Parameters) -> Geometry | None:
     return Geometry(
         water=given.water,
         bodies=tuple(Body(hull=f.hull, centre=_centre(f)) for f in given.floats),
-        band=given.waves.band,
+        band=seas.band(given.sea_state, given.waves),
         heading=given.waves.heading,
         planar=_is_planar(given),
     )
@@ -129,8 +130,11 @@ def _centre(item: Float) -> tuple[float, float, float]:
 
 def _is_planar(given: Parameters) -> bool:
     """Whether sea and floats are mirror images of themselves in y = 0."""
-    return given.waves.heading == 0 and all(
-        f.hinge[1] == f.arm[1] == f.cog[1] == 0 == f.axis[0] == f.axis[2] for f in given.floats
+    return given.waves.heading % math.pi == 0 and all(
+        f.hinge[1] == f.arm[1] == f.cog[1] == 0
+        and not {"sway", "roll", "yaw"} & set(f.motion)
+        and ("hinge" not in f.motion or f.axis[0] == f.axis[2] == 0)
+        for f in given.floats
     )
 
 
@@ -205,15 +209,16 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     if study.platform and labels["platform"] != "fixed":
         nodes = {**study.platform.nodes, **hinge_nodes(floats)}
         platform = study.platform.model_copy(update={"nodes": nodes})
+    sea = study.sea_states[str(labels["sea_state"])]
     return Parameters(
         water=study.water,
-        waves=study.waves,
-        sea_state=study.sea_states[str(labels["sea_state"])],
+        waves=seas.deciding(sea, study.waves),
+        sea_state=sea,
         record=study.record,
         solver=study.solver,
         floats=() if labels["platform"] == "elastic-no-floats" else floats,
         platform=platform,
-        seed=int(labels["seed"]),
+        seed=int(labels["seed"]) if seas.is_random(sea) else 0,
     )
 
 
@@ -228,11 +233,12 @@ def _floats(study: StudyFile, labels: Mapping[str, Label]) -> tuple[Float, ...]:
 
 def _common_damping(study: StudyFile) -> tuple[float, ...] | None:
     values = {f.pto_damping for f in study.floats}
-    return tuple(values) if len(values) == 1 else None
+    common = values.pop() if len(values) == 1 else None
+    return (common,) if isinstance(common, float) else None
 
 
 def _spacing(study: StudyFile) -> tuple[float, ...] | None:
-    if len(study.floats) != 2:
+    if len(study.floats) != 2 or any(f.motion != ("hinge",) for f in study.floats):
         return None
     a, b = (f.hinge[0] for f in study.floats)
     return (abs(a - b),)

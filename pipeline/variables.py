@@ -22,6 +22,7 @@ WAVE = "sea_surface_wave_"
 
 VARIABLES = {
     "rotation": Meaning("rad", "Rotation of the float about its hinge axis, from rest, right-handed"),
+    "motion": Meaning(None, "Motion of the float along each free axis of its joint, from rest, in m or rad"),
     "absorbed_power": Meaning("W", "Mechanical power absorbed by the power take-off"),
     "pto_moment": Meaning("N m", "Moment of the power take-off on the float about the hinge axis"),
     "hinge_force": Meaning("N", "Force of the hinge on the float"),
@@ -71,11 +72,14 @@ COORDINATES = {
     "sea_state": Meaning(None, "Label of the sea state"),
     "Hs": Meaning("m", "Nominal significant wave height", WAVE + "significant_height"),
     "Tp": Meaning("s", "Nominal peak period", WAVE + "period_at_variance_spectral_density_maximum"),
+    "wave_height": Meaning("m", "Height of the regular wave, crest to trough"),
+    "wave_period": Meaning("s", "Period of the regular wave"),
     "platform": Meaning(None, "Support of the floats"),
     "pto_damping": Meaning("N m s rad-1", "Rotational damping of each power take-off"),
     "hinge_spacing": Meaning("m", "Distance of the hinges along x"),
     "seed": Meaning("1", "Number of the wave realization"),
     "float": Meaning(None, "Name of the float"),
+    "axis": Meaning(None, "Free axis of the joint"),
     "leg": Meaning(None, "Name of the leg"),
     "direction": Meaning(None, "Axis of the component"),
     "height": Meaning("m", "Height above the foot of the leg", "height"),

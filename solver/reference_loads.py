@@ -23,7 +23,7 @@ class PressureForce:
 
     def __init__(self, scene: Scene, field: WaveField, kind: Pressure, panels: tuple[int, int], coefficients):
         self.scene, self.field, self.kind = scene, field, kind
-        self.linear = scene.settings.froude_krylov == "linear"
+        self.linear = scene.settings.froude_krylov != "body-nonlinear"
         self.coefficients = coefficients
         s, along, around = scene.settings, *panels
         if kind == "panels":

@@ -128,7 +128,8 @@ class Settings:
     # Pressure above still water. Wheeler's vanishes at the surface and agrees with published
     # body-nonlinear codes in steep waves; Airy's extrapolated is the Buan paper's.
     pressure: Literal["wheeler", "extrapolated"] = "wheeler"
-    froude_krylov: Literal["body-nonlinear", "linear"] = "body-nonlinear"  # and hydrostatics
+    # Hydrostatics go with it: nonlinear only with "body-nonlinear". "none" leaves diffraction alone.
+    froude_krylov: Literal["body-nonlinear", "linear", "none"] = "body-nonlinear"
     diffraction: bool = True
     radiation: bool = True
     newton_tolerance: float = 1e-5  # [m or rad]

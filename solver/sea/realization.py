@@ -16,6 +16,7 @@ class Realization:
 
     omega (n,) [rad/s], amplitude (n,) complex a = A e^{iε} [m], heading β [rad].
     repeat_period [s]: after this time the record repeats (inf for random intervals).
+    notes: what a user should know of how the components came about.
     """
 
     omega: np.ndarray
@@ -23,6 +24,7 @@ class Realization:
     heading: float = 0.0
     peak_frequency: float = np.nan
     repeat_period: float = np.inf
+    notes: tuple[str, ...] = ()
 
     def parameters(self) -> dict[str, float]:
         """Hm0 [m], Tp, Te, Tz [s] that the components really carry (band cut included)."""
@@ -75,6 +77,80 @@ def realize(
         peak_frequency=float(omega[np.argmax(density)]),
         repeat_period=2 * np.pi / width if intervals == "even" else np.inf,
     )
+
+
+def regular(*, height: float, period: float, phase: float = 0.0, heading: float = 0.0) -> Realization:
+    """One wave, η = H/2 cos(ks - ωt + ε) of height H [m], period [s] and phase ε [rad]."""
+    for key, value in (("height", height), ("period", period)):
+        if not 0 < value < np.inf:
+            raise InputError(key, value, "must be positive and finite")
+    return components(amplitude=[height / 2], omega=[2 * np.pi / period], phase=[phase], heading=heading)
+
+
+def components(*, amplitude, omega, phase, heading: float = 0.0) -> Realization:
+    """Waves given one by one: η = Σ Aᵢ cos(kᵢs - ωᵢt + εᵢ), A (n,) [m], ω (n,) [rad/s], ε (n,) [rad]."""
+    A, w, e = (np.asarray(x, float) for x in (amplitude, omega, phase))
+    if not A.shape == w.shape == e.shape or A.size == 0:
+        raise InputError("amplitude", f"{A.size} values", f"needs as many as omega ({w.size}) and phase ({e.size})")
+    if not (np.all(np.isfinite([A, w, e])) and np.all(w > 0)):
+        raise InputError("omega", w.min(), "frequencies must be > 0, and all numbers finite")
+    order = np.argsort(w, kind="stable")
+    return Realization(
+        omega=w[order],
+        amplitude=(A * np.exp(1j * e))[order],
+        heading=heading,
+        peak_frequency=float(w[np.argmax(np.abs(A))]),
+        repeat_period=2 * np.pi / float(w[0]) if w.size == 1 else np.inf,
+    )
+
+
+def measured(*, time, elevation, band: tuple[float, float], heading: float = 0.0) -> Realization:
+    """A record of η [m] at the origin, at even times [s], as its Fourier components in `band` [rad/s].
+
+    With all of them it comes back exactly at its samples, and repeats after n Δt. The mean level and
+    what lies outside the band are left out; the notes say how much that was.
+    """
+    t, eta = np.asarray(time, float), np.asarray(elevation, float)
+    step = _even_step(t, eta)
+    low, high = band
+    n, level = len(eta), eta.mean()
+    omega = 2 * np.pi / step * np.fft.rfftfreq(n)
+    # rfft has η = Re Σ X exp(iωt); ours is Re Σ a exp(-iωt), and the record begins at t[0].
+    amplitude = np.fft.rfft(eta - level).conj() * np.exp(1j * omega * t[0]) * 2 / n
+    if n % 2 == 0:
+        amplitude[-1] /= 2
+    inside = (omega >= low) & (omega <= high) & (omega > 0)
+    if not np.abs(amplitude[inside]).any():
+        raise InputError("band", list(band), "holds none of the record's waves [rad/s]")
+    power = np.abs(amplitude) ** 2
+    note = (
+        f"elevation record: mean level {level:.3g} m taken off; {power[~inside].sum() / power.sum():.2%} of the"
+        f" variance lies outside {low:g} to {high:g} rad/s and is left out; it repeats after {n * step:g} s"
+    )
+    # A raw periodogram has its highest line anywhere near the peak.
+    smooth = np.convolve(power, np.hanning(2 * int(np.sqrt(n) / 2) + 3), mode="same")
+    return Realization(
+        omega=omega[inside],
+        amplitude=amplitude[inside],
+        heading=heading,
+        peak_frequency=float(omega[inside][np.argmax(smooth[inside])]),
+        repeat_period=n * step,
+        notes=(note,),
+    )
+
+
+def _even_step(t: np.ndarray, eta: np.ndarray) -> float:
+    """The step of even times [s]; times may be rounded to a hundredth of it."""
+    if t.shape != eta.shape or t.size < 4:
+        raise InputError("time", f"{t.size} samples", f"needs at least 4, and as many as elevations ({eta.size})")
+    if not np.all(np.isfinite([t, eta])):
+        raise InputError("elevation", "a gap", "every time and elevation must be a finite number")
+    step = float(t[-1] - t[0]) / (t.size - 1)
+    off = np.abs(t - t[0] - step * np.arange(t.size))
+    if not step > 0 or off.max() > 0.01 * step:
+        worst = int(off.argmax())
+        raise InputError("time", t[worst], f"sample {worst + 1} must lie at even steps of {step:g} s")
+    return step
 
 
 def ramp(t: np.ndarray, duration: float, form: Literal["paper", "cosine"] = "paper") -> np.ndarray:

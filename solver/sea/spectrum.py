@@ -63,6 +63,57 @@ class WhiteNoise:
         return np.full_like(omega, self.Hs**2 / 16 / (high - low))
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Jonswap:
+    """JONSWAP: S = C S_PM γ^r, S_PM the peak form, r = exp(-(ω/ωp - 1)²/2σ²), σ = 0.07 up to ωp, 0.09 above.
+
+    C keeps m₀ = Hs²/16 exactly: with y = 5/4 (ωp/ω)⁴ the variance of S_PM is spread as e⁻ʸ dy,
+    so 1/C = ∫ γ^r e⁻ʸ dy.
+    """
+
+    Hs: float  # significant wave height [m]
+    Tp: float  # peak period [s]
+    gamma: float = 3.3  # peak enhancement [-]; 1 is Pierson-Moskowitz
+
+    def __post_init__(self):
+        _positive(Hs=self.Hs, Tp=self.Tp)
+        if not 1 <= self.gamma <= 7:
+            raise InputError("gamma", self.gamma, "JONSWAP needs 1 <= gamma <= 7")
+
+    def density(self, omega):
+        wp = 2 * np.pi / self.Tp
+        base = PiersonMoskowitz(Hs=self.Hs, Tp=self.Tp).density(omega)
+        y = np.linspace(1e-9, 40.0, 40_001)  # e^-40 is below rounding
+        share = np.trapezoid(np.exp(-y) * self._enhancement((1.25 / y) ** 0.25), y)
+        return base * self._enhancement(omega / wp) / share
+
+    def _enhancement(self, x: np.ndarray) -> np.ndarray:
+        """γ^r at x = ω/ωp."""
+        width = np.where(x <= 1, 0.07, 0.09)
+        return self.gamma ** np.exp(-(((x - 1) / width) ** 2) / 2)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tabulated:
+    """A spectrum given by numbers: linear between them, zero outside."""
+
+    omega: np.ndarray  # (n,) [rad/s], increasing
+    S: np.ndarray  # (n,) [m² s/rad]
+
+    def __post_init__(self):
+        if len(self.omega) < 2 or not np.all(np.diff(self.omega) > 0):
+            raise InputError("omega", _brief(self.omega), "needs at least two increasing frequencies [rad/s]")
+        if not (np.all(self.S >= 0) and np.any(self.S > 0)):
+            raise InputError("S", _brief(self.S), "must be >= 0, and somewhere > 0")
+
+    def density(self, omega):
+        return np.interp(omega, self.omega, self.S, left=0.0, right=0.0)
+
+
+def _brief(values: np.ndarray) -> str:
+    return f"{len(values)} values" if len(values) > 4 else str(list(values))
+
+
 def moment(omega: np.ndarray, variance: np.ndarray, n: int) -> float:
     """Spectral moment m_n = Σ ωⁿ ΔS of component variances ΔS [m²]."""
     return float(np.sum(omega**n * variance))

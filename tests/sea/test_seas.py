@@ -1,0 +1,106 @@
+"""Seas of every kind against closed forms and against themselves."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pytest import approx
+
+from solver.errors import InputError
+from solver.sea.realization import components, measured, realize, regular
+from solver.sea.spectrum import Jonswap, PiersonMoskowitz, Tabulated
+
+
+def elevation(sea, t):
+    """η at the origin."""
+    return (sea.amplitude * np.exp(-1j * np.outer(t, sea.omega))).sum(axis=1).real
+
+
+@pytest.mark.parametrize("gamma", [1.0, 2.0, 3.3, 7.0])
+def test_jonswap_keeps_its_height(gamma):
+    omega = np.geomspace(0.2, 200, 400_000)
+    S = Jonswap(Hs=3.0, Tp=8.0, gamma=gamma).density(omega)
+    # Beyond 200 rad/s lies less than 1e-8 of the variance; the rest is the trapezoidal rule.
+    assert 4 * np.sqrt(np.trapezoid(S, omega)) == approx(3.0, rel=1e-6)
+    assert omega[S.argmax()] == approx(2 * np.pi / 8, rel=1e-4)
+
+
+def test_jonswap_is_pierson_moskowitz_at_gamma_one_and_gamma_times_it_at_the_peak():
+    omega = np.linspace(0.3, 4, 50)
+    base = PiersonMoskowitz(Hs=2.0, Tp=7.0)
+    assert Jonswap(Hs=2.0, Tp=7.0, gamma=1.0).density(omega) == approx(base.density(omega), rel=1e-6)
+    # Goda's constant for γ = 3.3: C = 0.0624 / (0.230 + 0.0336 γ - 0.185 / (1.9 + γ)) × 16/5, good to 1 %.
+    peak, gamma = np.array([2 * np.pi / 7]), 3.3
+    goda = 3.2 * 0.0624 / (0.230 + 0.0336 * gamma - 0.185 / (1.9 + gamma))
+    ratio = Jonswap(Hs=2.0, Tp=7.0).density(peak) / base.density(peak)
+    assert ratio[0] == approx(gamma * goda, rel=0.01)
+
+
+def test_a_tabulated_spectrum_is_the_one_it_was_made_from():
+    omega = np.linspace(0.3, 4, 2000)
+    known = PiersonMoskowitz(Hs=2.0, Tp=7.0)
+    table = Tabulated(omega=omega, S=known.density(omega))
+    args = {"components": 60, "band": (0.5, 2.0), "seed": 1}
+    # Linear interpolation between points 0.002 rad/s apart.
+    assert realize(table, **args).amplitude == approx(realize(known, **args).amplitude, rel=1e-3)
+    assert table.density(np.array([0.1, 5.0])).tolist() == [0, 0]
+
+
+@given(height=st.floats(0.01, 20), period=st.floats(1, 30), phase=st.floats(-3, 3))
+def test_a_regular_wave_has_its_height_period_and_phase(height, period, phase):
+    sea = regular(height=height, period=period, phase=phase)
+    t = np.linspace(0, period, 7)
+    assert elevation(sea, t) == approx(height / 2 * np.cos(phase - 2 * np.pi * t / period), abs=1e-9 * height)
+    assert sea.parameters()["Hm0"] == approx(height * np.sqrt(2))  # 4 σ, σ = H/2/√2
+    assert sea.parameters()["Tp"] == approx(period)
+
+
+def test_components_come_in_any_order():
+    a = components(amplitude=[1.0, 0.5], omega=[2.0, 1.0], phase=[0.3, 0.1])
+    b = components(amplitude=[0.5, 1.0], omega=[1.0, 2.0], phase=[0.1, 0.3])
+    assert np.array_equal(a.omega, b.omega) and np.array_equal(a.amplitude, b.amplitude)
+    assert a.peak_frequency == 2.0
+
+
+@pytest.mark.parametrize("n", [400, 401])
+def test_a_measured_record_comes_back_at_its_samples(n):
+    """Mean apart, whatever the numbers: the band holds every line, the highest included."""
+    t = 7.0 + 0.25 * np.arange(n)
+    eta = np.random.default_rng(n).normal(size=n)
+    sea = measured(time=t, elevation=eta, band=(1e-6, 100.0))
+    assert elevation(sea, t) == approx(eta - eta.mean(), abs=1e-9)
+    assert elevation(sea, t + sea.repeat_period) == approx(eta - eta.mean(), abs=1e-9)
+
+
+def test_a_measured_record_says_what_it_leaves_out():
+    """Two waves that fit the record's length: one line each, so the shares are exact."""
+    t = 0.1 * np.arange(2000)
+    eta = 0.5 + 3.0 * np.cos(2 * np.pi * 20 / 200 * t) + 1.0 * np.cos(2 * np.pi * 200 / 200 * t)
+    sea = measured(time=t, elevation=eta, band=(0.1, 3.0))
+    (note,) = sea.notes
+    assert "mean level 0.5 m" in note and "10.00% of the variance" in note and "repeats after 200 s" in note
+    assert sea.parameters()["Hm0"] == approx(4 * 3 / np.sqrt(2))
+    assert sea.parameters()["Tp"] == approx(10.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "key"),
+    [
+        (lambda: Jonswap(Hs=1, Tp=5, gamma=0.5), "gamma"),
+        (lambda: Jonswap(Hs=0, Tp=5), "Hs"),
+        (lambda: Tabulated(omega=np.array([1.0, 1.0]), S=np.ones(2)), "omega"),
+        (lambda: Tabulated(omega=np.array([1.0, 2.0]), S=np.zeros(2)), "S"),
+        (lambda: regular(height=-1, period=5), "height"),
+        (lambda: regular(height=1, period=np.inf), "period"),
+        (lambda: components(amplitude=[], omega=[], phase=[]), "amplitude"),
+        (lambda: components(amplitude=[1], omega=[0], phase=[0]), "omega"),
+        (lambda: measured(time=[0, 1, 2], elevation=[0, 1, 0], band=(0.1, 9)), "time"),
+        (lambda: measured(time=[0, 1, 2, 4], elevation=[0, 1, 0, 1], band=(0.1, 9)), "time"),
+        (lambda: measured(time=[0, 1, 2, 3], elevation=[0, 1, np.nan, 1], band=(0.1, 9)), "elevation"),
+        (lambda: measured(time=[0, 1, 2, 3], elevation=[0, 1, 0, 1], band=(8, 9)), "band"),
+    ],
+)
+def test_nonsense_is_refused(make, key):
+    with pytest.raises(InputError) as caught:
+        make()
+    assert caught.value.key == key
