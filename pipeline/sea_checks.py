@@ -117,7 +117,8 @@ def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]
         low, high = waves.band
         if not low <= span[0] <= span[1] <= high:
             name, value, what = _named(key, sea)
-            limit = f"must put {what}, {span[0]:.3g} rad/s, inside waves.band = [{low:g}, {high:g}]"
+            outside = span[1] if span[1] > high else span[0]
+            limit = f"must put {what}, {outside:.3g} rad/s, inside waves.band = [{low:g}, {high:g}]"
             yield InputError(name, value, limit)
     wanted = seas.band(sea, waves)
     if study.floats and wanted and float(wavenumber(wanted[0], water.depth, water.gravity)) * water.depth <= SHALLOW:
@@ -133,4 +134,4 @@ def _named(key: str, sea: SeaState) -> tuple[str, object, str]:
         case Regular():
             return f"{key}.period", sea.period, "its frequency"
         case _:
-            return f"{key}.file", getattr(sea, "file", ""), "its lowest frequency"
+            return f"{key}.file", getattr(sea, "file", ""), "all waves"
