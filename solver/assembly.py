@@ -66,7 +66,7 @@ def bodies(
         cog=np.array([f.cog for f in floats], float).reshape(nb, 3),
         inertia=np.array([np.diag(f.inertia) for f in floats], float).reshape(nb, 3, 3),
         nonlinear=np.full(nb, scene.settings.froude_krylov == "body-nonlinear"),
-        rule=_rules(scene, field),
+        rule=rules(scene, field),
         patches=np.array([len(_rule(f, scene, field).patch) for f in floats], np.int64),
         buoyancy=buoyancy,
         stiffness=stiffness,
@@ -111,19 +111,19 @@ def _rule(item: Float, scene: Scene, field: WaveField) -> WettedQuadrature:
     )
 
 
-def _rules(scene: Scene, field: WaveField) -> WettedQuadrature:
+def rules(scene: Scene, field: WaveField) -> WettedQuadrature:
     """One rule for all floats, patches padded to the longest meridian."""
-    rules = [_rule(f, scene, field) for f in scene.floats]
-    if not rules:
+    own = [_rule(f, scene, field) for f in scene.floats]
+    if not own:
         empty = np.zeros(0)
         nothing = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2)), 0.0
         return WettedQuadrature(*nothing, empty, empty, empty, empty, False, 1, np.zeros((11, 0)))
-    most = max(len(r.patch) for r in rules)
-    return rules[0]._replace(
-        patch=np.stack([_padded(r.patch, most) for r in rules]),
-        whole=np.stack([_padded(r.whole, most) for r in rules]),
-        surface_terms=max(r.surface_terms for r in rules),
-        room=max((r.room for r in rules), key=np.size),
+    most = max(len(r.patch) for r in own)
+    return own[0]._replace(
+        patch=np.stack([_padded(r.patch, most) for r in own]),
+        whole=np.stack([_padded(r.whole, most) for r in own]),
+        surface_terms=max(r.surface_terms for r in own),
+        room=max((r.room for r in own), key=np.size),
     )
 
 

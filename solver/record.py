@@ -25,15 +25,10 @@ class Record:
     series: Mapping[str, Labelled] = field(default_factory=dict)
 
 
-def probe(output: Output, joints: int) -> np.ndarray:
-    """What two step lengths are compared by: the joints' axes and the lowest mode, (m, …)."""
-    return np.concatenate([output.z[:, output.z.shape[1] - joints :], output.p[:, :1]], axis=1)
-
-
 class Recorder:
     """Takes in the march's blocks and keeps only what the record needs."""
 
-    def __init__(self, scene: Scene, support: Support | None, *, layout: Layout, probe_samples: int):
+    def __init__(self, scene: Scene, support: Support | None, *, layout: Layout):
         self.scene, self.layout = scene, layout
         self.legs = support.legs if support is not None else None
         self.frequencies = support.dry_omega if support is not None else np.zeros(0)
@@ -45,16 +40,9 @@ class Recorder:
         self.channels: dict[str, Statistics] = {}
         self.envelopes = {"displacement_envelope": Envelope(), "stress_envelope": Envelope()}
         self.series: dict[str, list[np.ndarray]] = {}
-        self.probe_samples, self._probe = probe_samples, [np.zeros((0, 1))]
-
-    def probe(self) -> np.ndarray:
-        """The first `probe_samples` samples of the probe."""
-        return np.concatenate(self._probe[1:])[: self.probe_samples]
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block; statistics begin after `discard` and end after `duration`."""
-        if sum(map(len, self._probe)) < self.probe_samples:
-            self._probe.append(probe(output, self.owner.size))
         s = self.scene.settings
         inside = (times > s.discard - 1e-9) & (times < s.discard + s.duration + 1e-9)
         if not inside.any():

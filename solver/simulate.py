@@ -1,198 +1,15 @@
 """One scene in, one record out: prepare, march block by block, and read the record."""
 
 import time
-from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
-from solver import assembly
-from solver.errors import SimulationFailed
-from solver.hydrodynamics import radiation
-from solver.hydrodynamics.bem import DOFS, Hydrodynamics
-from solver.march import (
-    EXCURSION,
-    NOT_CONVERGED,
-    OK,
-    WORKS,
-    Drive,
-    Output,
-    State,
-    energy,
-    march,
-)
-from solver.multibody.minimal import Bodies, loads, mass_matrix, move, new_motion, pressures
-from solver.record import Record, Recorder, probe
+from solver.audit import Probe, audit, energy_residual
+from solver.hydrodynamics.bem import Hydrodynamics
+from solver.march import WORKS, energy
+from solver.record import Record, Recorder
 from solver.scene import Scene
-from solver.sea.field import WaveField, WaveSeries
-from solver.sea.realization import ramp
-from solver.structure import support as platform
-
-BLOCK_STEPS = 128  # steps a block: small enough for the cache, large enough for BLAS
-PROBE = 120.0  # length of the run with half the step that estimates the discretization error [s]
-ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class System:
-    """A scene as arrays, for one step length."""
-
-    scene: Scene
-    bodies: Bodies
-    support: platform.Support | None
-    structure: assembly.Structure
-    fit: radiation.RadiationMemory | None
-    memory: assembly.Memory
-    stiffness: np.ndarray
-    rows: np.ndarray
-    layout: assembly.Layout
-    dt: float
-
-    def start(self) -> State:
-        """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""
-        body, nm = self.bodies, self.structure.omega.size
-        nz, nc = body.damping.size, self.structure.carrier.shape[0]
-        z, carried = _equilibrium(self)
-        p = self.structure.carrier.T @ carried / self.structure.omega**2 if nm else np.zeros(0)
-        z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
-        z[:nc] = self.structure.carrier @ p
-        first = self.drive(self.series(self.dt, 1).block(0, 1))
-        ddp, ddz, load = _initial_acceleration(self, z, p, first)
-        return State(
-            z=z[nc:],
-            dz=np.zeros(nz - nc),
-            ddz=np.tile(ddz, (3, 1)),
-            p=p,
-            dp=np.zeros(nm),
-            ddp=ddp,
-            force=np.tile(load, (3, 1)),
-            memory=np.zeros((self.memory.residue.shape[0], self.memory.direct.shape[2]), complex),
-            power=np.zeros(len(WORKS)),
-            work=np.zeros(len(WORKS)),
-        )
-
-    def series(self, dt: float, block: int = 2 * BLOCK_STEPS + 1) -> WaveSeries:
-        """All that the wave drives, at samples dt/2 apart, blocks of at most `block`."""
-        s = self.scene.settings
-        return WaveSeries(self.rows, self.scene.sea.omega, dt / 2, block, lambda t: ramp(t, s.ramp, s.ramp_form))
-
-    def drive(self, samples: np.ndarray) -> Drive:
-        """Columns of the wave series (m, columns) as the march reads them."""
-        nb, (_, nd, ns) = len(self.scene.floats), self.structure.station.shape
-        m, at = len(samples), self.layout
-        terms = (at.field.stop - at.field.start) // max(2 * nb, 1)
-        return Drive(
-            field=np.ascontiguousarray(samples[:, at.field]).reshape(m, nb, 2, terms),
-            excitation=np.ascontiguousarray(samples[:, at.excitation]).reshape(m, nb, 6),
-            modal=np.ascontiguousarray(samples[:, at.modal]),
-            station=np.ascontiguousarray(samples[:, at.station]).reshape(m, nd, ns),
-        )
-
-
-def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
-    """Everything that does not change during the run."""
-    settings, water = scene.settings, scene.water
-    waves = WaveField(scene.sea, water.depth, water.gravity)
-    support = None
-    if scene.platform is not None:
-        support = platform.prepare(
-            scene.platform,
-            waves,
-            water,
-            [scene.platform.hinge_nodes[f.name] for f in scene.floats],
-            planar=scene.planar,
-            modes=settings.modes,
-            stations=settings.stations_per_element,
-        )
-    fit = None
-    if scene.floats and settings.radiation:
-        dofs = hydrodynamics.dofs
-        radii = tuple(1.0 if DOFS.index(d) < 3 else f.hull.largest_radius for f in scene.floats for d in dofs)
-        fit = _memory(hydrodynamics, settings.memory_tolerance, radii)
-    na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
-    added_mass = fit.added_mass_inf if fit else np.zeros((na, na))
-    body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass)
-    reach = max((_reach(f) for f in scene.floats), default=0.0)
-    terms = waves.terms_for(reach, settings.field_tolerance)
-    rows, layout = assembly.wave_rows(scene, waves, support, hydrodynamics, terms)
-    return System(
-        scene=scene,
-        bodies=body,
-        support=support,
-        structure=assembly.structure(support, scene.platform.damping_ratio if scene.platform else 0.0),
-        fit=fit,
-        memory=assembly.memory(fit, settings.time_step, na),
-        stiffness=assembly.newton_stiffness(body, scene, hydrodynamics),
-        rows=rows,
-        layout=layout,
-        dt=settings.time_step,
-    )
-
-
-@lru_cache(maxsize=8)
-def _memory(h: Hydrodynamics, tolerance: float, lengths: tuple[float, ...]) -> radiation.RadiationMemory:
-    """The fit for a set of coefficients: tasks that differ in sea, damping or support share it."""
-    return radiation.fit(
-        h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths=np.array(lengths)
-    )
-
-
-def _reach(item) -> float:
-    """How far from its centre at rest a hull's wetted surface gets at ±0.8 rad of its arm [m]."""
-    return 2 * np.sin(0.4) * float(np.linalg.norm(item.arm)) + item.hull.size
-
-
-def _residual(system: System, z: np.ndarray, field=None, excitation=None) -> np.ndarray:
-    """JᵀW (nz,) of the floats at rest at z, in still water unless a wave's sample is given."""
-    body = system.bodies
-    nz, nb, na = body.damping.size, body.axes.size, body.axes.size * body.active.size
-    out, motion, zero = np.empty(nz), new_motion(body), np.zeros(nz)
-    field = np.zeros((nb, 2, 1)) if field is None else field
-    excitation = np.zeros((nb, 6)) if excitation is None else excitation
-    move(body, z, zero, motion)
-    pressure = np.empty((nb, 6))
-    pressures(body, motion, field, pressure)
-    loads(body, z, zero, zero, motion, pressure, zero, excitation, np.zeros(na), out, np.empty((nb, 6)), np.empty(4))
-    return out
-
-
-def _equilibrium(system: System) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates z (nz,) of the floats at rest in still water and their load on the carriers (nc,)."""
-    nz, nc = system.bodies.damping.size, system.structure.carrier.shape[0]
-    z = np.zeros(nz)
-    if nz == nc:
-        return z, np.zeros(nc)
-    for _ in range(50):
-        r = _residual(system, z)
-        slope = np.empty((nz - nc, nz - nc))
-        for j in range(nc, nz):
-            step = np.zeros(nz)
-            step[j] = 1e-5
-            slope[:, j - nc] = (_residual(system, z + step) - _residual(system, z - step))[nc:] / 2e-5
-        # Least squares: nothing holds a free float in surge or yaw, and nothing pushes it.
-        update = np.linalg.lstsq(slope, -r[nc:], rcond=1e-9)[0]
-        z[nc:] += update
-        if np.abs(update).max() < 1e-12:
-            return z, _residual(system, z)[:nc]
-    raise SimulationFailed(f"no static equilibrium in still water: joints at {z[nc:]} after 50 steps")
-
-
-def _initial_acceleration(system: System, z, p, first: Drive):
-    """Modal and joint accelerations at t = 0, and the modal load of the hinges, from all loads at rest."""
-    body, frame = system.bodies, system.structure
-    nz, (nc, nm) = body.damping.size, frame.carrier.shape
-    motion, M = new_motion(body), np.zeros((nz, nz))
-    move(body, z, np.zeros(nz), motion)
-    mass_matrix(body, motion, M)
-    r = _residual(system, z, first.field[0], first.excitation[0])
-    shape = frame.carrier
-    whole = np.block(
-        [[np.eye(nm) + shape.T @ M[:nc, :nc] @ shape, shape.T @ M[:nc, nc:]], [M[nc:, :nc] @ shape, M[nc:, nc:]]]
-    )
-    load = np.concatenate([shape.T @ r[:nc] - frame.omega**2 * p + first.modal[0], r[nc:]])
-    acceleration = np.linalg.solve(whole, load)
-    ddp, ddz = acceleration[:nm], acceleration[nm:]
-    return ddp, ddz, ddp + frame.omega**2 * p - first.modal[0]
+from solver.system import blocks, prepare
 
 
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record:
@@ -205,24 +22,20 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     prepared = time.perf_counter()
     settings = scene.settings
     steps = int(np.ceil((settings.discard + settings.duration) / system.dt - 1e-9))
-    recorder = Recorder(
-        scene, system.support, layout=system.layout, probe_samples=2 * min(steps, int(PROBE / system.dt))
-    )
+    recorder, probe = Recorder(scene, system.support, layout=system.layout), Probe(system)
     state = system.start()
     before = energy(system.bodies, system.structure, state)
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
+        probe.add(samples, output)
     after = energy(system.bodies, system.structure, state)
     marched = time.perf_counter()
     work = dict(zip(WORKS, state.work, strict=True))
     attrs = {
-        "energy_residual": _energy_residual(work, after - before),
+        "energy_residual": energy_residual(work, after - before),
         **{f"work_{name}": float(value) for name, value in work.items()},
         "stored_energy_change": float(after - before),
-        "constraint_drift": _constraint_drift(system, state),
-        "discretization_error": _discretization_error(system, recorder, steps),
-        "memory_error": system.fit.error if system.fit else 0.0,
-        "memory_poles": system.fit.beta.size if system.fit else 0,
+        **audit(system, hydrodynamics, probe, state),
         "time_step": system.dt,
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
         "prepare_time": prepared - clock,
@@ -231,93 +44,3 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     }
     attrs["wall_time"] = time.perf_counter() - clock
     return recorder.record(attrs)
-
-
-def blocks(system: System, state: State, steps: int):
-    """March `steps` steps, yielding (wave samples, output, times) block by block."""
-    settings, h = system.scene.settings, system.dt / 2
-    series = system.series(system.dt)
-    nz, nm, nb = system.bodies.damping.size, system.structure.omega.size, system.bodies.axes.size
-    for first in range(0, steps, BLOCK_STEPS):
-        count = min(BLOCK_STEPS, steps - first)
-        samples = series.block(2 * first, 2 * count + 1)
-        output = Output(
-            np.empty((2 * count, nz)),
-            np.empty((2 * count, nz)),
-            np.empty((2 * count, nm)),
-            np.empty((2 * count, nb, 6)),
-        )
-        outcome, sample, _ = march(
-            system.bodies,
-            system.structure,
-            system.memory,
-            system.drive(samples),
-            state,
-            system.stiffness,
-            system.dt,
-            settings.newton_tolerance,
-            ITERATIONS,
-            output,
-        )
-        if outcome != OK:
-            raise SimulationFailed(_explain(outcome, (2 * first + sample) * h, system, state))
-        yield samples[1:], output, (2 * first + 1 + np.arange(2 * count)) * h
-
-
-def _explain(outcome: int, t: float, system: System, state: State) -> str:
-    when = f"at t = {t:.1f} s"
-    if outcome == EXCURSION:
-        names = [f"{f.name} {axis}" for f in system.scene.floats for axis in f.motion]
-        where = ", ".join(f"{name} {value:+.2f}" for name, value in zip(names, state.z, strict=True))
-        return (
-            f"a float swung through beneath its hinge or drifted away {when} ({where};"
-            f" limits {assembly.FALLEN_OVER:.2f} rad, {assembly.FAR_AWAY:g} m):"
-            " the sea is too high for this joint and its damping"
-        )
-    trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
-    return f"{trouble} {when}: reduce time_step = {system.dt:g} s"
-
-
-def _energy_residual(work: dict[str, float], stored: float) -> float:
-    """|wave work - (PTO + radiation + drag + structural + stored)| over the wave's work."""
-    given = work["wave"] + work["frame_inertia"] + max(work["frame_drag"], 0.0)
-    taken = sum(work[n] for n in ("radiation", "pto", "joint_damping", "structural")) - min(work["frame_drag"], 0.0)
-    return float(abs(given - taken - stored) / abs(given)) if given else 0.0
-
-
-def _constraint_drift(system: System, state: State) -> float:
-    """Largest gap [m] between the end of each arm and its hinge on the support, at the end."""
-    body, nc = system.bodies, system.structure.carrier.shape[0]
-    z = np.concatenate([system.structure.carrier @ state.p, state.z])
-    motion = new_motion(body)
-    move(body, z, np.zeros(z.size), motion)
-    drift = 0.0
-    for b, item in enumerate(system.scene.floats):
-        if item.motion != ("hinge",):
-            continue
-        hinge = np.array(item.hinge, float)
-        if nc:
-            axes = assembly.carrier_axes(system.scene.planar)
-            shift = np.zeros(6)
-            shift[axes] = z[b * axes.size : (b + 1) * axes.size]
-            hinge += shift[:3]
-        gap = motion.position[b] - motion.rotation[b] @ item.arm - hinge
-        drift = max(drift, float(np.abs(gap).max()))
-    return drift
-
-
-def _discretization_error(system: System, recorder: Recorder, steps: int) -> float:
-    """Error of the step length over the first PROBE seconds, relative to the RMS of each joint and mode.
-
-    The scheme is of fourth order, so the run with half the step differs by 15/16 of the error.
-    """
-    steps = min(steps, int(PROBE / system.dt))
-    coarse = recorder.probe()
-    half = replace(
-        system, dt=system.dt / 2, memory=assembly.memory(system.fit, system.dt / 2, system.bodies.added_mass.shape[0])
-    )
-    joints = system.bodies.damping.size - system.structure.carrier.shape[0]
-    fine = np.concatenate([probe(output, joints) for _, output, _ in blocks(half, half.start(), 2 * steps)])
-    difference = coarse - fine[1::2]
-    scale, error = (np.sqrt(np.mean(x**2, axis=0)) for x in (coarse, difference))
-    return float(np.max(error[scale > 0] / scale[scale > 0], initial=0.0) * 16 / 15)

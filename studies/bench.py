@@ -22,7 +22,8 @@ from solver.hydrodynamics.panels import panel_load, revolution_mesh, waves_at
 from solver.record import Record
 from solver.scene import Scene
 from solver.sea.field import WaveField
-from solver.simulate import prepare, simulate
+from solver.simulate import simulate
+from solver.system import prepare
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

@@ -8,7 +8,8 @@ from pytest import approx
 
 from solver.errors import SimulationFailed
 from solver.scene import DOFS
-from solver.simulate import blocks, prepare, simulate
+from solver.simulate import simulate
+from solver.system import blocks, prepare
 
 SMOOTH = {"ramp": 15.0, "ramp_form": "cosine", "newton_tolerance": 1e-13}
 

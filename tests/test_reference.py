@@ -13,9 +13,10 @@ from solver.reference import simulate_reference
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import CALM, realize
 from solver.sea.spectrum import PiersonMoskowitz
-from solver.simulate import prepare, simulate
+from solver.simulate import simulate
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointMass
+from solver.system import prepare
 
 HULL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
 CENTRES = np.array([[-3.86, 0, 0], [3.86, 0, 0]])
