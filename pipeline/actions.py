@@ -14,11 +14,12 @@ from pipeline.tasks import Task
 
 
 def preflight(study: Study, tasks: Iterable[Task]) -> None:
-    """The solver's own objections, before anything runs."""
+    """The solver's own objections and warnings, before anything runs."""
     from pipeline.preflight import check
     from pipeline.run import Engine
 
-    check(study, tasks, Engine())
+    for text in check(study, tasks, Engine()):
+        say(f"{study.path}: warning: {text}", err)
 
 
 def run(study: Study, store: Store, results: Path, tasks: Tasks, place: Place, *, keep_going: bool = True) -> None:

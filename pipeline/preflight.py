@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from pipeline.run import Engine
@@ -21,15 +21,25 @@ PLACES = {
 }
 
 
-def check(study: Study, tasks: Iterable[Task], engine: Engine) -> None:
-    """Raise StudyError in the solver's words, under the study file's keys."""
-    distinct = {tuple(task.labels.get(axis) for axis in CONFIGURATION): task for task in tasks}
+def check(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
+    """Raise StudyError in the solver's words, under the study file's keys; or what is odd and yet no error."""
+    distinct, seas = {}, {}
+    for task in tasks:
+        distinct[tuple(task.labels.get(axis) for axis in CONFIGURATION)] = task
+        seas[task.labels["sea_state"]] = task
     platforms = {task.labels["platform"]: task for task in distinct.values()}
-    problems = [problem for task in distinct.values() for problem in _problems(engine.check, task)]
+    odd: list[str] = []
+
+    def judge(parameters: Parameters) -> None:
+        odd.extend(engine.check(parameters) or ())
+
+    every = [*distinct.values(), *seas.values()]
+    problems = [problem for task in every for problem in _problems(judge, task)]
     # A frame takes 0.4 s to reduce, so one stands for all hinge spacings.
     problems = problems or [problem for task in platforms.values() for problem in _problems(engine.reduce, task)]
     if problems:
         raise StudyError(study.path, dict.fromkeys(problems))
+    return list(dict.fromkeys(odd))
 
 
 def _problems(judge: Callable[[Parameters], None], task: Task) -> Iterator[str]:
@@ -50,13 +60,15 @@ def key(theirs: str) -> str:
     return PLACES.get(first, first) + dot + rest
 
 
-def build(parameters: Parameters) -> None:
-    """Build a task's scene, and the frequencies of its coefficients."""
+def build(parameters: Parameters) -> Sequence[str]:
+    """Build a task's scene, and the frequencies of its coefficients; what is odd about it."""
     from pipeline import scenes
+    from solver.balance import warnings
 
-    scenes.scene(parameters)
+    scene = scenes.scene(parameters)
     if found := geometry(parameters):
         scenes.bem_arguments(found)
+    return warnings(scene)
 
 
 def reduce(parameters: Parameters) -> None:

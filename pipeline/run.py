@@ -72,11 +72,11 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
     return simulate(scenes.scene(parameters), known)
 
 
-def check(parameters: Parameters) -> None:
-    """Whether the solver takes a task's parameters; raises InputError."""
+def check(parameters: Parameters) -> Sequence[str]:
+    """Whether the solver takes a task's parameters, and what is odd about them; raises InputError."""
     from pipeline import preflight
 
-    preflight.build(parameters)
+    return preflight.build(parameters)
 
 
 def reduce(parameters: Parameters) -> None:
@@ -92,7 +92,7 @@ class Engine:
 
     coefficients: Callable[[Geometry], bytes] = coefficients
     compute: Callable[[Parameters, bytes | None], Record] = compute
-    check: Callable[[Parameters], None] = check
+    check: Callable[[Parameters], Sequence[str] | None] = check
     reduce: Callable[[Parameters], None] = reduce
 
 

@@ -220,7 +220,8 @@ def _excitation(scene: Scene, hydrodynamics: Hydrodynamics | None) -> np.ndarray
     wanted = ["diffraction"] * scene.settings.diffraction
     wanted += ["froude_krylov"] * (scene.settings.froude_krylov == "linear")
     n = scene.sea.omega.size
-    if hydrodynamics is None:
+    # Still water has a frequency for form's sake, which the coefficients need not cover.
+    if hydrodynamics is None or not scene.sea.amplitude.any():
         return np.zeros((len(scene.floats), 6, n), complex)
     force = sum((hydrodynamics.excitation(scene.sea.omega, kind) for kind in wanted), np.zeros((n, 1)))
     force = np.broadcast_to(force, (n, len(scene.floats) * len(hydrodynamics.dofs)))

@@ -11,7 +11,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import Revolution
-from solver.sea.realization import Realization
+from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 
 
@@ -51,7 +51,7 @@ class Float:
     inertia: tuple[float, float, float]  # about the c.o.g., own axes [kg m2]
     cog: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from the reference point [m]
     hinge: tuple[float, float, float]  # at rest [m]
-    arm: tuple[float, float, float]  # from the hinge to the reference point [m]
+    arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from the hinge to the reference point [m]
     axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
     motion: tuple[str, ...] = ("hinge",)
     pto_damping: PerAxis = 0.0
@@ -65,7 +65,7 @@ class Float:
         key = f"floats.{self.name}"
         if not self.mass > 0:
             raise InputError(f"{key}.mass", self.mass, "must be > 0 kg")
-        if not np.linalg.norm(self.axis) > 0:
+        if "hinge" in self.motion and not np.linalg.norm(self.axis) > 0:
             raise InputError(f"{key}.axis", self.axis, "must not have zero length")
         if not self.motion or len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
             raise InputError(f"{key}.motion", self.motion, f"must list hinge, {', '.join(DOFS)}, each at most once")
@@ -149,7 +149,7 @@ class Scene:
     """Water, one realization of the sea, floats, and their support (None: fixed in space)."""
 
     water: Water
-    sea: Realization
+    sea: Realization = CALM
     floats: tuple[Float, ...] = ()
     platform: Platform | None = None
     settings: Settings = Settings()

@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from solver.audit import Probe, audit, energy_residual
+from solver.balance import warnings
 from solver.hydrodynamics.bem import Hydrodynamics
 from solver.march import WORKS, energy
 from solver.record import Record, Recorder
@@ -42,5 +43,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
         "march_time": marched - prepared,
         **scene.sea.parameters(),
     }
+    if odd := warnings(scene):
+        attrs["warnings"] = "; ".join(odd)
     attrs["wall_time"] = time.perf_counter() - clock
     return recorder.record(attrs)

@@ -1,0 +1,53 @@
+"""What is odd about a scene and yet no error: floats out of equilibrium, mended hulls, records cut short."""
+
+import numpy as np
+
+from solver.scene import DOFS, Float, Scene, Water
+
+ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
+
+
+def warnings(scene: Scene) -> tuple[str, ...]:
+    """Sentences for the user, the key first."""
+    found = [text for f in scene.floats for text in imbalance(f, scene.water)]
+    found += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
+    return (*found, *(f"sea: {note}" for note in scene.sea.notes))
+
+
+def imbalance(item: Float, water: Water) -> list[str]:
+    """Axes of the joint along which weight and buoyancy at rest differ by more than ALLOWED.
+
+    A float so held moves to its equilibrium before the run; that is rarely what was meant.
+    """
+    displaced = water.density * item.hull.volume
+    told = f"mass {item.mass:g} kg, displaced {displaced:g} kg ({item.mass / displaced - 1:+.2%})"
+    found = []
+    for name in item.motion:
+        weight, buoyancy = (_work(item, name, *load) for load in _loads(item, displaced, water.gravity))
+        excess = abs(weight + buoyancy)
+        if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
+            moments = f"; {name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
+            found.append(
+                f"floats.{item.name} is out of equilibrium: {told}{'' if name == 'heave' else moments}."
+                " It settles before the run begins"
+            )
+    return found
+
+
+def _loads(item: Float, displaced: float, gravity: float):
+    """Point and vertical force of weight and of buoyancy, at rest."""
+    yield item.centre + item.cog, -item.mass * gravity
+    yield item.centre + item.hull.buoyancy_point, displaced * gravity
+
+
+def _work(item: Float, name: str, point: np.ndarray, force: float) -> float:
+    """Work of a vertical force at a point for a unit of the axis [N or N m]."""
+    if name in DOFS[:3]:
+        return force if name == "heave" else 0.0
+    axis = np.divide(item.axis, np.linalg.norm(item.axis)) if name == "hinge" else np.eye(3)[DOFS.index(name) - 3]
+    return float(force * np.cross(axis, point - item.hinge)[2])
+
+
+def _least(item: Float, name: str, buoyancy: float) -> float:
+    """Moments are small where both forces pass by the axis: then the hull's size is the lever."""
+    return 0.0 if name in DOFS[:3] else buoyancy * item.hull.scale
