@@ -134,8 +134,12 @@ class Settings:
     radiation: bool = True
     newton_tolerance: float = 1e-5  # [m or rad]
     keep_series: bool = False
+    # Relative error of every mean, rms and std; where given, it chooses the knobs above from time_step on.
+    tolerance: float | None = None
 
     def __post_init__(self):
+        if self.tolerance is not None and not 1e-6 <= self.tolerance <= 0.1:
+            raise InputError("settings.tolerance", self.tolerance, "must be between 1e-6 and 0.1")
         for key in ("duration", "time_step", "newton_tolerance", "memory_tolerance", "field_tolerance"):
             if not getattr(self, key) > 0:
                 raise InputError(f"settings.{key}", getattr(self, key), "must be > 0")
@@ -173,13 +177,17 @@ class Scene:
         self._check_time_step()
 
     def _check_time_step(self):
-        shortest = 2 * np.pi / self.sea.omega.max()
-        if self.settings.time_step > shortest / 6:
+        if self.settings.tolerance is None and self.settings.time_step > self.longest_step:
             raise InputError(
                 "settings.time_step",
                 self.settings.time_step,
-                f"must be <= {shortest / 6:.3g} s, a sixth of the shortest wave's period",
+                f"must be <= {self.longest_step:.3g} s, a sixth of the shortest wave's period",
             )
+
+    @property
+    def longest_step(self) -> float:
+        """A sixth of the shortest wave's period [s]."""
+        return float(np.pi / 3 / self.sea.omega.max())
 
     @property
     def planar(self) -> bool:

@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 
+from solver.accuracy import settled
 from solver.audit import Probe, audit, energy_residual
 from solver.balance import warnings
 from solver.hydrodynamics.bem import Hydrodynamics
@@ -12,13 +13,21 @@ from solver.record import Record, Recorder
 from solver.scene import Scene
 from solver.system import blocks, prepare
 
+# What the record says of how it was computed.
+KNOBS = (
+    "time_step", "modes", "azimuths", "arc_points", "line_points", "field_tolerance", "memory_tolerance",
+    "stations_per_element", "newton_tolerance",
+)  # fmt: skip
+
 
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record:
     """Run `scene` to its end; raises SimulationFailed with time, quantity and advice.
 
     hydrodynamics: coefficients of the scene's floats at rest; not needed without floats.
     """
-    clock = time.perf_counter()
+    clock, asked = time.perf_counter(), scene.settings.tolerance
+    if asked is not None:
+        scene = settled(scene, lambda pilot: simulate(pilot, hydrodynamics).attrs)
     system = prepare(scene, hydrodynamics)
     prepared = time.perf_counter()
     settings = scene.settings
@@ -37,7 +46,8 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
         **{f"work_{name}": float(value) for name, value in work.items()},
         "stored_energy_change": float(after - before),
         **audit(system, hydrodynamics, probe, state),
-        "time_step": system.dt,
+        **({} if asked is None else {"tolerance": asked}),
+        **{name: getattr(settings, name) for name in KNOBS},
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
         "prepare_time": prepared - clock,
         "march_time": marched - prepared,
