@@ -69,7 +69,7 @@ def _recording(study: StudyFile, shortest: float) -> Iterator[InputError]:
         yield InputError("record.duration", record.duration, "must be from 1 to 1e6 s")
     if record.discard > 1e5:
         yield InputError("record.discard", record.discard, "must be <= 1e5 s")
-    if step > shortest / STEPS_A_PERIOD:
+    if study.solver.tolerance is None and step > shortest / STEPS_A_PERIOD:
         limit = f"must be <= {shortest / STEPS_A_PERIOD:.3g} s, a sixth of the shortest wave period {shortest:.3g} s"
         yield InputError("solver.time_step", step, limit)
 

@@ -74,7 +74,7 @@ def build(parameters: Parameters) -> Sequence[str]:
 def reduce(parameters: Parameters) -> None:
     """Reduce a task's platform as the solver will, but for its floats, which need coefficients."""
     from pipeline import scenes
-    from solver.simulate import prepare
+    from solver.system import prepare
 
     if parameters.platform:
         prepare(replace(scenes.scene(parameters), floats=()), None)

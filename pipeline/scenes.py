@@ -85,6 +85,7 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "heading": geometry.heading,
         "omega": omega,
         "planar": geometry.planar,
+        "panels": geometry.panels,
     }
 
 

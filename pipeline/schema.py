@@ -69,6 +69,7 @@ if TYPE_CHECKING:
         """The knobs that the pipeline itself looks at."""
 
         time_step: float = 0.0
+        tolerance: float | None = None
 
 else:
     Solver = create_model("Solver", __base__=Table, **_knobs())

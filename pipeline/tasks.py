@@ -24,7 +24,8 @@ from pipeline.schema import (
     Water,
 )
 from pipeline.seas import SeaState, Waves
-from pipeline.tables import Number, Positive, Seed, Table, Vector
+from pipeline.tables import Count, Number, Positive, Seed, Table, Vector
+from solver.scene import PANELS, panels_for
 
 # Raise it when the physics or a default changes: older results then count as stale, not as done.
 MODEL_VERSION = 1
@@ -66,6 +67,7 @@ class Geometry(Table):
     band: tuple[Positive, Positive] | None = None
     heading: Number = 0.0
     planar: bool = True  # nothing leaves the plane y = 0
+    panels: Count = PANELS
 
     @property
     def key(self) -> str:
@@ -120,6 +122,7 @@ def geometry(given: Parameters) -> Geometry | None:
         band=seas.band(given.sea_state, given.waves),
         heading=given.waves.heading,
         planar=_is_planar(given),
+        panels=panels_for(given.solver.tolerance),
     )
 
 

@@ -11,15 +11,9 @@ from solver.scene import Scene, Settings
 PILOTS = 6
 RULES = [(8, 4, 2), (12, 6, 3), (12, 8, 4), (16, 12, 6), (24, 16, 8)]
 MEMORIES = [3e-2, 1e-2, 3e-3, 1e-3, 3e-4]
-# What the sum of the estimates may be made of; the BEM's mesh is chosen before, see `panels_for`.
+# What the sum of the estimates may be made of; the BEM's mesh is chosen before, see scene.panels_for.
 SHARE = {"discretization_error": 0.4, "quadrature_error": 0.2, "memory_effect": 0.2}
 STEP_ORDER = 4
-
-
-def panels_for(tolerance: float | None) -> int:
-    """Panels a body: what is left after extrapolation from two meshes falls about as h³, panels^-3/2."""
-    finer = 1.0 if tolerance is None else max(1.0, 2e-3 / tolerance)
-    return min(432 * int(np.ceil(finer ** (2 / 3))), 4 * 432)
 
 
 def settled(scene: Scene, run: Callable[[Scene], Mapping[str, float | str]]) -> Scene:
