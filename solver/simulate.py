@@ -7,6 +7,7 @@ import numpy as np
 from solver.accuracy import settled
 from solver.audit import Probe, audit, energy_residual
 from solver.balance import warnings
+from solver.boundary import coefficients, needed
 from solver.hydrodynamics.bem import Hydrodynamics
 from solver.march import WORKS, energy
 from solver.record import Record, Recorder
@@ -23,9 +24,11 @@ KNOBS = (
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record:
     """Run `scene` to its end; raises SimulationFailed with time, quantity and advice.
 
-    hydrodynamics: coefficients of the scene's floats at rest; not needed without floats.
+    hydrodynamics: coefficients of the scene's floats at rest; without them the boundary elements come first.
     """
     clock, asked = time.perf_counter(), scene.settings.tolerance
+    if hydrodynamics is None and needed(scene):
+        hydrodynamics = coefficients(scene)
     if asked is not None:
         scene = settled(scene, lambda pilot: simulate(pilot, hydrodynamics).attrs)
     system = prepare(scene, hydrodynamics)

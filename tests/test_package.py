@@ -1,0 +1,70 @@
+"""The package as a user meets it: cheap to import, a few names, and the README's example."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import solver
+from solver.boundary import coefficients, needed
+
+ROOT = Path(__file__).parents[1]
+
+
+def ball(**changes):
+    hull = solver.Revolution.sphere(radius=5.0, draft=5.0)
+    given = {"mass": 261.8e3, "inertia": (2.6e6,) * 3, "hinge": (0, 0, 0), "motion": ("heave",)} | changes
+    return solver.Float(name="ball", hull=hull, **given)
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    heavy = "{'numpy', 'scipy', 'numba', 'capytaine'}"
+    program = f"import sys, solver; assert not {heavy} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", program], check=True, cwd=ROOT)
+
+
+@pytest.mark.parametrize("before", ["pass", "import solver.simulate", "from solver.simulate import simulate"])
+def test_simulate_is_the_function_whatever_was_imported_before(before):
+    program = f"{before}\nfrom solver import simulate\nassert simulate.__name__ == 'simulate', simulate"
+    subprocess.run([sys.executable, "-c", program], check=True, cwd=ROOT)
+
+
+def test_every_name_is_there_and_no_other():
+    assert all(getattr(solver, name) is not None for name in solver.__all__)
+    assert set(solver.__all__) <= set(dir(solver))
+    with pytest.raises(AttributeError, match="no attribute Flot"):
+        _ = solver.Flot
+
+
+def test_a_scene_implies_the_arguments_of_its_boundary_elements(monkeypatch):
+    asked = {}
+    monkeypatch.setattr("solver.hydrodynamics.bem.solve", lambda *a, **k: asked.update(k))
+    water = solver.Water(depth=30.0, density=1000.0)
+    sea = solver.regular(height=0.1, period=2 * np.pi / 5.5, heading=0.4)
+    coefficients(solver.Scene(water=water, sea=sea, floats=(ball(),), settings=solver.Settings(time_step=0.1)))
+    assert (asked["depth"], asked["density"], asked["heading"], asked["planar"]) == (30.0, 1000.0, 0.4, False)
+    assert asked["omega"][-1] >= 5.5
+    coefficients(solver.Scene(water=water, floats=(ball(),)), band=(0.21, 7.0))
+    assert asked["planar"] and asked["omega"][-1] >= 7.0
+    assert coefficients(solver.Scene(water=water)) is None
+
+
+def test_boundary_elements_are_solved_only_where_something_depends_on_them():
+    water, bare = solver.Water(depth=30.0), {"radiation": False, "diffraction": False}
+    assert needed(solver.Scene(water=water, floats=(ball(),)))
+    assert not needed(solver.Scene(water=water))
+    assert not needed(solver.Scene(water=water, floats=(ball(),), settings=solver.Settings(**bare)))
+    linear = solver.Settings(**bare, froude_krylov="linear")
+    assert needed(solver.Scene(water=water, floats=(ball(),), settings=linear))
+
+
+def test_the_readmes_example_runs():
+    text = (ROOT / "README.md").read_text().split("## From Python")[1].split("\n## ")[0]
+    names = {}
+    exec("\n".join(re.findall(r"^    (.*)$", text, re.M)), names)
+    heave = names["record"].series["motion"][1][:, 0, 0]
+    assert heave[0] > 0.9  # m, let go a metre up
+    assert names["record"].attrs["constraint_drift"] < 1e-9
