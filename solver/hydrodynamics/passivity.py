@@ -13,7 +13,8 @@ from solver.hydrodynamics.rational import basis, derivative_at_start
 
 GRID = 1500  # points of the search in the mapped frequency, before refinement
 ROUNDS = 40
-NEAR = 1e-5  # grid minima this close to zero are always searched between their neighbours
+NEAR = 1e-5  # grid points this close to zero are always searched between their neighbours
+HIDDEN = 33  # points of a closer look about each point next to zero
 MARGIN = 1e-7  # of the scaled transfer: cuts ask for so much more than zero, so that rounds end
 
 
@@ -118,7 +119,12 @@ def _between(constraint: Constraint, x, theta, rows) -> np.ndarray:
     suspects = np.flatnonzero((least <= edged[:-2]) & (least <= edged[2:]) & (least < np.maximum(dip, NEAR)))
     ends = [(theta[max(i - 1, 0)], theta[min(i + 1, theta.size - 1)]) for i in suspects]
     found = [constraint.lowest(x, low, high) for low, high in ends]
-    return np.array([at for at, value in found if value < 0])
+    # Where eigenvalues cross close to zero a kink may hide between two points, neither of them a minimum.
+    close = np.flatnonzero(least < NEAR)
+    low, high = theta[np.maximum(close - 1, 0)], theta[np.minimum(close + 1, theta.size - 1)]
+    inside = np.unique(np.linspace(low, high, HIDDEN))
+    values = np.linalg.eigvalsh(constraint.matrix(constraint.rows(inside) @ x))[:, 0]
+    return np.concatenate([[at for at, value in found if value < 0], inside[values < 0]])
 
 
 def _cuts(block: np.ndarray, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:

@@ -13,10 +13,12 @@ from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.passivity import Constraint, enforce
 from solver.hydrodynamics.rational import basis, complex_residues, relocated, starting_poles
 
-ORDERS = (2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 20, 23, 26, 30)  # pole pairs tried, smallest first
+PAIRS = 30  # of poles, at most
+FALL = 6  # misfits count less beyond the peak of the diagonal, as its frequency over ω to this power
 SILENT = 1e-3  # a motion with y_i, over its squared length, below this share of the largest radiates mesh error only
 PATIENCE = 3  # orders without gain once least squares alone would do
-RELOCATIONS = 12  # of the poles; vector fitting settles in half as many
+HOPELESS = 4  # times the tolerance: so far away no weights will help
+SETTLE, EQUALIZE = 4, 12  # relocations of the poles: with even weights, then with weights that lower the largest misfit
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -52,8 +54,10 @@ def fit(
 
     omega: (nw,) > 0 [rad/s]; added_mass, radiation_damping: (nw, n, n); added_mass_inf: (n, n).
     Misfits of entry ij are relative to sqrt(y_i y_j), y_i the largest |B_ii - iω(A_ii - A∞_ii)|, and
-    beyond the frequency ω_p where the diagonal peaks they count less, 1/(1 + (ω/ω_p)²): motions are
-    small there, and waves reflected between bodies ripple. A∞ is fitted along: the BEM's has an error too.
+    beyond the frequency ω_p where the diagonal peaks they count less, 1/(1 + (ω/ω_p)⁶): velocities fall off
+    about so fast, seas with ω^-2.5, the wave's force on a hull with ω^-2, and mass with ω^-1; and waves
+    reflected between bodies ripple there faster than the BEM's frequencies show. A∞ is fitted along:
+    the BEM's has an error too.
     Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell motions that
     radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size
     for rotations; ones if not given.
@@ -62,8 +66,8 @@ def fit(
         raise InputError("memory_tolerance", tolerance, "must be > 0")
     data = _Data.of(omega, added_mass, radiation_damping, added_mass_inf, lengths)
     tried, best, stale = [], None, 0
-    for pairs in (p for p in ORDERS if 2 * p <= len(omega)):
-        tried.append(data.unconstrained(pairs))
+    for pairs in range(2, min(PAIRS, len(omega) // 2) + 1):
+        tried.append(data.unconstrained(pairs, tolerance))
         if tried[-1].error > tolerance:
             continue
         memory = data.passive(tried[-1])
@@ -85,17 +89,24 @@ class _Candidate:
     columns: np.ndarray
     target: np.ndarray
     error: float
+    even: np.ndarray  # (nw,) the weights of `columns` were `weight` times these
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Data:
-    """Samples of conj(Y) + iωA∞ = B + iωA at s = iω, scaled to 1, of the upper triangle's m entries."""
+    """Samples of conj(Y) + iωA∞ = B + iωA at s = iω, scaled to 1, of the upper triangle's m entries.
+
+    Only of the n motions that radiate, of N.
+    """
 
     omega: np.ndarray  # (nw,)
     samples: np.ndarray  # (nw, m) complex
     weight: np.ndarray  # (nw,)
     infinite: np.ndarray  # (m,) scaled A∞
     scale: np.ndarray  # (n,) sqrt(y_i)
+    peak: float  # ω_p [rad/s]
+    heard: np.ndarray  # (n,) numbers of the motions
+    given: np.ndarray  # (N, N) A∞ of all
 
     @classmethod
     def of(cls, omega, added_mass, damping, infinite, lengths=None) -> "_Data":
@@ -103,38 +114,58 @@ class _Data:
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
         diagonal = np.abs(np.einsum("wii->wi", transfer))
         largest = diagonal.max(axis=0) / lengths**2
-        silent = largest < SILENT * largest.max()
-        transfer = np.where(silent | silent[:, None], 0.0, transfer)
-        scale = lengths * np.sqrt(np.where(silent, largest.max(), largest))
-        upper = np.triu_indices(len(scale))
-        both = np.multiply.outer(scale, scale)
+        heard = np.flatnonzero(largest >= SILENT * largest.max())
+        scale = (lengths * np.sqrt(largest))[heard]
+        upper, both = np.triu_indices(len(scale)), np.multiply.outer(scale, scale)
         peak = omega[np.argmax(diagonal.sum(axis=1))]
-        total = (transfer + 1j * omega[:, None, None] * infinite) / both
+        given, own = (infinite + infinite.T) / 2, np.ix_(heard, heard)
+        total = (transfer + 1j * omega[:, None, None] * infinite)[:, heard[:, None], heard] / both
         return cls(
             omega=omega,
             samples=(total[:, upper[0], upper[1]] + np.swapaxes(total, 1, 2)[:, upper[0], upper[1]]) / 2,
-            weight=1 / (1 + (omega / peak) ** 2),
-            infinite=((infinite + infinite.T) / 2 / both)[upper],
+            weight=1 / (1 + (omega / peak) ** FALL),
+            infinite=(given[own] / both)[upper],
             scale=scale,
+            peak=float(peak),
+            heard=heard,
+            given=given,
         )
 
-    def unconstrained(self, pairs: int) -> _Candidate:
-        """Poles by vector fitting, and how well they do without regard to passivity."""
-        poles = starting_poles(self.omega, pairs)
-        strictly = self.samples - 1j * self.omega[:, None] * self.infinite
-        for _ in range(RELOCATIONS):
-            poles = relocated(poles, self.omega, strictly, self.weight)
+    def unconstrained(self, pairs: int, tolerance: float) -> _Candidate:
+        """Poles by vector fitting, and how well they do without regard to passivity.
+
+        Least squares leave their largest misfit where samples are few. After the poles have settled
+        each sample's weight is therefore multiplied by the root of its misfit, again and again
+        (Lawson 1961), and the best of these fits is kept.
+        """
+        poles, even = starting_poles(self.omega, pairs), np.ones(self.omega.size)
+        strictly, best = self.samples - 1j * self.omega[:, None] * self.infinite, None
+        for n in range(SETTLE + EQUALIZE):
+            poles = relocated(poles, self.omega, strictly, self.weight * even)
+            if n < SETTLE:
+                continue
+            candidate, misfit = self._solved(poles, even)
+            if best is None or candidate.error < best.error:
+                best = candidate
+            if best.error > HOPELESS * tolerance:
+                break
+            even = even * np.sqrt(np.maximum(misfit / misfit.max(), 1e-2))
+            even /= np.sqrt(np.mean(even**2))
+        return best
+
+    def _solved(self, poles: np.ndarray, even: np.ndarray) -> tuple[_Candidate, np.ndarray]:
+        """Least squares with given poles, and the largest misfit at each frequency (nw,)."""
         span = np.linalg.svd(basis(poles, np.zeros(1)).real)[2][1:].T
-        columns = self.weight[:, None] * np.column_stack([basis(poles, self.omega) @ span, 1j * self.omega])
-        target = self.weight[:, None] * self.samples
-        # The BEM's A∞ is one more sample, as far out as the last.
-        far = self.omega[-1] * self.weight[-1]
-        anchor = np.append(np.zeros(span.shape[1]), far)
+        weight = (self.weight * even)[:, None]
+        columns = weight * np.column_stack([basis(poles, self.omega) @ span, 1j * self.omega])
+        target = weight * self.samples
+        # The BEM's A∞ is one more sample, at the peak.
+        anchor = np.append(np.zeros(span.shape[1]), self.peak / 2)
         columns = np.vstack([columns.real, columns.imag, anchor])
-        target = np.vstack([target.real, target.imag, far * self.infinite])
-        solution = np.linalg.lstsq(columns, target, rcond=None)[0]
-        error = self._misfit(columns @ solution - target)
-        return _Candidate(poles=poles, span=span, columns=columns, target=target, error=error)
+        target = np.vstack([target.real, target.imag, self.peak / 2 * self.infinite])
+        misfit = self._misfit(columns @ np.linalg.lstsq(columns, target, rcond=None)[0] - target, even)
+        found = _Candidate(poles=poles, span=span, columns=columns, target=target, error=float(misfit.max()), even=even)
+        return found, misfit
 
     def nearest(self, tried: list[_Candidate]) -> RadiationMemory:
         """The passive fit of the best candidate; of equally good ones the smallest, poles to spare condition badly."""
@@ -150,18 +181,17 @@ class _Data:
         solution = enforce(candidate.columns, candidate.target, Constraint(poles=poles, span=span, n=n))
         if solution is None:
             return None
-        both = np.multiply.outer(self.scale, self.scale)
-        residues = complex_residues(poles, span @ solution[:-1])
-        return RadiationMemory(
-            beta=poles,
-            residue=np.array([_full(r, n) * both for r in residues]),
-            added_mass_inf=_full(solution[-1], n) * both,
-            error=self._misfit(candidate.columns @ solution - candidate.target),
-        )
+        own, both = np.ix_(self.heard, self.heard), np.multiply.outer(self.scale, self.scale)
+        residue, infinite = np.zeros((len(poles), *self.given.shape), complex), self.given.copy()
+        for r, entries in zip(residue, complex_residues(poles, span @ solution[:-1]), strict=True):
+            r[own] = _full(entries, n) * both
+        infinite[own] = _full(solution[-1], n) * both
+        misfit = self._misfit(candidate.columns @ solution - candidate.target, candidate.even)
+        return RadiationMemory(beta=poles, residue=residue, added_mass_inf=infinite, error=float(misfit.max()))
 
-    def _misfit(self, residual: np.ndarray) -> float:
+    def _misfit(self, residual: np.ndarray, even: np.ndarray) -> np.ndarray:
         real, imag = residual[:-1].reshape(2, len(self.omega), -1)
-        return float(np.hypot(real, imag).max())
+        return np.hypot(real, imag).max(axis=1) / even
 
 
 def _full(upper: np.ndarray, n: int) -> np.ndarray:
