@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver import limits
 from solver.hydrodynamics.bem import Hydrodynamics
 from solver.hydrodynamics.froude_krylov import WettedQuadrature, quadrature
 from solver.hydrodynamics.radiation import RadiationMemory
@@ -14,9 +15,7 @@ from solver.scene import DOFS, Float, Scene
 from solver.sea.field import WaveField
 from solver.structure.support import PLANAR, Support
 
-FALLEN_OVER = np.pi / 2  # a hinged arm that has turned so far has left the model's validity [rad]
 SPIN = 3  # number of the first rotation among the six DOF
-FAR_AWAY = 100.0  # carrier motion beyond which a run has diverged [m]
 
 
 class Layout(NamedTuple):
@@ -35,9 +34,14 @@ def carrier_axes(planar: bool) -> np.ndarray:
 
 
 def bodies(
-    scene: Scene, field: WaveField, support: Support | None, hydrodynamics: Hydrodynamics | None, added_mass: np.ndarray
+    scene: Scene,
+    field: WaveField,
+    support: Support | None,
+    hydrodynamics: Hydrodynamics | None,
+    added_mass: np.ndarray,
+    terms: int,
 ) -> Bodies:
-    """Arrays of all floats; carrier coordinates only with an elastic support."""
+    """Arrays of all floats; carrier coordinates only with an elastic support; terms of the local wave field."""
     floats, water = scene.floats, scene.water
     nb = len(floats)
     own = carrier_axes(scene.planar) if support is not None else np.zeros(0, int)
@@ -52,7 +56,6 @@ def bodies(
         point[b] = item.hinge
         first = nc + sum(free[:b])
         coordinate[b, : len(axes)] = [*(b * own.size + np.arange(own.size)), *range(first, first + free[b])]
-    turning = np.array([name == "hinge" or DOFS.index(name) >= SPIN for f in floats for name in f.motion], bool)
     dofs = hydrodynamics.dofs if hydrodynamics else ()
     stiffness, buoyancy = _hydrostatics(scene, hydrodynamics)
     return Bodies(
@@ -82,7 +85,7 @@ def bodies(
         quadratic=_joints(scene, nc, "quadratic_damping"),
         spring=_joints(scene, nc, "stiffness"),
         mechanism=_joints(scene, nc, "mechanism_inertia"),
-        limit=np.concatenate([np.full(nc, FAR_AWAY), np.where(turning, FALLEN_OVER, FAR_AWAY)]),
+        limit=limits.excursions(scene, field, terms, own),
     )
 
 

@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from solver import assembly
 from solver.hydrodynamics.bem import DOFS, Hydrodynamics
-from solver.march import Output, State
+from solver.march import WORKS, Output, State
 from solver.multibody.minimal import mass_matrix, move, new_motion, pressures
 from solver.system import System, blocks
 
@@ -43,7 +43,8 @@ class Probe:
 
 def _compared(system: System, output: Output) -> np.ndarray:
     joints = output.z.shape[1] - system.structure.carrier.shape[0]
-    return np.concatenate([output.z[:, output.z.shape[1] - joints :], output.p[:, :1]], axis=1)
+    largest = output.p[:, :1] * system.structure.scale[:1]  # [m], as are the joints' or their radians
+    return np.concatenate([output.z[:, output.z.shape[1] - joints :], largest], axis=1)
 
 
 def audit(system: System, hydrodynamics: Hydrodynamics | None, probe: Probe, state: State) -> dict[str, float | str]:
@@ -69,11 +70,17 @@ def audit(system: System, hydrodynamics: Hydrodynamics | None, probe: Probe, sta
     }
 
 
-def energy_residual(work: dict[str, float], stored: float) -> float:
-    """|wave work - (PTO + radiation + drag + structural + stored)| over the wave's work."""
-    given = work["wave"] + work["frame_inertia"] + max(work["frame_drag"], 0.0)
-    taken = sum(work[n] for n in ("radiation", "pto", "joint_damping", "structural")) - min(work["frame_drag"], 0.0)
-    return float(abs(given - taken - stored) / abs(given)) if given else 0.0
+def energy_residual(system: System, work: np.ndarray, stored: float) -> float:
+    """|wave work - (PTO + radiation + drag + structural + stored)| over the largest term, as a rule the wave's work.
+
+    work (len(WORKS),) and `stored` since the start [J]. Motions below Newton's tolerance have no energy to speak of.
+    """
+    each = dict(zip(WORKS, work, strict=True))
+    given = each["wave"] + each["frame_inertia"] + max(each["frame_drag"], 0.0)
+    taken = sum(each[n] for n in ("radiation", "pto", "joint_damping", "structural")) - min(each["frame_drag"], 0.0)
+    nothing = system.scene.settings.newton_tolerance**2 * np.trace(system.stiffness)
+    largest = max(abs(given), abs(taken), abs(stored), nothing)
+    return float(abs(given - taken - stored) / largest) if largest else 0.0
 
 
 def constraint_drift(system: System, state: State) -> float:
@@ -106,12 +113,13 @@ def step_error(system: System, probe: Probe) -> float:
     half = replace(system, dt=dt, memory=assembly.memory(system.fit, dt, system.bodies.added_mass.shape[0]))
     fine = np.concatenate([_compared(half, output) for _, output, _ in blocks(half, half.start(), probe.samples)])
     coarse = np.concatenate(probe.motion)
-    return _relative(coarse - fine[1::2], coarse) * 16 / 15
+    return _relative(coarse - fine[1::2], coarse, system.scene.settings.newton_tolerance) * 16 / 15
 
 
-def _relative(difference: np.ndarray, whole: np.ndarray) -> float:
-    """Largest ratio of root mean squares (m, …); what is zero has no error."""
+def _relative(difference: np.ndarray, whole: np.ndarray, least: float | np.ndarray = 0.0) -> float:
+    """Largest ratio of root mean squares (m, …), of what is smaller than `least` to that; what is zero has no error."""
     error, scale = (np.sqrt(np.mean(x**2, axis=0)) for x in (difference, whole))
+    scale = np.maximum(scale, least)
     return float(np.max(error[scale > 0] / scale[scale > 0], initial=0.0))
 
 
@@ -125,7 +133,8 @@ def quadrature_error(system: System, probe: Probe) -> float:
     fine = system.bodies._replace(rule=assembly.rules(scene, system.waves))
     usual, exact = (_joint_loads(body, probe.states) for body in (system.bodies, fine))
     joints = slice(system.structure.carrier.shape[0], None)
-    return _relative((usual - exact)[:, joints], (exact - exact.mean(axis=0))[:, joints])
+    least = s.newton_tolerance * np.abs(np.diag(system.stiffness))[joints]
+    return _relative((usual - exact)[:, joints], (exact - exact.mean(axis=0))[:, joints], least)
 
 
 def _joint_loads(body, states) -> np.ndarray:

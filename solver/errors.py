@@ -18,3 +18,7 @@ class InputError(ValueError):
 
 class SimulationFailed(RuntimeError):
     """The time loop stopped early: what, when, and what would help."""
+
+
+class StepTooLong(SimulationFailed):
+    """Among these, the one that a smaller step may help."""

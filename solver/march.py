@@ -448,7 +448,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
             move(bodies, z[s], dz[s], stage[s])
             velocity[s] = stage[s].active_velocity
         for i in range(nz):
-            if not abs(z[1, i]) < bodies.limit[i]:
+            if not bodies.limit[i, 0] < z[1, i] < bodies.limit[i, 1]:
                 state.z[:] = z[1, nc:]
                 return EXCURSION, 2 * step + 2, used
         # Work by Simpson's rule over the step's three points.

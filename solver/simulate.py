@@ -1,6 +1,7 @@
 """One scene in, one record out: prepare, march block by block, and read the record."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,11 +9,15 @@ from solver.accuracy import settled
 from solver.audit import Probe, audit, energy_residual
 from solver.balance import warnings
 from solver.boundary import coefficients, needed
+from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem import Hydrodynamics
 from solver.march import WORKS, energy
 from solver.record import Record, Recorder
 from solver.scene import Scene
-from solver.system import blocks, prepare
+from solver.system import System, blocks, prepare
+
+# Every record's energy balance closes to so much of the wave's work; while it runs, grossly.
+BALANCE, GROSSLY = 1e-3, 0.1
 
 # What the record says of how it was computed.
 KNOBS = (
@@ -24,13 +29,35 @@ KNOBS = (
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record:
     """Run `scene` to its end; raises SimulationFailed with time, quantity and advice.
 
-    hydrodynamics: coefficients of the scene's floats at rest; without them the boundary elements come first.
+    hydrodynamics: coefficients of the scene's floats at rest; without them the boundary elements come
+    first. Where a smaller step may help the run is repeated once with a quarter of it; `repeated` says why.
     """
     clock, asked = time.perf_counter(), scene.settings.tolerance
     if hydrodynamics is None and needed(scene):
         hydrodynamics = coefficients(scene)
     if asked is not None:
         scene = settled(scene, lambda pilot: simulate(pilot, hydrodynamics).attrs)
+    try:
+        record, repeated = _run(scene, hydrodynamics), ""
+    except StepTooLong as error:
+        repeated = str(error)
+        record = _again(scene, hydrodynamics, repeated)
+    attrs = {**record.attrs, "repeated": repeated, **({} if asked is None else {"tolerance": asked})}
+    return replace(record, attrs={**attrs, "wall_time": time.perf_counter() - clock})
+
+
+def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record:
+    """With a quarter of the step: 4⁴ = 256 times less error, so Newton's tolerance falls as much, or it would show."""
+    s = scene.settings
+    finer = replace(s, time_step=s.time_step / 4, newton_tolerance=s.newton_tolerance / 256)
+    try:
+        return _run(replace(scene, settings=finer), hydrodynamics)
+    except SimulationFailed as second:
+        raise SimulationFailed(f"{second} (second attempt; the first: {first})") from None
+
+
+def _run(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
+    clock = time.perf_counter()
     system = prepare(scene, hydrodynamics)
     prepared = time.perf_counter()
     settings = scene.settings
@@ -41,15 +68,16 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
         probe.add(samples, output)
-    after = energy(system.bodies, system.structure, state)
+        stored = energy(system.bodies, system.structure, state) - before
+        _require(energy_residual(system, state.work, stored), GROSSLY, times[-1], system)
+    residual = energy_residual(system, state.work, stored)
+    _require(residual, BALANCE, times[-1], system)
     marched = time.perf_counter()
-    work = dict(zip(WORKS, state.work, strict=True))
     attrs = {
-        "energy_residual": energy_residual(work, after - before),
-        **{f"work_{name}": float(value) for name, value in work.items()},
-        "stored_energy_change": float(after - before),
+        "energy_residual": residual,
+        **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
+        "stored_energy_change": float(stored),
         **audit(system, hydrodynamics, probe, state),
-        **({} if asked is None else {"tolerance": asked}),
         **{name: getattr(settings, name) for name in KNOBS},
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
         "prepare_time": prepared - clock,
@@ -58,5 +86,12 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     }
     if odd := warnings(scene):
         attrs["warnings"] = "; ".join(odd)
-    attrs["wall_time"] = time.perf_counter() - clock
     return recorder.record(attrs)
+
+
+def _require(residual: float, bound: float, t: float, system: System) -> None:
+    if not residual <= bound:
+        raise StepTooLong(
+            f"energy balance at t = {t:.1f} s open by {residual:.1e} of the wave's work, > {bound:g}:"
+            f" reduce time_step = {system.dt:g} s and newton_tolerance = {system.scene.settings.newton_tolerance:g}"
+        )

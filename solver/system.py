@@ -5,8 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from solver import assembly
-from solver.errors import SimulationFailed
+from solver import assembly, limits
+from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics import radiation
 from solver.hydrodynamics.bem import DOFS, Hydrodynamics
 from solver.march import (
@@ -108,9 +108,9 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         fit = _memory(hydrodynamics, settings.memory_tolerance, radii)
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
     added_mass = fit.added_mass_inf if fit else np.zeros((na, na))
-    body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass)
     reach = max((_reach(f) for f in scene.floats), default=0.0)
     terms = waves.terms_for(reach, settings.field_tolerance)
+    body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass, terms)
     rows, layout = assembly.wave_rows(scene, waves, support, hydrodynamics, terms)
     return System(
         scene=scene,
@@ -155,24 +155,44 @@ def _residual(system: System, z: np.ndarray, field=None, excitation=None) -> np.
 
 
 def _equilibrium(system: System) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates z (nz,) of the floats at rest in still water and their load on the carriers (nc,)."""
+    """Coordinates z (nz,) of the floats at rest in still water and their load on the carriers (nc,).
+
+    Newton's method on the potential energy, always downhill, so that what it finds is stable; in
+    strides that a float follows in the water, halved where it oversteps.
+    """
     nz, nc = system.bodies.damping.size, system.structure.carrier.shape[0]
-    z = np.zeros(nz)
+    z, before = np.zeros(nz), np.zeros(nz - nc)
     if nz == nc:
         return z, np.zeros(nc)
-    for _ in range(50):
-        r = _residual(system, z)
-        slope = np.empty((nz - nc, nz - nc))
-        for j in range(nc, nz):
-            step = np.zeros(nz)
-            step[j] = 1e-5
-            slope[:, j - nc] = (_residual(system, z + step) - _residual(system, z - step))[nc:] / 2e-5
-        # Least squares: nothing holds a free float in surge or yaw, and nothing pushes it.
-        update = np.linalg.lstsq(slope, -r[nc:], rcond=1e-9)[0]
+    stride = 0.1 * min(1.0, *(f.hull.size for f in system.scene.floats))
+    for _ in range(500):
+        update, r = _downhill(system, z)
+        if update @ before < 0:
+            stride /= 2
+        update *= min(1.0, stride / max(np.abs(update).max(), 1e-300))
         z[nc:] += update
+        before = update
         if np.abs(update).max() < 1e-12:
-            return z, _residual(system, z)[:nc]
-    raise SimulationFailed(f"no static equilibrium in still water: joints at {z[nc:]} after 50 steps")
+            break
+    weight = system.bodies.mass @ np.linalg.norm(system.bodies.reference - system.bodies.point[:, 0], axis=1)
+    if np.abs(update).max() < 1e-12 and np.abs(r).max() <= 1e-6 * system.bodies.gravity * max(weight, 1.0):
+        return z, _residual(system, z)[:nc]
+    raise SimulationFailed(f"no static equilibrium in still water near rest: joints at {z[nc:]} after 500 steps")
+
+
+def _downhill(system: System, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Newton's step of the joints (nj,) with all curvatures taken as positive, and the load there (nj,)."""
+    nz, nc = z.size, system.structure.carrier.shape[0]
+    curvature = np.empty((nz - nc, nz - nc))
+    for j in range(nc, nz):
+        step = np.zeros(nz)
+        step[j] = 1e-5
+        curvature[:, j - nc] = (_residual(system, z - step) - _residual(system, z + step))[nc:] / 2e-5
+    r = _residual(system, z)[nc:]
+    value, vector = np.linalg.eigh((curvature + curvature.T) / 2)
+    # Nothing holds a free float in surge or yaw, and nothing pushes it.
+    held = np.abs(value) > 1e-9 * np.abs(value).max()
+    return vector[:, held] @ (vector[:, held].T @ r / np.abs(value[held])), r
 
 
 def _initial_acceleration(system: System, z, p, first: Drive):
@@ -220,21 +240,13 @@ def blocks(system: System, state: State, steps: int):
             output,
         )
         if outcome != OK:
-            raise SimulationFailed(_explain(outcome, (2 * first + sample) * h, system, state))
+            raise _failure(outcome, (2 * first + sample) * h, system, state)
         yield samples[1:], output, (2 * first + 1 + np.arange(2 * count)) * h
 
 
-def _explain(outcome: int, t: float, system: System, state: State) -> str:
+def _failure(outcome: int, t: float, system: System, state: State) -> SimulationFailed:
     when = f"at t = {t:.1f} s"
     if outcome == EXCURSION:
-        names = [f"{f.name} {axis}" for f in system.scene.floats for axis in f.motion]
-        where = ", ".join(f"{name} {value:+.2f}" for name, value in zip(names, state.z, strict=True))
-        return (
-            f"a float swung through beneath its hinge or drifted away {when} ({where};"
-            f" limits {assembly.FALLEN_OVER:.2f} rad, {assembly.FAR_AWAY:g} m):"
-            " the sea is too high for this joint and its damping"
-        )
+        return SimulationFailed(limits.explain(system.scene, state.z, system.bodies.limit, when))
     trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
-    return f"{trouble} {when}: reduce time_step = {system.dt:g} s"
-
-
+    return StepTooLong(f"{trouble} {when}: reduce time_step = {system.dt:g} s")

@@ -44,7 +44,7 @@ class Bodies(NamedTuple):
     quadratic: np.ndarray  # (nz,) quadratic damping
     spring: np.ndarray  # (nz,) linear spring about z = 0
     mechanism: np.ndarray  # (nz,) inertia on the axes besides the floats'
-    limit: np.ndarray  # (nz,) excursion beyond which the run is given up
+    limit: np.ndarray  # (nz, 2) excursions beyond which the run is given up, see solver.limits
 
 
 class Motion(NamedTuple):

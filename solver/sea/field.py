@@ -77,15 +77,28 @@ class WaveField:
 
     def terms_for(self, radius: float, tolerance: float, limit: int = 40) -> int:
         """Terms so that the tail Σ|aᵢ|(kᵢr)ⁿ/n! within `radius` [m] is below tolerance·Σ|aᵢ|."""
-        amplitude, kr = np.abs(self.sea.amplitude), self.k * radius
-        if not amplitude.any():
+        if not self.sea.amplitude.any():
             return 1
         for n in range(2, limit):
-            # The next term times 1/(1 - kr/(n+1)) bounds what is left out.
-            ratio = np.minimum(kr / (n + 1), 0.9)
-            if np.sum(amplitude * kr**n / factorial(n) / (1 - ratio)) < tolerance * amplitude.sum():
+            if self._tail(n, radius) < tolerance:
                 return n
         return limit
+
+    def radius_for(self, terms: int, tolerance: float) -> float:
+        """Radius [m] within which `terms` leave out no more than tolerance·Σ|aᵢ|; inf without waves."""
+        if not self.sea.amplitude.any():
+            return np.inf
+        low, high = 0.0, 10 * terms / self.k.max()
+        for _ in range(40):
+            middle = (low + high) / 2
+            low, high = (middle, high) if self._tail(terms, middle) < tolerance else (low, middle)
+        return low
+
+    def _tail(self, n: int, radius: float) -> float:
+        """Bound on Σ|aᵢ|(kᵢr)ᵐ/m! over m >= n, relative to Σ|aᵢ|: the first term times 1/(1 - kr/(n+1))."""
+        amplitude, kr = np.abs(self.sea.amplitude), self.k * radius
+        ratio = np.minimum(kr / (n + 1), 0.9)
+        return float(np.sum(amplitude * kr**n / factorial(n) / (1 - ratio)) / amplitude.sum())
 
 
 class WaveSeries:

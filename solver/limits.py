@@ -1,0 +1,65 @@
+"""How far a scene's model holds: bounds on every coordinate, and what a run that passes one is told."""
+
+import numpy as np
+
+from solver.scene import DOFS, Float, Scene
+from solver.sea.field import WaveField
+
+FALLEN_OVER = np.pi / 2  # diffraction and radiation at rest say nothing of a float that has turned so far [rad]
+HANGING = np.pi / 6  # an arm at rest so near to the vertical swings beneath its hinge by nature [rad]
+ROUGH = 1e-2  # of the sum of amplitudes, by which the local wave field may be off at the ends of the excursion
+
+
+def excursions(scene: Scene, field: WaveField, terms: int, carrier_axes: np.ndarray) -> np.ndarray:
+    """Least and largest value (nz, 2) [m or rad] of each coordinate, carriers first."""
+    rows = []
+    if carrier_axes.size:
+        size = _extent(scene)
+        rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
+    bounds = [(-row, row) for row in rows]
+    for item in scene.floats:
+        away = field.radius_for(terms, ROUGH) - item.hull.size
+        bounds += [_joint(item, name, away) for name in item.motion]
+    return np.array(bounds, float).reshape(-1, 2)
+
+
+def _extent(scene: Scene) -> float:
+    """Diagonal of the frame's nodes [m]: displaced by as much, it is no small displacement of a frame."""
+    xyz = np.array(list(scene.platform.frame.nodes.values()))
+    return float(np.linalg.norm(np.ptp(xyz, axis=0)))
+
+
+def _joint(item: Float, name: str, away: float) -> tuple[float, float]:
+    if name != "hinge":
+        bound = FALLEN_OVER if DOFS.index(name) >= 3 else away
+        return -bound, bound
+    low, high = -FALLEN_OVER, FALLEN_OVER
+    down = straight_down(item)
+    # Past straight down buoyancy carries the float on, to rest as far on the hinge's other side:
+    # half way there it will not come back.
+    if down < -HANGING:
+        low = max(low, 1.5 * down)
+    elif down > HANGING:
+        high = min(high, 1.5 * down)
+    return low, high
+
+
+def straight_down(item: Float) -> float:
+    """Angle about the hinge's axis that brings the arm from rest to straight beneath the hinge [rad]."""
+    axis = np.divide(item.axis, np.linalg.norm(item.axis))
+    arm, plumb = (np.asarray(v, float) - np.dot(v, axis) * axis for v in (item.arm, (0.0, 0.0, -1.0)))
+    if not (np.linalg.norm(arm) > 0 and np.linalg.norm(plumb) > 0):
+        return 0.0
+    return float(np.arctan2(np.dot(axis, np.cross(arm, plumb)), np.dot(arm, plumb)))
+
+
+def explain(scene: Scene, joints: np.ndarray, bounds: np.ndarray, when: str) -> str:
+    """What passed its bound; joints (nj,) where the run stopped, bounds (nz, 2)."""
+    names = [f"{f.name} {axis}" for f in scene.floats for axis in f.motion]
+    for name, value, (low, high) in zip(names, joints, bounds[len(bounds) - len(names) :], strict=True):
+        if not low < value < high:
+            return (
+                f"{name} at {value:+.2f} {when}, beyond {low:+.2f} to {high:+.2f}: the float swung through beneath"
+                " its hinge or drifted away; the sea is too high for this joint and its damping"
+            )
+    return f"a hinge of the platform moved by more than the platform's size {when}: it is too soft for its loads"
