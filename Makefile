@@ -24,10 +24,11 @@ validate: $(READY)
 bench: $(READY)
 	$(VENV)/bin/python studies/bench.py
 
-# What the pipeline itself costs, on empty tasks, beside others.
+# What the pipeline itself costs, on empty tasks, beside others; time before the first step, and a second worker's gain.
 bench-pipeline: $(READY)
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
 	PYTHONPATH=. $(VENV)/bin/python tests/pipeline/bench.py
+	PYTHONPATH=. $(VENV)/bin/python tests/pipeline/startup.py
 
 # 200 kills of running studies; broken disks, hanging and greedy tasks; 2,000 random study files.
 kills: $(READY)

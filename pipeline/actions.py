@@ -7,10 +7,12 @@ from pathlib import Path
 
 from pipeline.console import DONE, FAILED, Tally, compare, err, finish, looked, out, say
 from pipeline.schedule import Place
-from pipeline.store import Store
+from pipeline.store import UNFINISHED, Store, read_json, write_json
 from pipeline.study import Study
 from pipeline.tasklist import Tasks
 from pipeline.tasks import Task
+
+REPORTED = 1000  # tasks up to which the report comes by itself: its figures take 3 s, and longer with more dots
 
 
 def preflight(study: Study, tasks: Iterable[Task]) -> None:
@@ -20,6 +22,16 @@ def preflight(study: Study, tasks: Iterable[Task]) -> None:
 
     for text in check(study, tasks, Engine()):
         say(f"{study.path}: warning: {text}", err)
+
+
+def make_ready(study: Study, tasks: Tasks, store: Store, place: Place) -> None:
+    """If there is something to run, have workers begin to start while the solver looks at the study."""
+    from pipeline.schedule import warm_up
+
+    todo = sum(1 for task in tasks if store.look(task).state in UNFINISHED)
+    if todo:
+        warm_up(todo, place)
+        preflight(study, tasks)
 
 
 def run(study: Study, store: Store, results: Path, tasks: Tasks, place: Place, *, keep_going: bool = True) -> None:
@@ -56,11 +68,20 @@ def _record(store: Store, task: Task) -> bytes | None:
     return entry.record.read_bytes() if entry.state == "done" else None
 
 
-def collect(study: Study, store: Store) -> Path:
-    """The dataset's path; it is written only if the records are others."""
-    from pipeline.dataset import collect as collect_dataset
+def collect(study: Study, store: Store) -> list[Path]:
+    """The dataset and, of a study that is not large, the report; each is written only if its sources are others."""
+    from pipeline import dataset
 
-    return collect_dataset(study, store, anew=False)[0]
+    path = dataset.collect(study, store, anew=False)[0]
+    if len(study.tasks) > REPORTED:
+        return [path]
+    page, mark, source = store.root / "report.html", store.root / ".report.json", {"of": dataset.checksum(path)}
+    if read_json(mark) != source or not page.exists():
+        from pipeline.page import write
+
+        write(study, path)
+        write_json(mark, source)
+    return [path, page]
 
 
 def print_table(study: Study, path: Path) -> None:

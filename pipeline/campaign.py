@@ -14,7 +14,7 @@ from pipeline.batches import AHEAD, Batch, Batches
 from pipeline.cache import Cache
 from pipeline.run import Engine, Failure, Outcome, attempt_geometry, attempt_tasks
 from pipeline.schedule import Lost, Place
-from pipeline.store import Store
+from pipeline.store import UNFINISHED, Store
 from pipeline.tasklist import Tasks
 from pipeline.tasks import Geometry, Task
 
@@ -55,6 +55,7 @@ class Campaign:
                 "labels": dict(task.labels),
                 "provenance": outcome.provenance,
                 "command": self.command(task),
+                "log": outcome.log,
             }
             if isinstance(outcome.result, Failure):
                 kept.append((task, None, status | {"error": asdict(outcome.result)}))
@@ -155,5 +156,5 @@ def _same_sources(outcome: Outcome) -> Outcome:
 
 
 def unfinished(tasks: Tasks, store: Store) -> Tasks:
-    """What a run has to do: all but done tasks, stale ones (kept until asked for) and failed ones."""
-    return tasks.where(lambda task: store.look(task, checksums=True).state in ("missing", "damaged"))
+    """What a run has to do."""
+    return tasks.where(lambda task: store.look(task, checksums=True).state in UNFINISHED)

@@ -94,22 +94,23 @@ def run(
     memory: Memory = "auto",
     tls: Tls = None,
 ) -> None:
-    """Run what is missing, collect, and print the table."""
+    """Run what is missing, collect, print the table, and write the report of up to 1,000 tasks."""
     from pipeline.campaign import unfinished
     from pipeline.schedule import Place, check
 
     place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
     check(place)
     study, tasks, store = _open(study_file, results, select_)
-    actions.preflight(study, tasks)
+    actions.make_ready(study, tasks, store, place)
     with store.lock(lambda text: say(text, err)):
         todo = unfinished(tasks, store)
         if todo:
             actions.run(study, store, results, todo, place, keep_going=keep_going)
-        path = actions.collect(study, store)
+        paths = actions.collect(study, store)
     tally = Tally.of(looked(tasks, store))
-    actions.print_table(study, path)
-    say(f"{tally}; {'nothing to run' if not todo else f'{len(todo)} run now'}; {path}")
+    actions.print_table(study, paths[0])
+    what = f"{len(todo)} run now" if todo else "nothing to run"
+    say("; ".join([str(tally), what, *map(str, paths)]))
     raise typer.Exit(finish(tally, study))
 
 
@@ -154,7 +155,7 @@ def _open(study_file: Path, results: Path, selection: str = "") -> tuple[Study, 
 
 @app.command()
 def show(study_file: File, task: Annotated[str, typer.Argument()], results: Results = RESULTS) -> None:
-    """One task: labels, state, parameters, error, and the command that repeats it."""
+    """One task: labels, state, parameters, warnings, error, and the command that repeats it."""
     study, tasks, store = _open(study_file, results)
     chosen = find(study, [task])
     for found in tasks.where(lambda one: one.id in chosen):
@@ -163,6 +164,8 @@ def show(study_file: File, task: Annotated[str, typer.Argument()], results: Resu
         for key in ("finished", "wall_time", "command", "sha256", "provenance"):
             if key in entry.status:
                 say(f"{key}: {entry.status[key]}")
+        for line in entry.status.get("log", ()):
+            say(f"log: {line}")
         say(json.dumps(json.loads(found.parameters.canonical()), indent=1))
         if "error" in entry.status:
             say(entry.status["error"]["traceback"] or entry.status["error"]["message"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 import traceback
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -39,6 +40,7 @@ class Outcome:
     result: bytes | Failure
     content: str = ""  # digest of the record's values
     wall_time: float = 0.0  # [s]
+    log: tuple[str, ...] = ()  # warnings on the way
     provenance: dict[str, str]
 
 
@@ -123,9 +125,12 @@ def _attempt(work: Callable[[], tuple[bytes, str]]) -> Outcome:
     """A failure is a result like any other: it must not stop the tasks beside it."""
     start = time.perf_counter()
     result: bytes | Failure
-    try:
-        result, content = work()
-    except Exception as error:
-        result, content = Failure.of(error), ""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("default")
+        try:
+            result, content = work()
+        except Exception as error:
+            result, content = Failure.of(error), ""
     seconds = time.perf_counter() - start
-    return Outcome(result=result, content=content, wall_time=seconds, provenance=environment.provenance())
+    log = tuple(f"{w.category.__name__}: {w.message}" for w in caught)
+    return Outcome(result=result, content=content, wall_time=seconds, log=log, provenance=environment.provenance())

@@ -31,12 +31,15 @@ SETTINGS = {
     # So many workers may die under a task, perhaps of something else, before it counts as their murderer.
     "distributed.scheduler.allowed-failures": 3,
     "distributed.comm.timeouts.connect": "10s",
+    # A fork of a process that has imported everything is up at once, also when a worker that died is replaced.
+    "distributed.worker.multiprocessing-method": "forkserver",
 }
+# What workers need before their first step.
+IMPORTED = ("distributed", "solver.simulate", "pipeline.scenes", "pipeline.cache", "pipeline.records", "pipeline.cli")
 SMALL = 2  # so few pieces of work are done sooner than a cluster starts
 START = "study-start"  # the topic on which workers tell that they begin a piece of work
-SENT = 0.02  # words leave a worker in bundles, 2 ms apart [s]
 GRACE = 2.0  # a worker waits so long to be told that its work is given up before it leaves, or is made to [s]
-FETCH = 2.0  # after so long without a result, see whether its worker is still there [s]
+FETCH = 1.0  # after so long without a result, see to the others first [s]
 HEARTBEAT = 5.0  # how often the cluster is looked at while nothing comes back [s]
 
 Work = Callable[..., list[Any]]
@@ -125,7 +128,8 @@ class Dask:
     def __init__(self, client: Any, place: Place, say: Callable[[str], None]) -> None:
         self._client, self._place, self._say = client, place, say
         self._running: dict[str, _Job] = {}
-        self._events: SimpleQueue[tuple[str, bool]] = SimpleQueue()
+        self._events: SimpleQueue[tuple[str, bool]] = SimpleQueue()  # names of what has begun or ended
+        self._ended: deque[str] = deque()
         self.width = self._threads()
         if place.timeout:
             client.subscribe_topic(START, lambda event: self._events.put((event[1]["key"], True)))
@@ -142,12 +146,17 @@ class Dask:
     def finished(self) -> Iterator[tuple[Hashable, list[Any] | Lost]]:
         while self._running:
             name, late = self._next()
-            job = self._running.pop(name)
+            job = self._running[name]
             if late:
                 job.future.cancel(force=True)
                 results: list[Any] | Lost | None = Lost(f"ran longer than --timeout = {self._place.timeout:g} s")
             else:
-                results = self._result(job.future)
+                try:
+                    results = self._result(job.future)
+                except TimeoutError:  # the worker that has it is silent: it hangs in its next piece, or is dead
+                    self._ended.append(name)
+                    continue
+            del self._running[name]
             job.future.release()
             if results is None:
                 self.submit(job.key, job.function, *job.args)
@@ -158,24 +167,30 @@ class Dask:
         """The next piece of work that has come to an end, or is over its time; meanwhile, an eye on the cluster."""
         silent = False
         while True:
-            soonest = min((job.deadline for job in self._running.values()), default=math.inf) - time.monotonic()
-            try:
-                name, begun = self._events.get(timeout=min(max(soonest, 0.0), HEARTBEAT))
-            except Empty:
-                # Only now: a result may have waited while this process was busy.
-                if late := next((name for name in self._running if self._late(name)), ""):
-                    return late, True
+            if not self._hear() and not self._ended:
                 self.width = self._threads()
                 if not self._client.nthreads() and not silent:
                     self._say("the cluster has no workers; waiting for some")
                     silent = True
-                continue
-            if name in self._running and not begun:
-                return name, False
-            if name in self._running and self._place.timeout:
-                if self._late(name):  # its worker left before it was given up, and dask has tried once more
-                    return name, True
-                self._running[name].deadline = time.monotonic() + self._place.timeout
+            if late := next((n for n in self._running if self._late(n) and n not in self._ended), ""):
+                return late, True
+            if self._ended:
+                return self._ended.popleft(), False
+
+    def _hear(self) -> bool:
+        """Take in all that has happened; wait for something, unless there is something to do already."""
+        soonest = min((job.deadline for job in self._running.values()), default=math.inf) - time.monotonic()
+        wait, heard = 0.0 if self._ended else min(max(soonest, 0.0), HEARTBEAT), False
+        with contextlib.suppress(Empty):
+            while True:
+                name, begun = self._events.get(timeout=wait)
+                wait, heard = 0.0, True
+                job = self._running.get(name)
+                if job and not begun:
+                    self._ended.append(name)
+                elif job and not self._late(name):  # or else its worker left before it was given up
+                    job.deadline = time.monotonic() + (self._place.timeout or math.inf)
+        return heard
 
     def _late(self, name: str) -> bool:
         return self._running[name].deadline <= time.monotonic()
@@ -184,8 +199,8 @@ class Dask:
         """What came of it; None if the worker died with the result, for dask may wait for that for ever."""
         from distributed import KilledWorker
 
-        while future.status == "finished":
-            with contextlib.suppress(TimeoutError, KilledWorker):
+        if future.status == "finished":
+            with contextlib.suppress(KilledWorker):
                 return list(future.result(timeout=FETCH))
         if future.status != "error":
             if self._client.status == "running":
@@ -216,26 +231,35 @@ def _within(seconds: float | None, function: Work, *args: Any) -> list[Any]:
 
 
 def _announce() -> None:
-    """Tell the client that its time runs from now on, before compiled code can keep this process from telling."""
+    """Tell the client that its time runs, and be sure that it is told: compiled code may leave no other chance."""
     from distributed import get_worker
+    from distributed.utils import sync
 
-    worker, told = get_worker(), threading.Event()
-    key = worker.get_current_task()
+    worker = get_worker()
+    sync(worker.loop, worker.scheduler.log_event, topic=START, msg={"key": worker.get_current_task()})
 
-    def tell() -> None:
-        worker.log_event(START, {"key": key})
-        told.set()
 
-    worker.loop.add_callback(tell)
-    told.wait()
-    time.sleep(SENT)
+def warm_up(work: int, place: Place) -> None:
+    """Start the process that workers are forked from, so that it imports while this one still checks the study."""
+    from multiprocessing import forkserver, set_forkserver_preload
+
+    if place.scheduler is None and not _small(work, place):
+        environment.prepare()
+        os.environ.setdefault("MALLOC_TRIM_THRESHOLD_", "65536")  # as dask sets it, but for the forked as well
+        set_forkserver_preload(list(IMPORTED))
+        forkserver.ensure_running()
+
+
+def _small(work: int, place: Place) -> bool:
+    """Whether this process is as good as workers."""
+    return not place.timeout and (work <= SMALL or place.workers <= 1)
 
 
 @contextlib.contextmanager
 def pool(work: int, place: Place, say: Callable[[str], None]) -> Iterator[Pool]:
     """The place for so many pieces of work."""
     environment.prepare()
-    if place.scheduler is None and not place.timeout and (work <= SMALL or place.workers <= 1):
+    if place.scheduler is None and _small(work, place):
         yield Here()
         return
     import dask

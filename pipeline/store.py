@@ -26,6 +26,7 @@ MANY = 4  # files from which on one flush of the file system is sooner done than
 _syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)  # Linux alone has it
 
 State = Literal["done", "failed", "missing", "stale", "damaged"]
+UNFINISHED = ("missing", "damaged")  # what a run has to do; failed and stale tasks wait until they are asked for
 
 
 @dataclass(frozen=True, kw_only=True)

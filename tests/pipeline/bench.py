@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -26,9 +25,14 @@ def task(number: int) -> float:
     return float(number)
 
 
-def ours(folder: Path, tasks: int) -> None:
-    """Every verb on its own, start-up included."""
-    path, results = empty.study(folder, tasks), folder / "results"
+def ours(tasks: int) -> dict[str, int]:
+    """Every verb on its own, start-up included; the largest memory of each client [kB]."""
+    with tempfile.TemporaryDirectory() as folder:
+        return _ours(Path(folder), tasks)
+
+
+def _ours(folder: Path, tasks: int) -> dict[str, int]:
+    path, results, memory = empty.study(folder, tasks), folder / "results", {}
     for name, limit in LIMITS.items():
         start = time.perf_counter()
         words = kills.command(name.split()[0], path, "--results", results)
@@ -38,9 +42,18 @@ def ours(folder: Path, tasks: int) -> None:
         assert status == 0
         goal = f"(at most {limit:g})" if limit else ""
         cpu = (used.ru_utime + used.ru_stime) / tasks * 1e3
+        memory[name] = used.ru_maxrss
         row(f"study {name}", wall, tasks, f"{goal:13} {cpu:5.2f} ms CPU in all; {used.ru_maxrss >> 10} MB")
     size = sum(p.stat().st_size for p in results.rglob("*.*") if p.is_file())
     print(f"{'':26}{size / tasks / 1024:.1f} kB a task on disk")
+    return memory
+
+
+def growth(tasks: int) -> None:
+    """What each task adds to a client's memory, from two sizes of study."""
+    few, many = ours(tasks // 10), ours(tasks)
+    each = {name: (many[name] - few[name]) / (tasks - tasks // 10) for name in LIMITS}
+    print(f"{'':26}memory grows by {', '.join(f'{name} {kb:.2f}' for name, kb in each.items())} kB a task")
 
 
 def row(name: str, wall: float, tasks: int, note: str) -> None:
@@ -95,11 +108,7 @@ if __name__ == "__main__":
     tasks = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
     load = os.getloadavg()[0]
     print(f"{tasks} empty tasks, 2 workers on {os.cpu_count()} cores, load before {load:.1f}; start-up included")
-    folder = Path(tempfile.mkdtemp())
-    try:
-        ours(folder, tasks)
-    finally:
-        shutil.rmtree(folder)
+    growth(tasks)
     for name, (run, note) in OTHERS.items():
         if importlib.util.find_spec(name) is None:
             print(f"{name:24} not installed")

@@ -75,8 +75,9 @@ ENGINE = run.Engine(coefficients=coefficients, compute=compute, check=nothing, r
 
 def main() -> None:
     """The command line, with this engine."""
-    from pipeline import cache, cli
+    from pipeline import actions, cache, cli
 
+    actions.REPORTED = 0
     cache.Cache.__init__.__defaults__ = (len,)  # these coefficients are no netCDF file
     run.Engine = lambda: ENGINE
     cli.main()

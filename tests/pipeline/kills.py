@@ -60,7 +60,7 @@ def strike(study: Path, results: Path, dice: random.Random, env: dict[str, str],
     )
     target = dice.choice(("client", "worker", "both"))
     time.sleep(dice.uniform(0.3, longest))
-    workers = [p for p in _children(client.pid) if "spawn_main" in " ".join(_words(p))]
+    workers = _workers(client.pid)
     victims = ([dice.choice(workers)] if workers and target != "client" else []) + (
         [psutil.Process(client.pid)] if target != "worker" and client.poll() is None else []
     )
@@ -79,17 +79,11 @@ def strike(study: Path, results: Path, dice: random.Random, env: dict[str, str],
     return target
 
 
-def _children(pid: int) -> list[psutil.Process]:
+def _workers(pid: int) -> list[psutil.Process]:
+    """What the client's children have forked."""
     try:
-        return psutil.Process(pid).children(recursive=True)
+        return [worker for child in psutil.Process(pid).children() for worker in child.children()]
     except psutil.NoSuchProcess:
-        return []
-
-
-def _words(process: psutil.Process) -> list[str]:
-    try:
-        return process.cmdline()
-    except psutil.Error:
         return []
 
 

@@ -4,13 +4,14 @@ import json
 import signal
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from pipeline import dataset
+from pipeline import actions, dataset
 from pipeline.campaign import Campaign, unfinished
 from pipeline.cli import app
 from pipeline.schedule import Place
@@ -182,6 +183,20 @@ def test_orphans_are_listed_and_removed_on_request(small, cli, tmp_path):
     assert len(list((tmp_path / "r").rglob("record.nc"))) == 6
 
 
+def test_a_run_leaves_an_up_to_date_report(small, cli, tmp_path, monkeypatch):
+    monkeypatch.setattr(actions, "REPORTED", 12)
+    page = tmp_path / "r" / "small" / "report.html"
+    assert str(page) in cli("run", "--workers", "1", "--select", "seed=0")
+    assert "6 done, 6 missing" in page.read_text()
+    cli("run", "--workers", "1")
+    assert "12 done" in page.read_text()
+    page.write_text("mine")
+    cli("run", "--workers", "1")
+    assert page.read_text() == "mine"  # nothing has changed: a second run takes no time for figures
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 1, 2]"))
+    assert "report.html" not in cli("run", "--workers", "1")  # too many to wait for it
+
+
 def test_status_as_json(cli):
     assert {row["state"] for row in json.loads(cli("status", "--json", code=2))["tasks"]} == {"missing"}
 
@@ -276,3 +291,30 @@ def test_a_killed_run_leaves_no_lock_and_loses_nothing(small, tmp_path, engine):
         assert f"left by process {holder.pid}" in words[0]
     with Store(tmp_path / "r", "small").lock(pytest.fail):
         pass
+
+
+def test_warnings_of_a_task_are_in_its_log(cli, engine, monkeypatch):
+    from dataclasses import replace
+
+    def worried(parameters, coefficients):
+        warnings.warn("the platform sways", stacklevel=1)
+        return engine.compute(parameters, coefficients)
+
+    monkeypatch.setattr("pipeline.run.Engine", lambda: replace(engine, compute=worried))
+    cli("run", "--workers", "1", "--select", "platform=fixed")
+    assert "log: UserWarning: the platform sways" in cli("show", "platform=fixed,seed=0,sea_state=calm")
+
+
+def test_random_tasks_are_repeated_and_compared(cli):
+    cli("run", "--workers", "1")
+    assert cli("verify", "--rerun", "2").count("bitwise the same as the old record") == 2
+    assert cli("verify", "--rerun", "100").count("bitwise the same as the old record") == 12
+
+
+def test_plan_tells_states_and_time_from_past_runs(small, cli):
+    assert "no past run tells how long they take" in cli("plan")
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 666]"))
+    cli("run", "--workers", "1", "--select", "sea_state=calm", code=1)
+    output = cli("plan")
+    assert "12 tasks: 6 missing, 3 done, 3 failed" in output
+    assert "about 0 s on 2 workers, from 3 tasks done" in output

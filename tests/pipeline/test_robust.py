@@ -53,7 +53,13 @@ def test_a_second_run_waits_and_says_so(small_study, results):
     first = subprocess.Popen(words, env=kills.environment(EMPTY_SECONDS="0.5"), stdout=subprocess.DEVNULL)
     while not (results / "empty" / ".lock.json").exists():
         time.sleep(0.05)
+    watch = kills.command("status", small_study, "--results", results, "--watch", "--every", "0.2")
+    watching = subprocess.Popen(watch, env=kills.environment(), stdout=subprocess.PIPE, text=True)
     second = study("run", small_study, "--results", results)
+    told = watching.communicate(timeout=60)[0].splitlines()
+    assert watching.returncode == 0
+    assert f"in the hands of process {first.pid}" in told[0]
+    assert told[-1].startswith("12 tasks: 12 done")
     assert first.wait() == 0
     assert f"in use by process {first.pid}" in second.stderr
     assert "nothing to run" in second.stdout
