@@ -43,7 +43,7 @@ class Recording(Table):
     discard: Annotated[NotNegative, Unit("s")] = 100.0
     ramp: Annotated[NotNegative, Unit("s")] = 50.0
     ramp_form: Literal["paper", "cosine"] = "paper"
-    series: Literal["none", "decimated", "full"] = "none"  # of the record; decimated keeps one sample a second
+    series: Literal["none", "decimated", "full"] = "none"  # of the record; decimated keeps four in the shortest wave
 
 
 def _knobs() -> dict[str, Any]:
