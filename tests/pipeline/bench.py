@@ -43,7 +43,7 @@ def _ours(folder: Path, tasks: int) -> dict[str, int]:
         goal = f"(at most {limit:g})" if limit else ""
         cpu = (used.ru_utime + used.ru_stime) / tasks * 1e3
         memory[name] = used.ru_maxrss
-        row(f"study {name}", wall, tasks, f"{goal:13} {cpu:5.2f} ms CPU in all; {used.ru_maxrss >> 10} MB")
+        row(f"study {name}", wall, tasks, f"{goal:13} {cpu:5.2f} ms CPU of the client; {used.ru_maxrss >> 10} MB")
     size = sum(p.stat().st_size for p in results.rglob("*.*") if p.is_file())
     print(f"{'':26}{size / tasks / 1024:.1f} kB a task on disk")
     return memory
