@@ -1,0 +1,84 @@
+"""The representative coupled case, and how its run time and error are measured."""
+
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from pipeline import cache, scenes, study, tasks
+from solver.hydrodynamics import bem
+from solver.hydrodynamics.bem import Hydrodynamics
+from solver.record import Record
+from solver.scene import Scene
+from solver.simulate import simulate
+
+OUT = Path("results/bench")
+RUNS = 3  # of which the median counts
+OUTPUTS = ("rotation", "absorbed_power", "hinge_force", "top_displacement", "bottom_stress")
+
+
+def task(platform: str) -> tasks.Task:
+    """The first realization of the representative sea of the Buan study."""
+    content = study.load(Path("studies/buan.toml")).content
+    wanted = {"sea_state": "representative", "platform": platform, "seed": 0}
+    return next(t for t in tasks.expand(content) if all(t.labels[k] == v for k, v in wanted.items()))
+
+
+def scene(platform: str) -> Scene:
+    """Its scene."""
+    return scenes.scene(task(platform).parameters)
+
+
+def coefficients(name: str = "default", **changed) -> tuple[Hydrodynamics, float]:
+    """The pair's coefficients with BEM arguments `changed`, and the time they took [s]; kept in a file."""
+    file = OUT / f"bem-{name}.nc"
+    if file.exists():
+        found = cache.decode(file.read_bytes())
+        return found, float(file.with_suffix(".seconds").read_text())
+    start = time.perf_counter()
+    found = bem.solve(**(scenes.bem_arguments(task("elastic").geometry) | changed))
+    seconds = time.perf_counter() - start
+    file.write_bytes(cache.encode(found))
+    file.with_suffix(".seconds").write_text(f"{seconds}")
+    return found, seconds
+
+
+def with_settings(item: Scene, **changed) -> Scene:
+    """The scene with other settings."""
+    return replace(item, settings=replace(item.settings, **changed))
+
+
+def median(function: Callable[[], object], runs: int = RUNS) -> float:
+    """Median wall time [s] of `runs` calls."""
+    times = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - start)
+    return statistics.median(times)
+
+
+def timed(item: Scene, known: Hydrodynamics | None, runs: int = RUNS) -> tuple[Record, float]:
+    """Record, and median wall time [s]."""
+    kept: list[Record] = []
+    seconds = median(lambda: kept.append(simulate(item, known)), runs)
+    return kept[-1], seconds
+
+
+def errors(record: Record, exact: Record) -> tuple[float, float]:
+    """Worst error of mean, rms, std (of the rms; std of the std) and of max, min (of the larger one)."""
+    moments = extremes = 0.0
+    for name in OUTPUTS:
+        if name not in exact.variables:
+            continue
+        a, b = (r.variables[name][1].reshape(-1, 5) for r in (record, exact))
+        used = b[:, 3] > 1e-6 * b[:, 3].max()  # the planar scene's still directions
+        a, b = a[used], b[used]
+        largest = np.maximum(np.abs(b[:, 0]), np.abs(b[:, 1]))
+        difference = np.abs(a - b)
+        moments = max(moments, (difference[:, 2:4] / b[:, 3:4]).max(), (difference[:, 4] / b[:, 4]).max())
+        extremes = max(extremes, (difference[:, :2] / largest[:, None]).max())
+    return float(moments), float(extremes)

@@ -1,0 +1,111 @@
+"""What a step is made of; one float's pressure load both ways; the paper's method on the same seconds."""
+
+from collections.abc import Callable
+
+import numpy as np
+from benchmark.case import coefficients, median, scene
+from numba import njit
+
+from solver.hydrodynamics import radiation
+from solver.hydrodynamics.froude_krylov import pressure_load
+from solver.hydrodynamics.panels import panel_load, revolution_mesh, waves_at
+from solver.march import _drag, _memory_history, _newton_matrix, flexibility
+from solver.multibody.minimal import loads, move, new_motion, pressures
+from solver.sea.field import WaveField
+from solver.simulate import simulate
+from solver.system import BLOCK_STEPS, blocks, prepare
+
+CALLS = 2000
+
+
+def each(function: Callable, *arguments) -> float:
+    """Median time of one call [µs] of a compiled function, called CALLS times in compiled code."""
+
+    @njit
+    def many(count, *arguments):
+        for _ in range(count):
+            function(*arguments)
+
+    many(1, *arguments)
+    return median(lambda: many(CALLS, *arguments), 7) / CALLS * 1e6
+
+
+def of_a_step(platform: str) -> list[tuple[str, float, float]]:
+    """(part, time of one call [µs], calls a step) in the representative sea."""
+    known, _ = coefficients()
+    system = prepare(scene(platform), known)
+    state = system.start()
+    for samples, _, _ in blocks(system, state, 6 * BLOCK_STEPS):
+        drive = system.drive(samples)
+    body, frame, (nb, na) = system.bodies, system.structure, (2, system.bodies.added_mass.shape[0])
+    z, dz = (np.concatenate([frame.carrier @ p, q]) for p, q in ((state.p, state.z), (state.dp, state.dz)))
+    nz, motion, load = z.size, new_motion(body), np.zeros((nb, 6))
+    move(body, z, dz, motion)
+    H, square = flexibility(frame, system.dt)[1], (2 * nz, 2 * nz)
+    series = system.series(system.dt)
+    field, wave = drive.field[5], drive.excitation[5]
+    parts = [
+        ("wave field", median(lambda: system.drive(series.block(999, 2 * BLOCK_STEPS + 1)), 9) / BLOCK_STEPS * 1e6, 1),
+        ("Froude-Krylov and hydrostatics", each(pressures, body, motion, field, load), 2),
+        ("kinematics", each(move, body, z, dz, motion), 6),
+        (
+            "other loads",
+            each(
+                loads, body, z, dz, z, motion, load, np.zeros(nz), wave, np.zeros(na), np.zeros(nz), load.copy(),
+                np.zeros(4),
+            ),
+            4,
+        ),
+        (
+            "radiation memory",
+            each(_memory_history, system.memory, state, motion.active_velocity, np.zeros((2, na))),
+            1,
+        ),
+        (
+            "Newton's matrix",
+            each(
+                _newton_matrix, body, motion, H, np.zeros(square), np.zeros((nz, nz)), np.zeros(square),
+                np.zeros(square),
+            ),
+            1 / 8,
+        ),
+    ]  # fmt: skip
+    if frame.omega.size:
+        water, force, flow = drive.station[5], np.zeros(frame.omega.size), np.zeros(frame.station.shape[1:])
+        parts.append(("Morison drag", each(_drag, frame, water, state.dp, force, flow), 2))
+    return parts
+
+
+def whole_step(platform: str) -> float:
+    """Time of one step [µs], march and record."""
+    known, _ = coefficients()
+    attrs = simulate(scene(platform), known).attrs
+    return attrs["march_time"] / (3700 / attrs["time_step"]) * 1e6
+
+
+def pressure_pair() -> tuple[float, float, float]:
+    """Median time [µs] of one float's load by quadrature and by 8,520 panels, and their difference."""
+    item, (known, _) = scene("fixed"), coefficients()
+    system = prepare(item, known)
+    body, sea = system.bodies, item.sea
+    sample = 1000  # well after the ramp
+    local = system.drive(system.series(system.dt).block(sample, 1)).field[0, 0]
+    rule = body.rule._replace(patch=body.rule.patch[0], whole=body.rule.whole[0])
+    mesh = revolution_mesh(item.floats[0].hull, along=71, around=120)
+    k, t = WaveField(sea, item.water.depth, item.water.gravity).k, sample * system.dt / 2
+    waves = waves_at(k, sea.omega, sea.amplitude, depth=item.water.depth, heading=sea.heading, t=t)
+    position, turned = body.reference[0] + np.array([0.05, 0.0, 0.1]), np.eye(3)
+    at = (rule, local, body.reference[0], body.wave_direction, body.rho_g, False, body.depth)
+    fast, slow = np.zeros(6), np.zeros(6)
+    pressure_load(position, turned, *at, fast)
+    panel_load(position, turned, mesh, waves, body.rho_g, False, slow)
+    quick, load = each(pressure_load, position, turned, *at, np.zeros(6)), np.zeros(6)
+    paper = median(lambda: panel_load(position, turned, mesh, waves, body.rho_g, False, load), 7) * 1e6
+    return quick, paper, float(np.abs(fast - slow).max() / np.abs(fast).max())
+
+
+def memory_fit() -> float:
+    """Time [s] to fit the pair's radiation memory at the default tolerance."""
+    h, _ = coefficients()
+    tolerance = scene("fixed").settings.memory_tolerance
+    return median(lambda: radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance))

@@ -1,0 +1,116 @@
+"""Cost against size: record length, wave components, floats and modes; and the memory of a long record."""
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import matplotlib.pyplot as plt
+import numpy as np
+from benchmark.case import OUT, coefficients, median, scene, with_settings
+from scipy.linalg import block_diag
+
+from solver.hydrodynamics.bem import Hydrodynamics
+from solver.scene import Scene
+from solver.sea.dispersion import wavenumber
+from solver.sea.realization import realize
+from solver.sea.spectrum import PiersonMoskowitz
+from solver.simulate import simulate
+
+SECONDS = 900.0
+LENGTHS = [450, 900, 1800, 3600, 10800]  # s
+COMPONENTS = [33, 65, 130, 260, 520]
+PAIRS = [1, 2, 3, 4]
+MODES = [6, 12, 24, 48, 96, 192]
+APART = 100.0  # between pairs, whose waves are left out of one another [m]
+LONG = """
+import resource, sys
+sys.path.insert(0, "studies")
+from benchmark.case import coefficients, scene, with_settings
+from solver.simulate import simulate
+simulate(with_settings(scene("elastic"), duration=10800.0), coefficients()[0])
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+
+
+def pairs(count: int) -> tuple[Scene, Hydrodynamics]:
+    """`count` pairs of the fixed case in a row, far apart."""
+    one, (h, _) = scene("fixed"), coefficients()
+    k = wavenumber(h.omega, h.depth, h.gravity)
+    arrival = np.exp(1j * np.outer(k, np.repeat(APART * np.arange(count), h.added_mass.shape[1])))
+
+    def blocks(x):
+        return np.array([block_diag(*[m] * count) for m in x])
+
+    known = replace(
+        h,
+        added_mass=blocks(h.added_mass),
+        radiation_damping=blocks(h.radiation_damping),
+        added_mass_inf=block_diag(*[h.added_mass_inf] * count),
+        diffraction=np.tile(h.diffraction, count) * arrival,
+        froude_krylov=np.tile(h.froude_krylov, count) * arrival,
+        hydrostatic_stiffness=block_diag(*[h.hydrostatic_stiffness] * count),
+        displaced_mass=np.tile(h.displaced_mass, count),
+        buoyancy_centre=np.tile(h.buoyancy_centre, count),
+        centres=np.concatenate([h.centres + np.array([APART * i, 0, 0]) for i in range(count)]),
+    )
+    floats = tuple(
+        replace(f, name=f"{f.name}{i}", hinge=(f.hinge[0] + APART * i, *f.hinge[1:]))
+        for i in range(count)
+        for f in one.floats
+    )
+    # A looser fit for all: fitting is done once a geometry, and not what is timed here.
+    return with_settings(replace(one, floats=floats), duration=SECONDS, memory_tolerance=0.1), known
+
+
+def _sea(components: int):
+    return realize(
+        PiersonMoskowitz(Hs=1.28, Tp=5.46), components=components, band=(0.7, 3.4), intervals="random", heading=0.0,
+        seed=(1,),
+    )  # fmt: skip
+
+
+def march(item: Scene, known: Hydrodynamics) -> float:
+    """Median time of the march [s]; what is prepared is kept from the first run."""
+    times: list[float] = []
+    median(lambda: times.append(simulate(item, known).attrs["march_time"]), 4)
+    return float(np.median(times[1:]))
+
+
+def measure() -> dict[str, tuple[list[float], list[float]]]:
+    """Quantity -> (sizes, times of the march [s])."""
+    known, _ = coefficients()
+    elastic = scene("elastic")
+    short = with_settings(elastic, duration=SECONDS)
+    found = {
+        "record length [s]": (LENGTHS, [march(with_settings(elastic, duration=float(t)), known) for t in LENGTHS]),
+        "wave components": (COMPONENTS, [march(replace(short, sea=_sea(n)), known) for n in COMPONENTS]),
+        "floats (fixed platform)": ([2 * n for n in PAIRS], [march(*pairs(n)) for n in PAIRS]),
+        "modes kept": (MODES, [march(with_settings(short, modes=m), known) for m in MODES]),
+    }
+    for name, (sizes, times) in found.items():
+        order = np.polyfit(np.log(sizes), np.log(times), 1)[0]
+        print(f"{name:26s}" + "".join(f"{n:>8g}: {t:6.2f} s" for n, t in zip(sizes, times, strict=True)))
+        print(f"{'':26s}grows as size^{order:.2f}")
+    return found
+
+
+def memory_of_three_hours() -> float:
+    """Largest resident memory [MB] of a process that simulates a 3-hour record."""
+    done = subprocess.run([sys.executable, "-c", LONG], capture_output=True, text=True, check=True)
+    return float(done.stdout)
+
+
+def picture(found: dict[str, tuple[list[float], list[float]]]) -> None:
+    """One panel a quantity, with a line of linear growth."""
+    figure, panels = plt.subplots(1, len(found), figsize=(12, 3.2), sharey=True)
+    for axes, (name, (sizes, times)) in zip(panels, found.items(), strict=True):
+        axes.loglog(sizes, times, "o-", label="measured")
+        axes.loglog(sizes, times[0] * np.array(sizes) / sizes[0], "--", color="0.6", label="linear")
+        axes.set_xlabel(name)
+        axes.spines[["top", "right"]].set_visible(False)
+    panels[0].set_ylabel("time of the march [s]")
+    panels[0].legend(frameon=False)
+    figure.suptitle("Cost against size: Buan, one core")
+    figure.tight_layout()
+    figure.savefig(OUT / "scaling.png", dpi=130)
+    plt.close(figure)
