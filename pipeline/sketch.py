@@ -71,7 +71,8 @@ def whole(study: StudyFile) -> Box:
     near = about_water(study)
     bars = [point for bar in members(study) for point in bar]
     left, right = min([near.left, *(x for x, _ in bars)]), max([near.right, *(x for x, _ in bars)])
-    return Box(left, right, -study.water.depth - 2.0, near.high)
+    feet = min([near.low, *(z for _, z in bars)])
+    return Box(left, right, max(-study.water.depth, feet) - 2.0, near.high)
 
 
 def about_water(study: StudyFile) -> Box:
@@ -89,17 +90,19 @@ def draw(axes: Axes, study: StudyFile, box: Box) -> None:
     """Water, seabed, platform, floats, arms and hinges."""
     from matplotlib.patches import Polygon
 
-    depth = study.water.depth
-    axes.axhspan(-depth, 0.0, color=WATER, linewidth=0)
+    tall, depth = box.high - box.low, study.water.depth
+    axes.axhspan(-depth if math.isfinite(depth) else -10 * tall, 0.0, color=WATER, linewidth=0)
     axes.axhline(0.0, color=colour(0), linewidth=0.8)
-    axes.axhspan(-depth - (box.high - box.low), -depth, color=SAND, linewidth=0)
+    if math.isfinite(depth):
+        axes.axhspan(-depth - tall, -depth, color=SAND, linewidth=0)
     for bar in members(study):
         axes.add_patch(Polygon(bar, facecolor=STEEL, edgecolor=INK, linewidth=0.4))
     for index, item in enumerate(study.floats):
         axes.add_patch(Polygon(outline(item), facecolor=colour(index), edgecolor=INK, linewidth=0.6, alpha=0.85))
         (x, _, z), hinge = centre(item), item.hinge
         axes.plot([hinge[0], x], [hinge[2], z], color=INK, linewidth=1.6, solid_capstyle="round")
-        axes.plot(hinge[0], hinge[2], "o", color="white", markeredgecolor=INK, markersize=5, zorder=4)
+        if "hinge" in item.motion:
+            axes.plot(hinge[0], hinge[2], "o", color="white", markeredgecolor=INK, markersize=5, zorder=4)
     axes.set_xlim(box.left, box.right, auto=True)
     axes.set_ylim(box.low, box.high, auto=True)
     axes.set_aspect("equal", adjustable="box")
@@ -114,7 +117,7 @@ def label(axes: Axes, study: StudyFile) -> None:
         x, low = centre(item)[0], min(z for _, z in points)
         axes.text(x, low - 0.15, item.name, ha="center", va="top", color=colour(index))
     corner: dict[str, Any] = {"transform": axes.transAxes, "fontsize": "small"}
-    axes.text(0.02, 0.02, f"water {study.water.depth:g} m deep", ha="left", va="bottom", color=colour(0), **corner)
+    axes.text(0.02, 0.02, _depth(study), ha="left", va="bottom", color=colour(0), **corner)
     along = math.cos(study.waves.heading)
     if abs(along) > 0.1:
         ends = [(0.02, 0.92), (0.2, 0.92)]
@@ -122,6 +125,11 @@ def label(axes: Axes, study: StudyFile) -> None:
         style: dict[str, Any] = {"arrowstyle": "->", "color": INK, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", tip, start, xycoords="axes fraction", arrowprops=style)
         axes.text(0.11, 0.93, "waves", ha="center", va="bottom", **corner)
+
+
+def _depth(study: StudyFile) -> str:
+    depth = study.water.depth
+    return f"water {depth:g} m deep" if math.isfinite(depth) else "deep water"
 
 
 def scene(study: StudyFile) -> Figure | None:
@@ -140,7 +148,8 @@ def scene(study: StudyFile) -> Figure | None:
     draw(left, study, all_)
     left.set_ylabel("z [m]")
     left.set_title("whole depth")
-    left.text(all_.right, -study.water.depth, " seabed", va="top", fontsize="small")
+    if math.isfinite(study.water.depth):
+        left.text(all_.right, -study.water.depth, " seabed", va="top", fontsize="small")
     close_up(right, study)
     right.set_title("at the water line")
     return figure
