@@ -167,15 +167,15 @@ def _equilibrium(system: System) -> tuple[np.ndarray, np.ndarray]:
     stride = 0.1 * min(1.0, *(f.hull.size for f in system.scene.floats))
     for _ in range(500):
         update, r = _downhill(system, z)
+        size = np.abs(update).max()
+        if min(size, stride) < 1e-12:
+            break
         if update @ before < 0:
             stride /= 2
-        update *= min(1.0, stride / max(np.abs(update).max(), 1e-300))
-        z[nc:] += update
-        before = update
-        if np.abs(update).max() < 1e-12:
-            break
-    weight = system.bodies.mass @ np.linalg.norm(system.bodies.reference - system.bodies.point[:, 0], axis=1)
-    if np.abs(update).max() < 1e-12 and np.abs(r).max() <= 1e-6 * system.bodies.gravity * max(weight, 1.0):
+        before = update * min(1.0, stride / size)
+        z[nc:] += before
+    lever = np.linalg.norm(system.bodies.reference - system.bodies.point[:, 0], axis=1)
+    if np.abs(r).max() <= 1e-6 * system.bodies.gravity * np.sum(system.bodies.mass * (1 + lever)):
         return z, _residual(system, z)[:nc]
     raise SimulationFailed(f"no static equilibrium in still water near rest: joints at {z[nc:]} after 500 steps")
 
@@ -190,8 +190,8 @@ def _downhill(system: System, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         curvature[:, j - nc] = (_residual(system, z - step) - _residual(system, z + step))[nc:] / 2e-5
     r = _residual(system, z)[nc:]
     value, vector = np.linalg.eigh((curvature + curvature.T) / 2)
-    # Nothing holds a free float in surge or yaw, and nothing pushes it.
-    held = np.abs(value) > 1e-9 * np.abs(value).max()
+    # Nothing holds a free float in surge or yaw, and nothing pushes it; rounding is 1e-7 of the rest.
+    held = np.abs(value) > 1e-6 * np.abs(value).max()
     return vector[:, held] @ (vector[:, held].T @ r / np.abs(value[held])), r
 
 

@@ -1,0 +1,164 @@
+"""Where the solver stops, what it says then, and that what goes on is sane."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from pipeline import cache
+from solver import limits
+from solver.errors import InputError, SimulationFailed, StepTooLong
+from solver.scene import Float
+from solver.sea.field import WaveField
+from solver.simulate import simulate
+from solver.system import prepare
+from tests.interpreted import motions
+
+HEAVY_DAMPING = 1e8  # a thousand times the optimum: the joints are locked [N m s/rad]
+
+
+def calm(buan):
+    return replace(buan.sea(), amplitude=np.zeros(130, complex))
+
+
+def turned(buan, angle, **changes):
+    """Floats let go turned by `angle` towards the sky (+) or the seabed (-), in still water."""
+    front, rear = buan.floats(**changes)
+    return buan.scene("fixed", sea=calm(buan), floats=(replace(front, offset=angle), replace(rear, offset=-angle)))
+
+
+@pytest.mark.parametrize("ratio", [0.05, 0.3, 1.0, 1.5])
+def test_equilibrium_carries_the_weight_on_the_side_where_the_arm_is(buan, coefficients, ratio):
+    """Buoyancy at rest equals the weight, by the closed form of the sunk or lifted hemisphere and cylinder."""
+    mass = ratio * 1025 * 2 / 3 * np.pi
+    scene = buan.scene("fixed", sea=calm(buan), floats=buan.floats(mass=mass), arc_points=20, azimuths=24)
+    system = prepare(scene, coefficients)
+    front, rear = system.start().z
+    # The arm's end rises by this much; the hull turns with it, which a sphere does not feel.
+    assert front == approx(-rear, abs=1e-9) and abs(front) < limits.straight_down(buan.floats()[1])
+    if ratio <= 1:
+        x, z = np.array([-2.36, -2.6])
+        centre = 2.6 + z * np.cos(front) - x * np.sin(front)
+        draft = 1.0 - centre
+        assert np.pi * draft**2 * (1 - draft / 3) * 1025 == approx(mass, rel=1e-6)
+
+
+def test_what_nothing_carries_has_no_equilibrium(buan, coefficients):
+    """A guided float heavier than its whole hull's displacement sinks for ever."""
+    sinking = buan.floats(mass=5000.0, motion=("heave",), pto_damping=0.0)
+    with pytest.raises(SimulationFailed, match="no static equilibrium"):
+        prepare(buan.scene("fixed", sea=calm(buan), floats=sinking), coefficients).start()
+
+
+@pytest.mark.parametrize("angle", [0.1, 0.9, 1.2, -0.3, -0.6])
+def test_dropped_and_drowned_floats_come_back(buan, coefficients, angle):
+    """Out of the water and slamming back, or submerged whole: energy closes, and they come to rest."""
+    record = simulate(turned(buan, angle), coefficients)
+    assert record.attrs["energy_residual"] < 1e-3 and record.attrs["repeated"] == ""
+    last = record.variables["rotation"][1][:, 3]
+    # Rest is the quadrature's own, 4e-5 rad off for the default points.
+    assert np.abs(last).max() < 1e-2 * abs(angle)
+
+
+def test_a_float_pushed_through_beneath_its_hinge_is_an_outcome(buan, coefficients):
+    """Straight down is at 0.737 rad; 0.75 rad is past it, and buoyancy takes the float to the other side."""
+    with pytest.raises(SimulationFailed, match=r"front hinge at -1.1\d at t = \d+\.\d s, beyond -1\.11 to \+1\.57"):
+        simulate(turned(buan, -0.75), coefficients)
+
+
+@pytest.mark.parametrize(
+    "arm, axis, down",
+    [
+        ((2.36, 0.0, -2.6), (0.0, 1.0, 0.0), np.arctan2(2.36, 2.6)),
+        ((-2.36, 0.0, -2.6), (0.0, 1.0, 0.0), -np.arctan2(2.36, 2.6)),
+        ((2.36, 0.0, -2.6), (0.0, -3.0, 0.0), -np.arctan2(2.36, 2.6)),
+        ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), np.pi / 2),
+        ((0.0, 1.0, -1.0), (1.0, 0.0, 0.0), -np.pi / 4),
+        ((0.0, 0.0, -1.0), (0.0, 1.0, 0.0), 0.0),
+        ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.0),  # turns about the plumb line: never beneath
+    ],
+)
+def test_straight_down(buan, arm, axis, down):
+    item = Float(
+        name="f", hull=buan.floats()[0].hull, mass=1.0, inertia=(1.0,) * 3, hinge=(0, 0, 0), arm=arm, axis=axis
+    )  # fmt: skip
+    assert limits.straight_down(item) == approx(down, abs=1e-12)
+
+
+def test_bounds_follow_from_the_scene(buan):
+    """Hinges half way past straight down, slides as far as the wave field is known, carriers the frame's size."""
+    waves = WaveField(buan.sea(), 50.0, 9.81)
+    scene = buan.scene()
+    bound = limits.excursions(scene, waves, 16, np.array([0, 2, 4]))
+    size = np.linalg.norm([3.0, 2.4, 52.6])
+    assert bound[:6] == approx(np.outer([size, size, np.pi / 2] * 2, [-1, 1]))
+    down = np.arctan2(2.36, 2.6)
+    assert bound[6:] == approx(np.array([[-1.5 * down, np.pi / 2], [-np.pi / 2, 1.5 * down]]))
+    guided = replace(scene, floats=buan.floats(motion=("heave",)), platform=None)
+    heave = limits.excursions(guided, waves, 16, np.zeros(0, int))
+    reach = heave[0, 1] + scene.floats[0].hull.size
+    assert heave == approx(np.outer([1, 1], [-heave[0, 1], heave[0, 1]])) and waves.terms_for(reach, 1e-2) == 16
+
+
+def test_more_waves_or_less_reach_need_fewer_terms(buan):
+    """radius_for is terms_for turned round."""
+    waves = WaveField(buan.sea(), 50.0, 9.81)
+    for terms in (6, 12, 24):
+        radius = waves.radius_for(terms, 1e-5)
+        assert waves.terms_for(0.999 * radius, 1e-5) == terms and waves.terms_for(1.001 * radius, 1e-5) == terms + 1
+
+
+def test_locked_joints_are_computed_with_a_finer_step_and_the_record_says_so(buan, coefficients):
+    """A step's motion below Newton's tolerance leaves the energy open: a quarter of it closes the balance."""
+    scene = buan.scene("fixed", floats=buan.floats(pto_damping=HEAVY_DAMPING))
+    attrs = simulate(scene, coefficients).attrs
+    assert attrs["repeated"].startswith("energy balance at t = ")
+    assert attrs["time_step"] == scene.settings.time_step / 4 and attrs["energy_residual"] < 1e-3
+
+
+def test_what_a_finer_step_does_not_help_fails_with_both_messages(buan, coefficients, monkeypatch):
+    monkeypatch.setattr(sys.modules["solver.simulate"], "GROSSLY", 0.0)
+    with pytest.raises(SimulationFailed, match=r"time_step = 0\.0375 s.*second attempt; the first: .*0\.15 s") as error:
+        simulate(buan.scene("fixed"), coefficients)
+    assert not isinstance(error.value, StepTooLong)
+
+
+def test_a_step_too_long_for_the_waves_is_refused(buan):
+    with pytest.raises(InputError, match="a sixth of the shortest"):
+        buan.scene("fixed", time_step=0.47)
+
+
+@pytest.mark.parametrize("stiffer", [1e-2, 1e2, 1e6])
+@pytest.mark.parametrize("ratio", [0.05, 1.0, 1.5])
+def test_default_step_is_stable_for_soft_and_stiff_platforms_and_light_and_heavy_floats(
+    buan, coefficients, stiffer, ratio
+):
+    mass = ratio * 1025 * 2 / 3 * np.pi
+    scene = buan.scene(
+        platform=buan.platform(frame=buan.frame(stiffer=stiffer)),
+        floats=buan.floats(mass=mass, inertia=(859.0 * ratio,) * 3),
+    )
+    attrs = simulate(scene, coefficients).attrs
+    assert attrs["energy_residual"] < 1e-3 and attrs["repeated"] == ""
+
+
+
+
+def test_interpreted_and_compiled_kernels_agree(coefficients, tmp_path):
+    """The same short runs without the compiler, in a process of its own.
+
+    1e-9 of the largest value: the compiler reorders sums, and the weight that cancels buoyancy is
+    up to 1e4 times what moves the float, so rounding (1e-16) may come to 1e-12 a step.
+    """
+    (tmp_path / "coefficients.nc").write_bytes(cache.encode(coefficients))
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.getcwd()}
+    files = [str(tmp_path / name) for name in ("coefficients.nc", "interpreted.npz")]
+    subprocess.run([sys.executable, "tests/interpreted.py", *files], env=environment, check=True, timeout=120)
+    with np.load(files[1]) as interpreted:
+        for name, compiled in motions(coefficients).items():
+            largest = np.abs(compiled).max(initial=0.0)
+            assert interpreted[name] == approx(compiled, abs=1e-9 * largest), name
