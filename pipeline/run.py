@@ -6,11 +6,12 @@ import time
 import traceback
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from pipeline import environment
 from pipeline.tasks import Geometry, Parameters
+from solver.errors import SimulationFailed
 
 if TYPE_CHECKING:
     from pipeline.records import Record
@@ -45,11 +46,22 @@ class Outcome:
 
 
 def hydrodynamics(geometry: Geometry) -> Hydrodynamics:
-    """Coefficients of the floats of a geometry, by the boundary element method."""
+    """Coefficients of the floats of a geometry by the boundary element method, and their memory as scenes use it.
+
+    Not every task fits its own: fitting amplifies rounding, and other machines round otherwise.
+    """
     from pipeline.scenes import bem_arguments
     from solver.hydrodynamics import bem
+    from solver.scene import Settings
+    from solver.system import remembered
 
-    return bem.solve(**bem_arguments(geometry))
+    given, tolerance = bem_arguments(geometry), Settings().memory_tolerance
+    found = bem.solve(**given)
+    try:
+        memory = remembered(found, given["hulls"], tolerance)
+    except SimulationFailed:  # said by the task that needs it
+        return found
+    return replace(found, memory=memory, memory_tolerance=tolerance)
 
 
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:

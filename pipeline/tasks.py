@@ -29,7 +29,7 @@ from solver.scene import PANELS, panels_for
 
 # Raise it when the physics or a default changes: older results then count as stale, not as done.
 MODEL_VERSION = 1
-BEM_VERSION = 1
+BEM_VERSION = 2
 AXES = ("sea_state", "platform", "pto_damping", "hinge_spacing", "seed")
 
 Label = str | float | int

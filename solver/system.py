@@ -9,6 +9,7 @@ from solver import assembly, limits
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics import radiation
 from solver.hydrodynamics.bem import DOFS, Hydrodynamics
+from solver.hydrodynamics.mesh import Hull
 from solver.march import (
     EXCURSION,
     NOT_CONVERGED,
@@ -103,9 +104,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         )
     fit = None
     if scene.floats and settings.radiation:
-        dofs = hydrodynamics.dofs
-        radii = tuple(1.0 if DOFS.index(d) < 3 else f.hull.largest_radius for f in scene.floats for d in dofs)
-        fit = _memory(hydrodynamics, settings.memory_tolerance, radii)
+        fit = remembered(hydrodynamics, tuple(f.hull for f in scene.floats), settings.memory_tolerance)
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
     added_mass = fit.added_mass_inf if fit else np.zeros((na, na))
     reach = max((_reach(f) for f in scene.floats), default=0.0)
@@ -128,11 +127,12 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
 
 
 @lru_cache(maxsize=8)
-def _memory(h: Hydrodynamics, tolerance: float, lengths: tuple[float, ...]) -> radiation.RadiationMemory:
-    """The fit for a set of coefficients: tasks that differ in sea, damping or support share it."""
-    return radiation.fit(
-        h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths=np.array(lengths)
-    )
+def remembered(h: Hydrodynamics, hulls: tuple[Hull, ...], tolerance: float) -> radiation.RadiationMemory:
+    """The memory of a set of coefficients: tasks that differ in sea, damping or support share its fit."""
+    if h.memory is not None and h.memory_tolerance == tolerance:
+        return h.memory
+    lengths = np.array([1.0 if DOFS.index(d) < 3 else hull.largest_radius for hull in hulls for d in h.dofs])
+    return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths=lengths)
 
 
 def _reach(item) -> float:

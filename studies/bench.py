@@ -74,7 +74,7 @@ def save(rows: list[knobs.Row], sizes: dict, attrs: dict[str, float]) -> None:
     data["run_time"].attrs = {"units": "s", "long_name": "median wall time of one run"}
     for name, (size, times) in sizes.items():
         key = name.split("[")[0].split("(")[0].strip().replace(" ", "_")
-        data[f"march_time_by_{key}"] = (key, np.array(times)), {"units": "s", "long_name": f"march, by {name}"}
+        data[f"march_time_by_{key}"] = (key, np.array(times), {"units": "s", "long_name": f"march, by {name}"})
         data = data.assign_coords({key: np.array(size, float)})
     data.attrs = attrs
     data.to_netcdf(OUT / "bench.nc", engine="netcdf4")

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from solver.errors import InputError
+from solver.hydrodynamics.radiation import RadiationMemory
 from solver.sea.dispersion import wavenumber
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -41,6 +42,8 @@ class Hydrodynamics:
     dofs: tuple[str, ...]  # of one body
     settings: MappingProxyType = field(default_factory=lambda: MappingProxyType({}))
     mesh_error: float = 0.0  # largest share of a curve's largest value between the finer mesh and the result
+    memory: RadiationMemory | None = None  # fitted to these, for scenes that ask for
+    memory_tolerance: float = np.nan  # this tolerance
 
     def excitation(self, omega: np.ndarray, kind: str = "total") -> np.ndarray:
         """Force per wave amplitude (nw', n) [N/m] at any ω in the solved range.
