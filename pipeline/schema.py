@@ -44,6 +44,7 @@ class Recording(Table):
     ramp: Annotated[NotNegative, Unit("s")] = 50.0
     ramp_form: Literal["paper", "cosine"] = "paper"
     series: Literal["none", "decimated", "full"] = "none"  # of the record; decimated keeps four in the shortest wave
+    rao: Flag = False  # motion per wave amplitude, for every wave of the sea
 
 
 def _knobs() -> dict[str, Any]:

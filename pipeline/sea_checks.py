@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 
 from pipeline import seas
 from pipeline.schema import StudyFile
-from pipeline.seas import Elevation, Irregular, Regular, SeaState, Still, WhiteNoise
+from pipeline.seas import Components, Elevation, Irregular, Regular, SeaState, Still, Waves, WhiteNoise
 from solver.errors import InputError
 
 LARGEST_PERIOD = 60.0  # longer waves are no longer wind waves [s]
@@ -34,7 +35,7 @@ def problems(study: StudyFile) -> Iterator[InputError]:
     for label, sea in study.sea_states.items():
         key = f"sea_states.{label}"
         found = list(_sea(key, sea, study))
-        yield from found or _coverage(key, sea, study)
+        yield from found or [*_coverage(key, sea, study), *_resolution(key, sea, study)]
 
 
 def shortest_period(study: StudyFile) -> float:
@@ -124,6 +125,27 @@ def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]
     if study.floats and wanted and float(wavenumber(wanted[0], water.depth, water.gravity)) * water.depth <= SHALLOW:
         limit = f"must start where kh > {SHALLOW:g} in {water.depth:g} m"
         yield InputError("waves.band", list(wanted), limit)
+
+
+def _resolution(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
+    """Two waves can be told apart in a record that is as long as their beat."""
+    spacing = _spacing(sea, study.waves) if study.record.rao else math.inf
+    beat = 2 * math.pi / spacing if spacing > 0 else math.inf
+    if study.record.duration < beat:
+        limit = f"must be >= {beat:.4g} s for record.rao, to tell the waves of {key} apart"
+        yield InputError("record.duration", study.record.duration, limit)
+
+
+def _spacing(sea: SeaState, waves: Waves) -> float:
+    """Smallest difference of two frequencies of a sea [rad/s]."""
+    if isinstance(sea, Still | Regular):
+        return math.inf
+    if isinstance(sea, Components | Elevation):
+        omega = seas.realize(sea, waves, (0,)).omega
+        return min((float(b - a) for a, b in itertools.pairwise(omega)), default=math.inf)
+    span = seas.frequencies(sea, waves) or (0.0, math.inf)
+    # Random intervals have edges up to 0.4 of a width from even ones, and their middles half of that each.
+    return (span[1] - span[0]) / waves.components * (0.6 if waves.intervals == "random" else 1.0)
 
 
 def _named(key: str, sea: SeaState) -> tuple[str, object, str]:

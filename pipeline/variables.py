@@ -23,6 +23,9 @@ WAVE = "sea_surface_wave_"
 VARIABLES = {
     "rotation": Meaning("rad", "Rotation of the float about its hinge axis, from rest, right-handed"),
     "motion": Meaning(None, "Motion of the float along each free axis of its joint, from rest, in m or rad"),
+    "rao": Meaning(None, "Amplitude of the motion along each free axis per wave amplitude, in m/m or rad/m"),
+    "rao_phase": Meaning("rad", "Lag of that motion behind the elevation at the origin"),
+    "wave_frequency": Meaning("rad s-1", "Angular frequency of each wave of the realization"),
     "absorbed_power": Meaning("W", "Mechanical power absorbed by the power take-off"),
     "pto_moment": Meaning("N m", "Moment of the power take-off on the float about the hinge axis"),
     "hinge_force": Meaning("N", "Force of the hinge on the float"),
@@ -79,6 +82,7 @@ COORDINATES = {
     "hinge_spacing": Meaning("m", "Distance of the hinges along x"),
     "seed": Meaning("1", "Number of the wave realization"),
     "float": Meaning(None, "Name of the float"),
+    "component": Meaning("1", "Number of the wave in its realization, from 1"),
     "axis": Meaning(None, "Free axis of the joint"),
     "leg": Meaning(None, "Name of the leg"),
     "direction": Meaning(None, "Axis of the component"),

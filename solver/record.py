@@ -8,9 +8,12 @@ import numpy as np
 from solver.assembly import Layout
 from solver.march import Output
 from solver.scene import Scene
+from solver.spectra import Harmonics
 from solver.statistics import STATISTICS, Envelope, Statistics
 from solver.structure.legs import Legs, at_nodes
 from solver.structure.support import Support
+
+FAINT = 1e-3  # a wave below this share of the largest one says nothing of a float
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
 
@@ -40,6 +43,8 @@ class Recorder:
         self.channels: dict[str, Statistics] = {}
         self.envelopes = {"displacement_envelope": Envelope(), "stress_envelope": Envelope()}
         self.series: dict[str, list[np.ndarray]] = {}
+        wanted = scene.settings.rao and floats and scene.sea.amplitude.any()
+        self.harmonics = Harmonics(scene.sea.omega) if wanted else None
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block; statistics begin after `discard` and end after `duration`."""
@@ -54,6 +59,8 @@ class Recorder:
                 self.series.setdefault(name, []).append(values)
         if s.keep_series:
             self.series.setdefault("time", []).append(times[kept])
+        if self.harmonics is not None:
+            self.harmonics.add(times[kept], output.z[kept, -self.owner.size :])
 
     def _channels(self, kept: slice, output: Output, samples: np.ndarray):
         yield "wave_elevation", samples[kept, self.layout.elevation][:, 0]
@@ -102,10 +109,26 @@ class Recorder:
         if self.frequencies.size:
             coords["mode"] = np.arange(1, self.frequencies.size + 1)
             variables["natural_frequency"] = (("mode",), self.frequencies)
-        if "motion" in self.channels:
+        if self.harmonics is not None:
+            variables |= self._rao(self.harmonics)
+            coords["component"] = np.arange(1, self.scene.sea.omega.size + 1)
+        if "motion" in self.channels or self.harmonics is not None:
             coords["axis"] = np.array(self.axes)
         series = {name: (("time", *dims.get(name, ())), np.concatenate(v)) for name, v in self.series.items()}
         return Record(variables=variables, coords=coords, attrs=attrs, series=series)
+
+    def _rao(self, fit: Harmonics) -> dict[str, Labelled]:
+        """Motion per wave amplitude, wave by wave; NaN where a wave is too small to divide by."""
+        wave = self.scene.sea.amplitude
+        wave = np.where(np.abs(wave) > FAINT * np.abs(wave).max(), wave, np.nan)
+        found = np.full((len(self.scene.floats), len(self.axes), wave.size), np.nan, complex)
+        found[self.owner, [self.axes.index(name) for name in self.names]] = (fit.amplitudes() / wave[:, None]).T
+        dims = ("float", "axis", "component")
+        return {
+            "rao": (dims, np.abs(found)),
+            "rao_phase": (dims, np.angle(found)),
+            "wave_frequency": (("component",), self.scene.sea.omega),
+        }
 
 
 def leg_response(legs: Legs, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

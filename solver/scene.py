@@ -134,6 +134,7 @@ class Settings:
     radiation: bool = True
     newton_tolerance: float = 1e-5  # [m or rad]
     keep_series: bool = False
+    rao: bool = False  # motion per wave amplitude, wave by wave
     # Relative error of every mean, rms and std; where given, it chooses the knobs above from time_step on.
     tolerance: float | None = None
 

@@ -4,19 +4,38 @@ import numpy as np
 from scipy import linalg
 
 
-def harmonics(time: np.ndarray, record: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """Complex amplitudes (nw, …) of Re Σ Y exp(-iωt) + const that fit `record` (nt, …) best.
+class Harmonics:
+    """Complex amplitudes of Re Σ Y exp(-iωt) + const that fit a record best, from blocks of it.
 
     At the frequencies that a realization really has, least squares leaves no leakage, however
     uneven their spacing.
     """
-    phase = np.outer(time, omega)
-    basis = np.concatenate([np.cos(phase), np.sin(phase), np.ones((len(time), 1))], axis=1)
-    flat = record.reshape(len(time), -1)
-    # Normal equations: the columns are nearly orthogonal over a record of many periods.
-    found = linalg.solve(basis.T @ basis, basis.T @ flat, assume_a="pos")
-    n = omega.size
-    return (found[:n] + 1j * found[n : 2 * n]).reshape(n, *record.shape[1:])
+
+    def __init__(self, omega: np.ndarray):
+        self.omega, size = omega, 2 * omega.size + 1
+        self.normal: np.ndarray = np.zeros((size, size))
+        self.right: np.ndarray = np.zeros((size, 1))
+
+    def add(self, time: np.ndarray, record: np.ndarray) -> None:
+        """Take in samples (nt, n) at times (nt,)."""
+        phase = np.outer(time, self.omega)
+        basis = np.concatenate([np.cos(phase), np.sin(phase), np.ones((len(time), 1))], axis=1)
+        # Normal equations: the columns are nearly orthogonal over a record of many periods.
+        self.normal += basis.T @ basis
+        self.right = self.right + basis.T @ record
+
+    def amplitudes(self) -> np.ndarray:
+        """Y (nw, n)."""
+        found = linalg.solve(self.normal, self.right, assume_a="pos")
+        n = self.omega.size
+        return found[:n] + 1j * found[n : 2 * n]
+
+
+def harmonics(time: np.ndarray, record: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Complex amplitudes (nw, …) of a whole record (nt, …), as by `Harmonics`."""
+    fit = Harmonics(omega)
+    fit.add(time, record.reshape(len(time), -1))
+    return fit.amplitudes().reshape(omega.size, *record.shape[1:])
 
 
 def transfer(time: np.ndarray, wave: np.ndarray, response: np.ndarray, omega: np.ndarray) -> np.ndarray:

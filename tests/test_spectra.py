@@ -5,7 +5,7 @@ from pytest import approx
 
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
-from solver.spectra import harmonics, smoothed_density, transfer
+from solver.spectra import Harmonics, harmonics, smoothed_density, transfer
 
 SEA = realize(PiersonMoskowitz(Hs=2.0, Tp=6.0), components=60, band=(0.5, 3.0), seed=3)
 TIME = np.arange(0, 2400, 0.2)
@@ -14,6 +14,13 @@ WAVE = (SEA.amplitude * np.exp(-1j * np.outer(TIME, SEA.omega))).sum(axis=1).rea
 
 def test_harmonics_are_the_components():
     assert harmonics(TIME, WAVE + 0.7, SEA.omega) == approx(SEA.amplitude, abs=1e-8)
+
+
+def test_harmonics_of_blocks_are_those_of_the_whole():
+    fit = Harmonics(SEA.omega)
+    for part in np.array_split(np.arange(TIME.size), 7):
+        fit.add(TIME[part], WAVE[part, None])
+    assert fit.amplitudes()[:, 0] == approx(SEA.amplitude, abs=1e-8)
 
 
 def test_transfer_of_a_known_filter():

@@ -104,7 +104,7 @@ def test_an_axis_of_pto_damping_is_for_floats_with_one_axis(study_with, tmp_path
     one = study_with(HINGED + "pto_damping = 5.0\n[axes]\npto_damping = [1.0, 2.0]")
     assert [t.parameters.floats[0].pto_damping for t in expand(one.content)] == [1.0, 2.0]
     assert "pto_damping" in dimensions(one.content)
-    with pytest.raises(StudyError, match="axes.pto_damping = .*: needs floats with a single axis, and only has sev"):
+    with pytest.raises(StudyError, match=r"axes.pto_damping = .*: needs floats with a single axis, and only has sev"):
         study_with(FREE + "[axes]\npto_damping = [1.0, 2.0]")
     assert "pto_damping" not in task(study_with(FREE + "pto_damping = [1.0, 2.0, 3.0]")).labels
 
