@@ -66,7 +66,7 @@ def _rule(s: Settings, told, goal: float) -> Settings:
     at = RULES.index(now)
     if told["quadrature_error"] > SHARE["quadrature_error"] * goal and at + 1 < len(RULES):
         azimuths, arc, line = RULES[at + 1]
-        return replace(s, azimuths=azimuths, arc_points=arc, line_points=line)
+        return replace(s, azimuths=azimuths, arc_points=arc, line_points=line, panel_size=s.panel_size / 2)
     return s
 
 

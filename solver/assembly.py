@@ -7,7 +7,9 @@ import numpy as np
 from solver import limits
 from solver.hydrodynamics.bem import Hydrodynamics
 from solver.hydrodynamics.froude_krylov import WettedQuadrature, quadrature
+from solver.hydrodynamics.panel_hull import PanelHull
 from solver.hydrodynamics.radiation import RadiationMemory
+from solver.hydrodynamics.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.march import Memory, Structure
 from solver.multibody.chain import PRISMATIC, REVOLUTE
 from solver.multibody.minimal import Bodies, move, new_motion
@@ -69,8 +71,7 @@ def bodies(
         cog=np.array([f.cog for f in floats], float).reshape(nb, 3),
         inertia=np.array([np.diag(f.inertia) for f in floats], float).reshape(nb, 3, 3),
         nonlinear=np.full(nb, scene.settings.froude_krylov == "body-nonlinear"),
-        rule=rules(scene, field),
-        patches=np.array([len(_rule(f, scene, field).patch) for f in floats], np.int64),
+        **rules(scene, field),
         buoyancy=buoyancy,
         stiffness=stiffness,
         wave_direction=np.array([np.cos(scene.sea.heading), np.sin(scene.sea.heading)]),
@@ -114,19 +115,43 @@ def _rule(item: Float, scene: Scene, field: WaveField) -> WettedQuadrature:
     )
 
 
-def rules(scene: Scene, field: WaveField) -> WettedQuadrature:
-    """One rule for all floats, patches padded to the longest meridian."""
-    own = [_rule(f, scene, field) for f in scene.floats]
-    if not own:
+def rules(scene: Scene, field: WaveField) -> dict:
+    """How the pressure on each float is integrated: those fields of Bodies."""
+    own = [None if isinstance(f.hull, PanelHull) else _rule(f, scene, field) for f in scene.floats]
+    return {
+        "meshed": np.array([r is None for r in own], bool),
+        "rule": _stacked(own),
+        "patches": np.array([len(r.patch) if r else 0 for r in own], np.int64),
+        "panels": _panels(scene, field),
+    }
+
+
+def _panels(scene: Scene, field: WaveField) -> WettedPanels:
+    """Triangles of the floats that are meshes; none where the pressure is linear."""
+    s, nonlinear = scene.settings, scene.settings.froude_krylov == "body-nonlinear"
+    hulls = [f.hull if nonlinear and isinstance(f.hull, PanelHull) else None for f in scene.floats]
+    sizes = [h.size for h in hulls if h]
+    return wetted_panels(
+        hulls,
+        [longest_side(f.hull, s.panel_size, field) for f in scene.floats],
+        half=scene.planar,
+        surface_terms=max((field.terms_for(size, s.field_tolerance) for size in sizes), default=1),
+    )
+
+
+def _stacked(own: list[WettedQuadrature | None]) -> WettedQuadrature:
+    """One rule for all floats, patches padded to the longest meridian; meshes have none."""
+    given = [r for r in own if r]
+    if not given:
         empty = np.zeros(0)
         nothing = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2)), 0.0
         return WettedQuadrature(*nothing, empty, empty, empty, empty, False, 1, np.zeros((11, 0)))
-    most = max(len(r.patch) for r in own)
-    return own[0]._replace(
-        patch=np.stack([_padded(r.patch, most) for r in own]),
-        whole=np.stack([_padded(r.whole, most) for r in own]),
-        surface_terms=max(r.surface_terms for r in own),
-        room=max((r.room for r in own), key=np.size),
+    most = max(len(r.patch) for r in given)
+    return given[0]._replace(
+        patch=np.stack([_padded(r.patch if r else given[0].patch[:0], most) for r in own]),
+        whole=np.stack([_padded(r.whole if r else given[0].whole[:0], most) for r in own]),
+        surface_terms=max(r.surface_terms for r in given),
+        room=max((r.room for r in given), key=np.size),
     )
 
 
@@ -145,7 +170,8 @@ def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None):
     for b in range(nb):
         own = slice(b * nr, (b + 1) * nr)
         stiffness[b][np.ix_(index, index)] = hydrodynamics.hydrostatic_stiffness[own, own]
-        buoyancy[b, 2] = hydrodynamics.displaced_mass[b] * scene.water.gravity
+        x, y, _ = scene.floats[b].hull.buoyancy_point
+        buoyancy[b, 2:5] = hydrodynamics.displaced_mass[b] * scene.water.gravity * np.array([1.0, y, -x])
     return stiffness, buoyancy
 
 

@@ -129,8 +129,8 @@ def quadrature_error(system: System, probe: Probe) -> float:
         return 0.0
     s = system.scene.settings
     finer = {name: 2 * getattr(s, name) for name in ("azimuths", "arc_points", "line_points")}
-    scene = replace(system.scene, settings=replace(s, **finer))
-    fine = system.bodies._replace(rule=assembly.rules(scene, system.waves))
+    scene = replace(system.scene, settings=replace(s, panel_size=s.panel_size / 2, **finer))
+    fine = system.bodies._replace(**assembly.rules(scene, system.waves))
     usual, exact = (_joint_loads(body, probe.states) for body in (system.bodies, fine))
     joints = slice(system.structure.carrier.shape[0], None)
     least = s.newton_tolerance * np.abs(np.diag(system.stiffness))[joints]

@@ -8,7 +8,10 @@ from solver.errors import InputError
 from solver.hydrodynamics.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.convolution import Convolution, Kernel
 from solver.hydrodynamics.froude_krylov import pressure_load, quadrature
-from solver.hydrodynamics.panels import Waves, panel_load, revolution_mesh, waves_at
+from solver.hydrodynamics.panel_hull import PanelHull
+from solver.hydrodynamics.panels import Mesh, Waves, panel_load, revolution_mesh, waves_at
+from solver.hydrodynamics.surface import split
+from solver.hydrodynamics.wetted_panels import WettedPanels, longest_side, panels_pressure, wetted_panels
 from solver.multibody.joints import GROUND, Frames
 from solver.scene import Float, Scene
 from solver.sea.field import WaveField
@@ -27,11 +30,26 @@ class PressureForce:
         self.coefficients = coefficients
         s, along, around = scene.settings, *panels
         if kind == "panels":
-            self.meshes = [revolution_mesh(f.hull, along=along, around=around) for f in scene.floats]
+            self.meshes = [self._mesh(f, along, around) for f in scene.floats]
         else:
             sizes = {"azimuths": s.azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
-            self.rules = [quadrature(f.hull, **sizes, half=scene.planar) for f in scene.floats]
+            self.rules = [
+                wetted_panels([f.hull], [self._side(f)], half=False, surface_terms=TERMS)
+                if isinstance(f.hull, PanelHull)
+                else quadrature(f.hull, **sizes, half=scene.planar)
+                for f in scene.floats
+            ]
             self.rows = [field.local_pressure(f.centre, TERMS) for f in scene.floats]
+
+    def _side(self, item: Float) -> float:
+        # Half the production path's: a reference is finer.
+        return longest_side(item.hull, self.scene.settings.panel_size / 2, self.field)
+
+    def _mesh(self, item: Float, along: int, around: int) -> Mesh:
+        if not isinstance(item.hull, PanelHull):
+            return revolution_mesh(item.hull, along=along, around=around)
+        panels = split(item.hull.panels, self._side(item))
+        return Mesh(panels.reshape(-1, 3), np.arange(4 * len(panels)).reshape(-1, 4))
 
     def at(self, t: float, factor: float):
         """Load (6,) of float b at a position and rotation, at time t under a ramp's factor."""
@@ -54,6 +72,11 @@ class PressureForce:
                 return self._linear(b, position, rotation)
             if self.kind == "panels":
                 panel_load(position, rotation, self.meshes[b], waves, rho_g, wheeler, out)
+            elif isinstance(self.rules[b], WettedPanels):
+                centre, rule = scene.floats[b].centre, self.rules[b]
+                panels_pressure(
+                    0, position, rotation, rule, local[b], centre, direction, rho_g, wheeler, water.depth, out
+                )
             else:
                 centre = scene.floats[b].centre
                 pressure_load(
@@ -69,7 +92,8 @@ class PressureForce:
         own = slice(b * len(index), (b + 1) * len(index))
         shift = np.array([*(position - self.scene.floats[b].centre), rotation[2, 1], rotation[0, 2], rotation[1, 0]])
         out = np.zeros(6)
-        out[2] = h.displaced_mass[b] * self.scene.water.gravity
+        x, y, _ = self.scene.floats[b].hull.buoyancy_point
+        out[2:5] = h.displaced_mass[b] * self.scene.water.gravity * np.array([1.0, y, -x])
         out[index] -= h.hydrostatic_stiffness[own, own] @ shift[index]
         return out
 

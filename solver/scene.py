@@ -11,6 +11,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import Revolution
+from solver.hydrodynamics.panel_hull import PanelHull
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 
@@ -37,7 +38,7 @@ PerAxis = float | tuple[float, ...]
 class Float:
     """A rigid float on a rigid, massless arm, joined to the support at the hinge point.
 
-    The reference point (hinge + arm at rest) lies on the hull's axis at still water; motion and
+    The reference point (hinge + arm at rest) lies at still water, on the axis of a hull of revolution; motion and
     hydrodynamic loads refer to it. `motion` lists the axes that the joint leaves free, in order
     from the support: "hinge" (rotation about `axis`) or rigid-body motions at the hinge point,
     such as ("heave",) for a guided float or ("surge", "heave", "pitch") for one free in a plane.
@@ -46,7 +47,7 @@ class Float:
     """
 
     name: str
-    hull: Revolution
+    hull: Revolution | PanelHull
     mass: float  # [kg]
     inertia: tuple[float, float, float]  # about the c.o.g., own axes [kg m2]
     cog: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from the reference point [m]
@@ -122,6 +123,7 @@ class Settings:
     azimuths: int = 12  # of the wetted-surface quadrature, full circle
     arc_points: int = 8
     line_points: int = 4
+    panel_size: float = 0.5  # longest side of a mesh's triangles, of the hull's size and of 1/k of the mean wave
     field_tolerance: float = 1e-5  # of the local wave field, relative to the sum of amplitudes
     memory_tolerance: float = 1e-2  # of the radiation memory's fit
     stations_per_element: int = 2  # drag
@@ -141,7 +143,8 @@ class Settings:
     def __post_init__(self):
         if self.tolerance is not None and not 1e-6 <= self.tolerance <= 0.1:
             raise InputError("settings.tolerance", self.tolerance, "must be between 1e-6 and 0.1")
-        for key in ("duration", "time_step", "newton_tolerance", "memory_tolerance", "field_tolerance"):
+        positive = ("duration", "time_step", "newton_tolerance", "memory_tolerance", "field_tolerance", "panel_size")
+        for key in positive:
             if not getattr(self, key) > 0:
                 raise InputError(f"settings.{key}", getattr(self, key), "must be > 0")
         for key in ("discard", "ramp"):
@@ -173,12 +176,18 @@ class Scene:
         if len(set(names)) < len(names):
             raise InputError("floats.name", names, "must differ")
         for f in self.floats:
-            lowest = f.centre[2] + f.hull.meridian[0].start[1]
+            lowest = f.centre[2] - f.hull.draft
             if not lowest > -self.water.depth:
                 raise InputError(
                     f"floats.{f.name}",
                     f"lowest point at z = {lowest:g} m",
                     f"must stay above the seabed at z = {-self.water.depth:g} m",
+                )
+            if self.settings.froude_krylov == "body-nonlinear" and not f.hull.closed:
+                raise InputError(
+                    f"floats.{f.name}.hull",
+                    "a mesh that is open above still water",
+                    'must be closed for body-nonlinear pressure; or set froude_krylov = "linear"',
                 )
             if abs(f.centre[2]) > 1e-9:
                 raise InputError(f"floats.{f.name}.arm", f.arm, "hinge + arm must end at still water, z = 0 m")
@@ -204,6 +213,7 @@ class Scene:
         """Scene and sea are mirror images of themselves in y = 0, so nothing leaves the plane."""
         return self.sea.heading % np.pi == 0 and all(
             f.hinge[1] == f.arm[1] == f.cog[1] == 0
+            and f.hull.symmetry[1]
             and not set(f.motion) & {"sway", "roll", "yaw"}
             and ("hinge" not in f.motion or f.axis[0] == f.axis[2] == 0)
             for f in self.floats

@@ -21,7 +21,7 @@ BALANCE, GROSSLY = 1e-3, 0.1
 
 # What the record says of how it was computed.
 KNOBS = (
-    "time_step", "modes", "azimuths", "arc_points", "line_points", "field_tolerance", "memory_tolerance",
+    "time_step", "modes", "azimuths", "arc_points", "line_points", "panel_size", "field_tolerance", "memory_tolerance",
     "stations_per_element", "newton_tolerance",
 )  # fmt: skip
 

@@ -175,7 +175,7 @@ def _heights(rule, rays, upright, axis_s, z0, surface):
 
 
 @njit(cache=True, fastmath=FAST)
-def _surface(c, s0, terms):
+def surface_series(c, s0, terms):
     """Coefficients of η about s0, from η(s) = Re Σ Cₙ (is)ⁿ: a Taylor shift, `terms` kept."""
     n = c.shape[1]
     eta = np.empty(n)
@@ -192,7 +192,7 @@ def _surface(c, s0, terms):
 
 
 @njit(cache=True, fastmath=FAST)
-def _head(c, s, z, head, imag):
+def heads(c, s, z, head, imag):
     """head = Re Σ Cₙ (z + is)ⁿ at all points, Horner with the points innermost (SIMD); imag is scratch."""
     n, count = c.shape[1], s.size
     for i in range(count):
@@ -214,7 +214,7 @@ def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler
     (z - η)/(1 + η/h) in place of z.
     """
     s0 = (position[0] - centre[0]) * direction[0] + (position[1] - centre[1]) * direction[1]
-    surface = _surface(c, s0, rule.surface_terms)
+    surface = surface_series(c, s0, rule.surface_terms)
     s, z, lever, normal = rule.room[0], rule.room[1], rule.room[2:5], rule.room[5:8]
     axis_s = rotation[0, 2] * direction[0] + rotation[1, 2] * direction[1]
     rays = _rays(rule, rotation, direction)
@@ -271,7 +271,7 @@ def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler
         for i in range(count):
             eta = _polynomial(surface, s[i] - s0)
             level[i] = (z[i] - eta) / (1.0 + eta / depth)
-    _head(c, s[:count], level, head, imag)
+    heads(c, s[:count], level, head, imag)
     fx_ = fy_ = fz_ = mx_ = my_ = mz_ = 0.0
     for i in range(count):
         p = rho_g * (z[i] - head[i])  # minus the pressure

@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 
 from solver.hydrodynamics.froude_krylov import WettedQuadrature, pressure_load
+from solver.hydrodynamics.wetted_panels import WettedPanels, panels_pressure
 from solver.multibody.chain import Chain, cross, kinematics, rotated
 
 
@@ -28,8 +29,10 @@ class Bodies(NamedTuple):
     cog: np.ndarray  # (nb, 3) from the reference point
     inertia: np.ndarray  # (nb, 3, 3) about the c.o.g., body frame
     nonlinear: np.ndarray  # (nb,) pressure by quadrature, else linear hydrostatics
+    meshed: np.ndarray  # (nb,) hulls that are panel meshes, not of revolution
     rule: WettedQuadrature  # patch (nb, np, 7) stacked
     patches: np.ndarray  # (nb,)
+    panels: WettedPanels  # of the hulls that are meshes
     buoyancy: np.ndarray  # (nb, 6) hydrostatic load at rest (linear floats)
     stiffness: np.ndarray  # (nb, 6, 6) hydrostatic stiffness about the reference point
     wave_direction: np.ndarray  # (2,)
@@ -125,6 +128,21 @@ def _spatial_inertia(bodies, b, rotation, M, lever):
 @njit(cache=True)
 def _pressure(bodies, b, motion, field, load):
     """Hydrostatic load, and the incident wave's where it is body-nonlinear."""
+    if bodies.nonlinear[b] and bodies.meshed[b]:
+        panels_pressure(
+            b,
+            motion.position[b],
+            motion.rotation[b],
+            bodies.panels,
+            field[b],
+            bodies.reference[b],
+            bodies.wave_direction,
+            bodies.rho_g,
+            bodies.wheeler,
+            bodies.depth,
+            load,
+        )
+        return
     if bodies.nonlinear[b]:
         rule = bodies.rule
         own = WettedQuadrature(

@@ -11,10 +11,13 @@ from math import factorial
 
 import numpy as np
 
+from solver.errors import InputError
 from solver.sea.dispersion import wavenumber
 from solver.sea.realization import Realization
 
 ROUNDING = 1e-10  # of what is factored: some sums of 130 waves are no better
+MOST_TERMS = 120  # of the field around a float
+LOST = 1e-4  # share of the amplitudes that rounding may take from that series
 
 
 @dataclass(frozen=True)
@@ -75,14 +78,24 @@ class WaveField:
         image = base * deep * np.exp(-self.k * z0) * power * (-1.0) ** n[:, None]
         return np.stack([direct + image, -1j * (direct - image)])
 
-    def terms_for(self, radius: float, tolerance: float, limit: int = 40) -> int:
+    @property
+    def mean_wavenumber(self) -> float:
+        """Root mean square of the slope over that of the elevation [1/m]; 0 in still water."""
+        power = np.abs(self.sea.amplitude) ** 2
+        return float(np.sqrt(power @ self.k**2 / power.sum())) if power.any() else 0.0
+
+    def terms_for(self, radius: float, tolerance: float) -> int:
         """Terms so that the tail Σ|aᵢ|(kᵢr)ⁿ/n! within `radius` [m] is below tolerance·Σ|aᵢ|."""
         if not self.sea.amplitude.any():
             return 1
-        for n in range(2, limit):
-            if self._tail(n, radius) < tolerance:
-                return n
-        return limit
+        # Terms grow to e^kr before they fall: what is rounded off them must stay small.
+        amplitude, growth = np.abs(self.sea.amplitude), np.exp(np.minimum(self.k * radius, 700.0))
+        if ROUNDING * (amplitude @ growth) < LOST * amplitude.sum():
+            for n in range(2, MOST_TERMS):
+                if self._tail(n, radius) < tolerance:
+                    return n
+        shortest = f"waves down to {2 * np.pi / self.k.max():.3g} m"
+        raise InputError("sea", shortest, f"too short for a series {radius:.3g} m around a float: end the band lower")
 
     def radius_for(self, terms: int, tolerance: float) -> float:
         """Radius [m] within which `terms` leave out no more than tolerance·Σ|aᵢ|; inf without waves."""
