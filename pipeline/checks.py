@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator
 
 from pipeline import sea_checks
 from pipeline.layout import HINGE, hinge_nodes, spaced
-from pipeline.schema import Float, Platform, StudyFile, Tube
+from pipeline.schema import Float, PanelMesh, Platform, StudyFile, Tube
 from solver.errors import InputError
 
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
@@ -89,6 +89,8 @@ def _overlaps(floats: tuple[Float, ...]) -> Iterator[InputError]:
     for i, b in enumerate(floats):
         for a in floats[:i]:
             gap = math.hypot(*(a.hinge[j] + a.arm[j] - b.hinge[j] - b.arm[j] for j in (0, 1)))
+            if isinstance(a.hull, PanelMesh) or isinstance(b.hull, PanelMesh):
+                continue  # how far a mesh reaches is for the solver to say
             touching = a.hull.radius + b.hull.radius
             if gap < touching:
                 limit = f"must be >= {touching:g} m, or the floats cut each other"

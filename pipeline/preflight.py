@@ -64,10 +64,12 @@ def build(parameters: Parameters) -> Sequence[str]:
     """Build a task's scene, and the frequencies of its coefficients; what is odd about it."""
     from pipeline import scenes
     from solver.balance import warnings
+    from solver.hydrodynamics import bem
 
     scene = scenes.scene(parameters)
     if found := geometry(parameters):
-        scenes.bem_arguments(found)
+        given = scenes.bem_arguments(found)
+        bem.check(*(given[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
     return warnings(scene)
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, assert_never
 
 from pipeline import seas
+from pipeline.attachments import Attachment
 from pipeline.layout import HINGE
 from pipeline.schema import (
     Float,
     HemisphereCylinder,
+    PanelMesh,
     Platform,
     Section,
     Sphere,
@@ -16,10 +19,12 @@ from pipeline.schema import (
     VerticalCylinder,
 )
 from pipeline.tasks import Geometry, Parameters, wave_seed
+from solver.errors import InputError
 
 if TYPE_CHECKING:
     from solver import scene as physics
     from solver.hydrodynamics.hull import Revolution
+    from solver.hydrodynamics.panel_hull import PanelHull
     from solver.sea.realization import Realization
     from solver.structure import beam
     from solver.structure.frame import Member
@@ -51,7 +56,7 @@ def sea(parameters: Parameters) -> Realization:
     return seas.realize(parameters.sea_state, parameters.waves, wave_seed(parameters))
 
 
-def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder) -> Revolution:
+def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh) -> Revolution | PanelHull:
     """The solver's hull for a hull table."""
     from solver.hydrodynamics.hull import Revolution
 
@@ -62,8 +67,19 @@ def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder) -> Revolution:
             return Revolution.sphere(radius=shape.radius, draft=shape.draft)
         case VerticalCylinder():
             return Revolution.vertical_cylinder(radius=shape.radius, draft=shape.draft, freeboard=shape.freeboard)
+        case PanelMesh():
+            return _panel_hull(shape.file)
         case _:
             assert_never(shape)
+
+
+@lru_cache(maxsize=16)
+def _panel_hull(file: Attachment) -> PanelHull:
+    """The hull in a mesh file; what was mended is in its notes, which the solver tells with all else that is odd."""
+    from solver.hydrodynamics import meshfile
+    from solver.hydrodynamics.panel_hull import PanelHull
+
+    return PanelHull.of(*meshfile.read(file.name, file.data), name=file.name)
 
 
 def bem_arguments(geometry: Geometry) -> dict[str, Any]:
@@ -92,7 +108,12 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
 def _float(item: Float) -> physics.Float:
     from solver import scene as physics
 
-    return physics.Float(**{**dict(item), "hull": hull(item.hull)})
+    try:
+        return physics.Float(**{**dict(item), "hull": hull(item.hull)})
+    except InputError as error:
+        # A mesh does not know whose hull it is.
+        named = error.key.startswith("hull.")
+        raise InputError(f"floats.{item.name}.{error.key}" if named else error.key, error.value, error.limit) from None
 
 
 def _platform(parameters: Parameters) -> physics.Platform:

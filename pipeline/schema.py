@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_
 
 from pydantic import Field, create_model
 
+from pipeline.attachments import File
 from pipeline.seas import SeaState, Waves
 from pipeline.tables import (
     Count,
@@ -106,7 +107,14 @@ class VerticalCylinder(Table):
     freeboard: Annotated[Positive, Unit("m")]
 
 
-Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder, Field(discriminator="shape")]
+class PanelMesh(Table):
+    """Any closed hull, as panels in a file (STL, GDF, Nemoh's .dat and others); still water at its z = 0."""
+
+    shape: Literal["mesh"]
+    file: File
+
+
+Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh, Field(discriminator="shape")]
 
 
 Motion = Literal["hinge", "surge", "sway", "heave", "roll", "pitch", "yaw"]

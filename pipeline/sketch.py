@@ -54,9 +54,13 @@ def outline(item: Float) -> list[Point]:
     import numpy as np
 
     from pipeline.scenes import hull
+    from solver.hydrodynamics.hull import Revolution
 
-    points = np.concatenate([s.at(np.linspace(0, 1, 33)) for s in hull(item.hull).meridian])
     x, _, z = centre(item)
+    shape = hull(item.hull)
+    if not isinstance(shape, Revolution):
+        return [(x + float(r), z + float(h)) for r, h in shape.silhouette]
+    points = np.concatenate([s.at(np.linspace(0, 1, 33)) for s in shape.meridian])
     right = [(x + float(r), z + float(h)) for r, h in points]
     return right + [(2 * x - r, h) for r, h in reversed(right)]
 

@@ -121,6 +121,7 @@ def dotted(parts: Iterable[int | str]) -> str:
         "hemisphere-cylinder",
         "sphere",
         "vertical-cylinder",
+        "mesh",
         "tube",
         "solid-rectangle",
         "[key]",

@@ -17,6 +17,7 @@ from pipeline.layout import hinge_nodes, spaced
 from pipeline.schema import (
     Float,
     Hull,
+    PanelMesh,
     Platform,
     Recording,
     Solver,
@@ -137,8 +138,18 @@ def _is_planar(given: Parameters) -> bool:
         f.hinge[1] == f.arm[1] == f.cog[1] == 0
         and not {"sway", "roll", "yaw"} & set(f.motion)
         and ("hinge" not in f.motion or f.axis[0] == f.axis[2] == 0)
+        and _is_symmetric(f.hull)
         for f in given.floats
     )
+
+
+def _is_symmetric(shape: Hull) -> bool:
+    """Whether a hull is its own mirror image in y = 0."""
+    if not isinstance(shape, PanelMesh):
+        return True
+    from pipeline.scenes import hull
+
+    return hull(shape).symmetry[1]
 
 
 def digest(text: str, version: int) -> str:

@@ -161,7 +161,8 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
         return 0.0, 0.0
     w = h.omega[:, None, None]
     table = CubicSpline(h.omega, h.radiation_damping - 1j * w * (h.added_mass - system.fit.added_mass_inf))(sea.omega)
-    shift = EXTRAPOLATED * h.mesh_error
+    extrapolated = h.settings.get("panels") != h.settings.get("panels_coarse")
+    shift = (EXTRAPOLATED if extrapolated else 1.0) * h.mesh_error
     diffraction = shift * h.excitation(sea.omega, "diffraction")
     exact = _linear_response(system, table, h.excitation(sea.omega))
     fitted = _linear_response(system, system.fit.frequency(sea.omega), h.excitation(sea.omega))

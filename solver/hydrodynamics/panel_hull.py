@@ -156,6 +156,12 @@ class PanelHull:
         flat = self.wetted.reshape(-1, 3)[:, :2]
         return np.array([flat.min(axis=0), flat.max(axis=0)])
 
+    @property
+    def silhouette(self) -> np.ndarray:
+        """The convex outline seen along y, (n, 2) of x and z [m]."""
+        flat = self.vertices[:, [0, 2]]
+        return flat[ConvexHull(flat).vertices]
+
     @cached_property
     def waterline(self) -> np.ndarray:
         """Segments (ns, 2, 2) [m] in which the hull meets still water."""

@@ -124,7 +124,11 @@ def test_a_pair_of_equal_barges_is_its_own_mirror_image():
 def test_a_large_mesh_is_solved_as_given(monkeypatch):
     monkeypatch.setattr(bem, "AFFORDABLE", 1e3)
     h = solve((BARGE,), [[0, 0, 0]], omega=OMEGA[:1])
-    assert h.settings["panels"] == h.settings["panels_coarse"] >= len(BARGE.wetted) and np.isinf(h.mesh_error)
+    assert h.settings["panels"] == h.settings["panels_coarse"] >= len(BARGE.wetted)
+    monkeypatch.undo()
+    finest = solve((BARGE,), [[0, 0, 0]], omega=OMEGA[:1], panels=1700)
+    # Told from the count of panels alone, the error is of the right size: measured 0.5 to 1.2 of it.
+    assert 0.3 < share(h, finest) / h.mesh_error < 1.5
 
 
 def test_long_hulls_side_by_side_do_not_touch():
