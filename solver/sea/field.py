@@ -111,7 +111,9 @@ class WaveField:
         """Bound on Σ|aᵢ|(kᵢr)ᵐ/m! over m >= n, relative to Σ|aᵢ|: the first term times 1/(1 - kr/(n+1))."""
         amplitude, kr = np.abs(self.sea.amplitude), self.k * radius
         ratio = np.minimum(kr / (n + 1), 0.9)
-        return float(np.sum(amplitude * kr**n / factorial(n) / (1 - ratio)) / amplitude.sum())
+        with np.errstate(over="ignore"):  # inf is as good a bound as any that large
+            term = kr**n / factorial(n)
+        return float(np.sum(amplitude * term / (1 - ratio)) / amplitude.sum())
 
 
 class WaveSeries:
