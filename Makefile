@@ -19,7 +19,7 @@ test: $(READY)
 	$(VENV)/bin/python -m pytest -q -m "not slow"
 
 validate: $(READY)
-	$(VENV)/bin/python studies/validate.py
+	$(VENV)/bin/python -m studies.validate
 
 bench: $(READY)
 	$(VENV)/bin/python studies/bench.py

@@ -1,0 +1,1 @@
+"""Published cases beside ours, a module for each subject; `make validate` runs them all."""

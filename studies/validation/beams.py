@@ -1,0 +1,122 @@
+"""Natural frequencies and deflections of beams in closed form, and of the Buan platform (Table 3)."""
+
+from pathlib import Path
+
+import numpy as np
+
+from pipeline import scenes, study, tasks
+from solver.scene import Scene
+from solver.structure import statics
+from solver.structure.beam import tube
+from solver.structure.frame import Frame, FrameModel, Material, Member, PointLoad, PointMass, assemble
+from solver.structure.modes import modes
+from studies.validation import drawing
+from studies.validation.checks import Check
+from studies.validation.drawing import BLUE, MARK, ORANGE
+
+STEEL = Material(E=2.1e11, G=8.33e10, density=7850.0)
+PIPE = tube(0.1, 0.005)
+LENGTH, ELEMENTS = 10.0, 20  # slender, as the theory wants it [m]
+# Tip mass over the beam's: b1, b2 of ω = b² √(EI/mL⁴).
+TIP_MASS = {
+    0.0: (1.87510407, 4.69409113),
+    0.5: (1.41996443, 4.11113339),
+    1.0: (1.24791741, 4.03113944),
+    5.0: (0.87002146, 3.94998049),
+}
+CLAMPED = (4.73004074, 7.85320462, 10.9956078)  # roots of cos b cosh b = 1
+TABLE_3 = (0.4026, 0.4059, 3.1132, 6.3066, 6.3739)  # Heo, Koo and Kim (2022) [rad/s]
+UNIT = np.sqrt(STEEL.E * PIPE.Iy / (STEEL.density * PIPE.area)) / LENGTH**2
+
+
+def beam(tip: float = 0.0, elements: int = ELEMENTS, clamped=("start",), **given) -> FrameModel:
+    """A level pipe along x; tip: mass at its end over its own."""
+    member = Member(name="pipe", start="start", end="end", elements=elements, section=PIPE, material=STEEL)
+    own = STEEL.density * PIPE.area * LENGTH
+    masses = (PointMass(node="end", mass=tip * own),) if tip else ()
+    nodes = {"start": (0.0, 0.0, 0.0), "end": (LENGTH, 0.0, 0.0)}
+    return assemble(Frame(nodes=nodes, members=(member,), clamped=clamped, masses=masses, **given))
+
+
+def along(model: FrameModel, axes: tuple[int, ...], count: int) -> np.ndarray:
+    """Lowest frequencies [rad/s] of the motions `axes` of 0 … 5 at every node: a straight beam's do not mix."""
+    return modes(model.K, model.M, model.free[np.isin(model.free % 6, axes)], count).omega
+
+
+def closed_forms() -> list[Check]:
+    """Bending with tip mass, clamped at both ends, axial, torsion; and a static load on any mesh."""
+    # Hermite elements: (b/n)⁴/1440 of ω, 2e-6 at b = 4.7 and n = 20; 1e-5 for b.
+    checks = []
+    for tip, published in TIP_MASS.items():
+        found = np.sqrt(along(beam(tip), (2, 4), 2) / UNIT)
+        checks += [
+            Check(
+                case="cantilever with tip mass", quantity=f"b{i}, tip mass / beam mass {tip:g}", ours=b,
+                published=other, allowed=1e-5 * other,
+            )
+            for i, (b, other) in enumerate(zip(found, published, strict=True), 1)
+        ]  # fmt: skip
+    both = np.sqrt(along(beam(clamped=("start", "end"), elements=2 * ELEMENTS), (2, 4), 3) / UNIT)
+    checks += [
+        Check(case="clamped at both ends", quantity=f"b{i}", ours=b, published=other, allowed=1e-5 * other)
+        for i, (b, other) in enumerate(zip(both, CLAMPED, strict=True), 1)
+    ]
+    rod = np.sqrt(STEEL.E / STEEL.density) * np.pi / 2 / LENGTH
+    shaft = np.sqrt(STEEL.G * PIPE.J / (STEEL.density * PIPE.Ip)) * np.pi / 2 / LENGTH
+    for name, axis, exact in (("axial", 0, rod), ("torsion", 3, shaft)):
+        # Linear elements: (π/2n)²/24 of ω, 2.6e-4 at n = 20.
+        ours = along(beam(), (axis,), 1)[0]
+        checks.append(
+            Check(
+                case="clamped and free", quantity=f"{name}, lowest [rad/s]", ours=ours, published=exact,
+                allowed=3e-4 * exact, note="Linear shapes and their mass: (π/2n)²/24 = 2.6e-4 for n = 20 elements.",
+            )
+        )  # fmt: skip
+    load = 1000.0
+    for elements in (1, 7):
+        model = beam(elements=elements, loads=(PointLoad(node="end", force=(0.0, 0.0, load)),))
+        bent = statics.static(model, statics.point_load(model))[model.translations("end")[2]]
+        exact = load * LENGTH**3 / (3 * STEEL.E * PIPE.Iy)
+        quantity = f"tip deflection, {elements} element{'s' * (elements > 1)} [m]"
+        checks.append(
+            Check(case="cantilever, static", quantity=quantity, ours=bent, published=exact, allowed=1e-9 * exact)
+        )
+    return checks
+
+
+def buan(platform: str) -> Scene:
+    """The first realization of the representative sea of studies/buan.toml on one of its platforms."""
+    content = study.load(Path(__file__).parents[1] / "buan.toml").content
+    wanted = {"sea_state": "representative", "platform": platform, "seed": 0}
+    task = next(t for t in tasks.expand(content) if all(t.labels[k] == v for k, v in wanted.items()))
+    return scenes.scene(task.parameters)
+
+
+def table_3() -> list[Check]:
+    """The five lowest modes of the platform in air."""
+    model = assemble(buan("elastic-no-floats").platform.frame)
+    found = modes(model.K, model.M, model.free, 5).omega
+    checks = []
+    for i, (ours, published) in enumerate(zip(found, TABLE_3, strict=True), 1):
+        twist = i == 3
+        # The paper gives neither the deck's sections nor where its mass sits, on which the twist hangs.
+        checks.append(
+            Check(
+                case="Buan platform, Table 3", quantity=f"natural frequency {i} [rad/s]", ours=ours,
+                published=published, allowed=(2e-2 if twist else 5e-3) * published,
+                note="The twist hangs on where the deck's mass sits, which the paper does not give." * twist,
+            )
+        )  # fmt: skip
+    figure, (left, right) = drawing.axes(2)
+    ratio = np.linspace(0, 6, 31)
+    curves = np.array([np.sqrt(along(beam(r), (2, 4), 2) / UNIT) for r in ratio]).T
+    for i, (curve, colour) in enumerate(zip(curves, (BLUE, ORANGE), strict=True)):
+        left.plot(ratio, curve, color=colour, lw=1.3, label=f"ours, b{i + 1}")
+        left.plot(list(TIP_MASS), [b[i] for b in TIP_MASS.values()], "o", color=colour, label="closed form", **MARK)
+    left.set(xlabel="tip mass over beam mass [-]", ylabel="b of ω = b²√(EI/mL⁴) [-]", title="Cantilever with tip mass")
+    number = np.arange(1, 6)
+    right.vlines(number, 0, found, color=BLUE, lw=6, alpha=0.6, label="ours")
+    right.plot(number, TABLE_3, "o", color=ORANGE, label="Heo et al. 2022, Table 3", **MARK)
+    right.set(xlabel="mode", ylabel="natural frequency [rad/s]", title="Buan platform", ylim=(0, None))
+    drawing.save(figure, "beams")
+    return checks
