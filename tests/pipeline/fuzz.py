@@ -1,10 +1,11 @@
-"""Random study files, made from studies/buan.toml: never a traceback, always a message that names a key.
+"""Random study files, made from those in studies/: never a traceback, always a message that names a key.
 
 python tests/pipeline/fuzz.py [FILES] [SEED]
 """
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 import random
@@ -19,7 +20,35 @@ from pipeline.run import Engine
 from pipeline.study import StudyError, load, read
 from pipeline.tasks import expand
 
-BUAN = Path(__file__).parents[2] / "studies" / "buan.toml"
+STUDIES = sorted((Path(__file__).parents[2] / "studies").glob("*.toml"))
+# Tables and keys that no study of the project has; a few of them go into every random file.
+MORE = {
+    "sea_states": {
+        "still": {"kind": "still"},
+        "regular": {"kind": "regular", "height": 0.5, "period": 6.0, "phase": 0.1},
+        "noise": {"kind": "white-noise", "Hs": 0.2},
+        "jonswap": {"Hs": 0.5, "Tp": 5.0, "spectrum": "jonswap", "gamma": 2.0},
+        "mean": {"Hs": 0.5, "Tp": 5.0, "form": "mean"},
+        "spectrum": {"kind": "spectrum", "file": "spectrum.csv"},
+        "components": {"kind": "components", "file": "components.csv"},
+        "elevation": {"kind": "elevation", "file": "elevation.csv"},
+    },
+    "floats": {
+        "motion": ["surge", "heave", "pitch"],
+        "axis": [0.1, 1.0, 0.0],
+        "damping": [1e3, 0.0, 1e4],
+        "quadratic_damping": 10.0,
+        "stiffness": [1e4, 0.0, 0.0],
+        "mechanism_inertia": 100.0,
+        "offset": [0.0, 0.5, 0.1],
+    },
+    "record": {"rao": True, "series": "decimated"},
+}
+CSV = {
+    "spectrum.csv": "omega [rad/s], S\n0.5, 0.0\n1.0, 0.1\n3.0, 0.0\n",
+    "components.csv": "frequency [Hz], amplitude, phase [deg]\n0.2, 0.1, 30\n0.25, 0.05, 0\n",
+    "elevation.csv": "time, elevation\n" + "".join(f"{0.5 * t},{0.1 * math.cos(0.6 * t)}\n" for t in range(200)),
+}
 JUNK = (
     *(0, -1, 1, 2**63, -(2**70), 10**400, 0.0, -0.0, 1e-300, 1e300, -1e9, math.nan, math.inf, -math.inf),
     *("", " ", "a", "é\u202e", "x" * 5000, "[red]", "{}", "%s", "\x00", "hinge:front", "elastic", "tube", True, False),
@@ -45,7 +74,7 @@ def mutate(data: dict, dice: random.Random) -> None:
         holder = holder[key]
     key, how = path[-1], dice.choice(("replace", "replace", "scale", "remove", "rename", "double", "swap"))
     if how == "replace":
-        holder[key] = dice.choice(JUNK)
+        holder[key] = copy.deepcopy(dice.choice(JUNK))
     elif how == "scale" and type(holder[key]) in (int, float):
         holder[key] *= dice.choice((-1, 1e-6, 0.5, 3, 1e6))
     elif how == "remove":
@@ -87,12 +116,33 @@ def spoil(text: bytes, dice: random.Random) -> bytes:
     return bytes(data)
 
 
+def enrich(data: dict, dice: random.Random) -> None:
+    """Some of what the project's studies do without."""
+    for table, keys in MORE.items():
+        places = data.get(table, {}) if table != "floats" else dice.choice(data.get("floats") or [{}])
+        for key in dice.sample(sorted(keys), dice.randint(0, len(keys))):
+            places[key] = copy.deepcopy(keys[key])
+        if table != "floats":
+            data[table] = places
+
+
+def write_files(folder: Path, dice: random.Random) -> None:
+    """The files that seas are in, sometimes spoilt."""
+    for name, text in CSV.items():
+        data = text.encode()
+        (folder / name).write_bytes(spoil(data, dice) if dice.random() < 0.3 else data)
+
+
 def one(path: Path, dice: random.Random, engine: Engine) -> str:
     """Write, load and plan one random study; what came of it. Anything but StudyError is a bug."""
+    study = dice.choice(STUDIES)
+    write_files(path.parent, dice)
     if dice.random() < 0.2:
-        path.write_bytes(spoil(BUAN.read_bytes(), dice))
+        path.write_bytes(spoil(study.read_bytes(), dice))
     else:
-        data = read(BUAN)
+        data = read(study)
+        if dice.random() < 0.6:
+            enrich(data, dice)
         for _ in range(dice.randint(1, 3)):
             mutate(data, dice)
         path.write_text("\n".join(f"{json.dumps(k)} = {toml(v)}" for k, v in data.items()), encoding="utf-8")
