@@ -9,11 +9,12 @@ from functools import cache
 from types import MappingProxyType
 
 import numpy as np
-from scipy.linalg import block_diag, lu_factor, lu_solve
+from scipy.linalg import lu_factor, lu_solve
 
 from solver.errors import InputError
 from solver.hydrodynamics import mesh as meshes
 from solver.hydrodynamics.coefficients import DOFS, PLANAR, Hydrodynamics
+from solver.hydrodynamics.mean_hull import froude_krylov, hydrostatic_stiffness, unit_motions
 from solver.hydrodynamics.mesh import Hull
 from solver.hydrodynamics.panel_hull import PanelHull
 from solver.sea.dispersion import wavenumber
@@ -90,8 +91,8 @@ def solve(
         radiation_damping=impedance.imag * omega[:, None, None],
         added_mass_inf=impedance_inf,
         diffraction=diffraction,
-        froude_krylov=np.array([_froude_krylov(hulls, centres, dofs, sea, w) for w in omega]),
-        hydrostatic_stiffness=_hydrostatic(hulls, dofs, sea),
+        froude_krylov=np.array([froude_krylov(hulls, centres, dofs, sea, w) for w in omega]),
+        hydrostatic_stiffness=hydrostatic_stiffness(hulls, dofs, sea),
         displaced_mass=np.array([density * h.volume for h in hulls]),
         buoyancy_centre=np.array([h.centre_of_buoyancy for h in hulls]),
         centres=centres,
@@ -170,7 +171,7 @@ class _Mesh:
         part, whole = _join(pieces), _join([meshes.mirrored(p, m) for m in mirrors for p in pieces])
         wet, body = np.concatenate(wet), np.concatenate(body)
         bodies = np.concatenate([meshes.partner(centres - origin, m)[body] for m in mirrors])
-        motions = _unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
+        motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
         motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
         return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, motions=motions)
 
@@ -268,43 +269,6 @@ def _join(pieces):
     vertices, faces = meshes.merged(pieces)
     # Cleaning would take panels away that we count on; nor is there anything to clean.
     return _capytaine().Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
-
-
-def _unit_motions(points, normals, body, centres, dofs) -> np.ndarray:
-    """n · e and n · (e × r) of each body's unit motions, (np, n), r from the body's centre."""
-    turning = np.cross(points - centres[body], normals)
-    six = np.concatenate([normals, turning], axis=1)[:, [DOFS.index(d) for d in dofs]]
-    each = np.zeros((len(points), len(centres), len(dofs)))
-    each[np.arange(len(points)), body] = six
-    return each.reshape(len(points), -1)
-
-
-def _froude_krylov(hulls, centres, dofs, sea: _Sea, omega: float) -> np.ndarray:
-    """-∫ p n dS over the exact mean wetted surface, (n,)."""
-    force = []
-    for hull, centre in zip(hulls, centres, strict=True):
-        points, areas = hull.surface_points()
-        pressure, _ = sea.wave(points + centre, omega)
-        motions = _unit_motions(points, areas, np.zeros(len(points), int), np.zeros((1, 3)), dofs)
-        force.append(-pressure @ motions)
-    return np.concatenate(force)
-
-
-def _hydrostatic(hulls, dofs, sea: _Sea) -> np.ndarray:
-    """Stiffness (n, n) of buoyancy about each centre, moments of the waterplane S, displaced V at (xb, yb, zb):
-
-    heave ρgS; heave-roll ρgS_y, heave-pitch -ρgS_x; roll ρg(S_yy + V zb), pitch ρg(S_xx + V zb), roll-pitch
-    -ρgS_xy; and, as buoyancy stays where it is in the body, yaw on roll -ρgV xb and on pitch -ρgV yb.
-    """
-    blocks = []
-    for hull in hulls:
-        S, Sx, Sy, Sxx, Sxy, Syy = hull.waterplane
-        xb, yb, zb = hull.volume * hull.buoyancy_point
-        six = np.zeros((6, 6))
-        six[2:5, 2:] = [[S, Sy, -Sx, 0], [Sy, Syy + zb, -Sxy, -xb], [-Sx, -Sxy, Sxx + zb, -yb]]
-        own = [DOFS.index(d) for d in dofs]
-        blocks.append(sea.density * sea.gravity * six[np.ix_(own, own)])
-    return block_diag(*blocks)
 
 
 def check(hulls, centres, depth, omega, gravity, panels) -> None:
