@@ -29,9 +29,14 @@ def _extent(scene: Scene) -> float:
     return float(np.linalg.norm(np.ptp(xyz, axis=0)))
 
 
+def slides(name: str) -> bool:
+    """Whether a joint's axis of that name is a translation."""
+    return name in DOFS[:3]
+
+
 def _joint(item: Float, name: str, away: float) -> tuple[float, float]:
     if name != "hinge":
-        bound = FALLEN_OVER if DOFS.index(name) >= 3 else away
+        bound = away if slides(name) else FALLEN_OVER
         return -bound, bound
     low, high = -FALLEN_OVER, FALLEN_OVER
     down = straight_down(item)

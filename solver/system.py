@@ -10,6 +10,7 @@ from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics import radiation
 from solver.hydrodynamics.bem import DOFS, Hydrodynamics
 from solver.hydrodynamics.mesh import Hull
+from solver.limits import slides
 from solver.march import (
     EXCURSION,
     NOT_CONVERGED,
@@ -21,7 +22,7 @@ from solver.march import (
     march,
 )
 from solver.multibody.minimal import Bodies, loads, mass_matrix, move, new_motion, pressures
-from solver.scene import Scene
+from solver.scene import Float, Scene
 from solver.sea.field import WaveField, WaveSeries
 from solver.sea.realization import ramp
 from solver.structure import support as platform
@@ -107,7 +108,8 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         fit = remembered(hydrodynamics, tuple(f.hull for f in scene.floats), settings.memory_tolerance)
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
     added_mass = fit.added_mass_inf if fit else np.zeros((na, na))
-    reach = max((_reach(f) for f in scene.floats), default=0.0)
+    height = scene.sea.parameters()["Hm0"]
+    reach = max((_reach(f, height) for f in scene.floats), default=0.0)
     terms = waves.terms_for(reach, settings.field_tolerance)
     body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass, terms)
     rows, layout = assembly.wave_rows(scene, waves, support, hydrodynamics, terms)
@@ -135,9 +137,14 @@ def remembered(h: Hydrodynamics, hulls: tuple[Hull, ...], tolerance: float) -> r
     return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths=lengths)
 
 
-def _reach(item) -> float:
-    """How far from its centre at rest a hull's wetted surface gets at ±0.8 rad of its arm [m]."""
-    return 2 * np.sin(0.4) * float(np.linalg.norm(item.arm)) + item.hull.size
+def _reach(item: Float, height: float) -> float:
+    """How far from its centre at rest a hull's wetted surface gets [m].
+
+    At ±0.8 rad of its arm, or where it slides from where it is let go, by twice the significant wave height.
+    """
+    turned = 2 * np.sin(0.4) * float(np.linalg.norm(item.arm))
+    start = zip(item.motion, item.per_axis("offset"), strict=True)
+    return item.hull.size + max(abs(x) + 2 * height if slides(name) else turned for name, x in start)
 
 
 def _residual(system: System, z: np.ndarray, field=None, excitation=None) -> np.ndarray:

@@ -112,6 +112,22 @@ def test_more_waves_or_less_reach_need_fewer_terms(buan):
         assert waves.terms_for(0.999 * radius, 1e-5) == terms and waves.terms_for(1.001 * radius, 1e-5) == terms + 1
 
 
+def test_a_float_that_reaches_through_too_many_waves_is_refused(buan, coefficients):
+    """A 40 m arm swings ±31 m through waves of 5.3 m: the series about its rest would be rounding."""
+    front, rear = buan.floats()
+    floats = (replace(front, arm=(-40.0, 0, -2.6)), rear)
+    with pytest.raises(InputError, match=r"sea = waves down to 5\.\d+ m: too short for a series 32\.\d m around"):
+        prepare(buan.scene("fixed", floats=floats), coefficients)
+
+
+def test_a_sliding_float_may_follow_the_waves(buan, coefficients):
+    """Bounds of what slides hold twice the significant wave height beside where it is let go, and end."""
+    for Hs in (0.5, 2.0):
+        guided = buan.scene("fixed", sea=buan.sea(Hs=Hs), floats=buan.floats(motion=("heave",)))
+        low, high = prepare(guided, coefficients).bodies.limit[0]
+        assert 2 * guided.sea.parameters()["Hm0"] < high == -low < 10 * Hs + 5
+
+
 def test_locked_joints_are_computed_with_a_finer_step_and_the_record_says_so(buan, coefficients):
     """A step's motion below Newton's tolerance leaves the energy open: a quarter of it closes the balance."""
     scene = buan.scene("fixed", floats=buan.floats(pto_damping=HEAVY_DAMPING))

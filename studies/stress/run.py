@@ -1,0 +1,112 @@
+"""One case: through the study's door, the boundary elements, the solver; and what came of it."""
+
+import contextlib
+import hashlib
+import time
+import traceback
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from pipeline import cache, checks, scenes, study, tasks
+from pipeline.schema import StudyFile
+from solver.errors import InputError, SimulationFailed
+from solver.hydrodynamics import bem
+from solver.hydrodynamics.bem import Hydrodynamics
+from solver.reference import simulate_reference
+from solver.scene import Scene
+from solver.simulate import simulate
+from solver.system import prepare
+from studies.stress.matrix import Case, matrix, tables
+
+COEFFICIENTS = cache.Cache(Path("results/stress"))
+# Stability is asked for, not the last per cent: a coarse mesh, and frequencies that do for all seas.
+PANELS, LOWEST = 243, [0.13, 0.2, 0.3]
+FIGURES = (
+    "energy_residual", "discretization_error", "estimated_error", "constraint_drift", "work_wave", "time_step",
+)  # fmt: skip
+
+
+def coefficients(geometry: tasks.Geometry) -> Hydrodynamics:
+    """Of the floats of a geometry; kept in a file, whatever its band."""
+    plain = geometry.model_copy(update={"band": (0.7, 3.4)})
+    known = COEFFICIENTS.get(plain.key)
+    if known is None:
+        arguments = scenes.bem_arguments(plain)
+        arguments["omega"] = np.concatenate([LOWEST, arguments["omega"]])
+        known = cache.encode(bem.solve(**arguments, panels=PANELS))
+        COEFFICIENTS.put(plain.key, known)
+    return cache.decode(known)
+
+
+def warm(case_number: int) -> bool:
+    """Compute a case's coefficients, so that they are there for all."""
+    with contextlib.suppress(InputError):
+        built(matrix()[case_number])
+    return True
+
+
+def attempt(case: Case) -> dict[str, object]:
+    """Outcome, message and figures of a case; never an exception."""
+    start = time.perf_counter()
+    row: dict[str, object] = {"family": case.family, "x": case.x, "y": case.y, "outcome": "ok", "message": ""}
+    try:
+        row |= reference(case) if case.scheme else production(case)
+    except InputError as error:
+        row |= {"outcome": "refused", "message": str(error)}
+    except ValidationError as error:
+        row |= {"outcome": "refused", "message": study.describe(error.errors(include_url=False)[0])}
+    except SimulationFailed as error:
+        row |= {"outcome": "failed", "message": str(error)}
+    except Exception:
+        row |= {"outcome": "BROKEN", "message": traceback.format_exc()}
+    return row | {"wall_time": time.perf_counter() - start}
+
+
+def built(case: Case) -> tuple[Scene, Hydrodynamics | None]:
+    """Scene and coefficients, through all checks of a study file."""
+    content = StudyFile.model_validate(tables(case))
+    for problem in checks.problems(content):
+        raise problem
+    (task,) = tasks.expand(content)
+    scene = scenes.scene(task.parameters)
+    return case.change(scene) if case.change else scene, coefficients(task.geometry) if task.geometry else None
+
+
+def production(case: Case) -> dict[str, object]:
+    """Figures of the record of the production path."""
+    result = simulate(*built(case))
+    attrs, rotation = result.attrs, result.variables["rotation"][1]
+    finite = all(np.all(np.isfinite(v)) for name, (_, v) in result.variables.items() if name != "motion")
+    return {
+        "outcome": "BROKEN" if not finite else "repeated" if attrs["repeated"] else "ok",
+        "message": attrs["repeated"],
+        **{name: attrs[name] for name in FIGURES},
+        "largest_rotation": float(np.abs(rotation[:, :2]).max()),
+        "moved": float(np.max(rotation[:, 0] - rotation[:, 1])),
+        "rms_of_rotation": float(rotation[0, 3]),
+        "digest": hashlib.sha256(b"".join(v.tobytes() for _, v in result.variables.values())).hexdigest()[:16],
+    }
+
+
+def reference(case: Case) -> dict[str, object]:
+    """The reference path against the production path at a step 16 times smaller, same memory and pressure."""
+    scene, known = built(case)
+    settings = replace(scene.settings, newton_tolerance=1e-9, keep_series=True)
+    fine = replace(settings, time_step=settings.time_step / 16)
+    exact = simulate(replace(scene, settings=fine), known).series["rotation"][1][15::16]
+    kernel = prepare(scene, known).fit
+    found = simulate_reference(
+        replace(scene, settings=settings), known, kernel=kernel, pressure="quadrature", stages=case.scheme
+    )
+    # Three stages leave samples half a step apart, two a whole one.
+    every = 2 if case.scheme == 2 else 1
+    n = min(len(found.rotation) - 1, len(exact[every - 1 :: every]))
+    error = found.rotation[1 : n + 1] - exact[every - 1 :: every][:n]
+    return {
+        "discretization_error": float(np.sqrt(np.mean(error**2) / np.mean(exact**2))),
+        "constraint_drift": found.errors.position, "time_step": settings.time_step,
+        "largest_rotation": float(np.abs(found.rotation).max()),
+    }  # fmt: skip
