@@ -20,6 +20,7 @@ from pipeline.tasks import MODEL_VERSION, Label, axes, dimensions
 from pipeline.variables import meaning
 
 ALONG_MODE = "natural_frequency"
+SLIDING = {"surge", "sway", "heave"}
 SAME = 1e-9  # relative difference below which two frequencies are one
 LAYOUT = 2  # raise it when the dataset's form changes, so that it is written anew
 
@@ -124,6 +125,9 @@ def _coordinates(
         text = isinstance(values[0], str)
         labels = np.array(list(values), dtype=object if text else None)
         found[name] = Variable((name,) if name in outer else (), labels if name in outer else labels[0], meaning(name))
+    if "pto_damping" in found and any(set(f.motion) <= SLIDING for f in study.content.floats):
+        dims, labels, attrs = found["pto_damping"]
+        found["pto_damping"] = Variable(dims, labels, {**attrs, "units": "N s m-1", "long_name": "Damping of each PTO"})
     known = [seas.labels(study.content.sea_states[str(label)]) for label in table["sea_state"]]
     for name in dict.fromkeys(key for one in known for key in one):
         numbers = np.array([one.get(name, np.nan) for one in known])

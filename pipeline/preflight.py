@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from pipeline.run import Engine
 from pipeline.schema import Recording
@@ -29,17 +29,27 @@ def check(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
         seas[task.labels["sea_state"]] = task
     platforms = {task.labels["platform"]: task for task in distinct.values()}
     odd: list[str] = []
-
-    def judge(parameters: Parameters) -> None:
-        odd.extend(engine.check(parameters) or ())
-
     every = [*distinct.values(), *seas.values()]
-    problems = [problem for task in every for problem in _problems(judge, task)]
+    problems = [problem for task in every for problem in _problems(_Listener(engine, task, odd), task)]
     # A frame takes 0.4 s to reduce, so one stands for all hinge spacings.
     problems = problems or [problem for task in platforms.values() for problem in _problems(engine.reduce, task)]
     if problems:
         raise StudyError(study.path, dict.fromkeys(problems))
     return list(dict.fromkeys(odd))
+
+
+@dataclass(frozen=True)
+class _Listener:
+    """The engine's check of a task, whose warnings are kept under the study file's keys."""
+
+    engine: Engine
+    task: Task
+    odd: list[str]
+
+    def __call__(self, parameters: Parameters) -> None:
+        for text in self.engine.check(parameters) or ():
+            first, colon, rest = text.partition(": ")
+            self.odd.append(f"sea_states.{self.task.labels['sea_state']}{colon}{rest}" if first == "sea" else text)
 
 
 def _problems(judge: Callable[[Parameters], None], task: Task) -> Iterator[str]:

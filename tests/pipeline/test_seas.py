@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from pipeline import scenes
+from pipeline import preflight, scenes
+from pipeline.run import Engine
 from pipeline.study import StudyError, load
 from pipeline.tasks import expand
 
@@ -118,6 +119,12 @@ def test_an_elevation_record_comes_back(study_with):
     assert "repeats after 64 s" in sea.notes[0]
 
 
+def test_what_a_record_leaves_out_is_told_under_the_seas_own_name(study_with):
+    study = study_with('{ kind = "elevation", file = "elevation.csv" }')
+    told = preflight.check(study, expand(study.content), Engine())
+    assert any(text.startswith("sea_states.only: elevation record: mean level ") for text in told)
+
+
 def test_seeds_and_component_counts_decide_nothing_where_nothing_is_random(study_with):
     sea = '{ kind = "components", file = "components.csv" }'
     assert len({task.id for task in expand(study_with(sea).content)}) == 1
@@ -217,3 +224,12 @@ def test_a_sea_that_needs_a_band_says_so(study_with, sea):
 def test_still_water_in_a_band_shares_coefficients_with_its_waves(study_with):
     still = next(iter(expand(study_with('{ kind = "still" }').content))).geometry
     assert still == next(iter(expand(study_with("{ Hs = 1.0, Tp = 8.0 }").content))).geometry
+
+
+def test_waves_too_close_for_the_record_cannot_have_an_rao(study_with, tmp_path):
+    """Random intervals of 2.8/130 rad/s come as close as 0.6 of that: 2π over it are 486 s."""
+    study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f"{BAND}\n[record]\nrao = true\nduration = 487.0")
+    with pytest.raises(StudyError, match=r"record.duration = 485.0: must be >= 486.2 s for record.rao"):
+        study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f"{BAND}\n[record]\nrao = true\nduration = 485.0")
+    study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f'{BAND}\nintervals = "even"\n[record]\nrao = true\nduration = 292.0')
+    study_with('{ kind = "regular", height = 1.0, period = 8.0 }', waves="[record]\nrao = true\nduration = 20.0")
