@@ -7,9 +7,9 @@ import pytest
 from pytest import approx
 
 from solver.errors import SimulationFailed
-from solver.scene import DOFS
 from solver.simulate import simulate
 from solver.system import blocks, prepare
+from studies.validation.response import frequency_domain
 
 SMOOTH = {"ramp": 15.0, "ramp_form": "cosine", "newton_tolerance": 1e-13}
 
@@ -116,25 +116,9 @@ def test_small_regular_wave_gives_the_frequency_domain_answer(buan, coefficients
     t = 0.05 * (1 + np.arange(len(z)))
     last = t > 200 - 4 * 2 * np.pi / omega
     found = 2 * np.mean(z[last] * np.exp(1j * omega * t[last])[:, None], axis=0)
-    exact = amplitude * _hinge_response(scene, coefficients, omega)
+    exact = amplitude * frequency_domain(scene.floats, coefficients, np.array([omega]))[0]
     # 5e-3: splines through 36 coarse frequencies and a memory fitted to 1e-3.
     assert np.abs(found - exact).max() < 5e-3 * np.abs(exact).max()
-
-
-def _hinge_response(scene, h, omega):
-    index = [DOFS.index(d) for d in h.dofs]
-    J = np.zeros((6, 2))
-    for b, item in enumerate(scene.floats):
-        J[3 * b : 3 * b + 3, b] = np.concatenate([np.cross(item.axis, item.arm), item.axis])[index]
-    A, B = (
-        np.array([[np.interp(omega, h.omega, x[:, i, j]) for j in range(6)] for i in range(6)])
-        for x in (h.added_mass, h.radiation_damping)
-    )
-    rigid = np.kron(np.eye(2), np.diag([scene.floats[0].mass] * 2 + [859.0]))
-    # About the hinge the weight's moment arm turns too: -m g z_arm θ, and buoyancy's with it cancels it.
-    C = J.T @ h.hydrostatic_stiffness @ J
-    Z = -(omega**2) * J.T @ (rigid + A) @ J - 1j * omega * (J.T @ B @ J + 1e5 * np.eye(2)) + C
-    return np.linalg.solve(Z, J.T @ h.excitation(np.array([omega]))[0])
 
 
 def test_twice_the_same_run_is_the_same_run(buan, coefficients):

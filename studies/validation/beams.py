@@ -1,16 +1,13 @@
 """Natural frequencies and deflections of beams in closed form, and of the Buan platform (Table 3)."""
 
-from pathlib import Path
-
 import numpy as np
 
-from pipeline import scenes, study, tasks
-from solver.scene import Scene
 from solver.structure import statics
 from solver.structure.beam import tube
 from solver.structure.frame import Frame, FrameModel, Material, Member, PointLoad, PointMass, assemble
 from solver.structure.modes import modes
 from studies.validation import drawing
+from studies.validation.cases import buan
 from studies.validation.checks import Check
 from studies.validation.drawing import BLUE, MARK, ORANGE
 
@@ -84,14 +81,6 @@ def closed_forms() -> list[Check]:
     return checks
 
 
-def buan(platform: str) -> Scene:
-    """The first realization of the representative sea of studies/buan.toml on one of its platforms."""
-    content = study.load(Path(__file__).parents[1] / "buan.toml").content
-    wanted = {"sea_state": "representative", "platform": platform, "seed": 0}
-    task = next(t for t in tasks.expand(content) if all(t.labels[k] == v for k, v in wanted.items()))
-    return scenes.scene(task.parameters)
-
-
 def table_3() -> list[Check]:
     """The five lowest modes of the platform in air."""
     model = assemble(buan("elastic-no-floats").platform.frame)
@@ -108,7 +97,7 @@ def table_3() -> list[Check]:
             )
         )  # fmt: skip
     figure, (left, right) = drawing.axes(2)
-    ratio = np.linspace(0, 6, 31)
+    ratio = 6 * np.linspace(0, 1, 41) ** 2
     curves = np.array([np.sqrt(along(beam(r), (2, 4), 2) / UNIT) for r in ratio]).T
     for i, (curve, colour) in enumerate(zip(curves, (BLUE, ORANGE), strict=True)):
         left.plot(ratio, curve, color=colour, lw=1.3, label=f"ours, b{i + 1}")
@@ -117,6 +106,6 @@ def table_3() -> list[Check]:
     number = np.arange(1, 6)
     right.vlines(number, 0, found, color=BLUE, lw=6, alpha=0.6, label="ours")
     right.plot(number, TABLE_3, "o", color=ORANGE, label="Heo et al. 2022, Table 3", **MARK)
-    right.set(xlabel="mode", ylabel="natural frequency [rad/s]", title="Buan platform", ylim=(0, None))
+    right.set(xlabel="mode", ylabel="natural frequency [rad/s]", title="Buan platform", ylim=(0, None), xticks=number)
     drawing.save(figure, "beams")
     return checks

@@ -12,7 +12,7 @@ from solver.simulate import simulate
 from solver.structure import water
 from solver.structure.frame import FrameModel, assemble
 from studies.validation import drawing
-from studies.validation.beams import buan
+from studies.validation.cases import buan
 from studies.validation.checks import Check
 from studies.validation.drawing import BLUE, GREY, ORANGE
 

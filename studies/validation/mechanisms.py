@@ -10,20 +10,20 @@ from studies.validation.checks import Check
 from studies.validation.drawing import BLUE, MARK, ORANGE, RED
 
 DOWN = (0.0, -9.81, 0.0)  # the benchmarks' plane is x, y
+LIGHT = (1e-12,) * 3  # inertia of a point mass; not zero, or nothing would fix its mass matrix's scale
 THRESHOLD = 1e-3  # the library's, high precision [m]
 PENDULUM = {5.0: (-0.9423054350, -0.3347543), 10.0: (-0.2750874626, -0.9614192)}  # t [s]: x, y [m]
 FOUR_BAR = (0.3284581115, 0.9445185382)  # N = 2, t = 10 s: point B0 [m]
 
 
-def pendulum(t_end: float, dt: float) -> tuple[tuple[Body, ...], Trajectory]:
+def pendulum(t_end: float, dt: float, **options) -> tuple[tuple[Body, ...], Trajectory]:
     """A point mass of 1 kg on 1 m, let go level."""
-    # Not zero inertia, or nothing would fix the mass matrix's scale.
-    body = (Body(mass=1.0, inertia=(1e-12,) * 3, position=(-1.0, 0.0, 0.0)),)
+    body = (Body(mass=1.0, inertia=LIGHT, position=(-1.0, 0.0, 0.0)),)
     joint = (Hinge(first=GROUND, second=0, point=(0.0, 0.0, 0.0), axis=(0.0, 0.0, 1.0)),)
-    return body, simulate_mechanism(body, joint, None, t_end, dt, gravity=DOWN)
+    return body, simulate_mechanism(body, joint, None, t_end, dt, gravity=DOWN, **options)
 
 
-def four_bars(count: int, t_end: float, dt: float) -> tuple[tuple[Body, ...], Trajectory]:
+def four_bars(count: int, t_end: float, dt: float, **options) -> tuple[tuple[Body, ...], Trajectory]:
     """Uniform links of 1 m and 1 kg, `count` + 1 uprights, then the bars between their tops, at 1 m/s."""
     link, z = {"mass": 1.0, "inertia": (1 / 12,) * 3}, (0.0, 0.0, 1.0)
     upright = [Body(**link, position=(i, 0.5, 0), velocity=(0.5, 0, 0, 0, 0, -1)) for i in range(count + 1)]
@@ -31,7 +31,7 @@ def four_bars(count: int, t_end: float, dt: float) -> tuple[tuple[Body, ...], Tr
     feet = [Hinge(first=GROUND, second=i, point=(i, 0, 0), axis=z) for i in range(count + 1)]
     tops = [Hinge(first=i + e, second=count + 1 + i, point=(i + e, 1, 0), axis=z) for i in range(count) for e in (0, 1)]
     bodies = (*upright, *bars)
-    return bodies, simulate_mechanism(bodies, (*feet, *tops), None, t_end, dt, gravity=DOWN)
+    return bodies, simulate_mechanism(bodies, (*feet, *tops), None, t_end, dt, gravity=DOWN, **options)
 
 
 def tip(run: Trajectory) -> np.ndarray:
@@ -68,8 +68,9 @@ def benchmarks() -> list[Check]:
         when, ex, why = np.array(at).T
         axes.plot(when, ex, "o", color=RED, label="library", **MARK)
         axes.plot(when, why, "o", color=RED, **MARK)
-        axes.set(xlabel="time [s]")
+        axes.set(xlabel="time [s]", ylim=(-1.15, 1.4))
+        axes.legend(frameon=False, fontsize=7.5, ncols=3, loc="upper center")
     left.set(ylabel="position [m]", title="Pendulum, A01")
     right.set(title="N-four-bar, A02, N = 2: top of the first link")
-    drawing.save(figure, "mechanisms")
+    drawing.save(figure, "mechanisms", legend=())
     return checks

@@ -8,7 +8,7 @@ from solver.sea.spectrum import PiersonMoskowitz
 from solver.simulate import simulate
 from solver.spectra import smoothed_density
 from studies.validation import drawing
-from studies.validation.beams import buan
+from studies.validation.cases import buan
 from studies.validation.checks import Check
 from studies.validation.drawing import BLUE, ORANGE
 

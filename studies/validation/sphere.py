@@ -202,6 +202,6 @@ def with_pto() -> list[Check]:
         right.plot(PERIODS, values, color=colour, lw=1.3, label=f"S = {S:g}")
     right.fill_between(PERIODS, 0.97, 1.03, color=BLUE, alpha=0.12, lw=0, label="published codes at S = 0.002")
     left.set(xlabel="period [s]", ylabel="heave RAO [m/m]", title="OES sphere with the set's PTO damping")
-    right.set(xlabel="period [s]", ylabel="body-nonlinear over linear [-]")
+    right.set(xlabel="period [s]", ylabel="body-nonlinear over linear [-]", title="Steep and long waves part the two")
     drawing.save(figure, "oes-pto")
     return checks

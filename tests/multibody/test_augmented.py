@@ -10,27 +10,9 @@ from solver.multibody.augmented import Body, mechanism, rotation_of, spin
 from solver.multibody.chain import PRISMATIC, REVOLUTE, Chain, kinematics
 from solver.multibody.joints import GROUND, Ball, Frames, Guide, Hinge, constraints, equations, row_count
 from solver.multibody.twoloop import energy, simulate_mechanism
+from studies.validation.mechanisms import DOWN, FOUR_BAR, LIGHT, PENDULUM, four_bars, pendulum, tip
 
-DOWN = (0.0, -9.81, 0.0)  # the benchmarks' plane is x, y
 H = 1e-6
-LIGHT = (1e-12,) * 3  # a point mass; not zero, or nothing would fix its mass matrix's scale
-
-
-def pendulum(t_end, dt, **options):
-    body = (Body(mass=1.0, inertia=LIGHT, position=(-1.0, 0.0, 0.0)),)
-    joint = (Hinge(first=GROUND, second=0, point=(0.0, 0.0, 0.0), axis=(0.0, 0.0, 1.0)),)
-    return body, simulate_mechanism(body, joint, None, t_end, dt, gravity=DOWN, **options)
-
-
-def four_bars(count, t_end, dt, **options):
-    """IFToMM A02: uniform links of 1 m and 1 kg, uprights 0 … N, then the bars between their tops."""
-    link, z = {"mass": 1.0, "inertia": (1 / 12,) * 3}, (0.0, 0.0, 1.0)
-    upright = [Body(**link, position=(i, 0.5, 0), velocity=(0.5, 0, 0, 0, 0, -1)) for i in range(count + 1)]
-    bars = [Body(**link, position=(i + 0.5, 1, 0), velocity=(1, 0, 0, 0, 0, 0)) for i in range(count)]
-    feet = [Hinge(first=GROUND, second=i, point=(i, 0, 0), axis=z) for i in range(count + 1)]
-    tops = [Hinge(first=i + e, second=count + 1 + i, point=(i + e, 1, 0), axis=z) for i in range(count) for e in (0, 1)]
-    bodies = (*upright, *bars)
-    return bodies, simulate_mechanism(bodies, (*feet, *tops), None, t_end, dt, gravity=DOWN, **options)
 
 
 def random_frames(rng, count=3):
@@ -76,15 +58,14 @@ def test_pendulum_of_the_benchmark_library():
     """A01. Its threshold is 1e-3; fourth order leaves 1.4e-6 at this step, 1e-7 at half of it."""
     _, run = pendulum(10.0, 0.02)
     middle = len(run.time) // 2
-    assert run.position[middle, 0, :2] == approx([-0.9423054350, -0.3347543], abs=2e-6)
-    assert run.position[-1, 0, :2] == approx([-0.2750874626, -0.9614192], abs=2e-6)
+    assert run.position[middle, 0, :2] == approx(PENDULUM[5.0], abs=2e-6)
+    assert run.position[-1, 0, :2] == approx(PENDULUM[10.0], abs=2e-6)
 
 
 def test_four_bar_passes_its_singular_positions():
     """A02, N = 2, through the flat position several times; three rotations share one DOF."""
     bodies, run = four_bars(2, 10.0, 0.01)
-    tip = run.position[-1, 0] + run.rotation[-1, 0] @ [0, 0.5, 0]
-    assert tip == approx([0.3284581115, 0.9445185382, 0], abs=1e-5)  # fourth order: 1e-7 at half the step
+    assert tip(run)[-1] == approx([*FOUR_BAR, 0], abs=1e-5)  # fourth order: 1e-7 at half the step
     E = energy(bodies, run, DOWN)
     assert np.ptp(E) < 1e-4 * 9.81
 
@@ -93,8 +74,7 @@ def test_four_bar_passes_its_singular_positions():
 def test_forty_four_bars():
     """A02 as published: 81 bodies; in the flat position 41 DOF, where loose constraints would be noise."""
     _, run = four_bars(40, 10.0, 0.01, tolerance=1e-12)
-    tip = run.position[-1, 0] + run.rotation[-1, 0] @ [0, 0.5, 0]
-    assert tip == approx([0.18051223, 0.98357274, 0], abs=1e-4)  # a tenth of the library's high precision
+    assert tip(run)[-1] == approx([0.18051223, 0.98357274, 0], abs=1e-4)  # a tenth of the library's high precision
 
 
 @pytest.mark.parametrize("stages, order", [(2, 2), (3, 4)])
