@@ -26,7 +26,9 @@ from pipeline.tables import (
     Unit,
     Vector,
 )
+from solver.scene import PANELS as PANELS
 from solver.scene import Settings
+from solver.scene import panels_for as panels_for
 
 
 class Water(Table):

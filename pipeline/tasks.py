@@ -15,6 +15,7 @@ from pipeline import seas
 from pipeline.checks import supports
 from pipeline.layout import hinge_nodes, spaced
 from pipeline.schema import (
+    PANELS,
     Float,
     Hull,
     PanelMesh,
@@ -23,10 +24,10 @@ from pipeline.schema import (
     Solver,
     StudyFile,
     Water,
+    panels_for,
 )
 from pipeline.seas import SeaState, Waves
 from pipeline.tables import Count, Number, Positive, Seed, Table, Vector
-from solver.scene import PANELS, panels_for
 
 # Raise it when the physics or a default changes: older results then count as stale, not as done.
 MODEL_VERSION = 1
