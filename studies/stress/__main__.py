@@ -98,8 +98,17 @@ def comparisons(table) -> list[tuple[str, float, float]]:
              for p in ("elastic", "fixed")]  # fmt: skip
     same = [(f"80 s twice, {p}: records differ", float(table["record", "80 s", p]["digest"]
              != table["record", "80 s, again", p]["digest"]), 0.0) for p in ("elastic", "fixed")]  # fmt: skip
+    orders = [(f"reference path, {x}: order {p} is off by", abs(order(table, x) - p), b)
+              for x, p, b in (("trapezoidal", 2, 0.1), ("Lobatto IIIA", 4, 0.35))]  # fmt: skip
     drift = max(r.get("constraint_drift", 0.0) for k, r in table.items() if k[0] in ("record", "reference path"))
-    return [*limit, *still, *same, ("constraint drift, 24 h and reference path [m]", drift, 1e-9)]
+    return [*limit, *still, *same, *orders, ("constraint drift, 24 h and reference path [m]", drift, 1e-9)]
+
+
+def order(table, scheme: str) -> float:
+    """Order of accuracy of the reference path on the coupled scene."""
+    steps = (24, 12, 6)
+    error = [table["reference path", scheme, f"1/{n}"]["discretization_error"] for n in steps]
+    return float(-np.polyfit(np.log(steps), np.log(error), 1)[0])
 
 
 def main() -> int:

@@ -157,7 +157,8 @@ def geometries() -> list[int]:
 def _long() -> Iterator[Case]:
     for stages in (2, 3):
         for n in (50, 24, 12, 8, 6):
-            keys = {"solver.time_step": SHORTEST / n, "floats.*.mass": 0.999 * DISPLACED}
+            # Low waves keep the surface off the hull's edges: smooth loads, on which an order can be seen.
+            keys = {"solver.time_step": SHORTEST / n, "sea_states": {"representative": {"Hs": 0.3, "Tp": 5.46}}}
             short = {f"record.{k}": v for k, v in {"duration": 12.0, "discard": 0.0, "ramp": 0.0}.items()}
             yield Case(
                 family="reference path", x={2: "trapezoidal", 3: "Lobatto IIIA"}[stages], y=f"1/{n}",

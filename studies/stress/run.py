@@ -35,8 +35,8 @@ def coefficients(geometry: tasks.Geometry) -> Hydrodynamics:
     known = COEFFICIENTS.get(plain.key)
     if known is None:
         arguments = scenes.bem_arguments(plain)
-        arguments["omega"] = np.concatenate([LOWEST, arguments["omega"]])
-        known = cache.encode(bem.solve(**arguments, panels=PANELS))
+        arguments |= {"omega": np.concatenate([LOWEST, arguments["omega"]]), "panels": PANELS}
+        known = cache.encode(bem.solve(**arguments))
         COEFFICIENTS.put(plain.key, known)
     return cache.decode(known)
 
@@ -94,7 +94,7 @@ def production(case: Case) -> dict[str, object]:
 def reference(case: Case) -> dict[str, object]:
     """The reference path against the production path at a step 16 times smaller, same memory and pressure."""
     scene, known = built(case)
-    settings = replace(scene.settings, newton_tolerance=1e-9, keep_series=True)
+    settings = replace(scene.settings, newton_tolerance=1e-12, keep_series=True)
     fine = replace(settings, time_step=settings.time_step / 16)
     exact = simulate(replace(scene, settings=fine), known).series["rotation"][1][15::16]
     kernel = prepare(scene, known).fit
