@@ -26,9 +26,7 @@ from pipeline.tables import (
     Unit,
     Vector,
 )
-from solver.scene import PANELS as PANELS
-from solver.scene import Settings
-from solver.scene import panels_for as panels_for
+from solver.scene import Settings, panels_for
 
 
 class Water(Table):
@@ -77,6 +75,11 @@ if TYPE_CHECKING:
 
 else:
     Solver = create_model("Solver", __base__=Table, **_knobs())
+
+
+def panels(solver: Solver) -> int:
+    """Panels a body that the boundary elements need for the error that is asked for."""
+    return panels_for(solver.tolerance)
 
 
 class HemisphereCylinder(Table):

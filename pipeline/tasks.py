@@ -15,7 +15,6 @@ from pipeline import seas
 from pipeline.checks import supports
 from pipeline.layout import hinge_nodes, spaced
 from pipeline.schema import (
-    PANELS,
     Float,
     Hull,
     PanelMesh,
@@ -24,7 +23,7 @@ from pipeline.schema import (
     Solver,
     StudyFile,
     Water,
-    panels_for,
+    panels,
 )
 from pipeline.seas import SeaState, Waves
 from pipeline.tables import Count, Number, Positive, Seed, Table, Vector
@@ -69,7 +68,7 @@ class Geometry(Table):
     band: tuple[Positive, Positive] | None = None
     heading: Number = 0.0
     planar: bool = True  # nothing leaves the plane y = 0
-    panels: Count = PANELS
+    panels: Count = panels(Solver())
 
     @property
     def key(self) -> str:
@@ -124,7 +123,7 @@ def geometry(given: Parameters) -> Geometry | None:
         band=seas.band(given.sea_state, given.waves),
         heading=given.waves.heading,
         planar=_is_planar(given),
-        panels=panels_for(given.solver.tolerance),
+        panels=panels(given.solver),
     )
 
 
