@@ -22,6 +22,7 @@ TIP_MASS = {
     5.0: (0.87002146, 3.94998049),
 }
 CLAMPED = (4.73004074, 7.85320462, 10.9956078)  # roots of cos b cosh b = 1
+SLIDING = (2.36502037, 5.49780392)  # clamped at one end, free to move but not to turn at the other: tan b + tanh b = 0
 TABLE_3 = (0.4026, 0.4059, 3.1132, 6.3066, 6.3739)  # Heo, Koo and Kim (2022) [rad/s]
 UNIT = np.sqrt(STEEL.E * PIPE.Iy / (STEEL.density * PIPE.area)) / LENGTH**2
 
@@ -35,9 +36,14 @@ def beam(tip: float = 0.0, elements: int = ELEMENTS, clamped=("start",), **given
     return assemble(Frame(nodes=nodes, members=(member,), clamped=clamped, masses=masses, **given))
 
 
-def along(model: FrameModel, axes: tuple[int, ...], count: int) -> np.ndarray:
-    """Lowest frequencies [rad/s] of the motions `axes` of 0 … 5 at every node: a straight beam's do not mix."""
-    return modes(model.K, model.M, model.free[np.isin(model.free % 6, axes)], count).omega
+def along(model: FrameModel, axes: tuple[int, ...], count: int, held: tuple[int, ...] = ()) -> np.ndarray:
+    """Lowest frequencies [rad/s] of the motions `axes` of 0 … 5 at every node: a straight beam's do not mix.
+
+    held: axes that the beam's end may not follow.
+    """
+    free = model.free[np.isin(model.free % 6, axes)]
+    free = np.setdiff1d(free, 6 * model.node_index["end"] + np.array(held, int))
+    return modes(model.K, model.M, free, count).omega
 
 
 def closed_forms() -> list[Check]:
@@ -53,10 +59,13 @@ def closed_forms() -> list[Check]:
             )
             for i, (b, other) in enumerate(zip(found, published, strict=True), 1)
         ]  # fmt: skip
-    both = np.sqrt(along(beam(clamped=("start", "end"), elements=2 * ELEMENTS), (2, 4), 3) / UNIT)
+    fine = {"elements": 2 * ELEMENTS}  # higher modes
+    both = along(beam(clamped=("start", "end"), **fine), (2, 4), 3)
+    sliding = along(beam(**fine), (2, 4), 2, held=(4,))
     checks += [
-        Check(case="clamped at both ends", quantity=f"b{i}", ours=b, published=other, allowed=1e-5 * other)
-        for i, (b, other) in enumerate(zip(both, CLAMPED, strict=True), 1)
+        Check(case=case, quantity=f"b{i}", ours=b, published=other, allowed=1e-5 * other)
+        for case, omega, roots in (("clamped at both ends", both, CLAMPED), ("clamped and sliding", sliding, SLIDING))
+        for i, (b, other) in enumerate(zip(np.sqrt(omega / UNIT), roots, strict=True), 1)
     ]
     rod = np.sqrt(STEEL.E / STEEL.density) * np.pi / 2 / LENGTH
     shaft = np.sqrt(STEEL.G * PIPE.J / (STEEL.density * PIPE.Ip)) * np.pi / 2 / LENGTH
