@@ -10,6 +10,10 @@ import numpy as np
 REFERENCE = Path(__file__).parents[2] / "tests" / "reference"
 OUT = Path("results/validate")
 SIGNS = {"both": "", "below": "<", "above": ">"}
+LEGEND = (
+    "published: by others, or the exact or independent solution that the quantity names; allowed: absolute\n"
+    "difference, with < or >: what others found is that ours lies below or above; shown: not judged."
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +70,7 @@ def text(checks: list[Check]) -> str:
         numbers = f"{c.ours:12.6g}{c.published:12.6g}{c.difference:12.2g}{allowed:>10s}"
         mark = f" [{notes.index(c.note) + 1}]" if c.note else ""
         lines.append(f"{c.case:{wide[0]}s}{c.quantity:{wide[1]}s}{numbers} {c.verdict}{mark}")
-    return "\n".join([*lines, *(f"[{i}] {note}" for i, note in enumerate(notes, 1))])
+    return "\n".join([*lines, LEGEND, *(f"[{i}] {note}" for i, note in enumerate(notes, 1))])
 
 
 def write(checks: list[Check], path: Path) -> None:
