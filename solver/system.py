@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from solver import assembly, limits
-from solver.errors import SimulationFailed, StepTooLong
+from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics import radiation
 from solver.hydrodynamics.bem import DOFS, Hydrodynamics
 from solver.hydrodynamics.mesh import Hull
@@ -91,6 +91,8 @@ class System:
 def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     """Everything that does not change during the run."""
     settings, water = scene.settings, scene.water
+    if hydrodynamics is not None and scene.floats:
+        _check_same(scene, hydrodynamics)
     waves = WaveField(scene.sea, water.depth, water.gravity)
     support = None
     if scene.platform is not None:
@@ -126,6 +128,27 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         waves=waves,
         dt=settings.time_step,
     )
+
+
+def _check_same(scene: Scene, h: Hydrodynamics) -> None:
+    """Coefficients of other floats, other water or other waves would go unnoticed."""
+    water, places = scene.water, np.array([f.centre for f in scene.floats])
+    pairs = {
+        "floats": (len(places), len(h.centres)),
+        "water.depth": (water.depth, h.depth),
+        "water.density": (water.density, h.density),
+        "water.gravity": (water.gravity, h.gravity),
+    }
+    for key, (own, given) in pairs.items():
+        if own != given:
+            raise InputError(key, own, f"must be {given:g}, that of the coefficients")
+    if not np.allclose(places, h.centres, rtol=0, atol=1e-6):
+        raise InputError("floats", places.tolist(), f"must be where the coefficients' floats are, {h.centres.tolist()}")
+    waves = scene.sea.amplitude.any() and (scene.settings.diffraction or scene.settings.froude_krylov == "linear")
+    if waves and abs(np.exp(1j * scene.sea.heading) - np.exp(1j * h.heading)) > 1e-6:
+        raise InputError("sea.heading", scene.sea.heading, f"must be {h.heading:g} rad, that of the coefficients")
+    if not scene.planar and len(h.dofs) < len(DOFS):
+        raise InputError("coefficients", " ".join(h.dofs), f"must have {', '.join(DOFS)}: the scene is not planar")
 
 
 @lru_cache(maxsize=8)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.errors import SimulationFailed
+from solver.errors import InputError, SimulationFailed
 from solver.simulate import simulate
 from solver.system import blocks, prepare
 from studies.validation.response import frequency_domain
@@ -137,3 +137,18 @@ def test_record_audits_itself(buan, coefficients):
     assert attrs["energy_residual"] < 1e-3
     assert attrs["constraint_drift"] < 1e-12
     assert 0 < attrs["discretization_error"] < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("changed", "key"),
+    [
+        ({"depth": 30.0}, r"water\.depth = 50"),
+        ({"density": 1000.0}, r"water\.density"),
+        ({"heading": np.pi}, r"sea\.heading"),
+        ({"centres": np.zeros((1, 3))}, "floats = 2"),
+        ({"centres": np.zeros((2, 3))}, "must be where"),
+    ],
+)
+def test_coefficients_of_another_scene_are_refused(buan, coefficients, changed, key):
+    with pytest.raises(InputError, match=key):
+        prepare(buan.scene(), replace(coefficients, **changed))

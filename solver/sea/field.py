@@ -15,7 +15,7 @@ from solver.errors import InputError
 from solver.sea.dispersion import wavenumber
 from solver.sea.realization import Realization
 
-ROUNDING = 1e-10  # of what is factored: some sums of 130 waves are no better
+ROUNDING = 1e-14  # of what is factored: sums of 130 waves are little better
 MOST_TERMS = 120  # of the field around a float
 LOST = 1e-4  # share of the amplitudes that rounding may take from that series
 
