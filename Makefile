@@ -10,10 +10,16 @@ export NUMBA_NUM_THREADS := 1
 # numba's cache misses an edit in another file: a new folder for each state of the sources.
 export NUMBA_CACHE_DIR := $(CURDIR)/.jit/$(shell find solver -name '*.py' | LC_ALL=C sort | xargs cat | cksum | tr -d ' ')
 
-.PHONY: study-buan test validate bench bench-pipeline stress test-python kills faults fuzz figure lint setup clean
+.PHONY: study-buan paper test validate bench bench-pipeline stress test-python kills faults fuzz figure lint setup clean
 
 study-buan: $(READY)
 	$(VENV)/bin/study run studies/buan.toml
+
+# The paper's tables beside many realizations of ours, what each of our choices changes, and figures of one realization.
+paper: $(READY)
+	set -e; for study in studies/buan-paper.toml studies/buan-series.toml studies/variants/*.toml; do \
+		echo $$study; $(VENV)/bin/study run $$study > /dev/null; done
+	$(VENV)/bin/python -m studies.paper
 
 test: $(READY)
 	$(VENV)/bin/python -m pytest -q -m "not slow"

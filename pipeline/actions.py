@@ -88,9 +88,8 @@ def print_table(study: Study, path: Path) -> None:
     """Ours beside the published numbers, or a summary."""
     from pipeline import dataset, report
 
-    published = study.path.with_name(f"{study.name}-published.csv")
     with dataset.opened(path) as data:
-        if published.exists():
-            report.show(data, report.published(published), out)
+        if study.published:
+            report.show(data, report.published(study.published), out)
         else:
             report.summary(data, out)

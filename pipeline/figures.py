@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -48,6 +49,7 @@ class Results:
     study: Study
     data: xr.Dataset
     published: Sequence[Published] = ()
+    tasks: Path | None = None  # the folder of the tasks' records, for time series
 
     def has(self, *names: str) -> bool:
         """Whether there are numbers under all of these names."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline import dataset, figures, report, sketch, strips
+from pipeline import dataset, figures, report, series, sketch, strips
 from pipeline.drawing import plain, png, svg
 from pipeline.envelopes import envelopes
 from pipeline.figures import Results
@@ -28,9 +28,8 @@ VERSION = "version_"
 
 def results(study: Study, path: Path) -> Results:
     """A study beside its dataset and the published numbers, if there are any."""
-    rows = study.path.with_name(f"{study.name}-published.csv")
-    published = report.published(rows) if rows.exists() else []
-    return Results(study=study, data=dataset.load(path), published=published)
+    published = report.published(study.published) if study.published else []
+    return Results(study=study, data=dataset.load(path), published=published, tasks=path.parent / "tasks")
 
 
 def write(study: Study, path: Path) -> Path:
@@ -57,6 +56,7 @@ def html(found: Results) -> str:
         facts=facts(found),
         troubles=troubles(found),
         tables=tables(found),
+        verdicts=report.verdicts(found.data, list(found.published)),
         summary=[] if found.published else list(report.summary_rows(found.data)),
         figures=list(drawn(found)),
     )
@@ -107,7 +107,7 @@ def tables(found: Results) -> list[dict[str, Any]]:
     made = []
     for title in dict.fromkeys(row.table for row in found.published):
         mine = [(row, report.ours(found.data, row)) for row in found.published if row.table == title]
-        rows = [(r.label, r.statistic, f"{r.value:.4g}", *report.cells(r, n), r.unit) for r, n in mine]
+        rows = [(r.label, r.statistic, r.text, *report.cells(r, n), r.unit) for r, n in mine]
         made.append({"title": title, "rows": rows, "sentences": list(report.sentences(mine))})
     return made
 
@@ -147,6 +147,7 @@ def _list(found: Results) -> list[tuple[str, str, Callable[[Results], Figure | N
             f"Least and largest force in each realization, one dot each. {fixed}{given}{held}",
             strips.hinge_forces,
         ),
+        *series.entries(found),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
     ]
 

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 PREFIX = {"k": 1e3, "M": 1e6}
-OFF = 1 / 3  # a ratio further from 1 than this gets its sentence
+OFF = 1 / 3  # a ratio further from 1 than this gets a star, and its sentence if realizations are few
+WIDTH = 96  # characters that the table needs; a narrower terminal wraps them
+ENOUGH = 20  # realizations whose range says something about one more
 COLUMNS = ("table", "label", "variable", "selection", "statistic", "value", "unit", "note")
 
 
@@ -33,8 +35,14 @@ class Published:
     selection: dict[str, list[str]]
     statistic: str
     value: float
+    text: str  # as it is printed
     unit: str
     note: str
+
+    @property
+    def rounding(self) -> float:
+        """Half a unit of the last digit that is given."""
+        return 0.5 * 10.0 ** -len(self.text.partition(".")[2])
 
     @property
     def scale(self) -> float:
@@ -49,6 +57,19 @@ class Ours:
     mean: float
     low: float
     high: float
+    count: int  # of the realizations
+
+    def verdict(self, published: Published) -> str:
+        """Whether the published number, as one realization more, falls into the range; empty if too few tell."""
+        if self.count < ENOUGH or self.low == self.high:
+            return ""
+        below, above = published.value + published.rounding, published.value - published.rounding
+        return "inside" if below >= self.low and above <= self.high else "outside"
+
+    def said(self, published: Published) -> bool:
+        """Whether the published number needs its sentence."""
+        verdict = self.verdict(published)
+        return verdict == "outside" if verdict else self.off(published)
 
     def off(self, published: Published) -> bool:
         """Whether it is more than a third away."""
@@ -72,11 +93,19 @@ def _row(path: Path, number: int, row: dict[str, str]) -> Published:
     except (TypeError, ValueError) as error:
         raise StudyError(path, [f"row {number} = {row['label']!r}: {error}"]) from None
     words = {key: row[key] for key in ("table", "label", "variable", "statistic", "unit", "note")}
-    return Published(**words, selection=selection, value=value)
+    return Published(**words, selection=selection, value=value, text=row["value"])
 
 
 def ours(data: xr.Dataset, row: Published) -> Ours | None:
-    """Our number: extremes are means of each record's extreme; None if it has not been computed.
+    """Our number: extremes are means of each record's extreme; None if it has not been computed."""
+    found = realizations(data, row)
+    if found is None or (numbers := found.values[~_nan(found.values)]).size == 0:
+        return None
+    return Ours(mean=float(numbers.mean()), low=float(numbers.min()), high=float(numbers.max()), count=numbers.size)
+
+
+def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
+    """Our number in every realization, in the printed unit; None if the dataset lacks the variable or a label.
 
     A statistic with a leading minus counts the other way round: "-min" is minus the minimum.
     """
@@ -93,11 +122,7 @@ def ours(data: xr.Dataset, row: Published) -> Ours | None:
         if not known:
             return None
         values = values.isel({dim: known}).mean(dim)
-    sign = -1 if row.statistic.startswith("-") else 1
-    numbers = sign * values.values[~_nan(values.values)] / row.scale
-    if numbers.size == 0:
-        return None
-    return Ours(mean=float(numbers.mean()), low=float(numbers.min()), high=float(numbers.max()))
+    return values / (-row.scale if row.statistic.startswith("-") else row.scale)
 
 
 def _nan(values: Any) -> Any:
@@ -111,32 +136,47 @@ def show(data: xr.Dataset, rows: list[Published], console: Console) -> None:
     for title in dict.fromkeys(row.table for row in rows):
         mine = [(row, ours(data, row)) for row in rows if row.table == title]
         table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
-        for name in ("", "", "theirs", "ours", "[least, largest]", "ratio", "unit"):
-            table.add_column(name, justify="left" if name in ("", "unit") else "right", no_wrap=True)
+        for name in ("", "", "theirs", "ours", "[least, largest]", "ratio", "verdict", "unit"):
+            table.add_column(name, justify="left" if name in ("", "verdict", "unit") else "right", no_wrap=True)
         for row, number in mine:
-            table.add_row(
-                row.label, row.statistic, f"{row.value:.4g}", *(escape(cell) for cell in cells(row, number)), row.unit
-            )
-        console.print(table, soft_wrap=True)
+            table.add_row(row.label, row.statistic, row.text, *(escape(cell) for cell in cells(row, number)), row.unit)
+        console.print(table, width=max(console.width, WIDTH), crop=False)
         for sentence in sentences(mine):
             console.print(f"  * {sentence}", soft_wrap=True, highlight=False, markup=False)
         console.print()
+    if words := verdicts(data, rows):
+        console.print(words, soft_wrap=True, highlight=False, markup=False)
+
+
+def verdicts(data: xr.Dataset, rows: list[Published]) -> str:
+    """How many numbers are inside, and how often they would be if they came from the same process."""
+    found = [(row, number) for row in rows if (number := ours(data, row)) is not None and number.verdict(row)]
+    if not found:
+        return ""
+    inside = sum(number.verdict(row) == "inside" for row, number in found)
+    counts = {number.count for _, number in found}
+    # The range of n holds one more of the same with this chance, whatever the distribution.
+    chance = "; ".join(f"{(n - 1) / (n + 1):.1%} of {n}" for n in sorted(counts))
+    return (
+        f"{inside} of {len(found)} published numbers lie inside [least, largest]; "
+        f"one more realization of ours would, with a chance of {chance} realizations."
+    )
 
 
 def cells(row: Published, number: Ours | None) -> list[str]:
-    """Ours, its range and the ratio, as text; a star if it is far off."""
+    """Ours, its range, the ratio with a star if it is far off, and the verdict, as text."""
     if number is None:
-        return ["-", "", ""]
+        return ["-", "", "", ""]
     ratio = f"{number.mean / row.value:.2f}" if row.value and math.isfinite(number.mean) else ""
     spread = "" if number.low == number.high else f"[{number.low:.4g}, {number.high:.4g}]"
-    return [f"{number.mean:.4g}", spread, ratio + (" *" if number.off(row) else "")]
+    return [f"{number.mean:.4g}", spread, ratio + (" *" if number.off(row) else ""), number.verdict(row)]
 
 
 def sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
-    """Why a number is far off; numbers with the same reason share the sentence."""
+    """Why a number is outside or far off; numbers with the same reason share the sentence."""
     reasons: dict[str, list[str]] = {}
     for row, number in mine:
-        if number is not None and number.off(row):
+        if number is not None and number.said(row):
             name = f"{row.label} {row.statistic}".strip()
             reasons.setdefault(row.note or "not explained yet.", []).append(name)
     for note, names in reasons.items():

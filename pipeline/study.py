@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from pipeline import checks
+from pipeline.inherit import BASE, merged, rooted
 from pipeline.schema import StudyFile, units
 from pipeline.tasklist import Tasks
 from solver.errors import InputError
@@ -48,6 +49,13 @@ class Study:
 
     path: Path
     content: StudyFile
+    bases: tuple[Path, ...] = ()  # the files that it stands on, nearest first
+
+    @property
+    def published(self) -> Path | None:
+        """The published numbers beside the file, or beside the nearest base that has some."""
+        tables = (path.with_name(f"{path.stem}-published.csv") for path in (self.path, *self.bases))
+        return next((table for table in tables if table.exists()), None)
 
     @property
     def name(self) -> str:
@@ -62,18 +70,34 @@ class Study:
 
 def load(path: Path) -> Study:
     """Read and check a study file; raise StudyError."""
+    tables, bases = stacked(path)
     try:
-        content = StudyFile.model_validate(read(path), context={"folder": path.parent})
+        content = StudyFile.model_validate(tables, context={"folder": path.parent})
     except ValidationError as error:
         raise StudyError(path, [describe(e) for e in error.errors(include_url=False)]) from None
     problems = [str(problem) for problem in checks.problems(content)]
     if problems:
         raise StudyError(path, problems)
-    return Study(path=path, content=content)
+    return Study(path=path, content=content, bases=bases)
+
+
+def stacked(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], tuple[Path, ...]]:
+    """The tables of a file laid over those of its base, and the bases, nearest first."""
+    tables = read(path)
+    if BASE not in tables:
+        return tables, ()
+    given = tables.pop(BASE)
+    base = path.parent / given if isinstance(given, str) else path
+    if not base.is_file():
+        raise StudyError(path, [f"{BASE} = {given!r}: {missing_file(base)}"])
+    if base.resolve() in (path.resolve(), *above):
+        raise StudyError(path, [f"{BASE} = {given!r}: must be another study file, which does not stand on this one"])
+    below, bases = stacked(base, (*above, path.resolve()))
+    return merged(rooted(below, base.parent), tables), (base, *bases)
 
 
 def read(path: Path) -> dict[str, Any]:
-    """The raw tables of a TOML file."""
+    """The raw tables of one TOML file."""
     try:
         return tomllib.loads(path.read_bytes().decode("utf-8"))
     except FileNotFoundError:

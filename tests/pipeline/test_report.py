@@ -80,3 +80,35 @@ def test_published_numbers_of_the_project_name_known_variables():
         assert {r.variable for r in rows} <= VARIABLES.keys()
         with path.open(newline="") as file:
             assert all(None not in r for r in csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+@pytest.mark.parametrize(
+    ("value", "count", "verdict"),
+    [
+        ("2.5", 20, "inside"),
+        ("3.04", 20, "outside"),
+        ("3.0", 20, "inside"),
+        ("3", 20, "inside"),  # rounded from as little as 2.5
+        ("0.94", 20, "outside"),
+        ("9.9", 19, ""),  # too few to tell
+    ],
+)
+def test_a_published_number_is_inside_if_its_rounding_reaches_our_range(tmp_path, value, count, verdict):
+    numbers = 1e3 * np.linspace(1.0, 2.99, count)
+    data = xr.Dataset({"absorbed_power": (("seed",), numbers)})
+    theirs = row(tmp_path / "p.csv", f"T,power,absorbed_power,,,{value},kW,why")
+    mine = report.ours(data, theirs)
+    assert mine.verdict(theirs) == verdict
+    assert (report.verdicts(data, [theirs]) == "") == (verdict == "")
+    assert bool(list(report.sentences([(theirs, mine)]))) == (verdict == "outside" or not verdict)
+
+
+def test_the_range_of_39_holds_one_more_with_95_percent(tmp_path):
+    """Whatever the distribution: counted here for an extreme-value one, 4,000 times; 3 standard errors are 1 %."""
+    draws = np.random.default_rng(3).gumbel(size=(4000, 40))
+    held = (draws[:, 0] > draws[:, 1:].min(axis=1)) & (draws[:, 0] < draws[:, 1:].max(axis=1))
+    assert held.mean() == pytest.approx(38 / 40, abs=0.0104)
+    data = xr.Dataset({"rotation": (("seed",), draws[0, 1:])})
+    theirs = row(tmp_path / "p.csv", "T,r,rotation,,,99,rad,")
+    assert "0 of 1 published" in report.verdicts(data, [theirs])
+    assert "95.0% of 39" in report.verdicts(data, [theirs])

@@ -1,0 +1,35 @@
+"""A study that stands on another: base = "buan.toml", and below it only what differs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+Tables = dict[str, Any]
+BASE = "base"
+
+
+def merged(base: Any, own: Any) -> Any:
+    """Tables key by key, lists of named tables name by name; anything else is replaced."""
+    if isinstance(base, dict) and isinstance(own, dict):
+        return base | {key: merged(base[key], value) if key in base else value for key, value in own.items()}
+    if _named(base) and _named(own):
+        mine = {item["name"]: item for item in own}
+        both = [merged(item, mine.pop(item["name"], {})) for item in base]
+        return both + list(mine.values())
+    return own
+
+
+def _named(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(v, dict) and "name" in v for v in value)
+
+
+def rooted(value: Any, folder: Path) -> Any:
+    """Tables in which the paths of files, relative to `folder`, are absolute."""
+    if isinstance(value, dict):
+        return {k: _rooted_path(v, folder) if k == "file" else rooted(v, folder) for k, v in value.items()}
+    return [rooted(item, folder) for item in value] if isinstance(value, list) else value
+
+
+def _rooted_path(value: Any, folder: Path) -> Any:
+    return str((folder / value).absolute()) if isinstance(value, str) and value else value
