@@ -32,7 +32,7 @@ KNOBS = {
 PANELS = [192, 300, 432, 768]  # a body
 FREQUENCIES = [20, 40, 60]  # of a body alone; see bem.frequency_grid
 TOLERANCES = [3e-2, 1e-2, 3e-3]
-BEST = {"panels": 1200}
+BEST = {"panels": 972}
 
 
 class Row(NamedTuple):
