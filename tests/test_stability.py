@@ -117,7 +117,7 @@ def test_a_float_that_reaches_through_too_many_waves_is_refused(buan, coefficien
     front, rear = buan.floats()
     floats = (replace(front, arm=(-40.0, 0, -2.6)), rear)
     with pytest.raises(InputError, match=r"sea = waves down to 5\.\d+ m: too short for a series 32\.\d m around"):
-        prepare(buan.scene("fixed", floats=floats), coefficients)
+        prepare(buan.scene("fixed", floats=floats), replace(coefficients, centres=np.array([f.centre for f in floats])))
 
 
 def test_a_sliding_float_may_follow_the_waves(buan, coefficients):
