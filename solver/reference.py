@@ -1,40 +1,51 @@
-"""A scene by the paper's own method: the slow, independent twin of `simulate`.
+"""A scene by the paper's own method: the slow, independent twin of `simulate`, and its record.
 
-Augmented floats, panel-wise pressure, direct convolution, every coupling iterated to
+Augmented floats, panel-wise pressure, direct convolution, all modes, every coupling iterated to
 convergence. It shares with `simulate` the scene, the BEM's coefficients and the structure's modes,
 and nothing of the floats' mechanics, the memory, the pressure integral or the time loop.
 """
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from solver.errors import InputError
+from solver import limits
+from solver.audit import MARGIN, PROBE, coefficient_effects, energy_residual
+from solver.balance import warnings
+from solver.errors import SimulationFailed
 from solver.hydrodynamics.coefficients import Hydrodynamics
 from solver.hydrodynamics.convolution import CosineTransform, Kernel
-from solver.multibody.augmented import NO_SUPPORTS, Body, Errors, lobatto, mechanism
+from solver.march import WORKS, Output
+from solver.multibody import axes as joint_axes
+from solver.multibody.augmented import NO_SUPPORTS, Body, Mechanism, State, inertia_and_bias, lobatto, mechanism
 from solver.multibody.elastic import ElasticSupport, FixedSupport
-from solver.multibody.joints import Guide, Hinge
+from solver.multibody.joints import Axes, Frames, Hinge
 from solver.multibody.twoloop import march
-from solver.record import leg_response
-from solver.reference_loads import Floats, Pressure, PressureForce
+from solver.record import Record, Recorder
+from solver.reference_loads import Floats, PressureForce, Surface, held
 from solver.scene import Float, Scene
-from solver.sea.field import WaveField
-from solver.structure import support as platform
+from solver.sea.realization import ramp
+from solver.system import System, prepare
+
+STAGES = 3  # of Lobatto's collocation
+CONSTRAINTS = 1e-10  # tolerance of position, velocity and acceleration [m, m/s, m/s2]
+STILL = 1e-7  # [m or rad] the last change that ends a step's iterations, where the settings do not ask for less
+BLOCK = 256  # steps whose samples are kept before the record takes them in
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Reference:
-    """Histories from t = 0, samples as those of `simulate`; signs and units as in its record."""
+class Case:
+    """A scene at t = 0 by the chosen paths."""
 
-    time: np.ndarray  # (nt,)
-    rotation: np.ndarray  # (nt, nb) joint coordinates [rad or m]
-    hinge_force: np.ndarray  # (nt, nb, 3) of the joint on the float [N]
-    top_displacement: np.ndarray  # (nt, nl, 3) [m]
-    bottom_stress: np.ndarray  # (nt, nl) [Pa]
-    errors: Errors  # largest constraint errors
+    scene: Scene
+    system: System  # the fast path's: wave rows, modes and what the audit needs
+    mechanism: Mechanism
+    state: State
+    floats: Floats
+    support: FixedSupport | ElasticSupport
+    steps: int
 
 
 def simulate_reference(
@@ -42,129 +53,198 @@ def simulate_reference(
     hydrodynamics: Hydrodynamics | None = None,
     *,
     kernel: Kernel | None = None,
-    pressure: Pressure = "panels",
+    surface: Surface | None = None,
     panels: tuple[int, int] = (71, 120),
-    stages: int = 3,
-    tolerance: float = 1e-10,
-) -> Reference:
-    """Run `scene` from t = 0 to discard + duration with its time step, by the paper's method.
+    stages: int = STAGES,
+    tolerance: float = CONSTRAINTS,
+) -> Record:
+    """The record of `scene` by the augmented formulation; what is not given follows `scene.settings`.
 
-    kernel: retardation function, by default the cosine transform of the BEM's damping (eq. 14); a
-    RadiationMemory convolves the fitted one. panels: along the meridian and around. stages: 3 for
-    the fourth-order collocation, 2 for the trapezoidal rule. tolerance: of the constraints.
+    kernel: retardation function, by default eq. 14's of the BEM's damping, or the fitted one where the
+    settings keep the state space. surface: how pressure is integrated. panels: along the meridian and around.
+    stages: 3 for the fourth-order collocation, 2 for the trapezoidal rule. tolerance: of the constraints.
     """
-    if not scene.floats:
-        raise InputError("floats", 0, "the reference path is that of floats: at least one is needed")
-    for item in scene.floats:
-        if item.per_axis("mechanism_inertia").any():
-            key = f"floats.{item.name}.mechanism_inertia"
-            raise InputError(key, item.mechanism_inertia, "the reference path knows only the float's own inertia")
-    s, water = scene.settings, scene.water
-    dt, steps = s.time_step, int(np.ceil((s.discard + s.duration) / s.time_step - 1e-9))
-    c, A = lobatto(stages)
-    field = WaveField(scene.sea, water.depth, water.gravity)
-    if not s.radiation or hydrodynamics is None:
+    clock = time.perf_counter()
+    options = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
+    case = _case(scene, hydrodynamics, **options)
+    prepared = time.perf_counter()
+    recorder, probe = Recorder(scene, case.system.support, layout=case.system.layout), []
+    samples = _march(case, tolerance)
+    first = next(samples)
+    before, errors = _stored(case, first.frames), np.array(first.errors)
+    for times, output, waves, gaps, end in _blocks(case, samples):
+        frames = end
+        recorder.add(times, output, waves)
+        probe.append(_compared(output))
+        errors = np.maximum(errors, gaps)
+    work, stored = _works(case), _stored(case, frames) - before
+    attrs = {
+        "energy_residual": energy_residual(case.system, work, stored),
+        **{f"work_{name}": float(value) for name, value in zip(WORKS, work, strict=True)},
+        "stored_energy_change": float(stored),
+        "constraint_drift": float(errors[0]),
+        "constraint_drift_velocity": float(errors[1]),
+        "constraint_drift_acceleration": float(errors[2]),
+        **_errors(case, hydrodynamics, np.concatenate(probe), options, tolerance),
+        "skipped": "",
+        **_told(scene),
+        "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,
+        "prepare_time": prepared - clock,
+        "march_time": time.perf_counter() - prepared,
+        **scene.sea.parameters(),
+    }
+    if odd := warnings(scene):
+        attrs["warnings"] = "; ".join(odd)
+    attrs["wall_time"] = time.perf_counter() - clock
+    return recorder.record(attrs)
+
+
+def _told(scene: Scene) -> dict[str, float | str]:
+    s = scene.settings
+    names = ("accuracy", "formulation", "memory", "surface", "modes", "time_step", "stations_per_element")
+    return {name: getattr(s.paths, name) for name in names}
+
+
+def _case(scene: Scene, h: Hydrodynamics | None, *, kernel, surface, panels, stages) -> Case:
+    scene = replace(scene, settings=scene.settings.paths)
+    s, system, h = scene.settings, prepare(scene, h), h if scene.floats else None
+    if not s.radiation or h is None:
         kernel = None
     elif kernel is None:
-        kernel = CosineTransform.of(hydrodynamics)
-    force = PressureForce(scene, field, pressure, panels, hydrodynamics)
-    support = _support(scene, field, c, A, dt)
-    floats = Floats(scene, hydrodynamics, kernel, force, support, dt=dt, c=c, steps=steps)
-    system, state = _at_rest(scene, floats, force, support, kernel)
-    limits = {"tolerance": tolerance, "still": s.newton_tolerance}
-    samples = list(march(system, state, floats, t_end=steps * dt, dt=dt, stages=stages, **limits))
-    return _histories(scene, floats, support, samples)
+        kernel = CosineTransform.of(h) if s.memory == "convolution" else system.fit
+    steps = int(np.ceil((s.discard + s.duration) / s.time_step - 1e-9))
+    _, A = lobatto(stages)
+    support = FixedSupport()
+    if scene.platform is not None:
+        nodes = np.array([f.hinge for f in scene.floats], float).reshape(-1, 3)
+        support = ElasticSupport(system.support, scene.platform.damping_ratio, nodes, A.sum(axis=1), A, s.time_step)
+    force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
+    floats = Floats(scene, h, kernel, force, support, dt=s.time_step, A=A, steps=steps)
+    bodies, state = _at_rest(scene, system, floats, support, kernel)
+    return Case(
+        scene=scene, system=system, mechanism=bodies, state=state, floats=floats, support=support, steps=steps
+    )  # fmt: skip
 
 
-def _at_rest(scene: Scene, floats: Floats, force: PressureForce, support, kernel):
-    """Mechanism and state: joints in still-water equilibrium plus their offsets, modes carrying the floats."""
-    still, carried, ways = force.at(0.0, 0.0), [], []
-    for b, item in enumerate(scene.floats):
-        way, load = _equilibrium(item, b, floats.axes[b], still, scene.water.gravity)
-        carried.append(load)
-        ways.append(way + item.per_axis("offset")[0])
+def _at_rest(scene: Scene, system: System, floats: Floats, support, kernel):
+    """Mechanism and state where the fast path lets go: equilibrium in still water plus offsets, modes at rest."""
+    start, nb = system.start(), len(scene.floats)
+    ends = np.cumsum([len(a.turns) for a in floats.axes])
+    for stage in floats.way:
+        stage[:] = np.split(start.z, ends[:-1]) if nb else []
     supports = NO_SUPPORTS
     if scene.platform is not None:
-        support.start(np.array(carried)[:, support.axes].ravel())
+        support.start(start.p, start.ddp)
         supports = support.frames(0)
-    bodies, joints = [], []
+    drawn, bodies, joints = [], [], []
     for b, item in enumerate(scene.floats):
-        turns, axis = floats.axes[b]
-        node, R = (np.array(item.hinge), np.eye(3)) if scene.platform is None else (
-            supports.position[b], supports.rotation[b])  # fmt: skip
-        position, rotation = _pose(item, turns, axis, ways[b])
-        bodies.append(
-            Body(
-                mass=item.mass,
-                inertia=item.inertia,
-                cog=item.cog,
-                position=tuple(node + R @ (position - item.hinge)),
-                rotation=tuple(Rotation.from_matrix(R @ rotation).as_quat(scalar_first=True)),
-            )
-        )
-        kind = Hinge if turns else Guide
-        joints.append(kind(first=support.number(b), second=b, point=tuple(node), axis=tuple(R @ axis)))
-    nb, A = len(scene.floats), None
+        node = joint_axes.Node(np.array(item.hinge, float), np.eye(3), np.zeros(6), np.zeros(6))
+        if scene.platform is not None:
+            node = joint_axes.Node(*(x[b] for x in supports))
+        way = floats.way[0][b]
+        for poses, y in ((drawn, 0 * way), (bodies, way)):
+            poses.append(_body(item, *joint_axes.follow(floats.axes[b], node, y, 0 * way)[:2]))
+        joints.append(_joint(item, support.number(b), b, node))
+    A = None
     if kernel is not None:
         A = np.zeros((6 * nb, 6 * nb))
         A[np.ix_(floats.active, floats.active)] = kernel.added_mass_inf
-    return mechanism(bodies, joints, supports, gravity=(0, 0, -scene.water.gravity), added_mass=A)
+    world = {"gravity": (0, 0, -scene.water.gravity), "added_mass": A}
+    # The joints are closed where the floats are drawn; from there they let the axes move.
+    return mechanism(drawn, joints, supports, **world)[0], mechanism(bodies, joints, supports, **world)[1]
 
 
-def _pose(item: Float, turns: bool, axis: np.ndarray, way: float) -> tuple[np.ndarray, np.ndarray]:
-    """Position and rotation of a float whose joint has moved by `way` from where it is drawn."""
-    if not turns:
-        return item.centre + way * axis, np.eye(3)
-    R = Rotation.from_rotvec(way * axis).as_matrix()
-    return np.asarray(item.hinge) + R @ item.arm, R
+def _body(item: Float, position, rotation) -> Body:
+    turned = tuple(Rotation.from_matrix(rotation).as_quat(scalar_first=True))
+    return Body(mass=item.mass, inertia=item.inertia, cog=item.cog, position=tuple(position), rotation=turned)
 
 
-def _equilibrium(item: Float, b: int, joint, still, gravity: float) -> tuple[float, np.ndarray]:
-    """Joint's way at rest in still water, and the float's load (6,) on the hinge point there."""
-    turns, axis = joint
-    spring = item.per_axis("stiffness")[0]
-
-    def load(way):
-        position, rotation = _pose(item, turns, axis, way)
-        total, lever = still(b, position, rotation), rotation @ item.cog
-        weight = np.array([0, 0, -item.mass * gravity])
-        total[:3] += weight
-        total[3:] += np.cross(lever, weight) + np.cross(position - item.hinge, total[:3])
-        return total
-
-    part = slice(3, 6) if turns else slice(0, 3)
-    way = float(brentq(lambda y: axis @ load(y)[part] - spring * y, -0.5, 0.5, xtol=1e-14))
-    return way, load(way)
+def _joint(item: Float, first: int, second: int, node) -> Hinge | Axes:
+    """The paper's hinge, or what keeps the axes of another joint."""
+    slides, turns, inner = held(item)
+    to_space = [tuple(tuple(node.rotation @ d) for d in axes) for axes in (slides, turns)]
+    point = tuple(node.position)
+    if not slides and len(turns) == 1:
+        return Hinge(first=first, second=second, point=point, axis=to_space[1][0])
+    return Axes(first=first, second=second, point=point, slides=to_space[0], turns=to_space[1], inner=inner)
 
 
-def _histories(scene, floats, support, samples) -> Reference:
-    rotation = [[floats.coordinate(b, s.frames) for b in range(len(scene.floats))] for s in samples]
-    top, stress = np.zeros((len(samples), 0, 3)), np.zeros((len(samples), 0))
-    if support.history and scene.platform.legs:
-        displacement, along = leg_response(support.support.legs, np.array(support.history))
-        top, stress = displacement[:, :, -1], along[:, :, 0]
-    return Reference(
-        time=np.array([s.time for s in samples]),
-        rotation=np.array(rotation),
-        hinge_force=np.array([s.joint_load[:, :3] for s in samples]),
-        top_displacement=top,
-        bottom_stress=stress,
-        errors=Errors(*np.max([s.errors for s in samples], axis=0)),
-    )
+def _march(case: Case, tolerance: float):
+    """The start's sample, then two of every step."""
+    dt, stages = case.scene.settings.time_step, len(case.floats.weight)
+    still = min(STILL, case.scene.settings.newton_tolerance)
+    options = {"dt": dt, "stages": stages, "tolerance": tolerance, "still": still}
+    return march(case.mechanism, case.state, case.floats, t_end=case.steps * dt, **options)
 
 
-def _support(scene: Scene, field: WaveField, c, A, dt) -> FixedSupport | ElasticSupport:
-    if scene.platform is None:
-        return FixedSupport()
-    s, hinges = scene.settings, [scene.platform.hinge_nodes[f.name] for f in scene.floats]
-    modes = platform.prepare(
-        scene.platform,
-        field,
-        scene.water,
-        hinges,
-        planar=scene.planar,
-        modes=s.modes,
-        stations=s.stations_per_element,
-    )
-    nodes = np.array([f.hinge for f in scene.floats], float)
-    return ElasticSupport(modes, scene.platform.damping_ratio, nodes, c, A, dt)
+def _blocks(case: Case, samples):
+    """(times, samples as the fast march puts them out, wave rows' samples, constraint errors, frames at the end)."""
+    rows, stages = [], len(case.floats.weight)
+    for n, sample in enumerate(samples, 1):
+        rows.append(_row(case, (n - 1) % (stages - 1) + 1, sample))
+        if len(rows) == BLOCK * (stages - 1) or n == case.steps * (stages - 1):
+            times, z, dz, p, wrench, errors = (np.array(x) for x in zip(*rows, strict=True))
+            yield times, Output(z, dz, p, wrench), _elevation(case, times), errors.max(axis=0), sample.frames
+            rows = []
+
+
+def _row(case: Case, stage: int, sample):
+    floats, none = case.floats, np.zeros(0)
+    z, dz = (np.concatenate([none, *values[stage]]) for values in (floats.way, floats.rate))
+    limit = case.system.bodies.limit[len(case.system.bodies.limit) - len(z) :]
+    if np.any((z < limit[:, 0]) | (z > limit[:, 1])):
+        when = f"at t = {sample.time:.1f} s"
+        raise SimulationFailed(limits.explain(case.scene, z, case.system.bodies.limit, when))
+    return sample.time, z, dz, case.support.amplitudes(len(floats.weight))[stage], -floats.force[stage], sample.errors
+
+
+def _elevation(case: Case, times: np.ndarray) -> np.ndarray:
+    """Samples (m, columns) of the wave rows, of which the record reads the elevation alone."""
+    s, at = case.scene.settings, case.system.layout.elevation
+    turn = np.exp(-1j * np.multiply.outer(times, case.scene.sea.omega)) * ramp(times, s.ramp, s.ramp_form)[:, None]
+    out = np.zeros((len(times), len(case.system.rows)))
+    out[:, at] = (turn @ case.system.rows[at].T).real
+    return out
+
+
+def _works(case: Case) -> np.ndarray:
+    """As WORKS [J]."""
+    inertia, structural, drag = case.support.work
+    return np.array([*case.floats.work, inertia, drag, structural])
+
+
+def _stored(case: Case, frames: Frames) -> float:
+    """Kinetic energy (added mass included), of gravity, springs and modes [J], where a step has just ended."""
+    floats, body, nb = case.floats, case.mechanism, len(case.scene.floats)
+    if not nb:
+        return case.support.energy
+    M, Q = np.empty((6 * nb, 6 * nb)), np.empty(6 * nb)
+    inertia_and_bias(body, frames, M, Q)
+    v = frames.velocity[:nb].ravel()
+    total = case.support.energy + v @ M @ v / 2
+    for b, own in enumerate(floats.own):
+        height = frames.position[b, 2] + frames.rotation[b, 2] @ body.cog[b]
+        total -= body.mass[b] * body.gravity[2] * height
+        total += own["stiffness"] @ floats.way[0][b] ** 2 / 2 + own["mechanism_inertia"] @ floats.rate[0][b] ** 2 / 2
+    return float(total)
+
+
+def _compared(output: Output) -> np.ndarray:
+    """What two step lengths are compared by: the joints' axes and the lowest mode, (m, …)."""
+    return np.concatenate([output.z, output.p[:, :1]], axis=1)
+
+
+def _errors(case: Case, h: Hydrodynamics | None, motion: np.ndarray, options, tolerance: float) -> dict[str, float]:
+    """Of the step, from a run with half of it over a quarter of the record, PROBE seconds at most; and of the BEM."""
+    dt, order = case.scene.settings.time_step, 2 * options["stages"] - 2
+    steps = max(1, int(min(PROBE, case.steps * dt / 4) / dt))
+    short = replace(case.scene.settings, discard=0.0, duration=steps * dt, time_step=dt / 2, keep_series=False)
+    half = _case(replace(case.scene, settings=short), h, **options)
+    fine = np.concatenate([_compared(output) for _, output, *_ in _blocks(half, _march(half, tolerance))])
+    difference, coarse = motion[: len(fine) // 2] - fine[1::2], motion[: len(fine) // 2]
+    size, scale = (np.sqrt(np.mean(x**2, axis=0)) for x in (difference, coarse))
+    step = float(np.max(size[scale > 0] / scale[scale > 0], initial=0.0)) / (1 - 0.5**order)
+    memory, mesh = coefficient_effects(case.system, h)
+    memory = 0.0 if case.scene.settings.memory == "convolution" else memory
+    parts = {"discretization_error": step, "memory_effect": memory, "mesh_effect": mesh}
+    return {**parts, "estimated_error": MARGIN * sum(parts.values())}

@@ -4,7 +4,7 @@ Frame: x along the waves for heading 0, z upwards from still water, rotations ri
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -137,12 +137,20 @@ class Settings:
     newton_tolerance: float = 1e-5  # [m or rad]
     keep_series: bool = False
     rao: bool = False  # motion per wave amplitude, wave by wave
+    # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.
+    # Each can be had alone; convolution and panels take the augmented formulation with them. Slow.
+    accuracy: Literal["standard", "reference"] = "standard"
+    formulation: Literal["minimal", "augmented"] = "minimal"
+    memory: Literal["state-space", "convolution"] = "state-space"
+    surface: Literal["quadrature", "panels"] = "quadrature"
     # Relative error of every mean, rms and std; where given, it chooses the knobs above from time_step on.
     tolerance: float | None = None
 
     def __post_init__(self):
         if self.tolerance is not None and not 1e-6 <= self.tolerance <= 0.1:
             raise InputError("settings.tolerance", self.tolerance, "must be between 1e-6 and 0.1")
+        if self.tolerance is not None and self.paths.formulation == "augmented":
+            raise InputError("settings.tolerance", self.tolerance, "chooses the knobs of the standard paths only")
         positive = ("duration", "time_step", "newton_tolerance", "memory_tolerance", "field_tolerance", "panel_size")
         for key in positive:
             if not getattr(self, key) > 0:
@@ -150,6 +158,15 @@ class Settings:
         for key in ("discard", "ramp"):
             if not getattr(self, key) >= 0:
                 raise InputError(f"settings.{key}", getattr(self, key), "must be >= 0 s")
+
+    @property
+    def paths(self) -> "Settings":
+        """With every path that `accuracy` and the others imply."""
+        if self.accuracy == "reference":
+            whole = {"formulation": "augmented", "memory": "convolution", "surface": "panels", "modes": "all"}
+            return self if all(getattr(self, k) == v for k, v in whole.items()) else replace(self, **whole)
+        slow = self.memory == "convolution" or self.surface == "panels"
+        return replace(self, formulation="augmented") if slow and self.formulation == "minimal" else self
 
 
 PANELS = 432  # a body, of the finer of the boundary elements' two meshes

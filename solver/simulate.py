@@ -13,6 +13,7 @@ from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem import Hydrodynamics
 from solver.march import WORKS, energy
 from solver.record import Record, Recorder
+from solver.reference import simulate_reference
 from solver.scene import Scene
 from solver.system import System, blocks, prepare
 
@@ -57,6 +58,8 @@ def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Rec
 
 
 def _run(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
+    if scene.settings.paths.formulation == "augmented":
+        return simulate_reference(scene, hydrodynamics)
     clock = time.perf_counter()
     system = prepare(scene, hydrodynamics)
     prepared = time.perf_counter()

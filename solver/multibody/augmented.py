@@ -68,15 +68,17 @@ class State(NamedTuple):
 class Surroundings(Protocol):
     """What moves and loads the bodies; stage 0 is the step's start.
 
-    A step is begin, then iterations of iterate and, for each stage, supports, loads and carried (the
-    joints' loads on the supports), then finish. Before the first step stage 0 alone is iterated.
+    A step is begin, then iterations of iterate (the supports' change since the last one [m]) and, for each
+    stage, supports, look (inertia besides the bodies' own, (6 nb, 6 nb) or None), loads and carried (the
+    constraints' loads on bodies and supports), then finish. Before the first step stage 0 alone is iterated.
     """
 
     def begin(self, t: float, dt: float, state: State) -> None: ...
-    def iterate(self) -> None: ...
+    def iterate(self) -> float: ...
     def supports(self, stage: int, t: float) -> Frames: ...
+    def look(self, stage: int, frames: Frames) -> np.ndarray | None: ...
     def loads(self, stage: int, t: float, frames: Frames) -> np.ndarray: ...
-    def carried(self, stage: int, frames: Frames, load: np.ndarray) -> None: ...
+    def carried(self, stage: int, frames: Frames, held: np.ndarray, load: np.ndarray) -> None: ...
     def finish(self) -> None: ...
 
 
@@ -102,17 +104,17 @@ def mechanism(bodies, joints, supports: Frames, *, gravity, added_mass=None) -> 
     """Arrays and initial state; supports are further frames, joints[...].first or second = nb, nb + 1, …"""
     nb = len(bodies)
     start = State(
-        position=np.array([b.position for b in bodies], float),
-        quaternion=np.array([np.divide(b.rotation, np.linalg.norm(b.rotation)) for b in bodies], float),
-        velocity=np.array([b.velocity for b in bodies], float),
+        position=np.array([b.position for b in bodies], float).reshape(nb, 3),
+        quaternion=np.array([np.divide(b.rotation, np.linalg.norm(b.rotation)) for b in bodies], float).reshape(nb, 4),
+        velocity=np.array([b.velocity for b in bodies], float).reshape(nb, 6),
         acceleration=np.zeros((nb, 6)),
         multiplier=np.zeros(0),
     )
     rows = equations(tuple(joints), all_frames(start, supports))
     system = Mechanism(
         mass=np.array([b.mass for b in bodies], float),
-        cog=np.array([b.cog for b in bodies], float),
-        inertia=np.array([np.diag(b.inertia) for b in bodies], float),
+        cog=np.array([b.cog for b in bodies], float).reshape(nb, 3),
+        inertia=np.array([np.diag(b.inertia) for b in bodies], float).reshape(nb, 3, 3),
         gravity=np.array(gravity, float),
         equations=rows,
         added_mass=np.zeros((6 * nb, 6 * nb)) if added_mass is None else np.asarray(added_mass, float),

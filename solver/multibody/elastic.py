@@ -15,7 +15,12 @@ from solver.structure.support import Support
 class FixedSupport:
     """Nothing moves."""
 
-    history = ()
+    work = np.zeros(3)
+    energy = 0.0
+
+    def amplitudes(self, stages: int) -> np.ndarray:
+        """No modes."""
+        return np.zeros((stages, 0))
 
     def number(self, _b):
         return GROUND
@@ -24,12 +29,12 @@ class FixedSupport:
         pass
 
     def iterate(self):
-        pass
+        return 0.0
 
     def frames(self, _stage):
         return NO_SUPPORTS
 
-    def carried(self, _stage, _frames, _load, _reaction):
+    def carried(self, _stage, _load, _reaction):
         pass
 
     def finish(self):
@@ -50,14 +55,16 @@ class ElasticSupport:
         self.station_rows = support.station_rows.reshape(-1, support.station_rows.shape[-1])
         # Stage values, [0] the step's start.
         self.p, self.dp, self.ddp = np.zeros((3, s, nm))
-        self.joint = np.zeros((s, nm))  # modal loads of the joints
-        self.fresh = True  # no step is finished yet
-        self.history = []  # modal amplitudes at all samples
+        self.node = np.zeros((s, len(support.carrier)))  # loads of the joints on the nodes
+        self.answer, self.tried = self.node.copy(), []  # the floats' loads for those assumed; all of this step
+        self.scale = np.abs(support.shapes.reshape(-1, 6, nm)[:, :3]).max(axis=(0, 1))  # [m] a mode moves at most
+        # Works of the wave's inertia load, of structural damping and of drag: audit figures.
+        self.work, self.power = np.zeros(3), np.zeros((s, 3))
 
-    def start(self, carried: np.ndarray) -> None:
-        """At rest under the static loads (nc,) of the floats on their nodes."""
-        self.joint[:] = self.support.carrier.T @ carried
-        self.p[:] = self.joint / self.omega**2
+    def start(self, p: np.ndarray, ddp: np.ndarray) -> None:
+        """At rest with amplitudes p (nm,), let go with accelerations ddp."""
+        self.p[:], self.ddp[:] = p, ddp
+        self.node[:] = np.linalg.lstsq(self.support.carrier.T, self.omega**2 * p, rcond=None)[0]
 
     def number(self, b):
         return len(self.nodes) + b
@@ -66,20 +73,41 @@ class ElasticSupport:
         """turn (n, s): exp(-iωt) times the ramp at the stages."""
         self.wave = (self.support.wave_rows @ turn).real.T
         self.flow = (self.station_rows @ turn).real.T
-        self.joint[1:] = self.joint[0]
+        self.node[1:] = self.node[0]
+        self.answer, self.tried = None, []
+
+    def _couple(self):
+        """The next loads of the joints to try, by Anderson's extrapolation from all tried in this step.
+
+        A heavy float on a light node answers each acceleration with a larger one: taking the answer as the
+        next try would diverge. Loads are few, so that their linear dependence is soon known.
+        """
+        if self.answer is None:
+            return
+        x, r = self.node.ravel(), (self.answer - self.node).ravel()
+        self.tried.append((x.copy(), r))
+        new = x + r
+        if len(self.tried) > 1:
+            X, R = (np.array(part).T for part in zip(*self.tried, strict=True))
+            dX, dR = np.diff(X), np.diff(R)
+            new = new - (dX + dR) @ np.linalg.lstsq(dR, r, rcond=1e-9)[0]
+        self.node[:] = new.reshape(self.node.shape)
 
     def iterate(self):
         """Stage values of all modes from the loads known so far."""
         A, dt = self.A, self.dt
-        f = self.wave + self.joint + self._drag()
-        if self.fresh:  # the very first instant: accelerations from the loads, at rest
-            self.ddp[0] = f[0] - self.damping * self.dp[0] - self.omega**2 * self.p[0]
+        self._couple()
+        drag, before = self._drag(), self.p.copy()
+        f = self.wave + self.node @ self.support.carrier + drag
         v0 = self.dp[0] + dt * A[1:, :1] * self.ddp[0]
         way = dt * A[1:].sum(axis=1)[:, None] * self.dp[0] + dt * dt * (A @ A)[1:, :1] * self.ddp[0]
         known = f[1:] - self.damping * v0 - self.omega**2 * (self.p[0] + way)
         self.ddp[1:] = np.einsum("msl,lm->sm", self.inverse, known)
         self.dp[1:] = v0 + dt * A[1:, 1:] @ self.ddp[1:]
         self.p[1:] = self.p[0] + way + dt * dt * (A @ A)[1:, 1:] @ self.ddp[1:]
+        dissipated = np.sum(self.damping * self.dp**2, axis=1)
+        self.power[:] = np.stack([np.sum(self.wave * self.dp, axis=1), dissipated, np.sum(drag * self.dp, axis=1)], 1)
+        return float((np.abs(self.p - before) * self.scale).max())
 
     def _drag(self):
         """Modal drag (s, nm), ½ρC_D D|u - v|(u - v) at every station."""
@@ -92,6 +120,8 @@ class ElasticSupport:
     def frames(self, stage):
         """Pose, velocity and acceleration of every node."""
         carrier, nb = self.support.carrier, len(self.nodes)
+        if not nb:
+            return NO_SUPPORTS
         six = np.zeros((3, nb, 6))
         for level, x in enumerate((self.p, self.dp, self.ddp)):
             six[level][:, self.axes] = (carrier @ x[stage]).reshape(nb, -1)
@@ -106,8 +136,8 @@ class ElasticSupport:
             velocity[b, 3:], acceleration[b, 3:] = w, dw
         return Frames(self.nodes + six[0, :, :3], rotation, velocity, acceleration)
 
-    def carried(self, stage, _frames, load, reaction):
-        """Take in the joints' loads (nb, 6) and the PTO's reaction on the nodes."""
+    def carried(self, stage, load, reaction):
+        """Take in the constraints' loads (nb, 6) on the nodes and the reaction of what acts on the axes."""
         nb, total = len(self.nodes), load + reaction
         coordinates = np.zeros((nb, 6))
         angles = np.zeros((nb, 6))
@@ -115,15 +145,23 @@ class ElasticSupport:
         for b in range(nb):
             _, axes = _turned(angles[b, 3:])
             coordinates[b] = [*total[b, :3], *(axes.T @ total[b, 3:])]
-        self.joint[stage] = self.support.carrier.T @ coordinates[:, self.axes].ravel()
-        if stage == 0:
-            self.joint[1:] = self.joint[0]
+        if self.answer is None:
+            self.answer = self.node.copy()
+        self.answer[stage] = coordinates[:, self.axes].ravel()
+
+    def amplitudes(self, stages: int) -> np.ndarray:
+        """Modal amplitudes (stages, nm) of the last stages."""
+        return self.p[-stages:].copy()
+
+    @property
+    def energy(self) -> float:
+        """Stored in the modes at the step's start [J]."""
+        return float(np.sum(self.dp[0] ** 2 + (self.omega * self.p[0]) ** 2) / 2)
 
     def finish(self):
-        """Keep the stages' amplitudes, and begin the next step where this one ended."""
-        self.history.extend(self.p[int(not self.fresh) :].copy())
-        self.fresh = False
-        for x in (self.p, self.dp, self.ddp, self.joint):
+        """Begin the next step where this one ended."""
+        self.work += self.dt * self.A[-1] @ self.power
+        for x in (self.p, self.dp, self.ddp, self.node, self.power):
             x[0] = x[-1]
 
 

@@ -39,6 +39,7 @@ class Equations(NamedTuple):
     point: np.ndarray
     direction: np.ndarray
     joint: np.ndarray  # (ne,) number of the joint that the equation belongs to
+    second: np.ndarray  # (ne,) which of the two frames, 0 or 1, is the joint's second
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,21 +71,38 @@ class Guide:
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
 
-Joint = Ball | Hinge | Guide
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axes:
+    """The second frame slides along `slides` and turns about `turns`, in that order, through a shared point.
+
+    Directions in space at the start; slides are fixed in the first frame, or move with the second one
+    (`inner`); of two turns the first is fixed in the first and the other, at right angles, in the second frame.
+    """
+
+    first: int
+    second: int
+    point: tuple[float, float, float]  # [m]
+    slides: tuple[tuple[float, float, float], ...] = ()
+    turns: tuple[tuple[float, float, float], ...] = ()
+    inner: bool = False
+
+
+Joint = Ball | Hinge | Guide | Axes
 
 
 def equations(joints: tuple[Joint, ...], frames: Frames) -> Equations:
     """Rows of all joints from the frames' poses at the start."""
     table, row = [], 0
     for number, joint in enumerate(joints):
-        for kind, a, b in _parts(joint):
+        for kind, a, b, inner in _parts(joint):
             pair = [joint.first % len(frames.position), joint.second % len(frames.position)]
+            pair = pair[::-1] if inner else pair
             R = frames.rotation[pair]
             points = np.einsum("nji,nj->ni", R, np.asarray(joint.point, float) - frames.position[pair])
             directions = np.einsum("nji,nj->ni", R, np.array([a, b], float))
-            table.append((kind, pair, row, points, directions, number))
+            table.append((kind, pair, row, points, directions, number, 0 if inner else 1))
             row += 3 if kind == POINT else 1
-    kind, pairs, rows, points, directions, number = zip(*table, strict=True) if table else [()] * 6
+    kind, pairs, rows, points, directions, number, second = zip(*table, strict=True) if table else [()] * 7
     n = len(table)
     return Equations(
         kind=np.array(kind, np.int64),
@@ -93,6 +111,7 @@ def equations(joints: tuple[Joint, ...], frames: Frames) -> Equations:
         point=np.array(points, float).reshape(n, 2, 3),
         direction=np.array(directions, float).reshape(n, 2, 3),
         joint=np.array(number, np.int64),
+        second=np.array(second, np.int64),
     )
 
 
@@ -102,19 +121,44 @@ def row_count(e: Equations) -> int:
 
 
 def _parts(joint: Joint):
-    """(kind, direction in the first, direction in the second frame) of a joint's equations."""
-    none = np.zeros(3)
+    """(kind, direction in the first, direction in the second frame, frames swapped) of a joint's equations."""
     if type(joint) is Ball:
-        return [(POINT, none, none)]
-    length = np.linalg.norm(joint.axis)
-    if not length > 0:
-        raise InputError("joint.axis", joint.axis, "must not have zero length")
-    axis = np.divide(joint.axis, length)
-    one, two = across(axis)
+        return [(POINT, np.zeros(3), np.zeros(3), False)]
     if type(joint) is Hinge:
-        return [(POINT, none, none), (SQUARE, axis, one), (SQUARE, axis, two)]
-    fixed = [(SQUARE, axis, one), (SQUARE, axis, two), (SQUARE, one, two)]
-    return [(PLANE, one, none), (PLANE, two, none), *fixed]
+        return _held_points((), False) + _held_turns((_unit(joint.axis),))
+    if type(joint) is Guide:
+        return _held_points((_unit(joint.axis),), False) + _held_turns(())
+    slides, turns = (tuple(_unit(a) for a in axes) for axes in (joint.slides, joint.turns))
+    return _held_points(slides, joint.inner) + _held_turns(turns)
+
+
+def _unit(axis) -> np.ndarray:
+    length = np.linalg.norm(axis)
+    if not length > 0:
+        raise InputError("joint.axis", axis, "must not have zero length")
+    return np.divide(axis, length)
+
+
+def _held_points(slides, inner: bool):
+    """What keeps the points together but for the slides."""
+    if not slides:
+        return [(POINT, np.zeros(3), np.zeros(3), False)]
+    normals = {1: across(slides[0]), 2: [_unit(np.cross(slides[0], slides[-1]))] if len(slides) == 2 else (), 3: ()}
+    return [(PLANE, normal, normal, inner) for normal in normals[len(slides)]]
+
+
+def _held_turns(turns):
+    """What keeps the directions but for the turns."""
+    if len(turns) == 0:
+        x, y, z = np.eye(3)
+        return [(SQUARE, x, y, False), (SQUARE, x, z, False), (SQUARE, y, z, False)]
+    if len(turns) == 1:
+        return [(SQUARE, turns[0], normal, False) for normal in across(turns[0])]
+    if len(turns) == 2:
+        if abs(turns[0] @ turns[1]) > 1e-9:
+            raise InputError("joint.turns", [list(t) for t in turns], "must be at right angles")
+        return [(SQUARE, turns[0], turns[1], False)]
+    return []
 
 
 def across(axis: np.ndarray) -> np.ndarray:
@@ -196,9 +240,10 @@ def joint_loads(e, frames, J, multiplier, load):
     """Fill load (nj, 6) of each joint on its second frame, moment about the joint's point there: eq. 3."""
     load[:] = 0.0
     for n in range(e.kind.size):
-        j, first, out = e.frame[n, 1], e.row[n], load[e.joint[n]]
+        side, first, out = e.second[n], e.row[n], load[e.joint[n]]
+        j = e.frame[n, side]
         for row in range(first, first + (3 if e.kind[n] == POINT else 1)):
             at_origin = -multiplier[row] * J[row, 6 * j : 6 * j + 6]
-            moved = _cross(frames.rotation[j] @ e.point[n, 1], at_origin[:3])
+            moved = _cross(frames.rotation[j] @ e.point[n, side], at_origin[:3])
             out[:3] += at_origin[:3]
             out[3:] += at_origin[3:] - moved

@@ -23,6 +23,8 @@ from solver.multibody.augmented import (
 )
 from solver.multibody.joints import Frames, Joint, joint_loads
 
+# Of the constraints. Where C_u loses rank a gap ε leaves √ε undecided, so it is kept at a hundred times rounding.
+TOLERANCE = 1e-12
 OUTER = 60  # iterations of the outer loop; five to ten suffice where a step is sane
 STILL = 1e-12  # change of dt² a, dt v and orientation that ends the outer loop [m or rad]
 STUCK = 1e-5  # the same after half of all iterations: near a singular position rounding keeps the last digits moving
@@ -56,8 +58,11 @@ def evaluate(system, state, stage, t, surroundings, tolerance):
     """
     supports = surroundings.supports(stage, t)
     frames = all_frames(state, supports)
-    kkt = Augmented(system, frames)
     nb = len(state.position)
+    if not nb:
+        return state, Sample(t, frames, np.zeros((0, 6)), Errors(0.0, 0.0, 0.0))
+    extra = surroundings.look(stage, frames)
+    kkt = Augmented(system if extra is None else system._replace(added_mass=system.added_mass + extra), frames)
     for _ in range(INNER):
         gap = np.abs(kkt.C).max(initial=0.0)
         if gap <= tolerance:
@@ -75,16 +80,19 @@ def evaluate(system, state, stage, t, surroundings, tolerance):
         state = state._replace(velocity=state.velocity + kkt.correction(slip))
         frames = all_frames(state, supports)
         kkt.look(frames)
+    surroundings.look(stage, frames)
     load = surroundings.loads(stage, t, frames)
     given = kkt.J[:, 6 * nb :] @ frames.acceleration[nb:].ravel()
     acceleration, multiplier, error = kkt.accelerations(np.ravel(load), -kkt.bias - given, tolerance)
     state = state._replace(acceleration=acceleration, multiplier=multiplier)
     carried = -(kkt.J[:, 6 * nb :].T @ multiplier).reshape(-1, 6)[:-1]
-    surroundings.carried(stage, frames, carried)
+    frames = frames._replace(acceleration=_with(frames, acceleration))
+    held = -(kkt.Cu.T @ multiplier).reshape(-1, 6)
+    surroundings.carried(stage, frames, held, carried)
     joints = np.empty((system.equations.joint.max(initial=-1) + 1, 6))
     joint_loads(system.equations, frames, kkt.J, multiplier, joints)
     errors = Errors(gap, float(np.abs(slip).max(initial=0.0)), float(error))
-    return state, Sample(t, frames._replace(acceleration=_with(frames, acceleration)), joints, errors)
+    return state, Sample(t, frames, joints, errors)
 
 
 def _with(frames: Frames, acceleration: np.ndarray) -> np.ndarray:
@@ -101,7 +109,7 @@ def march(
     t_end: float,
     dt: float,
     stages: int = 3,
-    tolerance: float = 1e-10,
+    tolerance: float = TOLERANCE,
     still: float = STILL,
 ) -> Iterator[Sample]:
     """Samples at the start and at every stage of every step; t = n dt + c dt.
@@ -126,10 +134,10 @@ def _first(system, state, dt, surroundings, tolerance):
     """Accelerations at t = 0, of bodies and supports together."""
     surroundings.begin(0.0, dt, state)
     for _ in range(OUTER):
-        surroundings.iterate()
+        moved = surroundings.iterate()
         new, sample = evaluate(system, state, 0, 0.0, surroundings, tolerance)
-        change, state = np.abs(new.acceleration - state.acceleration).max(), new
-        if dt * dt * change < STILL:
+        change, state = np.abs(new.acceleration - state.acceleration).max(initial=0.0), new
+        if max(moved, dt * dt * change) < STILL:
             return state, sample
     raise SimulationFailed(f"accelerations at t = 0 do not settle in {OUTER} iterations, last change {change:.1e} m/s2")
 
@@ -146,18 +154,17 @@ def _step(system, start, a, t, dt, tableau, surroundings, limits):
     a[0] = start.acceleration
     chain, samples = [start] * len(c), [None] * len(c)
     for n in range(OUTER):
-        surroundings.iterate()
+        change = surroundings.iterate()
         v = start.velocity + dt * np.einsum("sj,jbk->sbk", A, a)
         x = start.position + dt * np.einsum("sj,jbk->sbk", A, v[..., :3])
         dq = np.array([spin(v[j, :, 3:], chain[j].quaternion) / 2 for j in range(len(c))])
         q = start.quaternion + dt * np.einsum("sj,jbk->sbk", A, dq)
         q /= np.linalg.norm(q, axis=-1, keepdims=True)
-        change = 0.0
         for s in range(1, len(c)):
             guess = State(x[s], q[s], v[s], a[s], chain[s].multiplier)
             new, samples[s] = evaluate(system, guess, s, t + c[s] * dt, surroundings, tolerance)
-            turned = np.abs(new.quaternion - chain[s].quaternion).max()
-            change = max(change, dt * dt * np.abs(new.acceleration - a[s]).max(), turned)
+            turned = np.abs(new.quaternion - chain[s].quaternion).max(initial=0.0)
+            change = max(change, dt * dt * np.abs(new.acceleration - a[s]).max(initial=0.0), turned)
             a[s], chain[s] = new.acceleration, new
         if not np.isfinite(change):
             raise SimulationFailed(f"not finite at t = {t:.3f} s: reduce dt = {dt:g} s")
@@ -178,7 +185,10 @@ class _Given:
         pass
 
     def iterate(self):
-        pass
+        return 0.0
+
+    def look(self, _stage, _frames):
+        return None
 
     def supports(self, _stage, t):
         if not self.motions:
@@ -188,7 +198,7 @@ class _Given:
     def loads(self, _stage, t, frames):
         return self.forces(t, frames)
 
-    def carried(self, _stage, _frames, _load):
+    def carried(self, _stage, _frames, _held, _load):
         pass
 
     def finish(self):
@@ -206,7 +216,7 @@ def simulate_mechanism(
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81),
     added_mass: np.ndarray | None = None,
     stages: int = 3,
-    tolerance: float = 1e-10,
+    tolerance: float = TOLERANCE,
 ) -> Trajectory:
     """Motion of bodies held by joints, sampled at every stage (steps of dt/2 with 3 stages).
 
