@@ -10,7 +10,7 @@ from solver.scene import Scene, Settings
 
 PILOTS = 6
 RULES = [(8, 4, 2), (12, 6, 3), (12, 8, 4), (16, 12, 6), (24, 16, 8)]
-MEMORIES = [3e-2, 1e-2, 3e-3, 1e-3, 3e-4]
+MEMORIES = [3e-2, 1e-2, 5e-3, 2e-3, 1e-3, 3e-4]
 # What the sum of the estimates may be made of; the BEM's mesh is chosen before, see scene.panels_for.
 SHARE = {"discretization_error": 0.4, "quadrature_error": 0.2, "memory_effect": 0.2}
 STEP_ORDER = 4

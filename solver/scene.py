@@ -125,7 +125,7 @@ class Settings:
     line_points: int = 4
     panel_size: float = 0.5  # longest side of a mesh's triangles, of the hull's size and of 1/k of the mean wave
     field_tolerance: float = 1e-5  # of the local wave field, relative to the sum of amplitudes
-    memory_tolerance: float = 1e-2  # of the radiation memory's fit
+    memory_tolerance: float = 5e-3  # of the radiation memory's fit
     stations_per_element: int = 2  # drag
     # Pressure above still water. Wheeler's vanishes at the surface and agrees with published
     # body-nonlinear codes in steep waves; Airy's extrapolated is the Buan paper's.

@@ -20,7 +20,7 @@ from solver.structure import modes as natural
 from solver.structure.frame import FrameModel, assemble
 from solver.structure.legs import Legs
 
-PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
+PATTERN = 1e-2  # principal wave-load shapes smaller than this share of the largest are left out
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
 KNOWN = 8  # platforms of which a process keeps what no wave changes
 PLANAR = np.array([0, 2, 4])
