@@ -213,7 +213,7 @@ def refusal() -> str:
     try:
         check(study, study.tasks, Engine())
     except (InputError, StudyError) as error:
-        return f"- `geometric`, {study.content.title}: refused; {error}"
+        return f"- `geometric`, {study.content.title}: refused; {str(error).removeprefix(f'{study.path}: ')}"
     sys.exit("geometric stiffness is no longer refused: move it to the other variants")
 
 
