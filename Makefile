@@ -29,7 +29,7 @@ validate: $(READY)
 	$(VENV)/bin/python -m studies.validate
 
 bench: $(READY)
-	$(VENV)/bin/python studies/bench.py
+	$(VENV)/bin/python -m studies.bench
 
 # Where the solver is stable and accurate and where it stops: some 380 scenes, then more random ones of each invariant.
 stress: $(READY)

@@ -12,8 +12,9 @@ import matplotlib as mpl
 mpl.use("Agg")
 import numpy as np
 import xarray as xr
-from benchmark import knobs, paper, parts, scaling
-from benchmark.case import OUT, coefficients, scene, timed, with_settings
+
+from studies.benchmark import knobs, paper, parts, scaling
+from studies.benchmark.case import OUT, coefficients, scene, timed, with_settings
 
 
 def main() -> int:

@@ -34,6 +34,7 @@ def scene(platform: str) -> Scene:
 
 def coefficients(name: str = "default", **changed) -> tuple[Hydrodynamics, float]:
     """The pair's coefficients with BEM arguments `changed`, and the time they took [s]; kept in a file."""
+    OUT.mkdir(parents=True, exist_ok=True)
     file = OUT / f"bem-{name}.nc"
     if file.exists():
         found = cache.decode(file.read_bytes())

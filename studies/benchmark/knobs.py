@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
-from benchmark.case import OUT, coefficients, errors, scene, timed, with_settings
+
+from studies.benchmark.case import OUT, coefficients, errors, scene, timed, with_settings
 
 SECONDS = 900.0  # analysed in each run
 FINE = {

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from benchmark.case import coefficients, scene, with_settings
 
 from solver.simulate import simulate
+from studies.benchmark.case import coefficients, scene, with_settings
 
 SECONDS = 12.0  # simulated, after a ramp of a third of that
 

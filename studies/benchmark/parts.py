@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 import numpy as np
-from benchmark.case import coefficients, median, scene
 from numba import njit
 
 from solver.hydrodynamics import radiation
@@ -14,6 +13,7 @@ from solver.multibody.minimal import loads, move, new_motion, pressures
 from solver.sea.field import WaveField
 from solver.simulate import simulate
 from solver.system import BLOCK_STEPS, blocks, prepare
+from studies.benchmark.case import coefficients, median, scene
 
 CALLS = 2000
 

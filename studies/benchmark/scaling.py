@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
-from benchmark.case import OUT, coefficients, median, scene, with_settings
 from scipy.linalg import block_diag
 
 from solver.hydrodynamics.bem import Hydrodynamics
@@ -15,6 +14,7 @@ from solver.sea.dispersion import wavenumber
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.simulate import simulate
+from studies.benchmark.case import OUT, coefficients, median, scene, with_settings
 
 SECONDS = 900.0
 LENGTHS = [450, 900, 1800, 3600, 10800]  # s
@@ -24,8 +24,7 @@ MODES = [6, 12, 24, 48, 96, 192]
 APART = 100.0  # between pairs, whose waves are left out of one another [m]
 LONG = """
 import resource, sys
-sys.path.insert(0, "studies")
-from benchmark.case import coefficients, scene, with_settings
+from studies.benchmark.case import coefficients, scene, with_settings
 from solver.simulate import simulate
 simulate(with_settings(scene("elastic"), duration=10800.0), coefficients()[0])
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
