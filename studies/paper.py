@@ -1,8 +1,9 @@
 """Tables 3-7 of Heo, Koo and Kim (2022) beside ours, variants of the case, and the paper's findings: `make paper`.
 
-    python -m studies.paper [RESULTS]
+    python -m studies.paper [RESULTS] [--write]
 
-Reads the collected studies buan-paper, buan-series and variants/*.toml, and prints Markdown.
+Reads the collected studies buan-paper, buan-series and variants/*.toml, and prints Markdown; --write
+puts the tables into paper.md, too.
 """
 
 import sys
@@ -22,6 +23,7 @@ from solver.errors import InputError
 
 HERE = Path(__file__).parent
 PUBLISHED = HERE / "buan-published.csv"
+PAGE = HERE / "paper.md"
 STEADY = ("mean", "rms", "std")  # what few realizations settle; extremes they do not
 SLOW = 0.6  # rad/s: between the sway's 0.40 and the waves' 0.70
 
@@ -217,17 +219,35 @@ def refusal() -> str:
     sys.exit("geometric stiffness is no longer refused: move it to the other variants")
 
 
-def main(arguments: list[str]) -> None:
-    """Print everything that studies/paper.md quotes."""
-    results = Path(arguments[0] if arguments else "results")
+def sections(results: Path) -> dict[str, str]:
+    """What studies/paper.md quotes, by the names of its marks."""
     base, rows = opened(results, "buan-paper"), report.published(PUBLISHED)
-    print(*tables(base, rows), sep="\n")
-    print(*variants(base, results, rows), sep="\n")
-    print(refusal())
-    print("\n**Floats whose tops stay dry**\n", dry_tops(base, results, rows), sep="\n")
-    print("**What the paper finds, as ratios**\n", ratios(base, rows, FINDINGS), sep="\n")
-    print("**How far extremes stand out**\n", ratios(base, rows, PEAKS), sep="\n")
-    print("**Slow rotation**\n", slow_rotation(results, rows), sep="\n")
+    return {
+        "tables": "\n".join(tables(base, rows)),
+        "variants": "\n".join([*variants(base, results, rows), refusal()]),
+        "dry tops": "**Floats whose tops stay dry**\n\n" + dry_tops(base, results, rows),
+        "findings": "**What the paper finds, as ratios**\n\n" + ratios(base, rows, FINDINGS),
+        "peaks": "**How far extremes stand out**\n\n" + ratios(base, rows, PEAKS),
+        "slow rotation": "**Slow rotation**\n\n" + slow_rotation(results, rows),
+    }
+
+
+def renewed(page: str, found: dict[str, str]) -> str:
+    """A page with other text between its marks <!-- name --> and <!-- /name -->."""
+    for name, text in found.items():
+        before, rest = page.split(f"<!-- {name} -->\n", 1)
+        _, after = rest.split(f"<!-- /{name} -->", 1)
+        page = f"{before}<!-- {name} -->\n{text.strip()}\n<!-- /{name} -->{after}"
+    return page
+
+
+def main(arguments: list[str]) -> None:
+    """Print everything that studies/paper.md quotes; with --write renew its tables, and the prose is for a reader."""
+    words = [word for word in arguments if word != "--write"]
+    found = sections(Path(words[0] if words else "results"))
+    print(*found.values(), sep="\n\n")
+    if "--write" in arguments:
+        PAGE.write_text(renewed(PAGE.read_text(), found))
 
 
 if __name__ == "__main__":

@@ -74,3 +74,12 @@ def test_every_finding_names_published_numbers():
     known = {(row.variable, row.label, row.statistic) for row in paper.report.published(paper.PUBLISHED)}
     for _, variable, top, bottom in (*paper.FINDINGS, *paper.PEAKS):
         assert {(variable, *top), (variable, *bottom)} <= known
+
+
+def test_the_page_has_a_place_for_every_section_and_keeps_its_prose():
+    names = ("tables", "variants", "dry tops", "findings", "peaks", "slow rotation")
+    page = paper.PAGE.read_text()
+    new = paper.renewed(page, {name: f"new {name}" for name in names})
+    assert all(f"<!-- {name} -->\nnew {name}\n<!-- /{name} -->" in new for name in names)
+    kept = [line for line in page.splitlines() if line.startswith("## ")]
+    assert [line for line in new.splitlines() if line.startswith("## ")] == kept
