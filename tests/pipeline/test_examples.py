@@ -21,7 +21,7 @@ def test_every_study_can_be_planned_without_a_warning(path, tmp_path):
 
 
 def test_sphere_has_the_exact_heave_rao_in_one_run_of_white_noise(tmp_path):
-    """Waves of 0.2 m leave little of the body-nonlinear pressure to be seen; beside the peak 0.5 % bears the lines' spacing."""
+    """Waves of 0.2 m leave little of the body-nonlinear pressure to be seen; 0.5 % also bears the lines' spacing."""
     study = tmp_path / "sphere-waves.toml"
     study.write_text((STUDIES / "sphere-waves.toml").read_text())
     words = ["run", str(study), "--results", str(tmp_path / "r"), "--workers", "1", "--select", "sea_state=noise"]
