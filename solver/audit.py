@@ -113,10 +113,10 @@ def step_error(system: System, probe: Probe) -> float:
     half = replace(system, dt=dt, memory=assembly.memory(system.fit, dt, system.bodies.added_mass.shape[0]))
     fine = np.concatenate([_compared(half, output) for _, output, _ in blocks(half, half.start(), probe.samples)])
     coarse = np.concatenate(probe.motion)
-    return _relative(coarse - fine[1::2], coarse, system.scene.settings.newton_tolerance) * 16 / 15
+    return relative(coarse - fine[1::2], coarse, system.scene.settings.newton_tolerance) * 16 / 15
 
 
-def _relative(difference: np.ndarray, whole: np.ndarray, least: float | np.ndarray = 0.0) -> float:
+def relative(difference: np.ndarray, whole: np.ndarray, least: float | np.ndarray = 0.0) -> float:
     """Largest ratio of root mean squares (m, …), of what is smaller than `least` to that; what is zero has no error."""
     error, scale = (np.sqrt(np.mean(x**2, axis=0)) for x in (difference, whole))
     scale = np.maximum(scale, least)
@@ -134,7 +134,7 @@ def quadrature_error(system: System, probe: Probe) -> float:
     usual, exact = (_joint_loads(body, probe.states) for body in (system.bodies, fine))
     joints = slice(system.structure.carrier.shape[0], None)
     least = s.newton_tolerance * np.abs(np.diag(system.stiffness))[joints]
-    return _relative((usual - exact)[:, joints], (exact - exact.mean(axis=0))[:, joints], least)
+    return relative((usual - exact)[:, joints], (exact - exact.mean(axis=0))[:, joints], least)
 
 
 def _joint_loads(body, states) -> np.ndarray:
@@ -167,7 +167,7 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     exact = _linear_response(system, table, h.excitation(sea.omega))
     fitted = _linear_response(system, system.fit.frequency(sea.omega), h.excitation(sea.omega))
     shifted = _linear_response(system, (1 + shift) * table, h.excitation(sea.omega) + diffraction)
-    return _relative(np.abs(fitted - exact), np.abs(exact)), _relative(np.abs(shifted - exact), np.abs(exact))
+    return relative(np.abs(fitted - exact), np.abs(exact)), relative(np.abs(shifted - exact), np.abs(exact))
 
 
 def _linear_response(system: System, Y: np.ndarray, excitation: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from solver.march import Output
 from solver.scene import Scene
 from solver.spectra import Harmonics
 from solver.statistics import STATISTICS, Envelope, Statistics
-from solver.structure.legs import Legs, at_nodes
+from solver.structure.legs import at_nodes
 from solver.structure.support import Support
 
 FAINT = 1e-3  # a wave below this share of the largest one says nothing of a float
@@ -129,11 +129,3 @@ class Recorder:
             "rao_phase": (dims, np.angle(found)),
             "wave_frequency": (("component",), self.scene.sea.omega),
         }
-
-
-def leg_response(legs: Legs, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement (m, nl, nh, 3) [m] and stress (m, nl, nh) [Pa] of the most compressive fibre."""
-    displacement, ends = legs.response(p)
-    larger = np.where(np.abs(ends[..., 1:, 0]) > np.abs(ends[..., :-1, 1]), ends[..., 1:, 0], ends[..., :-1, 1])
-    stress = np.concatenate([ends[..., :1, 0], larger, ends[..., -1:, 1]], axis=-1)
-    return np.moveaxis(legs.of_all(np.moveaxis(displacement, 2, 1)), 1, 2), stress[:, legs.twin]

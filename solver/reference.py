@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from solver import limits
-from solver.audit import MARGIN, PROBE, coefficient_effects, energy_residual
+from solver.audit import MARGIN, PROBE, coefficient_effects, energy_residual, relative
 from solver.balance import warnings
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.coefficients import Hydrodynamics
@@ -242,8 +242,7 @@ def _errors(case: Case, h: Hydrodynamics | None, motion: np.ndarray, options, to
     half = _case(replace(case.scene, settings=short), h, **options)
     fine = np.concatenate([_compared(output) for _, output, *_ in _blocks(half, _march(half, tolerance))])
     difference, coarse = motion[: len(fine) // 2] - fine[1::2], motion[: len(fine) // 2]
-    size, scale = (np.sqrt(np.mean(x**2, axis=0)) for x in (difference, coarse))
-    step = float(np.max(size[scale > 0] / scale[scale > 0], initial=0.0)) / (1 - 0.5**order)
+    step = relative(difference, coarse) / (1 - 0.5**order)
     memory, mesh = coefficient_effects(case.system, h)
     memory = 0.0 if case.scene.settings.memory == "convolution" else memory
     parts = {"discretization_error": step, "memory_effect": memory, "mesh_effect": mesh}

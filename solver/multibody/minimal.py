@@ -128,20 +128,11 @@ def _spatial_inertia(bodies, b, rotation, M, lever):
 @njit(cache=True)
 def _pressure(bodies, b, motion, field, load):
     """Hydrostatic load, and the incident wave's where it is body-nonlinear."""
+    water = (
+        field[b], bodies.reference[b], bodies.wave_direction, bodies.rho_g, bodies.wheeler, bodies.depth, load,
+    )  # fmt: skip
     if bodies.nonlinear[b] and bodies.meshed[b]:
-        panels_pressure(
-            b,
-            motion.position[b],
-            motion.rotation[b],
-            bodies.panels,
-            field[b],
-            bodies.reference[b],
-            bodies.wave_direction,
-            bodies.rho_g,
-            bodies.wheeler,
-            bodies.depth,
-            load,
-        )
+        panels_pressure(b, motion.position[b], motion.rotation[b], bodies.panels, *water)
         return
     if bodies.nonlinear[b]:
         rule = bodies.rule
@@ -158,18 +149,7 @@ def _pressure(bodies, b, motion, field, load):
             rule.surface_terms,
             rule.room,
         )
-        pressure_load(
-            motion.position[b],
-            motion.rotation[b],
-            own,
-            field[b],
-            bodies.reference[b],
-            bodies.wave_direction,
-            bodies.rho_g,
-            bodies.wheeler,
-            bodies.depth,
-            load,
-        )
+        pressure_load(motion.position[b], motion.rotation[b], own, *water)
         return
     shift, R = np.empty(6), motion.rotation[b]
     for r in range(3):
