@@ -116,14 +116,14 @@ def _polynomial(coefficient, x):
     return y
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _height(patch, u, slope_r, slope_z, along_r, along_z, z0, surface):
     """Height of a meridian point above the instantaneous surface."""
     r, z, _, _, _ = _meridian(patch, u)
     return z0 + slope_r * r + slope_z * z - _polynomial(surface, along_r * r + along_z * z)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _crossing(patch, a, fa, b, fb, slope_r, slope_z, along_r, along_z, z0, surface):
     """u in [a, b] where the meridian meets the surface: false position as Anderson and Björck weigh it."""
     for _ in range(50):
@@ -140,7 +140,7 @@ def _crossing(patch, a, fa, b, fb, slope_r, slope_z, along_r, along_z, z0, surfa
     return u
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(cache=True, fastmath=FAST, inline="always")
 def _rays(rule, rotation, direction):
     """Of each azimuth: the radial direction's x, y, z and its part along the waves, (4, na)."""
     rays = np.empty((4, rule.azimuth.shape[0]))
@@ -151,7 +151,7 @@ def _rays(rule, rotation, direction):
     return rays
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(cache=True, fastmath=FAST, inline="always")
 def _heights(rule, rays, upright, axis_s, z0, surface):
     """Heights above the surface where patches begin, at their middles and at the end, (2 np + 1, na).
 
@@ -174,7 +174,7 @@ def _heights(rule, rays, upright, axis_s, z0, surface):
     return height
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(cache=True, fastmath=FAST, inline="always")
 def surface_series(c, s0, terms):
     """Coefficients of η about s0, from η(s) = Re Σ Cₙ (is)ⁿ: a Taylor shift, `terms` kept."""
     n = c.shape[1]
@@ -191,7 +191,7 @@ def surface_series(c, s0, terms):
     return eta[:kept]
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(cache=True, fastmath=FAST, inline="always")
 def heads(c, s, z, head, imag):
     """head = Re Σ Cₙ (z + is)ⁿ at all points, Horner with the points innermost (SIMD); imag is scratch."""
     n, count = c.shape[1], s.size
@@ -205,7 +205,7 @@ def heads(c, s, z, head, imag):
             head[i] = re
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(cache=True, fastmath=FAST, inline="always")
 def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load):
     """Load (6,) [N, N m] about the hull's reference point, added to `load`.
 

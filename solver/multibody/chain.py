@@ -39,7 +39,7 @@ def rotated(R, v):
     )
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _turn(x, y, z, angle, R):
     """R <- exp(angle [axis]×) R, by Rodrigues' formula."""
     s, c = np.sin(angle), np.cos(angle)
@@ -51,12 +51,12 @@ def _turn(x, y, z, angle, R):
         R[2, j] = d * c + (x * b - y * a) * s + z * along
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def kinematics(chain, reference, y, dy, position, R, J, velocity, bias):
     """Fill position (3,), R (3, 3), J (6, n), velocity (6,) and bias J̇ẏ (6,) of a body.
 
-    reference (3,): the body's reference point at rest; y, dy (n,) coordinates and rates of its
-    axes in order. Velocity and acceleration of the reference point: v = Jẏ, a = Jÿ + J̇ẏ.
+    reference (3,): the body's reference point at rest; y, dy: coordinates and rates, of which the chain
+    says which are its axes'. Velocity and acceleration of the reference point: v = Jẏ, a = Jÿ + J̇ẏ.
     Each axis is a velocity field v(x) = l + e × x, so (l, e) are summed at the origin and taken to the
     reference point at the end; the frame (v, w) that carries an axis turns it at (w × l + v × e, w × e).
     """
@@ -67,19 +67,20 @@ def kinematics(chain, reference, y, dy, position, R, J, velocity, bias):
     wx = wy = wz = vx = vy = vz = 0.0  # spin, and velocity at the origin, of the frame so far
     bx = by = bz = cx = cy = cz = 0.0  # acceleration field at ÿ = 0: at the origin, and of the spin
     for i in range(n):
+        moved, rate = y[chain.coordinate[i]], dy[chain.coordinate[i]]
         ex, ey, ez = rotated(R, chain.direction[i])
         if chain.kind[i] == PRISMATIC:
             J[0, i], J[1, i], J[2, i], J[3, i], J[4, i], J[5, i] = ex, ey, ez, 0.0, 0.0, 0.0
-            sx, sy, sz = sx + ex * y[i], sy + ey * y[i], sz + ez * y[i]
+            sx, sy, sz = sx + ex * moved, sy + ey * moved, sz + ez * moved
         else:
             px, py, pz = rotated(R, chain.point[i])
             ox, oy, oz = px + sx, py + sy, pz + sz
             J[0, i], J[1, i], J[2, i] = cross(ox, oy, oz, ex, ey, ez)
             J[3, i], J[4, i], J[5, i] = ex, ey, ez
-            _turn(ex, ey, ez, y[i], R)
+            _turn(ex, ey, ez, moved, R)
             px, py, pz = rotated(R, chain.point[i])
             sx, sy, sz = ox - px, oy - py, oz - pz
-        lx, ly, lz, ax, ay, az, rate = J[0, i], J[1, i], J[2, i], J[3, i], J[4, i], J[5, i], dy[i]
+        lx, ly, lz, ax, ay, az = J[0, i], J[1, i], J[2, i], J[3, i], J[4, i], J[5, i]
         dx, dy_, dz = cross(wx, wy, wz, lx, ly, lz)
         gx, gy, gz = cross(vx, vy, vz, ax, ay, az)
         hx, hy, hz = cross(wx, wy, wz, ax, ay, az)

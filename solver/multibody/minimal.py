@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from solver.hydrodynamics.froude_krylov import WettedQuadrature, pressure_load
+from solver.hydrodynamics.froude_krylov import FAST, WettedQuadrature, pressure_load
 from solver.hydrodynamics.wetted_panels import WettedPanels, panels_pressure
 from solver.multibody.chain import Chain, cross, kinematics, rotated
 
@@ -80,17 +80,14 @@ def new_motion(bodies):
 def move(bodies, z, dz, motion):
     """Positions, Jacobians and velocities of all bodies from z, dz (nz,)."""
     nr = bodies.active.size
-    y, dy = np.empty(bodies.kind.shape[1]), np.empty(bodies.kind.shape[1])
     for b in range(bodies.axes.size):
         n = bodies.axes[b]
-        for i in range(n):
-            y[i], dy[i] = z[bodies.coordinate[b, i]], dz[bodies.coordinate[b, i]]
         chain = Chain(bodies.kind[b, :n], bodies.direction[b, :n], bodies.point[b, :n], bodies.coordinate[b, :n])
         kinematics(
             chain,
             bodies.reference[b],
-            y,
-            dy,
+            z,
+            dz,
             motion.position[b],
             motion.rotation[b],
             motion.jacobian[b],
@@ -125,14 +122,14 @@ def _spatial_inertia(bodies, b, rotation, M, lever):
         M[3 + i, 3 + i] += m * square
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _pressure(bodies, b, motion, field, load):
     """Hydrostatic load, and the incident wave's where it is body-nonlinear."""
-    water = (
-        field[b], bodies.reference[b], bodies.wave_direction, bodies.rho_g, bodies.wheeler, bodies.depth, load,
-    )  # fmt: skip
     if bodies.nonlinear[b] and bodies.meshed[b]:
-        panels_pressure(b, motion.position[b], motion.rotation[b], bodies.panels, *water)
+        panels_pressure(
+            b, motion.position[b], motion.rotation[b], bodies.panels,
+            field[b], bodies.reference[b], bodies.wave_direction, bodies.rho_g, bodies.wheeler, bodies.depth, load,
+        )  # fmt: skip
         return
     if bodies.nonlinear[b]:
         rule = bodies.rule
@@ -149,7 +146,10 @@ def _pressure(bodies, b, motion, field, load):
             rule.surface_terms,
             rule.room,
         )
-        pressure_load(motion.position[b], motion.rotation[b], own, *water)
+        pressure_load(
+            motion.position[b], motion.rotation[b], own,
+            field[b], bodies.reference[b], bodies.wave_direction, bodies.rho_g, bodies.wheeler, bodies.depth, load,
+        )  # fmt: skip
         return
     shift, R = np.empty(6), motion.rotation[b]
     for r in range(3):
@@ -161,7 +161,7 @@ def _pressure(bodies, b, motion, field, load):
             load[r] -= bodies.stiffness[b, r, c] * shift[c]
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=FAST)
 def pressures(bodies, motion, field, out):
     """Hydrostatic load, and the incident wave's where it is body-nonlinear: out (nb, 6)."""
     out[:] = 0.0
