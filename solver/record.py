@@ -9,8 +9,7 @@ from solver.assembly import Layout
 from solver.march import Output
 from solver.scene import Scene
 from solver.spectra import Harmonics
-from solver.statistics import STATISTICS, Envelope, Statistics
-from solver.structure.legs import at_nodes
+from solver.statistics import STATISTICS, Statistics
 from solver.structure.support import Support
 
 FAINT = 1e-3  # a wave below this share of the largest one says nothing of a float
@@ -40,8 +39,9 @@ class Recorder:
         self.names = [name for f in floats for name in f.motion]
         self.axes = list(dict.fromkeys(self.names))
         self.pto = np.concatenate([np.zeros(0), *(f.per_axis("pto_damping") for f in floats)])
-        self.channels: dict[str, Statistics] = {}
-        self.envelopes = {"displacement_envelope": Envelope(), "stress_envelope": Envelope()}
+        self.statistics = Statistics()
+        self.shapes: dict[str, tuple[int, ...]] = {}  # of the channels, in the order of the statistics
+        self.largest = self.legs.nothing() if self.legs is not None else None
         self.series: dict[str, list[np.ndarray]] = {}
         wanted = scene.settings.rao and floats and scene.sea.amplitude.any()
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
@@ -53,12 +53,12 @@ class Recorder:
         if not inside.any():
             return
         kept = slice(int(inside.argmax()), int(inside.argmax() + inside.sum()))
-        for name, values in self._channels(kept, output, samples):
-            self.channels.setdefault(name, Statistics()).add(values)
-            if s.keep_series:
-                self.series.setdefault(name, []).append(values)
+        channels = dict(self._channels(kept, output, samples))
+        self.shapes = {name: values.shape[1:] for name, values in channels.items()}
+        self.statistics.add(np.concatenate([v.reshape(len(v), -1) for v in channels.values()], axis=1))
         if s.keep_series:
-            self.series.setdefault("time", []).append(times[kept])
+            for name, values in {**channels, "time": times[kept]}.items():
+                self.series.setdefault(name, []).append(values)
         if self.harmonics is not None:
             self.harmonics.add(times[kept], output.z[kept, -self.owner.size :])
 
@@ -76,11 +76,9 @@ class Recorder:
             yield "absorbed_power", (self.pto * rate**2) @ (self.owner[:, None] == np.arange(nb))
             yield "hinge_force", -output.wrench[kept, :, :3]
         if self.legs is not None:
-            displacement, stress = self.legs.response(output.p[kept])
-            yield "top_displacement", self.legs.of_all(displacement[:, :, -1])
-            yield "bottom_stress", stress[:, self.legs.twin, 0, 0]
-            self.envelopes["displacement_envelope"].add(np.einsum("mlhd,mlhd->mlh", displacement, displacement))
-            self.envelopes["stress_envelope"].add(np.abs(stress, out=stress))
+            tops, feet = self.legs.response(output.p[kept], self.largest)
+            yield "top_displacement", tops
+            yield "bottom_stress", feet
 
     def record(self, attrs: Mapping[str, float | str]) -> Record:
         """The record of all blocks."""
@@ -93,8 +91,11 @@ class Recorder:
             "top_displacement": ("leg", "direction"),
             "bottom_stress": ("leg",),
         }
+        ends = np.cumsum([np.prod(shape, dtype=int) for shape in self.shapes.values()])
+        tables = np.split(self.statistics.table(), ends[:-1])
         variables: dict[str, Labelled] = {
-            name: ((*dims[name], "statistic"), channel.table()) for name, channel in self.channels.items()
+            name: ((*dims[name], "statistic"), table.reshape(*shape, -1))
+            for (name, shape), table in zip(self.shapes.items(), tables, strict=True)
         }
         coords = {
             "statistic": np.array(STATISTICS),
@@ -103,16 +104,16 @@ class Recorder:
         }
         if self.legs is not None:
             coords["leg"], coords["height"] = np.arange(1, len(self.legs.twin) + 1), self.legs.height
-            squared, stress = (self.envelopes[f"{name}_envelope"].value for name in ("displacement", "stress"))
-            variables["displacement_envelope"] = ("leg", "height"), np.sqrt(squared)[self.legs.twin]
-            variables["stress_envelope"] = ("leg", "height"), at_nodes(stress)[self.legs.twin]
+            displacement, stress = self.legs.envelopes(self.largest)
+            variables["displacement_envelope"] = ("leg", "height"), displacement
+            variables["stress_envelope"] = ("leg", "height"), stress
         if self.frequencies.size:
             coords["mode"] = np.arange(1, self.frequencies.size + 1)
             variables["natural_frequency"] = (("mode",), self.frequencies)
         if self.harmonics is not None:
             variables |= self._rao(self.harmonics)
             coords["component"] = np.arange(1, self.scene.sea.omega.size + 1)
-        if "motion" in self.channels or self.harmonics is not None:
+        if "motion" in self.shapes or self.harmonics is not None:
             coords["axis"] = np.array(self.axes)
         series = {name: (("time", *dims.get(name, ())), np.concatenate(v)) for name, v in self.series.items()}
         return Record(variables=variables, coords=coords, attrs=attrs, series=series)

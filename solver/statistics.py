@@ -32,16 +32,3 @@ class Statistics:
         """(…, 5) in the order of STATISTICS."""
         variance = self.spread / self.count
         return np.stack([self.high, self.low, self.mean, np.sqrt(self.mean**2 + variance), np.sqrt(variance)], axis=-1)
-
-
-class Envelope:
-    """Largest value of channels over all blocks."""
-
-    def __init__(self) -> None:
-        self.value: np.ndarray | None = None
-
-    def add(self, block: np.ndarray) -> None:
-        """Take in the next samples (m, …)."""
-        if len(block):
-            top = block.max(axis=0)
-            self.value = top if self.value is None else np.maximum(self.value, top)

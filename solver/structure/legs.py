@@ -1,14 +1,23 @@
 """What is put out along the legs: displacements and fibre stresses as linear maps of modal amplitudes."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from solver.errors import InputError
 from solver.structure import recovery, statics, water
 from solver.structure.frame import FrameModel
 
 BENDING = [0, 4, 5]  # N, My, Mz among the section forces
+
+
+class Largest(NamedTuple):
+    """Over all samples so far, of no legs."""
+
+    square: np.ndarray  # (no nh,) of the displacement [m²]
+    stress: np.ndarray  # (no ne 2,) magnitude [Pa]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -18,23 +27,46 @@ class Legs:
     height: np.ndarray  # (nh,) above the leg's foot [m]
     twin: np.ndarray  # (nl,) which of the no legs responds like it, or as its mirror image in y = 0
     mirrored: np.ndarray  # (nl,) bool
-    displacement: np.ndarray  # (nm, no, nh, 3) [m]
-    fibre: np.ndarray  # (3, nm, no, ne, 2) N/A, c My/Iy, c Mz/Iz at both ends of each element [Pa]
-    static_fibre: np.ndarray  # (3, no, ne, 2)
+    displacement: np.ndarray  # (nm, 3, no nh) [m]
+    fibre: np.ndarray  # (nm, 3, no ne 2) N/A, c My/Iy, c Mz/Iz at both ends of each element [Pa]
+    static_fibre: np.ndarray  # (3, no ne 2)
 
-    def response(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacement (m, no, nh, 3) [m], and stress (m, no, ne, 2) [Pa] of the most compressive fibre."""
-        axial, about_y, about_z = (
-            _map(p, shape) + static for shape, static in zip(self.fibre, self.static_fibre, strict=True)
-        )
-        about_y *= about_y
-        about_z *= about_z
-        about_y += about_z
-        return _map(p, self.displacement), axial - np.sqrt(about_y, out=about_y)
+    def nothing(self) -> Largest:
+        """The largest values before the first sample."""
+        return Largest(np.zeros(self.displacement.shape[2]), np.zeros(self.fibre.shape[2]))
 
-    def of_all(self, displacement: np.ndarray) -> np.ndarray:
-        """(…, no, 3) of the legs that are computed -> (…, nl, 3)."""
-        return displacement[..., self.twin, :] * np.where(self.mirrored[:, None], [1.0, -1.0, 1.0], 1.0)
+    def response(self, p: np.ndarray, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement of the tops (m, nl, 3) [m] and stress at the feet (m, nl) [Pa]; updates `largest`.
+
+        The stress is that of the most compressive fibre, σ = N/A - ((c My/Iy)² + (c Mz/Iz)²)^½.
+        """
+        u, fibre = _map(p, self.displacement), _map(p, self.fibre)
+        legs = self.twin.max(initial=-1) + 1
+        feet = np.empty((len(p), legs))
+        _respond(u, fibre, self.static_fibre, feet, *largest)
+        tops = u.reshape(len(p), 3, legs, -1)[..., -1].swapaxes(1, 2)[:, self.twin]
+        return tops * np.where(self.mirrored[:, None], [1.0, -1.0, 1.0], 1.0), feet[:, self.twin]
+
+    def envelopes(self, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement (nl, nh) [m] and stress (nl, nh) [Pa]."""
+        legs = self.twin.max(initial=-1) + 1
+        square, stress = largest.square.reshape(legs, -1), largest.stress.reshape(legs, -1, 2)
+        return np.sqrt(square)[self.twin], at_nodes(stress)[self.twin]
+
+
+@njit(cache=True, fastmath={"contract", "reassoc", "nsz"})
+def _respond(u, fibre, static, feet, square, stress):
+    """Stress at the feet (m, no) and largest values, from displacements and fibres, sample by sample in place."""
+    points = stress.size // feet.shape[1]
+    for i in range(feet.shape[0]):
+        for j in range(square.size):
+            square[j] = max(square[j], u[i, 0, j] ** 2 + u[i, 1, j] ** 2 + u[i, 2, j] ** 2)
+        axial, about_y, about_z = fibre[i, 0], fibre[i, 1], fibre[i, 2]
+        for j in range(stress.size):
+            axial[j] += static[0, j] - np.sqrt((about_y[j] + static[1, j]) ** 2 + (about_z[j] + static[2, j]) ** 2)
+            stress[j] = max(stress[j], abs(axial[j]))
+        for leg in range(feet.shape[1]):
+            feet[i, leg] = axial[leg * points]
 
 
 def at_nodes(ends: np.ndarray) -> np.ndarray:
@@ -69,9 +101,9 @@ def outputs(names, model: FrameModel, sea, at_rest: np.ndarray, shapes: np.ndarr
         height=model.xyz[nodes, 2] - model.xyz[nodes[0], 2],
         twin=twin,
         mirrored=mirrored,
-        displacement=np.ascontiguousarray(np.moveaxis(np.array(displacement)[own], -1, 0)),
-        fibre=np.ascontiguousarray(np.moveaxis(np.array(fibre)[own], (-1, -2), (1, 0))),
-        static_fibre=np.ascontiguousarray(np.moveaxis(np.array(static)[own], -1, 0)),
+        displacement=_innermost(np.array(displacement)[own].transpose(3, 2, 0, 1), 2),
+        fibre=_innermost(np.array(fibre)[own].transpose(4, 3, 0, 1, 2), 2),
+        static_fibre=_innermost(np.array(static)[own].transpose(3, 0, 1, 2), 1),
     )
 
 
@@ -90,6 +122,11 @@ def _alike(displacement: np.ndarray) -> tuple[list[int], np.ndarray, np.ndarray]
             twin[i] = len(own)
             own.append(i)
     return own, twin, mirrored
+
+
+def _innermost(values: np.ndarray, kept: int) -> np.ndarray:
+    """All axes after the first `kept` as one, along memory."""
+    return np.ascontiguousarray(values).reshape(*values.shape[:kept], -1)
 
 
 def _map(p: np.ndarray, shapes: np.ndarray) -> np.ndarray:

@@ -67,14 +67,14 @@ def _dry_frequencies(model: FrameModel) -> np.ndarray:
 
 @lru_cache(maxsize=KNOWN)
 def _kept_modes(model: FrameModel, density: float, planar: bool, count: int | None):
-    """Mass with the water's, and the lowest modes; in a planar scene the symmetric ones."""
+    """Mass with the water's, and the lowest modes; in a planar scene the symmetric ones and the basis of all such."""
     M = model.M + water.added_mass(model, density)
     if not planar:
-        return M, natural.modes(model.K, M, model.free, count)
+        return M, natural.modes(model.K, M, model.free, count), None
     symmetric = natural.symmetric_basis(model)
     if symmetric is None:
         raise InputError("platform.frame", "not symmetric in y = 0", "a planar scene needs a symmetric frame")
-    return M, natural.modes_in(symmetric, model.K, M, count)
+    return M, natural.modes_in(symmetric, model.K, M, count), symmetric
 
 
 def static_load(model: FrameModel, sea: Water) -> np.ndarray:
@@ -99,11 +99,11 @@ def prepare(
     """Reduce a platform for one sea. hinge_nodes: node names in the order of the floats."""
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
-    M, kept = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
+    M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
     at = water.stations(model, 4)  # once a task, so exact is free
     inertia_rows = _inertia_rows(platform, at, field, sea)
     nodal = _nodal_load(model, at, inertia_rows)
-    omega, shapes = kept if modes == "all" else _basis(model, M, kept, dof.ravel(), nodal)
+    omega, shapes = kept if modes == "all" else _basis(model, M, kept, symmetric, dof.ravel(), nodal)
     station_shape, station_rows, drag = _drag(model, field, sea, shapes, stations, planar)
     return Support(
         dry_omega=_dry_frequencies(model),
@@ -138,7 +138,7 @@ def _nodal_load(model, at, rows):
     return load
 
 
-def _basis(model, M, kept, hinge_dof, nodal):
+def _basis(model, M, kept, symmetric, hinge_dof, nodal):
     """Ritz frequencies and shapes (6n, nm), mass-normalised with M."""
     unit = np.zeros((len(nodal), hinge_dof.size))
     unit[hinge_dof, np.arange(hinge_dof.size)] = 1.0
@@ -147,6 +147,8 @@ def _basis(model, M, kept, hinge_dof, nodal):
     load = np.concatenate([unit, left[:, sizes > PATTERN * sizes[0]]], axis=1)
     # Only what the kept modes lack: without this the large common part would hide the rest.
     whole, rest = statics.static(model, load), natural.static_remainder(model, kept, load)
+    if symmetric is not None:
+        rest = symmetric @ (symmetric.T @ rest)  # rounding of the difference is not, and legs would differ by it
     size = np.sqrt(np.einsum("ij,ij->j", rest, M @ rest))
     new = size > 1e-9 * np.sqrt(np.einsum("ij,ij->j", whole, M @ whole))
     rest = rest[:, new] / size[new]
