@@ -121,10 +121,10 @@ class Settings:
     time_step: float = 0.15  # [s]; samples are half a step apart
     modes: int | Literal["all"] = 6  # lowest modes kept, besides static load shapes
     azimuths: int = 12  # of the wetted-surface quadrature, full circle
-    arc_points: int = 8
-    line_points: int = 4
+    arc_points: int = 6
+    line_points: int = 3
     panel_size: float = 0.5  # longest side of a mesh's triangles, of the hull's size and of 1/k of the mean wave
-    field_tolerance: float = 1e-5  # of the local wave field, relative to the sum of amplitudes
+    field_tolerance: float = 1e-4  # of the local wave field, relative to the sum of amplitudes
     memory_tolerance: float = 5e-3  # of the radiation memory's fit
     stations_per_element: int = 2  # drag
     # Pressure above still water. Wheeler's vanishes at the surface and agrees with published

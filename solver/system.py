@@ -55,7 +55,8 @@ class System:
         p = self.structure.carrier.T @ carried / self.structure.omega**2 if nm else np.zeros(0)
         z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
         z[:nc] = self.structure.carrier @ p
-        first = self.drive(self.series(self.dt, 1).block(0, 1))
+        s = self.scene.settings
+        first = self.drive(self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form))
         ddp, ddz, load = _initial_acceleration(self, z, p, first)
         return State(
             z=z[nc:],

@@ -24,11 +24,11 @@ KNOBS = {
     "modes": [2, 6, 12, "all"],
     "stations_per_element": [1, 2, 3],
     "azimuths": [8, 12, 16, 32],
-    "arc_points": [4, 6, 8, 12],
-    "line_points": [2, 4, 6],
+    "arc_points": [3, 4, 6, 8, 12],
+    "line_points": [1, 2, 3, 6],
     "field_tolerance": [1e-2, 1e-3, 1e-4, 1e-5, 1e-8],
     "newton_tolerance": [1e-4, 1e-5, 1e-6, 1e-8],
-    "memory_tolerance": [3e-2, 1e-2, 3e-3, 1e-3],
+    "memory_tolerance": [3e-2, 1e-2, 5e-3, 3e-3, 1e-3],
 }
 PANELS = [192, 300, 432, 768]  # a body
 FREQUENCIES = [20, 40, 60]  # of a body alone; see bem.frequency_grid

@@ -99,9 +99,15 @@ def pressure_pair() -> tuple[float, float, float]:
     fast, slow = np.zeros(6), np.zeros(6)
     pressure_load(position, turned, *at, fast)
     panel_load(position, turned, mesh, waves, body.rho_g, False, slow)
-    quick, load = each(pressure_load, position, turned, *at, np.zeros(6)), np.zeros(6)
+    quick, load = each(_one_load, position, turned, *at, np.zeros(6)), np.zeros(6)
     paper = median(lambda: panel_load(position, turned, mesh, waves, body.rho_g, False, load), 7) * 1e6
     return quick, paper, float(np.abs(fast - slow).max() / np.abs(fast).max())
+
+
+@njit
+def _one_load(position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load):
+    """`pressure_load` is inlined where it is called, and `each` can only call what is not."""
+    pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load)
 
 
 def memory_fit() -> float:
