@@ -7,7 +7,7 @@ import numpy as np
 from solver.simulate import simulate
 from studies.benchmark.case import coefficients, scene, with_settings
 
-SECONDS = 12.0  # simulated, after a ramp of a third of that
+SECONDS = 60.0  # simulated, with a ramp of a third of that
 
 
 class Beside(NamedTuple):
