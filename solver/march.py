@@ -11,8 +11,8 @@ and however stiff; the radiation memory is exact for velocities quadratic in tim
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from solver.kernels import fast_kernel, kernel
 from solver.multibody.minimal import (
     loads,
     mass_matrix,
@@ -93,7 +93,7 @@ class Output(NamedTuple):
     wrench: np.ndarray  # (m, nb, 6) load of each float on its hinge node's side [N, N m]
 
 
-@njit(cache=True)
+@kernel
 def _factor(K, pivot):
     """LU factors of K in place, rows exchanged; False when singular."""
     n = K.shape[0]
@@ -117,7 +117,7 @@ def _factor(K, pivot):
     return True
 
 
-@njit(cache=True)
+@kernel
 def _substitute(K, pivot, b):
     """b <- K⁻¹ b with the factors of `_factor`."""
     n = K.shape[0]
@@ -134,7 +134,7 @@ def _substitute(K, pivot, b):
         b[k] /= K[k, k]
 
 
-@njit(cache=True, fastmath={"contract", "reassoc", "nsz"})
+@fast_kernel
 def _drag(structure, water, dp, force, flow):
     """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame.
 
@@ -166,7 +166,7 @@ def _drag(structure, water, dp, force, flow):
     return power
 
 
-@njit(cache=True)
+@kernel
 def flexibility(structure, dt):
     """D⁻¹ (nm, 2, 2) of each mode's stages and H (2, nc, 2, nc) of the carriers.
 
@@ -189,7 +189,7 @@ def flexibility(structure, dt):
     return inverse, H
 
 
-@njit(cache=True)
+@kernel
 def _constant_part(bodies, memory, stiffness, dt, constant):
     """Stage loads from stage accelerations (2nz, 2nz) of all but the mass, at rest.
 
@@ -214,7 +214,7 @@ def _constant_part(bodies, memory, stiffness, dt, constant):
                 constant[s * nz + i, l * nz + i] += dt * A[s, l] * (bodies.pto[i] + bodies.damping[i])
 
 
-@njit(cache=True)
+@kernel
 def _newton_matrix(bodies, motion, H, constant, M, Z, K):
     """Z (2nz, 2nz): stage loads from stage accelerations; K: Newton's matrix with the frame."""
     nz, nc = bodies.damping.size, H.shape[1]
@@ -237,7 +237,7 @@ def _newton_matrix(bodies, motion, H, constant, M, Z, K):
             K[row, row] += 1.0
 
 
-@njit(cache=True)
+@kernel
 def _memory_loads(memory, history, velocity, out):
     """Memory load (2, na) at both stages: history plus the stages' own velocities (2, na)."""
     for s in range(2):
@@ -249,7 +249,7 @@ def _memory_loads(memory, history, velocity, out):
             out[s, i] = total
 
 
-@njit(cache=True)
+@kernel
 def _memory_history(memory, state, velocity, history):
     """Load (2, na) at the stages from the memory so far and the velocity at the step's start."""
     history[:] = 0.0
@@ -261,7 +261,7 @@ def _memory_history(memory, state, velocity, history):
                     history[s, i] += (memory.residue[q, i, k] * r).real
 
 
-@njit(cache=True)
+@kernel
 def _remember(memory, state, start, stages):
     """Memory states at the step's end from velocities at its three points."""
     for q in range(memory.residue.shape[0]):
@@ -274,7 +274,7 @@ def _remember(memory, state, start, stages):
             )
 
 
-@njit(cache=True)
+@kernel
 def _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z, dz, ddz):
     """Stage values of modes, carriers and joints from modal loads and joint accelerations.
 
@@ -307,7 +307,7 @@ def _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z,
     return change
 
 
-@njit(cache=True)
+@kernel
 def _carry(structure, amplitude, out):
     """out[:nc] = carrier coordinates of modal amplitudes (nm,)."""
     nc, nm = structure.carrier.shape
@@ -318,7 +318,7 @@ def _carry(structure, amplitude, out):
         out[i] = total
 
 
-@njit(cache=True)
+@kernel
 def _predict(structure, state, modal, sample, dt, known, force, ddz):
     """What is known of the stages' modal loads, and the rest extrapolated from the last step.
 
@@ -336,7 +336,7 @@ def _predict(structure, state, modal, sample, dt, known, force, ddz):
             ddz[s, nc + i] = a * state.ddz[0, i] + b * state.ddz[1, i] + c * state.ddz[2, i]
 
 
-@njit(cache=True)
+@kernel
 def _newton_side(structure, inverse, known, drag, residual, ddz, side):
     """Newton's right-hand side (2nz,).
 
@@ -358,7 +358,7 @@ def _newton_side(structure, inverse, known, drag, residual, ddz, side):
             side[nz + i] += structure.carrier[i, m] * a1
 
 
-@njit(cache=True)
+@kernel
 def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, iterations, output):
     """Advance `state` through all samples of `drive`; return (outcome, sample, iterations used).
 
@@ -407,7 +407,11 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
                 velocity[s] = stage[s].active_velocity
             _memory_loads(memory, history, velocity, load)
             # What is dear and varies slowly is computed once a step, as a rule.
-            if spent == 1 or nz == 0 or np.abs(z - anchor).max() > NEAR * tolerance:
+            moved = 0.0
+            for s in range(2):
+                for i in range(nz):
+                    moved = max(moved, abs(z[s, i] - anchor[s, i]))
+            if spent == 1 or nz == 0 or moved > NEAR * tolerance:
                 anchor[:] = z
                 drag[:] = 0.0
                 for s in range(2):
@@ -479,7 +483,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
     return OK, 2 * steps, used
 
 
-@njit(cache=True)
+@kernel
 def energy(bodies, structure, state):
     """Stored energy [J] of floats and modes, radiation memory excluded."""
     nc, nm = structure.carrier.shape

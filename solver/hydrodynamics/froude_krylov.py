@@ -8,13 +8,9 @@ it meets the instantaneous surface and Gauss points are put on its wetted parts 
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from solver.hydrodynamics.hull import Revolution
-
-# Reassociating a sum of ~100 terms moves the last bits only; it lets the compiler use SIMD.
-FAST = {"contract", "reassoc", "nsz"}
-
+from solver.kernels import fast_kernel, kernel
 
 # The pressure vanishes at the surface, so a cut that misses it by so much [m] costs the square of that.
 NEAR = 1e-6
@@ -27,7 +23,7 @@ class WettedQuadrature(NamedTuple):
     arcs (1, zc, R, sin φm, cos φm, tm, 0): φ = φm + 2 atan(tm u), r = R sin φ, z = zc - R cos φ.
     whole (np, g, 5): r, z, n_r, n_z and area at the Gauss points of a patch that is wet from end to end.
     azimuth (na, 2): cos ψ, sin ψ; weight dψ. Points and weights of Gauss rules for arc and line.
-    room (11, points) is scratch: allocating it anew would take a quarter of the time.
+    room (11, points) and sides (2 np + 7, na) are scratch: allocating them anew would take a third of the time.
     """
 
     patch: np.ndarray
@@ -41,6 +37,7 @@ class WettedQuadrature(NamedTuple):
     half: bool
     surface_terms: int
     room: np.ndarray
+    sides: np.ndarray
 
 
 def quadrature(
@@ -81,6 +78,7 @@ def quadrature(
         half=half,
         surface_terms=surface_terms,
         room=np.empty((11, count * len(patch) * 2 * max(arc_points, line_points))),
+        sides=np.empty((2 * len(patch) + 7, count)),
     )
 
 
@@ -93,7 +91,7 @@ def _whole(patch, arc, line, dpsi):
     return table
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _meridian(patch, u):
     """(r, z, n_r, n_z, ds/du) of a patch at u."""
     if patch[0] == 0:
@@ -108,7 +106,7 @@ def _meridian(patch, u):
     return R * sin_phi, patch[1] - R * cos_phi, sin_phi, -cos_phi, R * 2.0 * patch[5] * q
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _polynomial(coefficient, x):
     y = 0.0
     for n in range(coefficient.size - 1, -1, -1):
@@ -116,14 +114,14 @@ def _polynomial(coefficient, x):
     return y
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _height(patch, u, slope_r, slope_z, along_r, along_z, z0, surface):
     """Height of a meridian point above the instantaneous surface."""
     r, z, _, _, _ = _meridian(patch, u)
     return z0 + slope_r * r + slope_z * z - _polynomial(surface, along_r * r + along_z * z)
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _crossing(patch, a, fa, b, fb, slope_r, slope_z, along_r, along_z, z0, surface):
     """u in [a, b] where the meridian meets the surface: false position as Anderson and Björck weigh it."""
     for _ in range(50):
@@ -140,10 +138,10 @@ def _crossing(patch, a, fa, b, fb, slope_r, slope_z, along_r, along_z, z0, surfa
     return u
 
 
-@njit(cache=True, fastmath=FAST, inline="always")
+@fast_kernel(inline="always")
 def _rays(rule, rotation, direction):
     """Of each azimuth: the radial direction's x, y, z and its part along the waves, (4, na)."""
-    rays = np.empty((4, rule.azimuth.shape[0]))
+    rays = rule.sides[:4]
     for j in range(rule.azimuth.shape[0]):
         for r in range(3):
             rays[r, j] = rule.azimuth[j, 0] * rotation[r, 0] + rule.azimuth[j, 1] * rotation[r, 1]
@@ -151,14 +149,14 @@ def _rays(rule, rotation, direction):
     return rays
 
 
-@njit(cache=True, fastmath=FAST, inline="always")
+@fast_kernel(inline="always")
 def _heights(rule, rays, upright, axis_s, z0, surface):
     """Heights above the surface where patches begin, at their middles and at the end, (2 np + 1, na).
 
     All azimuths of a point innermost (SIMD). upright, axis_s: the hull's axis upwards and along the waves.
     """
     patches, na = rule.patch.shape[0], rays.shape[1]
-    height, s, eta = np.empty((2 * patches + 1, na)), np.empty(na), np.empty(na)
+    s, eta, height = rule.sides[4], rule.sides[5], rule.sides[6:]
     for i in range(2 * patches + 1):
         last = i == 2 * patches
         r, z, _, _, _ = _meridian(rule.patch[patches - 1 if last else i // 2], 1.0 if last else i % 2 - 1.0)
@@ -174,7 +172,7 @@ def _heights(rule, rays, upright, axis_s, z0, surface):
     return height
 
 
-@njit(cache=True, fastmath=FAST, inline="always")
+@fast_kernel(inline="always")
 def surface_series(c, s0, terms):
     """Coefficients of η about s0, from η(s) = Re Σ Cₙ (is)ⁿ: a Taylor shift, `terms` kept."""
     n = c.shape[1]
@@ -191,7 +189,7 @@ def surface_series(c, s0, terms):
     return eta[:kept]
 
 
-@njit(cache=True, fastmath=FAST, inline="always")
+@fast_kernel(inline="always")
 def heads(c, s, z, head, imag):
     """head = Re Σ Cₙ (z + is)ⁿ at all points, Horner with the points innermost (SIMD); imag is scratch."""
     n, count = c.shape[1], s.size
@@ -205,7 +203,7 @@ def heads(c, s, z, head, imag):
             head[i] = re
 
 
-@njit(cache=True, fastmath=FAST, inline="always")
+@fast_kernel(inline="always")
 def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load):
     """Load (6,) [N, N m] about the hull's reference point, added to `load`.
 

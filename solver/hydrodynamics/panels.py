@@ -9,10 +9,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import Revolution
+from solver.kernels import fast_kernel, kernel
 
 
 class Mesh(NamedTuple):
@@ -138,10 +138,7 @@ def half(mesh: Mesh) -> Mesh | None:
 
 # Sines and exponentials without branches or calls, so that the sum over components runs four wide: as
 # accurate as the library's to 1e-14 of the sum of amplitudes, and several times faster.
-FAST = {"reassoc", "contract", "nsz", "arcp"}
-
-
-@njit(cache=True, fastmath=FAST)
+@fast_kernel
 def _turn(x):
     """cos x, sin x: a quarter of x mod 2π by Taylor's series, its angle doubled twice."""
     r = (x - 2 * np.pi * np.floor(x * (0.5 / np.pi) + 0.5)) / 4
@@ -154,7 +151,7 @@ def _turn(x):
     return c * c - s * s, 2 * s * c
 
 
-@njit(cache=True, fastmath=FAST)
+@fast_kernel
 def _rise(x):
     """exp x for x < 64, and at least e^-64: a 64th of x by Taylor's series, squared six times."""
     x = max(x, -64.0) / 64
@@ -168,7 +165,7 @@ def _rise(x):
     return p * p
 
 
-@njit(cache=True, fastmath=FAST)
+@fast_kernel
 def _elevation(waves, s):
     total, k, real, imag = 0.0, waves.k, waves.a[0], waves.a[1]
     for i in range(k.size):
@@ -177,7 +174,7 @@ def _elevation(waves, s):
     return total
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")  # a check for zero would be a branch
+@fast_kernel
 def _head(waves, s, z):
     """Dynamic head p/ρg [m] of all components: Re Σ a cosh k(z+h)/cosh kh exp(iks), eq. 11."""
     total, k, real, imag, share, image = 0.0, waves.k, waves.a[0], waves.a[1], waves.share[0], waves.share[1]
@@ -188,7 +185,7 @@ def _head(waves, s, z):
     return total
 
 
-@njit(cache=True)
+@kernel
 def _clip(corners, height, polygon):
     """The part of a face (4, 3) whose heights (4,) above the surface are below 0; number of its corners."""
     count = 0
@@ -204,7 +201,7 @@ def _clip(corners, height, polygon):
     return count
 
 
-@njit(cache=True)
+@kernel
 def _add_force(point, origin, fx, fy, fz, load):
     x, y, z = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
     load[0] += fx
@@ -215,7 +212,7 @@ def _add_force(point, origin, fx, fy, fz, load):
     load[5] += x * fy - y * fx
 
 
-@njit(cache=True)
+@kernel
 def _hydrostatic(a, b, c, origin, rho_g, area, load):
     """-∫ p n dS, p = -ρgz, on a triangle of outward area (3,): edge midpoints are exact for z times lever."""
     middle = np.empty(3)
@@ -227,7 +224,7 @@ def _hydrostatic(a, b, c, origin, rho_g, area, load):
         _add_force(middle, origin, f * area[0], f * area[1], f * area[2], load)
 
 
-@njit(cache=True)
+@kernel
 def _panel(polygon, count, origin, rho_g, waves, wheeler, load):
     """Load of one wetted polygon: hydrostatic by triangles, the wave's head at the centroid."""
     total, centroid, size = np.zeros(3), np.zeros(3), 0.0
@@ -257,7 +254,7 @@ def _panel(polygon, count, origin, rho_g, waves, wheeler, load):
     _add_force(centroid, origin, -p * total[0], -p * total[1], -p * total[2], load)
 
 
-@njit(cache=True)
+@kernel
 def panel_load(position, rotation, mesh, waves, rho_g, wheeler, load):
     """Load (6,) [N, N m] about the reference point at `position` (3,), added to `load`.
 

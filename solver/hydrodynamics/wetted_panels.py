@@ -9,11 +9,11 @@ order in the panels' size for waves.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from solver.hydrodynamics import surface
-from solver.hydrodynamics.froude_krylov import FAST, heads, surface_series
+from solver.hydrodynamics.froude_krylov import heads, surface_series
 from solver.hydrodynamics.panel_hull import PanelHull
+from solver.kernels import fast_kernel
 from solver.sea.field import WaveField
 
 
@@ -76,7 +76,7 @@ def _triangles(hull: PanelHull, size: float, half: bool) -> tuple[np.ndarray, np
     return vertices, place.reshape(-1, 3)
 
 
-@njit(cache=True, fastmath=FAST)
+@fast_kernel
 def _levels(rule, first, last, along, up, z0, series):
     """Fill rule.nodes: s from the reference point, z, and height above the surface, of vertices first to last."""
     s, z, height = rule.nodes[0], rule.nodes[1], rule.nodes[2]
@@ -92,7 +92,7 @@ def _levels(rule, first, last, along, up, z0, series):
         height[v] = z[v] - height[v]
 
 
-@njit(cache=True, fastmath=FAST)
+@fast_kernel
 def _add_piece(rule, count, triangle, share, p, q, r):
     """One wet piece with corners p, q, r (5,): body coordinates, s and z."""
     rule.pieces[0, count], rule.pieces[1, count] = triangle, share
@@ -102,7 +102,7 @@ def _add_piece(rule, count, triangle, share, p, q, r):
         rule.points[k, 3 * count + 2] = (r[k] + p[k]) / 2
 
 
-@njit(cache=True, fastmath=FAST)
+@fast_kernel
 def _between(p, hp, q, hq, out):
     """Where the side from p to q meets the surface, heights of either sign; its share of the side."""
     share = hp / (hp - hq)
@@ -111,7 +111,7 @@ def _between(p, hp, q, hq, out):
     return share
 
 
-@njit(cache=True, fastmath=FAST)
+@fast_kernel
 def _wet_pieces(rule, first, last):
     """Fill rule.points and rule.pieces with the wet parts of triangles first to last; their number."""
     height = rule.nodes[2]
@@ -147,7 +147,7 @@ def _wet_pieces(rule, first, last):
     return count
 
 
-@njit(cache=True, fastmath=FAST)
+@fast_kernel
 def _summed(rule, count, total):
     """Force and moment (6,) per ρg in body coordinates: pressure heads at the points times n dS / 3."""
     x, y, z = rule.points[0], rule.points[1], rule.points[2]
@@ -170,7 +170,7 @@ def _summed(rule, count, total):
         total[5] += mx * ay - my * ax
 
 
-@njit(cache=True, fastmath=FAST)
+@fast_kernel
 def panels_pressure(b, position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load):
     """Load (6,) [N, N m] about the reference point of hull b, added to `load`; see froude_krylov.pressure_load."""
     s0 = (position[0] - centre[0]) * direction[0] + (position[1] - centre[1]) * direction[1]

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numba import njit
 from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from solver.errors import InputError
+from solver.kernels import kernel
 from solver.multibody.joints import Equations, Frames, constraints, equations, row_count
 
 SPARSE = 250  # unknowns from which a sparse factorization is faster
@@ -122,7 +122,7 @@ def mechanism(bodies, joints, supports: Frames, *, gravity, added_mass=None) -> 
     return system, start._replace(multiplier=np.zeros(row_count(rows)))
 
 
-@njit(cache=True)
+@kernel
 def rotation_of(q):
     """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
     R = np.empty((len(q), 3, 3))
@@ -134,7 +134,7 @@ def rotation_of(q):
     return R
 
 
-@njit(cache=True)
+@kernel
 def spin(w, q):
     """Quaternion product (0, w) q (n, 4) of vectors (n, 3) in world axes; half of it is q̇."""
     out = np.empty_like(q)
@@ -155,7 +155,7 @@ def all_frames(state: State, supports: Frames) -> Frames:
 NO_SUPPORTS = Frames(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 6)), np.zeros((0, 6)))
 
 
-@njit(cache=True)
+@kernel
 def inertia_and_bias(system, frames, M, Q):
     """M (6 nb, 6 nb) about the origins in world axes, and gravity less gyroscopic load Q (6 nb,)."""
     M[:] = system.added_mass

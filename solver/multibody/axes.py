@@ -8,7 +8,8 @@ axes before it have moved, and all pass through the hinge point.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from solver.kernels import kernel
 
 ITERATIONS = 50  # of Newton's method for the ways; two or three suffice from those of the last stage
 
@@ -30,7 +31,7 @@ class Node(NamedTuple):
     acceleration: np.ndarray
 
 
-@njit(cache=True)
+@kernel
 def _turned(axis, angle):
     """Rotation by an angle about a unit axis: Rodrigues' formula."""
     x, y, z = axis
@@ -38,7 +39,7 @@ def _turned(axis, angle):
     return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * (K @ K)
 
 
-@njit(cache=True)
+@kernel
 def follow(axes, node, y, dy):
     """Position (3,) and rotation (3, 3) of the body at ways y (n,) and rates dy, its motion (6, n) for
     unit rates, and its acceleration (6,) for steady ones: a = J ÿ + c.
@@ -68,7 +69,7 @@ def follow(axes, node, y, dy):
     return at + arm, R, J, c
 
 
-@njit(cache=True)
+@kernel
 def ways(axes, node, position, rotation, start):
     """Ways y (n,) at which the body stands at `position` and `rotation`, from a guess nearby."""
     y, zero = start.copy(), np.zeros(len(start))
@@ -85,14 +86,14 @@ def ways(axes, node, position, rotation, start):
     return y
 
 
-@njit(cache=True)
+@kernel
 def carried(node, position):
     """Velocity (6,) of a point that moves with the support."""
     w = node.velocity[3:]
     return np.concatenate((node.velocity[:3] + np.cross(w, position - node.position), w))
 
 
-@njit(cache=True)
+@kernel
 def state(axes, node, position, rotation, velocity, start):
     """Ways and rates (n,), P (n, 6) = (JᵀJ)⁻¹Jᵀ and c (6,).
 

@@ -9,7 +9,8 @@ planar scene). Positions, Jacobian and bias are exact for any angle.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from solver.kernels import kernel
 
 PRISMATIC, REVOLUTE = 0, 1
 
@@ -23,13 +24,13 @@ class Chain(NamedTuple):
     coordinate: np.ndarray
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def cross(ax, ay, az, bx, by, bz):
     """a × b."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def rotated(R, v):
     """R v."""
     return (
@@ -39,7 +40,7 @@ def rotated(R, v):
     )
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _turn(x, y, z, angle, R):
     """R <- exp(angle [axis]×) R, by Rodrigues' formula."""
     s, c = np.sin(angle), np.cos(angle)
@@ -51,7 +52,7 @@ def _turn(x, y, z, angle, R):
         R[2, j] = d * c + (x * b - y * a) * s + z * along
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def kinematics(chain, reference, y, dy, position, R, J, velocity, bias):
     """Fill position (3,), R (3, 3), J (6, n), velocity (6,) and bias J̇ẏ (6,) of a body.
 

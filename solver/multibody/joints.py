@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from solver.errors import InputError
+from solver.kernels import kernel
 
 POINT, SQUARE, PLANE = 0, 1, 2
 GROUND = -1  # frames are numbered: bodies, supports, and the ground as the last
@@ -169,17 +169,17 @@ def across(axis: np.ndarray) -> np.ndarray:
     return np.array([one, np.cross(axis, one)])
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _cross(a, b):
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True)
+@kernel
 def _point_rows(J, row, column, sign, lever):
     """± [I, -s̃] of x + s."""
     x, y, z = sign * lever[0], sign * lever[1], sign * lever[2]
@@ -193,7 +193,7 @@ def _point_rows(J, row, column, sign, lever):
     J[row + 2, column + 4] -= x
 
 
-@njit(cache=True)
+@kernel
 def constraints(e, frames, C, J, bias):
     """Fill C (m,), its Jacobian J (m, 6 nf) over all frames, and bias (m,) = J̇ v.
 
@@ -235,7 +235,7 @@ def constraints(e, frames, C, J, bias):
         J[row, 6 * i + 3 : 6 * i + 6] += _cross(a, gap) - _cross(si, a)
 
 
-@njit(cache=True)
+@kernel
 def joint_loads(e, frames, J, multiplier, load):
     """Fill load (nj, 6) of each joint on its second frame, moment about the joint's point there: eq. 3."""
     load[:] = 0.0

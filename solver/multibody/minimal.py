@@ -9,10 +9,10 @@ the load that the float puts on its support. -W is the hinge's load on the float
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from solver.hydrodynamics.froude_krylov import FAST, WettedQuadrature, pressure_load
+from solver.hydrodynamics.froude_krylov import WettedQuadrature, pressure_load
 from solver.hydrodynamics.wetted_panels import WettedPanels, panels_pressure
+from solver.kernels import fast_kernel, kernel
 from solver.multibody.chain import Chain, cross, kinematics, rotated
 
 
@@ -62,7 +62,7 @@ class Motion(NamedTuple):
     active_velocity: np.ndarray  # (nb nr,)
 
 
-@njit(cache=True)
+@kernel
 def new_motion(bodies):
     nb, n = bodies.kind.shape
     return Motion(
@@ -76,7 +76,7 @@ def new_motion(bodies):
     )
 
 
-@njit(cache=True)
+@kernel
 def move(bodies, z, dz, motion):
     """Positions, Jacobians and velocities of all bodies from z, dz (nz,)."""
     nr = bodies.active.size
@@ -98,7 +98,7 @@ def move(bodies, z, dz, motion):
             motion.active_velocity[b * nr + r] = motion.velocity[b, bodies.active[r]]
 
 
-@njit(cache=True)
+@kernel
 def _spatial_inertia(bodies, b, rotation, M, lever):
     """M (6, 6) about the reference point in world axes; lever (3,) to the c.o.g."""
     m, own = bodies.mass[b], bodies.inertia[b]
@@ -122,7 +122,7 @@ def _spatial_inertia(bodies, b, rotation, M, lever):
         M[3 + i, 3 + i] += m * square
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _pressure(bodies, b, motion, field, load):
     """Hydrostatic load, and the incident wave's where it is body-nonlinear."""
     if bodies.nonlinear[b] and bodies.meshed[b]:
@@ -145,6 +145,7 @@ def _pressure(bodies, b, motion, field, load):
             rule.half,
             rule.surface_terms,
             rule.room,
+            rule.sides,
         )
         pressure_load(
             motion.position[b], motion.rotation[b], own,
@@ -161,7 +162,7 @@ def _pressure(bodies, b, motion, field, load):
             load[r] -= bodies.stiffness[b, r, c] * shift[c]
 
 
-@njit(cache=True, fastmath=FAST)
+@fast_kernel
 def pressures(bodies, motion, field, out):
     """Hydrostatic load, and the incident wave's where it is body-nonlinear: out (nb, 6)."""
     out[:] = 0.0
@@ -169,7 +170,7 @@ def pressures(bodies, motion, field, out):
         _pressure(bodies, b, motion, field, out[b])
 
 
-@njit(cache=True)
+@kernel
 def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, residual, wrench, power):
     """Residual JᵀW (nz,) of the equations of motion, W (nb, 6), powers (4,) [W].
 
@@ -219,7 +220,7 @@ def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, resid
         power[3] += other * dz[i]
 
 
-@njit(cache=True)
+@kernel
 def _weight_and_inertia(bodies, b, motion, W):
     """W += weight and d'Alembert's loads about the reference point, by Newton and Euler at the c.o.g."""
     R, own, a = motion.rotation[b], bodies.inertia[b], motion.acceleration[b]
@@ -246,7 +247,7 @@ def _weight_and_inertia(bodies, b, motion, W):
     W[5] += mz - lz
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _into_body(R, x, y, z):
     return (
         R[0, 0] * x + R[1, 0] * y + R[2, 0] * z,
@@ -255,7 +256,7 @@ def _into_body(R, x, y, z):
     )
 
 
-@njit(cache=True)
+@kernel
 def mass_matrix(bodies, motion, M):
     """M (nz, nz) of the floats with the added mass at infinite frequency."""
     nb, nr = bodies.axes.size, bodies.active.size
@@ -275,7 +276,7 @@ def mass_matrix(bodies, motion, M):
         M[i, i] += bodies.mechanism[i]
 
 
-@njit(cache=True)
+@kernel
 def _project(bodies, motion, b, c, X, M):
     """M += J_bᵀ X J_c for X (6, 6)."""
     for j in range(bodies.axes[c]):
@@ -290,7 +291,7 @@ def _project(bodies, motion, b, c, X, M):
             M[bodies.coordinate[b, i], bodies.coordinate[c, j]] += total
 
 
-@njit(cache=True)
+@kernel
 def project_active(bodies, motion, X, M):
     """M (nz, nz) = Jᵀ X J for X (nb nr, nb nr) over the active DOF of all bodies."""
     nr = bodies.active.size
@@ -304,7 +305,7 @@ def project_active(bodies, motion, X, M):
             _project(bodies, motion, b, c, block, M)
 
 
-@njit(cache=True)
+@kernel
 def stored_energy(bodies, z, dz, motion):
     """Kinetic (added mass included), gravitational and spring energy [J]."""
     M, lever, energy = np.empty((6, 6)), np.empty(3), 0.0

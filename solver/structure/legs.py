@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from solver.errors import InputError
+from solver.kernels import fast_kernel
 from solver.structure import recovery, statics, water
 from solver.structure.frame import FrameModel
 
@@ -54,7 +54,7 @@ class Legs:
         return np.sqrt(square)[self.twin], at_nodes(stress)[self.twin]
 
 
-@njit(cache=True, fastmath={"contract", "reassoc", "nsz"})
+@fast_kernel
 def _respond(u, fibre, static, feet, square, stress):
     """Stress at the feet (m, no) and largest values, from displacements and fibres, sample by sample in place."""
     points = stress.size // feet.shape[1]
