@@ -244,12 +244,16 @@ def _initial_acceleration(system: System, z, p, first: Drive):
     return ddp, ddz, ddp + frame.omega**2 * p - first.modal[0]
 
 
-def blocks(system: System, state: State, steps: int):
-    """March `steps` steps, yielding (wave samples, output, times) block by block."""
+def blocks(system: System, state: State, steps: int, done: int = 0):
+    """March from step `done` to step `steps`, yielding (wave samples, output, times) block by block.
+
+    `state` is that after `done` steps, and all that a run needs to go on: to the last bit where `done` is a
+    multiple of BLOCK_STEPS, elsewhere to Newton's tolerance.
+    """
     settings, h = system.scene.settings, system.dt / 2
     series = system.series(system.dt)
     nz, nm, nb = system.bodies.damping.size, system.structure.omega.size, system.bodies.axes.size
-    for first in range(0, steps, BLOCK_STEPS):
+    for first in range(done, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - first)
         samples = series.block(2 * first, 2 * count + 1)
         output = Output(

@@ -10,6 +10,7 @@ from pipeline import checks
 from pipeline.schema import StudyFile
 from studies.stress import pool
 from studies.stress.matrix import matrix, tables
+from studies.stress.page import page
 from studies.stress.picture import picture
 
 
@@ -50,3 +51,7 @@ def test_every_outcome_has_its_colour(tmp_path):
     data = data.assign_coords(family=("case", rows), x=("case", ["1"] * 13), y=("case", list("abcdefghijklm")))
     picture(data, tmp_path / "map.png")
     assert (tmp_path / "map.png").stat().st_size > 10_000
+    data["message"] = ("case", ["<why>"] * 13)
+    data["energy_residual"] = ("case", np.full(13, 1e-5))
+    text = page(data, [("order is off by", 0.01, 0.1)], ["geometry: 1, m: HANG"])
+    assert "1 as they should not be: geometry: 1, m: HANG" in text and text.count("&lt;why&gt;") == 13

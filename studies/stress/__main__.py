@@ -13,6 +13,7 @@ import xarray as xr
 
 from studies.stress import pool
 from studies.stress.matrix import Case, geometries, matrix
+from studies.stress.page import page
 from studies.stress.picture import picture
 from studies.stress.run import attempt, warm
 
@@ -67,7 +68,7 @@ def dataset(found: list[dict[str, object]]) -> xr.Dataset:
     return data.assign_attrs(title="Stability of the coupled solver: outcome of each scene of `make stress`")
 
 
-def failures(found: list[dict[str, object]]) -> list[str]:
+def failures(found: list[dict[str, object]], compared: list[tuple[str, float, float]]) -> list[str]:
     """What makes the exit status 1."""
     bad = [f"{_name(r)}: {r['outcome']}: {r['message']}" for r in found if r["outcome"] in BAD]
     bad += [
@@ -75,8 +76,7 @@ def failures(found: list[dict[str, object]]) -> list[str]:
         for r in found
         if r["outcome"] in ("ok", "repeated") and not r.get("energy_residual", 0.0) <= BALANCE
     ]
-    table = {(r["family"], r["x"], r["y"]): r for r in found}
-    for name, value, bound in comparisons(table):
+    for name, value, bound in compared:
         verdict = "ok" if value <= bound else "TOO LARGE"
         print(f"{name:70s}{value:9.1e} <= {bound:.0e}  {verdict}")
         bad += [f"{name}: {value:.1e} > {bound:.0e}"] * (not value <= bound)
@@ -98,6 +98,10 @@ def comparisons(table) -> list[tuple[str, float, float]]:
              for p in ("elastic", "fixed")]  # fmt: skip
     same = [(f"80 s twice, {p}: records differ", float(table["record", "80 s", p]["digest"]
              != table["record", "80 s, again", p]["digest"]), 0.0) for p in ("elastic", "fixed")]  # fmt: skip
+    digests = {(n, p): table["restart", f"{n} times in 3 h", p]["digest"]
+               for n in (0, 1, 2) for p in ("elastic", "fixed")}  # fmt: skip
+    same += [(f"3 h stopped and gone on {n} times, {p}: histories differ", float(d != digests[0, p]), 0.0)
+             for (n, p), d in digests.items() if n]  # fmt: skip
     orders = [(f"reference path, {x}: order {p} is off by", abs(order(table, x) - p), b)
               for x, p, b in (("trapezoidal", 2, 0.1), ("Lobatto IIIA", 4, 0.35))]  # fmt: skip
     drift = max(r.get("constraint_drift", 0.0) for k, r in table.items() if k[0] in ("record", "reference path"))
@@ -124,11 +128,13 @@ def main() -> int:
     data = dataset(found)
     data.to_netcdf(OUT / "stress.nc", engine="netcdf4")
     picture(data, OUT / "stress.png")
-    bad = failures(found)
+    compared = comparisons({(r["family"], r["x"], r["y"]): r for r in found})
+    bad = failures(found, compared)
+    (OUT / "report.html").write_text(page(data, compared, bad))
     outcomes = {o: int((data.outcome == o).sum()) for o in np.unique(data.outcome.values)}
     counts = ", ".join(f"{n} {o}" for o, n in outcomes.items())
     print(f"{len(found)} scenes in {time.perf_counter() - start:.0f} s: {counts}")
-    print("\n".join(bad) if bad else f"all as it should be; {OUT}/stress.nc, {OUT}/stress.png")
+    print("\n".join(bad) if bad else f"all as it should be; {OUT}/stress.nc, {OUT}/report.html")
     return 1 if bad else 0
 
 

@@ -47,6 +47,7 @@ class Case:
     change: Change | None = None
     platform: str = "elastic"
     scheme: int = 0  # stages of the reference path's collocation; 0: the production path
+    restarts: int | None = None  # times that the run stops and goes on from a file, where that is what is tried
     limit: float = 60.0  # of its wall time [s]
 
     @property
@@ -170,6 +171,10 @@ def _long() -> Iterator[Case]:
             keys = {"record.duration": hours * 3600.0, "record.discard": 100.0, "record.ramp": 50.0}
             yield Case(family="record", x=f"{hours} h", y=platform, keys=keys, platform=platform, limit=900.0)
         yield Case(family="record", x="80 s, again", y=platform, platform=platform)
+        for restarts in (0, 1, 2):
+            keys = {"record.duration": 3 * 3600.0}
+            yield Case(family="restart", x=f"{restarts} times in 3 h", y=platform, keys=keys, platform=platform,
+                       restarts=restarts)  # fmt: skip
 
 
 def _maps() -> Iterator[Case]:

@@ -92,7 +92,8 @@ def picture(data: xr.Dataset, path: Path) -> None:
     )  # fmt: skip
     for family, labels in MAPS.items():
         _map(axes[family], data.isel(case=np.flatnonzero(data.family.values == family)), *labels)
-    _strip(axes["single"], data.isel(case=np.flatnonzero(~np.isin(data.family.values, list(MAPS)))))
+    elsewhere = [*MAPS, "restart"]  # a restart is judged by its bits alone
+    _strip(axes["single"], data.isel(case=np.flatnonzero(~np.isin(data.family.values, elsewhere))))
     handles = [Patch(color=colour, label=name) for name, colour in COLOURS.items()]
     figure.legend(handles=handles, loc="upper center", ncols=4, frameon=False, fontsize=9)
     note = "numbers: power of ten of the time step's estimated relative error"

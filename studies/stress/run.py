@@ -2,6 +2,7 @@
 
 import contextlib
 import hashlib
+import io
 import time
 import traceback
 from dataclasses import replace
@@ -15,10 +16,11 @@ from pipeline.schema import StudyFile
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics import bem
 from solver.hydrodynamics.bem import Hydrodynamics
+from solver.march import State
 from solver.reference import simulate_reference
 from solver.scene import Scene
 from solver.simulate import simulate
-from solver.system import prepare
+from solver.system import BLOCK_STEPS, blocks, prepare
 from studies.stress.matrix import Case, matrix, tables
 
 COEFFICIENTS = cache.Cache(Path("results/stress"))
@@ -53,7 +55,10 @@ def attempt(case: Case) -> dict[str, object]:
     start = time.perf_counter()
     row: dict[str, object] = {"family": case.family, "x": case.x, "y": case.y, "outcome": "ok", "message": ""}
     try:
-        row |= reference(case) if case.scheme else production(case)
+        if case.restarts is not None:
+            row |= restarted(case)
+        else:
+            row |= reference(case) if case.scheme else production(case)
     except InputError as error:
         row |= {"outcome": "refused", "message": str(error)}
     except ValidationError as error:
@@ -111,3 +116,23 @@ def reference(case: Case) -> dict[str, object]:
         "constraint_drift": found.attrs["constraint_drift"], "time_step": settings.time_step,
         "largest_rotation": float(np.abs(rotation).max()),
     }  # fmt: skip
+
+
+def restarted(case: Case) -> dict[str, object]:
+    """Digest of a whole history that stopped `restarts` times and went on from a file."""
+    scene, known = built(case)
+    system, digest = prepare(scene, known), hashlib.sha256()
+    steps = round((scene.settings.discard + scene.settings.duration) / system.dt)
+    stops = [steps * n // (case.restarts + 1) // BLOCK_STEPS * BLOCK_STEPS for n in range(1, case.restarts + 1)]
+    state, largest = system.start(), 0.0
+    for done, until in zip([0, *stops], [*stops, steps], strict=True):
+        for _, output, _ in blocks(system, state, until, done):
+            for values in output:
+                digest.update(values.tobytes())
+            largest = max(largest, float(np.abs(output.z).max()))
+        file = io.BytesIO()
+        np.savez(file, **state._asdict())
+        file.seek(0)
+        with np.load(file) as saved:
+            state = State(**saved)
+    return {"digest": digest.hexdigest()[:16], "largest_rotation": largest, "time_step": system.dt}
