@@ -6,6 +6,7 @@ and nothing of the floats' mechanics, the memory, the pressure integral or the t
 """
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,12 +58,14 @@ def simulate_reference(
     panels: tuple[int, int] = (71, 120),
     stages: int = STAGES,
     tolerance: float = CONSTRAINTS,
+    progress: Callable[[float], None] = lambda _share: None,
 ) -> Record:
     """The record of `scene` by the augmented formulation; what is not given follows `scene.settings`.
 
     kernel: retardation function, by default eq. 14's of the BEM's damping, or the fitted one where the
     settings keep the state space. surface: how pressure is integrated. panels: along the meridian and around.
     stages: 3 for the fourth-order collocation, 2 for the trapezoidal rule. tolerance: of the constraints.
+    progress: told the share of the record that is done, some hundred steps apart.
     """
     clock = time.perf_counter()
     options = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
@@ -77,6 +80,7 @@ def simulate_reference(
         recorder.add(times, output, waves)
         probe.append(_compared(output))
         errors = np.maximum(errors, gaps)
+        progress(times[-1] / (case.steps * scene.settings.time_step))
     work, stored = _works(case), _stored(case, frames) - before
     marched = time.perf_counter()
     attrs = {
