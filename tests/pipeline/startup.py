@@ -1,6 +1,8 @@
 """How long a study takes before its first step, and what a second worker gains.   python startup.py [SECONDS]
 
 With the solver, compiled and with known coefficients: a study of floats on a platform, SECONDS long records.
+Two cores of a machine may share what they compute with, so plain processes that do the same are timed beside it:
+no pipeline can gain more.
 """
 
 from __future__ import annotations
@@ -16,7 +18,19 @@ from pathlib import Path
 import kills
 
 BUAN = kills.ROOT / "studies" / "buan.toml"
-SEEDS = 8
+SEEDS = 12
+PLAIN = """
+import sys, time
+from studies.benchmark.case import coefficients, scene
+from solver.simulate import simulate
+known, item = coefficients()[0], scene("elastic")
+simulate(item, known)
+time.sleep(max(0.0, float(sys.argv[1]) - time.time()))
+start = time.perf_counter()
+for _ in range(6):
+    simulate(item, known)
+print(time.perf_counter() - start)
+"""
 
 
 def study(folder: Path, seconds: float) -> Path:
@@ -50,8 +64,18 @@ def run(path: Path, results: Path, workers: int, *more: str) -> tuple[float, flo
     return min(steps) - start, whole
 
 
+def side_by_side(processes: int) -> float:
+    """Mean seconds in which each of so many plain processes simulates the same records, all at once."""
+    command = [sys.executable, "-c", PLAIN, str(time.time() + 20)]
+    started = [
+        subprocess.Popen(command, cwd=kills.ROOT, env=kills.environment(), stdout=subprocess.PIPE, text=True)
+        for _ in range(processes)
+    ]
+    return sum(float(p.communicate()[0]) for p in started) / processes
+
+
 if __name__ == "__main__":
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 1000.0
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 3600.0
     folder = Path(tempfile.mkdtemp())
     try:
         path = study(folder, seconds)
@@ -59,13 +83,23 @@ if __name__ == "__main__":
             f"{2 * SEEDS} tasks of {seconds + 10:g} s on {os.cpu_count()} cores, load before {os.getloadavg()[0]:.1f}"
         )
         run(path, folder / "first", 2)  # compiles, and solves for the coefficients
-        walls = {}
+        walls: dict[int, float] = {}
+        firsts: dict[int, float] = {}
         for workers in (1, 2):
             results = folder / f"workers{workers}"
             shutil.copytree(folder / "first" / "hydrodynamics", results / "hydrodynamics")
-            first, walls[workers] = run(path, results, workers)
-            print(f"{workers} workers: first step after {first:.2f} s, end after {walls[workers]:.2f} s", flush=True)
+            firsts[workers], walls[workers] = run(path, results, workers)
+            print(
+                f"{workers} workers: first step after {firsts[workers]:.2f} s, end after {walls[workers]:.2f} s",
+                flush=True,
+            )
         again = min(run(path, results, 2)[1] for _ in range(3))
-        print(f"2 workers are {walls[1] / walls[2]:.2f} times as fast as 1; nothing to do: {again:.2f} s (at most 3)")
+        print(f"nothing to do: {again:.2f} s (at most 3)")
+        after = [walls[n] - firsts[n] - again for n in (1, 2)]
+        alone, together = side_by_side(1), side_by_side(2)
+        print(
+            f"2 workers are {walls[1] / walls[2]:.2f} times as fast as 1, start and report not counted"
+            f" {after[0] / after[1]:.2f} times; 2 plain processes {2 * alone / together:.2f} times"
+        )
     finally:
         shutil.rmtree(folder)
