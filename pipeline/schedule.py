@@ -34,6 +34,9 @@ SETTINGS = {
     # A fork of a process that has imported everything is up at once, also when a worker that died is replaced.
     "distributed.worker.multiprocessing-method": "forkserver",
 }
+# A block of a record takes a few arrays of half a megabyte. glibc would hand each back to the system and ask for it
+# anew, page by page, once dask has set a threshold of 64 kB: a quarter of a worker's time, and more beside another.
+MALLOC = {"MALLOC_MMAP_THRESHOLD_": "33554432", "MALLOC_TRIM_THRESHOLD_": "67108864"}
 # What workers need before their first step.
 IMPORTED = ("distributed", "solver.simulate", "pipeline.scenes", "pipeline.cache", "pipeline.records", "pipeline.cli")
 SMALL = 2  # so few pieces of work are done sooner than a cluster starts
@@ -245,7 +248,8 @@ def warm_up(work: int, place: Place) -> None:
 
     if place.scheduler is None and not _small(work, place):
         environment.prepare()
-        os.environ.setdefault("MALLOC_TRIM_THRESHOLD_", "65536")  # as dask sets it, but for the forked as well
+        for name, value in MALLOC.items():
+            os.environ.setdefault(name, value)
         set_forkserver_preload(list(IMPORTED))
         forkserver.ensure_running()
 
