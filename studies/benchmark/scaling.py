@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import NullFormatter
 from scipy.linalg import block_diag
 
 from solver.hydrodynamics.bem import Hydrodynamics
@@ -106,6 +107,8 @@ def picture(found: dict[str, tuple[list[float], list[float]]]) -> None:
     for axes, (name, (sizes, times)) in zip(panels, found.items(), strict=True):
         axes.loglog(sizes, times, "o-", label="measured")
         axes.loglog(sizes, times[0] * np.array(sizes) / sizes[0], "--", color="0.6", label="linear")
+        axes.set_xticks(sizes, [f"{size:g}" for size in sizes])
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(name)
         axes.spines[["top", "right"]].set_visible(False)
     panels[0].set_ylabel("time of the march [s]")
