@@ -103,7 +103,7 @@ def comparisons(table) -> list[tuple[str, float, float]]:
     same += [(f"3 h stopped and gone on {n} times, {p}: histories differ", float(d != digests[0, p]), 0.0)
              for (n, p), d in digests.items() if n]  # fmt: skip
     orders = [(f"reference path, {x}: order {p} is off by", abs(order(table, x) - p), b)
-              for x, p, b in (("trapezoidal", 2, 0.1), ("Lobatto IIIA", 4, 0.35))]  # fmt: skip
+              for x, p, b in (("trapezoidal", 2, 0.1), ("Lobatto IIIA", 4, 0.1))]  # fmt: skip
     drift = max(r.get("constraint_drift", 0.0) for k, r in table.items() if k[0] in ("record", "reference path"))
     return [*limit, *still, *same, *orders, ("constraint drift, 24 h and reference path [m]", drift, 1e-9)]
 
