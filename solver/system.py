@@ -27,7 +27,7 @@ from solver.sea.field import WaveField, WaveSeries
 from solver.sea.realization import ramp
 from solver.structure import support as platform
 
-BLOCK_STEPS = 128  # steps a block: small enough for the cache, large enough for BLAS
+BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
 

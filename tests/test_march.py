@@ -9,7 +9,7 @@ from pytest import approx
 from solver.errors import InputError, SimulationFailed
 from solver.march import State
 from solver.simulate import simulate
-from solver.system import blocks, prepare
+from solver.system import BLOCK_STEPS, blocks, prepare
 from studies.validation.response import frequency_domain
 
 SMOOTH = {"ramp": 15.0, "ramp_form": "cosine", "newton_tolerance": 1e-13}
@@ -127,13 +127,15 @@ def test_twice_the_same_run_is_the_same_run(buan, coefficients):
     assert all(np.array_equal(a[name][1], b[name][1]) for name in a)
 
 
-@pytest.mark.parametrize(("stops", "apart"), [((128,), 0.0), ((128, 384), 0.0), ((100, 333), 1e-9)])
+@pytest.mark.parametrize(
+    ("stops", "apart"), [((BLOCK_STEPS,), 0.0), ((BLOCK_STEPS, 2 * BLOCK_STEPS), 0.0), ((100, 333), 1e-9)]
+)
 def test_a_run_goes_on_from_a_saved_state(buan, coefficients, tmp_path, stops, apart):
     """Once or twice through a file; within a block Newton's matrix is another, so its tolerance shows."""
     system = prepare(buan.scene(newton_tolerance=1e-11), coefficients)
-    whole = np.concatenate([out.z for _, out, _ in blocks(system, system.start(), 512)])
+    whole = np.concatenate([out.z for _, out, _ in blocks(system, system.start(), 600)])
     state, parts = system.start(), []
-    for done, until in zip((0, *stops), (*stops, 512), strict=True):
+    for done, until in zip((0, *stops), (*stops, 600), strict=True):
         parts += [out.z for _, out, _ in blocks(system, state, until, done)]
         np.savez(tmp_path / "state.npz", **state._asdict())
         with np.load(tmp_path / "state.npz") as saved:
