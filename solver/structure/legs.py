@@ -31,6 +31,11 @@ class Legs:
     fibre: np.ndarray  # (nm, 3, no ne 2) N/A, c My/Iy, c Mz/Iz at both ends of each element [Pa]
     static_fibre: np.ndarray  # (3, no ne 2)
 
+    @property
+    def own(self) -> int:
+        """Number of legs that respond each in their own way, no."""
+        return int(self.twin.max(initial=-1)) + 1
+
     def nothing(self) -> Largest:
         """The largest values before the first sample."""
         return Largest(np.zeros(self.displacement.shape[2]), np.zeros(self.fibre.shape[2]))
@@ -41,16 +46,14 @@ class Legs:
         The stress is that of the most compressive fibre, σ = N/A - ((c My/Iy)² + (c Mz/Iz)²)^½.
         """
         u, fibre = _map(p, self.displacement), _map(p, self.fibre)
-        legs = self.twin.max(initial=-1) + 1
-        feet = np.empty((len(p), legs))
+        feet = np.empty((len(p), self.own))
         _respond(u, fibre, self.static_fibre, feet, *largest)
-        tops = u.reshape(len(p), 3, legs, -1)[..., -1].swapaxes(1, 2)[:, self.twin]
+        tops = u.reshape(len(p), 3, self.own, -1)[..., -1].swapaxes(1, 2)[:, self.twin]
         return tops * np.where(self.mirrored[:, None], [1.0, -1.0, 1.0], 1.0), feet[:, self.twin]
 
     def envelopes(self, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
         """Displacement (nl, nh) [m] and stress (nl, nh) [Pa]."""
-        legs = self.twin.max(initial=-1) + 1
-        square, stress = largest.square.reshape(legs, -1), largest.stress.reshape(legs, -1, 2)
+        square, stress = largest.square.reshape(self.own, -1), largest.stress.reshape(self.own, -1, 2)
         return np.sqrt(square)[self.twin], at_nodes(stress)[self.twin]
 
 

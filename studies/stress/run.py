@@ -55,10 +55,8 @@ def attempt(case: Case) -> dict[str, object]:
     start = time.perf_counter()
     row: dict[str, object] = {"family": case.family, "x": case.x, "y": case.y, "outcome": "ok", "message": ""}
     try:
-        if case.restarts is not None:
-            row |= restarted(case)
-        else:
-            row |= reference(case) if case.scheme else production(case)
+        way = restarted if case.restarts is not None else reference if case.scheme else production
+        row |= way(case)
     except InputError as error:
         row |= {"outcome": "refused", "message": str(error)}
     except ValidationError as error:
