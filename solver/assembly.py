@@ -146,7 +146,7 @@ def _stacked(own: list[WettedQuadrature | None]) -> WettedQuadrature:
     if not given:
         empty = np.zeros(0)
         nothing = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2)), 0.0
-        return WettedQuadrature(*nothing, empty, empty, empty, empty, False, 1, np.zeros((11, 0)), np.zeros((0, 0)))
+        return WettedQuadrature(*nothing, *[empty] * 4, False, 1, np.zeros((11, 0)), np.zeros((0, 0)), empty)
     most = max(len(r.patch) for r in given)
     return given[0]._replace(
         patch=np.stack([_padded(r.patch if r else given[0].patch[:0], most) for r in own]),

@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from solver import assembly
 from solver.hydrodynamics.bem import DOFS, Hydrodynamics
-from solver.march import WORKS, Output, State
+from solver.march import Output, State, open_by
 from solver.multibody.minimal import mass_matrix, move, new_motion, pressures
 from solver.system import System, blocks
 
@@ -71,16 +71,9 @@ def audit(system: System, hydrodynamics: Hydrodynamics | None, probe: Probe, sta
 
 
 def energy_residual(system: System, work: np.ndarray, stored: float) -> float:
-    """|wave work - (PTO + radiation + drag + structural + stored)| over the largest term, as a rule the wave's work.
-
-    work (len(WORKS),) and `stored` since the start [J]. Motions below Newton's tolerance have no energy to speak of.
-    """
-    each = dict(zip(WORKS, work, strict=True))
-    given = each["wave"] + each["frame_inertia"] + max(each["frame_drag"], 0.0)
-    taken = sum(each[n] for n in ("radiation", "pto", "joint_damping", "structural")) - min(each["frame_drag"], 0.0)
-    nothing = system.scene.settings.newton_tolerance**2 * np.trace(system.stiffness)
-    largest = max(abs(given), abs(taken), abs(stored), nothing)
-    return float(abs(given - taken - stored) / largest) if largest else 0.0
+    """By how much of the wave's work the energy balance is open: see solver.march.open_by."""
+    least = system.newton_tolerance**2 * np.trace(system.stiffness)
+    return float(open_by(work, stored, least))
 
 
 def constraint_drift(system: System, state: State) -> float:
@@ -113,7 +106,7 @@ def step_error(system: System, probe: Probe) -> float:
     half = replace(system, dt=dt, memory=assembly.memory(system.fit, dt, system.bodies.added_mass.shape[0]))
     fine = np.concatenate([_compared(half, output) for _, output, _ in blocks(half, half.start(), probe.samples)])
     coarse = np.concatenate(probe.motion)
-    return relative(coarse - fine[1::2], coarse, system.scene.settings.newton_tolerance) * 16 / 15
+    return relative(coarse - fine[1::2], coarse, system.newton_tolerance) * 16 / 15
 
 
 def relative(difference: np.ndarray, whole: np.ndarray, least: float | np.ndarray = 0.0) -> float:
@@ -133,7 +126,7 @@ def quadrature_error(system: System, probe: Probe) -> float:
     fine = system.bodies._replace(**assembly.rules(scene, system.waves))
     usual, exact = (_joint_loads(body, probe.states) for body in (system.bodies, fine))
     joints = slice(system.structure.carrier.shape[0], None)
-    least = s.newton_tolerance * np.abs(np.diag(system.stiffness))[joints]
+    least = system.newton_tolerance * np.abs(np.diag(system.stiffness))[joints]
     return relative((usual - exact)[:, joints], (exact - exact.mean(axis=0))[:, joints], least)
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.kernels import fast_kernel, kernel
+from solver.kernels import fast_lean_kernel, kernel, lean_kernel
 from solver.multibody.minimal import (
     loads,
     mass_matrix,
@@ -34,7 +34,8 @@ REFRESH = 8  # steps that share Newton's matrix while it serves
 # the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance.
 NEAR = 25.0
 
-OK, NOT_CONVERGED, EXCURSION, NOT_FINITE = 0, 1, 2, 3
+OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED = 0, 1, 2, 3, 4
+GROSSLY = 0.1  # of the wave's work, by which the energy balance is never open
 # Work [J] of: pressure and excitation, radiation memory, PTO, other damping of the joints,
 # wave inertia on the frame, drag on the frame, structural damping.
 WORKS = ("wave", "radiation", "pto", "joint_damping", "frame_inertia", "frame_drag", "structural")
@@ -82,6 +83,7 @@ class State(NamedTuple):
     memory: np.ndarray  # (p, na) complex
     power: np.ndarray  # (len(WORKS),) at the last sample
     work: np.ndarray  # (len(WORKS),) [J] since the start
+    energy: np.ndarray  # (1,) [J] stored at the start
 
 
 class Output(NamedTuple):
@@ -93,7 +95,14 @@ class Output(NamedTuple):
     wrench: np.ndarray  # (m, nb, 6) load of each float on its hinge node's side [N, N m]
 
 
-@kernel
+@lean_kernel(inline="always")
+def _copy(source, target):
+    """target <- source (n,); numba's own assignment allocates, should the two overlap."""
+    for i in range(target.size):
+        target[i] = source[i]
+
+
+@lean_kernel
 def _factor(K, pivot):
     """LU factors of K in place, rows exchanged; False when singular."""
     n = K.shape[0]
@@ -117,7 +126,7 @@ def _factor(K, pivot):
     return True
 
 
-@kernel
+@lean_kernel
 def _substitute(K, pivot, b):
     """b <- K⁻¹ b with the factors of `_factor`."""
     n = K.shape[0]
@@ -134,7 +143,7 @@ def _substitute(K, pivot, b):
         b[k] /= K[k, k]
 
 
-@fast_kernel
+@fast_lean_kernel
 def _drag(structure, water, dp, force, flow):
     """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame.
 
@@ -237,7 +246,7 @@ def _newton_matrix(bodies, motion, H, constant, M, Z, K):
             K[row, row] += 1.0
 
 
-@kernel
+@lean_kernel
 def _memory_loads(memory, history, velocity, out):
     """Memory load (2, na) at both stages: history plus the stages' own velocities (2, na)."""
     for s in range(2):
@@ -249,7 +258,7 @@ def _memory_loads(memory, history, velocity, out):
             out[s, i] = total
 
 
-@kernel
+@lean_kernel
 def _memory_history(memory, state, velocity, history):
     """Load (2, na) at the stages from the memory so far and the velocity at the step's start."""
     history[:] = 0.0
@@ -261,7 +270,7 @@ def _memory_history(memory, state, velocity, history):
                     history[s, i] += (memory.residue[q, i, k] * r).real
 
 
-@kernel
+@lean_kernel
 def _remember(memory, state, start, stages):
     """Memory states at the step's end from velocities at its three points."""
     for q in range(memory.residue.shape[0]):
@@ -274,7 +283,7 @@ def _remember(memory, state, start, stages):
             )
 
 
-@kernel
+@lean_kernel
 def _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z, dz, ddz):
     """Stage values of modes, carriers and joints from modal loads and joint accelerations.
 
@@ -307,7 +316,7 @@ def _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z,
     return change
 
 
-@kernel
+@lean_kernel
 def _carry(structure, amplitude, out):
     """out[:nc] = carrier coordinates of modal amplitudes (nm,)."""
     nc, nm = structure.carrier.shape
@@ -318,7 +327,7 @@ def _carry(structure, amplitude, out):
         out[i] = total
 
 
-@kernel
+@lean_kernel
 def _predict(structure, state, modal, sample, dt, known, force, ddz):
     """What is known of the stages' modal loads, and the rest extrapolated from the last step.
 
@@ -336,7 +345,7 @@ def _predict(structure, state, modal, sample, dt, known, force, ddz):
             ddz[s, nc + i] = a * state.ddz[0, i] + b * state.ddz[1, i] + c * state.ddz[2, i]
 
 
-@kernel
+@lean_kernel
 def _newton_side(structure, inverse, known, drag, residual, ddz, side):
     """Newton's right-hand side (2nz,).
 
@@ -358,39 +367,101 @@ def _newton_side(structure, inverse, known, drag, residual, ddz, side):
             side[nz + i] += structure.carrier[i, m] * a1
 
 
-@kernel
-def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, iterations, output):
+class Room(NamedTuple):
+    """What a march of one step length computes once, and its scratch."""
+
+    inverse: np.ndarray  # (nm, 2, 2), H: see flexibility
+    H: np.ndarray
+    constant: np.ndarray  # (2nz, 2nz) of Newton's matrix
+    least: float  # motions below Newton's tolerance have no energy [J] to speak of
+    stage: tuple  # of Motion, at ½ and 1
+    M: np.ndarray  # the rest is scratch, two rows for two stages
+    Z: np.ndarray
+    K: np.ndarray
+    pivot: np.ndarray
+    z0: np.ndarray
+    dz0: np.ndarray
+    velocity0: np.ndarray
+    z: np.ndarray
+    dz: np.ndarray
+    ddz: np.ndarray
+    p: np.ndarray
+    dp: np.ndarray
+    ddp: np.ndarray
+    known: np.ndarray
+    force: np.ndarray
+    drag: np.ndarray
+    velocity: np.ndarray
+    history: np.ndarray
+    load: np.ndarray
+    residual: np.ndarray
+    wrench: np.ndarray
+    power: np.ndarray
+    pressure: np.ndarray
+    anchor: np.ndarray
+    since: np.ndarray
+    works: np.ndarray
+    update: np.ndarray
+    flow: np.ndarray
+
+
+def room(bodies, structure, memory, stiffness, dt, tolerance) -> Room:
+    """For `march` with steps of dt; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
+    nb, nz = bodies.axes.size, bodies.damping.size
+    nm, na = structure.omega.size, bodies.axes.size * bodies.active.size
+    inverse, H = flexibility(structure, dt)
+    constant = np.empty((2 * nz, 2 * nz))
+    _constant_part(bodies, memory, stiffness, dt, constant)
+    return Room(
+        inverse=inverse,
+        H=H,
+        constant=constant,
+        least=float(tolerance**2 * np.trace(stiffness)),
+        stage=(new_motion(bodies), new_motion(bodies)),
+        M=np.empty((nz, nz)),
+        pivot=np.empty(2 * nz, np.int64),
+        wrench=np.empty((2, nb, 6)),
+        pressure=np.empty((2, nb, 6)),
+        power=np.zeros((2, 4)),
+        works=np.zeros((3, len(WORKS))),
+        flow=np.empty(structure.station.shape[1:]),
+        velocity0=np.empty(na),
+        **{name: np.empty((2 * nz, 2 * nz)) for name in ("Z", "K")},
+        **{name: np.empty(nz) for name in ("z0", "dz0", "since")},
+        **{name: np.zeros((2, nz)) for name in ("z", "dz", "ddz", "residual", "anchor")},
+        **{name: np.zeros((2, nm)) for name in ("p", "dp", "ddp", "known", "force", "drag")},
+        **{name: np.empty((2, na)) for name in ("velocity", "history", "load")},
+        update=np.empty(2 * nz),
+    )
+
+
+@lean_kernel
+def march(bodies, structure, memory, drive, state, room, dt, tolerance, iterations, output):
     """Advance `state` through all samples of `drive`; return (outcome, sample, iterations used).
 
     tolerance: Newton's last update of any stage position [m or rad]. On an outcome other than
     OK, `sample` is where the run stopped; a state is never left with NaN unnoticed.
     """
-    nb, nz = bodies.axes.size, bodies.damping.size
-    nc, nm = structure.carrier.shape
-    nj, na = nz - nc, nb * bodies.active.size
+    (
+        inverse, H, constant, least, stage, M, Z, K, pivot, z0, dz0, velocity0, z, dz, ddz, p, dp, ddp, known, force,
+        drag, velocity, history, load, residual, wrench, power, pressure, anchor, since, works, update, flow,
+    ) = room  # fmt: skip
+    nz, (nc, nm) = bodies.damping.size, structure.carrier.shape
+    nj = nz - nc
     steps = (drive.modal.shape[0] - 1) // 2
-    inverse, H = flexibility(structure, dt)
-    stage = (new_motion(bodies), new_motion(bodies))
-    M, constant = np.empty((nz, nz)), np.empty((2 * nz, 2 * nz))
-    Z, K, pivot = np.empty((2 * nz, 2 * nz)), np.empty((2 * nz, 2 * nz)), np.empty(2 * nz, np.int64)
-    _constant_part(bodies, memory, stiffness, dt, constant)
-    z, dz, ddz = np.zeros((2, nz)), np.zeros((2, nz)), np.zeros((2, nz))
-    p, dp, ddp = np.empty((2, nm)), np.empty((2, nm)), np.zeros((2, nm))
-    known, force, drag = np.empty((2, nm)), np.empty((2, nm)), np.empty((2, nm))
-    velocity, history, load = np.empty((2, na)), np.empty((2, na)), np.empty((2, na))
-    residual, wrench, power = np.empty((2, nz)), np.empty((2, nb, 6)), np.zeros((2, 4))
-    pressure, anchor, since = np.empty((2, nb, 6)), np.empty((2, nz)), np.empty(nz)
-    works = np.zeros((3, state.work.size))
-    update, flow = np.empty(2 * nz), np.empty(structure.station.shape[1:])
-    z0, dz0 = np.empty(nz), np.empty(nz)
     _carry(structure, state.p, z0)
     _carry(structure, state.dp, dz0)
-    z0[nc:], dz0[nc:] = state.z, state.dz
+    _copy(state.z, z0[nc:])
+    _copy(state.dz, dz0[nc:])
     move(bodies, z0, dz0, stage[1])  # where a step ends the next one starts
-    velocity0 = stage[1].active_velocity.copy()
+    _copy(stage[1].active_velocity, velocity0)
     used = spent = 0
     for step in range(steps):
         _memory_history(memory, state, velocity0, history)
+        if step % REFRESH == 0:
+            stored = _stored(bodies, structure, state, z0, dz0, stage[1]) - state.energy[0]
+            if not open_by(state.work, stored, least) <= GROSSLY:
+                return UNBALANCED, 2 * step, used
         if step % REFRESH == 0 or spent > 2:
             _newton_matrix(bodies, stage[1], H, constant, M, Z, K)
             if not _factor(K, pivot):
@@ -404,7 +475,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
             change = _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z, dz, ddz)
             for s in range(2):
                 move(bodies, z[s], dz[s], stage[s])
-                velocity[s] = stage[s].active_velocity
+                _copy(stage[s].active_velocity, velocity[s])
             _memory_loads(memory, history, velocity, load)
             # What is dear and varies slowly is computed once a step, as a rule.
             moved = 0.0
@@ -412,14 +483,16 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
                 for i in range(nz):
                     moved = max(moved, abs(z[s, i] - anchor[s, i]))
             if spent == 1 or nz == 0 or moved > NEAR * tolerance:
-                anchor[:] = z
+                _copy(z[0], anchor[0])
+                _copy(z[1], anchor[1])
                 drag[:] = 0.0
                 for s in range(2):
                     sample = 2 * step + 1 + s
                     pressures(bodies, stage[s], drive.field[sample], pressure[s])
                     works[1 + s, 5] = _drag(structure, drive.station[sample], dp[s], drag[s], flow)
             for s in range(2):
-                since[:] = z[s] - anchor[s]
+                for i in range(nz):
+                    since[i] = z[s, i] - anchor[s, i]
                 excitation = drive.excitation[2 * step + 1 + s]
                 loads(
                     bodies, z[s], dz[s], ddz[s], stage[s], pressure[s], since, excitation, load[s],
@@ -432,7 +505,7 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
                     change = max(change, dt * dt * abs(update[s * nz + i]) * 0.2)
                 for i in range(nj):
                     ddz[s, nc + i] += update[s * nz + nc + i]
-                force[s] = drag[s]
+                _copy(drag[s], force[s])
                 for i in range(nc):
                     value = residual[s, i]
                     for j in range(2 * nz):
@@ -450,10 +523,10 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
         _stages(structure, state, inverse, known, force, z0, dz0, dt, p, dp, ddp, z, dz, ddz)
         for s in range(2):
             move(bodies, z[s], dz[s], stage[s])
-            velocity[s] = stage[s].active_velocity
+            _copy(stage[s].active_velocity, velocity[s])
         for i in range(nz):
             if not bodies.limit[i, 0] < z[1, i] < bodies.limit[i, 1]:
-                state.z[:] = z[1, nc:]
+                _copy(z[1, nc:], state.z)
                 return EXCURSION, 2 * step + 2, used
         # Work by Simpson's rule over the step's three points.
         for s in range(2):
@@ -461,41 +534,64 @@ def march(bodies, structure, memory, drive, state, stiffness, dt, tolerance, ite
             for m in range(nm):
                 inertia += drive.modal[2 * step + 1 + s, m] * dp[s, m]
                 structural += 2 * structure.damping[m] * structure.omega[m] * dp[s, m] ** 2
-            works[1 + s, :4] = power[s]
+            _copy(power[s], works[1 + s, :4])
             works[1 + s, 4], works[1 + s, 6] = inertia, structural
-        works[0] = state.power
+        _copy(state.power, works[0])
         for i in range(state.work.size):
             state.work[i] += dt * (SIMPSON[0] * works[0, i] + SIMPSON[1] * works[1, i] + SIMPSON[2] * works[2, i])
-        state.power[:] = works[2]
+        _copy(works[2], state.power)
         _remember(memory, state, velocity0, velocity)
-        velocity0[:] = velocity[1]
-        state.ddz[0] = state.ddz[2]
-        state.force[0] = state.force[2]
+        _copy(velocity[1], velocity0)
+        _copy(state.ddz[2], state.ddz[0])
+        _copy(state.force[2], state.force[0])
         for s in range(2):
-            state.ddz[1 + s] = ddz[s, nc:]
-            state.force[1 + s] = force[s]
+            _copy(ddz[s, nc:], state.ddz[1 + s])
+            _copy(force[s], state.force[1 + s])
             row = 2 * step + s
-            output.z[row], output.dz[row], output.p[row] = z[s], dz[s], p[s]
-            output.wrench[row] = wrench[s]
-        z0[:], dz0[:] = z[1], dz[1]
-        state.z[:], state.dz[:] = z0[nc:], dz0[nc:]
-        state.p[:], state.dp[:], state.ddp[:] = p[1], dp[1], ddp[1]
+            _copy(z[s], output.z[row])
+            _copy(dz[s], output.dz[row])
+            _copy(p[s], output.p[row])
+            for b in range(wrench.shape[1]):
+                _copy(wrench[s, b], output.wrench[row, b])
+        _copy(z[1], z0)
+        _copy(dz[1], dz0)
+        _copy(z0[nc:], state.z)
+        _copy(dz0[nc:], state.dz)
+        _copy(p[1], state.p)
+        _copy(dp[1], state.dp)
+        _copy(ddp[1], state.ddp)
     return OK, 2 * steps, used
+
+
+@lean_kernel
+def _stored(bodies, structure, state, z, dz, motion):
+    total = stored_energy(bodies, z, dz, motion)
+    for m in range(structure.omega.size):
+        total += 0.5 * (state.dp[m] ** 2 + (structure.omega[m] * state.p[m]) ** 2)
+    return total
 
 
 @kernel
 def energy(bodies, structure, state):
     """Stored energy [J] of floats and modes, radiation memory excluded."""
-    nc, nm = structure.carrier.shape
-    nz = bodies.damping.size
-    z, dz = np.zeros(nz), np.zeros(nz)
-    total = 0.0
-    for m in range(nm):
-        for i in range(nc):
-            z[i] += structure.carrier[i, m] * state.p[m]
-            dz[i] += structure.carrier[i, m] * state.dp[m]
-        total += 0.5 * (state.dp[m] ** 2 + (structure.omega[m] * state.p[m]) ** 2)
+    nc, nz = structure.carrier.shape[0], bodies.damping.size
+    z, dz, motion = np.zeros(nz), np.zeros(nz), new_motion(bodies)
+    _carry(structure, state.p, z)
+    _carry(structure, state.dp, dz)
     z[nc:], dz[nc:] = state.z, state.dz
-    motion = new_motion(bodies)
     move(bodies, z, dz, motion)
-    return total + stored_energy(bodies, z, dz, motion)
+    return _stored(bodies, structure, state, z, dz, motion)
+
+
+@lean_kernel
+def open_by(work, stored, least):
+    """|wave work - (PTO + radiation + drag + structural + stored)| over the largest term, as a rule the wave's work.
+
+    work (len(WORKS),) and `stored` since the start [J]; `least` [J] is nothing to speak of.
+    """
+    wave, radiation, pto, other = work[0], work[1], work[2], work[3]
+    inertia, drag, structural = work[4], work[5], work[6]
+    given = wave + inertia + max(drag, 0.0)
+    taken = radiation + pto + other + structural - min(drag, 0.0)
+    largest = max(abs(given), abs(taken), abs(stored), least)
+    return abs(given - taken - stored) / largest if largest > 0 else 0.0

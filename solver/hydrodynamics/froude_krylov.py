@@ -11,6 +11,7 @@ import numpy as np
 
 from solver.hydrodynamics.hull import Revolution
 from solver.kernels import fast_kernel, kernel
+from solver.sea.field import MOST_TERMS
 
 # The pressure vanishes at the surface, so a cut that misses it by so much [m] costs the square of that.
 NEAR = 1e-6
@@ -23,7 +24,7 @@ class WettedQuadrature(NamedTuple):
     arcs (1, zc, R, sin φm, cos φm, tm, 0): φ = φm + 2 atan(tm u), r = R sin φ, z = zc - R cos φ.
     whole (np, g, 5): r, z, n_r, n_z and area at the Gauss points of a patch that is wet from end to end.
     azimuth (na, 2): cos ψ, sin ψ; weight dψ. Points and weights of Gauss rules for arc and line.
-    room (11, points) and sides (2 np + 7, na) are scratch: allocating them anew would take a third of the time.
+    room (11, points), sides (2 np + 7, na) and series (MOST_TERMS,) are scratch: a kernel that allocates is slower.
     """
 
     patch: np.ndarray
@@ -38,6 +39,7 @@ class WettedQuadrature(NamedTuple):
     surface_terms: int
     room: np.ndarray
     sides: np.ndarray
+    series: np.ndarray
 
 
 def quadrature(
@@ -79,6 +81,7 @@ def quadrature(
         surface_terms=surface_terms,
         room=np.empty((11, count * len(patch) * 2 * max(arc_points, line_points))),
         sides=np.empty((2 * len(patch) + 7, count)),
+        series=np.empty(MOST_TERMS),
     )
 
 
@@ -173,10 +176,9 @@ def _heights(rule, rays, upright, axis_s, z0, surface):
 
 
 @fast_kernel(inline="always")
-def surface_series(c, s0, terms):
-    """Coefficients of η about s0, from η(s) = Re Σ Cₙ (is)ⁿ: a Taylor shift, `terms` kept."""
+def surface_series(c, s0, terms, eta):
+    """Coefficients of η about s0, from η(s) = Re Σ Cₙ (is)ⁿ: a Taylor shift in eta, of which `terms` are kept."""
     n = c.shape[1]
-    eta = np.empty(n)
     for i in range(n):
         k = i % 4
         eta[i] = c[0, i] if k == 0 else -c[1, i] if k == 1 else -c[0, i] if k == 2 else c[1, i]
@@ -212,7 +214,7 @@ def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler
     (z - η)/(1 + η/h) in place of z.
     """
     s0 = (position[0] - centre[0]) * direction[0] + (position[1] - centre[1]) * direction[1]
-    surface = surface_series(c, s0, rule.surface_terms)
+    surface = surface_series(c, s0, rule.surface_terms, rule.series)
     s, z, lever, normal = rule.room[0], rule.room[1], rule.room[2:5], rule.room[5:8]
     axis_s = rotation[0, 2] * direction[0] + rotation[1, 2] * direction[1]
     rays = _rays(rule, rotation, direction)

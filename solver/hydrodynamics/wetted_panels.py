@@ -174,7 +174,7 @@ def _summed(rule, count, total):
 def panels_pressure(b, position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load):
     """Load (6,) [N, N m] about the reference point of hull b, added to `load`; see froude_krylov.pressure_load."""
     s0 = (position[0] - centre[0]) * direction[0] + (position[1] - centre[1]) * direction[1]
-    series = surface_series(c, s0, rule.surface_terms)
+    series = surface_series(c, s0, rule.surface_terms, np.empty(c.shape[1]))
     along, up = np.empty(3), np.empty(3)
     for r in range(3):
         along[r] = rotation[0, r] * direction[0] + rotation[1, r] * direction[1]

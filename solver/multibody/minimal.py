@@ -12,7 +12,7 @@ import numpy as np
 
 from solver.hydrodynamics.froude_krylov import WettedQuadrature, pressure_load
 from solver.hydrodynamics.wetted_panels import WettedPanels, panels_pressure
-from solver.kernels import fast_kernel, kernel
+from solver.kernels import fast_lean_kernel, kernel, lean_kernel
 from solver.multibody.chain import Chain, cross, kinematics, rotated
 
 
@@ -76,7 +76,7 @@ def new_motion(bodies):
     )
 
 
-@kernel
+@lean_kernel
 def move(bodies, z, dz, motion):
     """Positions, Jacobians and velocities of all bodies from z, dz (nz,)."""
     nr = bodies.active.size
@@ -98,7 +98,7 @@ def move(bodies, z, dz, motion):
             motion.active_velocity[b * nr + r] = motion.velocity[b, bodies.active[r]]
 
 
-@kernel
+@lean_kernel
 def _spatial_inertia(bodies, b, rotation, M, lever):
     """M (6, 6) about the reference point in world axes; lever (3,) to the c.o.g."""
     m, own = bodies.mass[b], bodies.inertia[b]
@@ -146,23 +146,22 @@ def _pressure(bodies, b, motion, field, load):
             rule.surface_terms,
             rule.room,
             rule.sides,
+            rule.series,
         )
         pressure_load(
             motion.position[b], motion.rotation[b], own,
             field[b], bodies.reference[b], bodies.wave_direction, bodies.rho_g, bodies.wheeler, bodies.depth, load,
         )  # fmt: skip
         return
-    shift, R = np.empty(6), motion.rotation[b]
-    for r in range(3):
-        shift[r] = motion.position[b, r] - bodies.reference[b, r]
-    shift[3], shift[4], shift[5] = R[2, 1], R[0, 2], R[1, 0]
+    x, x0, R = motion.position[b], bodies.reference[b], motion.rotation[b]
+    shift = (x[0] - x0[0], x[1] - x0[1], x[2] - x0[2], R[2, 1], R[0, 2], R[1, 0])
     for r in range(6):
         load[r] += bodies.buoyancy[b, r]
         for c in range(6):
             load[r] -= bodies.stiffness[b, r, c] * shift[c]
 
 
-@fast_kernel
+@fast_lean_kernel
 def pressures(bodies, motion, field, out):
     """Hydrostatic load, and the incident wave's where it is body-nonlinear: out (nb, 6)."""
     out[:] = 0.0
@@ -170,7 +169,7 @@ def pressures(bodies, motion, field, out):
         _pressure(bodies, b, motion, field, out[b])
 
 
-@kernel
+@lean_kernel
 def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, residual, wrench, power):
     """Residual JᵀW (nz,) of the equations of motion, W (nb, 6), powers (4,) [W].
 
@@ -220,7 +219,7 @@ def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, resid
         power[3] += other * dz[i]
 
 
-@kernel
+@lean_kernel
 def _weight_and_inertia(bodies, b, motion, W):
     """W += weight and d'Alembert's loads about the reference point, by Newton and Euler at the c.o.g."""
     R, own, a = motion.rotation[b], bodies.inertia[b], motion.acceleration[b]
@@ -305,17 +304,19 @@ def project_active(bodies, motion, X, M):
             _project(bodies, motion, b, c, block, M)
 
 
-@kernel
+@lean_kernel
 def stored_energy(bodies, z, dz, motion):
     """Kinetic (added mass included), gravitational and spring energy [J]."""
-    M, lever, energy = np.empty((6, 6)), np.empty(3), 0.0
+    energy = 0.0
     for b in range(bodies.axes.size):
-        _spatial_inertia(bodies, b, motion.rotation[b], M, lever)
-        v = motion.velocity[b]
-        for r in range(6):
-            for c in range(6):
-                energy += 0.5 * v[r] * M[r, c] * v[c]
-        energy += bodies.mass[b] * bodies.gravity * (motion.position[b, 2] + lever[2])
+        R, v, m = motion.rotation[b], motion.velocity[b], bodies.mass[b]
+        x, y, up = rotated(R, bodies.cog[b])
+        ux, uy, uz = cross(v[3], v[4], v[5], x, y, up)
+        p = _into_body(R, v[3], v[4], v[5])
+        h = rotated(bodies.inertia[b], p)
+        energy += 0.5 * m * ((v[0] + ux) ** 2 + (v[1] + uy) ** 2 + (v[2] + uz) ** 2)
+        energy += 0.5 * (p[0] * h[0] + p[1] * h[1] + p[2] * h[2])
+        energy += m * bodies.gravity * (motion.position[b, 2] + up)
     v = motion.active_velocity
     for i in range(v.size):
         for j in range(v.size):

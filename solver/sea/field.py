@@ -6,8 +6,9 @@ row W. Rows are stacked and evaluated together, block by block, as one real matr
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import factorial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -116,6 +117,20 @@ class WaveField:
         return float(np.sum(amplitude * term / (1 - ratio)) / amplitude.sum())
 
 
+class Factored(NamedTuple):
+    """Rows (m, n) = spread (m, r) @ own (r, n), to rounding."""
+
+    spread: np.ndarray
+    own: np.ndarray
+
+
+def factored(rows: np.ndarray) -> Factored:
+    """Complex rows (m, n) by what is independent among them with real factors."""
+    spread, own = _factors(np.concatenate([rows.real, rows.imag], axis=1))
+    n = rows.shape[1]
+    return Factored(spread, own[:, :n] + 1j * own[:, n:])
+
+
 class WaveSeries:
     """Samples of all rows at t = n·step, block after block, under the ramp.
 
@@ -123,23 +138,26 @@ class WaveSeries:
     basis are both factored into what is independent to rounding, and only that is summed over the waves.
     """
 
-    def __init__(self, rows: np.ndarray, omega: np.ndarray, step: float, block: int, ramp):
-        """rows (m, n) complex; ramp(t) -> factor (…,); blocks of `block` samples."""
-        self.omega, self.step, self.ramp = omega, step, ramp
-        n = omega.size
-        self.spread, own = _factors(np.concatenate([rows.real, rows.imag], axis=1))
-        self.rows = own[:, :n] + 1j * own[:, n:]
-        phase = np.outer(step * np.arange(block), omega)
-        self.samples, self.basis = _factors(np.concatenate([np.cos(phase), np.sin(phase)], axis=1))
+    def __init__(self, rows: Factored, omega: np.ndarray, step: float, block: int, ramp):
+        """ramp(t) -> factor (…,); blocks of `block` samples."""
+        self.rows, self.omega, self.step, self.ramp = rows, omega, step, ramp
+        self.samples, self.basis = _instants(omega.tobytes(), step, block)
 
     def block(self, first: int, count: int) -> np.ndarray:
         """y (count, m) at samples first … first + count - 1, C-contiguous."""
         # Re{W e^{-iω(t₀+τ)}} = Re(W e^{-iωt₀}) cos ωτ + Im(W e^{-iωt₀}) sin ωτ, t₀ = first·step
         # exactly, so that nothing drifts over long records.
-        turned = self.rows * np.exp(-1j * self.omega * (first * self.step))
+        turned = self.rows.own * np.exp(-1j * self.omega * (first * self.step))
         y = self.samples[:count] @ (self.basis @ np.concatenate([turned.real, turned.imag], axis=1).T)
         y *= self.ramp((first + np.arange(count)) * self.step)[:, None]
-        return y @ self.spread.T
+        return y @ self.rows.spread.T
+
+
+@lru_cache(maxsize=4)
+def _instants(omega: bytes, step: float, block: int) -> tuple[np.ndarray, np.ndarray]:
+    """cos ωτ and sin ωτ at the samples of a block (block, 2n), factored; runs in the same sea share them."""
+    phase = np.outer(step * np.arange(block), np.frombuffer(omega))
+    return _factors(np.concatenate([np.cos(phase), np.sin(phase)], axis=1))
 
 
 def _factors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
