@@ -15,6 +15,8 @@ from solver.hydrodynamics.panel_hull import PanelHull
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 
+STEP = 0.2  # [s]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Water:
@@ -118,7 +120,7 @@ class Settings:
     discard: float = 100.0  # before that [s]
     ramp: float = 50.0  # [s]
     ramp_form: Literal["paper", "cosine"] = "paper"
-    time_step: float = 0.15  # [s]; samples are half a step apart
+    time_step: float = STEP  # [s]; samples are half a step apart
     modes: int | Literal["all"] = 6  # lowest modes kept, besides static load shapes
     azimuths: int = 12  # of the wetted-surface quadrature, full circle
     arc_points: int = 6
@@ -134,7 +136,8 @@ class Settings:
     froude_krylov: Literal["body-nonlinear", "linear", "none"] = "body-nonlinear"
     diffraction: bool = True
     radiation: bool = True
-    newton_tolerance: float = 1e-5  # [m or rad]
+    # Newton's last update of a position [m or rad] in a step of STEP; in others as their square: forces are as exact.
+    newton_tolerance: float = 1e-5
     keep_series: bool = False
     rao: bool = False  # motion per wave amplitude, wave by wave
     # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.

@@ -13,21 +13,26 @@ from solver.hydrodynamics.mesh import Hull
 from solver.limits import slides
 from solver.march import (
     EXCURSION,
+    GROSSLY,
     NOT_CONVERGED,
     OK,
+    UNBALANCED,
     WORKS,
     Drive,
     Output,
     State,
+    energy,
     march,
+    room,
 )
 from solver.multibody.minimal import Bodies, loads, mass_matrix, move, new_motion, pressures
-from solver.scene import Float, Scene
-from solver.sea.field import WaveField, WaveSeries
+from solver.scene import STEP, Float, Scene
+from solver.sea.field import Factored, WaveField, WaveSeries, factored
 from solver.sea.realization import ramp
 from solver.structure import support as platform
 
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
+LEAST = 1e-13  # of Newton's tolerances, rounding [m or rad]
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
 
@@ -43,9 +48,15 @@ class System:
     memory: assembly.Memory
     stiffness: np.ndarray
     rows: np.ndarray
+    factored: Factored
     layout: assembly.Layout
     waves: WaveField
     dt: float
+
+    @property
+    def newton_tolerance(self) -> float:
+        """For this step: positions change by dt² of the accelerations, and those give the forces [m or rad]."""
+        return max(self.scene.settings.newton_tolerance * (self.dt / STEP) ** 2, LEAST)
 
     def start(self) -> State:
         """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""
@@ -58,7 +69,7 @@ class System:
         s = self.scene.settings
         first = self.drive(self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form))
         ddp, ddz, load = _initial_acceleration(self, z, p, first)
-        return State(
+        state = State(
             z=z[nc:],
             dz=np.zeros(nz - nc),
             ddz=np.tile(ddz, (3, 1)),
@@ -69,12 +80,15 @@ class System:
             memory=np.zeros((self.memory.residue.shape[0], self.memory.direct.shape[2]), complex),
             power=np.zeros(len(WORKS)),
             work=np.zeros(len(WORKS)),
+            energy=np.zeros(1),
         )
+        state.energy[0] = energy(body, self.structure, state)
+        return state
 
     def series(self, dt: float, block: int = 2 * BLOCK_STEPS + 1) -> WaveSeries:
         """All that the wave drives, at samples dt/2 apart, blocks of at most `block`."""
         s = self.scene.settings
-        return WaveSeries(self.rows, self.scene.sea.omega, dt / 2, block, lambda t: ramp(t, s.ramp, s.ramp_form))
+        return WaveSeries(self.factored, self.scene.sea.omega, dt / 2, block, lambda t: ramp(t, s.ramp, s.ramp_form))
 
     def drive(self, samples: np.ndarray) -> Drive:
         """Columns of the wave series (m, columns) as the march reads them."""
@@ -125,6 +139,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         memory=assembly.memory(fit, settings.time_step, na),
         stiffness=assembly.newton_stiffness(body, scene, hydrodynamics),
         rows=rows,
+        factored=factored(rows),
         layout=layout,
         waves=waves,
         dt=settings.time_step,
@@ -250,8 +265,9 @@ def blocks(system: System, state: State, steps: int, done: int = 0):
     `state` is that after `done` steps, and all that a run needs to go on: to the last bit where `done` is a
     multiple of BLOCK_STEPS, elsewhere to Newton's tolerance.
     """
-    settings, h = system.scene.settings, system.dt / 2
+    h, tolerance = system.dt / 2, system.newton_tolerance
     series = system.series(system.dt)
+    scratch = room(system.bodies, system.structure, system.memory, system.stiffness, system.dt, tolerance)
     nz, nm, nb = system.bodies.damping.size, system.structure.omega.size, system.bodies.axes.size
     for first in range(done, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - first)
@@ -268,9 +284,9 @@ def blocks(system: System, state: State, steps: int, done: int = 0):
             system.memory,
             system.drive(samples),
             state,
-            system.stiffness,
+            scratch,
             system.dt,
-            settings.newton_tolerance,
+            tolerance,
             ITERATIONS,
             output,
         )
@@ -283,5 +299,16 @@ def _failure(outcome: int, t: float, system: System, state: State) -> Simulation
     when = f"at t = {t:.1f} s"
     if outcome == EXCURSION:
         return SimulationFailed(limits.explain(system.scene, state.z, system.bodies.limit, when))
+    if outcome == UNBALANCED:
+        return unbalanced(f"more than {GROSSLY:g}", t, system)
     trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
     return StepTooLong(f"{trouble} {when}: reduce time_step = {system.dt:g} s")
+
+
+def unbalanced(by: str, t: float, system: System) -> StepTooLong:
+    """What a run is told whose energy balance is open by a share of the wave's work."""
+    dt, tolerance = system.dt, system.scene.settings.newton_tolerance
+    return StepTooLong(
+        f"energy balance at t = {t:.1f} s open by {by} of the wave's work: reduce time_step = {dt:g} s and"
+        f" newton_tolerance = {tolerance:g}"
+    )

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.errors import InputError
-from solver.kernels import fast_kernel
+from solver.kernels import fast_lean_kernel
+from solver.statistics import vertex
 from solver.structure import recovery, statics, water
 from solver.structure.frame import FrameModel
 
@@ -18,6 +19,8 @@ class Largest(NamedTuple):
 
     square: np.ndarray  # (no nh,) of the displacement [m²]
     stress: np.ndarray  # (no ne 2,) magnitude [Pa]
+    last_square: np.ndarray  # (2, no nh) the last two samples
+    last_stress: np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -38,7 +41,8 @@ class Legs:
 
     def nothing(self) -> Largest:
         """The largest values before the first sample."""
-        return Largest(np.zeros(self.displacement.shape[2]), np.zeros(self.fibre.shape[2]))
+        nd, nf = self.displacement.shape[2], self.fibre.shape[2]
+        return Largest(np.zeros(nd), np.zeros(nf), np.full((2, nd), np.nan), np.full((2, nf), np.nan))
 
     def response(self, p: np.ndarray, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
         """Displacement of the tops (m, nl, 3) [m] and stress at the feet (m, nl) [Pa]; updates `largest`.
@@ -57,19 +61,29 @@ class Legs:
         return np.sqrt(square)[self.twin], at_nodes(stress)[self.twin]
 
 
-@fast_kernel
-def _respond(u, fibre, static, feet, square, stress):
+@fast_lean_kernel
+def _respond(u, fibre, static, feet, square, stress, last_square, last_stress):
     """Stress at the feet (m, no) and largest values, from displacements and fibres, sample by sample in place."""
     points = stress.size // feet.shape[1]
     for i in range(feet.shape[0]):
         for j in range(square.size):
-            square[j] = max(square[j], u[i, 0, j] ** 2 + u[i, 1, j] ** 2 + u[i, 2, j] ** 2)
+            _take(u[i, 0, j] ** 2 + u[i, 1, j] ** 2 + u[i, 2, j] ** 2, j, square, last_square)
         axial, about_y, about_z = fibre[i, 0], fibre[i, 1], fibre[i, 2]
         for j in range(stress.size):
             axial[j] += static[0, j] - np.sqrt((about_y[j] + static[1, j]) ** 2 + (about_z[j] + static[2, j]) ** 2)
-            stress[j] = max(stress[j], abs(axial[j]))
+            _take(abs(axial[j]), j, stress, last_stress)
         for leg in range(feet.shape[1]):
             feet[i, leg] = axial[leg * points]
+
+
+@fast_lean_kernel(inline="always")
+def _take(new, j, largest, last):
+    """A value >= 0, and the parabola through it and the two before: it rises above them by a quarter at most."""
+    older, old = last[0, j], last[1, j]
+    last[0, j], last[1, j] = old, new
+    largest[j] = max(largest[j], new)
+    if 1.25 * old > largest[j]:
+        largest[j] = max(largest[j], vertex(older, old, new))
 
 
 def at_nodes(ends: np.ndarray) -> np.ndarray:

@@ -27,9 +27,9 @@ def task(platform: str) -> tasks.Task:
     return next(t for t in tasks.expand(content) if all(t.labels[k] == v for k, v in wanted.items()))
 
 
-def scene(platform: str) -> Scene:
-    """Its scene."""
-    return scenes.scene(task(platform).parameters)
+def scene(platform: str, seed: int = 0) -> Scene:
+    """Its scene, or that of another realization."""
+    return scenes.scene(task(platform).parameters.model_copy(update={"seed": seed}))
 
 
 def coefficients(name: str = "default", **changed) -> tuple[Hydrodynamics, float]:

@@ -8,6 +8,7 @@ from numba import njit
 from solver.hydrodynamics import radiation
 from solver.hydrodynamics.froude_krylov import pressure_load
 from solver.hydrodynamics.panels import panel_load, revolution_mesh, waves_at
+from solver.kernels import fast_lean_kernel
 from solver.march import _drag, _memory_history, _newton_matrix, flexibility
 from solver.multibody.minimal import loads, move, new_motion, pressures
 from solver.sea.field import WaveField
@@ -104,7 +105,7 @@ def pressure_pair() -> tuple[float, float, float]:
     return quick, paper, float(np.abs(fast - slow).max() / np.abs(fast).max())
 
 
-@njit
+@fast_lean_kernel
 def _one_load(position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load):
     """`pressure_load` is inlined where it is called, and `each` can only call what is not."""
     pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pipeline import study
-from solver.scene import Scene
+from solver.scene import STEP, Scene
 from solver.sea.realization import Realization, realize
 from solver.sea.spectrum import WhiteNoise
 
@@ -79,7 +79,7 @@ def _set(table: Any, path: list[str], value: Any) -> None:
 def sea_state(Hs: float, Tp: float) -> dict[str, Any]:
     """A sea of its own band, 0.6 to 3 times the peak frequency, with at least 12 steps in its shortest wave."""
     peak = 2 * np.pi / Tp
-    step = min(0.15, 2 * np.pi / (3 * peak) / 12)
+    step = min(STEP, 2 * np.pi / (3 * peak) / 12)
     return {
         "waves.band": [0.6 * peak, 3 * peak],
         "sea_states": {"representative": {"Hs": Hs, "Tp": Tp}},
