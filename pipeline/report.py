@@ -121,7 +121,7 @@ def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
         known = [i for i, label in enumerate(values[dim].values.tolist()) if str(label) in labels]
         if not known:
             return None
-        values = values.isel({dim: known}).mean(dim)
+        values = values.isel({dim: known[0]}) if len(known) == 1 else values.isel({dim: known}).mean(dim)
     return values / (-row.scale if row.statistic.startswith("-") else row.scale)
 
 

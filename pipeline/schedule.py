@@ -31,6 +31,7 @@ SETTINGS = {
     # So many workers may die under a task, perhaps of something else, before it counts as their murderer.
     "distributed.scheduler.allowed-failures": 3,
     "distributed.comm.timeouts.connect": "10s",
+    "distributed.worker.profile.enabled": False,  # who runs what, a hundred times a second: nobody looks at it
     # A fork of a process that has imported everything is up at once, also when a worker that died is replaced.
     "distributed.worker.multiprocessing-method": "forkserver",
 }

@@ -373,7 +373,7 @@ class Room(NamedTuple):
     inverse: np.ndarray  # (nm, 2, 2), H: see flexibility
     H: np.ndarray
     constant: np.ndarray  # (2nz, 2nz) of Newton's matrix
-    least: float  # motions below Newton's tolerance have no energy [J] to speak of
+    least: float  # [J], no energy to speak of
     stage: tuple  # of Motion, at ½ and 1
     M: np.ndarray  # the rest is scratch, two rows for two stages
     Z: np.ndarray
@@ -405,7 +405,7 @@ class Room(NamedTuple):
     flow: np.ndarray
 
 
-def room(bodies, structure, memory, stiffness, dt, tolerance) -> Room:
+def room(bodies, structure, memory, stiffness, dt, least) -> Room:
     """For `march` with steps of dt; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
     nb, nz = bodies.axes.size, bodies.damping.size
     nm, na = structure.omega.size, bodies.axes.size * bodies.active.size
@@ -416,7 +416,7 @@ def room(bodies, structure, memory, stiffness, dt, tolerance) -> Room:
         inverse=inverse,
         H=H,
         constant=constant,
-        least=float(tolerance**2 * np.trace(stiffness)),
+        least=least,
         stage=(new_motion(bodies), new_motion(bodies)),
         M=np.empty((nz, nz)),
         pivot=np.empty(2 * nz, np.int64),

@@ -58,6 +58,11 @@ class System:
         """For this step: positions change by dt² of the accelerations, and those give the forces [m or rad]."""
         return max(self.scene.settings.newton_tolerance * (self.dt / STEP) ** 2, LEAST)
 
+    @property
+    def least_energy(self) -> float:
+        """Motions below Newton's tolerance have no energy to speak of [J]."""
+        return float(self.newton_tolerance**2 * np.trace(self.stiffness))
+
     def start(self) -> State:
         """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""
         body, nm = self.bodies, self.structure.omega.size
@@ -267,7 +272,7 @@ def blocks(system: System, state: State, steps: int, done: int = 0):
     """
     h, tolerance = system.dt / 2, system.newton_tolerance
     series = system.series(system.dt)
-    scratch = room(system.bodies, system.structure, system.memory, system.stiffness, system.dt, tolerance)
+    scratch = room(system.bodies, system.structure, system.memory, system.stiffness, system.dt, system.least_energy)
     nz, nm, nb = system.bodies.damping.size, system.structure.omega.size, system.bodies.axes.size
     for first in range(done, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - first)

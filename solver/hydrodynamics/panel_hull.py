@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError, cKDTree
+import scipy  # its parts come when they are used: few scenes have meshes, and spatial is slow to import
 
 from solver.errors import InputError
 from solver.hydrodynamics import meshfile, surface
@@ -160,7 +160,7 @@ class PanelHull:
     def silhouette(self) -> np.ndarray:
         """The convex outline seen along y, (n, 2) of x and z [m]."""
         flat = self.vertices[:, [0, 2]]
-        return flat[ConvexHull(flat).vertices]
+        return flat[scipy.spatial.ConvexHull(flat).vertices]
 
     @cached_property
     def waterline(self) -> np.ndarray:
@@ -178,7 +178,7 @@ class PanelHull:
         """Vertices fall on vertices, and faces on faces or the hull is convex."""
         image = self.vertices * np.where(np.arange(3) == axis, -1.0, 1.0)
         used = np.unique(self.faces)
-        gap, place = cKDTree(self.vertices[used]).query(image)
+        gap, place = scipy.spatial.cKDTree(self.vertices[used]).query(image)
         if gap[used].max() > ALIKE * self.size:
             return False
         before = np.unique(np.sort(self.faces, axis=1), axis=0)
@@ -192,8 +192,9 @@ class PanelHull:
             return False
         points, areas = _midpoints(self.panels)
         try:
-            return bool(np.isclose(points[:, 2] @ areas[:, 2], ConvexHull(self.vertices).volume, rtol=1e-6))
-        except QhullError:
+            convex = scipy.spatial.ConvexHull(self.vertices).volume
+            return bool(np.isclose(points[:, 2] @ areas[:, 2], convex, rtol=1e-6))
+        except scipy.spatial.QhullError:
             return False
 
 

@@ -5,9 +5,9 @@ Corners run counter-clockwise seen from the water; a triangle gives its last cor
 """
 
 import numpy as np
+import scipy
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
-from scipy.spatial import cKDTree
 
 from solver.errors import InputError
 
@@ -45,7 +45,7 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
 def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Coinciding points made one, panels without area or given twice left out; and what was done."""
     extent = np.ptp(vertices[faces.ravel()], axis=0).max()
-    near = cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
+    near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
     links = coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(vertices),) * 2)
     _, place = connected_components(links, directed=False)
     first = np.unique(place, return_index=True)[1]
