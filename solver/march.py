@@ -373,7 +373,7 @@ class Room(NamedTuple):
     inverse: np.ndarray  # (nm, 2, 2), H: see flexibility
     H: np.ndarray
     constant: np.ndarray  # (2nz, 2nz) of Newton's matrix
-    least: float  # [J], no energy to speak of
+    least: float  # [J], no energy to look at while it runs
     stage: tuple  # of Motion, at ½ and 1
     M: np.ndarray  # the rest is scratch, two rows for two stages
     Z: np.ndarray
@@ -406,7 +406,10 @@ class Room(NamedTuple):
 
 
 def room(bodies, structure, memory, stiffness, dt, least) -> Room:
-    """For `march` with steps of dt; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
+    """For `march` with steps of dt; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone.
+
+    least: energy of a motion of Newton's tolerance [J].
+    """
     nb, nz = bodies.axes.size, bodies.damping.size
     nm, na = structure.omega.size, bodies.axes.size * bodies.active.size
     inverse, H = flexibility(structure, dt)
@@ -416,7 +419,7 @@ def room(bodies, structure, memory, stiffness, dt, least) -> Room:
         inverse=inverse,
         H=H,
         constant=constant,
-        least=least,
+        least=1e4 * least,  # Newton's tolerance is a grave share of motions below a hundred of it
         stage=(new_motion(bodies), new_motion(bodies)),
         M=np.empty((nz, nz)),
         pivot=np.empty(2 * nz, np.int64),

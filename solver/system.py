@@ -60,7 +60,7 @@ class System:
 
     @property
     def least_energy(self) -> float:
-        """Motions below Newton's tolerance have no energy to speak of [J]."""
+        """Of a motion of Newton's tolerance [J]: what is less is nothing to speak of."""
         return float(self.newton_tolerance**2 * np.trace(self.stiffness))
 
     def start(self) -> State:
