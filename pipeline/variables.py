@@ -87,7 +87,7 @@ COORDINATES = {
     "leg": Meaning(None, "Name of the leg"),
     "direction": Meaning(None, "Axis of the component"),
     "height": Meaning("m", "Height above the foot of the leg", "height"),
-    "statistic": Meaning(None, "Statistic over the analysed time; max, min of parabolas through samples; ddof 0"),
+    "statistic": Meaning(None, "Over the analysed time; max, min of parabolas through samples, std with ddof 0"),
     "mode": Meaning("1", "Number of the mode, from 1"),
     "elapsed_time": Meaning("s", "Time since the start of the simulation"),
 }

@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from solver import assembly
 from solver.hydrodynamics.bem import DOFS, Hydrodynamics
-from solver.march import Output, State, open_by
+from solver.march import Output, State
 from solver.multibody.minimal import mass_matrix, move, new_motion, pressures
 from solver.system import System, blocks
 
@@ -70,11 +70,6 @@ def audit(system: System, hydrodynamics: Hydrodynamics | None, probe: Probe, sta
     }
 
 
-def energy_residual(system: System, work: np.ndarray, stored: float) -> float:
-    """By how much of the wave's work the energy balance is open: see solver.march.open_by."""
-    return float(open_by(work, stored, system.least_energy))
-
-
 def constraint_drift(system: System, state: State) -> float:
     """Largest gap [m] between the end of each arm and its hinge on the support, at the end."""
     body, nc = system.bodies, system.structure.carrier.shape[0]
@@ -85,7 +80,10 @@ def constraint_drift(system: System, state: State) -> float:
     for b, item in enumerate(system.scene.floats):
         if item.motion != ("hinge",):
             continue
-        hinge = np.array(item.hinge, float)
+        hinge, carrier = np.array(item.hinge, float), system.scene.carriers[b]
+        if carrier >= 0:
+            arm = hinge - system.scene.floats[carrier].centre
+            hinge = motion.position[carrier] + motion.rotation[carrier] @ arm
         if nc:
             axes = assembly.carrier_axes(system.scene.planar)
             shift = np.zeros(6)

@@ -18,6 +18,7 @@ from solver.multibody.minimal import (
     mass_matrix,
     move,
     new_motion,
+    powers,
     pressures,
     project_active,
     stored_energy,
@@ -30,6 +31,7 @@ AA0, AA = A @ A0, A @ A
 SIMPSON = np.array([1 / 6, 4 / 6, 1 / 6])
 
 REFRESH = 8  # steps that share Newton's matrix while it serves
+WATCH = 8  # steps after which the energy balance is looked at
 # Pressure and drag are evaluated again where a stage has moved by so many tolerances since; nearer than that
 # the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance.
 NEAR = 25.0
@@ -83,7 +85,7 @@ class State(NamedTuple):
     memory: np.ndarray  # (p, na) complex
     power: np.ndarray  # (len(WORKS),) at the last sample
     work: np.ndarray  # (len(WORKS),) [J] since the start
-    energy: np.ndarray  # (1,) [J] stored at the start
+    energy: np.ndarray  # (2,) [J] stored at the start, and the scale of what has been exchanged since
 
 
 class Output(NamedTuple):
@@ -367,15 +369,14 @@ def _newton_side(structure, inverse, known, drag, residual, ddz, side):
             side[nz + i] += structure.carrier[i, m] * a1
 
 
-class Room(NamedTuple):
-    """What a march of one step length computes once, and its scratch."""
+class Workspace(NamedTuple):
+    """What a march of one step length computes once, and its scratch: two rows for two stages."""
 
     inverse: np.ndarray  # (nm, 2, 2), H: see flexibility
     H: np.ndarray
     constant: np.ndarray  # (2nz, 2nz) of Newton's matrix
-    least: float  # [J], no energy to look at while it runs
     stage: tuple  # of Motion, at ½ and 1
-    M: np.ndarray  # the rest is scratch, two rows for two stages
+    M: np.ndarray
     Z: np.ndarray
     K: np.ndarray
     pivot: np.ndarray
@@ -396,6 +397,7 @@ class Room(NamedTuple):
     load: np.ndarray
     residual: np.ndarray
     wrench: np.ndarray
+    external: np.ndarray
     power: np.ndarray
     pressure: np.ndarray
     anchor: np.ndarray
@@ -405,27 +407,25 @@ class Room(NamedTuple):
     flow: np.ndarray
 
 
-def room(bodies, structure, memory, stiffness, dt, least) -> Room:
-    """For `march` with steps of dt; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone.
-
-    least: energy of a motion of Newton's tolerance [J].
-    """
+def workspace(bodies, structure, memory, stiffness, dt) -> Workspace:
+    """For `march` with steps of dt; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
     nb, nz = bodies.axes.size, bodies.damping.size
-    nm, na = structure.omega.size, bodies.axes.size * bodies.active.size
+    nm, na = structure.omega.size, nb * bodies.active.size
     inverse, H = flexibility(structure, dt)
     constant = np.empty((2 * nz, 2 * nz))
     _constant_part(bodies, memory, stiffness, dt, constant)
-    return Room(
+    return Workspace(
         inverse=inverse,
         H=H,
         constant=constant,
-        least=1e4 * least,  # Newton's tolerance is a grave share of motions below a hundred of it
         stage=(new_motion(bodies), new_motion(bodies)),
         M=np.empty((nz, nz)),
         pivot=np.empty(2 * nz, np.int64),
+        update=np.empty(2 * nz),
         wrench=np.empty((2, nb, 6)),
         pressure=np.empty((2, nb, 6)),
-        power=np.zeros((2, 4)),
+        external=np.empty((2, nb, 6)),
+        power=np.empty(4),
         works=np.zeros((3, len(WORKS))),
         flow=np.empty(structure.station.shape[1:]),
         velocity0=np.empty(na),
@@ -434,21 +434,25 @@ def room(bodies, structure, memory, stiffness, dt, least) -> Room:
         **{name: np.zeros((2, nz)) for name in ("z", "dz", "ddz", "residual", "anchor")},
         **{name: np.zeros((2, nm)) for name in ("p", "dp", "ddp", "known", "force", "drag")},
         **{name: np.empty((2, na)) for name in ("velocity", "history", "load")},
-        update=np.empty(2 * nz),
     )
 
 
 @lean_kernel
-def march(bodies, structure, memory, drive, state, room, dt, tolerance, iterations, output):
+def march(bodies, structure, memory, drive, state, own, dt, tolerance, iterations, quiet, output):
     """Advance `state` through all samples of `drive`; return (outcome, sample, iterations used).
 
-    tolerance: Newton's last update of any stage position [m or rad]. On an outcome other than
-    OK, `sample` is where the run stopped; a state is never left with NaN unnoticed.
+    own: see workspace. tolerance: Newton's last update of any stage position [m or rad]. The energy balance is
+    looked at every WATCH steps, from step `quiet` on. On an outcome other than OK, `sample` is where the run
+    stopped; a state is never left with NaN unnoticed.
     """
-    (
-        inverse, H, constant, least, stage, M, Z, K, pivot, z0, dz0, velocity0, z, dz, ddz, p, dp, ddp, known, force,
-        drag, velocity, history, load, residual, wrench, power, pressure, anchor, since, works, update, flow,
-    ) = room  # fmt: skip
+    inverse, H, constant, stage, M, Z, K, pivot = (
+        own.inverse, own.H, own.constant, own.stage, own.M, own.Z, own.K, own.pivot
+    )  # fmt: skip
+    z0, dz0, velocity0, z, dz, ddz = own.z0, own.dz0, own.velocity0, own.z, own.dz, own.ddz
+    p, dp, ddp, known, force, drag = own.p, own.dp, own.ddp, own.known, own.force, own.drag
+    velocity, history, load, residual, wrench = own.velocity, own.history, own.load, own.residual, own.wrench
+    external, power, pressure, anchor, since = own.external, own.power, own.pressure, own.anchor, own.since
+    works, update, flow = own.works, own.update, own.flow
     nz, (nc, nm) = bodies.damping.size, structure.carrier.shape
     nj = nz - nc
     steps = (drive.modal.shape[0] - 1) // 2
@@ -461,9 +465,9 @@ def march(bodies, structure, memory, drive, state, room, dt, tolerance, iteratio
     used = spent = 0
     for step in range(steps):
         _memory_history(memory, state, velocity0, history)
-        if step % REFRESH == 0:
-            stored = _stored(bodies, structure, state, z0, dz0, stage[1]) - state.energy[0]
-            if not open_by(state.work, stored, least) <= GROSSLY:
+        if step % WATCH == 0:
+            gap = open_by(state.work, _stored(bodies, structure, state, z0, dz0, stage[1]), state.energy)
+            if step >= quiet and not gap <= GROSSLY:
                 return UNBALANCED, 2 * step, used
         if step % REFRESH == 0 or spent > 2:
             _newton_matrix(bodies, stage[1], H, constant, M, Z, K)
@@ -499,7 +503,7 @@ def march(bodies, structure, memory, drive, state, room, dt, tolerance, iteratio
                 excitation = drive.excitation[2 * step + 1 + s]
                 loads(
                     bodies, z[s], dz[s], ddz[s], stage[s], pressure[s], since, excitation, load[s],
-                    residual[s], wrench[s], power[s],
+                    residual[s], wrench[s], external[s],
                 )  # fmt: skip
             _newton_side(structure, inverse, known, drag, residual, ddz, update)
             _substitute(K, pivot, update)
@@ -537,7 +541,8 @@ def march(bodies, structure, memory, drive, state, room, dt, tolerance, iteratio
             for m in range(nm):
                 inertia += drive.modal[2 * step + 1 + s, m] * dp[s, m]
                 structural += 2 * structure.damping[m] * structure.omega[m] * dp[s, m] ** 2
-            _copy(power[s], works[1 + s, :4])
+            powers(bodies, dz[s], stage[s], external[s], load[s], power)
+            _copy(power, works[1 + s, :4])
             works[1 + s, 4], works[1 + s, 6] = inertia, structural
         _copy(state.power, works[0])
         for i in range(state.work.size):
@@ -587,14 +592,16 @@ def energy(bodies, structure, state):
 
 
 @lean_kernel
-def open_by(work, stored, least):
-    """|wave work - (PTO + radiation + drag + structural + stored)| over the largest term, as a rule the wave's work.
+def open_by(work, stored, energy):
+    """|wave work - (PTO + radiation + drag + structural + change of stored)| over the largest of these so far.
 
-    work (len(WORKS),) and `stored` since the start [J]; `least` [J] is nothing to speak of.
+    work (len(WORKS),) since the start and `stored` now [J]; energy: see State, its scale is renewed. As a rule that
+    is the wave's work; in free decay, where all of them return to nothing once a period, what went to and fro.
     """
     wave, radiation, pto, other = work[0], work[1], work[2], work[3]
     inertia, drag, structural = work[4], work[5], work[6]
-    given = wave + inertia + max(drag, 0.0)
+    given, gained = wave + inertia + max(drag, 0.0), stored - energy[0]
     taken = radiation + pto + other + structural - min(drag, 0.0)
-    largest = max(abs(given), abs(taken), abs(stored), least)
-    return abs(given - taken - stored) / largest if largest > 0 else 0.0
+    energy[1] = max(energy[1], abs(given), abs(taken), abs(gained))
+    gap = abs(given - taken - gained)
+    return 0.0 if gap == 0 else gap / energy[1]

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from solver.accuracy import settled
-from solver.audit import Probe, audit, energy_residual
+from solver.audit import Probe, audit
 from solver.balance import warnings
 from solver.boundary import coefficients, needed
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem import Hydrodynamics
-from solver.march import WORKS, energy
+from solver.march import WORKS, energy, open_by
 from solver.record import Record, Recorder
 from solver.reference import simulate_reference
 from solver.scene import Scene
@@ -69,15 +69,15 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
         probe.add(samples, output)
-    stored = energy(system.bodies, system.structure, state) - state.energy[0]
-    residual = energy_residual(system, state.work, stored)
+    stored = energy(system.bodies, system.structure, state)
+    residual = open_by(state.work, stored, state.energy)
     if not residual <= BALANCE:
-        raise unbalanced(f"{residual:.1e}", times[-1], system)
+        raise unbalanced(residual, BALANCE, times[-1], system)
     marched = time.perf_counter()
     attrs = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
-        "stored_energy_change": float(stored),
+        "stored_energy_change": float(stored - state.energy[0]),
         **audit(system, hydrodynamics, probe, state),
         **{name: getattr(settings, name) for name in KNOBS},
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
@@ -88,4 +88,3 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
     if odd := warnings(scene):
         attrs["warnings"] = "; ".join(odd)
     return recorder.record(attrs)
-

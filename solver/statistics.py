@@ -36,15 +36,16 @@ class Statistics:
 
     def table(self) -> np.ndarray:
         """(n, 5) in the order of STATISTICS."""
-        variance = self.spread / self.count
-        return np.stack([self.high, self.low, self.mean, np.sqrt(self.mean**2 + variance), np.sqrt(variance)], axis=-1)
+        variance, known = self.spread / self.count, np.where(np.isnan(self.mean), np.nan, 1.0)
+        rms = np.sqrt(self.mean**2 + variance)
+        return np.stack([known * self.high, known * self.low, self.mean, rms, np.sqrt(variance)], axis=-1)
 
 
 @lean_kernel(inline="always")
 def vertex(older, old, new):
     """Extreme of the parabola through three samples where it lies nearest to the middle one, else that sample.
 
-    It does not pass zero where the samples do not: power stays positive.
+    It does not pass zero where the middle sample does not, so that power stays positive; no channel misses much.
     """
     slope, bend = (new - older) / 2, older - 2 * old + new
     if not 2 * abs(slope) < abs(bend):

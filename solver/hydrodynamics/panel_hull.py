@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy  # its parts come when they are used: few scenes have meshes, and spatial is slow to import
+import scipy  # spatial is slow to import, and the command line needs scenes but rarely meshes
 
 from solver.errors import InputError
 from solver.hydrodynamics import meshfile, surface

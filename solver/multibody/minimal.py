@@ -170,13 +170,11 @@ def pressures(bodies, motion, field, out):
 
 
 @lean_kernel
-def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, residual, wrench, power):
-    """Residual JᵀW (nz,) of the equations of motion, W (nb, 6), powers (4,) [W].
+def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, residual, wrench, external):
+    """Residual JᵀW (nz,) of the equations of motion, W (nb, 6), and the waves' part of it, external (nb, 6).
 
     pressure (nb, 6) as it was at coordinates smaller by since (nz,): the hydrostatic stiffness
-    stands for the change; excitation (nb, 6) linear wave loads; memory (nb nr,) radiation memory
-    load; power: pressure + excitation, radiation memory, PTO, other damping of the joints; the
-    last three as dissipated.
+    stands for the change; excitation (nb, 6) linear wave loads; memory (nb nr,) radiation memory load.
     """
     nb, nr = bodies.axes.size, bodies.active.size
     for b in range(nb):
@@ -186,9 +184,8 @@ def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, resid
                 a += motion.jacobian[b, r, i] * ddz[bodies.coordinate[b, i]]
             motion.acceleration[b, r] = a
     residual[:] = 0.0
-    power[:] = 0.0
     for b in range(nb):
-        W, velocity = wrench[b], motion.velocity[b]
+        W = wrench[b]
         for r in range(6):
             W[r] = excitation[b, r] + pressure[b, r]
         for c in range(6):
@@ -198,11 +195,10 @@ def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, resid
             for r in range(6):
                 W[r] -= bodies.stiffness[b, r, c] * moved
         for r in range(6):
-            power[0] += W[r] * velocity[r]
+            external[b, r] = W[r]
         for r in range(nr):
             i = b * nr + r
             total = memory[i]
-            power[1] += total * velocity[bodies.active[r]]
             for j in range(nb):
                 for s in range(nr):
                     total += bodies.added_mass[i, j * nr + s] * motion.acceleration[j, bodies.active[s]]
@@ -212,11 +208,26 @@ def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, resid
             for r in range(6):
                 residual[bodies.coordinate[b, i]] += motion.jacobian[b, r, i] * W[r]
     for i in range(z.size):
-        pto = bodies.pto[i] * dz[i]
-        other = (bodies.damping[i] + bodies.quadratic[i] * abs(dz[i])) * dz[i]
-        residual[i] -= pto + other + bodies.spring[i] * z[i] + bodies.mechanism[i] * ddz[i]
-        power[2] += pto * dz[i]
-        power[3] += other * dz[i]
+        damping = bodies.pto[i] + bodies.damping[i] + bodies.quadratic[i] * abs(dz[i])
+        residual[i] -= damping * dz[i] + bodies.spring[i] * z[i] + bodies.mechanism[i] * ddz[i]
+
+
+@lean_kernel
+def powers(bodies, dz, motion, external, memory, power):
+    """Powers (4,) [W] of pressure and excitation; radiation memory, PTO and other damping of the joints as dissipated.
+
+    Of the step's final velocities: with others, weight and buoyancy, far larger than what varies, would not balance.
+    """
+    nb, nr = bodies.axes.size, bodies.active.size
+    power[:] = 0.0
+    for b in range(nb):
+        for r in range(6):
+            power[0] += external[b, r] * motion.velocity[b, r]
+        for r in range(nr):
+            power[1] += memory[b * nr + r] * motion.velocity[b, bodies.active[r]]
+    for i in range(dz.size):
+        power[2] += bodies.pto[i] * dz[i] ** 2
+        power[3] += (bodies.damping[i] + bodies.quadratic[i] * abs(dz[i])) * dz[i] ** 2
 
 
 @lean_kernel

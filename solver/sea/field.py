@@ -141,7 +141,7 @@ class WaveSeries:
     def __init__(self, rows: Factored, omega: np.ndarray, step: float, block: int, ramp):
         """ramp(t) -> factor (…,); blocks of `block` samples."""
         self.rows, self.omega, self.step, self.ramp = rows, omega, step, ramp
-        self.samples, self.basis = _instants(omega.tobytes(), step, block)
+        self.samples, self.basis = _instants(tuple(omega.tolist()), step, block)
 
     def block(self, first: int, count: int) -> np.ndarray:
         """y (count, m) at samples first … first + count - 1, C-contiguous."""
@@ -154,9 +154,9 @@ class WaveSeries:
 
 
 @lru_cache(maxsize=4)
-def _instants(omega: bytes, step: float, block: int) -> tuple[np.ndarray, np.ndarray]:
+def _instants(omega: tuple[float, ...], step: float, block: int) -> tuple[np.ndarray, np.ndarray]:
     """cos ωτ and sin ωτ at the samples of a block (block, 2n), factored; runs in the same sea share them."""
-    phase = np.outer(step * np.arange(block), np.frombuffer(omega))
+    phase = np.outer(step * np.arange(block), omega)
     return _factors(np.concatenate([np.cos(phase), np.sin(phase)], axis=1))
 
 

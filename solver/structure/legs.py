@@ -78,11 +78,11 @@ def _respond(u, fibre, static, feet, square, stress, last_square, last_stress):
 
 @fast_lean_kernel(inline="always")
 def _take(new, j, largest, last):
-    """A value >= 0, and the parabola through it and the two before: it rises above them by a quarter at most."""
+    """A value >= 0, and the parabola through it and the two before: it rises above them by an eighth at most."""
     older, old = last[0, j], last[1, j]
     last[0, j], last[1, j] = old, new
     largest[j] = max(largest[j], new)
-    if 1.25 * old > largest[j]:
+    if 1.125 * old > largest[j]:
         largest[j] = max(largest[j], vertex(older, old, new))
 
 

@@ -53,7 +53,7 @@ def of_a_step(platform: str) -> list[tuple[str, float, float]]:
             "other loads",
             each(
                 loads, body, z, dz, z, motion, load, np.zeros(nz), wave, np.zeros(na), np.zeros(nz), load.copy(),
-                np.zeros(4),
+                load.copy(),
             ),
             4,
         ),

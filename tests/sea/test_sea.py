@@ -123,6 +123,12 @@ def test_series_is_the_sum_of_components_even_after_a_day():
     assert np.abs(series.block(first, 64)[:, 0] - exact).max() < 1e-9
 
 
+def test_frequencies_may_be_whole_numbers():
+    rows, t = factored(np.array([[1.0 + 0j]])), 0.1 * np.arange(8)
+    series = WaveSeries(rows, np.array([1]), 0.1, 8, np.ones_like)
+    assert series.block(0, 8)[:, 0] == approx(np.cos(t), abs=1e-12)
+
+
 def test_white_noise_is_flat_and_has_its_height():
     sea = realize(WhiteNoise(Hs=2.0, band=(0.1, 4.0)), components=196, band=(0.1, 4.0), intervals="even", seed=0)
     assert np.ptp(np.abs(sea.amplitude)) < 1e-12
