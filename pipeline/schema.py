@@ -126,7 +126,7 @@ Motion = Literal["hinge", "surge", "sway", "heave", "roll", "pitch", "yaw"]
 
 
 class Float(Table):
-    """A rigid float on a massless arm, joined to the platform or to fixed ground.
+    """A rigid float on a massless arm, joined to the platform, to fixed ground or to another float.
 
     `motion` lists what the joint leaves free, in order from the support: "hinge", about `axis`, or motions
     of the joint's point. What belongs to the joint is a number for its only axis, or a list with one for each.
@@ -141,6 +141,7 @@ class Float(Table):
     arm: Annotated[Vector, Unit("m")] = (0.0, 0.0, 0.0)  # from there to the reference point
     axis: Annotated[Vector, Unit("-")] = (0.0, 1.0, 0.0)  # of the hinge
     motion: Annotated[tuple[Motion, ...], Field(min_length=1)] = ("hinge",)
+    on: str = ""  # the float listed before that carries it, such as a floating platform; else the support
     pto_damping: Annotated[PerAxis, Unit("N m s/rad or N s/m")] = 0.0
     damping: Annotated[PerAxis, Unit("N m s/rad or N s/m")] = 0.0  # besides the PTO
     quadratic_damping: Annotated[PerAxis, Unit("N m s2/rad2 or N s2/m2")] = 0.0

@@ -47,17 +47,15 @@ def bodies(
     floats, water = scene.floats, scene.water
     nb = len(floats)
     own = carrier_axes(scene.planar) if support is not None else np.zeros(0, int)
-    free = [len(f.motion) for f in floats]
-    nc, n = nb * own.size, own.size + max(free, default=0)
+    nc = nb * own.size
+    chains = _chains(scene, own)
+    n = max(map(len, chains), default=0)
     kind, coordinate = np.zeros((nb, n), np.int64), np.zeros((nb, n), np.int64)
     direction, point = np.zeros((nb, n, 3)), np.zeros((nb, n, 3))
-    for b, item in enumerate(floats):
-        axes = [(d >= SPIN, np.eye(3)[d % 3]) for d in own] + [_axis(item, name) for name in item.motion]
-        kind[b, : len(axes)] = [REVOLUTE if turns else PRISMATIC for turns, _ in axes]
-        direction[b, : len(axes)] = [d for _, d in axes]
-        point[b] = item.hinge
-        first = nc + sum(free[:b])
-        coordinate[b, : len(axes)] = [*(b * own.size + np.arange(own.size)), *range(first, first + free[b])]
+    for b, chain in enumerate(chains):
+        for i, (turns, *axis) in enumerate(chain):
+            kind[b, i] = REVOLUTE if turns else PRISMATIC
+            direction[b, i], point[b, i], coordinate[b, i] = axis
     dofs = hydrodynamics.dofs if hydrodynamics else ()
     stiffness, buoyancy = _hydrostatics(scene, hydrodynamics)
     return Bodies(
@@ -65,7 +63,7 @@ def bodies(
         direction=direction,
         point=point,
         coordinate=coordinate,
-        axes=own.size + np.array(free, np.int64),
+        axes=np.array([len(chain) for chain in chains], np.int64),
         # Always floats: with an integer among the inputs all kernels would be compiled once more.
         reference=np.array([f.centre for f in floats], float).reshape(nb, 3),
         mass=np.array([f.mass for f in floats], float),
@@ -89,6 +87,21 @@ def bodies(
         mechanism=_joints(scene, nc, "mechanism_inertia"),
         limit=limits.excursions(scene, field, terms, own),
     )
+
+
+def _chains(scene: Scene, own: np.ndarray) -> list[list[tuple]]:
+    """Of each float its axes from the support on: whether one turns, direction, point, coordinate.
+
+    First the axes `own` of the support's node, or all those of the float that carries it, which so share coordinates.
+    """
+    chains: list[list[tuple]] = []
+    first = len(scene.floats) * own.size
+    for b, (item, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
+        node = [(d >= SPIN, np.eye(3)[d % 3], item.hinge, b * own.size + i) for i, d in enumerate(own)]
+        joint = [(*_axis(item, name), item.hinge, first + i) for i, name in enumerate(item.motion)]
+        chains.append((node if carrier < 0 else chains[carrier]) + joint)
+        first += len(item.motion)
+    return chains
 
 
 def _axis(item: Float, name: str) -> tuple[bool, np.ndarray]:
@@ -223,7 +236,8 @@ def newton_stiffness(body: Bodies, scene: Scene, hydrodynamics: Hydrodynamics | 
     linear, _ = _hydrostatics(scene, hydrodynamics)
     K = np.diag(body.spring)
     for b in range(len(scene.floats)):
-        J, index = motion.jacobian[b], body.coordinate[b]
+        n = body.axes[b]
+        J, index = motion.jacobian[b, :, :n], body.coordinate[b, :n]
         K[np.ix_(index, index)] += J.T @ linear[b] @ J
     return K
 

@@ -9,13 +9,13 @@ ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 
 def warnings(scene: Scene) -> tuple[str, ...]:
     """Sentences for the user, the key first."""
-    found = [text for f in scene.floats for text in imbalance(f, scene.water)]
+    found = [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     found += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
     return (*found, *(f"sea: {note}" for note in scene.sea.notes))
 
 
-def imbalance(item: Float, water: Water) -> list[str]:
-    """Axes of the joint along which weight and buoyancy at rest differ by more than ALLOWED.
+def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list[str]:
+    """Axes of the joint along which weight and buoyancy at rest, with those of what it carries, differ by over ALLOWED.
 
     A float so held moves to its equilibrium before the run; that is rarely what was meant.
     """
@@ -24,6 +24,8 @@ def imbalance(item: Float, water: Water) -> list[str]:
     found = []
     for name in item.motion:
         weight, buoyancy = (_work(item, name, *load) for load in _loads(item, displaced, water.gravity))
+        carried = [f for f in floats if f.on == item.name]
+        weight += sum(_work(item, name, np.array(f.hinge), _lift(f, water, floats)) for f in carried)
         excess = abs(weight + buoyancy)
         if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
             moments = f"; {name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
@@ -38,6 +40,12 @@ def _loads(item: Float, displaced: float, gravity: float):
     """Point and vertical force of weight and of buoyancy, at rest."""
     yield item.centre + item.cog, -item.mass * gravity
     yield item.centre + item.hull.buoyancy_point, displaced * gravity
+
+
+def _lift(item: Float, water: Water, floats: tuple[Float, ...]) -> float:
+    """Buoyancy less weight of a float and of all that it carries [N]."""
+    own = (water.density * item.hull.volume - item.mass) * water.gravity
+    return own + sum(_lift(f, water, floats) for f in floats if f.on == item.name)
 
 
 def _work(item: Float, name: str, point: np.ndarray, force: float) -> float:

@@ -74,7 +74,11 @@ class Recorder:
             if self.axes != ["hinge"]:
                 yield "motion", moved
             yield "absorbed_power", (self.pto * rate**2) @ (self.owner[:, None] == np.arange(nb))
-            yield "hinge_force", -output.wrench[kept, :, :3]
+            force = -output.wrench[kept, :, :3]
+            for b, carrier in reversed(list(enumerate(self.scene.carriers))):
+                if carrier >= 0:  # whose own joint bears what it carries, too
+                    force[:, carrier] += force[:, b]
+            yield "hinge_force", force
         if self.legs is not None:
             tops, feet = self.legs.response(output.p[kept], self.largest)
             yield "top_displacement", tops

@@ -13,12 +13,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from solver import limits
-from solver.audit import MARGIN, PROBE, coefficient_effects, energy_residual, relative
+from solver.audit import MARGIN, PROBE, coefficient_effects, relative
 from solver.balance import warnings
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.coefficients import Hydrodynamics
 from solver.hydrodynamics.convolution import CosineTransform, Kernel
-from solver.march import WORKS, Output
+from solver.march import WORKS, Output, open_by
 from solver.multibody import axes as joint_axes
 from solver.multibody.augmented import NO_SUPPORTS, Body, Mechanism, State, inertia_and_bias, lobatto, mechanism
 from solver.multibody.elastic import ElasticSupport, FixedSupport
@@ -81,12 +81,12 @@ def simulate_reference(
         probe.append(_compared(output))
         errors = np.maximum(errors, gaps)
         progress(times[-1] / (case.steps * scene.settings.time_step))
-    work, stored = _works(case), _stored(case, frames) - before
+    work, stored = _works(case), _stored(case, frames)
     marched = time.perf_counter()
     attrs = {
-        "energy_residual": energy_residual(case.system, work, stored),
+        "energy_residual": open_by(work, stored, np.array([before, case.system.least_energy])),
         **{f"work_{name}": float(value) for name, value in zip(WORKS, work, strict=True)},
-        "stored_energy_change": float(stored),
+        "stored_energy_change": float(stored - before),
         "constraint_drift": float(errors[0]),
         "constraint_drift_velocity": float(errors[1]),
         "constraint_drift_acceleration": float(errors[2]),
@@ -141,15 +141,19 @@ def _at_rest(scene: Scene, system: System, floats: Floats, support, kernel):
     if scene.platform is not None:
         support.start(start.p, start.ddp)
         supports = support.frames(0)
-    drawn, bodies, joints = [], [], []
-    for b, item in enumerate(scene.floats):
-        node = joint_axes.Node(np.array(item.hinge, float), np.eye(3), np.zeros(6), np.zeros(6))
-        if scene.platform is not None:
-            node = joint_axes.Node(*(x[b] for x in supports))
+    drawn, bodies, joints, still = [], [], [], np.zeros(6)
+    for b, (item, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
         way = floats.way[0][b]
-        for poses, y in ((drawn, 0 * way), (bodies, way)):
+        for poses, y in ((bodies, way), (drawn, 0 * way)):
+            node = joint_axes.Node(np.array(item.hinge, float), np.eye(3), still, still)
+            if scene.platform is not None:
+                node = joint_axes.Node(*(x[b] for x in supports))
+            elif carrier >= 0:
+                arm, pose = item.hinge - scene.floats[carrier].centre, poses[carrier]
+                turned = Rotation.from_quat(pose.rotation, scalar_first=True).as_matrix()
+                node = joint_axes.on_body(arm, np.array(pose.position), turned, still, still)
             poses.append(_body(item, *joint_axes.follow(floats.axes[b], node, y, 0 * way)[:2]))
-        joints.append(_joint(item, support.number(b), b, node))
+        joints.append(_joint(item, carrier if carrier >= 0 else support.number(b), b, node))
     A = None
     if kernel is not None:
         A = np.zeros((6 * nb, 6 * nb))

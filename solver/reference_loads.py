@@ -159,7 +159,11 @@ class Floats:
 
     def __init__(self, scene: Scene, h: Hydrodynamics | None, kernel: Kernel | None, force, support, *, dt, A, steps):
         self.scene, self.pressure, self.support = scene, force, support
-        self.axes = [axes_of(f) for f in scene.floats]
+        self.axes, self.carriers = [axes_of(f) for f in scene.floats], scene.carriers
+        for f in scene.floats:
+            if f.on and f.per_axis("mechanism_inertia").any():
+                limit = "must be 0 on another float in the reference path"
+                raise InputError(f"floats.{f.name}.mechanism_inertia", f.mechanism_inertia, limit)
         self.c, self.weight, self.dt = A.sum(axis=1), A[-1], dt
         nb, stages = len(scene.floats), len(A)
         names = ("pto_damping", "damping", "quadratic_damping", "stiffness", "mechanism_inertia")
@@ -193,9 +197,12 @@ class Floats:
         return self.support.frames(stage)
 
     def node(self, b: int, frames: Frames) -> Node:
-        """The support at float b's hinge."""
+        """What carries float b, at its hinge."""
+        hinge, s = np.array(self.scene.floats[b].hinge, float), self.carriers[b]
+        if s >= 0:
+            return joint_axes.on_body(hinge - self.scene.floats[s].centre, *(x[s] for x in frames))
         s = self.support.number(b)
-        position = np.array(self.scene.floats[b].hinge, float) if s == GROUND else frames.position[s]
+        position = hinge if s == GROUND else frames.position[s]
         return Node(position, frames.rotation[s], frames.velocity[s], frames.acceleration[s])
 
     def look(self, stage, frames):
@@ -232,6 +239,11 @@ class Floats:
             self.force[stage, b] = self._joint_load(b, stage, power)
             _, M, c = self.joint[stage][b]
             load[b] += self.force[stage, b] + M @ c
+            if (carrier := self.carriers[b]) >= 0:
+                lever, force = frames.position[b] - frames.position[carrier], self.force[stage, b]
+                back = -np.concatenate([force[:3], force[3:] + np.cross(lever, force[:3])])
+                load[carrier] += back
+                self.force[stage, carrier] += back
         return load
 
     def _joint_load(self, b, stage, power):

@@ -15,7 +15,7 @@ from solver.hydrodynamics.panel_hull import PanelHull
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 
-STEP = 0.2  # [s]
+STEP = 0.2  # [s], the default, to which Newton's tolerance refers
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +38,7 @@ PerAxis = float | tuple[float, ...]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Float:
-    """A rigid float on a rigid, massless arm, joined to the support at the hinge point.
+    """A rigid float on a rigid, massless arm, joined to the support, or to another float, at the hinge point.
 
     The reference point (hinge + arm at rest) lies at still water, on the axis of a hull of revolution; motion and
     hydrodynamic loads refer to it. `motion` lists the axes that the joint leaves free, in order
@@ -57,6 +57,7 @@ class Float:
     arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from the hinge to the reference point [m]
     axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
     motion: tuple[str, ...] = ("hinge",)
+    on: str = ""  # the float that carries the hinge, such as a floating platform; "": the support
     pto_damping: PerAxis = 0.0
     damping: PerAxis = 0.0  # besides the PTO, linear
     quadratic_damping: PerAxis = 0.0
@@ -136,7 +137,7 @@ class Settings:
     froude_krylov: Literal["body-nonlinear", "linear", "none"] = "body-nonlinear"
     diffraction: bool = True
     radiation: bool = True
-    # Newton's last update of a position [m or rad] in a step of STEP; in others as their square: forces are as exact.
+    # Newton's last update of a position [m or rad] in a step of STEP; in less as their square: forces are as exact.
     newton_tolerance: float = 1e-5
     keep_series: bool = False
     rao: bool = False  # motion per wave amplitude, wave by wave
@@ -213,6 +214,10 @@ class Scene:
                 raise InputError(f"floats.{f.name}.arm", f.arm, "hinge + arm must end at still water, z = 0 m")
             if self.platform and f.name not in self.platform.hinge_nodes:
                 raise InputError("platform.hinge_nodes", f.name, "no node carries this float's hinge")
+            if f.on and self.platform:
+                raise InputError(f"floats.{f.name}.on", f.on, "must be empty: the platform carries every float")
+            if f.on and f.on not in names[: names.index(f.name)]:
+                raise InputError(f"floats.{f.name}.on", f.on, "must name a float that is listed before")
         self._check_time_step()
 
     def _check_time_step(self):
@@ -222,6 +227,12 @@ class Scene:
                 self.settings.time_step,
                 f"must be <= {self.longest_step:.3g} s, a sixth of the shortest wave's period",
             )
+
+    @property
+    def carriers(self) -> tuple[int, ...]:
+        """Number of the float that carries each float's hinge; -1: the support."""
+        names = [f.name for f in self.floats]
+        return tuple(names.index(f.on) if f.on else -1 for f in self.floats)
 
     @property
     def longest_step(self) -> float:

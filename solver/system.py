@@ -23,7 +23,8 @@ from solver.march import (
     State,
     energy,
     march,
-    room,
+    open_by,
+    workspace,
 )
 from solver.multibody.minimal import Bodies, loads, mass_matrix, move, new_motion, pressures
 from solver.scene import STEP, Float, Scene
@@ -32,7 +33,7 @@ from solver.sea.realization import ramp
 from solver.structure import support as platform
 
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
-LEAST = 1e-13  # of Newton's tolerances, rounding [m or rad]
+LEAST = 1e-13  # of Newton's tolerances [m or rad], and of energies as a share of the weights': rounding
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
 
@@ -56,12 +57,19 @@ class System:
     @property
     def newton_tolerance(self) -> float:
         """For this step: positions change by dt² of the accelerations, and those give the forces [m or rad]."""
-        return max(self.scene.settings.newton_tolerance * (self.dt / STEP) ** 2, LEAST)
+        return max(self.scene.settings.newton_tolerance * min(1.0, self.dt / STEP) ** 2, LEAST)
 
     @property
     def least_energy(self) -> float:
-        """Of a motion of Newton's tolerance [J]: what is less is nothing to speak of."""
-        return float(self.newton_tolerance**2 * np.trace(self.stiffness))
+        """Of a motion of Newton's tolerance, and of rounding [J]: what is less is nothing to speak of."""
+        return float(self.newton_tolerance**2 * np.trace(self.stiffness) + LEAST * self.weights)
+
+    @property
+    def weights(self) -> float:
+        """Of all floats on a metre and on their arms [N m]."""
+        body = self.bodies
+        lever = np.linalg.norm(body.reference - body.point[:, :1].sum(axis=1), axis=1)
+        return float(body.gravity * np.sum(body.mass * (1 + lever)))
 
     def start(self) -> State:
         """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""
@@ -85,7 +93,7 @@ class System:
             memory=np.zeros((self.memory.residue.shape[0], self.memory.direct.shape[2]), complex),
             power=np.zeros(len(WORKS)),
             work=np.zeros(len(WORKS)),
-            energy=np.zeros(1),
+            energy=np.array([0.0, self.least_energy]),
         )
         state.energy[0] = energy(body, self.structure, state)
         return state
@@ -131,7 +139,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
     added_mass = fit.added_mass_inf if fit else np.zeros((na, na))
     height = scene.sea.parameters()["Hm0"]
-    reach = max((_reach(f, height) for f in scene.floats), default=0.0)
+    reach = max((_reach(scene, b, height) for b in range(len(scene.floats))), default=0.0)
     terms = waves.terms_for(reach, settings.field_tolerance)
     body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass, terms)
     rows, layout = assembly.wave_rows(scene, waves, support, hydrodynamics, terms)
@@ -181,14 +189,21 @@ def remembered(h: Hydrodynamics, hulls: tuple[Hull, ...], tolerance: float) -> r
     return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths=lengths)
 
 
-def _reach(item: Float, height: float) -> float:
-    """How far from its centre at rest a hull's wetted surface gets [m].
+def _reach(scene: Scene, b: int, height: float) -> float:
+    """How far from rest a hull's wetted surface gets [m]: at ±0.8 rad of its arm and ±0.2 rad of what carries it."""
+    item = scene.floats[b]
+    reach = item.hull.size + _way(item, item.centre, 0.8, height)
+    while (b := scene.carriers[b]) >= 0:
+        point, item = item.hinge, scene.floats[b]
+        reach += _way(item, np.array(point, float), 0.2, height)
+    return reach
 
-    At ±0.8 rad of its arm, or where it slides from where it is let go, by twice the significant wave height.
-    """
-    turned = 2 * np.sin(0.4) * float(np.linalg.norm(item.arm))
+
+def _way(item: Float, point: np.ndarray, angle: float, height: float) -> float:
+    """How far a point gets: turned by an angle, or sliding from where it is let go by twice the wave height [m]."""
+    turned = 2 * np.sin(angle / 2) * float(np.linalg.norm(point - item.hinge))
     start = zip(item.motion, item.per_axis("offset"), strict=True)
-    return item.hull.size + max(abs(x) + 2 * height if slides(name) else turned for name, x in start)
+    return max(abs(x) + 2 * height if slides(name) else turned for name, x in start)
 
 
 def _residual(system: System, z: np.ndarray, field=None, excitation=None) -> np.ndarray:
@@ -201,7 +216,8 @@ def _residual(system: System, z: np.ndarray, field=None, excitation=None) -> np.
     move(body, z, zero, motion)
     pressure = np.empty((nb, 6))
     pressures(body, motion, field, pressure)
-    loads(body, z, zero, zero, motion, pressure, zero, excitation, np.zeros(na), out, np.empty((nb, 6)), np.empty(4))
+    forces = np.empty((2, nb, 6))
+    loads(body, z, zero, zero, motion, pressure, zero, excitation, np.zeros(na), out, *forces)
     return out
 
 
@@ -225,8 +241,7 @@ def _equilibrium(system: System) -> tuple[np.ndarray, np.ndarray]:
             stride /= 2
         before = update * min(1.0, stride / size)
         z[nc:] += before
-    lever = np.linalg.norm(system.bodies.reference - system.bodies.point[:, 0], axis=1)
-    if np.abs(r).max() <= 1e-6 * system.bodies.gravity * np.sum(system.bodies.mass * (1 + lever)):
+    if np.abs(r).max() <= 1e-6 * system.weights:
         return z, _residual(system, z)[:nc]
     raise SimulationFailed(f"no static equilibrium in still water near rest: joints at {z[nc:]} after 500 steps")
 
@@ -272,7 +287,9 @@ def blocks(system: System, state: State, steps: int, done: int = 0):
     """
     h, tolerance = system.dt / 2, system.newton_tolerance
     series = system.series(system.dt)
-    scratch = room(system.bodies, system.structure, system.memory, system.stiffness, system.dt, system.least_energy)
+    own = workspace(system.bodies, system.structure, system.memory, system.stiffness, system.dt)
+    # Less than the longest wave's period after the start little has been exchanged, and that with a jolt.
+    quiet = int(2 * np.pi / system.scene.sea.omega.min() / system.dt)
     nz, nm, nb = system.bodies.damping.size, system.structure.omega.size, system.bodies.axes.size
     for first in range(done, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - first)
@@ -289,10 +306,11 @@ def blocks(system: System, state: State, steps: int, done: int = 0):
             system.memory,
             system.drive(samples),
             state,
-            scratch,
+            own,
             system.dt,
             tolerance,
             ITERATIONS,
+            quiet - first,
             output,
         )
         if outcome != OK:
@@ -305,15 +323,15 @@ def _failure(outcome: int, t: float, system: System, state: State) -> Simulation
     if outcome == EXCURSION:
         return SimulationFailed(limits.explain(system.scene, state.z, system.bodies.limit, when))
     if outcome == UNBALANCED:
-        return unbalanced(f"more than {GROSSLY:g}", t, system)
+        stored = energy(system.bodies, system.structure, state)
+        return unbalanced(open_by(state.work, stored, state.energy), GROSSLY, t, system)
     trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
     return StepTooLong(f"{trouble} {when}: reduce time_step = {system.dt:g} s")
 
 
-def unbalanced(by: str, t: float, system: System) -> StepTooLong:
-    """What a run is told whose energy balance is open by a share of the wave's work."""
-    dt, tolerance = system.dt, system.scene.settings.newton_tolerance
+def unbalanced(gap: float, limit: float, t: float, system: System) -> StepTooLong:
+    """What a run is told whose energy balance is open by too large a share of the wave's work."""
     return StepTooLong(
-        f"energy balance at t = {t:.1f} s open by {by} of the wave's work: reduce time_step = {dt:g} s and"
-        f" newton_tolerance = {tolerance:g}"
+        f"energy balance at t = {t:.1f} s open by {gap:.1e} of the wave's work, > {limit:g}: reduce time_step ="
+        f" {system.dt:g} s and newton_tolerance = {system.scene.settings.newton_tolerance:g}"
     )

@@ -23,12 +23,20 @@ class Axes(NamedTuple):
 
 
 class Node(NamedTuple):
-    """The support at the hinge: position (3,), rotation (3, 3), velocity and acceleration (6,)."""
+    """What carries the hinge, there: position (3,), rotation (3, 3), velocity and acceleration (6,)."""
 
     position: np.ndarray
     rotation: np.ndarray
     velocity: np.ndarray
     acceleration: np.ndarray
+
+
+def on_body(arm, position, rotation, velocity, acceleration) -> Node:
+    """A point of a rigid body at `arm` (3,) from its origin, in its own axes."""
+    r, w, dw = rotation @ arm, velocity[3:], acceleration[3:]
+    moved = velocity[:3] + np.cross(w, r)
+    pushed = acceleration[:3] + np.cross(dw, r) + np.cross(w, np.cross(w, r))
+    return Node(position + r, rotation, np.concatenate([moved, w]), np.concatenate([pushed, dw]))
 
 
 @kernel
