@@ -3,7 +3,8 @@
 Carrier coordinates are the motion of the support's node under each float (modal shapes times
 modal amplitudes), joint coordinates the float's own axes. The load W on each body, inertia
 included (d'Alembert), is projected on the axes: JᵀW = 0 for a joint, and for a carrier JᵀW is
-the load that the float puts on its support. -W is the hinge's load on the float.
+the load that the float puts on its support. -W is the load of all its joints on the float. A float
+that hangs on another one has that one's coordinates before its own.
 """
 
 from typing import NamedTuple
