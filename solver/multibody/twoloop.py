@@ -175,7 +175,7 @@ def _step(system, start, a, t, dt, tableau, surroundings, limits):
     )
 
 
-class _Given:
+class Given:
     """Surroundings of which the motion of supports and the loads are known functions."""
 
     def __init__(self, forces, supports):
@@ -225,7 +225,7 @@ def simulate_mechanism(
     GROUND is frame -1. tolerance: of the constraints [m, m/s, m/s2].
     """
     still = np.zeros((len(bodies), 6))
-    given = _Given(forces or (lambda *_: still), supports)
+    given = Given(forces or (lambda *_: still), supports)
     system, state = mechanism(bodies, joints, given.supports(0, 0.0), gravity=gravity, added_mass=added_mass)
     samples = list(march(system, state, given, t_end=t_end, dt=dt, stages=stages, tolerance=tolerance))
     nb = len(bodies)

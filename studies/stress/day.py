@@ -13,7 +13,7 @@ import numpy as np
 
 from solver.multibody.augmented import Body, mechanism
 from solver.multibody.joints import GROUND, Frames, Hinge
-from solver.multibody.twoloop import _Given, march
+from solver.multibody.twoloop import Given, march
 from solver.reference import CONSTRAINTS, STILL
 from solver.scene import Scene
 from solver.sea.field import WaveField
@@ -47,7 +47,7 @@ def main(hours: float) -> int:
     joints = tuple(
         Hinge(first=GROUND, second=b, point=f.hinge, axis=(0, 1, 0)) for b, f in enumerate(case.floats)
     )  # fmt: skip
-    given = _Given(loads(case), ())
+    given = Given(loads(case), ())
     system, state = mechanism(bodies, joints, given.supports(0, 0.0), gravity=(0, 0, -case.water.gravity))
     start, largest, reported = time.perf_counter(), np.zeros(3), 0
     way = {"dt": case.settings.time_step, "stages": 2, "tolerance": CONSTRAINTS, "still": STILL}
