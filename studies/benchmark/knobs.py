@@ -79,10 +79,11 @@ def vary(platform: str) -> list[Row]:
     rows += [
         run(knob, value, with_settings(short, **{knob: value})) for knob, values in KNOBS.items() for value in values
     ]
-    for seed in SEEDS:
-        other = with_settings(scene(platform, seed), duration=SECONDS)
-        truth, _ = timed(with_settings(other, **FINE), usual, 1)
-        rows.append(run("seed", seed, other, usual, truth))
+    for support, seeds in ((platform, SEEDS), ("fixed", [0, *SEEDS])):
+        for seed in seeds:
+            other = with_settings(scene(support, seed), duration=SECONDS)
+            truth, _ = timed(with_settings(other, **FINE), usual, 1)
+            rows.append(run(f"seed, {support}", seed, other, usual, truth))
     rows += [run("tolerance", value, with_settings(short, tolerance=value)) for value in TOLERANCES]
     # Other coefficients, same numerics: what the mesh and the frequency grid do alone.
     true, _ = timed(short, best, 1)
