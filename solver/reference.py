@@ -81,10 +81,11 @@ def simulate_reference(
         probe.append(_compared(output))
         errors = np.maximum(errors, gaps)
         progress(times[-1] / (case.steps * scene.settings.time_step))
-    work, stored = _works(case), _stored(case, frames)
+    work, stored, energy = _works(case), _stored(case, frames), np.array([before, case.system.least_energy])
+    gap = open_by(work, stored, energy)
     marched = time.perf_counter()
     attrs = {
-        "energy_residual": open_by(work, stored, np.array([before, case.system.least_energy])),
+        "energy_residual": float(abs(gap) / energy[1]) if gap else 0.0,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, work, strict=True)},
         "stored_energy_change": float(stored - before),
         "constraint_drift": float(errors[0]),

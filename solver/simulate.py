@@ -11,11 +11,11 @@ from solver.balance import warnings
 from solver.boundary import coefficients, needed
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem import Hydrodynamics
-from solver.march import WORKS, energy, open_by
+from solver.march import WORKS, energy
 from solver.record import Record, Recorder
 from solver.reference import simulate_reference
 from solver.scene import Scene
-from solver.system import blocks, prepare, unbalanced
+from solver.system import blocks, energy_residual, prepare, unbalanced
 
 BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's work
 
@@ -69,15 +69,14 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
         probe.add(samples, output)
-    stored = energy(system.bodies, system.structure, state)
-    residual = open_by(state.work, stored, state.energy)
+    residual = energy_residual(system, state)
     if not residual <= BALANCE:
         raise unbalanced(residual, BALANCE, times[-1], system)
     marched = time.perf_counter()
     attrs = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
-        "stored_energy_change": float(stored - state.energy[0]),
+        "stored_energy_change": float(energy(system.bodies, system.structure, state) - state.energy[0]),
         **audit(system, hydrodynamics, probe, state),
         **{name: getattr(settings, name) for name in KNOBS},
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,

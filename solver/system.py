@@ -93,7 +93,7 @@ class System:
             memory=np.zeros((self.memory.residue.shape[0], self.memory.direct.shape[2]), complex),
             power=np.zeros(len(WORKS)),
             work=np.zeros(len(WORKS)),
-            energy=np.array([0.0, self.least_energy]),
+            energy=np.array([0.0, self.least_energy, 0.0]),
         )
         state.energy[0] = energy(body, self.structure, state)
         return state
@@ -288,7 +288,7 @@ def blocks(system: System, state: State, steps: int, done: int = 0):
     h, tolerance = system.dt / 2, system.newton_tolerance
     series = system.series(system.dt)
     own = workspace(system.bodies, system.structure, system.memory, system.stiffness, system.dt)
-    # Less than the longest wave's period after the start little has been exchanged, and that with a jolt.
+    # Up to the longest wave's period after the start little has been exchanged, and that with a jolt.
     quiet = int(2 * np.pi / system.scene.sea.omega.min() / system.dt)
     nz, nm, nb = system.bodies.damping.size, system.structure.omega.size, system.bodies.axes.size
     for first in range(done, steps, BLOCK_STEPS):
@@ -323,10 +323,15 @@ def _failure(outcome: int, t: float, system: System, state: State) -> Simulation
     if outcome == EXCURSION:
         return SimulationFailed(limits.explain(system.scene, state.z, system.bodies.limit, when))
     if outcome == UNBALANCED:
-        stored = energy(system.bodies, system.structure, state)
-        return unbalanced(open_by(state.work, stored, state.energy), GROSSLY, t, system)
+        return unbalanced(energy_residual(system, state, state.energy[2]), GROSSLY, t, system)
     trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
     return StepTooLong(f"{trouble} {when}: reduce time_step = {system.dt:g} s")
+
+
+def energy_residual(system: System, state: State, allowed: float = 0.0) -> float:
+    """Gap of the energy balance, but for `allowed` [J], over the largest that has been exchanged so far."""
+    gap = open_by(state.work, energy(system.bodies, system.structure, state), state.energy) - allowed
+    return float(abs(gap) / state.energy[1]) if gap else 0.0
 
 
 def unbalanced(gap: float, limit: float, t: float, system: System) -> StepTooLong:
