@@ -398,7 +398,6 @@ class Workspace(NamedTuple):
     residual: np.ndarray
     wrench: np.ndarray
     external: np.ndarray
-    power: np.ndarray
     pressure: np.ndarray
     anchor: np.ndarray
     since: np.ndarray
@@ -425,7 +424,6 @@ def workspace(bodies, structure, memory, stiffness, dt) -> Workspace:
         wrench=np.empty((2, nb, 6)),
         pressure=np.empty((2, nb, 6)),
         external=np.empty((2, nb, 6)),
-        power=np.empty(4),
         works=np.zeros((3, len(WORKS))),
         flow=np.empty(structure.station.shape[1:]),
         velocity0=np.empty(na),
@@ -451,7 +449,7 @@ def march(bodies, structure, memory, drive, state, own, dt, tolerance, iteration
     z0, dz0, velocity0, z, dz, ddz = own.z0, own.dz0, own.velocity0, own.z, own.dz, own.ddz
     p, dp, ddp, known, force, drag = own.p, own.dp, own.ddp, own.known, own.force, own.drag
     velocity, history, load, residual, wrench = own.velocity, own.history, own.load, own.residual, own.wrench
-    external, power, pressure, anchor, since = own.external, own.power, own.pressure, own.anchor, own.since
+    external, pressure, anchor, since = own.external, own.pressure, own.anchor, own.since
     works, update, flow = own.works, own.update, own.flow
     nz, (nc, nm) = bodies.damping.size, structure.carrier.shape
     nj = nz - nc
@@ -543,8 +541,7 @@ def march(bodies, structure, memory, drive, state, own, dt, tolerance, iteration
             for m in range(nm):
                 inertia += drive.modal[2 * step + 1 + s, m] * dp[s, m]
                 structural += 2 * structure.damping[m] * structure.omega[m] * dp[s, m] ** 2
-            powers(bodies, dz[s], stage[s], external[s], load[s], power)
-            _copy(power, works[1 + s, :4])
+            powers(bodies, dz[s], stage[s], external[s], load[s], works[1 + s, :4])
             works[1 + s, 4], works[1 + s, 6] = inertia, structural
         _copy(state.power, works[0])
         for i in range(state.work.size):

@@ -18,7 +18,7 @@ from solver.balance import warnings
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.coefficients import Hydrodynamics
 from solver.hydrodynamics.convolution import CosineTransform, Kernel
-from solver.march import WORKS, Output, open_by
+from solver.march import WORKS, Output
 from solver.multibody import axes as joint_axes
 from solver.multibody.augmented import NO_SUPPORTS, Body, Mechanism, State, inertia_and_bias, lobatto, mechanism
 from solver.multibody.elastic import ElasticSupport, FixedSupport
@@ -28,7 +28,7 @@ from solver.record import Record, Recorder
 from solver.reference_loads import Floats, PressureForce, Surface, held
 from solver.scene import Float, Scene
 from solver.sea.realization import ramp
-from solver.system import System, prepare
+from solver.system import System, energy_residual, prepare
 
 STAGES = 3  # of Lobatto's collocation
 CONSTRAINTS = 1e-10  # tolerance of position, velocity and acceleration [m, m/s, m/s2]
@@ -81,11 +81,10 @@ def simulate_reference(
         probe.append(_compared(output))
         errors = np.maximum(errors, gaps)
         progress(times[-1] / (case.steps * scene.settings.time_step))
-    work, stored, energy = _works(case), _stored(case, frames), np.array([before, case.system.least_energy])
-    gap = open_by(work, stored, energy)
+    work, stored = _works(case), _stored(case, frames)
     marched = time.perf_counter()
     attrs = {
-        "energy_residual": float(abs(gap) / energy[1]) if gap else 0.0,
+        "energy_residual": energy_residual(work, stored, np.array([before, case.system.least_energy])),
         **{f"work_{name}": float(value) for name, value in zip(WORKS, work, strict=True)},
         "stored_energy_change": float(stored - before),
         "constraint_drift": float(errors[0]),
@@ -154,6 +153,7 @@ def _at_rest(scene: Scene, system: System, floats: Floats, support, kernel):
                 turned = Rotation.from_quat(pose.rotation, scalar_first=True).as_matrix()
                 node = joint_axes.on_body(arm, np.array(pose.position), turned, still, still)
             poses.append(_body(item, *joint_axes.follow(floats.axes[b], node, y, 0 * way)[:2]))
+        # Its node, the last, is where the floats are drawn.
         joints.append(_joint(item, carrier if carrier >= 0 else support.number(b), b, node))
     A = None
     if kernel is not None:

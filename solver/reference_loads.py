@@ -240,8 +240,7 @@ class Floats:
             _, M, c = self.joint[stage][b]
             load[b] += self.force[stage, b] + M @ c
             if (carrier := self.carriers[b]) >= 0:
-                lever, force = frames.position[b] - frames.position[carrier], self.force[stage, b]
-                back = -np.concatenate([force[:3], force[3:] + np.cross(lever, force[:3])])
+                back = _reaction(self.force[stage, b], frames.position[b] - frames.position[carrier])
                 load[carrier] += back
                 self.force[stage, carrier] += back
         return load
@@ -260,8 +259,7 @@ class Floats:
         for b in range(len(self.axes)):
             _, M, c = self.joint[stage][b]
             force = self.force[stage, b] - M @ (frames.acceleration[b] - c)
-            lever = frames.position[b] - self.node(b, frames).position
-            reaction[b] = -np.concatenate([force[:3], force[3:] + np.cross(lever, force[:3])])
+            reaction[b] = _reaction(force, frames.position[b] - self.node(b, frames).position)
             self.force[stage, b] = held[b] + force
         self.support.carried(stage, load, reaction)
 
@@ -275,6 +273,11 @@ class Floats:
             kept[0] = list(kept[-1])
         for rows in (self.force, self.power):
             rows[0] = rows[-1]
+
+
+def _reaction(force: np.ndarray, lever: np.ndarray) -> np.ndarray:
+    """Minus a load (6,) about a point that lies off its origin by `lever` (3,), about that origin."""
+    return -np.concatenate([force[:3], force[3:] + np.cross(lever, force[:3])])
 
 
 def _excitation(scene: Scene, h: Hydrodynamics) -> np.ndarray:

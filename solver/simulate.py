@@ -69,14 +69,15 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
         probe.add(samples, output)
-    residual = energy_residual(system, state)
+    stored = energy(system.bodies, system.structure, state)
+    residual = energy_residual(state.work, stored, state.energy)
     if not residual <= BALANCE:
         raise unbalanced(residual, BALANCE, times[-1], system)
     marched = time.perf_counter()
     attrs = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
-        "stored_energy_change": float(energy(system.bodies, system.structure, state) - state.energy[0]),
+        "stored_energy_change": float(stored - state.energy[0]),
         **audit(system, hydrodynamics, probe, state),
         **{name: getattr(settings, name) for name in KNOBS},
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,

@@ -68,7 +68,8 @@ class System:
     def weights(self) -> float:
         """Of all floats on a metre and on their arms [N m]."""
         body = self.bodies
-        lever = np.linalg.norm(body.reference - body.point[:, :1].sum(axis=1), axis=1)
+        hinge = body.point[:, :1].sum(axis=1)  # the first axis's; without floats there is none
+        lever = np.linalg.norm(body.reference - hinge, axis=1)
         return float(body.gravity * np.sum(body.mass * (1 + lever)))
 
     def start(self) -> State:
@@ -323,15 +324,16 @@ def _failure(outcome: int, t: float, system: System, state: State) -> Simulation
     if outcome == EXCURSION:
         return SimulationFailed(limits.explain(system.scene, state.z, system.bodies.limit, when))
     if outcome == UNBALANCED:
-        return unbalanced(energy_residual(system, state, state.energy[2]), GROSSLY, t, system)
+        stored = energy(system.bodies, system.structure, state)
+        return unbalanced(energy_residual(state.work, stored, state.energy, state.energy[2]), GROSSLY, t, system)
     trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
     return StepTooLong(f"{trouble} {when}: reduce time_step = {system.dt:g} s")
 
 
-def energy_residual(system: System, state: State, allowed: float = 0.0) -> float:
-    """Gap of the energy balance, but for `allowed` [J], over the largest that has been exchanged so far."""
-    gap = open_by(state.work, energy(system.bodies, system.structure, state), state.energy) - allowed
-    return float(abs(gap) / state.energy[1]) if gap else 0.0
+def energy_residual(work: np.ndarray, stored: float, exchanged: np.ndarray, allowed: float = 0.0) -> float:
+    """Gap of the energy balance, but for `allowed` [J], over the largest exchanged so far; see march.open_by."""
+    gap = open_by(work, stored, exchanged) - allowed
+    return float(abs(gap) / exchanged[1]) if gap else 0.0
 
 
 def unbalanced(gap: float, limit: float, t: float, system: System) -> StepTooLong:

@@ -9,7 +9,7 @@ from solver.statistics import Statistics
 
 
 @settings(deadline=None)  # compilation
-@given(seed=st.integers(0, 1000), cuts=st.lists(st.integers(0, 200), max_size=5), offset=st.floats(10.0, 1e3))
+@given(seed=st.integers(0, 1000), cuts=st.lists(st.integers(0, 200), max_size=5), offset=st.floats(-1e3, 1e3))
 def test_blocks_give_what_the_whole_gives(seed, cuts, offset):
     x = offset + np.random.default_rng(seed).normal(size=(200, 3))
     statistics = Statistics()
@@ -19,7 +19,8 @@ def test_blocks_give_what_the_whole_gives(seed, cuts, offset):
     expected = [x.mean(0), np.sqrt((x**2).mean(0)), x.std(0)]
     assert approx(np.array(expected), rel=1e-9, abs=1e-9) == found[2:]
     assert np.array_equal(found[:2], whole(x)[:2])
-    assert found[0] == approx([parabolas(c) for c in x.T]) and found[1] == approx([-parabolas(-c) for c in x.T])
+    if abs(offset) > 10:  # nearer to zero a parabola may be cut off there
+        assert found[0] == approx([parabolas(c) for c in x.T]) and found[1] == approx([-parabolas(-c) for c in x.T])
 
 
 def parabolas(x):
