@@ -60,13 +60,20 @@ MEMORY = {
     "residue": ("memory_residue", (*POLES, *DOF, "complex"), "N m-1", "Residues of the radiation memory"),
     "added_mass_inf": ("memory_added_mass_inf", DOF, "kg", "Added mass at infinite frequency that goes with it"),
 }
-SCALARS = ("depth", "density", "gravity", "heading", "mesh_error")
+ERRORS = {
+    field: (f"{name}_error", dims, unit, f"{meaning}: estimated error of the panels")
+    for field, (name, dims, unit, meaning) in ARRAYS.items()
+    if field in ("added_mass", "radiation_damping", "added_mass_inf", "diffraction")
+}
+SCALARS = ("depth", "density", "gravity", "heading")
 
 
 def encode(hydrodynamics: Hydrodynamics) -> bytes:
     """The file of a set of coefficients."""
     variables = _variables(hydrodynamics, ARRAYS)
     memory = hydrodynamics.memory
+    if hydrodynamics.error is not None:
+        variables |= _variables(hydrodynamics.error, ERRORS)
     if memory is not None:
         variables |= _variables(memory, MEMORY)
     bodies = range(len(hydrodynamics.centres))
@@ -79,7 +86,7 @@ def encode(hydrodynamics: Hydrodynamics) -> bytes:
     }
     attrs |= {name: float(getattr(hydrodynamics, name)) for name in SCALARS}
     attrs |= {f"setting_{key}": value for key, value in hydrodynamics.settings.items()}
-    attrs |= {"dofs": " ".join(hydrodynamics.dofs)}
+    attrs |= {"dofs": " ".join(hydrodynamics.dofs), "mesh_error": hydrodynamics.mesh_error}
     if memory is not None:
         attrs |= {"memory_tolerance": hydrodynamics.memory_tolerance, "memory_error": memory.error}
     return to_bytes(variables, attrs | {"content": content(variables, attrs)})
@@ -106,7 +113,7 @@ def _fields(variables: Mapping[str, Variable], table: Table) -> dict[str, Any]:
 @lru_cache(maxsize=8)
 def decode(data: bytes) -> Hydrodynamics:
     """Coefficients from a file's bytes, bit for bit those that were encoded."""
-    from solver.hydrodynamics.bem import Hydrodynamics
+    from solver.hydrodynamics.coefficients import Hydrodynamics, MeshError
     from solver.hydrodynamics.radiation import RadiationMemory
 
     variables, attrs = from_bytes(data)
@@ -114,6 +121,8 @@ def decode(data: bytes) -> Hydrodynamics:
         raise ValueError("the file's content is not what was written")
     fields: dict[str, Any] = {name: float(attrs[name]) for name in SCALARS}
     fields |= _fields(variables, ARRAYS)
+    if "added_mass_error" in variables:
+        fields["error"] = MeshError(**_fields(variables, ERRORS))
     if "memory_error" in attrs:
         error, fields["memory_tolerance"] = float(attrs["memory_error"]), float(attrs["memory_tolerance"])
         fields["memory"] = RadiationMemory(**_fields(variables, MEMORY), error=error)

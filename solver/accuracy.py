@@ -1,77 +1,58 @@
-"""An error asked for becomes settings: pilot runs tell which knob is too coarse, and which too fine."""
+"""An error asked for becomes settings: a first guess by known laws, and finer ones where a run's start says so."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from solver.audit import MARGIN, PROBE
-from solver.scene import Scene, Settings
+from solver.audit import MARGIN
+from solver.scene import STEP, Scene, Settings
 
-PILOTS = 6
-RULES = [(8, 4, 2), (12, 6, 3), (12, 8, 4), (16, 12, 6), (24, 16, 8)]
-MEMORIES = [3e-2, 1e-2, 5e-3, 2e-3, 1e-3, 3e-4]
+ATTEMPTS = 6  # at most; each but the last costs the first audit.PROBE seconds of a run, and their audit
+RULES = [(8, 4, 2), (12, 6, 3), (16, 12, 6), (24, 16, 8)]
+MEMORIES = [5e-3, 2e-3, 1e-3, 3e-4]
 # What the sum of the estimates may be made of; the BEM's mesh is chosen before, see scene.panels_for.
-SHARE = {"discretization_error": 0.4, "quadrature_error": 0.2, "memory_effect": 0.2}
+SHARE = {"discretization_error": 0.5, "quadrature_error": 0.2, "memory_effect": 0.2}
 STEP_ORDER = 4
+USUAL = 5e-4  # estimated error of the default step in Buan's representative sea: where the guess starts from
 
 
-def settled(scene: Scene, run: Callable[[Scene], Mapping[str, float | str]]) -> Scene:
-    """The scene with settings whose estimated error meets `tolerance`, as pilot runs of PROBE seconds tell.
-
-    run: scene -> attributes of its record. A tolerance that no pilot meets leaves the finest settings; the
-    record's `estimated_error` says what they came to.
-    """
-    goal = scene.settings.tolerance / MARGIN
-    settings = _first_guess(scene)
-    for _ in range(PILOTS):
-        pilot = replace(settings, discard=0.0, duration=PROBE, keep_series=False)
-        told = run(replace(scene, settings=pilot))
-        better = _step(_rule(_memory(settings, told, goal), told, goal), told, goal, scene.longest_step)
-        if better == settings:
-            break
-        settings = better
-    return replace(scene, settings=settings)
-
-
-def _first_guess(scene: Scene) -> Settings:
-    """What the defaults say, scaled to the tolerance where the law is known."""
+def first_guess(scene: Scene) -> Settings:
+    """What the defaults say, scaled to the tolerance where the law is known; rather too coarse than too fine."""
     s, tolerance = scene.settings, scene.settings.tolerance
     size = min((f.hull.largest_radius for f in scene.floats), default=1.0)
+    azimuths, arc, line = RULES[0 if tolerance >= 1e-2 else 1]
+    step = STEP * (SHARE["discretization_error"] * tolerance / MARGIN / USUAL) ** (1 / STEP_ORDER)
     return replace(
         s,
-        tolerance=None,
         field_tolerance=min(1e-3, tolerance / 20),
         newton_tolerance=min(1e-5, tolerance / 200) * size,
         modes=s.modes if tolerance > 1e-4 or s.modes == "all" else 4 * s.modes,
-        azimuths=RULES[1][0],
-        arc_points=RULES[1][1],
-        line_points=RULES[1][2],
+        azimuths=azimuths,
+        arc_points=arc,
+        line_points=line,
         stations_per_element=2 if tolerance > 4e-4 else 4,
-        time_step=min(s.time_step, scene.longest_step),
+        memory_tolerance=next((m for m in MEMORIES if m <= 2.5 * tolerance), MEMORIES[-1]),
+        time_step=min(step, scene.longest_step),
     )
 
 
-def _step(s: Settings, told, goal: float, longest: float) -> Settings:
-    error, share = told["discretization_error"], SHARE["discretization_error"] * goal
-    if share / 8 < error <= share:
-        return s
-    factor = 0.9 * (share / max(error, 1e-12)) ** (1 / STEP_ORDER)
-    step = min(s.time_step * float(np.clip(factor, 0.3, 1.6)), longest)
-    return s if error <= share and step < 1.1 * s.time_step else replace(s, time_step=step)
-
-
-def _rule(s: Settings, told, goal: float) -> Settings:
-    now = (s.azimuths, s.arc_points, s.line_points)
-    at = RULES.index(now)
-    if told["quadrature_error"] > SHARE["quadrature_error"] * goal and at + 1 < len(RULES):
+def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
+    """Finer settings for a run that has `told` its estimates; None where they meet the tolerance or nothing helps."""
+    left = settings.tolerance / MARGIN - told["mesh_effect"] - settings.field_tolerance
+    if told["estimated_error"] <= settings.tolerance or left <= 0:
+        return None
+    over = {name: told[name] / (share / sum(SHARE.values()) * left) for name, share in SHARE.items()}
+    finer = settings
+    if over["discretization_error"] > 1:
+        shorter = 0.9 * over["discretization_error"] ** (-1 / STEP_ORDER)
+        finer = replace(finer, time_step=settings.time_step * float(np.clip(shorter, 0.3, 0.9)))
+    at = RULES.index((settings.azimuths, settings.arc_points, settings.line_points))
+    if over["quadrature_error"] > 1 and at + 1 < len(RULES):
         azimuths, arc, line = RULES[at + 1]
-        return replace(s, azimuths=azimuths, arc_points=arc, line_points=line, panel_size=s.panel_size / 2)
-    return s
-
-
-def _memory(s: Settings, told, goal: float) -> Settings:
-    finer = [m for m in MEMORIES if m < s.memory_tolerance]
-    if told["memory_effect"] > SHARE["memory_effect"] * goal and finer:
-        return replace(s, memory_tolerance=finer[0])
-    return s
+        points = {"azimuths": azimuths, "arc_points": arc, "line_points": line}
+        finer = replace(finer, panel_size=settings.panel_size / 2, **points)
+    if over["memory_effect"] > 1 and settings.memory_tolerance > MEMORIES[-1]:
+        wanted = settings.memory_tolerance / over["memory_effect"]
+        finer = replace(finer, memory_tolerance=next((m for m in MEMORIES if m <= wanted), MEMORIES[-1]))
+    return None if finer == settings else finer

@@ -226,22 +226,6 @@ def memory(fit: RadiationMemory | None, dt: float, directions: int) -> Memory:
     return Memory(residue, decay, weight, np.ascontiguousarray(direct))
 
 
-def newton_stiffness(body: Bodies, scene: Scene, hydrodynamics: Hydrodynamics | None) -> np.ndarray:
-    """Stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
-    nz = body.damping.size
-    if hydrodynamics is None:
-        return np.zeros((nz, nz))
-    motion = new_motion(body)
-    move(body, np.zeros(nz), np.zeros(nz), motion)
-    linear, _ = _hydrostatics(scene, hydrodynamics)
-    K = np.diag(body.spring)
-    for b in range(len(scene.floats)):
-        n = body.axes[b]
-        J, index = motion.jacobian[b, :, :n], body.coordinate[b, :n]
-        K[np.ix_(index, index)] += J.T @ linear[b] @ J
-    return K
-
-
 def wave_rows(
     scene: Scene, field: WaveField, support: Support | None, hydrodynamics: Hydrodynamics | None, terms: int
 ) -> tuple[np.ndarray, Layout]:

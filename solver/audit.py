@@ -1,73 +1,99 @@
 """What a record says about itself: energy balance, constraint drift, estimated errors, and what was skipped."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from solver import assembly
 from solver.hydrodynamics.bem import DOFS, Hydrodynamics
+from solver.hydrodynamics.radiation import RadiationMemory
+from solver.linear import LinearModel, linear_model, wave_force
 from solver.march import Output, State
-from solver.multibody.minimal import mass_matrix, move, new_motion, pressures
+from solver.multibody.minimal import move, new_motion, pressures
+from solver.record import Recorder
+from solver.scene import Scene, Settings
+from solver.statistics import FAINT, STATISTICS, apart, moments
 from solver.system import System, blocks
 
 PROBE = 120.0  # length of the run with half the step [s]
 STATES = 48  # at which the pressure's quadrature is compared with a finer one
-# Error of coefficients extrapolated from two meshes, as a share of the extrapolation itself (`mesh_error`):
-# measured on Hulme's hemisphere, see the convergence table of `make validate`.
-EXTRAPOLATED = 0.2
 MARGIN = 1.25  # what the sum of the estimates is multiplied by: each is a sample
+DECAY = 400  # frequencies at which a scene without waves is judged
+MOTIONS = ("rotation", "motion", "top_displacement")
 
 
-@dataclass(eq=False)
+def probed(scene: Scene, steps: int) -> Scene:
+    """A scene whose record is of so many steps from the start, and of nothing but statistics."""
+    s = scene.settings
+    return replace(
+        scene, settings=replace(s, discard=0.0, duration=steps * s.time_step, keep_series=False, rao=False)
+    )
+
+
 class Probe:
-    """Keeps the first PROBE seconds of a run: the joints' axes, the lowest mode, and some states."""
+    """Keeps what the first PROBE seconds of a run are judged by: their statistics, and some states."""
 
-    system: System
-    motion: list[np.ndarray] = field(default_factory=list)
-    states: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
-    samples: int = 0
+    def __init__(self, system: System):
+        s = system.scene.settings
+        self.system, self.steps = system, max(1, int(min(PROBE, s.discard + s.duration) / system.dt))
+        self.recorder = Recorder(probed(system.scene, self.steps), system.support, layout=system.layout)
+        self.states: list[tuple[np.ndarray, np.ndarray]] = []
+        self.full, self._errors = False, {}
 
-    def add(self, samples: np.ndarray, output: Output) -> None:
+    def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block."""
-        wanted = 2 * int(PROBE / self.system.dt)
-        taken = min(len(samples), wanted - self.samples)
-        if taken <= 0:
-            return
-        self.samples += taken
-        self.motion.append(_compared(self.system, output)[:taken])
-        pressure = self.system.drive(samples).field
-        every = max(1, wanted // STATES)
-        self.states += [(output.z[i].copy(), pressure[i].copy()) for i in range(0, taken, every)]
+        self.recorder.add(times, output, samples)
+        pressure, every = self.system.drive(samples).field, max(1, 2 * self.steps // STATES)
+        taken = range(0, int(np.sum(times < self.steps * self.system.dt)), every)
+        self.states += [(output.z[i].copy(), pressure[i].copy()) for i in taken]
+        self.full = bool(times[-1] >= self.steps * self.system.dt * (1 - 1e-9))
+
+    @property
+    def fresh(self) -> bool:
+        """Whether the probe is full and its errors are not known yet."""
+        return self.full and not self._errors
+
+    def errors(self, hydrodynamics: Hydrodynamics | None) -> dict[str, float]:
+        """Relative errors of any mean, rms or std by their causes, and `estimated_error`."""
+        if not self._errors:
+            memory_effect, mesh_effect = coefficient_effects(self.system, hydrodynamics)
+            parts = {
+                "discretization_error": step_error(self),
+                "quadrature_error": quadrature_error(self.system, self),
+                "memory_effect": memory_effect,
+                "mesh_effect": mesh_effect,
+            }
+            field_error = self.system.scene.settings.field_tolerance if self.system.scene.floats else 0.0
+            self._errors = {**parts, "estimated_error": MARGIN * (sum(parts.values()) + field_error)}
+        return self._errors
 
 
-def _compared(system: System, output: Output) -> np.ndarray:
-    joints = output.z.shape[1] - system.structure.carrier.shape[0]
-    largest = output.p[:, :1] * system.structure.scale[:1]  # [m], as are the joints' or their radians
-    return np.concatenate([output.z[:, output.z.shape[1] - joints :], largest], axis=1)
-
-
-def audit(system: System, hydrodynamics: Hydrodynamics | None, probe: Probe, state: State) -> dict[str, float | str]:
-    """Relative errors, each of the rms of what it is an error of, and what was left out.
+def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
+    """Relative errors of any mean, rms or std, what was asked and not met, and what was left out.
 
     `estimated_error` is MARGIN times the sum of those of step, quadrature, memory, wave field and BEM mesh.
     """
-    memory_effect, mesh_effect = coefficient_effects(system, hydrodynamics)
-    parts = {
-        "discretization_error": step_error(system, probe),
-        "quadrature_error": quadrature_error(system, probe),
-        "memory_effect": memory_effect,
-        "mesh_effect": mesh_effect,
-    }
-    field_error = system.scene.settings.field_tolerance if system.scene.floats else 0.0
+    system = probe.system
+    errors = probe.errors(hydrodynamics)
     return {
-        **parts,
-        "estimated_error": MARGIN * (sum(parts.values()) + field_error),
+        **errors,
         "memory_error": system.fit.error if system.fit else 0.0,
         "memory_poles": system.fit.beta.size if system.fit else 0,
         "constraint_drift": constraint_drift(system, state),
+        "unmet": "; ".join(unmet(system.scene.settings, system.fit, errors["estimated_error"])),
         "skipped": "; ".join(skipped(system)),
     }
+
+
+def unmet(s: Settings, fit: RadiationMemory | None, estimated: float) -> list[str]:
+    """What was asked for and not reached, with both numbers."""
+    notes = []
+    if s.tolerance is not None and not estimated <= s.tolerance:
+        notes.append(f"tolerance = {s.tolerance:g}: the estimated error is {estimated:.2g}")
+    if fit is not None and not fit.error <= s.memory_tolerance:
+        notes.append(f"memory_tolerance = {s.memory_tolerance:g}: the radiation memory's fit ended at {fit.error:.2g}")
+    return notes
 
 
 def constraint_drift(system: System, state: State) -> float:
@@ -94,27 +120,31 @@ def constraint_drift(system: System, state: State) -> float:
     return drift
 
 
-def step_error(system: System, probe: Probe) -> float:
-    """Error of the step length over the first PROBE seconds, relative to the rms of each joint and mode.
+def step_error(probe: Probe) -> float:
+    """Of every mean, rms and std of the first PROBE seconds, against a run of them with half the step.
 
-    The scheme is of fourth order, so the run with half the step differs by 15/16 of the error.
+    The scheme is of fourth order, so that run differs by 15/16 of the error.
     """
+    system = probe.system
     dt = system.dt / 2
     half = replace(system, dt=dt, memory=assembly.memory(system.fit, dt, system.bodies.added_mass.shape[0]))
-    fine = np.concatenate([_compared(half, output) for _, output, _ in blocks(half, half.start(), probe.samples)])
-    coarse = np.concatenate(probe.motion)
-    return relative(coarse - fine[1::2], coarse, system.newton_tolerance) * 16 / 15
+    finer = Recorder(probe.recorder.scene, system.support, layout=system.layout)
+    for samples, output, times in blocks(half, half.start(), 2 * probe.steps):
+        finer.add(times[1::2], Output(*(x[1::2] for x in output)), samples[1::2])
+    return statistics_error(probe.recorder, finer, system.newton_tolerance) * 16 / 15
 
 
-def relative(difference: np.ndarray, whole: np.ndarray, least: float | np.ndarray = 0.0) -> float:
-    """Largest ratio of root mean squares (m, …), of what is smaller than `least` to that; what is zero has no error."""
-    error, scale = (np.sqrt(np.mean(x**2, axis=0)) for x in (difference, whole))
-    scale = np.maximum(scale, least)
-    return float(np.max(error[scale > 0] / scale[scale > 0], initial=0.0))
+def statistics_error(recorder: Recorder, exact: Recorder, tolerance: float) -> float:
+    """Largest error of any mean, rms or std of what the wave drives; nothing where no motion exceeds `tolerance`."""
+    usual, best = recorder.tables(), exact.tables()
+    std = STATISTICS.index("std")
+    if not any(np.nanmax(best[name][..., std]) > 10 * tolerance for name in set(MOTIONS) & set(best)):
+        return 0.0
+    return max(apart(usual[name], best[name]) for name in best if name != "wave_elevation")
 
 
 def quadrature_error(system: System, probe: Probe) -> float:
-    """Of the pressure's load on the joints, against twice the points, relative to its varying part."""
+    """Of mean and std of the pressure's load on the joints, against twice the points, relative to that std."""
     if not system.bodies.nonlinear.any():
         return 0.0
     s = system.scene.settings
@@ -123,8 +153,10 @@ def quadrature_error(system: System, probe: Probe) -> float:
     fine = system.bodies._replace(**assembly.rules(scene, system.waves))
     usual, exact = (_joint_loads(body, probe.states) for body in (system.bodies, fine))
     joints = slice(system.structure.carrier.shape[0], None)
+    # About the exact mean: weight bears the rest of it, and what varies is what moves the floats.
+    usual, exact = (moments((load - exact.mean(axis=0))[:, joints]) for load in (usual, exact))
     least = system.newton_tolerance * np.abs(np.diag(system.stiffness))[joints]
-    return relative((usual - exact)[:, joints], (exact - exact.mean(axis=0))[:, joints], least)
+    return max((apart(a, b, floor) for a, b, floor in zip(usual, exact, least, strict=True)), default=0.0)
 
 
 def _joint_loads(body, states) -> np.ndarray:
@@ -141,40 +173,61 @@ def _joint_loads(body, states) -> np.ndarray:
 
 
 def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float, float]:
-    """What the memory's misfit and the boundary elements' mesh do to the linear response, of its rms in this sea.
+    """What the memory's misfit and the boundary elements' mesh do to the linear response's std and mean power.
 
-    Z z = Jᵀ X a with Z = -ω²(M + A) - iω(B + D) + K on the joints, the support held: with the fit's
-    B - iω(A - A∞) in place of the coefficients', and with all coefficients off by their own error.
+    In this sea, or let go from the scene's offsets: with the fit's B - iω(A - A∞) in place of the
+    coefficients', and with coefficients off by their estimated error.
     """
-    sea = system.scene.sea
-    if system.fit is None or not sea.amplitude.any():
+    if h is None:
         return 0.0, 0.0
+    model, sea = linear_model(system), system.scene.sea
+    waves = bool(sea.amplitude.any())
+    omega = sea.omega if waves else np.linspace(*h.omega[[0, -1]], DECAY)
+
+    def response(known: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
+        return _waves(system, model, known, Y) if waves else _decay(system, model, omega, Y)
+
+    exact = response(h, _impedance(system, h, omega))
+    fitted = response(h, system.fit.frequency(omega)) if system.fit else exact
+    shifted = response(h.shifted, _impedance(system, h.shifted, omega))
+    return tuple(_response_error(system, model, omega, X, exact) for X in (fitted, shifted))
+
+
+def _impedance(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
+    """B - iω(A - A∞) (nw, na, na), A∞ the system's; zero where the scene leaves radiation out."""
+    if system.fit is None:
+        return np.zeros((omega.size, *h.added_mass_inf.shape))
     w = h.omega[:, None, None]
-    table = CubicSpline(h.omega, h.radiation_damping - 1j * w * (h.added_mass - system.fit.added_mass_inf))(sea.omega)
-    extrapolated = h.settings.get("panels") != h.settings.get("panels_coarse")
-    shift = (EXTRAPOLATED if extrapolated else 1.0) * h.mesh_error
-    diffraction = shift * h.excitation(sea.omega, "diffraction")
-    exact = _linear_response(system, table, h.excitation(sea.omega))
-    fitted = _linear_response(system, system.fit.frequency(sea.omega), h.excitation(sea.omega))
-    shifted = _linear_response(system, (1 + shift) * table, h.excitation(sea.omega) + diffraction)
-    return relative(np.abs(fitted - exact), np.abs(exact)), relative(np.abs(shifted - exact), np.abs(exact))
+    return CubicSpline(h.omega, h.radiation_damping - 1j * w * (h.added_mass - system.fit.added_mass_inf))(omega)
 
 
-def _linear_response(system: System, Y: np.ndarray, excitation: np.ndarray) -> np.ndarray:
-    """z (n, nj) of the joints for radiation impedance Y (n, na, na) less A∞'s, and excitation (n, na)."""
-    body, sea, first = system.bodies, system.scene.sea, system.structure.carrier.shape[0]
-    nr, nz = body.active.size, body.damping.size
-    motion, M = new_motion(body), np.empty((nz, nz))
-    move(body, np.zeros(nz), np.zeros(nz), motion)
-    mass_matrix(body, motion, M)
-    J = np.zeros((body.axes.size * nr, nz))
-    for b in range(body.axes.size):
-        n = body.axes[b]
-        J[b * nr : (b + 1) * nr, body.coordinate[b, :n]] = motion.jacobian[b, body.active, :n]
-    J, M, K = J[:, first:], M[first:, first:], system.stiffness[first:, first:]
-    w = sea.omega[:, None, None]
-    Z = -(w**2) * M - 1j * w * (J.T @ Y @ J + np.diag((body.pto + body.damping)[first:])) + K
-    return np.linalg.solve(Z, (excitation * sea.amplitude[:, None] @ J)[..., None])[..., 0]
+def _waves(system: System, model: LinearModel, h: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
+    """X (nw, n) in the scene's sea."""
+    s, sea = system.scene.settings, system.scene.sea
+    kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
+    excitation = sum((h.excitation(sea.omega, kind) for kind in kinds), np.zeros((sea.omega.size, len(model.active))))
+    return model.response(sea.omega, Y, wave_force(system, model, excitation))
+
+
+def _decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    """Spectrum X (nw, n) of what follows from offsets x₀, (1 - Z⁻¹C) x₀/(-iω)."""
+    start = np.zeros(len(model.mass))
+    start[system.structure.omega.size :] = np.concatenate([f.per_axis("offset") for f in system.scene.floats])
+    pushed = np.broadcast_to(model.stiffness @ start, (omega.size, start.size))
+    return (start - model.response(omega, Y, pushed)) / (-1j * omega[:, None])
+
+
+def _response_error(system: System, model: LinearModel, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
+    """Largest relative change of a coordinate's std, or of its rate's square where that is absorbed power."""
+    used = model.length * np.sqrt(np.sum(np.abs(exact) ** 2, axis=0))
+    used = used > FAINT * used.max(initial=0.0)
+    absorbs = np.zeros(used.size, bool)
+    absorbs[system.structure.omega.size :] = system.bodies.pto[system.structure.carrier.shape[0] :] > 0
+    (std, rate), (std_, rate_) = (
+        (np.sqrt(np.sum(np.abs(x) ** 2, axis=0)), np.sum(np.abs(omega[:, None] * x) ** 2, axis=0)) for x in (X, exact)
+    )
+    changes = np.abs(std / std_ - 1)[used], np.abs(rate / rate_ - 1)[used & absorbs]
+    return float(np.max(np.concatenate(changes), initial=0.0))
 
 
 def skipped(system: System) -> list[str]:

@@ -84,6 +84,12 @@ class Recorder:
             yield "top_displacement", tops
             yield "bottom_stress", feet
 
+    def tables(self) -> dict[str, np.ndarray]:
+        """Statistics (…, 5) of each channel."""
+        ends = np.cumsum([np.prod(shape, dtype=int) for shape in self.shapes.values()])
+        tables = np.split(self.statistics.table(), ends[:-1])
+        return {name: t.reshape(*shape, -1) for (name, shape), t in zip(self.shapes.items(), tables, strict=True)}
+
     def record(self, attrs: Mapping[str, float | str]) -> Record:
         """The record of all blocks."""
         dims = {
@@ -95,11 +101,8 @@ class Recorder:
             "top_displacement": ("leg", "direction"),
             "bottom_stress": ("leg",),
         }
-        ends = np.cumsum([np.prod(shape, dtype=int) for shape in self.shapes.values()])
-        tables = np.split(self.statistics.table(), ends[:-1])
         variables: dict[str, Labelled] = {
-            name: ((*dims[name], "statistic"), table.reshape(*shape, -1))
-            for (name, shape), table in zip(self.shapes.items(), tables, strict=True)
+            name: ((*dims[name], "statistic"), table) for name, table in self.tables().items()
         }
         coords = {
             "statistic": np.array(STATISTICS),

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from solver import limits
-from solver.audit import MARGIN, PROBE, coefficient_effects, relative
+from solver.audit import MARGIN, PROBE, coefficient_effects, probed, statistics_error, unmet
 from solver.balance import warnings
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.coefficients import Hydrodynamics
@@ -71,14 +71,15 @@ def simulate_reference(
     options = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
     case = _case(scene, hydrodynamics, **options)
     prepared = time.perf_counter()
-    recorder, probe = Recorder(scene, case.system.support, layout=case.system.layout), []
+    recorder = Recorder(scene, case.system.support, layout=case.system.layout)
+    probe = Recorder(probed(scene, _probe_steps(case)), case.system.support, layout=case.system.layout)
     samples = _march(case, tolerance)
     first = next(samples)
     before, errors = _stored(case, first.frames), np.array(first.errors)
     for times, output, waves, gaps, end in _blocks(case, samples):
         frames = end
         recorder.add(times, output, waves)
-        probe.append(_compared(output))
+        probe.add(times, output, waves)
         errors = np.maximum(errors, gaps)
         progress(times[-1] / (case.steps * scene.settings.time_step))
     work, stored = _works(case), _stored(case, frames)
@@ -90,7 +91,8 @@ def simulate_reference(
         "constraint_drift": float(errors[0]),
         "constraint_drift_velocity": float(errors[1]),
         "constraint_drift_acceleration": float(errors[2]),
-        **_errors(case, hydrodynamics, np.concatenate(probe), options, tolerance),
+        **_errors(case, hydrodynamics, probe, options, tolerance),
+        "unmet": "; ".join(unmet(scene.settings, case.system.fit if case.scene.settings.memory != "convolution" else None, 0.0)),
         "skipped": "",
         **_told(scene),
         "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,
@@ -239,21 +241,24 @@ def _stored(case: Case, frames: Frames) -> float:
     return float(total)
 
 
-def _compared(output: Output) -> np.ndarray:
-    """What two step lengths are compared by: the joints' axes and the lowest mode, (m, …)."""
-    return np.concatenate([output.z, output.p[:, :1]], axis=1)
+def _probe_steps(case: Case) -> int:
+    """Steps that are repeated with half their length: a quarter of the record, PROBE seconds at most."""
+    return max(1, int(min(PROBE / case.scene.settings.time_step, case.steps / 4)))
 
 
-def _errors(case: Case, h: Hydrodynamics | None, motion: np.ndarray, options, tolerance: float) -> dict[str, float]:
-    """Of the step, from a run with half of it over a quarter of the record, PROBE seconds at most; and of the BEM."""
-    dt, order = case.scene.settings.time_step, 2 * options["stages"] - 2
-    steps = max(1, int(min(PROBE, case.steps * dt / 4) / dt))
-    short = replace(case.scene.settings, discard=0.0, duration=steps * dt, time_step=dt / 2, keep_series=False)
+def _errors(case: Case, h: Hydrodynamics | None, probe: Recorder, options, tolerance: float) -> dict[str, float]:
+    """Of the step, by a run with half of it; and of the BEM."""
+    s, order = case.scene.settings, 2 * options["stages"] - 2
+    short = replace(probed(case.scene, _probe_steps(case)).settings, time_step=s.time_step / 2)
     half = _case(replace(case.scene, settings=short), h, **options)
-    fine = np.concatenate([_compared(output) for _, output, *_ in _blocks(half, _march(half, tolerance))])
-    difference, coarse = motion[: len(fine) // 2] - fine[1::2], motion[: len(fine) // 2]
-    step = relative(difference, coarse) / (1 - 0.5**order)
+    finer, every = Recorder(probe.scene, half.system.support, layout=half.system.layout), slice(1, None, 2)
+    for times, output, waves, *_ in _blocks(half, _march(half, tolerance)):
+        finer.add(times[every], Output(*(x[every] for x in output)), waves[every])
+    step = statistics_error(probe, finer, case.system.newton_tolerance) / (1 - 0.5**order)
     memory, mesh = coefficient_effects(case.system, h)
-    memory = 0.0 if case.scene.settings.memory == "convolution" else memory
-    parts = {"discretization_error": step, "memory_effect": memory, "mesh_effect": mesh}
+    parts = {
+        "discretization_error": step,
+        "memory_effect": 0.0 if s.memory == "convolution" else memory,
+        "mesh_effect": mesh,
+    }
     return {**parts, "estimated_error": MARGIN * sum(parts.values())}

@@ -1,11 +1,12 @@
 """One scene in, one record out: prepare, march block by block, and read the record."""
 
 import time
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from solver.accuracy import settled
+from solver.accuracy import ATTEMPTS, first_guess, refined
 from solver.audit import Probe, audit
 from solver.balance import warnings
 from solver.boundary import coefficients, needed
@@ -14,7 +15,7 @@ from solver.hydrodynamics.bem import Hydrodynamics
 from solver.march import WORKS, energy
 from solver.record import Record, Recorder
 from solver.reference import simulate_reference
-from solver.scene import Scene
+from solver.scene import Scene, Settings
 from solver.system import blocks, energy_residual, prepare, unbalanced
 
 BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's work
@@ -32,18 +33,29 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     hydrodynamics: coefficients of the scene's floats at rest; without them the boundary elements come
     first. Where a smaller step may help the run is repeated once with a quarter of it; `repeated` says why.
     """
-    clock, asked = time.perf_counter(), scene.settings.tolerance
+    clock = time.perf_counter()
     if hydrodynamics is None and needed(scene):
         hydrodynamics = coefficients(scene)
-    if asked is not None:
-        scene = settled(scene, lambda pilot: simulate(pilot, hydrodynamics).attrs)
-    try:
-        record, repeated = _run(scene, hydrodynamics), ""
-    except StepTooLong as error:
-        repeated = str(error)
-        record = _again(scene, hydrodynamics, repeated)
-    attrs = {**record.attrs, "repeated": repeated, **({} if asked is None else {"tolerance": asked})}
-    return replace(record, attrs={**attrs, "wall_time": time.perf_counter() - clock})
+    if scene.settings.tolerance is not None:
+        scene = replace(scene, settings=first_guess(scene))
+    repeated = ""
+    for attempt in range(ATTEMPTS):
+        better = refined if scene.settings.tolerance is not None and attempt + 1 < ATTEMPTS else _content
+        try:
+            record = _run(scene, hydrodynamics, better)
+        except StepTooLong as error:
+            repeated = str(error)
+            record = _again(scene, hydrodynamics, repeated)
+        if isinstance(record, Record):
+            break
+        scene = replace(scene, settings=record)
+    asked = {} if scene.settings.tolerance is None else {"tolerance": scene.settings.tolerance}
+    attrs = {**record.attrs, **asked, "repeated": repeated, "wall_time": time.perf_counter() - clock}
+    return replace(record, attrs=attrs)
+
+
+def _content(_settings: Settings, _told: Mapping[str, float]) -> None:
+    """With whatever a run tells of its errors."""
 
 
 def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record:
@@ -56,19 +68,24 @@ def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Rec
         raise SimulationFailed(f"{second} (second attempt; the first: {first})") from None
 
 
-def _run(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
+def _run(
+    scene: Scene, hydrodynamics: Hydrodynamics | None, better: Callable[..., Settings | None] = _content
+) -> Record | Settings:
+    """The record; or other settings, where `better` has some once the run's start has told its errors."""
     if scene.settings.paths.formulation == "augmented":
         return simulate_reference(scene, hydrodynamics)
     clock = time.perf_counter()
     system = prepare(scene, hydrodynamics)
     prepared = time.perf_counter()
-    settings = scene.settings
-    steps = int(np.ceil((settings.discard + settings.duration) / system.dt - 1e-9))
+    s = scene.settings
+    steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))
     recorder, probe = Recorder(scene, system.support, layout=system.layout), Probe(system)
     state = system.start()
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
-        probe.add(samples, output)
+        probe.add(times, output, samples)
+        if probe.fresh and (settings := better(scene.settings, probe.errors(hydrodynamics))) is not None:
+            return settings
     stored = energy(system.bodies, system.structure, state)
     residual = energy_residual(state.work, stored, state.energy)
     if not residual <= BALANCE:
@@ -78,8 +95,8 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
         "stored_energy_change": float(stored - state.energy[0]),
-        **audit(system, hydrodynamics, probe, state),
-        **{name: getattr(settings, name) for name in KNOBS},
+        **audit(probe, hydrodynamics, state),
+        **{name: getattr(s, name) for name in KNOBS},
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
         "prepare_time": prepared - clock,
         "march_time": marched - prepared,

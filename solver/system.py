@@ -1,11 +1,12 @@
 """A scene as arrays: what does not change during a run, where it starts, and the march block by block."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from solver import assembly, limits
+from solver.equilibrium import balance, equilibrium, tangent
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics import radiation
 from solver.hydrodynamics.bem import DOFS, Hydrodynamics
@@ -26,7 +27,7 @@ from solver.march import (
     open_by,
     workspace,
 )
-from solver.multibody.minimal import Bodies, loads, mass_matrix, move, new_motion, pressures
+from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
 from solver.scene import STEP, Float, Scene
 from solver.sea.field import Factored, WaveField, WaveSeries, factored
 from solver.sea.realization import ramp
@@ -47,12 +48,21 @@ class System:
     structure: assembly.Structure
     fit: radiation.RadiationMemory | None
     memory: assembly.Memory
-    stiffness: np.ndarray
     rows: np.ndarray
     factored: Factored
     layout: assembly.Layout
     waves: WaveField
     dt: float
+
+    @cached_property
+    def equilibrium(self) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinates z (nz,) and modal amplitudes p (nm,) at rest in still water."""
+        return equilibrium(self)
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """Tangent stiffness (nz, nz) of the floats there: buoyancy, weight, springs and their levers."""
+        return tangent(self, self.equilibrium[0])
 
     @property
     def newton_tolerance(self) -> float:
@@ -76,10 +86,8 @@ class System:
         """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""
         body, nm = self.bodies, self.structure.omega.size
         nz, nc = body.damping.size, self.structure.carrier.shape[0]
-        z, carried = _equilibrium(self)
-        p = self.structure.carrier.T @ carried / self.structure.omega**2 if nm else np.zeros(0)
+        z, p = (part.copy() for part in self.equilibrium)
         z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
-        z[:nc] = self.structure.carrier @ p
         s = self.scene.settings
         first = self.drive(self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form))
         ddp, ddz, load = _initial_acceleration(self, z, p, first)
@@ -151,7 +159,6 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         structure=assembly.structure(support, scene.platform.damping_ratio if scene.platform else 0.0),
         fit=fit,
         memory=assembly.memory(fit, settings.time_step, na),
-        stiffness=assembly.newton_stiffness(body, scene, hydrodynamics),
         rows=rows,
         factored=factored(rows),
         layout=layout,
@@ -207,61 +214,6 @@ def _way(item: Float, point: np.ndarray, angle: float, height: float) -> float:
     return max(abs(x) + 2 * height if slides(name) else turned for name, x in start)
 
 
-def _residual(system: System, z: np.ndarray, field=None, excitation=None) -> np.ndarray:
-    """JᵀW (nz,) of the floats at rest at z, in still water unless a wave's sample is given."""
-    body = system.bodies
-    nz, nb, na = body.damping.size, body.axes.size, body.axes.size * body.active.size
-    out, motion, zero = np.empty(nz), new_motion(body), np.zeros(nz)
-    field = np.zeros((nb, 2, 1)) if field is None else field
-    excitation = np.zeros((nb, 6)) if excitation is None else excitation
-    move(body, z, zero, motion)
-    pressure = np.empty((nb, 6))
-    pressures(body, motion, field, pressure)
-    forces = np.empty((2, nb, 6))
-    loads(body, z, zero, zero, motion, pressure, zero, excitation, np.zeros(na), out, *forces)
-    return out
-
-
-def _equilibrium(system: System) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates z (nz,) of the floats at rest in still water and their load on the carriers (nc,).
-
-    Newton's method on the potential energy, always downhill, so that what it finds is stable; in
-    strides that a float follows in the water, halved where it oversteps.
-    """
-    nz, nc = system.bodies.damping.size, system.structure.carrier.shape[0]
-    z, before = np.zeros(nz), np.zeros(nz - nc)
-    if nz == nc:
-        return z, np.zeros(nc)
-    stride = 0.1 * min(1.0, *(f.hull.size for f in system.scene.floats))
-    for _ in range(500):
-        update, r = _downhill(system, z)
-        size = np.abs(update).max()
-        if min(size, stride) < 1e-12:
-            break
-        if update @ before < 0:
-            stride /= 2
-        before = update * min(1.0, stride / size)
-        z[nc:] += before
-    if np.abs(r).max() <= 1e-6 * system.weights:
-        return z, _residual(system, z)[:nc]
-    raise SimulationFailed(f"no static equilibrium in still water near rest: joints at {z[nc:]} after 500 steps")
-
-
-def _downhill(system: System, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Newton's step of the joints (nj,) with all curvatures taken as positive, and the load there (nj,)."""
-    nz, nc = z.size, system.structure.carrier.shape[0]
-    curvature = np.empty((nz - nc, nz - nc))
-    for j in range(nc, nz):
-        step = np.zeros(nz)
-        step[j] = 1e-5
-        curvature[:, j - nc] = (_residual(system, z - step) - _residual(system, z + step))[nc:] / 2e-5
-    r = _residual(system, z)[nc:]
-    value, vector = np.linalg.eigh((curvature + curvature.T) / 2)
-    # Nothing holds a free float in surge or yaw, and nothing pushes it; rounding is 1e-7 of the rest.
-    held = np.abs(value) > 1e-6 * np.abs(value).max()
-    return vector[:, held] @ (vector[:, held].T @ r / np.abs(value[held])), r
-
-
 def _initial_acceleration(system: System, z, p, first: Drive):
     """Modal and joint accelerations at t = 0, and the modal load of the hinges, from all loads at rest."""
     body, frame = system.bodies, system.structure
@@ -269,7 +221,7 @@ def _initial_acceleration(system: System, z, p, first: Drive):
     motion, M = new_motion(body), np.zeros((nz, nz))
     move(body, z, np.zeros(nz), motion)
     mass_matrix(body, motion, M)
-    r = _residual(system, z, first.field[0], first.excitation[0])
+    r, _ = balance(system, z, field=first.field[0], excitation=first.excitation[0])
     shape = frame.carrier
     whole = np.block(
         [[np.eye(nm) + shape.T @ M[:nc, :nc] @ shape, shape.T @ M[:nc, nc:]], [M[nc:, :nc] @ shape, M[nc:, nc:]]]

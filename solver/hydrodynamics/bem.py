@@ -13,7 +13,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from solver.errors import InputError
 from solver.hydrodynamics import mesh as meshes
-from solver.hydrodynamics.coefficients import DOFS, PLANAR, Hydrodynamics
+from solver.hydrodynamics.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
 from solver.hydrodynamics.mean_hull import froude_krylov, hydrostatic_stiffness, unit_motions
 from solver.hydrodynamics.mesh import Hull
 from solver.hydrodynamics.panel_hull import PanelHull
@@ -22,10 +22,13 @@ from solver.sea.dispersion import wavenumber
 __all__ = ["DOFS", "PLANAR", "Hydrodynamics", "check", "frequency_grid", "solve"]
 
 DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see _Sea.seabed
-FINE, COARSE = 3, 2  # divisions of one base mesh: a family, so that its h² error can be extrapolated away
-ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
-METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes"}
+DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
 HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it and halved
+METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
+# Without the h² error the next power of h is left: even ones where the hull is smooth, all of them at edges.
+NEXT_SMOOTH, NEXT_EDGED = 4, 3
+TWO_MESHES = 0.5  # of the h² error, that is left of it at edges: measured on cylinders of draft 0.5 and 2 radii
+ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved as given
 
 
@@ -84,7 +87,7 @@ def solve(
     divisions = _divisions(hulls, centres, panels)
     count = panels // max(divisions, default=1) ** 2
     solutions = [_coefficients(hulls, centres, dofs, sea, omega, count, n) for n in divisions]
-    impedance, impedance_inf, diffraction, error = _extrapolated(solutions, divisions)
+    (impedance, impedance_inf, diffraction), left = _extrapolated(solutions, divisions, any(h.edged for h in hulls))
     return Hydrodynamics(
         omega=omega,
         added_mass=impedance.real,
@@ -109,7 +112,7 @@ def solve(
                 "green_function": "Delhommeau",
             }
         ),
-        mesh_error=error,
+        error=MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2]),
     )
 
 
@@ -226,24 +229,32 @@ def _symmetric(matrix: np.ndarray) -> np.ndarray:
 def _divisions(hulls, centres, panels: int) -> tuple[int, ...]:
     """Divisions of the base mesh to solve for, the finer first; only one where the finer costs too much."""
     if not any(isinstance(h, PanelHull) for h in hulls):
-        return FINE, COARSE
+        return DIVISIONS
     _, mirrors = meshes.mirror_planes(hulls, centres)
     count = sum(max(panels, HALVED[0] ** 2 * len(h.wetted)) if isinstance(h, PanelHull) else panels for h in hulls)
     return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
 
 
-def _extrapolated(solutions, divisions):
-    """The limit of zero panel size, error ~ h² ~ 1/divisions², and how far the finest mesh is from it.
+def _extrapolated(solutions, divisions, edged: bool):
+    """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
-    One solution is its own limit, and how far off follows from its panels alone.
+    From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
+    solution is its own limit, and how far off follows from its panels alone.
     """
     *finest, count = solutions[0]
     if len(solutions) == 1:
-        return *finest, ONE_MESH / np.sqrt(count)
+        return finest, [ONE_MESH / np.sqrt(count) * x for x in finest]
+    best = _limits(solutions[:2], divisions[:2])
+    if len(solutions) == 2:
+        return best, [TWO_MESHES * (b - f) for b, f in zip(best, finest, strict=True)]
+    left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if edged else NEXT_SMOOTH)
+    coarser = _limits(solutions[1:], divisions[1:])
+    return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
+
+
+def _limits(pair, divisions):
     fine, coarse = (n**2 for n in divisions)
-    best = [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(finest, solutions[1][:-1], strict=True)]
-    error = max(np.max(np.abs(b - f)) / np.max(np.abs(b)) for b, f in zip(best, finest, strict=True))
-    return *best, float(error)
+    return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-1] for s in pair), strict=True)]
 
 
 @cache

@@ -4,8 +4,9 @@ Harmonics are Re{X exp(-iωt)}; the incident wave of unit amplitude is
 η = Re exp(i(k(x cosβ + y sinβ) - ωt)), phase zero at x = y = 0.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -16,6 +17,15 @@ from solver.sea.dispersion import wavenumber
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")
+
+
+class MeshError(NamedTuple):
+    """Estimated errors, with their signs, of the coefficients of the same names."""
+
+    added_mass: np.ndarray
+    radiation_damping: np.ndarray
+    added_mass_inf: np.ndarray
+    diffraction: np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -41,9 +51,23 @@ class Hydrodynamics:
     heading: float  # direction the waves travel to, from +x towards +y [rad]
     dofs: tuple[str, ...]  # of one body
     settings: MappingProxyType = field(default_factory=lambda: MappingProxyType({}))
-    mesh_error: float = 0.0  # largest share of a curve's largest value between the finer mesh and the result
+    error: MeshError | None = None  # what the panels leave, as far as is known
     memory: RadiationMemory | None = None  # fitted to these, for scenes that ask for
     memory_tolerance: float = np.nan  # this tolerance
+
+    @property
+    def shifted(self) -> "Hydrodynamics":
+        """With coefficients off by their estimated error."""
+        if self.error is None:
+            return self
+        return replace(self, **{name: getattr(self, name) + off for name, off in self.error._asdict().items()})
+
+    @property
+    def mesh_error(self) -> float:
+        """Largest estimated error of a curve, as a share of the largest value of its kind."""
+        if self.error is None:
+            return 0.0
+        return max(float(np.abs(e).max() / np.abs(getattr(self, n)).max()) for n, e in self.error._asdict().items())
 
     def excitation(self, omega: np.ndarray, kind: str = "total") -> np.ndarray:
         """Force per wave amplitude (nw', n) [N/m] at any ω in the solved range.

@@ -28,6 +28,7 @@ class PanelHull:
     faces: np.ndarray  # (nf, 4), a triangle gives its last vertex twice
     closed: bool = True  # False: open above still water, good for linear forces alone
     notes: tuple[str, ...] = ()  # what was mended
+    edged = True  # as far as the boundary elements' error goes: panels meet at angles
 
     @classmethod
     def read(cls, name: str, data: bytes) -> "PanelHull":
