@@ -1,0 +1,189 @@
+"""Small scenes unlike Buan, through which every feature goes: asymmetric, off-centre, big beside small, and so on.
+
+Each is (scene, coefficients or None); boundary elements are coarse, for what is tested is not their error.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from solver.hydrodynamics import bem
+from solver.hydrodynamics.bem import Hydrodynamics
+from solver.hydrodynamics.hull import Revolution
+from solver.hydrodynamics.panel_hull import PanelHull
+from solver.scene import Float, Platform, Scene, Settings, Water
+from solver.sea.realization import realize
+from solver.sea.spectrum import PiersonMoskowitz
+from solver.structure.beam import solid_rectangle, tube
+from solver.structure.frame import Frame, Material, Member, PointMass
+
+RHO, SMALL = 1025.0, 108
+BALL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
+BUOYED = RHO * 2 / 3 * np.pi  # mass that floats the ball [kg]
+STEEL = Material(E=2.1e11, G=8.33e10, density=7850.0)
+MODEL = 1 / 20
+
+
+def sea(Hs=1.0, Tp=5.5, band=(0.7, 3.4), heading=0.0, seed=4):
+    return realize(PiersonMoskowitz(Hs=Hs, Tp=Tp), components=60, band=band, seed=seed, heading=heading)
+
+
+def scene(floats, *, depth=50.0, waves=None, platform=None, **settings) -> Scene:
+    chosen = {"duration": 200.0, "discard": 50.0, "ramp": 30.0} | settings
+    waves = sea() if waves is None else waves
+    return Scene(
+        water=Water(depth=depth), sea=waves, floats=tuple(floats), platform=platform, settings=Settings(**chosen)
+    )
+
+
+def known(item: Scene, low: float, high: float, count: int = 24) -> Hydrodynamics:
+    """Coefficients at `count` frequencies [rad/s]."""
+    return bem.solve(
+        tuple(f.hull for f in item.floats), np.array([f.centre for f in item.floats]), depth=item.water.depth,
+        heading=item.sea.heading, omega=np.linspace(low, high, count), planar=item.planar, panels=SMALL,
+    )  # fmt: skip
+
+
+def prism(outline: list[tuple[float, float]], width: float) -> PanelHull:
+    """The closed hull of an outline in x and z, star-shaped about its first point's mean, from -width/2 to width/2 in y."""
+    n, flat = len(outline), np.array(outline, float)
+    rows = np.linspace(-width / 2, width / 2, 5)
+    ring = np.array([(x, y, z) for y in rows for x, z in flat])
+    middle = [(*flat.mean(axis=0),)]
+    ends = np.array([(x, y, z) for y in rows[[0, -1]] for x, z in middle])
+    faces = [
+        (r * n + i, r * n + (i + 1) % n, (r + 1) * n + (i + 1) % n, (r + 1) * n + i)
+        for r in range(len(rows) - 1) for i in range(n)
+    ]  # fmt: skip
+    last = (len(rows) - 1) * n
+    for i in range(n):
+        j = (i + 1) % n
+        faces += [(i, j, len(ring), len(ring)), (last + j, last + i, len(ring) + 1, len(ring) + 1)]
+    return PanelHull.of(np.concatenate([ring, ends]), np.array(faces))
+
+
+@cache
+def duck():
+    """Beak towards the waves, c.o.g. off the reference point, hinged at the stern's axis."""
+    hull = prism([(-2.4, -0.2), (-1.2, -1.0), (0, -1.2), (1.0, -0.9), (1.2, 0), (0.9, 0.8), (0, 1.0), (-1.4, 0.5)], 4.0)
+    item = Float(
+        name="duck", hull=hull, mass=RHO * hull.volume, inertia=(3e4, 2.5e4, 3e4), hinge=(0.5, 0, 0.0),
+        arm=(-0.5, 0, 0), cog=(hull.buoyancy_point[0], 0, -0.55), pto_damping=4e4,
+    )  # fmt: skip
+    whole = scene([item], waves=sea(Hs=0.6))
+    return whole, known(whole, 0.4, 6.0)
+
+
+@cache
+def big_beside_small():
+    """A hull of 6 m radius beside one of 1 m, each on its hinge."""
+    big = Revolution.vertical_cylinder(radius=6.0, draft=4.0, freeboard=3.0)
+    floats = [
+        Float(
+            name="big", hull=big, mass=RHO * big.volume, inertia=(6e6,) * 3, hinge=(0, 0, 3.0), arm=(-12.0, 0, -3.0),
+            pto_damping=2e7,
+        ),
+        Float(
+            name="small", hull=BALL, mass=BUOYED, inertia=(859.0,) * 3, hinge=(0, 0, 2.6), arm=(2.36, 0, -2.6),
+            pto_damping=1e5,
+        ),
+    ]  # fmt: skip
+    whole = scene(floats, waves=sea(Hs=0.8, Tp=7.0, band=(0.5, 2.2)))
+    return whole, known(whole, 0.3, 4.0, 28)
+
+
+@cache
+def model_scale():
+    """Buan's front float at 1:20."""
+    ball = Revolution.hemisphere_cylinder(radius=MODEL, height=0.6 * MODEL)
+    item = Float(
+        name="model", hull=ball, mass=BUOYED * MODEL**3, inertia=(859.0 * MODEL**5,) * 3,
+        hinge=(-1.5 * MODEL, 0, 2.6 * MODEL), arm=(-2.36 * MODEL, 0, -2.6 * MODEL), pto_damping=1e5 * MODEL**4.5,
+    )  # fmt: skip
+    time = np.sqrt(MODEL)
+    waves = sea(Hs=1.28 * MODEL, Tp=5.46 * time, band=(0.7 / time, 3.4 / time))
+    whole = scene([item], depth=2.5, waves=waves, duration=50.0, discard=12.0, ramp=8.0, time_step=0.2 * time)
+    return whole, known(whole, 0.3 / time, 7.0 / time)
+
+
+@cache
+def soft_mooring():
+    """A barge free in its plane, whose mooring gives it a surge period of a minute."""
+    hull = prism([(-5, -1.2), (5, -1.2), (5, 1.0), (-5, 1.0)], 8.0)
+    mass = RHO * hull.volume
+    item = Float(
+        name="barge", hull=hull, mass=mass, inertia=(8e5, 1.2e6, 1.6e6), hinge=(0, 0, 0), cog=(0.2, 0, -0.3),
+        motion=("surge", "heave", "pitch"), stiffness=(1.3 * mass * (2 * np.pi / 65) ** 2, 0, 0), damping=(2e3, 0, 0),
+    )  # fmt: skip
+    whole = scene([item], waves=sea(Hs=0.5, Tp=7.0, band=(0.6, 2.0)), froude_krylov="linear")
+    return whole, known(whole, 0.3, 3.5)
+
+
+@cache
+def flap():
+    """Hinged at its foot, which would fall over but for its buoyancy."""
+    hull = prism([(-0.9, -8.0), (0.9, -8.0), (0.9, 2.5), (-0.9, 2.5)], 10.0)
+    item = Float(
+        name="flap", hull=hull, mass=0.45 * RHO * hull.volume, inertia=(2e6, 9e5, 1.5e6), hinge=(0, 0, -9.0),
+        arm=(0, 0, 9.0), cog=(0, 0, -4.0), pto_damping=2e7,
+    )  # fmt: skip
+    whole = scene([item], depth=11.0, waves=sea(Hs=1.0, Tp=8.0, band=(0.45, 1.6)))
+    return whole, known(whole, 0.4, 3.2)
+
+
+@cache
+def oblique():
+    """Waves at 30 degrees at a pair that is not in line with them."""
+    common = {"hull": BALL, "mass": BUOYED, "inertia": (859.0,) * 3, "pto_damping": 1e5}
+    floats = [
+        Float(name="a", hinge=(-1.5, -2.0, 2.6), arm=(-2.36, 0, -2.6), **common),
+        Float(name="b", hinge=(1.5, 1.0, 2.6), arm=(2.0, 1.25, -2.6), axis=(-0.53, 0.848, 0), **common),
+    ]
+    whole = scene(floats, waves=sea(Hs=0.8, heading=np.pi / 6))
+    return whole, known(whole, 0.4, 6.0, 20)
+
+
+def tripod(elements: int = 2) -> Platform:
+    """Three legs of unequal height under a beam, not planar, each member of few elements."""
+    nodes = {"deck": (0.0, 0.3, 3.0), "hinge:float": (-1.5, 0.0, 3.0)}
+    members = []
+    for name, x, y, z in (("a", -4.0, -3.0, -25.0), ("b", -3.0, 4.0, -16.0), ("c", 5.0, 0.0, -25.0)):
+        nodes["foot " + name] = (x, y, z)
+        members.append(
+            Member(
+                name=name, start="foot " + name, end="deck", elements=elements, section=tube(0.6, 0.02), material=STEEL,
+                drag_coefficient=1.0, inertia_coefficient=2.0,
+            )
+        )  # fmt: skip
+    arm = Member(
+        name="arm", start="deck", end="hinge:float", elements=1, section=solid_rectangle(0.4, 0.4), material=STEEL
+    )
+    frame = Frame(
+        nodes=nodes, members=(*members, arm), clamped=("foot a", "foot b", "foot c"),
+        masses=(PointMass(node="deck", mass=3e4),),
+    )  # fmt: skip
+    return Platform(frame=frame, legs=("a", "b", "c"), hinge_nodes={"float": "hinge:float"})
+
+
+@cache
+def unequal_legs():
+    """A float on a platform whose legs differ, in waves at 30 degrees."""
+    item = Float(
+        name="float", hull=BALL, mass=BUOYED, inertia=(859.0,) * 3, hinge=(-1.5, 0, 3.0), arm=(-2.36, 0, -3.0),
+        pto_damping=1e5,
+    )  # fmt: skip
+    whole = scene([item], depth=25.0, waves=sea(Hs=0.8, heading=np.pi / 6), platform=tripod())
+    return whole, known(whole, 0.45, 6.0, 20)
+
+
+def bare_legs():
+    """That platform alone."""
+    whole = unequal_legs()[0]
+    return replace(whole, floats=(), platform=replace(whole.platform, hinge_nodes={})), None
+
+
+SCENES = {
+    f.__name__: f
+    for f in (duck, big_beside_small, model_scale, soft_mooring, flap, oblique, unequal_legs, bare_legs)
+}  # fmt: skip
