@@ -76,7 +76,7 @@ def _is_symmetric(shape: Hull) -> bool:
 
 
 def bem_arguments(geometry: Geometry) -> dict[str, Any]:
-    """Arguments of solver.hydrodynamics.bem.solve."""
+    """Arguments of solver.hydrodynamics.bem.bem.solve."""
     import numpy as np
 
     from solver.hydrodynamics.bem.bem import frequency_grid

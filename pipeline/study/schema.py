@@ -64,7 +64,7 @@ def _knobs() -> dict[str, Any]:
     return found
 
 
-# An id leaves out what is at its default: whoever changes a default raises tasks.MODEL_VERSION.
+# An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
 if TYPE_CHECKING:
 
     class Solver(Table):
