@@ -38,8 +38,8 @@ stress: $(READY)
 
 # The kernels without the compiler: unit tests, then short runs against compiled ones.
 test-python: $(READY)
-	NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q tests/multibody/test_chain.py tests/structure/test_support.py \
-		tests/hydrodynamics/test_froude_krylov.py
+	NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q tests/multibody/test_chain.py tests/coupled/test_support.py \
+		tests/hydrodynamics/pressure/test_froude_krylov.py
 	$(VENV)/bin/python -m pytest -q tests/test_stability.py -k interpreted
 
 # What the pipeline itself costs, on empty tasks, beside others; time before the first step, and a second worker's gain.
@@ -53,7 +53,7 @@ kills: $(READY)
 	PYTHONPATH=. $(VENV)/bin/python tests/pipeline/kills.py 200
 
 faults: $(READY)
-	$(VENV)/bin/python -m pytest -q tests/pipeline/test_robust.py
+	$(VENV)/bin/python -m pytest -q tests/pipeline/running/test_robust.py
 
 fuzz: $(READY)
 	PYTHONPATH=. $(VENV)/bin/python -W ignore tests/pipeline/fuzz.py 2000

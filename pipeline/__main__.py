@@ -6,7 +6,7 @@ from pipeline import environment
 def main() -> None:
     """The environment first: BLAS reads its number of threads once, when numpy is imported."""
     environment.prepare()
-    from pipeline import cli
+    from pipeline.cli import cli
 
     cli.main()
 

@@ -4,22 +4,20 @@ Build a Scene, `simulate` it, read the Record. A name is loaded when it is first
 importing the package costs nothing.
 """
 
-import sys
 from importlib import import_module
-from types import ModuleType
 
 _HOMES = {
     "errors": ("InputError", "SimulationFailed"),
     "scene": ("Float", "Platform", "Scene", "Settings", "Water"),
-    "hydrodynamics.hull": ("Revolution",),
-    "hydrodynamics.panel_hull": ("PanelHull",),
+    "hydrodynamics.hull.revolution": ("Revolution",),
+    "hydrodynamics.hull.panel_hull": ("PanelHull",),
     "sea.realization": ("CALM", "Realization", "components", "measured", "realize", "regular"),
     "sea.spectrum": ("Jonswap", "PiersonMoskowitz", "Tabulated", "WhiteNoise"),
     "structure.frame": ("Frame", "Material", "Member", "PointLoad", "PointMass"),
     "structure.beam": ("solid_rectangle", "tube"),
-    "boundary": ("coefficients",),
-    "simulate": ("simulate",),
-    "spectra": ("transfer",),
+    "coupled.boundary": ("coefficients",),
+    "run": ("simulate",),
+    "record.spectra": ("transfer",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
@@ -34,13 +32,3 @@ def __getattr__(name: str):
 
 def __dir__():
     return [*globals(), *__all__]
-
-
-class _Package(ModuleType):
-    """Importing solver.simulate would put that module here, in the place of the function it is imported for."""
-
-    def __setattr__(self, name, value):
-        super().__setattr__(name, value.simulate if name == "simulate" and isinstance(value, ModuleType) else value)
-
-
-sys.modules[__name__].__class__ = _Package

@@ -10,8 +10,8 @@ from typing import Literal
 import numpy as np
 
 from solver.errors import InputError
-from solver.hydrodynamics.hull import Revolution
-from solver.hydrodynamics.panel_hull import PanelHull
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 

@@ -13,12 +13,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from pipeline import report
-from pipeline.preflight import check
-from pipeline.records import decode
-from pipeline.report import Published
-from pipeline.run import Engine
-from pipeline.study import StudyError, load
+from pipeline.bridge.engine import Engine
+from pipeline.bridge.loading import load
+from pipeline.bridge.preflight import check
+from pipeline.report import report
+from pipeline.report.report import Published
+from pipeline.results.records import decode
+from pipeline.study.reading import StudyError
 from solver.errors import InputError
 
 HERE = Path(__file__).parent

@@ -13,9 +13,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from solver.hydrodynamics.radiation import fit
-from solver.reference import simulate_reference
-from solver.simulate import simulate
+from solver.hydrodynamics.radiation.memory import fit
+from solver.reference.run import simulate_reference
+from solver.run import simulate
 from studies.benchmark.case import coefficients, scene
 
 ALLOWED = 1e-3  # of the RMS

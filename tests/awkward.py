@@ -8,10 +8,10 @@ from functools import cache
 
 import numpy as np
 
-from solver.hydrodynamics import bem
-from solver.hydrodynamics.bem import Hydrodynamics
-from solver.hydrodynamics.hull import Revolution
-from solver.hydrodynamics.panel_hull import PanelHull
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
@@ -46,7 +46,7 @@ def known(item: Scene, low: float, high: float, count: int = 24) -> Hydrodynamic
 
 
 def prism(outline: list[tuple[float, float]], width: float) -> PanelHull:
-    """The closed hull of an outline in x and z, star-shaped about its first point's mean, from -width/2 to width/2 in y."""
+    """The closed hull of an outline in x and z, seen whole from its points' mean, over `width` in y [m]."""
     n, flat = len(outline), np.array(outline, float)
     rows = np.linspace(-width / 2, width / 2, 5)
     ring = np.array([(x, y, z) for y in rows for x, z in flat])

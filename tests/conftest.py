@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solver.hydrodynamics import bem
-from solver.hydrodynamics.hull import Revolution
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import Realization, realize
 from solver.sea.spectrum import PiersonMoskowitz

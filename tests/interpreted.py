@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline import cache
-from solver.hydrodynamics.bem import Hydrodynamics
-from solver.system import blocks, prepare
+from pipeline.bridge import cache
+from solver.coupled.system import blocks, prepare
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from tests.conftest import floats, scene
 
 SECONDS = 3.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver.balance import imbalance, warnings
-from solver.hydrodynamics.hull import Revolution
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Scene, Water
 from solver.sea.realization import CALM, measured
 

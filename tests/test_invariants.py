@@ -1,8 +1,8 @@
 """What holds for every scene, tried on random ones: energy, passivity, mirror, similarity, superposition, rest.
 
 EXAMPLES=100 pytest tests/test_invariants.py tries more of them, as `make stress` does. The order at
-which the balance closes is in test_march, reciprocity and decoupling of the boundary elements in
-hydrodynamics/test_bem, passivity of the fit at all frequencies in hydrodynamics/test_radiation.
+which the balance closes is in coupled/test_march, reciprocity and decoupling of the boundary elements in
+hydrodynamics/bem/test_bem, passivity of the fit at all frequencies in hydrodynamics/radiation/test_radiation.
 """
 
 import os
@@ -14,9 +14,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
+from solver.coupled.system import blocks, prepare
+from solver.run import simulate
 from solver.scene import DOFS
-from solver.simulate import simulate
-from solver.system import blocks, prepare
 
 SHORT = {"duration": 30.0, "discard": 10.0, "ramp": 10.0}
 EXAMPLES = int(os.environ.get("EXAMPLES", "8"))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver.boundary import coefficients, needed
+from solver.coupled.boundary import coefficients, needed
 
 ROOT = Path(__file__).parents[1]
 
@@ -26,7 +26,7 @@ def test_importing_the_package_loads_nothing_heavy():
     subprocess.run([sys.executable, "-c", program], check=True, cwd=ROOT)
 
 
-@pytest.mark.parametrize("before", ["pass", "import solver.simulate", "from solver.simulate import simulate"])
+@pytest.mark.parametrize("before", ["pass", "import solver.run", "from solver.run import simulate"])
 def test_simulate_is_the_function_whatever_was_imported_before(before):
     program = f"{before}\nfrom solver import simulate\nassert simulate.__name__ == 'simulate', simulate"
     subprocess.run([sys.executable, "-c", program], check=True, cwd=ROOT)
@@ -41,7 +41,7 @@ def test_every_name_is_there_and_no_other():
 
 def test_a_scene_implies_the_arguments_of_its_boundary_elements(monkeypatch):
     asked = {}
-    monkeypatch.setattr("solver.hydrodynamics.bem.solve", lambda *a, **k: asked.update(k))
+    monkeypatch.setattr("solver.hydrodynamics.bem.bem.solve", lambda *a, **k: asked.update(k))
     water = solver.Water(depth=30.0, density=1000.0)
     sea = solver.regular(height=0.1, period=2 * np.pi / 5.5, heading=0.4)
     coefficients(solver.Scene(water=water, sea=sea, floats=(ball(),), settings=solver.Settings(time_step=0.1)))

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from pipeline import cache
+from pipeline.bridge import cache
 from solver import limits
+from solver.coupled.march import WATCH, WORKS, open_by
+from solver.coupled.system import BLOCK_STEPS, blocks, prepare
 from solver.errors import InputError, SimulationFailed, StepTooLong
-from solver.march import WATCH, WORKS, open_by
+from solver.run import simulate
 from solver.scene import Float
 from solver.sea.field import WaveField
 from solver.sea.realization import CALM
-from solver.simulate import simulate
-from solver.system import BLOCK_STEPS, blocks, prepare
 from tests.interpreted import motions
 
 HEAVY_DAMPING = 1e8  # a thousand times the optimum: the joints are locked [N m s/rad]
@@ -137,7 +137,7 @@ def test_locked_joints_close_their_balance_at_the_default_step(buan, coefficient
 
 
 def test_what_a_finer_step_helps_is_repeated_once_and_the_record_says_so(buan, coefficients, monkeypatch):
-    monkeypatch.setattr(sys.modules["solver.simulate"], "BALANCE", 3e-7)
+    monkeypatch.setattr(sys.modules["solver.run"], "BALANCE", 3e-7)
     scene = buan.scene("fixed")
     attrs = simulate(scene, coefficients).attrs
     assert attrs["repeated"].startswith("energy balance at t = ")
@@ -145,7 +145,7 @@ def test_what_a_finer_step_helps_is_repeated_once_and_the_record_says_so(buan, c
 
 
 def test_what_a_finer_step_does_not_help_fails_with_both_messages(buan, coefficients, monkeypatch):
-    monkeypatch.setattr(sys.modules["solver.simulate"], "BALANCE", 0.0)
+    monkeypatch.setattr(sys.modules["solver.run"], "BALANCE", 0.0)
     with pytest.raises(SimulationFailed, match=r"time_step = 0\.05 s.*second attempt; the first: .*0\.2 s") as error:
         simulate(buan.scene("fixed"), coefficients)
     assert not isinstance(error.value, StepTooLong)

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.hydrodynamics.froude_krylov import WettedQuadrature, pressure_load
-from solver.hydrodynamics.wetted_panels import WettedPanels, panels_pressure
+from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, pressure_load
+from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, panels_pressure
 from solver.kernels import fast_lean_kernel, kernel, lean_kernel
 from solver.multibody.chain import Chain, cross, kinematics, rotated
 

@@ -8,23 +8,26 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline import cache, scenes, study, tasks
-from solver.hydrodynamics import bem
-from solver.hydrodynamics.bem import Hydrodynamics
-from solver.record import Record
+from pipeline.bridge import cache, scenes
+from pipeline.bridge.geometry import bem_arguments, geometry_of
+from pipeline.bridge.loading import load
+from pipeline.tasks.task import Task, expand
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.record.recorder import Record
+from solver.run import simulate
 from solver.scene import Scene
-from solver.simulate import simulate
 
 OUT = Path("results/bench")
 RUNS = 3  # of which the median counts
 OUTPUTS = ("rotation", "absorbed_power", "hinge_force", "top_displacement", "bottom_stress")
 
 
-def task(platform: str) -> tasks.Task:
+def task(platform: str) -> Task:
     """The first realization of the representative sea of the Buan study."""
-    content = study.load(Path("studies/buan.toml")).content
+    content = load(Path("studies/buan.toml")).content
     wanted = {"sea_state": "representative", "platform": platform, "seed": 0}
-    return next(t for t in tasks.expand(content) if all(t.labels[k] == v for k, v in wanted.items()))
+    return next(t for t in expand(content) if all(t.labels[k] == v for k, v in wanted.items()))
 
 
 def scene(platform: str, seed: int = 0) -> Scene:
@@ -40,7 +43,7 @@ def coefficients(name: str = "default", **changed) -> tuple[Hydrodynamics, float
         found = cache.decode(file.read_bytes())
         return found, float(file.with_suffix(".seconds").read_text())
     start = time.perf_counter()
-    found = bem.solve(**(scenes.bem_arguments(task("elastic").geometry) | changed))
+    found = bem.solve(**(bem_arguments(geometry_of(task("elastic").parameters)) | changed))
     seconds = time.perf_counter() - start
     file.write_bytes(cache.encode(found))
     file.with_suffix(".seconds").write_text(f"{seconds}")

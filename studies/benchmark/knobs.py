@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import ScalarFormatter
 
-from solver.record import Record
+from solver.record.recorder import Record
 from studies.benchmark.case import OUT, RUNS, coefficients, errors, scene, timed, with_settings
 
 SECONDS = 900.0  # analysed in each run

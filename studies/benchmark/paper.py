@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.simulate import simulate
+from solver.run import simulate
 from studies.benchmark.case import coefficients, scene, with_settings
 
 SECONDS = 60.0  # simulated, with a ramp of a third of that

@@ -5,15 +5,15 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from solver.hydrodynamics import radiation
-from solver.hydrodynamics.froude_krylov import pressure_load
-from solver.hydrodynamics.panels import panel_load, revolution_mesh, waves_at
+from solver.coupled.march import _drag, _memory_history, _newton_matrix, flexibility
+from solver.coupled.system import BLOCK_STEPS, blocks, prepare
+from solver.hydrodynamics.pressure.froude_krylov import pressure_load
+from solver.hydrodynamics.radiation import memory as radiation
 from solver.kernels import fast_lean_kernel
-from solver.march import _drag, _memory_history, _newton_matrix, flexibility
 from solver.multibody.minimal import loads, move, new_motion, pressures
+from solver.reference.panels import panel_load, revolution_mesh, waves_at
+from solver.run import simulate
 from solver.sea.field import WaveField
-from solver.simulate import simulate
-from solver.system import BLOCK_STEPS, blocks, prepare
 from studies.benchmark.case import coefficients, median, scene
 
 CALLS = 2000

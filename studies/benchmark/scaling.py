@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 from scipy.linalg import block_diag
 
-from solver.hydrodynamics.bem import Hydrodynamics
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.run import simulate
 from solver.scene import Scene
 from solver.sea.dispersion import wavenumber
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
-from solver.simulate import simulate
 from studies.benchmark.case import OUT, RUNS, coefficients, scene, with_settings
 
 SECONDS = 900.0
@@ -27,7 +27,7 @@ APART = 100.0  # between pairs, whose waves are left out of one another [m]
 LONG = """
 from pathlib import Path
 from studies.benchmark.case import coefficients, scene, with_settings
-from solver.simulate import simulate
+from solver.run import simulate
 simulate(with_settings(scene("elastic"), duration=10800.0), coefficients()[0])
 print(next(int(x.split()[1]) / 1024 for x in Path("/proc/self/status").read_text().splitlines() if "VmHWM" in x))
 """

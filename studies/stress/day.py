@@ -11,10 +11,10 @@ import time
 
 import numpy as np
 
-from solver.multibody.augmented import Body, mechanism
-from solver.multibody.joints import GROUND, Frames, Hinge
-from solver.multibody.twoloop import Given, march
-from solver.reference import CONSTRAINTS, STILL
+from solver.reference.augmented import Body, mechanism
+from solver.reference.joints import GROUND, Frames, Hinge
+from solver.reference.run import CONSTRAINTS, STILL
+from solver.reference.twoloop import Given, march
 from solver.scene import Scene
 from solver.sea.field import WaveField
 from studies.benchmark.case import scene

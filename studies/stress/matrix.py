@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline import study
+from pipeline.study.reading import read
 from solver.scene import STEP, Scene
 from solver.sea.realization import Realization, realize
 from solver.sea.spectrum import WhiteNoise
@@ -57,7 +57,7 @@ class Case:
 
 def tables(case: Case) -> dict[str, Any]:
     """The study file's tables with the case's keys set; 'floats.*.mass' stands for all floats."""
-    content = copy.deepcopy(study.read(STUDY))
+    content = copy.deepcopy(read(STUDY))
     content["axes"] = {"sea_state": ["representative"], "platform": [case.platform], "seed": [0]}
     content["record"] |= RECORD
     for key, value in case.keys.items():

@@ -11,16 +11,19 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from pipeline import cache, checks, scenes, study, tasks
-from pipeline.schema import StudyFile
+from pipeline.bridge import cache, checks, scenes
+from pipeline.bridge.geometry import Geometry, bem_arguments, geometry_of
+from pipeline.study.reading import describe
+from pipeline.study.schema import StudyFile
+from pipeline.tasks.task import expand
+from solver.coupled.march import State
+from solver.coupled.system import BLOCK_STEPS, blocks, prepare
 from solver.errors import InputError, SimulationFailed
-from solver.hydrodynamics import bem
-from solver.hydrodynamics.bem import Hydrodynamics
-from solver.march import State
-from solver.reference import simulate_reference
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.reference.run import simulate_reference
+from solver.run import simulate
 from solver.scene import Scene
-from solver.simulate import simulate
-from solver.system import BLOCK_STEPS, blocks, prepare
 from studies.stress.matrix import Case, matrix, tables
 
 COEFFICIENTS = cache.Cache(Path("results/stress"))
@@ -31,12 +34,12 @@ FIGURES = (
 )  # fmt: skip
 
 
-def coefficients(geometry: tasks.Geometry) -> Hydrodynamics:
+def coefficients(geometry: Geometry) -> Hydrodynamics:
     """Of the floats of a geometry; kept in a file, whatever its band."""
     plain = geometry.model_copy(update={"band": (0.7, 3.4)})
     known = COEFFICIENTS.get(plain.key)
     if known is None:
-        arguments = scenes.bem_arguments(plain)
+        arguments = bem_arguments(plain)
         arguments |= {"omega": np.concatenate([LOWEST, arguments["omega"]]), "panels": PANELS}
         known = cache.encode(bem.solve(**arguments))
         COEFFICIENTS.put(plain.key, known)
@@ -60,7 +63,7 @@ def attempt(case: Case) -> dict[str, object]:
     except InputError as error:
         row |= {"outcome": "refused", "message": str(error)}
     except ValidationError as error:
-        row |= {"outcome": "refused", "message": study.describe(error.errors(include_url=False)[0])}
+        row |= {"outcome": "refused", "message": describe(error.errors(include_url=False)[0])}
     except SimulationFailed as error:
         row |= {"outcome": "failed", "message": str(error)}
     except Exception:
@@ -73,9 +76,9 @@ def built(case: Case) -> tuple[Scene, Hydrodynamics | None]:
     content = StudyFile.model_validate(tables(case))
     for problem in checks.problems(content):
         raise problem
-    (task,) = tasks.expand(content)
-    scene = scenes.scene(task.parameters)
-    return case.change(scene) if case.change else scene, coefficients(task.geometry) if task.geometry else None
+    (task,) = expand(content)
+    scene, geometry = scenes.scene(task.parameters), geometry_of(task.parameters)
+    return case.change(scene) if case.change else scene, coefficients(geometry) if geometry else None
 
 
 def production(case: Case) -> dict[str, object]:

@@ -2,14 +2,16 @@
 
 from pathlib import Path
 
-from pipeline import scenes, study, tasks
+from pipeline.bridge import scenes
+from pipeline.bridge.loading import load
+from pipeline.tasks.task import expand
 from solver.scene import Scene
 
 
 def scene(name: str, **labels) -> Scene:
     """The first task of studies/NAME.toml with these labels."""
-    content = study.load(Path(__file__).parents[1] / f"{name}.toml").content
-    found = next(t for t in tasks.expand(content) if all(t.labels[k] == v for k, v in labels.items()))
+    content = load(Path(__file__).parents[1] / f"{name}.toml").content
+    found = next(t for t in expand(content) if all(t.labels[k] == v for k, v in labels.items()))
     return scenes.scene(found.parameters)
 
 

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-REFERENCE = Path(__file__).parents[2] / "tests" / "reference"
+REFERENCE = Path(__file__).parents[2] / "tests" / "published"
 OUT = Path("results/validate")
 SIGNS = {"both": "", "below": "<", "above": ">"}
 LEGEND = (

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from solver.hydrodynamics import bem
-from solver.hydrodynamics.hull import Revolution
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.hull.revolution import Revolution
 from studies.validation import drawing
 from studies.validation.checks import Check, columns
 from studies.validation.drawing import BLUE, GREEN, GREY, MARK, ORANGE, RED

@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from solver.run import simulate
 from solver.scene import Scene
 from solver.sea.realization import CALM
-from solver.simulate import simulate
 from studies.validation import drawing, response
 from studies.validation.checks import Check, columns
 from studies.validation.drawing import BLUE, GREEN, GREY, MARK, ORANGE, RED

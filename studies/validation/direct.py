@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 from scipy import linalg
 
+from solver.run import simulate
 from solver.scene import Scene
 from solver.sea.field import WaveField
 from solver.sea.realization import ramp
-from solver.simulate import simulate
 from solver.structure import water
 from solver.structure.frame import FrameModel, assemble
 from studies.validation import drawing

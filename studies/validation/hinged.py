@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from solver.hydrodynamics import bem
+from solver.hydrodynamics.bem import bem
 from solver.scene import Float, Scene, Water
 from studies.validation import cases, drawing, response
 from studies.validation.checks import Check

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from solver.multibody.augmented import Body
-from solver.multibody.joints import GROUND, Hinge
-from solver.multibody.twoloop import Trajectory, energy, simulate_mechanism
+from solver.reference.augmented import Body
+from solver.reference.joints import GROUND, Hinge
+from solver.reference.twoloop import Trajectory, energy, simulate_mechanism
 from studies.validation import drawing
 from studies.validation.checks import Check
 from studies.validation.drawing import BLUE, MARK, ORANGE, RED

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solver.hydrodynamics import bem
-from solver.hydrodynamics.hull import Revolution
-from solver.hydrodynamics.panel_hull import PanelHull
-from solver.hydrodynamics.panels import revolution_mesh
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.reference.panels import revolution_mesh
 
 G, RHO = 9.81, 1000.0
 Columns = Mapping[str, np.ndarray]

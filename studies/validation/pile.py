@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from solver.run import simulate
 from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.field import WaveField
 from solver.sea.realization import regular
-from solver.simulate import simulate
 from solver.structure import water
 from solver.structure.beam import tube
 from solver.structure.frame import Frame, Material, Member, assemble

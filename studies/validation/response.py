@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from solver.hydrodynamics.bem import DOFS, Hydrodynamics
-from solver.record import Record
+from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
+from solver.record.recorder import Record
+from solver.record.spectra import transfer
+from solver.run import simulate
 from solver.scene import Float, Scene, Settings
 from solver.sea.realization import Realization, realize, regular
 from solver.sea.spectrum import WhiteNoise
-from solver.simulate import simulate
-from solver.spectra import transfer
 
 EVERY = 4  # samples of a record that count: 0.3 s at the default step, 10 rad/s
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from solver.record.spectra import smoothed_density
+from solver.run import simulate
 from solver.sea.spectrum import PiersonMoskowitz
-from solver.simulate import simulate
-from solver.spectra import smoothed_density
 from studies.validation import drawing
 from studies.validation.cases import buan
 from studies.validation.checks import Check

@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from solver.hydrodynamics import bem
-from solver.hydrodynamics.hull import Revolution
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Scene, Water
 from studies.validation import drawing, response
 from studies.validation.checks import Check, columns

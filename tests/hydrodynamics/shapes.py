@@ -5,10 +5,10 @@ import struct
 
 import numpy as np
 
-from solver.hydrodynamics.hull import Revolution
-from solver.hydrodynamics.panel_hull import PanelHull
-from solver.hydrodynamics.panels import revolution_mesh
-from solver.hydrodynamics.surface import split, triangles
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.surface import split, triangles
+from solver.reference.panels import revolution_mesh
 
 
 def box(size, centre=(0, 0, 0)):

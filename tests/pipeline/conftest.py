@@ -10,10 +10,12 @@ import cloudpickle
 import numpy as np
 import pytest
 
-from pipeline import actions, run
-from pipeline.schema import StudyFile
-from pipeline.study import Study, read
-from pipeline.tasks import wave_seed
+from pipeline.bridge import engine as physics
+from pipeline.cli import actions
+from pipeline.study.reading import read
+from pipeline.study.schema import StudyFile
+from pipeline.tasks.study import Study
+from pipeline.tasks.task import wave_seed
 
 # Workers cannot import this file; they get its functions by value.
 cloudpickle.register_pickle_by_value(sys.modules[__name__])
@@ -104,8 +106,10 @@ def fake_compute(parameters, coefficients):
 @pytest.fixture
 def engine(monkeypatch):
     """The engine without physics, also for the command line."""
-    fake = run.Engine(coefficients=fake_coefficients, compute=fake_compute, check=lambda _: None, reduce=lambda _: None)
-    monkeypatch.setattr(run, "Engine", lambda: fake)
+    fake = physics.Engine(
+        coefficients=fake_coefficients, compute=fake_compute, check=lambda _: None, reduce=lambda _: None
+    )
+    monkeypatch.setattr(physics, "Engine", lambda: fake)
     monkeypatch.setattr(actions, "REPORTED", 0)  # figures take longer than all the rest
     return fake
 

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from pipeline import run
-from pipeline.tasks import wave_seed
+from pipeline.bridge import engine
+from pipeline.tasks.task import wave_seed
 
 STUDY = """
 [water]
@@ -70,16 +70,17 @@ def nothing(parameters):
     """No objection."""
 
 
-ENGINE = run.Engine(coefficients=coefficients, compute=compute, check=nothing, reduce=nothing)
+ENGINE = engine.Engine(coefficients=coefficients, compute=compute, check=nothing, reduce=nothing)
 
 
 def main() -> None:
     """The command line, with this engine."""
-    from pipeline import actions, cache, cli
+    from pipeline.bridge import cache
+    from pipeline.cli import actions, cli
 
     actions.REPORTED = 0
     cache.Cache.__init__.__defaults__ = (len,)  # these coefficients are no netCDF file
-    run.Engine = lambda: ENGINE
+    engine.Engine = lambda: ENGINE
     cli.main()
 
 

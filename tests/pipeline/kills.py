@@ -39,7 +39,7 @@ def finished(results: Path) -> dict[str, bytes]:
 
 def dataset(results: Path, study: str = "empty") -> dict[str, bytes]:
     """Every variable of the collected dataset but the wall times."""
-    from pipeline.dataset import load
+    from pipeline.results.dataset import load
 
     data = load(results / study / "statistics.nc")
     return {

@@ -22,7 +22,7 @@ SEEDS = 12
 PLAIN = """
 import sys, time
 from studies.benchmark.case import coefficients, scene
-from solver.simulate import simulate
+from solver.run import simulate
 known, item = coefficients()[0], scene("elastic")
 simulate(item, known)
 time.sleep(max(0.0, float(sys.argv[1]) - time.time()))
@@ -53,7 +53,7 @@ def _with(text: str, key: str, value: str) -> str:
 
 def run(path: Path, results: Path, workers: int, *more: str) -> tuple[float, float, float]:
     """Start a run: seconds until its first step, as its records tell, until its end, and from task to task."""
-    from pipeline.netcdf import from_bytes
+    from pipeline.results.netcdf import from_bytes
 
     command = [sys.executable, "-m", "pipeline", "run", path, "--results", results, "--workers", workers, *more]
     start, since = time.time(), time.perf_counter()

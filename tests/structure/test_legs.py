@@ -3,9 +3,10 @@
 import numpy as np
 from pytest import approx
 
+from solver.coupled import support
 from solver.sea.field import WaveField
 from solver.statistics import Statistics
-from solver.structure import recovery, statics, support, water
+from solver.structure import recovery, statics, water
 from solver.structure.legs import BENDING, at_nodes
 
 

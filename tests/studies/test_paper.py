@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pipeline.netcdf import Variable, to_bytes
-from pipeline.report import Published
+from pipeline.report.report import Published
+from pipeline.results.netcdf import Variable, to_bytes
 from studies import paper
 
 

@@ -9,8 +9,8 @@ import pytest
 from pytest import approx
 
 from solver.errors import SimulationFailed
-from solver.hydrodynamics import bem
-from solver.hydrodynamics.hull import Revolution
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float
 from studies import validate
 from studies.validation import checks, decay, drawing, response, sphere

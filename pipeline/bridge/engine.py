@@ -1,0 +1,156 @@
+"""What workers run: coefficients of a geometry, and tasks. Workers compute and return bytes."""
+
+from __future__ import annotations
+
+import time
+import traceback
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from pipeline import environment
+from pipeline.bridge.geometry import Geometry, bem_arguments, geometry_of
+from pipeline.tasks.task import Parameters
+from solver.errors import SimulationFailed
+
+if TYPE_CHECKING:
+    from pipeline.results.records import Record
+    from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+    from solver.scene import Scene
+
+
+@dataclass(frozen=True, kw_only=True)
+class Failure:
+    """Why a task has no record."""
+
+    kind: str
+    message: str
+    traceback: str
+
+    @classmethod
+    def of(cls, error: BaseException) -> Failure:
+        """From an exception, with its traceback."""
+        text = "".join(traceback.format_exception(error))
+        return cls(kind=type(error).__name__, message=str(error), traceback=text)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What comes back from a worker: bytes of a file, or a failure; and how it came about."""
+
+    result: bytes | Failure
+    content: str = ""  # digest of the record's values
+    wall_time: float = 0.0  # [s]
+    log: tuple[str, ...] = ()  # warnings on the way
+    provenance: dict[str, str]
+
+
+def hydrodynamics(geometry: Geometry) -> Hydrodynamics:
+    """Coefficients of the floats of a geometry by the boundary element method, and their memory as scenes use it.
+
+    Not every task fits its own: fitting amplifies rounding, and other machines round otherwise.
+    """
+    from solver.coupled.system import remembered
+    from solver.hydrodynamics.bem import bem
+    from solver.scene import Settings
+
+    given, tolerance = bem_arguments(geometry), Settings().memory_tolerance
+    found = bem.solve(**given)
+    try:
+        memory = remembered(found, given["hulls"], tolerance)
+    except SimulationFailed:  # said by the task that needs it
+        return found
+    return replace(found, memory=memory, memory_tolerance=tolerance)
+
+
+def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
+    """Statistics of one simulation."""
+    from solver.run import simulate
+
+    return simulate(scene, hydrodynamics)
+
+
+def coefficients(geometry: Geometry) -> bytes:
+    """The file of a geometry's coefficients."""
+    from pipeline.bridge import cache
+
+    return cache.encode(hydrodynamics(geometry))
+
+
+def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
+    """One task, from its parameters and its geometry's file."""
+    from pipeline.bridge import cache, scenes
+
+    known = cache.decode(coefficients) if coefficients else None
+    return simulate(scenes.scene(parameters), known)
+
+
+def check(parameters: Parameters) -> Sequence[str]:
+    """Build a task's scene, and the frequencies of its coefficients; what is odd about it. Raises InputError."""
+    from pipeline.bridge import scenes
+    from solver.balance import warnings
+    from solver.hydrodynamics.bem import bem
+
+    scene = scenes.scene(parameters)
+    if found := geometry_of(parameters):
+        given = bem_arguments(found)
+        bem.check(*(given[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
+    return warnings(scene)
+
+
+def reduce(parameters: Parameters) -> None:
+    """Reduce a task's platform as the solver will, but for its floats, which need coefficients; raises InputError."""
+    from pipeline.bridge import scenes
+    from solver.coupled.system import prepare
+
+    if parameters.platform:
+        prepare(replace(scenes.scene(parameters), floats=()), None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Engine:
+    """The physics as a few functions, so that the pipeline can be tested and timed without it."""
+
+    coefficients: Callable[[Geometry], bytes] = coefficients
+    compute: Callable[[Parameters, bytes | None], Record] = compute
+    check: Callable[[Parameters], Sequence[str] | None] = check
+    reduce: Callable[[Parameters], None] = reduce
+
+
+def attempt_geometry(engine: Engine, geometry: Geometry) -> list[Outcome]:
+    """Coefficients, or why there are none."""
+    environment.prepare()
+    return [_attempt(lambda: (engine.coefficients(geometry), ""))]
+
+
+def attempt_tasks(engine: Engine, tasks: Sequence[tuple[str, Parameters]], coefficients: bytes | None) -> list[Outcome]:
+    """For each task a record's file, or why there is none."""
+    environment.prepare()
+    return [attempt_task(engine, task_id, parameters, coefficients) for task_id, parameters in tasks]
+
+
+def attempt_task(engine: Engine, task_id: str, parameters: Parameters, coefficients: bytes | None) -> Outcome:
+    """A record's file, or why there is none."""
+    from pipeline.results import records
+
+    def work() -> tuple[bytes, str]:
+        provenance = environment.provenance() | {"task": task_id}
+        return records.encode(engine.compute(parameters, coefficients), parameters, provenance)
+
+    return _attempt(work)
+
+
+def _attempt(work: Callable[[], tuple[bytes, str]]) -> Outcome:
+    """A failure is a result like any other: it must not stop the tasks beside it."""
+    start = time.perf_counter()
+    result: bytes | Failure
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("default")
+        try:
+            result, content = work()
+        except Exception as error:
+            result, content = Failure.of(error), ""
+    seconds = time.perf_counter() - start
+    log = tuple(f"{w.category.__name__}: {w.message}" for w in caught)
+    return Outcome(result=result, content=content, wall_time=seconds, log=log, provenance=environment.provenance())

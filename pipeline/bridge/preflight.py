@@ -1,0 +1,71 @@
+"""The solver's own judgement of a study, before anything runs: its scenes are built once each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+from pipeline.bridge.engine import Engine
+from pipeline.study.reading import StudyError
+from pipeline.study.schema import Recording
+from pipeline.tasks.study import Study
+from pipeline.tasks.task import Parameters, Task
+from solver.errors import InputError
+
+# Sea states and seeds are judged from the file alone.
+CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
+# First word of a key of the solver's -> where a study file has it.
+PLACES = {
+    "band": "waves.band",
+    "components": "waves.components",
+    **{word: f"platform.{word}" for word in ("nodes", "members", "clamped", "masses", "loads", "legs")},
+}
+
+
+def check(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
+    """Raise StudyError in the solver's words, under the study file's keys; or what is odd and yet no error."""
+    distinct, seas = {}, {}
+    for task in tasks:
+        distinct[tuple(task.labels.get(axis) for axis in CONFIGURATION)] = task
+        seas[task.labels["sea_state"]] = task
+    platforms = {task.labels["platform"]: task for task in distinct.values()}
+    odd: list[str] = []
+    every = [*distinct.values(), *seas.values()]
+    problems = [problem for task in every for problem in _problems(_Listener(engine, task, odd), task)]
+    # A frame takes 0.4 s to reduce, so one stands for all hinge spacings.
+    problems = problems or [problem for task in platforms.values() for problem in _problems(engine.reduce, task)]
+    if problems:
+        raise StudyError(study.path, dict.fromkeys(problems))
+    return list(dict.fromkeys(odd))
+
+
+@dataclass(frozen=True)
+class _Listener:
+    """The engine's check of a task, whose warnings are kept under the study file's keys."""
+
+    engine: Engine
+    task: Task
+    odd: list[str]
+
+    def __call__(self, parameters: Parameters) -> None:
+        for text in self.engine.check(parameters) or ():
+            first, colon, rest = text.partition(": ")
+            self.odd.append(f"sea_states.{self.task.labels['sea_state']}{colon}{rest}" if first == "sea" else text)
+
+
+def _problems(judge: Callable[[Parameters], None], task: Task) -> Iterator[str]:
+    try:
+        judge(task.parameters)
+    except InputError as error:
+        yield str(InputError(key(error.key), error.value, error.limit))
+    except Exception:
+        # Not bad input: the task will meet it again, and its failure is recorded with all there is to know.
+        return
+
+
+def key(theirs: str) -> str:
+    """settings.time_step -> solver.time_step; members.leg.end -> platform.members.leg.end."""
+    first, dot, rest = theirs.partition(".")
+    if first == "settings":
+        return f"{'record' if rest in Recording.model_fields else 'solver'}.{rest}"
+    return PLACES.get(first, first) + dot + rest

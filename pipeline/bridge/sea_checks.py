@@ -1,0 +1,160 @@
+"""Sea states that cannot be: breaking waves, waves outside their band, files without sense."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+
+from pipeline.bridge import realizations
+from pipeline.study import seas
+from pipeline.study.schema import StudyFile
+from pipeline.study.seas import Components, Elevation, Irregular, Regular, SeaState, Still, Waves, WhiteNoise
+from solver.errors import InputError
+
+LARGEST_PERIOD = 60.0  # longer waves are no longer wind waves [s]
+MOST = 10_000  # waves of one sea
+SHALLOW = 0.1  # kh below which there are no coefficients
+
+
+def problems(study: StudyFile) -> Iterator[InputError]:
+    """Of the waves, and of every sea state."""
+    waves = study.waves
+    if not study.sea_states:
+        yield InputError("sea_states", "{}", "needs at least one sea state")
+    if waves.band and waves.band[0] >= waves.band[1]:
+        yield InputError("waves.band", list(waves.band), "must rise: low < high [rad/s]")
+        return
+    if waves.band and waves.band[1] > 100:
+        yield InputError("waves.band", list(waves.band), "must end at or below 100 rad/s")
+    if waves.components > MOST:
+        yield InputError("waves.components", waves.components, f"must be <= {MOST}")
+    if abs(waves.heading) > 2 * math.pi:
+        yield InputError("waves.heading", waves.heading, "must be within ±2π rad")
+    if waves.spectrum == "jonswap" and waves.form == "mean":
+        yield InputError("waves.form", waves.form, "is for pierson-moskowitz: JONSWAP has its peak period")
+    for label, sea in study.sea_states.items():
+        key = f"sea_states.{label}"
+        found = list(_sea(key, sea, study))
+        yield from found or [*_coverage(key, sea, study), *_resolution(key, sea, study)]
+
+
+def shortest_period(study: StudyFile) -> float:
+    """Of all waves in the study [s]; inf if there are none."""
+    spans = (seas.frequencies(sea, study.waves) for sea in study.sea_states.values())
+    return min((2 * math.pi / span[1] for span in spans if span), default=math.inf)
+
+
+def _sea(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
+    """The sea state by itself."""
+    waves = study.waves
+    if waves.band is None and isinstance(sea, Irregular | WhiteNoise | Elevation):
+        yield InputError("waves.band", "nothing", f"is missing [rad/s], and {key} is a sea of kind {sea.kind}")
+        return
+    if isinstance(sea, Irregular):
+        yield from _shape(key, sea, study)
+        yield from _period(f"{key}.Tp", sea.Tp)
+        yield from _breaking(f"{key}.Hs", sea.Hs, 2 * math.pi / seas.peak_frequency(sea, waves), study)
+    elif isinstance(sea, Regular):
+        yield from _period(f"{key}.period", sea.period)
+        yield from _breaking(f"{key}.height", sea.height, sea.period, study)
+    elif not isinstance(sea, Still):
+        yield from _realization(key, sea, study)
+
+
+def _shape(key: str, sea: Irregular, study: StudyFile) -> Iterator[InputError]:
+    shape = sea.spectrum or study.waves.spectrum
+    if sea.gamma is not None and shape != "jonswap":
+        yield InputError(f"{key}.gamma", sea.gamma, f'is for spectrum = "jonswap", not "{shape}"')
+    if sea.form == "mean" and shape == "jonswap":
+        yield InputError(f"{key}.form", sea.form, "is for pierson-moskowitz: JONSWAP has its peak period")
+
+
+def _period(key: str, period: float) -> Iterator[InputError]:
+    if period > LARGEST_PERIOD:
+        yield InputError(key, period, f"must be <= {LARGEST_PERIOD:g} s")
+
+
+def _breaking(key: str, height: float, period: float, study: StudyFile) -> Iterator[InputError]:
+    """Miche's limit of a regular wave, H <= 0.142 L tanh(kh); for random ones Hs at a typical period."""
+    from solver.sea.dispersion import wavenumber
+
+    depth = study.water.depth
+    k = float(wavenumber(2 * math.pi / period, depth, study.water.gravity))
+    limit = 0.142 * 2 * math.pi / k * math.tanh(k * depth) if k > 0 else math.inf
+    if height > limit:
+        reason = f"must be <= {limit:.3g} m, where waves of {period:.3g} s break (0.142 L tanh kh)"
+        yield InputError(key, height, reason)
+
+
+def _realization(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
+    """What has no period by name is judged by its own: a file, or noise."""
+    try:
+        made = realizations.realize(sea, study.waves, (0,))
+    except InputError as error:
+        where = (
+            f"{key}.file" if error.key in ("file", "band") or not hasattr(sea, "file") else f"{key}.file: {error.key}"
+        )
+        yield InputError(where, getattr(sea, "file", error.value) if error.key == "band" else error.value, error.limit)
+        return
+    figures = made.parameters()
+    if made.omega.size > MOST:
+        yield InputError(f"{key}.file", f"{made.omega.size} waves", f"must be <= {MOST}")
+    elif not figures["Hm0"] > 0:
+        yield InputError(f"{key}.file", getattr(sea, "file", sea.kind), "has no waves in waves.band")
+    else:
+        name = f"{key}.Hs" if isinstance(sea, WhiteNoise) else f"{key}.file: Hm0"
+        yield from _breaking(name, float(f"{figures['Hm0']:.3g}"), figures["Tz"], study)
+
+
+def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
+    """Whether the waves lie in waves.band, and coefficients can be had at their frequencies."""
+    from solver.sea.dispersion import wavenumber
+
+    waves, water = study.waves, study.water
+    span = seas.frequencies(sea, waves)
+    if isinstance(sea, Irregular):
+        span = (seas.peak_frequency(sea, waves),) * 2
+    if waves.band and span and not isinstance(sea, Elevation | WhiteNoise):
+        low, high = waves.band
+        if not low <= span[0] <= span[1] <= high:
+            name, value, what = _named(key, sea)
+            outside = span[1] if span[1] > high else span[0]
+            limit = f"must put {what}, {outside:.3g} rad/s, inside waves.band = [{low:g}, {high:g}]"
+            yield InputError(name, value, limit)
+    wanted = seas.band(sea, waves)
+    if study.floats and wanted and float(wavenumber(wanted[0], water.depth, water.gravity)) * water.depth <= SHALLOW:
+        limit = f"must start where kh > {SHALLOW:g} in {water.depth:g} m"
+        yield InputError("waves.band", list(wanted), limit)
+
+
+def _resolution(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
+    """Two waves can be told apart in a record that is as long as their beat."""
+    spacing = _spacing(sea, study.waves) if study.record.rao else math.inf
+    beat = 2 * math.pi / spacing if spacing > 0 else math.inf
+    if study.record.duration < beat:
+        limit = f"must be >= {beat:.4g} s for record.rao, to tell the waves of {key} apart"
+        yield InputError("record.duration", study.record.duration, limit)
+
+
+def _spacing(sea: SeaState, waves: Waves) -> float:
+    """Smallest difference of two frequencies of a sea [rad/s]."""
+    if isinstance(sea, Still | Regular):
+        return math.inf
+    if isinstance(sea, Components | Elevation):
+        omega = realizations.realize(sea, waves, (0,)).omega
+        return min((float(b - a) for a, b in itertools.pairwise(omega)), default=math.inf)
+    span = seas.frequencies(sea, waves) or (0.0, math.inf)
+    # Random intervals have edges up to 0.4 of a width from even ones, and their middles half of that each.
+    return (span[1] - span[0]) / waves.components * (0.6 if waves.intervals == "random" else 1.0)
+
+
+def _named(key: str, sea: SeaState) -> tuple[str, object, str]:
+    """Key and value that give a sea its frequency, and what that is."""
+    match sea:
+        case Irregular():
+            return f"{key}.Tp", sea.Tp, "the peak"
+        case Regular():
+            return f"{key}.period", sea.period, "its frequency"
+        case _:
+            return f"{key}.file", getattr(sea, "file", ""), "all waves"

@@ -1,0 +1,96 @@
+"""What the verbs of the command line do when they have read their words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from pipeline.cli.console import DONE, FAILED, Tally, compare, err, finish, looked, out, say
+from pipeline.results.store import UNFINISHED, Store, read_json, write_json
+from pipeline.running.schedule import Place
+from pipeline.tasks.study import Study
+from pipeline.tasks.task import Task
+from pipeline.tasks.tasklist import Tasks
+
+REPORTED = 1000  # tasks up to which the report comes by itself: its figures take 3 s, and longer with more dots
+
+
+def preflight(study: Study, tasks: Iterable[Task]) -> None:
+    """The solver's own objections and warnings, before anything runs."""
+    from pipeline.bridge.engine import Engine
+    from pipeline.bridge.preflight import check
+
+    for text in check(study, tasks, Engine()):
+        say(f"{study.path}: warning: {text}", err)
+
+
+def make_ready(study: Study, tasks: Tasks, store: Store, place: Place) -> None:
+    """If there is something to run, have workers begin to start while the solver looks at the study."""
+    from pipeline.running.schedule import warm_up
+
+    todo = sum(1 for task in tasks if store.look(task).state in UNFINISHED)
+    if todo:
+        warm_up(todo, place)
+        preflight(study, tasks)
+
+
+def run(study: Study, store: Store, results: Path, tasks: Tasks, place: Place, *, keep_going: bool = True) -> None:
+    """Run tasks, with a bar or lines about it."""
+    from pipeline.bridge.engine import Engine
+    from pipeline.cli.progress import watching
+    from pipeline.running.campaign import Campaign
+
+    campaign = Campaign(
+        study=study.path,
+        results=results,
+        store=store,
+        engine=Engine(),
+        place=place,
+        keep_going=keep_going,
+        say=lambda text: say(text, err),
+    )
+    with watching(err if err.is_terminal else out, len(tasks)) as watch:
+        campaign.run(tasks, watch)
+
+
+def rerun(study: Study, store: Store, results: Path, tasks: Tasks, place: Place) -> int:
+    """Run tasks again and compare; the exit status."""
+    with store.lock(lambda text: say(text, err)):
+        old = {task.id: _record(store, task) for task in tasks}
+        run(study, store, results, tasks, place)
+        changed = [not compare(task, old[task.id], _record(store, task)) for task in tasks]
+        collect(study, store)
+    return max(finish(Tally.of(looked(tasks, store)), study), FAILED if any(changed) else DONE)
+
+
+def _record(store: Store, task: Task) -> bytes | None:
+    entry = store.look(task, checksums=True)
+    return entry.record.read_bytes() if entry.state == "done" else None
+
+
+def collect(study: Study, store: Store) -> list[Path]:
+    """The dataset and, of a study that is not large, the report; each is written only if its sources are others."""
+    from pipeline.results import dataset
+
+    path = dataset.collect(study, store, anew=False)[0]
+    if len(study.tasks) > REPORTED:
+        return [path]
+    page, mark, source = store.root / "report.html", store.root / ".report.json", {"of": dataset.checksum(path)}
+    if read_json(mark) != source or not page.exists():
+        from pipeline.report.page import write
+
+        write(study, path)
+        write_json(mark, source)
+    return [path, page]
+
+
+def print_table(study: Study, path: Path) -> None:
+    """Ours beside the published numbers, or a summary."""
+    from pipeline.report import report
+    from pipeline.results import dataset
+
+    with dataset.opened(path) as data:
+        if study.published:
+            report.show(data, report.published(study.published), out)
+        else:
+            report.summary(data, out)

@@ -1,0 +1,277 @@
+"""The command line: study plan|run|status|show|rerun|collect|verify|report|clean STUDY."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from pipeline import environment
+from pipeline.bridge.loading import load
+from pipeline.cli import actions
+from pipeline.cli.console import DONE, FAILED, Tally, err, finish, looked, say, store_of
+from pipeline.results.store import Store, read_json
+from pipeline.study.reading import StudyError
+from pipeline.tasks.select import find, select
+from pipeline.tasks.study import Study
+from pipeline.tasks.tasklist import Tasks
+from solver.errors import InputError
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+
+File = Annotated[Path, typer.Argument(metavar="STUDY", help="A study file, such as studies/buan.toml")]
+Results = Annotated[Path, typer.Option(help="Folder of results")]
+Select = Annotated[str, typer.Option("--select", help="Part of the study: platform=fixed,sea_state=2018,seed=0")]
+Workers = Annotated[int, typer.Option(min=1, max=1024, help="Worker processes")]
+Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="A running dask scheduler's")]
+KeepGoing = Annotated[bool, typer.Option("--keep-going/--fail-fast", help="Go on after a failed task, or stop")]
+Timeout = Annotated[float | None, typer.Option(min=1e-3, metavar="SECONDS", help="Longest time of one task")]
+Memory = Annotated[str, typer.Option(help="Limit of one worker, such as 2GB; auto: its share of the machine's")]
+Tls = Annotated[
+    tuple[Path, Path, Path] | None,
+    typer.Option("--tls", metavar="CA CERT KEY", help="PEM files for a tls:// scheduler"),
+]
+Words = Annotated[list[str] | None, typer.Argument(metavar="TASK...", help="Ids, their beginnings, or labels")]
+
+BAD_INPUT, INTERRUPTED = 2, 130
+RESULTS = Path("results")
+KEPT = "finished tasks are kept, and the same command goes on from here"
+
+
+def main() -> None:
+    """Exit status 0 done, 1 a task failed or the machine did, 2 bad input."""
+    environment.prepare()
+    try:
+        app()
+    except StudyError as error:
+        for problem in error.problems:
+            say(problem, err)
+        sys.exit(BAD_INPUT)
+    except InputError as error:
+        say(str(error), err)
+        sys.exit(BAD_INPUT)
+    except BrokenPipeError:
+        sys.stderr.close()  # nobody listens any more
+        sys.exit(FAILED)
+    except OSError as error:
+        what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        say(f"{what}; {KEPT}", err)
+        sys.exit(FAILED)
+    except KeyboardInterrupt:
+        say(f"interrupted; {KEPT}", err)
+        sys.exit(INTERRUPTED)
+
+
+@app.command()
+def plan(study_file: File, results: Results = RESULTS, select_: Select = "", workers: Workers = 2) -> None:
+    """What a run would do, and about how long it would take."""
+    from pipeline.cli.plan import Estimate
+
+    study, tasks, store = _open(study_file, results, select_)
+    actions.preflight(study, tasks)
+    tally, estimate = Tally(), Estimate()
+    for task, entry in looked(tasks, store):
+        say(f"{task.id} {entry.state:7} {task}")
+        tally.see(task, entry)
+        estimate.see(task, entry)
+    say(str(tally))
+    if words := estimate.words(results, workers):
+        say(words)
+
+
+@app.command()
+def run(
+    study_file: File,
+    results: Results = RESULTS,
+    select_: Select = "",
+    workers: Workers = 2,
+    scheduler: Scheduler = None,
+    keep_going: KeepGoing = True,
+    timeout: Timeout = None,
+    memory: Memory = "auto",
+    tls: Tls = None,
+) -> None:
+    """Run what is missing, collect, print the table, and write the report of up to 1,000 tasks."""
+    from pipeline.running.campaign import unfinished
+    from pipeline.running.schedule import Place, check
+
+    place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
+    check(place)
+    study, tasks, store = _open(study_file, results, select_)
+    actions.make_ready(study, tasks, store, place)
+    with store.lock(lambda text: say(text, err)):
+        todo = unfinished(tasks, store)
+        if todo:
+            actions.run(study, store, results, todo, place, keep_going=keep_going)
+        paths = actions.collect(study, store)
+    tally = Tally.of(looked(tasks, store))
+    actions.print_table(study, paths[0])
+    what = f"{len(todo)} run now" if todo else "nothing to run"
+    say("; ".join([str(tally), what, *map(str, paths)]))
+    raise typer.Exit(finish(tally, study))
+
+
+@app.command()
+def status(
+    study_file: File,
+    results: Results = RESULTS,
+    as_json: Annotated[bool, typer.Option("--json", help="For programs")] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Until nothing is missing")] = False,
+    every: Annotated[float, typer.Option(min=0.1, metavar="SECONDS", help="Pause of --watch")] = 2.0,
+) -> None:
+    """How far a study is, from files alone; exit status 0 done, 1 failed, 2 incomplete."""
+    study, tasks, store = _open(study_file, results)
+    last = ""
+    while True:
+        text, tally = _status(study, tasks, store, as_json=as_json)
+        if text != last:
+            say(last := text)
+        if not watch or not (tally.counts["missing"] or tally.counts["damaged"]):
+            raise typer.Exit(tally.code)
+        time.sleep(every)
+
+
+def _status(study: Study, tasks: Tasks, store: Store, *, as_json: bool) -> tuple[str, Tally]:
+    tally, rows = Tally(), []
+    for task, entry in looked(tasks, store):
+        tally.see(task, entry)
+        if as_json:
+            rows.append(json.dumps({"id": task.id, "state": entry.state, "labels": dict(task.labels)}))
+    holder = store.holder()
+    if as_json:
+        head = json.dumps({"study": study.name, "holder": holder})[:-1]
+        return f'{head}, "tasks": [\n' + ",\n".join(rows) + "\n]}", tally
+    return str(tally) + (f"; in the hands of {holder}" if holder else ""), tally
+
+
+def _open(study_file: Path, results: Path, selection: str = "") -> tuple[Study, Tasks, Store]:
+    """A study, its tasks or those selected, and where its results are."""
+    study = load(study_file)
+    return study, select(study, selection), store_of(study, results)
+
+
+@app.command()
+def show(study_file: File, task: Annotated[str, typer.Argument()], results: Results = RESULTS) -> None:
+    """One task: labels, state, parameters, warnings, error, and the command that repeats it."""
+    study, tasks, store = _open(study_file, results)
+    chosen = find(study, [task])
+    for found in tasks.where(lambda one: one.id in chosen):
+        entry = store.look(found, checksums=True)
+        say(f"{found.id} {entry.state} {found}")
+        for key in ("finished", "wall_time", "command", "sha256", "provenance"):
+            if key in entry.status:
+                say(f"{key}: {entry.status[key]}")
+        for line in entry.status.get("log", ()):
+            say(f"log: {line}")
+        say(json.dumps(json.loads(found.parameters.canonical()), indent=1))
+        if "error" in entry.status:
+            say(entry.status["error"]["traceback"] or entry.status["error"]["message"])
+
+
+@app.command()
+def rerun(
+    study_file: File,
+    words: Words = None,
+    failed: Annotated[bool, typer.Option("--failed", help="All that failed")] = False,
+    stale: Annotated[bool, typer.Option("--stale", help="All of an older model version")] = False,
+    select_: Select = "",
+    results: Results = RESULTS,
+    workers: Workers = 2,
+    scheduler: Scheduler = None,
+    timeout: Timeout = None,
+    memory: Memory = "auto",
+    tls: Tls = None,
+) -> None:
+    """Run tasks again, and compare with the old records bit for bit."""
+    from pipeline.running.schedule import Place, check
+
+    place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
+    check(place)
+    study, every, store = _open(study_file, results)
+    named = find(study, words or []) | ({task.id for task in select(study, select_)} if select_ else set())
+    states = {state for state, asked in {"failed": failed, "stale": stale}.items() if asked}
+    chosen = every.where(lambda task: task.id in named or (bool(states) and store.look(task).state in states))
+    if not chosen and not (failed or stale):
+        raise StudyError(study.path, ["rerun: name a TASK, or --failed, --stale or --select"])
+    if not chosen:
+        say("nothing to rerun")
+        return
+    actions.preflight(study, chosen)
+    raise typer.Exit(actions.rerun(study, store, results, chosen, place))
+
+
+@app.command()
+def collect(study_file: File, results: Results = RESULTS) -> None:
+    """Write results/<study>/statistics.nc from whatever is there."""
+    from pipeline.results.dataset import collect as collect_dataset
+
+    study, _, store = _open(study_file, results)
+    path, counts = collect_dataset(study, store)
+    say(f"{path}: " + ", ".join(f"{n} {state}" for state, n in counts.items()))
+
+
+@app.command()
+def report(
+    study_file: File,
+    results: Results = RESULTS,
+    figure: Annotated[Path | None, typer.Option(metavar="PNG", help="Write the summary as one figure, too")] = None,
+) -> None:
+    """Print our numbers beside the published ones, and write results/<study>/report.html."""
+    from pipeline.report import page
+
+    study = load(study_file)
+    path = store_of(study, results).root / "statistics.nc"
+    if not path.exists():
+        raise StudyError(study.path, [f"{path}: not there yet; `study run {study.path}` makes it"])
+    actions.print_table(study, path)
+    if figure:
+        page.write_figure(study, path, figure)
+    say(str(page.write(study, path)))
+
+
+@app.command()
+def verify(
+    study_file: File,
+    results: Results = RESULTS,
+    rerun_: Annotated[int, typer.Option("--rerun", min=0, help="Repeat so many random tasks")] = 0,
+) -> None:
+    """Check every record against its checksum; with --rerun, repeat some and compare bit for bit."""
+    import random
+
+    from pipeline.running.schedule import Place
+
+    study, tasks, store = _open(study_file, results)
+    by_state = tasks.split(lambda task: store.look(task, checksums=True).state)
+    counts: Counter[str] = Counter({state: len(members) for state, members in by_state.items()})
+    say(str(Tally(counts)))
+    for task in by_state.get("damaged", ()):
+        say(f"damaged: {task.id} {task}; `study run {study.path}` makes it again", err)
+    done = [task.id for task in by_state.get("done", ())]
+    chosen = set(random.sample(done, min(rerun_, len(done))))  # any will do, if only none is favoured
+    again = tasks.where(lambda task: task.id in chosen)
+    code = actions.rerun(study, store, results, again, Place()) if chosen else DONE
+    raise typer.Exit(FAILED if counts["damaged"] else code)
+
+
+@app.command()
+def clean(
+    study_file: File,
+    results: Results = RESULTS,
+    orphans: Annotated[bool, typer.Option("--orphans", help="Remove tasks the study no longer has")] = False,
+) -> None:
+    """List, or with --orphans remove, results that belong to no task of the study."""
+    _, tasks, store = _open(study_file, results)
+    known = {task.id for task in tasks} | {older for task in tasks for older in task.older_ids}
+    found = sorted(p for p in store.tasks.iterdir() if p.name not in known) if store.tasks.is_dir() else []
+    for folder in found:
+        known_of: dict[str, Any] = read_json(folder / "status.json") or {}
+        say(f"{'removed' if orphans else 'orphan'}: {folder.name} {known_of.get('labels', '')}")
+        if orphans:
+            shutil.rmtree(folder)
+    say(f"{len(found)} orphans")

@@ -1,0 +1,103 @@
+"""What the command line says about tasks."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.console import Console
+
+from pipeline import environment
+from pipeline.results.store import Entry, Store
+from pipeline.study.reading import StudyError
+from pipeline.tasks.study import Study
+from pipeline.tasks.task import Task
+
+DONE, FAILED, INCOMPLETE = 0, 1, 2
+MANY = 20  # failures that are listed
+out, err = Console(), Console(stderr=True)
+
+
+def say(text: str, console: Console = out) -> None:
+    """A plain line, whatever is in it."""
+    print(text, file=console.file)
+
+
+def store_of(study: Study, results: Path) -> Store:
+    """Where a study's results are; refuses a path that is no folder."""
+    if results.exists() and not results.is_dir():
+        raise StudyError(study.path, [f"--results = {results}: must be a folder"])
+    return Store(results, study.name)
+
+
+def looked(tasks: Iterable[Task], store: Store) -> Iterator[tuple[Task, Entry]]:
+    """Every task with its state, one at a time: what is known of a million does not fit in memory."""
+    return ((task, store.look(task)) for task in tasks)
+
+
+@dataclass
+class Tally:
+    """What there is to say of many tasks, gathered as they pass by."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    other_sources: int = 0  # finished tasks from other solver sources than the present ones
+    failed: list[str] = field(default_factory=list)  # the first of them, in words
+
+    @classmethod
+    def of(cls, entries: Iterable[tuple[Task, Entry]]) -> Tally:
+        """Of tasks that nobody else looks at."""
+        tally = cls()
+        for task, entry in entries:
+            tally.see(task, entry)
+        return tally
+
+    def see(self, task: Task, entry: Entry) -> None:
+        """One more."""
+        self.counts[entry.state] += 1
+        if entry.state == "done":
+            mine = environment.sources()
+            self.other_sources += entry.status.get("provenance", {}).get("solver_sources", mine) != mine
+        if entry.state == "failed" and len(self.failed) < MANY:
+            error = entry.status.get("error", {})
+            self.failed.append(f"failed: {task.id} {task}: {error.get('kind')}: {error.get('message')}")
+
+    @property
+    def code(self) -> int:
+        """The exit status."""
+        if self.counts["failed"]:
+            return FAILED
+        return INCOMPLETE if self.counts["missing"] or self.counts["damaged"] else DONE
+
+    def __str__(self) -> str:
+        """54 tasks: 50 done, 3 missing, 1 failed."""
+        others = f"; {self.other_sources} done by other solver sources of the same model version"
+        states = ", ".join(f"{n} {state}" for state, n in self.counts.most_common() if n)
+        return f"{self.counts.total()} tasks: {states}" + (others if self.other_sources else "")
+
+
+def finish(tally: Tally, study: Study) -> int:
+    """List what failed, with reason; the exit status."""
+    for line in tally.failed:
+        say(line, err)
+    count = tally.counts["failed"]
+    if count > MANY:
+        say(f"and {count - MANY} more that `study plan {study.path}` lists", err)
+    if count:
+        say(f"see `study show {study.path} TASK`, repeat with `study rerun {study.path} --failed`", err)
+    return FAILED if count else DONE
+
+
+def compare(task: Task, old: bytes | None, new: bytes | None) -> bool:
+    """Say how the new record relates to the old one; False if both are there and differ."""
+    from pipeline.results.records import differences
+
+    if old is None or new is None:
+        say(f"{task.id}: no old record to compare with" if new else f"{task.id}: no new record")
+        return True
+    lines = differences(old, new)
+    say(f"{task.id}: " + ("differs from the old record" if lines else "bitwise the same as the old record"))
+    for line in lines:
+        say(f"  {line}")
+    return not lines

@@ -1,0 +1,91 @@
+"""How long a run will take, from runs that were."""
+
+from __future__ import annotations
+
+import itertools
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pipeline.bridge.cache import Cache
+from pipeline.bridge.geometry import Geometry, geometry_of
+from pipeline.cli.progress import about
+from pipeline.results.store import Entry, read_json
+from pipeline.study.schema import Recording
+from pipeline.tasks.task import Label, Task
+
+SAMPLE = 200  # tasks of other studies looked at
+
+
+@dataclass
+class Rate:
+    """Wall time of a simulated second [-]."""
+
+    total: float = 0.0
+    tasks: int = 0
+
+    def add(self, rate: float) -> None:
+        """One more task."""
+        self.total, self.tasks = self.total + rate, self.tasks + 1
+
+    @property
+    def mean(self) -> float:
+        """Over the tasks."""
+        return self.total / self.tasks if self.tasks else 0.0
+
+
+@dataclass
+class Estimate:
+    """What is left to run and how fast such tasks ran, gathered as entries pass by."""
+
+    left: int = 0  # tasks
+    length: defaultdict[Label, float] = field(default_factory=lambda: defaultdict(float))  # of records, by platform [s]
+    geometries: set[Geometry] = field(default_factory=set)
+    past: defaultdict[Label, Rate] = field(default_factory=lambda: defaultdict(Rate))
+
+    def see(self, task: Task, entry: Entry) -> None:
+        """One more task of the study."""
+        if entry.state in ("missing", "damaged"):
+            given, platform = task.parameters, task.labels["platform"]
+            self.left += 1
+            self.length[platform] += given.record.duration + given.record.discard
+            if found := geometry_of(given):
+                self.geometries.add(found)
+        elif entry.state in ("done", "stale"):
+            self._ran(entry.status)
+
+    def words(self, results: Path, workers: int) -> str:
+        """A sentence on the time that missing tasks will take; empty if nothing is missing."""
+        if not self.left:
+            return ""
+        source = "tasks done"
+        if not self.past:
+            source = "tasks of other studies"
+            for status in itertools.islice(_others(results), SAMPLE):
+                self._ran(status)
+        count = sum(rate.tasks for rate in self.past.values())
+        time = f"{about(self._seconds() / workers)} on {workers} workers, from {count} {source}"
+        fresh = sum(Cache(results).get(one.key) is None for one in self.geometries)
+        bem = f" after {fresh} boundary element solutions" if fresh else ""
+        return f"to run: {self.left} tasks{bem}; {time if count else 'no past run tells how long they take'}"
+
+    def _ran(self, status: dict[str, Any]) -> None:
+        self.past[status.get("labels", {}).get("platform", "")].add(status.get("wall_time", 0.0) / _length(status))
+
+    def _seconds(self) -> float:
+        """By tasks with the same platform, or else by all."""
+        every = Rate(sum(r.total for r in self.past.values()), sum(r.tasks for r in self.past.values()))
+        return sum(length * self.past.get(platform, every).mean for platform, length in self.length.items())
+
+
+def _length(status: dict[str, Any]) -> float:
+    default, given = Recording(), status.get("parameters", {}).get("record", {})
+    return float(given.get("duration", default.duration) + given.get("discard", default.discard))
+
+
+def _others(results: Path) -> Iterator[dict[str, Any]]:
+    for path in results.glob("*/tasks/*/status.json"):
+        if (status := read_json(path)) and status.get("state") == "done":
+            yield status

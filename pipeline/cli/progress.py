@@ -1,0 +1,95 @@
+"""What a user sees while tasks run: a bar on a terminal, a line now and then elsewhere."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Iterator
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from pipeline.bridge.engine import Failure, Outcome
+from pipeline.bridge.geometry import Geometry
+from pipeline.tasks.task import Task
+
+Watch = Callable[[Task | Geometry, Outcome], None]
+PAUSE = 0.2  # between two lines about tasks that went well [s]
+
+
+@contextlib.contextmanager
+def watching(console: Console, total: int) -> Iterator[Watch]:
+    """A watch for so many tasks."""
+    clock = Clock(total)
+    if not console.is_terminal:
+        yield lambda what, outcome: _print(clock, console, what, outcome)
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, TextColumn("{task.fields[left]}"), console=console) as bar:
+        job = bar.add_task("tasks", total=total, left="")
+
+        def watch(what: Task | Geometry, outcome: Outcome) -> None:
+            clock.count(what)
+            if isinstance(what, Geometry) or isinstance(outcome.result, Failure):
+                bar.console.print(clock.line(what, outcome), highlight=False, markup=False)
+            bar.update(job, completed=clock.done, left=clock.left())
+
+        yield watch
+
+
+def _print(clock: Clock, console: Console, what: Task | Geometry, outcome: Outcome) -> None:
+    """Every failure and the last task have their line; the others not more often than can be read."""
+    clock.count(what)
+    if clock.due() or isinstance(outcome.result, Failure) or isinstance(what, Geometry):
+        console.print(clock.line(what, outcome), soft_wrap=True, highlight=False, markup=False)
+
+
+class Clock:
+    """Counts outcomes and tells how long the rest will take."""
+
+    def __init__(self, total: int):
+        self.total, self.done, self.start = total, 0, time.monotonic()
+        self.first = 0.0  # when the first task came in: set-up and compilation lie before it [s]
+        self.spoke = -PAUSE  # when a line was last due
+
+    def count(self, what: Task | Geometry) -> None:
+        """One more."""
+        if isinstance(what, Task):
+            self.done += 1
+            self.first = self.first or time.monotonic() - self.start
+
+    def due(self) -> bool:
+        """Whether the last line is some time ago, or this is the last."""
+        now = time.monotonic() - self.start
+        if now - self.spoke < PAUSE and self.done < self.total:
+            return False
+        self.spoke = now
+        return True
+
+    def line(self, what: Task | Geometry, outcome: Outcome) -> str:
+        """One outcome in words."""
+        result = outcome.result
+        if isinstance(what, Geometry):
+            how = f"failed: {result.message}" if isinstance(result, Failure) else f"{outcome.wall_time:.1f} s"
+            return f"hydrodynamic coefficients of {len(what.bodies)} floats: {how}"
+        how = (
+            f"failed: {result.kind}: {result.message}" if isinstance(result, Failure) else f"{outcome.wall_time:.1f} s"
+        )
+        left = self.left()
+        width = len(str(self.total))
+        return f"[{self.done:{width}}/{self.total}] {what.id} {what}: {how}{', ' if left else ''}{left}"
+
+    def left(self) -> str:
+        """An estimate of the time left, from the tasks after the first."""
+        remaining = self.total - self.done
+        if self.done < 2 or not remaining:
+            return ""
+        pace = (time.monotonic() - self.start - self.first) / (self.done - 1)
+        return about(pace * remaining) + " left"
+
+
+def about(seconds: float) -> str:
+    """A time as precise as an estimate is."""
+    if seconds < 90:
+        return f"about {seconds:.0f} s"
+    return f"about {seconds / 60:.0f} min" if seconds < 5400 else f"about {seconds / 3600:.1f} h"

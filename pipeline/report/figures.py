@@ -1,0 +1,202 @@
+"""Figures of a collected dataset; each is None if its variables are missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from pipeline.report.drawing import PAPER, canvas, categories, colour, lanes
+from pipeline.report.report import Published
+from pipeline.tasks.study import Study
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+OUTER = ("sea_state", "platform", "pto_damping", "hinge_spacing", "seed")
+SUPPORT = {"elastic": "elastic", "fixed": "fixed", "elastic-no-floats": "no floats"}
+ROOM = 24  # sea states in one figure
+
+
+class Quantity(NamedTuple):
+    """What an axis shows: a variable's statistic in a unit that is so many SI units."""
+
+    variable: str
+    statistic: str
+    words: str
+    scale: float
+
+
+POWER = Quantity("absorbed_power", "mean", "mean absorbed power [kW]", 1e3)
+ROTATION = Quantity("rotation", "rms", "RMS rotation [rad]", 1.0)
+AUDIT = (
+    ("energy_residual", "energy residual [share of wave work]"),
+    ("discretization_error", "discretization error [relative]"),
+    ("wall_time", "wall time of a task [s]"),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Results:
+    """A study, its dataset and the published numbers."""
+
+    study: Study
+    data: xr.Dataset
+    published: Sequence[Published] = ()
+    tasks: Path | None = None  # the folder of the tasks' records, for time series
+
+    def has(self, *names: str) -> bool:
+        """Whether there are numbers under all of these names."""
+        return all(name in self.data and bool(self.data[name].notnull().any()) for name in names)
+
+    def values(self, name: str, **labels: Any) -> xr.DataArray:
+        """A variable with all axes of a study as dimensions, or the part of it with these labels."""
+        values = self.data[name]
+        for dim in OUTER:
+            if dim not in values.dims:
+                values = values.expand_dims({dim: 1} if dim not in values.coords else [dim])
+        return values.sel({key: [label] for key, label in labels.items()})
+
+    def labels(self, dim: str) -> list[Any]:
+        """Labels along an axis, one if the study does not vary it."""
+        return np.atleast_1d(self.data[dim].values).tolist() if dim in self.data.coords else []
+
+    @cached_property
+    def first(self) -> dict[str, Any]:
+        """The first label of every axis that figures do not show unless they are about it."""
+        return {dim: self.labels(dim)[0] for dim in ("pto_damping", "hinge_spacing") if self.labels(dim)}
+
+    @property
+    def varied(self) -> list[str]:
+        """Those of these axes that have several labels."""
+        return [dim for dim in self.first if len(self.labels(dim)) > 1]
+
+    @property
+    def seas(self) -> list[str]:
+        """The sea states that a figure has room for."""
+        return [str(label) for label in self.labels("sea_state")[:ROOM]]
+
+    @cached_property
+    def sea(self) -> str:
+        """The sea state that the published numbers are for; otherwise the highest."""
+        named = [label for row in self.published for label in row.selection.get("sea_state", [])]
+        known = [label for label in named if label in self.labels("sea_state")]
+        heights = np.nan_to_num(self.numbers("Hs", "wave_height"))
+        return str(max(known, key=known.count) if known else self.labels("sea_state")[int(heights.argmax())])
+
+    def numbers(self, *names: str) -> np.ndarray:
+        """Of every sea state, from the first of these coordinates that it has; else NaN."""
+        found = np.full(len(self.labels("sea_state")), np.nan)
+        for name in reversed(names):
+            if name in self.data.coords:
+                values = np.atleast_1d(self.data[name].values)
+                found = np.where(np.isfinite(values), values, found)
+        return found
+
+    def supports(self, name: str) -> list[str]:
+        """The platforms for which a variable has numbers."""
+        values = self.values(name)
+        return [str(p) for p in self.labels("platform") if values.sel(platform=p).notnull().any()]
+
+    def theirs(self, variable: str, statistic: str, **labels: str) -> float | None:
+        """The published number with just these labels, SI."""
+        wanted = {key: [label] for key, label in labels.items()}
+        found = (r for r in self.published if (r.variable, r.statistic, r.selection) == (variable, statistic, wanted))
+        return next((row.value * row.scale for row in found), None)
+
+    @cached_property
+    def sea_names(self) -> list[str]:
+        """Sea states as 2017 (1.39 m, 5.65 s)."""
+        heights, periods = self.numbers("Hs", "wave_height"), self.numbers("Tp", "wave_period")
+        rows = zip(self.seas, heights, periods, strict=False)  # figures have less room than studies
+        return [f"{n}\n{h:.2f} m, {t:.2f} s" if np.isfinite([h, t]).all() else n for n, h, t in rows]
+
+
+def finite(values: xr.DataArray) -> np.ndarray:
+    """All numbers, in a row."""
+    flat = values.values.ravel()
+    return np.asarray(flat[np.isfinite(flat)])
+
+
+def series(results: Results, name: str) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Every float on every platform: float, platform, and how its marks look."""
+    supports = results.supports(name)
+    for i, item in enumerate(results.labels("float")):
+        for support in supports:
+            face = colour(i) if support == "elastic" or len(supports) == 1 else "white"
+            yield item, support, {"color": colour(i), "markerfacecolor": face}
+
+
+def draw_sea_states(axes: Axes, results: Results, quantity: Quantity) -> None:
+    """Mean over realizations with least and largest, and the published number, for each sea state."""
+    name, statistic, words, scale = quantity
+    values = results.values(name, statistic=statistic, **results.first)
+    every = list(series(results, name))
+    categories(axes, results.sea_names)
+    for (item, support, look), lane in zip(every, lanes(len(every)), strict=True):
+        for row, sea in enumerate(results.seas):
+            numbers = finite(values.sel(platform=support, float=item, sea_state=sea)) / scale
+            if not numbers.size:
+                continue
+            axes.plot([numbers.min(), numbers.max()], [row + lane] * 2, color=look["color"], linewidth=1.0)
+            axes.plot(numbers.mean(), row + lane, "o", **look)
+            theirs = results.theirs(name, statistic, sea_state=sea, platform=support, float=item)
+            if theirs is not None:
+                axes.plot(theirs / scale, row + lane, "x", color=PAPER, markeredgewidth=1.1)
+    axes.locator_params(axis="x", nbins=6)
+    axes.set_xlabel(words)
+
+
+def key(figure: Figure, results: Results, name: str) -> None:
+    """What the marks mean, above the figure."""
+    from matplotlib.lines import Line2D
+
+    marks = [
+        Line2D([], [], marker="o", linestyle="", label=f"{item}, {SUPPORT[support]}", **look)
+        for item, support, look in series(results, name)
+    ]
+    if any(row.variable == name for row in results.published):
+        marks.append(Line2D([], [], marker="x", linestyle="", color=PAPER, label="published"))
+    style = {"handletextpad": 0.2, "columnspacing": 1.2, "frameon": False}
+    figure.legend(handles=marks, loc="outside upper right", ncols=len(marks), **style)
+
+
+def sea_states(results: Results) -> Figure | None:
+    """Power and rotation of every float in every sea state."""
+    shown = [q for q in (POWER, ROTATION) if results.has(q.variable)]
+    if not shown:
+        return None
+    figure = canvas(9.0, 1.2 + min(0.62 * len(results.sea_names), 15.0))
+    rows = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
+    for axes, quantity in zip(rows, shown, strict=True):
+        draw_sea_states(axes, results, quantity)
+    key(figure, results, shown[-1].variable)
+    return figure
+
+
+def along(results: Results, dim: str) -> Figure | None:
+    """Power and rotation along an axis of numbers, such as the damping of the power take-off."""
+    shown = [q for q in (POWER, ROTATION) if results.has(q.variable)]
+    places = results.labels(dim)
+    if not shown or len(places) < 2:
+        return None
+    figure = canvas(9.0, 3.4)
+    rows = figure.subplots(1, len(shown), squeeze=False)[0]
+    others = {key: label for key, label in results.first.items() if key != dim}
+    for axes, quantity in zip(rows, shown, strict=True):
+        values = results.values(quantity.variable, statistic=quantity.statistic, sea_state=results.sea, **others)
+        for item, support, look in series(results, quantity.variable):
+            part = values.sel(platform=support, float=item)
+            means = [finite(part.sel({dim: place})) / quantity.scale for place in places]
+            kept = [(place, numbers.mean()) for place, numbers in zip(places, means, strict=True) if numbers.size]
+            axes.plot(*np.array(kept).T, "o-", linewidth=1.0, **look)
+        axes.set_ylabel(quantity.words)
+        axes.set_xlabel(f"{dim.replace('_', ' ')} [{results.data[dim].attrs.get('units', '')}]")
+    key(figure, results, shown[-1].variable)
+    return figure

@@ -1,0 +1,157 @@
+"""The report as one file: results/<study>/report.html, tables and figures of a collected dataset."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipeline.report import figures, report, series, sketch, strips
+from pipeline.report.drawing import plain, png, svg
+from pipeline.report.envelopes import envelopes
+from pipeline.report.figures import Results
+from pipeline.report.overview import TEXT, overview
+from pipeline.report.template import PAGE
+from pipeline.results import dataset
+from pipeline.results.store import write_atomic
+from pipeline.tasks.study import Study
+from pipeline.tasks.task import axes
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MANY = 20  # tasks that went wrong and are named
+VERSION = "version_"
+
+
+def results(study: Study, path: Path) -> Results:
+    """A study beside its dataset and the published numbers, if there are any."""
+    published = report.published(study.published) if study.published else []
+    return Results(study=study, data=dataset.load(path), published=published, tasks=path.parent / "tasks")
+
+
+def write(study: Study, path: Path) -> Path:
+    """The report beside the dataset at `path`."""
+    page = path.with_name("report.html")
+    write_atomic(page, html(results(study, path)).encode())
+    return page
+
+
+def write_figure(study: Study, path: Path, figure: Path) -> None:
+    """The one-figure summary, PNG."""
+    found = results(study, path)
+    with plain(TEXT):
+        write_atomic(figure, png(overview(found)))
+
+
+def html(found: Results) -> str:
+    """The whole page."""
+    from jinja2 import Environment, StrictUndefined
+
+    page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    return page.from_string(PAGE).render(
+        title=found.data.attrs.get("title", found.study.name),
+        facts=facts(found),
+        troubles=troubles(found),
+        tables=tables(found),
+        verdicts=report.verdicts(found.data, list(found.published)),
+        summary=[] if found.published else list(report.summary_rows(found.data)),
+        figures=list(drawn(found)),
+    )
+
+
+def facts(found: Results) -> list[tuple[str, str]]:
+    """What was run, and with what."""
+    attributes = {str(key): str(value) for key, value in found.data.attrs.items()}
+    varied = {name: values for name, values in axes(found.study.content).items() if len(values) > 1}
+    cells = math.prod(len(values) for values in varied.values())
+    product = " × ".join(f"{len(values)} {name.replace('_', ' ')}s" for name, values in varied.items())
+    record = found.study.content.record
+    rows = [
+        ("Study", found.study.path.name),
+        ("Tasks", f"{_states(found)} of {cells}" + (f" = {product}" if varied else "")),
+        ("Record", f"{record.duration:g} s analysed after {record.discard:g} s, every task"),
+        ("Source", attributes.get("source", "")),
+        ("Signs", attributes.get("sign_conventions", "")),
+    ]
+    parts = {k.removeprefix(VERSION): v for k, v in attributes.items() if k.startswith(VERSION)}
+    versions = [f"{name.replace('_', ' ')} {value}" for name, value in parts.items() if name != "host"]
+    return [row for row in [*rows, ("Versions", ", ".join(versions))] if row[1]]
+
+
+def _states(found: Results) -> str:
+    if "status" not in found.data:
+        return ""
+    states, counts = np.unique(found.data["status"].values.astype(str), return_counts=True)
+    return ", ".join(f"{count} {state}" for state, count in zip(states, counts, strict=True))
+
+
+def troubles(found: Results) -> list[str]:
+    """Tasks that are not done, the first of them by name."""
+    if "status" not in found.data:
+        return []
+    status = found.data["status"]
+    lines = []
+    places = np.argwhere(status.values != "done")
+    for place in places[:MANY]:
+        cell = status[tuple(place)]
+        labels = ", ".join(f"{dim} {cell[dim].values}" for dim in status.dims)
+        lines.append(f"{labels}: {cell.values}".removeprefix(": "))
+    return lines + ([f"and {len(places) - MANY} more"] if len(places) > MANY else [])
+
+
+def tables(found: Results) -> list[dict[str, Any]]:
+    """The published tables: rows of text, and the sentences about numbers that are far off."""
+    made = []
+    for title in dict.fromkeys(row.table for row in found.published):
+        mine = [(row, report.ours(found.data, row)) for row in found.published if row.table == title]
+        rows = [(r.label, r.statistic, r.text, *report.cells(r, n), r.unit) for r, n in mine]
+        made.append({"title": title, "rows": rows, "sentences": list(report.sentences(mine))})
+    return made
+
+
+def drawn(found: Results) -> Iterator[dict[str, str]]:
+    """Every figure that the dataset has the variables for."""
+    for title, caption, make in _list(found):
+        with plain():
+            figure = make(found)
+            if figure is not None:
+                yield {"title": title, "caption": caption, "source": svg(figure)}
+
+
+def _list(found: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:
+    """Title, caption and maker of each figure, in order."""
+    first = "; ".join(f"{dim.replace('_', ' ')} {value:g}" for dim, value in found.first.items())
+    held = f" Shown at {first}." if found.varied else ""
+    count = len(found.labels("sea_state"))
+    held += f" The first {len(found.seas)} of {count} sea states." if count > len(found.seas) else ""
+    fixed = "Filled: elastic platform; open: fixed." if len(found.labels("platform")) > 1 else ""
+    given = " Crosses: published." if found.published else ""
+    spread = f"Dots: mean over realizations; bars: least and largest. {fixed}{given}"
+    return [
+        ("Scene", "Side view along y, at rest, to scale.", lambda r: sketch.scene(r.study.content)),
+        (
+            "Envelopes along the legs",
+            f"Sea state {found.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{held}",
+            envelopes,
+        ),
+        ("Power and rotation in each sea state", f"{spread} Sea states with Hs, Tp.{held}", figures.sea_states),
+        *[
+            (f"Along {dim.replace('_', ' ')}", f"Sea state {found.sea}, mean over realizations. {fixed}", _along(dim))
+            for dim in found.varied
+        ],
+        (
+            "Extremes of the hinge force",
+            f"Least and largest force in each realization, one dot each. {fixed}{given}{held}",
+            strips.hinge_forces,
+        ),
+        *series.entries(found),
+        ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
+    ]
+
+
+def _along(dim: str) -> Callable[[Results], Figure | None]:
+    return lambda found: figures.along(found, dim)

@@ -1,0 +1,204 @@
+"""The printed table: ours beside the published numbers, studies/<name>-published.csv."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from pipeline.study.reading import StudyError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PREFIX = {"k": 1e3, "M": 1e6}
+OFF = 1 / 3  # a ratio further from 1 than this gets a star, and its sentence if realizations are few
+WIDTH = 96  # characters that the table needs; a narrower terminal wraps them
+ENOUGH = 20  # realizations whose range says something about one more
+COLUMNS = ("table", "label", "variable", "selection", "statistic", "value", "unit", "note")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Published:
+    """One published number, and where ours is found."""
+
+    table: str
+    label: str
+    variable: str
+    selection: dict[str, list[str]]
+    statistic: str
+    value: float
+    text: str  # as it is printed
+    unit: str
+    note: str
+
+    @property
+    def rounding(self) -> float:
+        """Half a unit of the last digit that is given."""
+        return 0.5 * 10.0 ** -len(self.text.partition(".")[2])
+
+    @property
+    def scale(self) -> float:
+        """SI units in one of the printed unit."""
+        return PREFIX.get(self.unit[0], 1.0) if len(self.unit) > 1 else 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ours:
+    """Mean, least and largest of our number over the realizations, in the printed unit."""
+
+    mean: float
+    low: float
+    high: float
+    count: int  # of the realizations
+
+    def verdict(self, published: Published) -> str:
+        """Whether the published number, as one realization more, falls into the range; empty if too few tell."""
+        if self.count < ENOUGH or self.low == self.high:
+            return ""
+        below, above = published.value + published.rounding, published.value - published.rounding
+        return "inside" if below >= self.low and above <= self.high else "outside"
+
+    def said(self, published: Published) -> bool:
+        """Whether the published number needs its sentence."""
+        verdict = self.verdict(published)
+        return verdict == "outside" if verdict else self.off(published)
+
+    def off(self, published: Published) -> bool:
+        """Whether it is more than a third away."""
+        return not abs(self.mean / published.value - 1) <= OFF
+
+
+def published(path: Path) -> list[Published]:
+    """Rows of a file of published numbers."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        if tuple(rows.fieldnames or ()) != COLUMNS:
+            raise StudyError(path, [f"columns = {rows.fieldnames}: must be {', '.join(COLUMNS)}"])
+        return [_row(path, number, row) for number, row in enumerate(rows, start=1)]
+
+
+def _row(path: Path, number: int, row: dict[str, str]) -> Published:
+    try:
+        value = float(row["value"])
+        pairs = [pair.split("=") for pair in row["selection"].split(";") if pair]
+        selection = {key: labels.split("+") for key, labels in pairs}
+    except (TypeError, ValueError) as error:
+        raise StudyError(path, [f"row {number} = {row['label']!r}: {error}"]) from None
+    words = {key: row[key] for key in ("table", "label", "variable", "statistic", "unit", "note")}
+    return Published(**words, selection=selection, value=value, text=row["value"])
+
+
+def ours(data: xr.Dataset, row: Published) -> Ours | None:
+    """Our number: extremes are means of each record's extreme; None if it has not been computed."""
+    found = realizations(data, row)
+    if found is None or (numbers := found.values[~_nan(found.values)]).size == 0:
+        return None
+    return Ours(mean=float(numbers.mean()), low=float(numbers.min()), high=float(numbers.max()), count=numbers.size)
+
+
+def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
+    """Our number in every realization, in the printed unit; None if the dataset lacks the variable or a label.
+
+    A statistic with a leading minus counts the other way round: "-min" is minus the minimum.
+    """
+    if row.variable not in data:
+        return None
+    wanted = dict(row.selection) | ({"statistic": [row.statistic.lstrip("-")]} if row.statistic else {})
+    values = data[row.variable]
+    for dim, labels in wanted.items():
+        if dim not in values.dims:
+            if dim in data.coords and str(data[dim].values) in labels:
+                continue
+            return None
+        known = [i for i, label in enumerate(values[dim].values.tolist()) if str(label) in labels]
+        if not known:
+            return None
+        values = values.isel({dim: known[0]}) if len(known) == 1 else values.isel({dim: known}).mean(dim)
+    return values / (-row.scale if row.statistic.startswith("-") else row.scale)
+
+
+def _nan(values: Any) -> Any:
+    import numpy as np
+
+    return np.isnan(values)
+
+
+def show(data: xr.Dataset, rows: list[Published], console: Console) -> None:
+    """Print every table, and a sentence for each number that is far off."""
+    for title in dict.fromkeys(row.table for row in rows):
+        mine = [(row, ours(data, row)) for row in rows if row.table == title]
+        table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+        for name in ("", "", "theirs", "ours", "[least, largest]", "ratio", "verdict", "unit"):
+            table.add_column(name, justify="left" if name in ("", "verdict", "unit") else "right", no_wrap=True)
+        for row, number in mine:
+            table.add_row(row.label, row.statistic, row.text, *(escape(cell) for cell in cells(row, number)), row.unit)
+        console.print(table, width=max(console.width, WIDTH), crop=False)
+        for sentence in sentences(mine):
+            console.print(f"  * {sentence}", soft_wrap=True, highlight=False, markup=False)
+        console.print()
+    if words := verdicts(data, rows):
+        console.print(words, soft_wrap=True, highlight=False, markup=False)
+
+
+def verdicts(data: xr.Dataset, rows: list[Published]) -> str:
+    """How many numbers are inside, and how often they would be if they came from the same process."""
+    found = [(row, number) for row in rows if (number := ours(data, row)) is not None and number.verdict(row)]
+    if not found:
+        return ""
+    inside = sum(number.verdict(row) == "inside" for row, number in found)
+    counts = {number.count for _, number in found}
+    # The range of n holds one more of the same with this chance, whatever the distribution.
+    chance = "; ".join(f"{(n - 1) / (n + 1):.1%} of {n}" for n in sorted(counts))
+    return (
+        f"{inside} of {len(found)} published numbers lie inside [least, largest]; "
+        f"one more realization of ours would, with a chance of {chance} realizations."
+    )
+
+
+def cells(row: Published, number: Ours | None) -> list[str]:
+    """Ours, its range, the ratio with a star if it is far off, and the verdict, as text."""
+    if number is None:
+        return ["-", "", "", ""]
+    ratio = f"{number.mean / row.value:.2f}" if row.value and math.isfinite(number.mean) else ""
+    spread = "" if number.low == number.high else f"[{number.low:.4g}, {number.high:.4g}]"
+    return [f"{number.mean:.4g}", spread, ratio + (" *" if number.off(row) else ""), number.verdict(row)]
+
+
+def sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
+    """Why a number is outside or far off; numbers with the same reason share the sentence."""
+    reasons: dict[str, list[str]] = {}
+    for row, number in mine:
+        if number is not None and number.said(row):
+            name = f"{row.label} {row.statistic}".strip()
+            reasons.setdefault(row.note or "not explained yet.", []).append(name)
+    for note, names in reasons.items():
+        yield f"{'; '.join(names)}: {note}"
+
+
+def summary(data: xr.Dataset, console: Console) -> None:
+    """For a study without published numbers: mean and range of every variable that has statistics."""
+    table = Table(box=None, pad_edge=False)
+    for name in ("variable", "statistic", "mean", "least", "largest", "unit"):
+        table.add_column(name, justify="left" if name in ("variable", "statistic", "unit") else "right")
+    for row in summary_rows(data):
+        table.add_row(*row)
+    console.print(table)
+
+
+def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
+    """Variable, statistic, mean, least, largest and unit, as text."""
+    for label in data.data_vars:
+        if "statistic" not in data[label].dims or (values := data[label].compute()).isnull().all():
+            continue
+        for statistic in values.statistic.values:
+            part = values.sel(statistic=statistic)
+            figures = (f"{float(f()):.4g}" for f in (part.mean, part.min, part.max))
+            yield (str(label), str(statistic), *figures, values.attrs.get("units", ""))

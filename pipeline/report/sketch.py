@@ -1,0 +1,159 @@
+"""The scene of a study file in side view, to scale."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from pipeline.report.drawing import INK, SAND, STEEL, WATER, canvas, colour
+from pipeline.study.layout import hinge_nodes
+from pipeline.study.schema import Float, StudyFile, Tube
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Point = tuple[float, float]  # x, z [m]
+FEW = 1e-9  # m; shorter is seen end on
+
+
+class Box(NamedTuple):
+    """What of the side view is shown [m]."""
+
+    left: float
+    right: float
+    low: float
+    high: float
+
+
+def members(study: StudyFile) -> Iterator[list[Point]]:
+    """The outline of every member of the platform, seen along y."""
+    if study.platform is None:
+        return
+    nodes = dict(study.platform.nodes) | hinge_nodes(study.floats)
+    for member in study.platform.members:
+        section = study.platform.sections[member.section]
+        width = section.diameter if isinstance(section, Tube) else section.height
+        (x0, _, z0), (x1, _, z1) = nodes[member.start], nodes[member.end]
+        yield _bar((x0, z0), (x1, z1), width)
+
+
+def _bar(start: Point, end: Point, width: float) -> list[Point]:
+    """A straight bar; a square if it is seen end on."""
+    (x0, z0), (x1, z1), h = start, end, width / 2
+    length = math.hypot(x1 - x0, z1 - z0)
+    if length < FEW:
+        return [(x0 - h, z0 - h), (x0 + h, z0 - h), (x0 + h, z0 + h), (x0 - h, z0 + h)]
+    nx, nz = (z0 - z1) / length * h, (x1 - x0) / length * h
+    return [(x0 + nx, z0 + nz), (x1 + nx, z1 + nz), (x1 - nx, z1 - nz), (x0 - nx, z0 - nz)]
+
+
+def outline(item: Float) -> list[Point]:
+    """The float's hull at rest, seen along y."""
+    from pipeline.bridge import scenes
+
+    x, _, z = centre(item)
+    return [(x + r, z + h) for r, h in scenes.outline(item.hull)]
+
+
+def centre(item: Float) -> tuple[float, float, float]:
+    """The float's reference point at rest [m]."""
+    return (item.hinge[0] + item.arm[0], item.hinge[1] + item.arm[1], item.hinge[2] + item.arm[2])
+
+
+def whole(study: StudyFile) -> Box:
+    """From the seabed to the highest point."""
+    near = about_water(study)
+    bars = [point for bar in members(study) for point in bar]
+    left, right = min([near.left, *(x for x, _ in bars)]), max([near.right, *(x for x, _ in bars)])
+    feet = min([near.low, *(z for _, z in bars)])
+    return Box(left, right, max(-study.water.depth, feet) - 2.0, near.high)
+
+
+def about_water(study: StudyFile) -> Box:
+    """The floats, the hinges and what stands beside them."""
+    points = [p for f in study.floats for p in [*outline(f), (f.hinge[0], f.hinge[2])]]
+    deck = [p for bar in members(study) for p in bar if p[1] > -1.0]
+    points = points + deck or [(-1.0, 0.0), (1.0, 0.0)]
+    xs, zs = [x for x, _ in points], [z for _, z in points]
+    margin = 0.12 * (max(xs) - min(xs)) + 0.3
+    low = max(min([*zs, -1.0]) - 1.5 * margin, -study.water.depth - margin)
+    return Box(min(xs) - margin, max(xs) + margin, low, max([*zs, 0.0]) + margin)
+
+
+def draw(axes: Axes, study: StudyFile, box: Box) -> None:
+    """Water, seabed, platform, floats, arms and hinges."""
+    from matplotlib.patches import Polygon
+
+    tall, depth = box.high - box.low, study.water.depth
+    axes.axhspan(-depth if math.isfinite(depth) else -10 * tall, 0.0, color=WATER, linewidth=0)
+    axes.axhline(0.0, color=colour(0), linewidth=0.8)
+    if math.isfinite(depth):
+        axes.axhspan(-depth - tall, -depth, color=SAND, linewidth=0)
+    for bar in members(study):
+        axes.add_patch(Polygon(bar, facecolor=STEEL, edgecolor=INK, linewidth=0.4))
+    for index, item in enumerate(study.floats):
+        axes.add_patch(Polygon(outline(item), facecolor=colour(index), edgecolor=INK, linewidth=0.6, alpha=0.85))
+        (x, _, z), hinge = centre(item), item.hinge
+        axes.plot([hinge[0], x], [hinge[2], z], color=INK, linewidth=1.6, solid_capstyle="round")
+        if "hinge" in item.motion:
+            axes.plot(hinge[0], hinge[2], "o", color="white", markeredgecolor=INK, markersize=5, zorder=4)
+    axes.set_xlim(box.left, box.right, auto=True)
+    axes.set_ylim(box.low, box.high, auto=True)
+    axes.set_aspect("equal", adjustable="box")
+    axes.grid(visible=False)
+    axes.set_xlabel("x [m]")
+
+
+def label(axes: Axes, study: StudyFile) -> None:
+    """Names of the floats, the depth of the water, and the way the waves go."""
+    for index, item in enumerate(study.floats):
+        points = outline(item)
+        x, low = centre(item)[0], min(z for _, z in points)
+        axes.text(x, low - 0.15, item.name, ha="center", va="top", color=colour(index))
+    corner: dict[str, Any] = {"transform": axes.transAxes, "fontsize": "small"}
+    axes.text(0.02, 0.02, _depth(study), ha="left", va="bottom", color=colour(0), **corner)
+    along = math.cos(study.waves.heading)
+    if abs(along) > 0.1:
+        ends = [(0.02, 0.92), (0.2, 0.92)]
+        start, tip = ends if along > 0 else ends[::-1]
+        style: dict[str, Any] = {"arrowstyle": "->", "color": INK, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", tip, start, xycoords="axes fraction", arrowprops=style)
+        axes.text(0.11, 0.93, "waves", ha="center", va="bottom", **corner)
+
+
+def _depth(study: StudyFile) -> str:
+    depth = study.water.depth
+    return f"water {depth:g} m deep" if math.isfinite(depth) else "deep water"
+
+
+def scene(study: StudyFile) -> Figure | None:
+    """The whole depth, if there is a platform, and the surroundings of the water line, both to scale."""
+    if not study.floats and study.platform is None:
+        return None
+    near, all_ = about_water(study), whole(study)
+    if study.platform is None:
+        figure = canvas(6.0, 4.2)
+        close_up(figure.add_subplot(), study)
+        return figure
+    figure = canvas(9.0, 5.2)
+    wide = max(1.0, (near.right - near.left) / (near.high - near.low))
+    tall = max(0.25, (all_.right - all_.left) / (all_.high - all_.low))
+    left, right = figure.subplots(1, 2, width_ratios=[tall, wide])
+    draw(left, study, all_)
+    left.set_ylabel("z [m]")
+    left.set_title("whole depth")
+    if math.isfinite(study.water.depth):
+        left.text(all_.right, -study.water.depth, " seabed", va="top", fontsize="small")
+    close_up(right, study)
+    right.set_title("at the water line")
+    return figure
+
+
+def close_up(axes: Axes, study: StudyFile) -> None:
+    """The surroundings of the water line, as much as the axes hold."""
+    draw(axes, study, about_water(study))
+    axes.set_aspect("equal", adjustable="datalim")
+    label(axes, study)
+    axes.set_ylabel("z [m]")

@@ -1,0 +1,82 @@
+"""Every task as a dot: how much extremes differ between realizations, and what each run says of its own errors."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, decades, lanes
+from pipeline.report.figures import AUDIT, SUPPORT, Results, finite, key, series
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+NAUGHT = 1e-6  # share of the largest below which a component is zero but for rounding
+FORCE = "hinge_force"
+
+
+def directions(results: Results) -> list[str]:
+    """Components of the hinge force that are not zero: a planar scene has no y force."""
+    values = results.values(FORCE)
+    largest = {d: float(np.abs(finite(values.sel(direction=d))).max(initial=0.0)) for d in results.labels("direction")}
+    return [d for d, size in largest.items() if size > NAUGHT * max(largest.values())]
+
+
+def hinge_forces(results: Results) -> Figure | None:
+    """Largest and least force of every realization, float and sea state."""
+    if not results.has(FORCE):
+        return None
+    shown, floats = directions(results), results.labels("float")
+    figure = canvas(9.0, len(floats) * (0.8 + min(0.36 * len(results.sea_names), 10.0)))
+    grid = figure.subplots(len(floats), len(shown), sharex="col", sharey=True, squeeze=False)
+    for item, row in zip(floats, grid, strict=True):
+        for direction, axes in zip(shown, row, strict=True):
+            _extremes(axes, results, item, direction)
+            axes.set_title(f"{item}, {direction}")
+    for direction, axes in zip(shown, grid[-1], strict=True):
+        axes.set_xlabel(f"{direction} force of the hinge on the float [kN]")
+    key(figure, results, FORCE)
+    return figure
+
+
+def _extremes(axes: Axes, results: Results, item: str, direction: str) -> None:
+    """Two clouds a sea state: the least and the largest force of each realization."""
+    names = [name.splitlines()[0] for name in results.sea_names]
+    categories(axes, names)
+    axes.axvline(0.0, color=INK, linewidth=0.6)
+    values = results.values(FORCE, **results.first).sel(float=item, direction=direction)
+    rows = [entry for entry in series(results, FORCE) if entry[0] == item]
+    for (_, support, look), lane in zip(rows, lanes(len(rows)), strict=True):
+        for place, sea in enumerate(results.seas):
+            for statistic in ("max", "min"):
+                numbers = finite(values.sel(platform=support, sea_state=sea, statistic=statistic)) / 1e3
+                axes.plot(numbers, np.full(numbers.size, place + lane), "o", linestyle="", **look)
+                labels = {"sea_state": sea, "platform": support, "float": item, "direction": direction}
+                theirs = results.theirs(FORCE, statistic, **labels)
+                if theirs is not None:
+                    axes.plot(theirs / 1e3, place + lane, "x", color=PAPER, markeredgewidth=1.1)
+
+
+def audit(results: Results) -> Figure | None:
+    """Energy residual, discretization error and wall time of every task."""
+    shown = [(name, words) for name, words in AUDIT if results.has(name)]
+    if not shown:
+        return None
+    supports = results.labels("platform")
+    figure = canvas(9.0, 1.0 + 0.45 * len(supports))
+    rows = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
+    for axes, (name, words) in zip(rows, shown, strict=True):
+        every = np.abs(finite(results.values(name)))
+        every = every[every > 0]  # a logarithm has no place for exact zeros
+        if every.size:
+            decades(axes, float(every.min()), float(every.max()))
+        categories(axes, [SUPPORT.get(str(s), str(s)) for s in supports])
+        axes.set_xlabel(words)
+        for place, support in enumerate(supports):
+            numbers = np.abs(finite(results.values(name).sel(platform=support)))
+            numbers = numbers[numbers > 0]
+            height = place + np.linspace(-0.25, 0.25, numbers.size) if numbers.size > 1 else np.array([place])
+            axes.plot(numbers, height[: numbers.size], "o", color=colour(0), alpha=0.6)
+    return figure

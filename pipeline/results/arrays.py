@@ -1,0 +1,78 @@
+"""Arrays over a whole study, filled one record at a time."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.results.netcdf import Variable
+
+# Dimensions of a record, in the order in which they follow the study's own.
+INNER = ("float", "axis", "leg", "direction", "height", "statistic", "mode", "component")
+LARGE = 2**25  # an array above this is kept in a file, and the system decides what of it is in memory [bytes]
+
+
+class Arrays:
+    """What nothing fills stays NaN."""
+
+    def __init__(self, shape: tuple[int, ...], folder: Path):
+        self.shape, self.folder = shape, folder
+        self.labels: dict[str, dict[Any, int]] = {}
+        self.dims: dict[str, tuple[str, ...]] = {}
+        self.values: dict[str, np.ndarray] = {}
+
+    def add(self, cell: tuple[int, ...], record: Mapping[str, Variable]) -> None:
+        """Take a record in at a cell of the study."""
+        places = {dim: self._places(dim, v.values.tolist()) for dim, v in record.items() if dim in INNER}
+        for name, (dims, values, _) in record.items():
+            if name not in places and set(dims) <= places.keys() and values.dtype.kind in "fiub":
+                own = tuple(dim for dim in INNER if dim in dims)
+                target = self._array(name, own)
+                target[cell + np.ix_(*(places[dim] for dim in own))] = values.transpose([dims.index(d) for d in own])
+
+    def put(self, cell: tuple[int, ...], name: str, value: float) -> None:
+        """A single number at a cell."""
+        self._array(name, ())[cell] = value
+
+    def whole(self, name: str) -> np.ndarray:
+        """A variable, with a place for every label met."""
+        return self._array(name, self.dims[name])
+
+    def sort(self, dim: str) -> None:
+        """Put the labels of a dimension in ascending order."""
+        order = sorted(known := self.labels.get(dim, {}))
+        index = [known[label] for label in order]
+        if index == sorted(index):
+            return
+        for name, own in self.dims.items():
+            if dim in own:
+                axis = len(self.shape) + own.index(dim)
+                self.values[name] = self.whole(name).take(index, axis=axis)
+        self.labels[dim] = {label: i for i, label in enumerate(order)}
+
+    def _places(self, dim: str, labels: Iterable[Any]) -> np.ndarray:
+        known = self.labels.setdefault(dim, {})
+        return np.array([known.setdefault(label, len(known)) for label in labels], dtype=int)
+
+    def _array(self, name: str, own: tuple[str, ...]) -> np.ndarray:
+        """The array of a variable, grown to hold all labels met so far."""
+        full = self.shape + tuple(len(self.labels[dim]) for dim in own)
+        old = self.values.get(name)
+        if old is None or old.shape != full:
+            self.values[name] = self._empty(full)
+            self.dims[name] = own
+            if old is not None:
+                self.values[name][tuple(slice(n) for n in old.shape)] = old
+        return self.values[name]
+
+    def _empty(self, shape: tuple[int, ...]) -> np.ndarray:
+        if np.prod(shape) * 8 <= LARGE:
+            return np.full(shape, np.nan)
+        with tempfile.TemporaryFile(dir=self.folder) as file:  # gone from the folder at once, whatever happens
+            space = np.memmap(file, dtype=float, mode="w+", shape=shape)
+        space[...] = np.nan
+        return space

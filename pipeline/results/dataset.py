@@ -1,0 +1,179 @@
+"""All records of a study as one labelled dataset, results/<study>/statistics.nc."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline import environment
+from pipeline.results.arrays import INNER, Arrays
+from pipeline.results.netcdf import Variable, to_file
+from pipeline.results.records import decode
+from pipeline.results.store import Entry, Store, appearing, read_json, sha256, write_json
+from pipeline.results.variables import meaning
+from pipeline.study import seas
+from pipeline.tasks.study import Study
+from pipeline.tasks.task import MODEL_VERSION, Label, axes, dimensions
+
+ALONG_MODE = "natural_frequency"
+SLIDING = {"surge", "sway", "heave"}
+SAME = 1e-9  # relative difference below which two frequencies are one
+LAYOUT = 2  # raise it when the dataset's form changes, so that it is written anew
+
+
+def collect(study: Study, store: Store, *, anew: bool = True) -> tuple[Path, dict[str, int]]:
+    """Write the dataset of whatever is there; its path, and how many tasks are in which state.
+
+    Not `anew`: leave a dataset that was made of the same records as it is, without reading them.
+    """
+    table = axes(study.content)
+    shape = tuple(len(values) for values in table.values())
+    path, mark = store.root / "statistics.nc", _fingerprint(study, store)
+    known = read_json(store.root / ".statistics.json") or {}
+    if not anew and known.get("of") == mark and path.exists() and known.get("sha256") == checksum(path):
+        return path, known["counts"]
+    store.root.mkdir(parents=True, exist_ok=True)
+    arrays = Arrays(shape, store.root)
+    status, names = np.full(shape, "missing", dtype="U8"), np.full(shape, "", dtype="U16")
+    for cell, task in zip(np.ndindex(*shape), study.tasks, strict=True):
+        status[cell], names[cell] = _fill(arrays, cell, store.look(task)), task.id
+    with appearing(path) as part:
+        to_file(part, *_dataset(study, table, arrays, status, names))
+    states, numbers = np.unique(status, return_counts=True)
+    counts = {str(s): int(n) for s, n in zip(states, numbers, strict=True)}
+    write_json(store.root / ".statistics.json", {"of": mark, "sha256": checksum(path), "counts": counts})
+    return path, counts
+
+
+def checksum(path: Path) -> str:
+    """SHA-256 of a file, read in pieces."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _fill(arrays: Arrays, cell: tuple[int, ...], entry: Entry) -> str:
+    """A cell's numbers, if its record is whole; its state."""
+    if entry.state not in ("done", "stale"):
+        return entry.state
+    try:
+        data = entry.record.read_bytes()
+    except OSError:
+        return "damaged"
+    if sha256(data) != entry.status.get("sha256"):
+        return "damaged"
+    arrays.add(cell, decode(data))
+    arrays.put(cell, "wall_time", float(entry.status.get("wall_time", np.nan)))
+    return entry.state
+
+
+def _fingerprint(study: Study, store: Store) -> str:
+    """What the dataset is made of: the study's cells and the records in them."""
+    digest = hashlib.sha256()
+    words = study.content.model_dump(mode="json", include={"sea_states", "title"})
+    digest.update(json.dumps([LAYOUT, words, dimensions(study.content)], sort_keys=True).encode())
+    for task in study.tasks:
+        entry = store.look(task)
+        made = [entry.status.get(key) for key in ("sha256", "finished", "wall_time")]
+        digest.update(json.dumps([dict(task.labels), task.id, entry.state, made]).encode())
+    return digest.hexdigest()
+
+
+def _dataset(
+    study: Study,
+    table: Mapping[str, Sequence[Label]],
+    arrays: Arrays,
+    status: np.ndarray,
+    names: np.ndarray,
+) -> tuple[dict[str, Variable], dict[str, Any]]:
+    """Variables and attributes of the file."""
+    for dim in ("height", "mode"):
+        arrays.sort(dim)
+    outer = dimensions(study.content)
+    keep = tuple(slice(None) if name in outer else 0 for name in table)
+    variables: dict[str, Variable] = {}
+    for name in sorted(arrays.values):
+        values, own = arrays.whole(name), arrays.dims[name]
+        if name == ALONG_MODE and (single := _single(values, len(table))) is not None:
+            variables[name] = Variable(own, single, meaning(name))
+        else:
+            variables[name] = Variable((*outer, *own), values[keep], meaning(name))
+    for name, words in (("status", status), ("task", names)):
+        variables[name] = Variable(tuple(outer), words[keep], meaning(name))
+    coordinates = _coordinates(study, table, outer, arrays)
+    return coordinates | _with_coordinates(variables, coordinates), _attributes(study)
+
+
+def _single(values: np.ndarray, outer: int) -> np.ndarray | None:
+    """Values along the last dimension, if they are the same wherever there are any."""
+    rows = values.reshape(-1, values.shape[-1]) if outer else values[None]
+    rows = rows[~np.isnan(rows).all(axis=1)]
+    if len(rows) and np.allclose(rows, rows[0], rtol=SAME, atol=0, equal_nan=True):
+        return np.asarray(rows[0])
+    return None
+
+
+def _coordinates(
+    study: Study, table: Mapping[str, Sequence[Label]], outer: Sequence[str], arrays: Arrays
+) -> dict[str, Variable]:
+    """Labels along every dimension; an axis with one value is a scalar; heights and periods go with the sea state."""
+    found = {}
+    for name, values in table.items():
+        text = isinstance(values[0], str)
+        labels = np.array(list(values), dtype=object if text else None)
+        found[name] = Variable((name,) if name in outer else (), labels if name in outer else labels[0], meaning(name))
+    if "pto_damping" in found and any(set(f.motion) <= SLIDING for f in study.content.floats):
+        dims, labels, attrs = found["pto_damping"]
+        found["pto_damping"] = Variable(dims, labels, {**attrs, "units": "N s m-1", "long_name": "Damping of each PTO"})
+    known = [seas.labels(study.content.sea_states[str(label)]) for label in table["sea_state"]]
+    for name in dict.fromkeys(key for one in known for key in one):
+        numbers = np.array([one.get(name, np.nan) for one in known])
+        dims = ("sea_state",) if "sea_state" in outer else ()
+        found[name] = Variable(dims, numbers if dims else numbers[0], meaning(name))
+    used = {dim for own in arrays.dims.values() for dim in own}
+    for dim in INNER:
+        if dim in used:
+            labels = np.array(list(arrays.labels[dim]))
+            found[dim] = Variable((dim,), labels, meaning(dim))
+    return found
+
+
+def _with_coordinates(variables: dict[str, Variable], coordinates: Mapping[str, Variable]) -> dict[str, Variable]:
+    """Name the coordinates that are not dimensions, as CF asks, and mark what is missing."""
+    found = {}
+    for name, (dims, values, attrs) in variables.items():
+        others = [c for c, v in coordinates.items() if (c,) != v.dims and set(v.dims) <= set(dims)]
+        more: dict[str, Any] = {"coordinates": " ".join(others)} if others else {}
+        if values.dtype.kind == "f":
+            more["_FillValue"] = np.nan
+        found[name] = Variable(dims, values, dict(attrs) | more)
+    return found
+
+
+def _attributes(study: Study) -> dict[str, Any]:
+    return {
+        "Conventions": "CF-1.11",
+        "title": study.content.title or study.name,
+        "source": f"wecplatform, model version {MODEL_VERSION}, sources {environment.commit() or 'unknown'}",
+        "history": f"collected by `study collect {study.path.name}`",
+        "study": study.path.name,
+        "sign_conventions": "x along heading 0, z up from still water, right-handed rotations about +y",
+        **{f"version_{k}": v for k, v in environment.provenance().items()},
+    }
+
+
+def opened(path: Path) -> Any:
+    """The dataset as xarray.Dataset, read as far as it is used, and again when used again."""
+    import xarray as xr
+
+    return xr.open_dataset(path, cache=False)
+
+
+def load(path: Path) -> Any:
+    """The dataset as xarray.Dataset, read whole."""
+    with opened(path) as data:
+        return data.load()

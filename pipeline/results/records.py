@@ -1,0 +1,116 @@
+"""One task's record as a netCDF file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
+from pipeline.results.variables import RENAMED, SERIES, meaning
+from pipeline.study import seas
+from pipeline.tasks.task import Parameters, wave_seed
+
+# How long it took is no part of what came out: no two runs agree on it.
+TIMINGS = ("wall_time", "prepare_time", "march_time")
+TASK = {"coordinates": "task"}  # so that records side by side know whose they are
+SAMPLES = 4  # of a decimated series in the shortest wave
+
+Labelled = tuple[tuple[str, ...], Any]
+
+
+class Record(Protocol):
+    """What the solver hands back: statistics by name, with dimensions, and audit figures."""
+
+    @property
+    def variables(self) -> Mapping[str, Labelled]: ...
+
+    @property
+    def coords(self) -> Mapping[str, Any]: ...
+
+    @property
+    def attrs(self) -> Mapping[str, Any]: ...
+
+    @property
+    def series(self) -> Mapping[str, Labelled]: ...
+
+
+def encode(record: Record, parameters: Parameters, provenance: Mapping[str, Any]) -> tuple[bytes, str]:
+    """The file, and the digest of its content: provenance is in the first and not in the second."""
+    variables = dict(_variables(record, _thinning(record, parameters)))
+    digest = content(variables)
+    attrs = {
+        "Conventions": "CF-1.11",
+        "title": "Record of one task",
+        "history": "computed by `study run`",
+        **provenance,
+    }
+    attrs |= {"parameters": parameters.canonical(), "wave_seed": " ".join(map(str, wave_seed(parameters)))}
+    attrs |= {k: str(v) for k, v in record.attrs.items() if not _is_figure(v)}
+    attrs |= {k: float(v) for k, v in record.attrs.items() if k in TIMINGS}
+    variables["task"] = Variable((), np.array(provenance["task"]), meaning("task"))
+    return to_bytes(variables, attrs), digest
+
+
+def decode(data: bytes) -> dict[str, Variable]:
+    """Variables and coordinates of a record's file."""
+    return from_bytes(data)[0]
+
+
+def _thinning(record: Record, parameters: Parameters) -> slice:
+    """Which samples of the series are kept: all, or about SAMPLES in the shortest wave; all in still water."""
+    span = seas.frequencies(parameters.sea_state, parameters.waves)
+    if parameters.record.series != "decimated" or "time" not in record.series or span is None:
+        return slice(None)
+    _, time = record.series["time"]
+    shortest = 2 * math.pi / span[1]
+    return slice(None, None, max(1, int(shortest / SAMPLES / (time[1] - time[0]) + 1e-9)))
+
+
+def _variables(record: Record, kept: slice) -> Iterator[tuple[str, Variable]]:
+    """Coordinates that are used, statistics, figures of the audit, time series."""
+    series = {n if n == "time" else n + SERIES: (_renamed(dims), v[kept]) for n, (dims, v) in record.series.items()}
+    arrays = {**record.variables, **series}
+    used = {dim for dims, _ in arrays.values() for dim in dims}
+    for name, labels in sorted(record.coords.items()):
+        if name in used:
+            yield name, Variable((name,), _narrow(labels), meaning(name))
+    for name, (dims, array) in sorted(arrays.items()):
+        own = RENAMED.get(name, name)
+        yield own, Variable(tuple(dims), _narrow(array), meaning(own) | ({} if (own,) == tuple(dims) else TASK))
+    for name, value in sorted(record.attrs.items()):
+        if _is_figure(value) and name not in TIMINGS:
+            own = RENAMED.get(name, name)
+            yield own, Variable((), np.asarray(float(value)), meaning(own) | TASK)
+
+
+def _renamed(dims: Sequence[str]) -> tuple[str, ...]:
+    return tuple(RENAMED.get(dim, dim) for dim in dims)
+
+
+def _narrow(values: Any) -> np.ndarray:
+    """Whole numbers as the file has them, so that content read is content written."""
+    array = np.asarray(values)
+    return array.astype("i4", casting="same_kind") if array.dtype.kind in "iu" else array
+
+
+def _is_figure(value: object) -> bool:
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+
+
+def differences(old: bytes, new: bytes) -> list[str]:
+    """Which variables of two records differ, and by how much."""
+    a, b = decode(old), decode(new)
+    lines = [f"{name}: only in the {'old' if name in a else 'new'} record" for name in sorted(a.keys() ^ b.keys())]
+    for name in sorted(a.keys() & b.keys()):
+        x, y = a[name].values, b[name].values
+        if x.shape != y.shape or x.dtype != y.dtype:
+            lines.append(f"{name}: {x.dtype}{x.shape} became {y.dtype}{y.shape}")
+        elif x.dtype.kind not in "UO" and x.tobytes() != y.tobytes():
+            with np.errstate(invalid="ignore"):
+                lines.append(f"{name}: differs by up to {np.nanmax(np.abs(x - y)):.3g}")
+        elif x.dtype.kind in "UO" and not np.array_equal(x, y):
+            lines.append(f"{name}: other labels")
+    return lines

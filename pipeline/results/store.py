@@ -1,0 +1,233 @@
+"""Results on disk: results/<study>/tasks/<id>/{record.nc, status.json}.
+
+A file appears whole or not at all. status.json is written last and carries the checksum of the
+record, so a task is done when its status says so and its record still has that checksum. Besides,
+it has the task's parameters, labels and provenance; a failed task has it alone.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import hashlib
+import json
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from filelock import FileLock, Timeout
+
+from pipeline.tasks.task import Task
+
+MANY = 4  # files from which on one flush of the file system is sooner done than one for each
+_syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)  # Linux alone has it
+
+State = Literal["done", "failed", "missing", "stale", "damaged"]
+UNFINISHED = ("missing", "damaged")  # what a run has to do; failed and stale tasks wait until they are asked for
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """What the disk knows of a task."""
+
+    state: State
+    folder: Path
+    status: dict[str, Any]
+
+    @property
+    def record(self) -> Path:
+        """The task's record; there is one only if it is done or stale."""
+        return self.folder / "record.nc"
+
+
+@contextlib.contextmanager
+def appearing(path: Path) -> Iterator[Path]:
+    """A temporary name beside `path` to write to; then flush to the disk and rename: old or new, never half."""
+    part = _partial(path)
+    try:
+        yield part
+        flush([part], path.parent)
+        os.replace(part, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+
+
+def write_atomic(path: Path, data: bytes) -> None:
+    """A whole file, or none."""
+    with appearing(path) as part:
+        part.write_bytes(data)
+
+
+def _partial(path: Path) -> Path:
+    return path.with_name(f".{path.name}.{os.getpid()}.part")
+
+
+def _part(path: Path, data: bytes) -> tuple[Path, Path]:
+    part = _partial(path)
+    try:
+        part.write_bytes(data)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+    return part, path
+
+
+def flush(paths: Sequence[Path], folder: Path) -> None:
+    """Make files durable: one by one, or many by one flush of the file system that `folder` is on."""
+    many = len(paths) > MANY and _syncfs is not None
+    for path in [folder] if many else paths:
+        descriptor = os.open(path, os.O_RDONLY)
+        try:
+            if not (many and _syncfs):
+                os.fsync(descriptor)
+            elif _syncfs(descriptor):
+                raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()), str(folder))
+        finally:
+            os.close(descriptor)
+
+
+def _described(task: Task, status: dict[str, Any]) -> bytes:
+    """The content of status.json."""
+    head = {"id": task.id, "model_version": task.version, "finished": timestamp()}
+    parameters = {"parameters": task.parameters.model_dump(mode="json", exclude_defaults=True)}
+    return (json.dumps(head | status | parameters, allow_nan=False) + "\n").encode()
+
+
+def write_json(path: Path, data: object) -> None:
+    """A JSON file, indented for people."""
+    write_atomic(path, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())
+
+
+def read_json(path: Path) -> dict[str, Any] | None:
+    """The content of a JSON file, None if it is not there or not whole."""
+    try:
+        data = json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return None
+    return data if isinstance(data, dict) else None
+
+
+class Store:
+    """The tasks folder of one study."""
+
+    def __init__(self, results: Path, study: str):
+        self.root = results / study
+        self.tasks = self.root / "tasks"
+
+    def folder(self, task_id: str) -> Path:
+        """Where a task's files are."""
+        return self.tasks / task_id
+
+    def look(self, task: Task, *, checksums: bool = False) -> Entry:
+        """The state of a task from its files; `checksums` reads the record as well."""
+        entry = self._look(task.id, checksums)
+        if entry.state == "missing":
+            for older in task.older_ids:
+                past = self._look(older, checksums)
+                if past.state == "done":
+                    return Entry(state="stale", folder=past.folder, status=past.status)
+        return entry
+
+    def _look(self, task_id: str, checksums: bool) -> Entry:
+        folder = self.folder(task_id)
+        status = read_json(folder / "status.json") or {}
+        state: State = {"done": "done", "failed": "failed"}.get(status.get("state", ""), "missing")  # type: ignore[assignment]
+        if state == "done" and not self._whole(folder / "record.nc", status, checksums):
+            state = "damaged"
+        return Entry(state=state, folder=folder, status=status)
+
+    @staticmethod
+    def _whole(record: Path, status: dict[str, Any], checksums: bool) -> bool:
+        try:
+            if record.stat().st_size != status.get("bytes"):
+                return False
+            return not checksums or sha256(record.read_bytes()) == status.get("sha256")
+        except OSError:
+            return False
+
+    def done(self, task: Task, record: bytes, status: dict[str, Any]) -> None:
+        """Keep a task's record."""
+        self.keep([(task, record, status)])
+
+    def failed(self, task: Task, status: dict[str, Any]) -> None:
+        """Keep why a task failed."""
+        self.keep([(task, None, status)])
+
+    def keep(self, outcomes: Sequence[tuple[Task, bytes | None, dict[str, Any]]]) -> None:
+        """Keep records, and failures without one: all flushed to the disk at once, each whole or not at all.
+
+        The status, renamed last, makes a record count.
+        """
+        parts: list[tuple[Path, Path]] = []
+        try:
+            for task, record, status in outcomes:
+                folder = self._begin(task)
+                made: dict[str, Any] = {"state": "failed"}
+                if record is not None:
+                    made = {"state": "done", "bytes": len(record), "sha256": sha256(record)}
+                    parts.append(_part(folder / "record.nc", record))
+                parts.append(_part(folder / "status.json", _described(task, made | status)))
+            flush([part for part, _ in parts], self.tasks)
+            for part, path in parts:
+                os.replace(part, path)
+        except BaseException:
+            for part, _ in parts:
+                with contextlib.suppress(OSError):
+                    part.unlink(missing_ok=True)
+            raise
+
+    def _begin(self, task: Task) -> Path:
+        """Make the folder; an older outcome is withdrawn first, and a killed run's leftovers removed."""
+        folder = self.folder(task.id)
+        try:
+            folder.mkdir()
+        except FileNotFoundError:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            (folder / "status.json").unlink(missing_ok=True)
+            flush([folder], folder)
+            for part in folder.glob(".*.part"):
+                part.unlink(missing_ok=True)
+        return folder
+
+    @contextlib.contextmanager
+    def lock(self, waiting: Callable[[str], None]) -> Iterator[None]:
+        """One writer for a study. The lock dies with its process, so a killed run leaves none behind."""
+        self.root.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(self.root / ".lock")
+        try:
+            lock.acquire(timeout=0)
+        except Timeout:
+            waiting(f"{self.root} is in use by {self.holder()}; waiting, and then doing what it leaves undone")
+            lock.acquire()
+        try:
+            if gone := self.holder():
+                waiting(f"{self.root} was left by {gone}, which did not come to its end; going on from there")
+            mine = {"pid": os.getpid(), "host": os.uname().nodename, "since": timestamp()}
+            write_json(self.root / ".lock.json", mine)
+            yield
+        finally:
+            with contextlib.suppress(OSError):
+                (self.root / ".lock.json").unlink(missing_ok=True)
+            lock.release()
+
+    def holder(self) -> str:
+        """Who says that it works on the study; empty if nobody does."""
+        who = read_json(self.root / ".lock.json")
+        return f"process {who.get('pid')} on {who.get('host')} since {who.get('since')}" if who else ""
+
+
+def sha256(data: bytes) -> str:
+    """Checksum of a file's bytes."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def timestamp() -> str:
+    """Now, UTC, ISO 8601."""
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())

@@ -1,0 +1,4 @@
+"""Tasks in hand: batches, the pool that they run on, and what is kept of each.
+
+Imports `bridge` and below; `schedule` alone knows dask.
+"""

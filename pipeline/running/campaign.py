@@ -1,0 +1,162 @@
+"""Run tasks: coefficients once for each geometry, then every task, each result kept as it comes."""
+
+from __future__ import annotations
+
+import itertools
+import shlex
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pipeline import environment
+from pipeline.bridge.cache import Cache
+from pipeline.bridge.engine import Engine, Failure, Outcome, attempt_geometry, attempt_tasks
+from pipeline.bridge.geometry import Geometry, geometry_of
+from pipeline.results.store import UNFINISHED, Store
+from pipeline.running import schedule
+from pipeline.running.batches import AHEAD, Batch, Batches
+from pipeline.running.schedule import Lost, Place
+from pipeline.tasks.task import Task
+from pipeline.tasks.tasklist import Tasks
+
+Watch = Callable[[Task | Geometry, Outcome], None]
+TOGETHER = 1000  # outcomes written at once, at most
+
+
+@dataclass(frozen=True, kw_only=True)
+class Campaign:
+    """How and where the tasks of a study are run and kept."""
+
+    study: Path
+    results: Path
+    store: Store
+    engine: Engine
+    place: Place = field(default_factory=Place)
+    keep_going: bool = True
+    say: Callable[[str], None] = print
+
+    def run(self, tasks: Tasks, watch: Watch) -> list[Task]:
+        """Run and keep all; the tasks that failed. `watch` hears of every outcome."""
+        tasks = tasks.unique
+        failed: list[Task] = []
+        with schedule.pool(len(tasks), self.place, self.say) as pool:
+            for task, outcome in _Run(self, pool, watch).outcomes(tasks):
+                if isinstance(outcome.result, Failure):
+                    failed.append(task)
+                    if not self.keep_going:
+                        break
+        return failed
+
+    def keep(self, outcomes: Sequence[tuple[Task, Outcome]]) -> None:
+        """Write what came of tasks."""
+        kept: list[tuple[Task, bytes | None, dict[str, Any]]] = []
+        for task, outcome in outcomes:
+            status: dict[str, Any] = {
+                "wall_time": outcome.wall_time,
+                "labels": dict(task.labels),
+                "provenance": outcome.provenance,
+                "command": self.command(task),
+                "log": outcome.log,
+            }
+            if isinstance(outcome.result, Failure):
+                kept.append((task, None, status | {"error": asdict(outcome.result)}))
+            else:
+                kept.append((task, outcome.result, status | {"content": outcome.content}))
+        self.store.keep(kept)
+
+    def command(self, task: Task) -> str:
+        """What reproduces a task."""
+        where = [] if self.results == Path("results") else ["--results", str(self.results)]
+        return shlex.join(["study", "rerun", str(self.study), task.id, *where])
+
+
+@dataclass
+class _Run:
+    """One run of a campaign on an open pool."""
+
+    campaign: Campaign
+    pool: schedule.Pool
+    watch: Watch
+    batches: Batches = field(default_factory=Batches)
+    out: int = 0  # batches that the pool has
+    waiting: dict[Geometry, Tasks] = field(default_factory=dict)  # for their coefficients
+
+    def outcomes(self, tasks: Tasks) -> Iterator[tuple[Task, Outcome]]:
+        """Every task with what came of it, kept."""
+        self._start(tasks)
+        self._offer()
+        for key, results in self.pool.finished():
+            arriving = self._arrived(key, results)
+            while arrived := list(itertools.islice(arriving, TOGETHER)):
+                self.campaign.keep(arrived)
+                for task, outcome in arrived:
+                    self.watch(task, outcome)
+                    yield task, outcome
+            self._offer()
+
+    def _start(self, tasks: Tasks) -> None:
+        """Coefficients that are not known go first; tasks that need none of those are ready."""
+        cache = Cache(self.campaign.results)
+        for geometry, members in tasks.split(lambda task: geometry_of(task.parameters)).items():
+            if geometry is None:
+                self.batches.add(members, None)
+            elif (data := cache.get(geometry.key)) is not None:
+                self.batches.add(members, data)
+            else:
+                self.waiting[geometry] = members
+                self.pool.submit(geometry, attempt_geometry, self.campaign.engine, geometry)
+
+    def _offer(self) -> None:
+        """Keep as much on offer as keeps the pool busy; the rest stays here, where it costs little."""
+        while self.batches and self.out < max(1, AHEAD * self.pool.width):
+            batch = self.batches.take(self.pool.width)
+            given = [(task.id, task.parameters) for task in batch.tasks]
+            self.pool.submit(batch, attempt_tasks, self.campaign.engine, given, batch.coefficients)
+            self.out += 1
+
+    def _arrived(self, key: Hashable, results: list[Outcome] | Lost) -> Iterator[tuple[Task, Outcome]]:
+        """Outcomes of tasks. A lost batch is tried once more, task by task; a lost task has failed."""
+        if isinstance(key, Geometry):
+            yield from self._geometry_arrived(key, _outcome(results))
+        elif isinstance(key, Batch):
+            self.out -= 1
+            if isinstance(results, Lost) and len(key.tasks) > 1:
+                self.batches.add_alone(key)
+                return
+            outcomes = [_outcome(results)] if isinstance(results, Lost) else results
+            for task, outcome in zip(key.tasks, outcomes, strict=True):
+                self.batches.heard(outcome.wall_time)
+                yield task, _same_sources(outcome)
+
+    def _geometry_arrived(self, geometry: Geometry, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
+        """Keep coefficients and let their tasks go; without them, the tasks have failed too."""
+        outcome, tasks = _same_sources(outcome), self.waiting.pop(geometry)
+        self.watch(geometry, outcome)
+        if isinstance(outcome.result, Failure):
+            yield from ((task, outcome) for task in tasks)
+        else:
+            Cache(self.campaign.results).put(geometry.key, outcome.result)
+            self.batches.add(tasks, outcome.result)
+
+
+def _outcome(results: list[Outcome] | Lost) -> Outcome:
+    """The only one; lost work is a failure."""
+    if isinstance(results, Lost):
+        return Outcome(result=Failure.of(results), provenance=environment.provenance())
+    return results[0]
+
+
+def _same_sources(outcome: Outcome) -> Outcome:
+    """A worker with another solver computes another study: its results are refused."""
+    mine, theirs = environment.sources(), outcome.provenance["solver_sources"]
+    if theirs == mine:
+        return outcome
+    where = outcome.provenance["host"]
+    error = RuntimeError(f"the worker on {where} has solver sources {theirs}, this process {mine}: install the same")
+    return Outcome(result=Failure.of(error), provenance=outcome.provenance)
+
+
+def unfinished(tasks: Tasks, store: Store) -> Tasks:
+    """What a run has to do."""
+    return tasks.where(lambda task: store.look(task, checksums=True).state in UNFINISHED)

@@ -1,0 +1,306 @@
+"""Where work runs: in this process, on workers of our own, or on somebody's dask cluster.
+
+The only import of dask. Both pools take work, hand back what is finished, and may be given more
+meanwhile. A worker that dies costs the work in its hands, which dask gives to another.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import math
+import os
+import re
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from typing import Any, Protocol
+
+from pipeline import environment
+from solver.errors import InputError
+
+SETTINGS = {
+    # Coefficients ride with the tasks, so that none depends on what another worker may lose; that is meant.
+    "distributed.admin.large-graph-warning-threshold": "100MB",
+    # One task in hand and none waiting behind it: a task that kills its worker takes no other along.
+    "distributed.scheduler.worker-saturation": 1.0,
+    # So many workers may die under a task, perhaps of something else, before it counts as their murderer.
+    "distributed.scheduler.allowed-failures": 3,
+    "distributed.comm.timeouts.connect": "10s",
+    "distributed.worker.profile.enabled": False,  # who runs what, a hundred times a second: nobody looks at it
+    # A fork of a process that has imported everything is up at once, also when a worker that died is replaced.
+    "distributed.worker.multiprocessing-method": "forkserver",
+}
+# A block of a record takes a few arrays of half a megabyte. glibc would hand each back to the system and ask for it
+# anew, page by page, once dask has set a threshold of 64 kB: a quarter of a worker's time, and more beside another.
+MALLOC = {"MALLOC_MMAP_THRESHOLD_": "33554432", "MALLOC_TRIM_THRESHOLD_": "67108864"}
+# What workers need before their first step.
+IMPORTED = (
+    "distributed", "solver.run", "pipeline.bridge.scenes", "pipeline.bridge.cache", "pipeline.results.records",
+    "pipeline.cli.cli",
+)  # fmt: skip
+SMALL = 2  # so few pieces of work are done sooner than a cluster starts
+START = "study-start"  # the topic on which workers tell that they begin a piece of work
+GRACE = 2.0  # a worker waits so long to be told that its work is given up before it leaves, or is made to [s]
+FETCH = 1.0  # after so long without a result, see to the others first [s]
+HEARTBEAT = 5.0  # how often the cluster is looked at while nothing comes back [s]
+
+Work = Callable[..., list[Any]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """Where tasks run, and within which bounds."""
+
+    workers: int = 2
+    scheduler: str | None = None  # address of a dask scheduler
+    timeout: float | None = None  # of one task [s]
+    memory: str = "auto"  # of one embedded worker; auto: an equal share of the machine's
+    tls: tuple[Path, Path, Path] | None = None  # authority, certificate and key, for a tls:// scheduler
+
+
+def check(place: Place) -> None:
+    """Whether there can be such a place; raises InputError."""
+    if place.memory != "auto":
+        from dask.utils import parse_bytes
+
+        try:
+            parse_bytes(place.memory)
+        except ValueError:
+            raise InputError("--memory", place.memory, "must be a size such as 2GB, or auto") from None
+    for path in place.tls or ():
+        if not path.is_file():
+            raise InputError("--tls", str(path), "must be three PEM files: authority, certificate, key")
+    if place.scheduler is None:
+        if place.tls:
+            raise InputError("--tls", " ".join(map(str, place.tls)), "goes with --scheduler tls://HOST:PORT")
+        return
+    if not re.fullmatch(r"(tcp|tls|ws|wss|ucx)://.+:[0-9]+", place.scheduler):
+        raise InputError("--scheduler", place.scheduler, "must be an address such as tcp://10.0.0.1:8786")
+    if place.scheduler.startswith("tls:") and not _security(place.tls).get_connection_args("client")["ssl_context"]:
+        raise InputError("--scheduler", place.scheduler, "needs --tls CA CERT KEY, or dask's own tls settings")
+
+
+class Lost(Exception):
+    """A piece of work that came to no end: too late, or its workers died."""
+
+
+class Pool(Protocol):
+    """Something that runs functions."""
+
+    @property
+    def width(self) -> int:
+        """How many pieces of work run at once; 0: this process, where nothing is gained by batches."""
+
+    def submit(self, key: Hashable, function: Work, *args: Any) -> None:
+        """Have function(*args) run."""
+
+    def finished(self) -> Iterator[tuple[Hashable, list[Any] | Lost]]:
+        """Results as they come, until nothing is left, later submissions included."""
+
+
+class Here:
+    """This process, one piece of work after another."""
+
+    width = 0
+
+    def __init__(self) -> None:
+        self._queue: deque[tuple[Hashable, Work, tuple[Any, ...]]] = deque()
+
+    def submit(self, key: Hashable, function: Work, *args: Any) -> None:
+        self._queue.append((key, function, args))
+
+    def finished(self) -> Iterator[tuple[Hashable, list[Any] | Lost]]:
+        while self._queue:
+            key, function, args = self._queue.popleft()
+            yield key, function(*args)
+
+
+@dataclass(eq=False)
+class _Job:
+    key: Hashable
+    future: Any
+    function: Work
+    args: tuple[Any, ...]
+    deadline: float = math.inf  # by time.monotonic() [s]; none before it has begun
+
+
+class Dask:
+    """A dask cluster."""
+
+    def __init__(self, client: Any, place: Place, say: Callable[[str], None]) -> None:
+        self._client, self._place, self._say = client, place, say
+        self._running: dict[str, _Job] = {}
+        self._events: SimpleQueue[tuple[str, bool]] = SimpleQueue()  # names of what has begun or ended
+        self._ended: deque[str] = deque()
+        self.width = self._threads()
+        if place.timeout:
+            client.subscribe_topic(START, lambda event: self._events.put((event[1]["key"], True)))
+
+    def _threads(self) -> int:
+        # Idle clusters may yet grow, so at least one piece of work is always on offer.
+        return max(1, sum(self._client.nthreads().values()))
+
+    def submit(self, key: Hashable, function: Work, *args: Any) -> None:
+        future = self._client.submit(_within, self._place.timeout, function, *args, pure=False)
+        self._running[future.key] = _Job(key, future, function, args)
+        future.add_done_callback(lambda done: self._events.put((done.key, False)))
+
+    def finished(self) -> Iterator[tuple[Hashable, list[Any] | Lost]]:
+        while self._running:
+            name, late = self._next()
+            job = self._running[name]
+            if late:
+                job.future.cancel(force=True)
+                results: list[Any] | Lost | None = Lost(f"ran longer than --timeout = {self._place.timeout:g} s")
+            else:
+                try:
+                    results = self._result(job.future)
+                except TimeoutError:  # the worker that has it is silent: it hangs in its next piece, or is dead
+                    self._ended.append(name)
+                    continue
+            del self._running[name]
+            job.future.release()
+            if results is None:
+                self.submit(job.key, job.function, *job.args)
+            else:
+                yield job.key, results
+
+    def _next(self) -> tuple[str, bool]:
+        """The next piece of work that has come to an end, or is over its time; meanwhile, an eye on the cluster."""
+        silent = False
+        while True:
+            if not self._hear() and not self._ended:
+                self.width = self._threads()
+                if not self._client.nthreads() and not silent:
+                    self._say("the cluster has no workers; waiting for some")
+                    silent = True
+            if late := next((n for n in self._running if self._late(n) and n not in self._ended), ""):
+                return late, True
+            if self._ended:
+                return self._ended.popleft(), False
+
+    def _hear(self) -> bool:
+        """Take in all that has happened; wait for something, unless there is something to do already."""
+        soonest = min((job.deadline for job in self._running.values()), default=math.inf) - time.monotonic()
+        wait, heard = 0.0 if self._ended else min(max(soonest, 0.0), HEARTBEAT), False
+        with contextlib.suppress(Empty):
+            while True:
+                name, begun = self._events.get(timeout=wait)
+                wait, heard = 0.0, True
+                job = self._running.get(name)
+                if job and not begun:
+                    self._ended.append(name)
+                elif job and not self._late(name):  # or else its worker left before it was given up
+                    job.deadline = time.monotonic() + (self._place.timeout or math.inf)
+        return heard
+
+    def _late(self, name: str) -> bool:
+        return self._running[name].deadline <= time.monotonic()
+
+    def _result(self, future: Any) -> list[Any] | Lost | None:
+        """What came of it; None if the worker died with the result, for dask may wait for that for ever."""
+        from distributed import KilledWorker
+
+        if future.status == "finished":
+            with contextlib.suppress(KilledWorker):
+                return list(future.result(timeout=FETCH))
+        if future.status != "error":
+            if self._client.status == "running":
+                return None
+            raise ConnectionError(f"lost the scheduler at {self._client.scheduler.address}")
+        error = future.exception()
+        if isinstance(error, KilledWorker):
+            late = f" or longer than --timeout = {self._place.timeout:g} s" if self._place.timeout else ""
+            return Lost(f"every worker that had it died: killed, over its memory{late}")
+        return Lost(f"{type(error).__name__}: {error}")
+
+
+def _within(seconds: float | None, function: Work, *args: Any) -> list[Any]:
+    """Call, and if it takes too long end this process: nothing else stops a thread that hangs."""
+    if seconds is None:
+        return function(*args)
+    _announce()
+    timer = threading.Timer(seconds + GRACE, os._exit, (1,))
+    timer.daemon = True
+    timer.start()
+    # Compiled code may hold the interpreter, and the timer with it; this one needs no interpreter.
+    faulthandler.dump_traceback_later(seconds + 2 * GRACE, exit=True)
+    try:
+        return function(*args)
+    finally:
+        timer.cancel()
+        faulthandler.cancel_dump_traceback_later()
+
+
+def _announce() -> None:
+    """Tell the client that its time runs, and be sure that it is told: compiled code may leave no other chance."""
+    from distributed import get_worker
+    from distributed.utils import sync
+
+    worker = get_worker()
+    sync(worker.loop, worker.scheduler.log_event, topic=START, msg={"key": worker.get_current_task()})
+
+
+def warm_up(work: int, place: Place) -> None:
+    """Start the process that workers are forked from, so that it imports while this one still checks the study."""
+    from multiprocessing import forkserver, set_forkserver_preload
+
+    if place.scheduler is None and not _small(work, place):
+        environment.prepare()
+        for name, value in MALLOC.items():
+            os.environ.setdefault(name, value)
+        set_forkserver_preload(list(IMPORTED))
+        forkserver.ensure_running()
+
+
+def _small(work: int, place: Place) -> bool:
+    """Whether this process is as good as workers."""
+    return not place.timeout and (work <= SMALL or place.workers <= 1)
+
+
+@contextlib.contextmanager
+def pool(work: int, place: Place, say: Callable[[str], None]) -> Iterator[Pool]:
+    """The place for so many pieces of work."""
+    environment.prepare()
+    if place.scheduler is None and _small(work, place):
+        yield Here()
+        return
+    import dask
+    from distributed import Client
+
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(dask.config.set(SETTINGS))
+        address = place.scheduler or stack.enter_context(_cluster(min(place.workers, work), place.memory))
+        client = Client(address, timeout="10s", security=_security(place.tls))
+        yield Dask(stack.enter_context(client), place, say)
+
+
+def _cluster(workers: int, memory: str) -> Any:
+    """Workers of our own: processes of one thread, on loopback alone, no dashboard."""
+    from distributed import LocalCluster
+
+    return LocalCluster(
+        n_workers=workers,
+        threads_per_worker=1,
+        processes=True,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",  # dask insists on some port, where it then shows nothing
+        scheduler_kwargs={"dashboard": False},
+        memory_limit=memory,
+        silence_logs="CRITICAL",
+    )
+
+
+def _security(tls: tuple[Path, Path, Path] | None) -> Any:
+    """Without files, whatever dask's own configuration says."""
+    from distributed import Security
+
+    if tls is None:
+        return Security()
+    authority, certificate, key = map(str, tls)
+    return Security(tls_ca_file=authority, tls_client_cert=certificate, tls_client_key=key, require_encryption=True)

@@ -1,0 +1,105 @@
+"""Numbers in columns: comma-separated text with a header, units in brackets; each fault has its line and column.
+
+# lines that begin with a hash are comments
+time [s], elevation [m]
+0.0, 0.12
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from pipeline.study.attachments import Attachment
+from solver.errors import InputError
+
+
+class Quantity(NamedTuple):
+    """What a column may hold: factors of its units to SI, the first unit being meant if none is given."""
+
+    units: Mapping[str, float]
+    least: float = -math.inf
+    implied: bool = True  # whether the unit may be left out
+
+
+TURN = 2 * math.pi
+QUANTITIES = {
+    "time": Quantity({"s": 1.0}),
+    "elevation": Quantity({"m": 1.0}),
+    "amplitude": Quantity({"m": 1.0}, least=0.0),
+    "phase": Quantity({"rad": 1.0, "deg": math.pi / 180}),
+    "omega": Quantity({"rad/s": 1.0}, least=0.0),
+    # People mean either by this word, and a factor of 2π is not for us to guess.
+    "frequency": Quantity({"Hz": TURN, "rad/s": 1.0}, least=0.0, implied=False),
+    "S": Quantity({"m2 s/rad": 1.0, "m2/Hz": 1 / TURN}, least=0.0),
+}
+ALIASES = {"omega": ("omega", "frequency")}
+
+
+@lru_cache(maxsize=32)
+def read(file: Attachment, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """The wanted columns in SI units, in any order in the file; others are passed over. Raises InputError."""
+    rows = _rows(file)
+    number, header = next(rows, (1, [""]))
+    places = {name: _place(file, number, header, name) for name in wanted}
+    found: dict[str, list[float]] = {name: [] for name in wanted}
+    for line, cells in rows:
+        for name, (at, title, factor) in places.items():
+            found[name].append(factor * _number(file, line, cells, at, title))
+    if not found[wanted[0]]:
+        raise InputError("file", file, "has a header and no numbers")
+    return {name: np.array(values) for name, values in found.items()}
+
+
+def _rows(file: Attachment) -> Iterator[tuple[int, list[str]]]:
+    """Line numbers and cells of the lines that say something."""
+    try:
+        text = file.data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError("file", file, f"is not UTF-8 text (byte {error.start})") from None
+    for line, words in enumerate(text.splitlines(), 1):
+        if words.strip() and not words.lstrip().startswith("#"):
+            yield line, [cell.strip() for cell in words.split(",")]
+
+
+def _place(file: Attachment, line: int, header: Sequence[str], name: str) -> tuple[int, str, float]:
+    """Which column, what it is called there, and the factor to SI."""
+    names = ALIASES.get(name, (name,))
+    titles = [cell.partition("[")[0].strip() for cell in header]
+    for at, title in enumerate(titles):
+        if title in names:
+            unit = " ".join(header[at].partition("[")[2].rstrip("] ").split()).replace("^", "").replace("²", "2")
+            quantity = QUANTITIES[title]
+            if title == "S" and "omega" not in titles:
+                quantity = quantity._replace(implied=False)  # beside hertz either unit may be meant
+            return at, title, _factor(file, f"line {line}, column {title}", quantity, unit)
+    columns = ", ".join(cell for cell in header if cell) or "none"
+    raise InputError(
+        "file", file, f"line {line}: needs a column {' or '.join(names)} in its header; has {columns[:100]}"
+    )
+
+
+def _factor(file: Attachment, where: str, quantity: Quantity, unit: str) -> float:
+    if unit in quantity.units:
+        return quantity.units[unit]
+    if not unit and quantity.implied:
+        return next(iter(quantity.units.values()))
+    known = " or ".join(f"[{known}]" for known in quantity.units)
+    raise InputError("file", file, f"{where}: needs its unit, {known}" + (f", not [{unit}]" if unit else ""))
+
+
+def _number(file: Attachment, line: int, cells: Sequence[str], at: int, title: str) -> float:
+    text = cells[at] if at < len(cells) else ""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    least = QUANTITIES[title].least
+    if math.isfinite(value) and value >= least:
+        return value
+    limit = "must be a finite number" if not math.isfinite(value) else f"must be >= {least:g}"
+    raise InputError("file", file, f"line {line}, column {title}: {text[:40]!r} {limit}")

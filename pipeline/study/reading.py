@@ -1,0 +1,138 @@
+"""From a TOML file to tables of the right types and ranges, or to one clear message."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from pipeline.study.inherit import BASE, merged, rooted
+from pipeline.study.schema import StudyFile, units
+from solver.errors import InputError
+
+LIMITS = {
+    "greater_than": "must be > {gt}{unit}",
+    "greater_than_equal": "must be >= {ge}{unit}",
+    "less_than": "must be < {lt}{unit}",
+    "less_than_equal": "must be <= {le}{unit}",
+    "float_type": "must be a number{unit}",
+    "int_type": "must be a whole number",
+    "bool_type": "must be true or false",
+    "string_type": "must be a string",
+    "finite_number": "must be finite{unit}",
+    "literal_error": "must be one of {expected}",
+    "union_tag_invalid": "must be one of {expected_tags}",
+    "unknown_key": "{limit}",
+    "string_pattern_mismatch": "must be letters, digits, '_', '-', '.' or ':', not starting with a sign",
+}
+
+
+class StudyError(Exception):
+    """A study that cannot run; every line names file, key, value and limit."""
+
+    def __init__(self, file: Path, problems: Iterable[str]):
+        self.problems = [f"{file}: {problem}" for problem in problems]
+        super().__init__("\n".join(self.problems))
+
+
+def parsed(path: Path) -> tuple[StudyFile, tuple[Path, ...]]:
+    """The content of a study file, and the files that it stands on, nearest first; raise StudyError."""
+    tables, bases = stacked(path)
+    try:
+        return StudyFile.model_validate(tables, context={"folder": path.parent}), bases
+    except ValidationError as error:
+        raise StudyError(path, [describe(e) for e in error.errors(include_url=False)]) from None
+
+
+def stacked(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], tuple[Path, ...]]:
+    """The tables of a file laid over those of its base, and the bases, nearest first."""
+    tables = read(path)
+    if BASE not in tables:
+        return tables, ()
+    given = tables.pop(BASE)
+    base = path.parent / given if isinstance(given, str) else path
+    if not base.is_file():
+        raise StudyError(path, [f"{BASE} = {given!r}: {missing_file(base)}"])
+    if base.resolve() in (path.resolve(), *above):
+        raise StudyError(path, [f"{BASE} = {given!r}: must be another study file, which does not stand on this one"])
+    below, bases = stacked(base, (*above, path.resolve()))
+    return merged(rooted(below, base.parent), tables), (base, *bases)
+
+
+def read(path: Path) -> dict[str, Any]:
+    """The raw tables of one TOML file."""
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8"))
+    except FileNotFoundError:
+        raise StudyError(path, [missing_file(path)]) from None
+    except OSError as error:
+        raise StudyError(path, [f"cannot be read: {error.strerror}"]) from None
+    except UnicodeDecodeError as error:
+        raise StudyError(path, [f"is not UTF-8 text (byte {error.start})"]) from None
+    except tomllib.TOMLDecodeError as error:
+        raise StudyError(path, [f"is not valid TOML: {error}"]) from None
+    except RecursionError:
+        raise StudyError(path, ["is not valid TOML: nested too deeply"]) from None
+
+
+def missing_file(path: Path) -> str:
+    """No such file, and which ones there are."""
+    folder = path.parent
+    others = sorted(p.name for p in folder.glob("*.toml")) if folder.is_dir() else []
+    return "no such file" + (f"; {folder} has {', '.join(others)}" if others else "")
+
+
+def describe(error: ErrorDetails) -> str:
+    """One line for a pydantic error: key = value: limit."""
+    given: dict[str, Any] = error.get("ctx", {})
+    context = {k: f"{v:g}" if isinstance(v, float) else v for k, v in given.items()}
+    parts = list(error["loc"])
+    value: Any = error["input"]
+    if error["type"] == "unknown_key":
+        parts, value = [*parts, context["key"]], value.get(context["key"])
+    if error["type"].startswith("union_tag"):
+        tag = context["discriminator"].strip("_'()")
+        parts, value = [*parts, tag], value.get(tag) if isinstance(value, dict) else value
+    key = dotted(parts)
+    if error["type"] in ("missing", "union_tag_not_found"):
+        return f"{key}: is missing{_unit(parts, ' [{}]')}"
+    limit = LIMITS.get(error["type"], "{msg}").format(msg=error["msg"], unit=_unit(parts, " {}"), **context)
+    if error["type"] == "union_tag_invalid":
+        limit = limit.replace("<", "").replace(">", "")
+    return str(InputError(key, _short(value), limit))
+
+
+def dotted(parts: Iterable[int | str]) -> str:
+    """floats[0].hull.radius; the tag of a union (the hull's shape, or in angle brackets) is no key and left out."""
+    tags = (
+        "hemisphere-cylinder",
+        "sphere",
+        "vertical-cylinder",
+        "mesh",
+        "tube",
+        "solid-rectangle",
+        "[key]",
+    )
+    text = ""
+    for part in parts:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        elif part not in tags and not part.startswith("<"):
+            text += f".{part}" if text else str(part)
+    return text
+
+
+def _unit(parts: Iterable[int | str], pattern: str) -> str:
+    """The unit of the last named key, if it has one."""
+    named = [p for p in parts if isinstance(p, str) and not p.startswith("<")]
+    symbol = units().get(named[-1] if named else "", "-")
+    return "" if symbol == "-" else pattern.format(symbol)
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

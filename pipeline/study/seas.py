@@ -1,0 +1,157 @@
+"""Waves and sea states: their tables, and the frequencies they need."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag
+
+from pipeline.study import columns
+from pipeline.study.attachments import File
+from pipeline.study.tables import Count, Number, Positive, Seed, Table, Unit
+
+Shape = Literal["pierson-moskowitz", "jonswap"]
+Form = Literal["peak", "mean"]  # "mean": Tp holds the mean period T1, as in the Pierson-Moskowitz form of ITTC
+Gamma = Annotated[Number, Field(ge=1, le=7), Unit("-")]
+
+
+class Waves(Table):
+    """What sea states have in common: shape, frequencies, direction."""
+
+    spectrum: Shape = "pierson-moskowitz"
+    form: Form = "peak"
+    gamma: Gamma = 3.3  # of JONSWAP
+    components: Count = 130
+    # Frequencies of irregular waves, and of the coefficients of floats.
+    band: Annotated[tuple[Positive, Positive], Unit("rad/s")] | None = None
+    intervals: Literal["random", "even"] = "random"
+    heading: Annotated[Number, Unit("rad")] = 0.0
+    base_seed: Seed = 0
+
+
+class Irregular(Table):
+    """Random waves: a row of a scatter table, with the shape of [waves] unless it says otherwise."""
+
+    kind: Literal["irregular"] = "irregular"
+    Hs: Annotated[Positive, Unit("m")]
+    Tp: Annotated[Positive, Unit("s")]
+    spectrum: Shape | None = None
+    form: Form | None = None
+    gamma: Gamma | None = None
+
+
+class WhiteNoise(Table):
+    """Random waves of the same density everywhere in waves.band."""
+
+    kind: Literal["white-noise"]
+    Hs: Annotated[Positive, Unit("m")]
+
+
+class MeasuredSpectrum(Table):
+    """Random waves with a spectrum from a file: omega [rad/s], S [m2 s/rad] (or frequency [Hz], S [m2/Hz])."""
+
+    kind: Literal["spectrum"]
+    file: File
+
+
+class Regular(Table):
+    """One wave of this height, crest to trough; at the origin the phase is that of its cosine at t = 0."""
+
+    kind: Literal["regular"]
+    height: Annotated[Positive, Unit("m")]
+    period: Annotated[Positive, Unit("s")]
+    phase: Annotated[Number, Unit("rad")] = 0.0
+
+
+class Components(Table):
+    """Waves one by one from a file: amplitude [m], omega [rad/s] (or frequency [Hz]), phase [rad]."""
+
+    kind: Literal["components"]
+    file: File
+
+
+class Elevation(Table):
+    """A measured record at the origin from a file: time [s], elevation [m]; its lines in waves.band are kept."""
+
+    kind: Literal["elevation"]
+    file: File
+
+
+class Still(Table):
+    """No waves: free decay from the floats' offsets."""
+
+    kind: Literal["still"]
+
+
+def _kind(given: Any) -> str:
+    return f"<{given.get('kind', 'irregular') if isinstance(given, dict) else getattr(given, 'kind', 'irregular')}>"
+
+
+SeaState = Annotated[
+    Annotated[Irregular, Tag("<irregular>")]
+    | Annotated[WhiteNoise, Tag("<white-noise>")]
+    | Annotated[MeasuredSpectrum, Tag("<spectrum>")]
+    | Annotated[Regular, Tag("<regular>")]
+    | Annotated[Components, Tag("<components>")]
+    | Annotated[Elevation, Tag("<elevation>")]
+    | Annotated[Still, Tag("<still>")],
+    Discriminator(_kind),
+]
+
+
+def is_random(sea: SeaState) -> bool:
+    """Whether realizations differ; otherwise seeds and numbers of components decide nothing."""
+    return isinstance(sea, (Irregular, WhiteNoise, MeasuredSpectrum))
+
+
+def labels(sea: SeaState) -> dict[str, float]:
+    """The numbers by which people know a sea state, as coordinates of the dataset."""
+    match sea:
+        case Irregular():
+            return {"Hs": sea.Hs, "Tp": sea.Tp}
+        case WhiteNoise():
+            return {"Hs": sea.Hs}
+        case Regular():
+            return {"wave_height": sea.height, "wave_period": sea.period}
+        case _:
+            return {}
+
+
+def deciding(sea: SeaState, waves: Waves) -> Waves:
+    """Waves without what decides nothing in this sea state."""
+    return waves if is_random(sea) else Waves(band=waves.band, heading=waves.heading)
+
+
+def frequencies(sea: SeaState, waves: Waves) -> tuple[float, float] | None:
+    """Lowest and highest frequency of the waves [rad/s]; None in still water, or where waves.band is missing."""
+    match sea:
+        case Still():
+            return None
+        case Regular():
+            return (2 * math.pi / sea.period,) * 2
+        case Components():
+            omega = columns.read(sea.file, ("omega",))["omega"]
+            return float(omega.min()), float(omega.max())
+        case MeasuredSpectrum() if waves.band is None:
+            omega = columns.read(sea.file, ("omega",))["omega"]
+            return float(omega[omega > 0].min(initial=math.inf)), float(omega.max())
+        case _:
+            return waves.band
+
+
+def band(sea: SeaState, waves: Waves) -> tuple[float, float] | None:
+    """Frequencies that coefficients must cover; None if any will do.
+
+    Without waves.band whole octaves, so that waves of about the same period share their coefficients.
+    """
+    if waves.band is not None or (span := frequencies(sea, waves)) is None:
+        return waves.band
+    low, high = span
+    return 2.0 ** math.floor(math.log2(low)), 2.0 ** math.ceil(math.log2(high))
+
+
+def peak_frequency(sea: Irregular, waves: Waves) -> float:
+    """Of the spectrum [rad/s]; in the mean form, whose Tp is T1, it is (4/5 692)^(1/4) / T1."""
+    mean = (sea.spectrum or waves.spectrum, sea.form or waves.form) == ("pierson-moskowitz", "mean")
+    return (0.8 * 692) ** 0.25 / sea.Tp if mean else 2 * math.pi / sea.Tp

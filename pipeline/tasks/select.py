@@ -1,0 +1,70 @@
+"""Parts of a study: platform=fixed,sea_state=2018,seed=0; a key given twice means either value."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+
+from pipeline.study.reading import StudyError
+from pipeline.tasks.study import Study
+from pipeline.tasks.task import Label, axes
+from pipeline.tasks.tasklist import Tasks
+
+
+def select(study: Study, text: str) -> Tasks:
+    """The tasks, each once, whose labels are all among those asked for."""
+    if not text:
+        return study.tasks.unique
+    wanted = _wanted(study, text)
+    return study.tasks.where(lambda t: all(t.labels[axis] in values for axis, values in wanted.items())).unique
+
+
+def find(study: Study, words: Iterable[str]) -> set[str]:
+    """Ids of tasks, from ids, beginnings of ids, or labels."""
+    found: set[str] = set()
+    for word in words:
+        if "=" in word:
+            ids = {task.id for task in select(study, word)}
+        else:
+            ids = {task.id for task in study.tasks if task.id.startswith(word)}
+        if not ids:
+            raise StudyError(study.path, [f"task = {word}: no such task; `study plan {study.path}` lists them"])
+        if len(ids) > 1 and "=" not in word:
+            raise StudyError(study.path, [f"task = {word}: {len(ids)} tasks begin so; give more digits"])
+        found |= ids
+    return found
+
+
+def _wanted(study: Study, text: str) -> dict[str, set[Label]]:
+    table = axes(study.content)
+    wanted: dict[str, set[Label]] = {}
+    for pair in text.split(","):
+        axis, equals, word = (part.strip() for part in pair.partition("="))
+        if not equals:
+            raise StudyError(study.path, [f"--select = {pair}: must be axis=value,axis=value"])
+        if axis not in table:
+            raise StudyError(study.path, [f"--select = {axis}: unknown axis; {_suggest(axis, list(table))}"])
+        wanted.setdefault(axis, set()).add(_label(study, axis, word, table[axis]))
+    return wanted
+
+
+def _label(study: Study, axis: str, word: str, known: Sequence[Label]) -> Label:
+    for label in known:
+        if str(label) == word or (not isinstance(label, str) and _number(word) == label):
+            return label
+    raise StudyError(
+        study.path,
+        [f"--select = {axis}={word}: no such value; {_suggest(word, [str(v) for v in known])}"],
+    )
+
+
+def _number(word: str) -> float | None:
+    try:
+        return float(word)
+    except ValueError:
+        return None
+
+
+def _suggest(word: str, known: list[str]) -> str:
+    close = difflib.get_close_matches(word, known, n=1)
+    return f"did you mean {close[0]}?" if close else f"known: {', '.join(known)}"

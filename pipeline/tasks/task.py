@@ -1,0 +1,183 @@
+"""A study as a product of axes; a task as its parameters, whose hash is its name."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+from pipeline.study import seas
+from pipeline.study.layout import hinge_nodes, spaced
+from pipeline.study.schema import Float, Platform, Recording, Solver, StudyFile, Water
+from pipeline.study.seas import SeaState, Waves
+from pipeline.study.tables import Seed, Table
+
+# Raise it when the physics or a default changes: older results then count as stale, not as done.
+MODEL_VERSION = 5
+AXES = ("sea_state", "platform", "pto_damping", "hinge_spacing", "seed")
+
+Label = str | float | int
+
+
+class Parameters(Table):
+    """All that decides a task's numbers, and nothing else: labels and order are not in it."""
+
+    water: Water
+    waves: Waves = Waves()
+    sea_state: SeaState
+    record: Recording = Recording()
+    solver: Solver = Solver()
+    floats: tuple[Float, ...] = ()
+    platform: Platform | None = None
+    seed: Seed = 0
+
+    def canonical(self) -> str:
+        """One text for one physics: declared types, sorted keys, nothing that is at its default."""
+        return canonical(self.model_dump(mode="json", exclude_defaults=True))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """A cell of the study: its labels along the axes, and its parameters."""
+
+    labels: Mapping[str, Label]
+    make: Callable[[], Parameters]  # not the parameters themselves: a million tasks must be small
+    version: int = MODEL_VERSION
+    varied: tuple[str, ...] = AXES  # the axes worth naming, for people
+    known: str = ""  # its id, where that has been found out before
+
+    @property
+    def parameters(self) -> Parameters:
+        """All that decides its numbers, made at each call."""
+        return self.make()
+
+    @cached_property
+    def id(self) -> str:
+        """Same physics, same folder, on every machine."""
+        return self.known or digest(self.parameters.canonical(), self.version)
+
+    @property
+    def older_ids(self) -> list[str]:
+        """Names of the same task under earlier model versions, newest first."""
+        if self.version == 1:
+            return []
+        text = self.parameters.canonical()
+        return [digest(text, version) for version in range(self.version - 1, 0, -1)]
+
+    def __str__(self) -> str:
+        return ",".join(f"{axis}={label}" for axis, label in self.labels.items() if axis in self.varied)
+
+
+def digest(text: str, version: int) -> str:
+    """16 hexadecimal digits: two of a million tasks collide with a chance of 3e-8."""
+    return hashlib.sha256(f"{version}:{text}".encode()).hexdigest()[:16]
+
+
+def canonical(data: Any) -> str:
+    """JSON with sorted keys; -0.0 is written as 0.0, for they are the same number."""
+    return json.dumps(_plain_zeros(data), sort_keys=True, allow_nan=False, separators=(",", ":"))
+
+
+def _plain_zeros(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _plain_zeros(value) for key, value in data.items()}
+    if isinstance(data, list):
+        return [_plain_zeros(value) for value in data]
+    return data + 0.0 if isinstance(data, float) else data
+
+
+def wave_seed(parameters: Parameters) -> tuple[int, ...]:
+    """Entropy of the wave record: study's base seed, the sea itself, number of the realization.
+
+    Not the task: an elastic and a fixed platform meet the same waves.
+    """
+    sea = {
+        "sea_state": parameters.sea_state.model_dump(mode="json", exclude_defaults=True),
+        "waves": parameters.waves.model_dump(mode="json", exclude_defaults=True, exclude={"base_seed", "heading"}),
+    }
+    words = hashlib.sha256(canonical(sea).encode()).digest()
+    return (
+        parameters.waves.base_seed,
+        *(int.from_bytes(words[i : i + 4], "little") for i in range(0, 16, 4)),
+        parameters.seed,
+    )
+
+
+def axes(study: StudyFile) -> dict[str, tuple[Label, ...]]:
+    """Values along every axis; an axis that neither the study nor its floats give is left out."""
+    given = study.axes
+    found: dict[str, tuple[Label, ...] | None] = {
+        "sea_state": given.sea_state or tuple(study.sea_states),
+        "platform": supports(study),
+        "pto_damping": given.pto_damping or _common_damping(study),
+        "hinge_spacing": given.hinge_spacing or _spacing(study),
+        "seed": given.seed or (0,),
+    }
+    return {name: values for name, values in found.items() if values}
+
+
+def supports(study: StudyFile) -> tuple[str, ...]:
+    """The platform axis; without it, elastic if there is a platform and fixed if there is none."""
+    return study.axes.platform or (("elastic",) if study.platform else ("fixed",))
+
+
+def dimensions(study: StudyFile) -> list[str]:
+    """The axes that are dimensions of the dataset: those listed, and sea states if there are several."""
+    return [name for name, values in axes(study).items() if getattr(study.axes, name) or len(values) > 1]
+
+
+def expand(study: StudyFile) -> Iterator[Task]:
+    """All tasks, the last axis fastest."""
+    table, varied = axes(study), tuple(dimensions(study))
+    for values in itertools.product(*table.values()):
+        yield cell(study, dict(zip(table, values, strict=True)), varied)
+
+
+def cell(study: StudyFile, labels: Mapping[str, Label], varied: tuple[str, ...], known: str = "") -> Task:
+    """The task with these labels."""
+    return Task(labels=labels, make=partial(_parameters, study, labels), varied=varied, known=known)
+
+
+def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
+    floats = _floats(study, labels)
+    platform = None
+    if study.platform and labels["platform"] != "fixed":
+        nodes = {**study.platform.nodes, **hinge_nodes(floats)}
+        platform = study.platform.model_copy(update={"nodes": nodes})
+    sea = study.sea_states[str(labels["sea_state"])]
+    return Parameters(
+        water=study.water,
+        waves=seas.deciding(sea, study.waves),
+        sea_state=sea,
+        record=study.record,
+        solver=study.solver,
+        floats=() if labels["platform"] == "elastic-no-floats" else floats,
+        platform=platform,
+        seed=int(labels["seed"]) if seas.is_random(sea) else 0,
+    )
+
+
+def _floats(study: StudyFile, labels: Mapping[str, Label]) -> tuple[Float, ...]:
+    floats = study.floats
+    if study.axes.hinge_spacing:
+        floats = spaced(floats, float(labels["hinge_spacing"]))
+    if study.axes.pto_damping:
+        floats = tuple(f.model_copy(update={"pto_damping": labels["pto_damping"]}) for f in floats)
+    return floats
+
+
+def _common_damping(study: StudyFile) -> tuple[float, ...] | None:
+    values = {f.pto_damping for f in study.floats}
+    common = values.pop() if len(values) == 1 else None
+    return (common,) if isinstance(common, float) else None
+
+
+def _spacing(study: StudyFile) -> tuple[float, ...] | None:
+    if len(study.floats) != 2 or any(f.motion != ("hinge",) for f in study.floats):
+        return None
+    a, b = (f.hinge[0] for f in study.floats)
+    return (abs(a - b),)

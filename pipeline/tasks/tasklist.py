@@ -1,0 +1,85 @@
+"""The tasks of a study, or some of them, as numbers: a task is made when it is asked for.
+
+A task costs 16 bytes here, so that a million of them are no burden.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+
+from pipeline.study.schema import StudyFile
+from pipeline.tasks.task import Label, Task, axes, cell, dimensions
+
+Key = TypeVar("Key", bound=Hashable)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tasks:
+    """Cells of a study, the last axis fastest, and the ids of the tasks in them."""
+
+    study: StudyFile
+    cells: np.ndarray  # (n,) i8
+    ids: np.ndarray  # (n,) u8, an id is 16 hexadecimal digits
+
+    @classmethod
+    def of(cls, study: StudyFile) -> Tasks:
+        """The tasks in all cells; cells may share one."""
+        count = math.prod(len(values) for values in axes(study).values())
+        bare = cls(study=study, cells=np.arange(count), ids=np.zeros(count, "u8"))
+        ids = (int(bare.task(number).id, 16) for number in range(count))
+        return cls(study=study, cells=bare.cells, ids=np.fromiter(ids, "u8", count))
+
+    @property
+    def unique(self) -> Tasks:
+        """Every task once, where it stands first."""
+        return self._part(np.sort(np.unique(self.ids, return_index=True)[1]))
+
+    def where(self, wanted: Callable[[Task], bool]) -> Tasks:
+        """Some of the tasks."""
+        return self._part(np.fromiter((n for n, task in enumerate(self) if wanted(task)), "i8"))
+
+    def split(self, key: Callable[[Task], Key]) -> dict[Key, Tasks]:
+        """Groups with the same key, in the order in which the keys come."""
+        numbers: dict[Key, int] = {}
+        mine = np.fromiter((numbers.setdefault(key(task), len(numbers)) for task in self), "i8", len(self))
+        return {one: self._part(np.flatnonzero(mine == number)) for one, number in numbers.items()}
+
+    def __len__(self) -> int:
+        return len(self.cells)
+
+    def __iter__(self) -> Iterator[Task]:
+        for number, known in zip(self.cells, self.ids, strict=True):
+            yield self.task(int(number), f"{known:016x}")
+
+    def labels(self, number: int) -> dict[str, Label]:
+        """Labels of a cell along every axis."""
+        found = {}
+        for name, values in self._backwards:
+            number, place = divmod(number, len(values))
+            found[name] = values[place]
+        return {name: found[name] for name in self._table}
+
+    def task(self, number: int, known: str = "") -> Task:
+        """The task in a cell."""
+        return cell(self.study, self.labels(number), self._varied, known)
+
+    def _part(self, chosen: np.ndarray) -> Tasks:
+        return Tasks(study=self.study, cells=self.cells[chosen], ids=self.ids[chosen])
+
+    @cached_property
+    def _table(self) -> dict[str, tuple[Label, ...]]:
+        return axes(self.study)
+
+    @cached_property
+    def _backwards(self) -> list[tuple[str, tuple[Label, ...]]]:
+        return list(reversed(self._table.items()))
+
+    @cached_property
+    def _varied(self) -> tuple[str, ...]:
+        return tuple(dimensions(self.study))

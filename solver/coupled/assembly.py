@@ -1,0 +1,261 @@
+"""The seam between objects and kernels: a scene becomes the arrays that the march reads."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver import limits
+from solver.coupled.march import Memory, Structure
+from solver.coupled.support import PLANAR, Support
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadrature
+from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
+from solver.hydrodynamics.radiation.memory import RadiationMemory
+from solver.multibody.chain import PRISMATIC, REVOLUTE
+from solver.multibody.minimal import Bodies
+from solver.scene import DOFS, Float, Scene
+from solver.sea.field import WaveField
+
+SPIN = 3  # number of the first rotation among the six DOF
+
+
+class Layout(NamedTuple):
+    """Where each driven quantity stands among the columns of the wave series."""
+
+    field: slice
+    excitation: slice
+    modal: slice
+    station: slice
+    elevation: slice
+
+
+def carrier_axes(planar: bool) -> np.ndarray:
+    """Axes of a node's motion as 6-DOF numbers: surge, heave, pitch, or all six."""
+    return PLANAR if planar else np.arange(6)
+
+
+def bodies(
+    scene: Scene,
+    field: WaveField,
+    support: Support | None,
+    hydrodynamics: Hydrodynamics | None,
+    added_mass: np.ndarray,
+    terms: int,
+) -> Bodies:
+    """Arrays of all floats; carrier coordinates only with an elastic support; terms of the local wave field."""
+    floats, water = scene.floats, scene.water
+    nb = len(floats)
+    own = carrier_axes(scene.planar) if support is not None else np.zeros(0, int)
+    nc = nb * own.size
+    chains = _chains(scene, own)
+    n = max(map(len, chains), default=0)
+    kind, coordinate = np.zeros((nb, n), np.int64), np.zeros((nb, n), np.int64)
+    direction, point = np.zeros((nb, n, 3)), np.zeros((nb, n, 3))
+    for b, chain in enumerate(chains):
+        for i, (turns, *axis) in enumerate(chain):
+            kind[b, i] = REVOLUTE if turns else PRISMATIC
+            direction[b, i], point[b, i], coordinate[b, i] = axis
+    dofs = hydrodynamics.dofs if hydrodynamics else ()
+    stiffness, buoyancy = _hydrostatics(scene, hydrodynamics)
+    return Bodies(
+        kind=kind,
+        direction=direction,
+        point=point,
+        coordinate=coordinate,
+        axes=np.array([len(chain) for chain in chains], np.int64),
+        # Always floats: with an integer among the inputs all kernels would be compiled once more.
+        reference=np.array([f.centre for f in floats], float).reshape(nb, 3),
+        mass=np.array([f.mass for f in floats], float),
+        cog=np.array([f.cog for f in floats], float).reshape(nb, 3),
+        inertia=np.array([np.diag(f.inertia) for f in floats], float).reshape(nb, 3, 3),
+        nonlinear=np.full(nb, scene.settings.froude_krylov == "body-nonlinear"),
+        **rules(scene, field),
+        buoyancy=buoyancy,
+        stiffness=stiffness,
+        wave_direction=np.array([np.cos(scene.sea.heading), np.sin(scene.sea.heading)]),
+        rho_g=float(water.density * water.gravity),
+        gravity=float(water.gravity),
+        depth=float(water.depth),
+        wheeler=scene.settings.pressure == "wheeler",
+        active=np.array([DOFS.index(d) for d in dofs], np.int64),
+        added_mass=added_mass,
+        pto=_joints(scene, nc, "pto_damping"),
+        damping=_joints(scene, nc, "damping"),
+        quadratic=_joints(scene, nc, "quadratic_damping"),
+        spring=_joints(scene, nc, "stiffness"),
+        mechanism=_joints(scene, nc, "mechanism_inertia"),
+        limit=limits.excursions(scene, field, terms, own),
+    )
+
+
+def _chains(scene: Scene, own: np.ndarray) -> list[list[tuple]]:
+    """Of each float its axes from the support on: whether one turns, direction, point, coordinate.
+
+    First the axes `own` of the support's node, or all those of the float that carries it, which so share coordinates.
+    """
+    chains: list[list[tuple]] = []
+    first = len(scene.floats) * own.size
+    for b, (item, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
+        node = [(d >= SPIN, np.eye(3)[d % 3], item.hinge, b * own.size + i) for i, d in enumerate(own)]
+        joint = [(*_axis(item, name), item.hinge, first + i) for i, name in enumerate(item.motion)]
+        chains.append((node if carrier < 0 else chains[carrier]) + joint)
+        first += len(item.motion)
+    return chains
+
+
+def _axis(item: Float, name: str) -> tuple[bool, np.ndarray]:
+    """Whether a joint's axis turns, and its direction (3,)."""
+    if name == "hinge":
+        return True, np.divide(item.axis, np.linalg.norm(item.axis))
+    number = DOFS.index(name)
+    return number >= SPIN, np.eye(3)[number % 3]
+
+
+def _joints(scene: Scene, carriers: int, name: str) -> np.ndarray:
+    """A quantity of all joints' axes among the coordinates (nz,)."""
+    return np.concatenate([np.zeros(carriers), *(f.per_axis(name) for f in scene.floats)])
+
+
+def _rule(item: Float, scene: Scene, field: WaveField) -> WettedQuadrature:
+    s = scene.settings
+    return quadrature(
+        item.hull,
+        azimuths=s.azimuths,
+        arc_points=s.arc_points,
+        line_points=s.line_points,
+        half=scene.planar,
+        surface_terms=field.terms_for(item.hull.size, s.field_tolerance),
+    )
+
+
+def rules(scene: Scene, field: WaveField) -> dict:
+    """How the pressure on each float is integrated: those fields of Bodies."""
+    own = [None if isinstance(f.hull, PanelHull) else _rule(f, scene, field) for f in scene.floats]
+    return {
+        "meshed": np.array([r is None for r in own], bool),
+        "rule": _stacked(own),
+        "patches": np.array([len(r.patch) if r else 0 for r in own], np.int64),
+        "panels": _panels(scene, field),
+    }
+
+
+def _panels(scene: Scene, field: WaveField) -> WettedPanels:
+    """Triangles of the floats that are meshes; none where the pressure is linear."""
+    s, nonlinear = scene.settings, scene.settings.froude_krylov == "body-nonlinear"
+    hulls = [f.hull if nonlinear and isinstance(f.hull, PanelHull) else None for f in scene.floats]
+    sizes = [h.size for h in hulls if h]
+    return wetted_panels(
+        hulls,
+        [longest_side(f.hull, s.panel_size, field) for f in scene.floats],
+        half=scene.planar,
+        surface_terms=max((field.terms_for(size, s.field_tolerance) for size in sizes), default=1),
+    )
+
+
+def _stacked(own: list[WettedQuadrature | None]) -> WettedQuadrature:
+    """One rule for all floats, patches padded to the longest meridian; meshes have none."""
+    given = [r for r in own if r]
+    if not given:
+        empty = np.zeros(0)
+        nothing = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2)), 0.0
+        return WettedQuadrature(*nothing, *[empty] * 4, False, 1, np.zeros((11, 0)), np.zeros((0, 0)), empty)
+    most = max(len(r.patch) for r in given)
+    return given[0]._replace(
+        patch=np.stack([_padded(r.patch if r else given[0].patch[:0], most) for r in own]),
+        whole=np.stack([_padded(r.whole if r else given[0].whole[:0], most) for r in own]),
+        surface_terms=max(r.surface_terms for r in given),
+        room=max((r.room for r in given), key=np.size),
+        sides=max((r.sides for r in given), key=np.size),
+    )
+
+
+def _padded(rows: np.ndarray, count: int) -> np.ndarray:
+    return np.concatenate([rows, np.zeros((count - len(rows), *rows.shape[1:]))])
+
+
+def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None):
+    """Stiffness (nb, 6, 6) of buoyancy and buoyancy at rest (nb, 6), for linear floats."""
+    nb = len(scene.floats)
+    stiffness, buoyancy = np.zeros((nb, 6, 6)), np.zeros((nb, 6))
+    if hydrodynamics is None:
+        return stiffness, buoyancy
+    nr = len(hydrodynamics.dofs)
+    index = [DOFS.index(d) for d in hydrodynamics.dofs]
+    for b in range(nb):
+        own = slice(b * nr, (b + 1) * nr)
+        stiffness[b][np.ix_(index, index)] = hydrodynamics.hydrostatic_stiffness[own, own]
+        x, y, _ = scene.floats[b].hull.buoyancy_point
+        buoyancy[b, 2:5] = hydrodynamics.displaced_mass[b] * scene.water.gravity * np.array([1.0, y, -x])
+    return stiffness, buoyancy
+
+
+def structure(support: Support | None, damping_ratio: float) -> Structure:
+    """Modal arrays; empty without an elastic support."""
+    if support is None:
+        return Structure(np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 1, 0)), np.zeros(0), np.zeros(0))
+    return Structure(
+        omega=support.omega,
+        damping=np.full(support.omega.size, damping_ratio),
+        carrier=np.ascontiguousarray(support.carrier),
+        station=np.ascontiguousarray(support.station_shape.transpose(2, 1, 0)),
+        drag=support.drag,
+        scale=np.abs(support.shapes.reshape(-1, 6, support.omega.size)[:, :3]).max(axis=(0, 1)),
+    )
+
+
+def memory(fit: RadiationMemory | None, dt: float, directions: int) -> Memory:
+    """Exact propagation of ṙ = βr + v over half and whole steps for v quadratic in time.
+
+    Without a fit nothing is remembered of the `directions` that could radiate.
+    """
+    if fit is None:
+        none, still = np.zeros((0, directions, directions), complex), np.zeros((2, 2, directions, directions))
+        return Memory(none, np.zeros((2, 0), complex), np.zeros((2, 3, 0), complex), still)
+    beta = np.asarray(fit.beta, complex)
+    x, w = np.polynomial.legendre.leggauss(48)
+    decay, weight = np.empty((2, beta.size), complex), np.empty((2, 3, beta.size), complex)
+    for s, end in enumerate((0.5, 1.0)):
+        tau = end * (x + 1) / 2
+        lagrange = np.array([2 * (tau - 0.5) * (tau - 1), -4 * tau * (tau - 1), 2 * tau * (tau - 0.5)])
+        kernel = np.exp(np.multiply.outer(beta * dt, end - tau))
+        decay[s] = np.exp(beta * dt * end)
+        weight[s] = np.einsum("pq,jq,q->jp", kernel, lagrange, w * end / 2 * dt)
+    residue = np.ascontiguousarray(fit.residue, dtype=complex)
+    direct = np.einsum("pik,sjp->sjik", residue, weight[:, 1:]).real
+    return Memory(residue, decay, weight, np.ascontiguousarray(direct))
+
+
+def wave_rows(
+    scene: Scene, field: WaveField, support: Support | None, hydrodynamics: Hydrodynamics | None, terms: int
+) -> tuple[np.ndarray, Layout]:
+    """All rows (m, n) that the wave drives and where each quantity is."""
+    n = scene.sea.omega.size
+    nb = len(scene.floats)
+    parts = [
+        np.array([field.local_pressure(f.centre, terms) for f in scene.floats]).reshape(-1, n),
+        _excitation(scene, hydrodynamics).reshape(-1, n) if nb else np.zeros((0, n)),
+        support.wave_rows if support else np.zeros((0, n)),
+        support.station_rows.transpose(1, 0, 2).reshape(-1, n) if support else np.zeros((0, n)),
+        field.elevation(np.zeros((1, 3))),
+    ]
+    ends = np.cumsum([0] + [len(p) for p in parts])
+    columns = [slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return np.concatenate(parts).astype(complex), Layout(*columns)
+
+
+def _excitation(scene: Scene, hydrodynamics: Hydrodynamics | None) -> np.ndarray:
+    """Rows (nb, 6, n): diffraction, and linear Froude-Krylov where the scene asks for it."""
+    wanted = ["diffraction"] * scene.settings.diffraction
+    wanted += ["froude_krylov"] * (scene.settings.froude_krylov == "linear")
+    n = scene.sea.omega.size
+    # Still water has a frequency for form's sake, which the coefficients need not cover.
+    if hydrodynamics is None or not scene.sea.amplitude.any():
+        return np.zeros((len(scene.floats), 6, n), complex)
+    force = sum((hydrodynamics.excitation(scene.sea.omega, kind) for kind in wanted), np.zeros((n, 1)))
+    force = np.broadcast_to(force, (n, len(scene.floats) * len(hydrodynamics.dofs)))
+    nb, nr = len(scene.floats), len(hydrodynamics.dofs)
+    rows = np.zeros((nb, 6, scene.sea.omega.size), complex)
+    index = [DOFS.index(d) for d in hydrodynamics.dofs]
+    rows[:, index] = (force * scene.sea.amplitude[:, None]).T.reshape(nb, nr, -1)
+    return rows

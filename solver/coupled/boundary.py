@@ -1,0 +1,39 @@
+"""Hydrodynamic coefficients of a scene: the boundary element method with the arguments that the scene implies."""
+
+import numpy as np
+
+from solver.hydrodynamics.bem import bem
+from solver.scene import Scene, panels_for
+
+
+def needed(scene: Scene) -> bool:
+    """Whether anything in a scene depends on coefficients."""
+    s = scene.settings
+    return bool(scene.floats) and (s.radiation or s.diffraction or s.froude_krylov != "body-nonlinear")
+
+
+def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.Hydrodynamics | None:
+    """Coefficients of the floats at rest, good for other waves in `band` [rad/s] too; None without floats.
+
+    The frequencies cover the scene's own waves and what the radiation memory needs; a scene that is its
+    own mirror image is solved in its plane alone.
+    """
+    if not scene.floats:
+        return None
+    hulls, water = tuple(f.hull for f in scene.floats), scene.water
+    centres = np.array([f.centre for f in scene.floats])
+    given = [band] if band else []
+    if scene.sea.amplitude.any():
+        given.append((scene.sea.omega.min(), scene.sea.omega.max()))
+    whole = (float(np.min(given)), float(np.max(given))) if given else None
+    return bem.solve(
+        hulls,
+        centres,
+        depth=water.depth,
+        density=water.density,
+        gravity=water.gravity,
+        heading=scene.sea.heading,
+        omega=bem.frequency_grid(hulls, centres, depth=water.depth, gravity=water.gravity, band=whole),
+        planar=scene.planar,
+        panels=panels_for(scene.settings.tolerance),
+    )

@@ -1,0 +1,94 @@
+"""Statics: the floats' loads anywhere, where a scene rests in still water, and how stiffly it is held there."""
+
+import numpy as np
+
+from solver.coupled.march import Structure
+from solver.errors import SimulationFailed
+from solver.multibody.minimal import Bodies, loads, move, new_motion, pressures
+
+STEP = 1e-5  # of differences [m or rad]: what curvature and rounding leave is below 1e-8
+SETTLED = 1e-12  # last change of a coordinate [m or rad]
+UNHELD = 1e-6  # of the weights [N m], that may be left out of balance
+STRIDES = 500  # of the search for the floats' rest, in the water or out of it
+ROUNDS = 100  # of floats and structure in turn; a float on a platform as soft as itself needs some twenty
+
+
+def balance(body: Bodies, z, dz=None, ddz=None, field=None, excitation=None) -> tuple[np.ndarray, np.ndarray]:
+    """JᵀW (nz,) of the floats and W (nb, 6), all loads on each, at z, ż, z̈ (nz,), rest and still water if not given."""
+    nz, nb, na = body.damping.size, body.axes.size, body.axes.size * body.active.size
+    still, motion = np.zeros(nz), new_motion(body)
+    dz, ddz = (still if x is None else x for x in (dz, ddz))
+    field = np.zeros((nb, 2, 1)) if field is None else field
+    excitation = np.zeros((nb, 6)) if excitation is None else excitation
+    move(body, z, dz, motion)
+    pressure, out, (wrench, external) = np.empty((nb, 6)), np.empty(nz), np.empty((2, nb, 6))
+    pressures(body, motion, field, pressure)
+    loads(body, z, dz, ddz, motion, pressure, still, excitation, np.zeros(na), out, wrench, external)
+    return out, wrench
+
+
+def tangent(body: Bodies, z: np.ndarray) -> np.ndarray:
+    """-∂JᵀW/∂z (nz, nz) at z, at rest in still water."""
+    K = np.empty((z.size, z.size))
+    for j, step in enumerate(STEP * np.eye(z.size)):
+        K[:, j] = (balance(body, z - step)[0] - balance(body, z + step)[0]) / (2 * STEP)
+    # Weight, buoyancy and springs have a potential: what is not symmetric is the differences' rounding.
+    return (K + K.T) / 2
+
+
+def weights(body: Bodies) -> float:
+    """Of all floats on a metre and on their arms [N m]."""
+    hinge = body.point[:, :1].sum(axis=1)  # the first axis's; without floats there is none
+    lever = np.linalg.norm(body.reference - hinge, axis=1)
+    return float(body.gravity * np.sum(body.mass * (1 + lever)))
+
+
+def equilibrium(body: Bodies, frame: Structure, stride: float) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates z (nz,) of the floats and amplitudes p (nm,) of the modes at rest in still water.
+
+    The structure bends under what the floats put on it, p = Sᵀ JᵀW/ω² with carriers S p, and the floats
+    follow it by at most `stride` [m or rad] at a time, in turn until nothing moves.
+    """
+    nc, nm = frame.carrier.shape
+    z, p = np.zeros(body.damping.size), np.zeros(nm)
+    for _ in range(ROUNDS):
+        before = z.copy()
+        if z.size > nc:
+            _settle_joints(body, z, nc, stride)
+        p = frame.carrier.T @ balance(body, z)[0][:nc] / frame.omega**2
+        z[:nc] = frame.carrier @ p
+        if np.abs(z - before).max(initial=0.0) < SETTLED:
+            return z, p
+    raise SimulationFailed(f"no static equilibrium of floats and structure after {ROUNDS} rounds: it is too soft")
+
+
+def _settle_joints(body: Bodies, z: np.ndarray, nc: int, stride: float) -> None:
+    """Bring the joints z[nc:] to rest, the carriers held.
+
+    Newton's method on the potential energy, always downhill, so that what it finds is stable; in
+    strides that a float follows in the water, halved where it oversteps.
+    """
+    before = np.zeros(z.size - nc)
+    for _ in range(STRIDES):
+        update, r = _downhill(body, z, nc)
+        size = np.abs(update).max()
+        if min(size, stride) < SETTLED:
+            break
+        if update @ before < 0:
+            stride /= 2
+        before = update * min(1.0, stride / size)
+        z[nc:] += before
+    if not np.abs(r).max() <= UNHELD * weights(body):
+        where = ", ".join(f"{value:.3g}" for value in z[nc:])
+        raise SimulationFailed(
+            f"no static equilibrium in still water near rest: joints at {where} after {STRIDES} steps"
+        )
+
+
+def _downhill(body: Bodies, z: np.ndarray, nc: int) -> tuple[np.ndarray, np.ndarray]:
+    """Newton's step of the joints (nj,) with all curvatures taken as positive, and the load there (nj,)."""
+    r = balance(body, z)[0][nc:]
+    value, vector = np.linalg.eigh(tangent(body, z)[nc:, nc:])
+    # Nothing holds a free float in surge or yaw, and nothing pushes it; rounding is 1e-7 of the rest.
+    held = np.abs(value) > 1e-6 * np.abs(value).max()
+    return vector[:, held] @ (vector[:, held].T @ r / np.abs(value[held])), r

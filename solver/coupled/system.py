@@ -1,0 +1,290 @@
+"""A scene as arrays: what does not change during a run, where it starts, and the march block by block."""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from solver import limits
+from solver.coupled import assembly
+from solver.coupled import support as platform
+from solver.coupled.equilibrium import balance, equilibrium, tangent, weights
+from solver.coupled.march import (
+    EXCURSION,
+    GROSSLY,
+    NOT_CONVERGED,
+    OK,
+    UNBALANCED,
+    WORKS,
+    Drive,
+    Output,
+    State,
+    energy,
+    march,
+    open_by,
+    workspace,
+)
+from solver.errors import InputError, SimulationFailed, StepTooLong
+from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
+from solver.hydrodynamics.hull.mesh import Hull
+from solver.hydrodynamics.radiation import memory as radiation
+from solver.limits import slides
+from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
+from solver.scene import STEP, Float, Scene
+from solver.sea.field import Factored, WaveField, WaveSeries, factored
+from solver.sea.realization import ramp
+
+BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
+LEAST = 1e-13  # of Newton's tolerances [m or rad], and of energies as a share of the weights': rounding
+ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class System:
+    """A scene as arrays, for one step length."""
+
+    scene: Scene
+    bodies: Bodies
+    support: platform.Support | None
+    structure: assembly.Structure
+    fit: radiation.RadiationMemory | None
+    memory: assembly.Memory
+    rows: np.ndarray
+    factored: Factored
+    layout: assembly.Layout
+    waves: WaveField
+    dt: float
+
+    @cached_property
+    def equilibrium(self) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinates z (nz,) and modal amplitudes p (nm,) at rest in still water."""
+        stride = 0.1 * min(1.0, *(f.hull.size for f in self.scene.floats), 1.0)
+        return equilibrium(self.bodies, self.structure, stride)
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """Tangent stiffness (nz, nz) of the floats there: buoyancy, weight, springs and their levers."""
+        return tangent(self.bodies, self.equilibrium[0])
+
+    @property
+    def newton_tolerance(self) -> float:
+        """For this step: positions change by dt² of the accelerations, and those give the forces [m or rad]."""
+        return max(self.scene.settings.newton_tolerance * min(1.0, self.dt / STEP) ** 2, LEAST)
+
+    @property
+    def least_energy(self) -> float:
+        """Of a motion of Newton's tolerance, and of rounding [J]: what is less is nothing to speak of."""
+        return float(self.newton_tolerance**2 * np.trace(self.stiffness) + LEAST * weights(self.bodies))
+
+    def start(self) -> State:
+        """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""
+        body, nm = self.bodies, self.structure.omega.size
+        nz, nc = body.damping.size, self.structure.carrier.shape[0]
+        z, p = (part.copy() for part in self.equilibrium)
+        z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
+        s = self.scene.settings
+        first = self.drive(self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form))
+        ddp, ddz, load = _initial_acceleration(self, z, p, first)
+        state = State(
+            z=z[nc:],
+            dz=np.zeros(nz - nc),
+            ddz=np.tile(ddz, (3, 1)),
+            p=p,
+            dp=np.zeros(nm),
+            ddp=ddp,
+            force=np.tile(load, (3, 1)),
+            memory=np.zeros((self.memory.residue.shape[0], self.memory.direct.shape[2]), complex),
+            power=np.zeros(len(WORKS)),
+            work=np.zeros(len(WORKS)),
+            energy=np.array([0.0, self.least_energy, 0.0]),
+        )
+        state.energy[0] = energy(body, self.structure, state)
+        return state
+
+    def series(self, dt: float, block: int = 2 * BLOCK_STEPS + 1) -> WaveSeries:
+        """All that the wave drives, at samples dt/2 apart, blocks of at most `block`."""
+        s = self.scene.settings
+        return WaveSeries(self.factored, self.scene.sea.omega, dt / 2, block, lambda t: ramp(t, s.ramp, s.ramp_form))
+
+    def drive(self, samples: np.ndarray) -> Drive:
+        """Columns of the wave series (m, columns) as the march reads them."""
+        nb, (_, nd, ns) = len(self.scene.floats), self.structure.station.shape
+        m, at = len(samples), self.layout
+        terms = (at.field.stop - at.field.start) // max(2 * nb, 1)
+        return Drive(
+            field=np.ascontiguousarray(samples[:, at.field]).reshape(m, nb, 2, terms),
+            excitation=np.ascontiguousarray(samples[:, at.excitation]).reshape(m, nb, 6),
+            modal=np.ascontiguousarray(samples[:, at.modal]),
+            station=np.ascontiguousarray(samples[:, at.station]).reshape(m, nd, ns),
+        )
+
+
+def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
+    """Everything that does not change during the run."""
+    settings, water = scene.settings, scene.water
+    if hydrodynamics is not None and scene.floats:
+        _check_same(scene, hydrodynamics)
+    waves = WaveField(scene.sea, water.depth, water.gravity)
+    support = None
+    if scene.platform is not None:
+        support = platform.prepare(
+            scene.platform,
+            waves,
+            water,
+            [scene.platform.hinge_nodes[f.name] for f in scene.floats],
+            planar=scene.planar,
+            modes=settings.modes,
+            stations=settings.stations_per_element,
+        )
+    fit = None
+    if scene.floats and settings.radiation:
+        fit = remembered(hydrodynamics, tuple(f.hull for f in scene.floats), settings.memory_tolerance)
+    na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
+    added_mass = fit.added_mass_inf if fit else np.zeros((na, na))
+    height = scene.sea.parameters()["Hm0"]
+    reach = max((_reach(scene, b, height) for b in range(len(scene.floats))), default=0.0)
+    terms = waves.terms_for(reach, settings.field_tolerance)
+    body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass, terms)
+    rows, layout = assembly.wave_rows(scene, waves, support, hydrodynamics, terms)
+    return System(
+        scene=scene,
+        bodies=body,
+        support=support,
+        structure=assembly.structure(support, scene.platform.damping_ratio if scene.platform else 0.0),
+        fit=fit,
+        memory=assembly.memory(fit, settings.time_step, na),
+        rows=rows,
+        factored=factored(rows),
+        layout=layout,
+        waves=waves,
+        dt=settings.time_step,
+    )
+
+
+def _check_same(scene: Scene, h: Hydrodynamics) -> None:
+    """Coefficients of other floats, other water or other waves would go unnoticed."""
+    water, places = scene.water, np.array([f.centre for f in scene.floats])
+    pairs = {
+        "floats": (len(places), len(h.centres)),
+        "water.depth": (water.depth, h.depth),
+        "water.density": (water.density, h.density),
+        "water.gravity": (water.gravity, h.gravity),
+    }
+    for key, (own, given) in pairs.items():
+        if own != given:
+            raise InputError(key, own, f"must be {given:g}, that of the coefficients")
+    if not np.allclose(places, h.centres, rtol=0, atol=1e-6):
+        raise InputError("floats", places.tolist(), f"must be where the coefficients' floats are, {h.centres.tolist()}")
+    waves = scene.sea.amplitude.any() and (scene.settings.diffraction or scene.settings.froude_krylov == "linear")
+    if waves and abs(np.exp(1j * scene.sea.heading) - np.exp(1j * h.heading)) > 1e-6:
+        raise InputError("sea.heading", scene.sea.heading, f"must be {h.heading:g} rad, that of the coefficients")
+    if not scene.planar and len(h.dofs) < len(DOFS):
+        raise InputError("coefficients", " ".join(h.dofs), f"must have {', '.join(DOFS)}: the scene is not planar")
+
+
+@lru_cache(maxsize=8)
+def remembered(h: Hydrodynamics, hulls: tuple[Hull, ...], tolerance: float) -> radiation.RadiationMemory:
+    """The memory of a set of coefficients: tasks that differ in sea, damping or support share its fit."""
+    if h.memory is not None and h.memory_tolerance == tolerance:
+        return h.memory
+    lengths = np.array([1.0 if DOFS.index(d) < 3 else hull.largest_radius for hull in hulls for d in h.dofs])
+    return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths=lengths)
+
+
+def _reach(scene: Scene, b: int, height: float) -> float:
+    """How far from rest a hull's wetted surface gets [m]: at ±0.8 rad of its arm and ±0.2 rad of what carries it."""
+    item = scene.floats[b]
+    reach = item.hull.size + _way(item, item.centre, 0.8, height)
+    while (b := scene.carriers[b]) >= 0:
+        point, item = item.hinge, scene.floats[b]
+        reach += _way(item, np.array(point, float), 0.2, height)
+    return reach
+
+
+def _way(item: Float, point: np.ndarray, angle: float, height: float) -> float:
+    """How far a point gets: turned by an angle, or sliding from where it is let go by twice the wave height [m]."""
+    turned = 2 * np.sin(angle / 2) * float(np.linalg.norm(point - item.hinge))
+    start = zip(item.motion, item.per_axis("offset"), strict=True)
+    return max(abs(x) + 2 * height if slides(name) else turned for name, x in start)
+
+
+def _initial_acceleration(system: System, z, p, first: Drive):
+    """Modal and joint accelerations at t = 0, and the modal load of the hinges, from all loads at rest."""
+    body, frame = system.bodies, system.structure
+    nz, (nc, nm) = body.damping.size, frame.carrier.shape
+    motion, M = new_motion(body), np.zeros((nz, nz))
+    move(body, z, np.zeros(nz), motion)
+    mass_matrix(body, motion, M)
+    r, _ = balance(body, z, field=first.field[0], excitation=first.excitation[0])
+    shape = frame.carrier
+    whole = np.block(
+        [[np.eye(nm) + shape.T @ M[:nc, :nc] @ shape, shape.T @ M[:nc, nc:]], [M[nc:, :nc] @ shape, M[nc:, nc:]]]
+    )
+    load = np.concatenate([shape.T @ r[:nc] - frame.omega**2 * p + first.modal[0], r[nc:]])
+    acceleration = np.linalg.solve(whole, load)
+    ddp, ddz = acceleration[:nm], acceleration[nm:]
+    return ddp, ddz, ddp + frame.omega**2 * p - first.modal[0]
+
+
+def blocks(system: System, state: State, steps: int, done: int = 0):
+    """March from step `done` to step `steps`, yielding (wave samples, output, times) block by block.
+
+    `state` is that after `done` steps, and all that a run needs to go on: to the last bit where `done` is a
+    multiple of BLOCK_STEPS, elsewhere to Newton's tolerance.
+    """
+    h, tolerance = system.dt / 2, system.newton_tolerance
+    series = system.series(system.dt)
+    own = workspace(system.bodies, system.structure, system.memory, system.stiffness, system.dt)
+    # Up to the longest wave's period after the start little has been exchanged, and that with a jolt.
+    quiet = int(2 * np.pi / system.scene.sea.omega.min() / system.dt)
+    nz, nm, nb = system.bodies.damping.size, system.structure.omega.size, system.bodies.axes.size
+    for first in range(done, steps, BLOCK_STEPS):
+        count = min(BLOCK_STEPS, steps - first)
+        samples = series.block(2 * first, 2 * count + 1)
+        output = Output(
+            np.empty((2 * count, nz)),
+            np.empty((2 * count, nz)),
+            np.empty((2 * count, nm)),
+            np.empty((2 * count, nb, 6)),
+        )
+        outcome, sample, _ = march(
+            system.bodies,
+            system.structure,
+            system.memory,
+            system.drive(samples),
+            state,
+            own,
+            system.dt,
+            tolerance,
+            ITERATIONS,
+            quiet - first,
+            output,
+        )
+        if outcome != OK:
+            raise _failure(outcome, (2 * first + sample) * h, system, state)
+        yield samples[1:], output, (2 * first + 1 + np.arange(2 * count)) * h
+
+
+def _failure(outcome: int, t: float, system: System, state: State) -> SimulationFailed:
+    when = f"at t = {t:.1f} s"
+    if outcome == EXCURSION:
+        return SimulationFailed(limits.explain(system.scene, state.z, system.bodies.limit, when))
+    if outcome == UNBALANCED:
+        stored = energy(system.bodies, system.structure, state)
+        return unbalanced(energy_residual(state.work, stored, state.energy, state.energy[2]), GROSSLY, t, system)
+    trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
+    return StepTooLong(f"{trouble} {when}: reduce time_step = {system.dt:g} s")
+
+
+def energy_residual(work: np.ndarray, stored: float, exchanged: np.ndarray, allowed: float = 0.0) -> float:
+    """Gap of the energy balance, but for `allowed` [J], over the largest exchanged so far; see march.open_by."""
+    gap = open_by(work, stored, exchanged) - allowed
+    return float(abs(gap) / exchanged[1]) if gap else 0.0
+
+
+def unbalanced(gap: float, limit: float, t: float, system: System) -> StepTooLong:
+    """What a run is told whose energy balance is open by too large a share of the wave's work."""
+    return StepTooLong(
+        f"energy balance at t = {t:.1f} s open by {gap:.1e} of the wave's work, > {limit:g}: reduce time_step ="
+        f" {system.dt:g} s and newton_tolerance = {system.scene.settings.newton_tolerance:g}"
+    )

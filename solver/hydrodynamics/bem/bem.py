@@ -1,0 +1,309 @@
+"""Linear potential flow about hulls by boundary elements; capytaine evaluates the Green function.
+
+The mirror planes, the systems and the forces are ours, so that every right-hand side of a frequency
+shares one factorization, and parts that a symmetry makes zero are never solved. Conventions: see `coefficients`.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from solver.errors import InputError
+from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
+from solver.hydrodynamics.bem.mean_hull import froude_krylov, hydrostatic_stiffness, unit_motions
+from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull.mesh import Hull
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.sea.dispersion import wavenumber
+
+__all__ = ["DOFS", "PLANAR", "Hydrodynamics", "check", "frequency_grid", "solve"]
+
+DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see _Sea.seabed
+DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
+HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it and halved
+METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
+# Without the h² error the next power of h is left: even ones where the hull is smooth, all of them at edges.
+NEXT_SMOOTH, NEXT_EDGED = 4, 3
+TWO_MESHES = 0.5  # of the h² error, that is left of it at edges: measured on cylinders of draft 0.5 and 2 radii
+ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
+AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved as given
+
+
+def frequency_grid(
+    hulls: tuple[Hull, ...],
+    centres: np.ndarray,
+    *,
+    depth: float,
+    gravity: float = 9.81,
+    count: int = 40,
+    band: tuple[float, float] | None = None,
+) -> np.ndarray:
+    """Frequencies [rad/s] from Ka = 0.02 (or kh = 0.11) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
+
+    `count` even ones for a body alone. A wave reflected between bodies L apart turns the phase
+    of a force by 2kL: the spacing is then at most g/(4ωL), 1 rad, up to Ka = 2 and through the band.
+    """
+    radii = [h.largest_radius for h in hulls]
+    shallow = 1.001 * np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
+    low = max(np.sqrt(0.02 * gravity / max(radii)), shallow)
+    high, resolved = np.sqrt(np.array([10, 2]) * gravity / min(h.scale for h in hulls))
+    if band is not None:
+        low, high, resolved = min(low, band[0]), max(high, band[1]), max(resolved, band[1])
+    at = np.asarray(centres, float).reshape(-1, 3)
+    apart = np.linalg.norm(at[:, None] - at, axis=-1).max()
+    # Grid points divide the integral of their density evenly, so that the spacing varies smoothly.
+    omega = np.linspace(low, high, 4001)
+    density = (count - 1) / (high - low) + 0.0 * omega
+    density = np.maximum(density, 4 * apart / gravity * omega / (1 + (omega / resolved) ** 16))
+    index = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(omega))])
+    return np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1] - 1e-6)) + 1), index, omega)
+
+
+def solve(
+    hulls: tuple[Hull, ...],
+    centres: np.ndarray,
+    *,
+    depth: float,
+    density: float = 1025.0,
+    gravity: float = 9.81,
+    heading: float = 0.0,
+    omega: np.ndarray | None = None,
+    planar: bool = True,
+    panels: int = 432,
+) -> Hydrodynamics:
+    """Coefficients of `hulls` at `centres` (nb, 3) [m] in water of `depth` [m, may be inf].
+
+    Each is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many. A hull
+    that is a mesh is solved as given, or halved until it has panels / 4, and with all sides halved once more.
+    """
+    centres = np.asarray(centres, float).reshape(-1, 3)
+    omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
+    check(hulls, centres, depth, omega, gravity, panels)
+    dofs = PLANAR if planar else DOFS
+    sea = _Sea(depth=depth, density=density, gravity=gravity, heading=heading)
+    divisions = _divisions(hulls, centres, panels)
+    count = panels // max(divisions, default=1) ** 2
+    solutions = [_coefficients(hulls, centres, dofs, sea, omega, count, n) for n in divisions]
+    (impedance, impedance_inf, diffraction), left = _extrapolated(solutions, divisions, any(h.edged for h in hulls))
+    return Hydrodynamics(
+        omega=omega,
+        added_mass=impedance.real,
+        radiation_damping=impedance.imag * omega[:, None, None],
+        added_mass_inf=impedance_inf,
+        diffraction=diffraction,
+        froude_krylov=np.array([froude_krylov(hulls, centres, dofs, sea, w) for w in omega]),
+        hydrostatic_stiffness=hydrostatic_stiffness(hulls, dofs, sea),
+        displaced_mass=np.array([density * h.volume for h in hulls]),
+        buoyancy_centre=np.array([h.centre_of_buoyancy for h in hulls]),
+        centres=centres,
+        depth=depth,
+        density=density,
+        gravity=gravity,
+        heading=heading,
+        dofs=dofs,
+        settings=MappingProxyType(
+            {
+                "panels": solutions[0][-1],
+                "panels_coarse": solutions[-1][-1],
+                "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
+                "green_function": "Delhommeau",
+            }
+        ),
+        error=MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2]),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Sea:
+    depth: float
+    density: float
+    gravity: float
+    heading: float
+
+    def wavenumber(self, omega: float) -> float:
+        return float(wavenumber(omega, self.depth, self.gravity))
+
+    def seabed(self, k: float, radius: float) -> float:
+        """Depth to solve with: infinite, with a five times faster table, where the seabed does not matter.
+
+        Its waves fade as exp(-2kh), its images only as (a/h) (kh)^-2.5, measured on two hemispheres.
+        """
+        kh = k * self.depth
+        return np.inf if radius / self.depth * kh**-2.5 < DEEP else self.depth
+
+    def wave(self, points: np.ndarray, omega: float) -> tuple[np.ndarray, np.ndarray]:
+        """Pressure (np,) [Pa/m] and velocity (np, 3) [1/s] of the unit incident wave."""
+        k = self.wavenumber(omega)
+        x, y, z = points.T
+        down, up = np.exp(k * z), np.exp(-k * (z + 2 * self.depth))  # cosh and sinh without overflow
+        both = 1 + np.exp(-2 * k * self.depth)
+        c, s = np.cos(self.heading), np.sin(self.heading)
+        phase = np.exp(1j * k * (x * c + y * s))
+        pressure, climb = phase * (down + up) / both, phase * (down - up) / both
+        velocity = self.gravity * k / omega * np.column_stack([c * pressure, s * pressure, -1j * climb])
+        return self.density * self.gravity * pressure, velocity
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Mesh:
+    """The part of the wetted surface that `mirrors` complete, and all of it, as capytaine meshes about `origin`."""
+
+    mirrors: np.ndarray  # (ng, 3) of signs, the identity first
+    origin: np.ndarray  # (3,) where the mirror planes cross [m]
+    part: object  # nf panels
+    whole: object  # ng nf panels, mirror by mirror
+    wet: np.ndarray  # (nf,) True on hulls, False on lids
+    motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
+
+    @classmethod
+    def build(cls, hulls, centres, dofs, count: int, refine: int, *, lids: bool) -> "_Mesh":
+        origin, mirrors = meshes.mirror_planes(hulls, centres)
+        # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
+        makers = [(meshes.panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
+        pieces, body, wet = [], [], []
+        for b, (hull, at) in enumerate(zip(hulls, centres - origin, strict=True)):
+            share = meshes.quarters(at, len(mirrors))
+            for make, times in makers if share else ():
+                vertices, faces = make(hull, count, refine=times, quarters=share)
+                pieces.append((vertices + at, faces))
+                body.append(np.full(len(faces), b))
+                wet.append(np.full(len(faces), make is meshes.panels))
+        part, whole = _join(pieces), _join([meshes.mirrored(p, m) for m in mirrors for p in pieces])
+        wet, body = np.concatenate(wet), np.concatenate(body)
+        bodies = np.concatenate([meshes.partner(centres - origin, m)[body] for m in mirrors])
+        motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
+        motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
+        return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, motions=motions)
+
+    def scattered(self, sea: _Sea, omega: float) -> np.ndarray:
+        """Normal velocity (ng, nf, 1) that cancels the unit incident wave's, 0 on lids."""
+        _, velocity = sea.wave(self.whole.faces_centers + self.origin, omega)
+        normal = np.sum(velocity * self.whole.faces_normals, axis=1)
+        return -(normal.reshape(len(self.mirrors), -1) * self.wet)[..., None]
+
+    def solve(self, normal_velocity: np.ndarray, k: float, seabed: float) -> np.ndarray:
+        """-∫ φ n dS (nc, n) of the outgoing potentials with ∂φ/∂n = normal_velocity (ng, nf, nc).
+
+        Green's identity D φ = S ∂φ/∂n, class of symmetry by class: with the signs χ(g) of a class,
+        its share of the motion, mean of χ(g) v_g over the images g, drives D = sum of χ(g) D_g.
+        """
+        ng, nf, nc = normal_velocity.shape
+        single, double = _green_function().evaluate(
+            self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
+        )
+        single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
+        weight = (self.wet * self.part.faces_areas)[:, None]
+        total = np.zeros((nc, self.motions.shape[-1]), complex)
+        for sign in meshes.symmetry_classes(self.mirrors):
+            source = np.tensordot(sign, normal_velocity, 1) / ng
+            if np.abs(source).max() > 1e-12 * np.abs(normal_velocity).max():
+                rhs = np.tensordot(sign, single, 1) @ source
+                potential = lu_solve(lu_factor(np.tensordot(sign, double, 1)), rhs)
+                total -= potential.T @ (weight * np.tensordot(sign, self.motions, 1))
+        return total
+
+
+def _coefficients(hulls, centres, dofs, sea: _Sea, omega: np.ndarray, count: int, refine: int):
+    """A + iB/ω (nw, n, n), A(inf) (n, n), diffraction force (nw, n), and the number of panels on hulls."""
+    bare = _Mesh.build(hulls, centres, dofs, count, refine, lids=False)  # no irregular frequency at infinity
+    mesh = _Mesh.build(hulls, centres, dofs, count, refine, lids=True)
+    n, largest = mesh.motions.shape[-1], max(h.largest_radius for h in hulls)
+    infinite = sea.density * bare.solve(bare.motions, np.inf, sea.seabed(np.inf, 1.0)).real
+    impedance, diffraction = np.empty((len(omega), n, n), complex), np.empty((len(omega), n), complex)
+    for i, w in enumerate(omega):
+        sources = np.concatenate([mesh.motions, mesh.scattered(sea, w)], axis=2)
+        k = sea.wavenumber(w)
+        forces = sea.density * mesh.solve(sources, k, sea.seabed(k, largest))
+        impedance[i], diffraction[i] = _symmetric(forces[:n]), 1j * w * forces[n]
+    return impedance, _symmetric(infinite), diffraction, bare.wet.size * len(bare.mirrors)
+
+
+def _symmetric(matrix: np.ndarray) -> np.ndarray:
+    # Reciprocity holds for the exact potential; collocation misses it by a part of its own error.
+    return (matrix + matrix.T) / 2
+
+
+def _divisions(hulls, centres, panels: int) -> tuple[int, ...]:
+    """Divisions of the base mesh to solve for, the finer first; only one where the finer costs too much."""
+    if not any(isinstance(h, PanelHull) for h in hulls):
+        return DIVISIONS
+    _, mirrors = meshes.mirror_planes(hulls, centres)
+    count = sum(max(panels, HALVED[0] ** 2 * len(h.wetted)) if isinstance(h, PanelHull) else panels for h in hulls)
+    return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
+
+
+def _extrapolated(solutions, divisions, edged: bool):
+    """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
+
+    From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
+    solution is its own limit, and how far off follows from its panels alone.
+    """
+    *finest, count = solutions[0]
+    if len(solutions) == 1:
+        return finest, [ONE_MESH / np.sqrt(count) * x for x in finest]
+    best = _limits(solutions[:2], divisions[:2])
+    if len(solutions) == 2:
+        return best, [TWO_MESHES * (b - f) for b, f in zip(best, finest, strict=True)]
+    left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if edged else NEXT_SMOOTH)
+    coarser = _limits(solutions[1:], divisions[1:])
+    return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
+
+
+def _limits(pair, divisions):
+    fine, coarse = (n**2 for n in divisions)
+    return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-1] for s in pair), strict=True)]
+
+
+@cache
+def _capytaine():
+    import capytaine
+
+    capytaine.set_logging("ERROR")  # panels of a sphere are not plane: nothing to warn of
+    return capytaine
+
+
+@cache
+def _delhommeau():
+    return _capytaine().Delhommeau()
+
+
+def _green_function():
+    # Capytaine draws the points of its finite-depth fit at random: the same numbers for each fit, on every machine.
+    _capytaine().tools.prony_decomposition.RNG = np.random.default_rng(0)
+    return _delhommeau()
+
+
+def _join(pieces):
+    vertices, faces = meshes.merged(pieces)
+    # Cleaning would take panels away that we count on; nor is there anything to clean.
+    return _capytaine().Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
+
+
+def check(hulls, centres, depth, omega, gravity, panels) -> None:
+    """Refuse what `solve` cannot solve."""
+    if len(hulls) != len(centres) or not len(hulls):
+        raise InputError("centres", len(centres), f"must be one for each of the {len(hulls)} hulls")
+    if np.any(centres[:, 2] != 0):
+        raise InputError("centres", centres[:, 2].tolist(), "must lie in the still-water plane, z = 0 m")
+    if panels < 108:
+        raise InputError("panels", panels, "must be at least 108 a body")
+    deepest = max(h.draft for h in hulls)
+    if not depth > deepest:
+        raise InputError("depth", depth, f"must be greater than the draft, {deepest} m")
+    if omega[0] <= 0 or np.any(np.diff(omega) <= 0):
+        raise InputError("omega", omega.tolist(), "must increase from above 0 rad/s")
+    if wavenumber(omega[0], depth, gravity) * depth <= 0.1:
+        raise InputError("omega", omega[0], f"must have kh > 0.1 in the depth of {depth} m")
+    for i, j in zip(*np.triu_indices(len(hulls), 1), strict=True):
+        if _touching(hulls[i], centres[i], hulls[j], centres[j]):
+            raise InputError("centres", centres[[i, j]].tolist(), "bodies must not touch or overlap")
+
+
+def _touching(a, at, b, other) -> bool:
+    """Whether neither the circles nor the rectangles about two hulls are clear of each other."""
+    circles = np.linalg.norm(at - other) <= a.largest_radius + b.largest_radius
+    gap = np.maximum(a.box[0] + at[:2] - b.box[1] - other[:2], b.box[0] + other[:2] - a.box[1] - at[:2])
+    return bool(circles and np.all(gap <= 0))

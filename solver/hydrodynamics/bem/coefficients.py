@@ -1,0 +1,95 @@
+"""Hydrodynamic coefficients as arrays, and the excitation between the frequencies solved for.
+
+Harmonics are Re{X exp(-iωt)}; the incident wave of unit amplitude is
+η = Re exp(i(k(x cosβ + y sinβ) - ωt)), phase zero at x = y = 0.
+"""
+
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from solver.errors import InputError
+from solver.hydrodynamics.radiation.memory import RadiationMemory
+from solver.sea.dispersion import wavenumber
+
+DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+PLANAR = ("surge", "heave", "pitch")
+
+
+class MeshError(NamedTuple):
+    """Estimated errors, with their signs, of the coefficients of the same names."""
+
+    added_mass: np.ndarray
+    radiation_damping: np.ndarray
+    added_mass_inf: np.ndarray
+    diffraction: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Hydrodynamics:
+    """Coefficients of nb bodies, n = nb len(dofs) degrees of freedom ordered body by body.
+
+    Rotations and moments are about each body's centre (x, y, 0), at rest in the still-water plane.
+    """
+
+    omega: np.ndarray  # (nw,) [rad/s], increasing
+    added_mass: np.ndarray  # (nw, n, n) [kg, kg m, kg m²]
+    radiation_damping: np.ndarray  # (nw, n, n) [N s/m, ...]
+    added_mass_inf: np.ndarray  # (n, n), at infinite frequency
+    diffraction: np.ndarray  # (nw, n) complex force of the scattered wave per wave amplitude [N/m]
+    froude_krylov: np.ndarray  # (nw, n) complex force of the incident wave at the mean position [N/m]
+    hydrostatic_stiffness: np.ndarray  # (n, n) of buoyancy alone: ρgS, ρg(I + V z_b); weight is the scene's
+    displaced_mass: np.ndarray  # (nb,) [kg], exact hull
+    buoyancy_centre: np.ndarray  # (nb,) z of the displaced volume's centroid [m]
+    centres: np.ndarray  # (nb, 3) [m]
+    depth: float  # [m], may be inf
+    density: float  # [kg/m³]
+    gravity: float  # [m/s²]
+    heading: float  # direction the waves travel to, from +x towards +y [rad]
+    dofs: tuple[str, ...]  # of one body
+    settings: MappingProxyType = field(default_factory=lambda: MappingProxyType({}))
+    error: MeshError | None = None  # what the panels leave, as far as is known
+    memory: RadiationMemory | None = None  # fitted to these, for scenes that ask for
+    memory_tolerance: float = np.nan  # this tolerance
+
+    @property
+    def shifted(self) -> "Hydrodynamics":
+        """With coefficients off by their estimated error."""
+        if self.error is None:
+            return self
+        return replace(self, **{name: getattr(self, name) + off for name, off in self.error._asdict().items()})
+
+    @property
+    def mesh_error(self) -> float:
+        """Largest estimated error of a curve, as a share of the largest value of its kind."""
+        if self.error is None:
+            return 0.0
+        return max(float(np.abs(e).max() / np.abs(getattr(self, n)).max()) for n, e in self.error._asdict().items())
+
+    def excitation(self, omega: np.ndarray, kind: str = "total") -> np.ndarray:
+        """Force per wave amplitude (nw', n) [N/m] at any ω in the solved range.
+
+        kind: "total", "diffraction" or "froude_krylov". Cubic splines of X exp(-ik·x_b): without the
+        phase of the wave's arrival at the body the curves are smooth.
+        """
+        omega = np.atleast_1d(np.asarray(omega, float))
+        low, high = self.omega[[0, -1]]
+        # A band that ends on the grid may miss it by rounding.
+        if omega.min() < low * (1 - 1e-9) or omega.max() > high * (1 + 1e-9):
+            raise InputError("omega", (omega.min(), omega.max()), f"must be within {low:.6g} to {high:.6g} rad/s")
+        force = {
+            "diffraction": self.diffraction,
+            "froude_krylov": self.froude_krylov,
+            "total": self.diffraction + self.froude_krylov,
+        }[kind]
+        smooth = CubicSpline(self.omega, force * self._arrival(self.omega).conj())
+        return smooth(omega) * self._arrival(omega)
+
+    def _arrival(self, omega: np.ndarray) -> np.ndarray:
+        """exp(ik(x_b cosβ + y_b sinβ)) for each degree of freedom, (nw, n)."""
+        k = wavenumber(omega, self.depth, self.gravity)
+        along = self.centres[:, 0] * np.cos(self.heading) + self.centres[:, 1] * np.sin(self.heading)
+        return np.exp(1j * k[:, None] * np.repeat(along, len(self.dofs)))

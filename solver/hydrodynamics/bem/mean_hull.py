@@ -1,0 +1,43 @@
+"""What follows from the exact hull at its mean position, without solving for any potential."""
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from solver.hydrodynamics.bem.coefficients import DOFS
+
+
+def unit_motions(points, normals, body, centres, dofs) -> np.ndarray:
+    """n · e and n · (e × r) of each body's unit motions, (np, n), r from the body's centre."""
+    turning = np.cross(points - centres[body], normals)
+    six = np.concatenate([normals, turning], axis=1)[:, [DOFS.index(d) for d in dofs]]
+    each = np.zeros((len(points), len(centres), len(dofs)))
+    each[np.arange(len(points)), body] = six
+    return each.reshape(len(points), -1)
+
+
+def froude_krylov(hulls, centres, dofs, sea, omega: float) -> np.ndarray:
+    """-∫ p n dS over the exact mean wetted surface, (n,)."""
+    force = []
+    for hull, centre in zip(hulls, centres, strict=True):
+        points, areas = hull.surface_points()
+        pressure, _ = sea.wave(points + centre, omega)
+        motions = unit_motions(points, areas, np.zeros(len(points), int), np.zeros((1, 3)), dofs)
+        force.append(-pressure @ motions)
+    return np.concatenate(force)
+
+
+def hydrostatic_stiffness(hulls, dofs, sea) -> np.ndarray:
+    """Stiffness (n, n) of buoyancy about each centre, moments of the waterplane S, displaced V at (xb, yb, zb):
+
+    heave ρgS; heave-roll ρgS_y, heave-pitch -ρgS_x; roll ρg(S_yy + V zb), pitch ρg(S_xx + V zb), roll-pitch
+    -ρgS_xy; and, as buoyancy stays where it is in the body, yaw on roll -ρgV xb and on pitch -ρgV yb.
+    """
+    blocks = []
+    for hull in hulls:
+        S, Sx, Sy, Sxx, Sxy, Syy = hull.waterplane
+        xb, yb, zb = hull.volume * hull.buoyancy_point
+        six = np.zeros((6, 6))
+        six[2:5, 2:] = [[S, Sy, -Sx, 0], [Sy, Syy + zb, -Sxy, -xb], [-Sx, -Sxy, Sxx + zb, -yb]]
+        own = [DOFS.index(d) for d in dofs]
+        blocks.append(sea.density * sea.gravity * six[np.ix_(own, own)])
+    return block_diag(*blocks)

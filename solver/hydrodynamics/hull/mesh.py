@@ -1,0 +1,211 @@
+"""Panels on hulls below still water, lids inside them, and the mirror planes of a scene."""
+
+from functools import singledispatch
+
+import numpy as np
+
+from solver.errors import InputError
+from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.surface import merged, mirrored
+
+Hull = Revolution | PanelHull
+
+IMAGES = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], float)  # of a quarter at x > 0, y > 0
+
+
+@singledispatch
+def panels(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    """Quadrilaterals on the wetted hull, about `count` on all of it: vertices (nv, 3) [m], faces (nf, 4).
+
+    `refine` divides each panel's sides: meshes that differ in it alone are one family, and may be
+    extrapolated. `quarters` from azimuth 0: 1 is x >= 0, y >= 0; 2 is y >= 0; 4 the whole. Normals
+    point into the water. Vertices are pushed outwards, horizontally until the waterplane area is
+    exact, then vertically until the displaced volume is: coefficients do not inherit an
+    inscribed, too small, body.
+    """
+    half, divisions = _lattice(hull, count)
+    half *= refine
+    arc, azimuth, faces = _quarter(_rings(hull, [refine * n for n in divisions]), half)
+    r, z = _along(hull, arc).T
+    z = np.minimum(z, 0.0)  # the waterline may come out above by rounding
+    points = np.column_stack([r * np.cos(azimuth), r * np.sin(azimuth), z])
+    points[:, :2] *= _polygon_scale(half)
+    points[:, 2] *= hull.volume / (4 * _volume(points, faces))
+    return _copied(points, faces, quarters)
+
+
+@panels.register
+def _(hull: PanelHull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    """The hull's own panels, halved until there are about `count`, then each into refine², a power of 4."""
+    pieces = hull.wetted
+    for axis in (1, 0)[: {4: 0, 2: 1, 1: 2}[quarters]]:
+        pieces = surface.below(pieces, axis, sign=-1)
+    pieces = surface.split(pieces, np.sqrt(2 * hull.wetted_area / count))
+    while refine > 1:
+        pieces, refine = surface.quartered(pieces), refine // 2
+    return _indexed(pieces)
+
+
+def _indexed(pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    faces = np.arange(4 * len(pieces)).reshape(-1, 4)
+    faces[np.all(pieces[:, 2] == pieces[:, 3], axis=1), 3] -= 1
+    return pieces.reshape(-1, 3), faces
+
+
+@singledispatch
+def lid(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    """Quadrilaterals on the waterplane inside the hull, as large as those of `panels`; normals point down."""
+    half = refine * _lattice(hull, count)[0]
+    radius = hull.waterplane_radius
+    arc, azimuth, faces = _quarter(np.linspace(radius / 2, radius, 1 + (half + 1) // 2), half)
+    points = np.column_stack([arc * np.cos(azimuth), arc * np.sin(azimuth), 0 * arc])
+    return _copied(points * _polygon_scale(half), faces, quarters)
+
+
+@lid.register
+def _(hull: PanelHull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    """Rectangles of a lattice over the waterplane, those that lie inside it; normals point down.
+
+    What is left free along the waterline is narrower than a panel: its eigenfrequencies are beyond
+    those that the panels resolve.
+    """
+    low, high = hull.box
+    size = np.sqrt(2 * hull.wetted_area / count) / refine
+    # Even numbers: planes of symmetry run between cells. Four at least, or a slender body has no lid.
+    nx, ny = (2 * max(2, round(extent / size / 2)) for extent in high - low)
+    x, y = np.linspace(low[0], high[0], nx + 1), np.linspace(low[1], high[1], ny + 1)
+    if quarters < 4:
+        y = y[ny // 2 :]
+    if quarters < 2:
+        x = x[nx // 2 :]
+    near, far = (np.stack(np.meshgrid(u, v, indexing="ij"), -1) for u, v in ((x[:-1], y[:-1]), (x[1:], y[1:])))
+    (a, c), (b, d) = near.reshape(-1, 2).T, far.reshape(-1, 2).T
+    corners = np.moveaxis(np.array([(a, c), (a, d), (b, d), (b, c)]), 2, 0)
+    shrunk = corners + 1e-3 * (corners.mean(axis=1, keepdims=True) - corners)
+    cells = corners[_inside(shrunk.reshape(-1, 2), hull.waterline).reshape(-1, 4).all(axis=1)]
+    return _indexed(np.concatenate([cells, np.zeros((*cells.shape[:2], 1))], axis=2))
+
+
+def _inside(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """Which points (n, 2) a ray along x leaves across an odd number of an outline's segments (ns, 2, 2)."""
+    (x0, y0), (x1, y1) = segments[:, 0].T, segments[:, 1].T
+    x, y = points.T[:, :, None]
+    spans = (y0 > y) != (y1 > y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        meets = x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
+    return np.sum(spans & meets, axis=1) % 2 == 1
+
+
+def _lattice(hull: Revolution, count: int) -> tuple[int, list[int]]:
+    """Panels in an eighth of the circumference, and along the outer half of the first segment and each other."""
+    if count < 12:
+        raise InputError("panels", count, "must be at least 12")
+    first, *others = hull.wetted()
+    size = np.sqrt(hull.wetted_area / count) * 1.08  # those at edges and at the pole are smaller
+    half = max(1, round(np.pi / 4 * hull.largest_radius / size))
+    return half, [max(1, round(first.length / 2 / size)), *(max(2, round(s.length / size)) for s in others)]
+
+
+def _polygon_scale(half: int) -> float:
+    """Circumscribing factor that gives a polygon of 8 half sides the area of its circle."""
+    step = np.pi / (4 * half)
+    return float(np.sqrt(step / np.sin(step)))
+
+
+def _rings(hull: Revolution, divisions: list[int]) -> np.ndarray:
+    """Arc lengths of the rings of vertices [m], finer towards edges and waterline, from mid first segment."""
+    first, *others = hull.wetted()
+    rings = [first.length / 2 * (1 + _cluster(divisions[0], start=0.0))]
+    for segment, n in zip(others, divisions[1:], strict=True):
+        rings.append(rings[-1][-1] + segment.length * _cluster(n, start=1.0)[1:])
+    return np.concatenate(rings)
+
+
+def _cluster(n: int, *, start: float) -> np.ndarray:
+    """n + 1 fractions from 0 to 1, a quarter of the way from cosine to even spacing; start = 0: even at the start."""
+    even = np.linspace(0, 1, n + 1)
+    both, end = (1 - np.cos(np.pi * even)) / 2, np.sin(np.pi / 2 * even)
+    return even / 4 + (start * both + (1 - start) * end) * 3 / 4
+
+
+def _along(hull: Revolution, arc: np.ndarray) -> np.ndarray:
+    """Points (r, z) of the wetted meridian at arc lengths from the pole, (n, 2) [m]."""
+    wetted = hull.wetted()
+    ends = np.cumsum([s.length for s in wetted])
+    index = np.minimum(np.searchsorted(ends, arc - 1e-9 * ends[-1]), len(wetted) - 1)
+    points = np.empty((arc.size, 2))
+    for i, segment in enumerate(wetted):
+        mine = index == i
+        points[mine] = segment.at(np.clip(1 - (ends[i] - arc[mine]) / segment.length, 0, 1))
+    return points
+
+
+def _quarter(rings: np.ndarray, half: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A disc's quarter in polar coordinates: a half x half block about the pole, then rings of 2 half panels.
+
+    The block is a square half bent into a circle, so that no panel degenerates at the pole.
+    """
+    u, v = (x.ravel() / half for x in np.mgrid[: half + 1, : half + 1])
+    outer = np.maximum(np.maximum(u, v), 1e-30)
+    angle = np.where(u >= v, np.pi / 4 * v / outer, np.pi / 2 - np.pi / 4 * u / outer)
+    block = rings[0] * (0.5 * outer * np.exp(1j * angle) + 0.4 * (u + 1j * v))
+    azimuth = np.linspace(0, np.pi / 2, 2 * half + 1)
+    points = np.concatenate([block, (rings[1:, None] * np.exp(1j * azimuth)).ravel()])
+    grid = np.arange((half + 1) ** 2).reshape(half + 1, half + 1)
+    rim = np.concatenate([grid[half], grid[:half, half][::-1]])
+    shells = np.concatenate([rim, grid.size + np.arange((rings.size - 1) * azimuth.size)]).reshape(-1, azimuth.size)
+    # Walked outwards along the meridian and then towards growing azimuth, the left hand is the water side.
+    return np.abs(points), np.angle(points), np.concatenate([_cells(grid), _cells(shells)])
+
+
+def _cells(grid: np.ndarray) -> np.ndarray:
+    """Quadrilaterals of a lattice of vertex numbers, wound so that hull normals point out."""
+    return np.column_stack([g.ravel() for g in (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])])
+
+
+def _volume(points: np.ndarray, faces: np.ndarray) -> float:
+    """Volume below z = 0 over a quarter's panels [m³], ∮ z n_z dS on the two triangles of each."""
+    total = 0.0
+    for corners in ([0, 1, 2], [0, 2, 3]):
+        a, b, c = np.moveaxis(points[faces[:, corners]], 1, 0)
+        normal = np.cross(b - a, c - a) / 2
+        total += float(np.sum((a + b + c)[:, 2] / 3 * normal[:, 2]))
+    return total
+
+
+def _copied(points: np.ndarray, faces: np.ndarray, quarters: int) -> tuple[np.ndarray, np.ndarray]:
+    """The first quarter and its mirror images: for 2 in the plane x = 0, for 4 in y = 0 too."""
+    copies = [mirrored((points, faces), sign) for sign in IMAGES[[0, 2, 1, 3][:quarters]]]
+    return merged(copies)
+
+
+def mirror_planes(hulls: tuple[Hull, ...], centres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where a scene's planes of symmetry cross (3,) [m], and the images (1, 2 or 4, 3) of signs they make."""
+    origin = np.array([*(centres[:, :2].min(axis=0) + centres[:, :2].max(axis=0)) / 2, 0.0])
+    at = centres - origin
+    if not np.allclose(at[:, 1], 0) or not all(h.symmetry[1] for h in hulls):
+        return origin, IMAGES[:1]
+    swapped = partner(at, IMAGES[2])
+    both = np.all(swapped >= 0) and all(hulls[b] == hulls[o] and hulls[b].symmetry[0] for b, o in enumerate(swapped))
+    return origin, IMAGES if both else IMAGES[:2]
+
+
+def partner(at: np.ndarray, mirror: np.ndarray) -> np.ndarray:
+    """The body in whose place each body's mirror image lies, (nb,), -1 where there is none."""
+    gap = np.linalg.norm((at * mirror)[:, None] - at[None], axis=-1)
+    return np.where(gap.min(axis=1) < 1e-9 * (1 + np.abs(at).max()), gap.argmin(axis=1), -1)
+
+
+def quarters(at: np.ndarray, images: int) -> int:
+    """Quarters of a body at `at` to be meshed: with both planes, of each pair only the one at x > 0."""
+    if images < 4:
+        return 4 // images
+    return 1 if abs(at[0]) < 1e-9 else 2 * int(at[0] > 0)
+
+
+def symmetry_classes(mirrors: np.ndarray) -> np.ndarray:
+    """Signs (nc, ng) by which an even or odd motion about each plane goes over to each image."""
+    x, y = mirrors[:, 0], mirrors[:, 1]
+    return np.array([np.ones(len(x)), y, x, x * y][: len(x)])

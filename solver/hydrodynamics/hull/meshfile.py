@@ -1,0 +1,115 @@
+"""Panel meshes from the content of a file: STL, WAMIT's GDF, Nemoh's .dat, and what capytaine reads besides.
+
+Every reader gives vertices (nv, 3) [m] and faces (nf, 4); a triangle repeats its last vertex.
+Symmetry that a format declares is unfolded here. Nothing is judged: see `surface`.
+"""
+
+import io
+import re
+import struct
+
+import numpy as np
+
+from solver.errors import InputError
+from solver.hydrodynamics.hull.surface import merged, mirrored
+
+FOOT = 0.3048  # [m]
+FEET = (31.0, 33.0)  # gravity [ft/s²] of a GDF file whose lengths are feet
+WORDS = ("hst", "pnl", "hydrostar", "hams", "nemoh", "mar")  # capytaine's own formats, text
+KEY = "hull.file"
+
+
+def read(name: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and faces of the file `name`, whose extension says how `data` is to be read."""
+    kind = name.rpartition(".")[2].lower()
+    if not data.strip():
+        raise InputError(KEY, name, "is empty")
+    try:
+        vertices, faces = {"stl": _stl, "gdf": _gdf, "dat": _nemoh}.get(kind, _by_capytaine)(data, kind)
+    except InputError:
+        raise
+    except (ValueError, IndexError, KeyError, AssertionError, struct.error) as error:
+        raise InputError(KEY, name, f"is not a readable {kind} mesh: {error}") from None
+    if not len(faces):
+        raise InputError(KEY, name, "holds no panels")
+    if not np.all(np.isfinite(vertices)) or faces.min() < 0 or faces.max() >= len(vertices):
+        raise InputError(KEY, name, "has panels with corners that are no points of it")
+    return vertices, faces
+
+
+def _stl(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles, binary (50 bytes each after a count) or in words."""
+    count = struct.unpack_from("<I", data, 80)[0] if len(data) >= 84 else -1
+    if len(data) == 84 + 50 * count:
+        record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+        corners = np.frombuffer(data, record, count, 84)["corners"].astype(float)
+    else:
+        number = r"\s+([-+0-9.eE]+)"
+        found = re.findall(r"vertex" + 3 * number, _text(data))
+        if not found or len(found) % 3:
+            raise ValueError(f"{len(found)} corners, three for each triangle are needed")
+        corners = np.array(found, float).reshape(-1, 3, 3)
+    faces = np.arange(corners.size // 3).reshape(-1, 3)
+    return corners.reshape(-1, 3), faces[:, [0, 1, 2, 2]]
+
+
+def _gdf(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """WAMIT, low order: title; ULEN GRAV; ISX ISY; count; four corners of each panel.
+
+    ULEN only scales WAMIT's output; coordinates are lengths, in feet where GRAV is.
+    """
+    lines = _text(data).splitlines()
+    gravity = float(lines[1].split()[1])
+    isx, isy = (int(word) for word in lines[2].split()[:2])
+    count = int(lines[3].split()[0])
+    numbers = np.array(" ".join(lines[4:]).replace("D", "E").replace("d", "e").split(), float)
+    if not {isx, isy} <= {0, 1}:
+        raise ValueError(f"ISX = {isx}, ISY = {isy}: 0 or 1 is needed, for walls and B-splines are not known here")
+    if numbers.size != 12 * count:
+        raise ValueError(f"{numbers.size} coordinates, {count} panels need {12 * count}")
+    unit = FOOT if FEET[0] < gravity < FEET[1] else 1.0
+    faces = np.arange(4 * count).reshape(-1, 4)
+    return _unfolded(numbers.reshape(-1, 3) * unit, _triangles_last(numbers.reshape(-1, 4, 3), faces), isx, isy)
+
+
+def _nemoh(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """Nemoh: "2 symmetric"; number x y z up to a line that starts with 0; corners from 1, up to another."""
+    rows = [line.split() for line in _text(data).splitlines() if line.strip()]
+    ends = [i for i, row in enumerate(rows[1:], 1) if float(row[0]) == 0]
+    vertices = np.array([row[1:4] for row in rows[1 : ends[0]]], float)
+    faces = np.array([row[:4] for row in rows[ends[0] + 1 : ends[1] if len(ends) > 1 else None]], int) - 1
+    return _unfolded(vertices, _triangles_last(vertices[faces], faces), 0, int(rows[0][1]))
+
+
+def _by_capytaine(data: bytes, kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """HydroStar's and HAMS's files; with meshio or trimesh installed also theirs."""
+    from capytaine import load_mesh
+
+    stream = io.StringIO(_text(data)) if kind in WORDS else io.BytesIO(data)
+    try:
+        mesh = load_mesh(stream, file_format=kind).merged()
+    except ValueError as error:
+        if "nsupported mesh format" not in str(error):
+            raise
+        raise ValueError("known are stl, gdf, dat, hst, pnl; and what meshio reads, if it is installed") from None
+    return np.asarray(mesh.vertices, float), np.asarray(mesh.faces, int)
+
+
+def _text(data: bytes) -> str:
+    return data.decode("utf-8", errors="replace")
+
+
+def _triangles_last(corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Faces (nf, 4) in which a corner given twice is the last: triangles may repeat any neighbour."""
+    same = np.all(corners == np.roll(corners, -1, axis=1), axis=2)  # corner i and the next
+    shift = np.where(same.any(axis=1), same.argmax(axis=1) - 2, 0)
+    return faces[np.arange(len(faces))[:, None], (np.arange(4) + shift[:, None]) % 4]
+
+
+def _unfolded(vertices, faces, x: int, y: int) -> tuple[np.ndarray, np.ndarray]:
+    """The surface with its images in the planes x = 0 and y = 0."""
+    whole = (vertices, faces)
+    for given, sign in ((x, [-1, 1, 1]), (y, [1, -1, 1])):
+        if given:
+            whole = merged([whole, mirrored(whole, np.array(sign, float))])
+    return whole

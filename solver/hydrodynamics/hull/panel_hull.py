@@ -1,0 +1,206 @@
+"""Hulls of any shape as closed panel meshes, and their hydrostatics, exact on the polyhedron.
+
+Body coordinates as in `hull`: z = 0 the still-water plane at rest, x and y from the reference point.
+"""
+
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy  # spatial is slow to import, and the command line needs scenes but rarely meshes
+
+from solver.errors import InputError
+from solver.hydrodynamics.hull import meshfile, surface
+
+ALIKE = 1e-5  # of the hull's size, within which a mirror image coincides with the hull
+
+
+class MeshWarning(UserWarning):
+    """A mesh that had to be mended, or that is not closed."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PanelHull:
+    """A surface of triangles and quadrilaterals about a body, normals into the water."""
+
+    vertices: np.ndarray  # (nv, 3) [m]
+    faces: np.ndarray  # (nf, 4), a triangle gives its last vertex twice
+    closed: bool = True  # False: open above still water, good for linear forces alone
+    notes: tuple[str, ...] = ()  # what was mended
+    edged = True  # as far as the boundary elements' error goes: panels meet at angles
+
+    @classmethod
+    def read(cls, name: str, data: bytes) -> "PanelHull":
+        """The hull in a file's content; the extension of `name` tells the format. Warns of what was mended."""
+        hull = cls.of(*meshfile.read(name, data), name=name)
+        for note in hull.notes:
+            warnings.warn(f"{name}: {note}", MeshWarning, stacklevel=2)
+        return hull
+
+    @classmethod
+    def of(cls, vertices: np.ndarray, faces: np.ndarray, *, name: str = "mesh") -> "PanelHull":
+        """The hull of a mesh (nv, 3), (nf, 4): welded, wound outwards, and refused where it is no hull."""
+        key = meshfile.KEY
+        vertices, faces, cleaned = surface.welded(np.asarray(vertices, float), np.asarray(faces))
+        if not len(faces):
+            raise InputError(key, name, "has no panel with an area")
+        lowest = vertices[faces.ravel(), 2].min()
+        if not lowest < 0:
+            raise InputError(key, f"{name}, lowest point at z = {lowest:g} m", "must reach below still water, z = 0 m")
+        faces, rim, turned = surface.oriented(vertices, faces, key, name)
+        tolerance = surface.WELD * np.ptp(vertices, axis=0).max()
+        sunk = rim[vertices[rim, 2].min(axis=1) < -tolerance]
+        if len(sunk):
+            where = ", ".join(f"{x:.4g}" for x in vertices[sunk[0]].mean(axis=0))
+            raise InputError(
+                key, name, f"must be closed below still water: {len(sunk)} open edges, the first near ({where}) m"
+            )
+        opened = [f"open above still water ({len(rim)} edges): no body-nonlinear pressure"] if len(rim) else []
+        for array in (vertices, faces):
+            array.setflags(write=False)
+        hull = cls(
+            vertices=vertices, faces=faces, closed=not len(rim), notes=tuple(cleaned + turned + opened)
+        )  # fmt: skip
+        if not hull.volume > 0:
+            raise InputError(key, f"{name}, displaced volume {hull.volume:g} m3", "must be > 0")
+        return hull
+
+    def __eq__(self, other) -> bool:
+        return (
+            type(other) is PanelHull
+            and np.array_equal(self.vertices, other.vertices)
+            and np.array_equal(self.faces, other.faces)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.vertices.tobytes(), self.faces.tobytes()))
+
+    @cached_property
+    def panels(self) -> np.ndarray:
+        """All panels (n, 4, 3) [m], each with its own corners."""
+        return self.vertices[self.faces]
+
+    @cached_property
+    def wetted(self) -> np.ndarray:
+        """The panels below still water (n, 4, 3) [m], cut there."""
+        return surface.below(self.panels)
+
+    def surface_points(self, size: float | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Quadrature of the wetted surface at rest: points (np, 3) [m] and outward areas n dS (np, 3) [m²].
+
+        The middles of all triangles' sides: exact for polynomials of the second degree. size: of the
+        panels' sides at most [m], a tenth of the wetted part's extent by default.
+        """
+        pieces = surface.split(self.wetted, size or np.ptp(self.wetted.reshape(-1, 3), axis=0).max() / 10)
+        return _midpoints(pieces)
+
+    @cached_property
+    def _moments(self) -> dict[str, float]:
+        """∫ f n_z dS over the wetted surface for f = 1, x, y, z, x², ... ; all exact."""
+        points, areas = _midpoints(self.wetted)
+        x, y, z = points.T
+        terms = {"1": 1 + 0 * x, "x": x, "y": y, "z": z, "xx": x * x, "xy": x * y, "yy": y * y}
+        terms |= {"xz": x * z, "yz": y * z, "zz": z * z / 2}
+        return {name: float(f @ areas[:, 2]) for name, f in terms.items()}
+
+    @property
+    def volume(self) -> float:
+        """Displaced volume at rest [m³], ∫ z n_z dS: the waterplane gives nothing."""
+        return self._moments["z"]
+
+    @property
+    def buoyancy_point(self) -> np.ndarray:
+        """Centroid of the displaced volume (3,) [m]."""
+        m = self._moments
+        return np.array([m["xz"], m["yz"], m["zz"]]) / self.volume
+
+    @property
+    def centre_of_buoyancy(self) -> float:
+        """z of the displaced volume's centroid [m]."""
+        return float(self.buoyancy_point[2])
+
+    @property
+    def waterplane(self) -> np.ndarray:
+        """∫ of 1, x, y, x², xy, y² over the waterplane (6,) [m² to m⁴]: less those of n_z over the wetted surface."""
+        return -np.array([self._moments[name] for name in ("1", "x", "y", "xx", "xy", "yy")])
+
+    @property
+    def draft(self) -> float:
+        """Depth of the lowest point [m]."""
+        return float(-self.panels[..., 2].min())
+
+    @property
+    def largest_radius(self) -> float:
+        """Largest distance from the vertical through the reference point, below still water [m]."""
+        return float(np.hypot(*self.wetted.reshape(-1, 3).T[:2]).max())
+
+    @property
+    def scale(self) -> float:
+        """Radius of the circle as large as the waterplane, the largest radius where that is smaller [m]."""
+        radius = np.sqrt(max(self.waterplane[0], 0.0) / np.pi)
+        return float(radius if 0.02 * self.largest_radius < radius < self.largest_radius else self.largest_radius)
+
+    @property
+    def size(self) -> float:
+        """Distance from the reference point within which the whole hull lies [m]."""
+        return float(np.linalg.norm(self.panels, axis=-1).max())
+
+    @property
+    def wetted_area(self) -> float:
+        """Surface below still water [m²]."""
+        return float(np.linalg.norm(surface.area_vectors(surface.triangles(self.wetted)), axis=1).sum())
+
+    @property
+    def box(self) -> np.ndarray:
+        """Corners (2, 2) [m] of the rectangle about the wetted part, (x, y) least and largest."""
+        flat = self.wetted.reshape(-1, 3)[:, :2]
+        return np.array([flat.min(axis=0), flat.max(axis=0)])
+
+    @property
+    def silhouette(self) -> np.ndarray:
+        """The convex outline seen along y, (n, 2) of x and z [m]."""
+        flat = self.vertices[:, [0, 2]]
+        return flat[scipy.spatial.ConvexHull(flat).vertices]
+
+    @cached_property
+    def waterline(self) -> np.ndarray:
+        """Segments (ns, 2, 2) [m] in which the hull meets still water."""
+        start, end = self.wetted, np.roll(self.wetted, -1, axis=1)
+        at = np.abs(np.stack([start[..., 2], end[..., 2]], axis=-1)).max(axis=-1) < surface.WELD * self.size
+        return np.stack([start[at], end[at]], axis=1)[..., :2]
+
+    @cached_property
+    def symmetry(self) -> tuple[bool, bool]:
+        """Whether the hull is its own mirror image in x = 0, and in y = 0."""
+        return self._mirrored(0), self._mirrored(1)
+
+    def _mirrored(self, axis: int) -> bool:
+        """Vertices fall on vertices, and faces on faces or the hull is convex."""
+        image = self.vertices * np.where(np.arange(3) == axis, -1.0, 1.0)
+        used = np.unique(self.faces)
+        gap, place = scipy.spatial.cKDTree(self.vertices[used]).query(image)
+        if gap[used].max() > ALIKE * self.size:
+            return False
+        before = np.unique(np.sort(self.faces, axis=1), axis=0)
+        after = np.unique(np.sort(used[place][self.faces], axis=1), axis=0)
+        # One flat face may be cut into triangles along either diagonal.
+        return np.array_equal(before, after) or self._convex
+
+    @cached_property
+    def _convex(self) -> bool:
+        if not self.closed:
+            return False
+        points, areas = _midpoints(self.panels)
+        try:
+            convex = scipy.spatial.ConvexHull(self.vertices).volume
+            return bool(np.isclose(points[:, 2] @ areas[:, 2], convex, rtol=1e-6))
+        except scipy.spatial.QhullError:
+            return False
+
+
+def _midpoints(panels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Middles of the sides of all triangles (3n, 3), and a third of n dS (3n, 3) at each."""
+    corners = surface.triangles(panels)
+    middles = (corners + np.roll(corners, -1, axis=1)) / 2
+    return middles.reshape(-1, 3), np.repeat(surface.area_vectors(corners) / 3, 3, axis=0)

@@ -1,0 +1,291 @@
+"""Body-nonlinear hydrostatic and Froude-Krylov load on a hull of revolution.
+
+F = -∫ p n dS over the instantaneous wetted surface, p = ρg(-z + head), head = Re Σ Cₙ ζⁿ the
+incident field around the float (solver.sea.field). At each azimuth the meridian is cut where
+it meets the instantaneous surface and Gauss points are put on its wetted parts alone.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.kernels import fast_kernel, kernel
+from solver.sea.field import MOST_TERMS
+
+# The pressure vanishes at the surface, so a cut that misses it by so much [m] costs the square of that.
+NEAR = 1e-6
+
+
+class WettedQuadrature(NamedTuple):
+    """Patches of the meridian and the rule that integrates over them.
+
+    patch (np, 7): lines (0, rm, rd, zm, zd, n_r, n_z): r = rm + u rd, z = zm + u zd, u in [-1, 1];
+    arcs (1, zc, R, sin φm, cos φm, tm, 0): φ = φm + 2 atan(tm u), r = R sin φ, z = zc - R cos φ.
+    whole (np, g, 5): r, z, n_r, n_z and area at the Gauss points of a patch that is wet from end to end.
+    azimuth (na, 2): cos ψ, sin ψ; weight dψ. Points and weights of Gauss rules for arc and line.
+    room (11, points), sides (2 np + 7, na) and series (MOST_TERMS,) are scratch: a kernel that allocates is slower.
+    """
+
+    patch: np.ndarray
+    whole: np.ndarray
+    azimuth: np.ndarray
+    dpsi: float
+    arc_u: np.ndarray
+    arc_w: np.ndarray
+    line_u: np.ndarray
+    line_w: np.ndarray
+    half: bool
+    surface_terms: int
+    room: np.ndarray
+    sides: np.ndarray
+    series: np.ndarray
+
+
+def quadrature(
+    hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool, surface_terms: int = 99
+) -> WettedQuadrature:
+    """Rule with `azimuths` on the full circle; half = only ψ in (0, π), for planar scenes.
+
+    surface_terms: of the elevation across the hull, a shorter series than that of the whole field.
+    """
+    rows = []
+    for kind, r0, z0, r1, z1, zc, radius, _ in hull.segments():
+        if kind == 0:
+            rd, zd = (r1 - r0) / 2, (z1 - z0) / 2
+            n_r, n_z = np.array([zd, -rd]) / np.hypot(rd, zd)
+            rows.append((0, (r0 + r1) / 2, rd, (z0 + z1) / 2, zd, n_r, n_z))
+            continue
+        start, end = np.arctan2(r0, zc - z0), np.arctan2(r1, zc - z1)
+        # u -> φ by t = tan is nearly linear only for short arcs: at most a right angle each.
+        pieces = int(np.ceil((end - start) / (np.pi / 2) - 1e-9))
+        cuts = np.linspace(start, end, pieces + 1)
+        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+            mid = (a + b) / 2
+            rows.append((1, zc, radius, np.sin(mid), np.cos(mid), np.tan((b - a) / 4), 0))
+    span = np.pi if half else 2 * np.pi
+    count = azimuths // 2 if half else azimuths
+    psi = (np.arange(count) + 0.5) * span / count
+    arc, line = np.polynomial.legendre.leggauss(arc_points), np.polynomial.legendre.leggauss(line_points)
+    patch, dpsi = np.array(rows, float), 2 * np.pi / count
+    return WettedQuadrature(
+        patch=patch,
+        whole=_whole(patch, arc, line, dpsi),
+        azimuth=np.stack([np.cos(psi), np.sin(psi)], axis=1),
+        dpsi=dpsi,
+        arc_u=arc[0],
+        arc_w=arc[1],
+        line_u=line[0],
+        line_w=line[1],
+        half=half,
+        surface_terms=surface_terms,
+        room=np.empty((11, count * len(patch) * 2 * max(arc_points, line_points))),
+        sides=np.empty((2 * len(patch) + 7, count)),
+        series=np.empty(MOST_TERMS),
+    )
+
+
+def _whole(patch, arc, line, dpsi):
+    table = np.zeros((len(patch), max(len(arc[0]), len(line[0])), 5))
+    for row, points in zip(patch, table, strict=True):
+        for point, u, w in zip(points, *(line if row[0] == 0 else arc), strict=False):
+            r, z, n_r, n_z, speed = _meridian(row, u)
+            point[:] = r, z, n_r, n_z, w * speed * r * dpsi
+    return table
+
+
+@kernel(inline="always")
+def _meridian(patch, u):
+    """(r, z, n_r, n_z, ds/du) of a patch at u."""
+    if patch[0] == 0:
+        rd, zd = patch[2], patch[4]
+        return patch[1] + u * rd, patch[3] + u * zd, patch[5], patch[6], np.sqrt(rd * rd + zd * zd)
+    t = patch[5] * u
+    q = 1.0 / (1.0 + t * t)
+    c, s = (1.0 - t * t) * q, 2.0 * t * q
+    sin_phi = patch[3] * c + patch[4] * s
+    cos_phi = patch[4] * c - patch[3] * s
+    R = patch[2]
+    return R * sin_phi, patch[1] - R * cos_phi, sin_phi, -cos_phi, R * 2.0 * patch[5] * q
+
+
+@kernel(inline="always")
+def _polynomial(coefficient, x):
+    y = 0.0
+    for n in range(coefficient.size - 1, -1, -1):
+        y = y * x + coefficient[n]
+    return y
+
+
+@kernel(inline="always")
+def _height(patch, u, slope_r, slope_z, along_r, along_z, z0, surface):
+    """Height of a meridian point above the instantaneous surface."""
+    r, z, _, _, _ = _meridian(patch, u)
+    return z0 + slope_r * r + slope_z * z - _polynomial(surface, along_r * r + along_z * z)
+
+
+@kernel(inline="always")
+def _crossing(patch, a, fa, b, fb, slope_r, slope_z, along_r, along_z, z0, surface):
+    """u in [a, b] where the meridian meets the surface: false position as Anderson and Björck weigh it."""
+    for _ in range(50):
+        u = (a * fb - b * fa) / (fb - fa)
+        f = _height(patch, u, slope_r, slope_z, along_r, along_z, z0, surface)
+        if abs(f) < NEAR or abs(b - a) < 1e-12:
+            return u
+        if (f > 0) == (fb > 0):
+            slower = 1.0 - f / fb
+            fa *= slower if slower > 0 else 0.5
+        else:
+            a, fa = b, fb
+        b, fb = u, f
+    return u
+
+
+@fast_kernel(inline="always")
+def _rays(rule, rotation, direction):
+    """Of each azimuth: the radial direction's x, y, z and its part along the waves, (4, na)."""
+    rays = rule.sides[:4]
+    for j in range(rule.azimuth.shape[0]):
+        for r in range(3):
+            rays[r, j] = rule.azimuth[j, 0] * rotation[r, 0] + rule.azimuth[j, 1] * rotation[r, 1]
+        rays[3, j] = rays[0, j] * direction[0] + rays[1, j] * direction[1]
+    return rays
+
+
+@fast_kernel(inline="always")
+def _heights(rule, rays, upright, axis_s, z0, surface):
+    """Heights above the surface where patches begin, at their middles and at the end, (2 np + 1, na).
+
+    All azimuths of a point innermost (SIMD). upright, axis_s: the hull's axis upwards and along the waves.
+    """
+    patches, na = rule.patch.shape[0], rays.shape[1]
+    s, eta, height = rule.sides[4], rule.sides[5], rule.sides[6:]
+    for i in range(2 * patches + 1):
+        last = i == 2 * patches
+        r, z, _, _, _ = _meridian(rule.patch[patches - 1 if last else i // 2], 1.0 if last else i % 2 - 1.0)
+        for j in range(na):
+            s[j] = r * rays[3, j] + z * axis_s
+            height[i, j] = z0 + r * rays[2, j] + z * upright
+            eta[j] = surface[surface.size - 1]
+        for k in range(surface.size - 2, -1, -1):
+            for j in range(na):
+                eta[j] = eta[j] * s[j] + surface[k]
+        for j in range(na):
+            height[i, j] -= eta[j]
+    return height
+
+
+@fast_kernel(inline="always")
+def surface_series(c, s0, terms, eta):
+    """Coefficients of η about s0, from η(s) = Re Σ Cₙ (is)ⁿ: a Taylor shift in eta, of which `terms` are kept."""
+    n = c.shape[1]
+    for i in range(n):
+        k = i % 4
+        eta[i] = c[0, i] if k == 0 else -c[1, i] if k == 1 else -c[0, i] if k == 2 else c[1, i]
+    kept = min(n, terms)
+    for i in range(kept):
+        carried = eta[n - 1]
+        for k in range(n - 2, i - 1, -1):
+            carried = eta[k] + s0 * carried
+            eta[k] = carried
+    return eta[:kept]
+
+
+@fast_kernel(inline="always")
+def heads(c, s, z, head, imag):
+    """head = Re Σ Cₙ (z + is)ⁿ at all points, Horner with the points innermost (SIMD); imag is scratch."""
+    n, count = c.shape[1], s.size
+    for i in range(count):
+        head[i], imag[i] = c[0, n - 1], c[1, n - 1]
+    for k in range(n - 2, -1, -1):
+        a, b = c[0, k], c[1, k]
+        for i in range(count):
+            re = head[i] * z[i] - imag[i] * s[i] + a
+            imag[i] = head[i] * s[i] + imag[i] * z[i] + b
+            head[i] = re
+
+
+@fast_kernel(inline="always")
+def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load):
+    """Load (6,) [N, N m] about the hull's reference point, added to `load`.
+
+    position (3,), rotation (3, 3) of the hull; c (2, terms) local field [m^(1-n)] about
+    `centre` (at z = 0); direction (2,) of the waves; wheeler: pressure at the stretched height
+    (z - η)/(1 + η/h) in place of z.
+    """
+    s0 = (position[0] - centre[0]) * direction[0] + (position[1] - centre[1]) * direction[1]
+    surface = surface_series(c, s0, rule.surface_terms, rule.series)
+    s, z, lever, normal = rule.room[0], rule.room[1], rule.room[2:5], rule.room[5:8]
+    axis_s = rotation[0, 2] * direction[0] + rotation[1, 2] * direction[1]
+    rays = _rays(rule, rotation, direction)
+    height = _heights(rule, rays, rotation[2, 2], axis_s, position[2], surface)
+    count = 0
+    for j in range(rays.shape[1]):
+        e0, e1, e2, e_s = rays[0, j], rays[1, j], rays[2, j], rays[3, j]
+        for i in range(rule.patch.shape[0]):
+            start, middle, end = height[2 * i, j], height[2 * i + 1, j], height[2 * i + 2, j]
+            if start >= 0 and middle >= 0 and end >= 0:
+                continue
+            patch = rule.patch[i]
+            points, weights = (rule.line_u, rule.line_w) if patch[0] == 0 else (rule.arc_u, rule.arc_w)
+            low = high = 0.0
+            if (start < 0) != (middle < 0):
+                low = _crossing(
+                    patch, -1.0, start, 0.0, middle, e2, rotation[2, 2], e_s, axis_s, position[2], surface
+                )
+            if (middle < 0) != (end < 0):
+                high = _crossing(patch, 0.0, middle, 1.0, end, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
+            # One wet interval about the middle, or one at each end where the middle is dry.
+            for side in range(1 if middle < 0 else 2):
+                if middle < 0:
+                    a, b = -1.0 if start < 0 else low, 1.0 if end < 0 else high
+                elif side == 0:
+                    a, b = -1.0, low if start < 0 else -1.0
+                else:
+                    a, b = high if end < 0 else 1.0, 1.0
+                half, centre_u = (b - a) / 2, (a + b) / 2
+                if half <= 0:
+                    continue
+                for g in range(points.size):
+                    if half == 1.0:
+                        at = rule.whole[i, g]
+                        r, zb, n_r, n_z, area = at[0], at[1], at[2], at[3], at[4]
+                    else:
+                        r, zb, n_r, n_z, speed = _meridian(patch, centre_u + half * points[g])
+                        area = weights[g] * half * speed * r * rule.dpsi
+                    lever[0, count] = r * e0 + zb * rotation[0, 2]
+                    lever[1, count] = r * e1 + zb * rotation[1, 2]
+                    lever[2, count] = r * e2 + zb * rotation[2, 2]
+                    normal[0, count] = area * (n_r * e0 + n_z * rotation[0, 2])
+                    normal[1, count] = area * (n_r * e1 + n_z * rotation[1, 2])
+                    normal[2, count] = area * (n_r * e2 + n_z * rotation[2, 2])
+                    s[count] = s0 + r * e_s + zb * axis_s
+                    z[count] = position[2] + lever[2, count]
+                    count += 1
+    if count == 0:
+        return
+    level, head, imag = rule.room[8, :count], rule.room[9, :count], rule.room[10, :count]
+    for i in range(count):
+        level[i] = z[i]
+    if wheeler:
+        for i in range(count):
+            eta = _polynomial(surface, s[i] - s0)
+            level[i] = (z[i] - eta) / (1.0 + eta / depth)
+    heads(c, s[:count], level, head, imag)
+    fx_ = fy_ = fz_ = mx_ = my_ = mz_ = 0.0
+    for i in range(count):
+        p = rho_g * (z[i] - head[i])  # minus the pressure
+        fx, fy, fz = p * normal[0, i], p * normal[1, i], p * normal[2, i]
+        fx_ += fx
+        fy_ += fy
+        fz_ += fz
+        mx_ += lever[1, i] * fz - lever[2, i] * fy
+        my_ += lever[2, i] * fx - lever[0, i] * fz
+        mz_ += lever[0, i] * fy - lever[1, i] * fx
+    load[0] += fx_
+    load[2] += fz_
+    load[4] += my_
+    if not rule.half:  # else the mirror half cancels them
+        load[1] += fy_
+        load[3] += mx_
+        load[5] += mz_

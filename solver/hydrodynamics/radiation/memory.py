@@ -1,0 +1,229 @@
+"""Radiation memory K(t) as a passive state space: a sum of exponentials with poles common to all entries.
+
+Force on the bodies: f = -A∞ a - ∫ K(τ) v(t - τ) dτ. With motions Re{V exp(-iωt)} the memory's
+transfer from velocity to -force is Y(ω) = ∫ K exp(iωt) dt = B(ω) - iω(A(ω) - A∞), which must have
+a positive semidefinite real part at every ω, or the fit would pump energy into the bodies.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.errors import InputError, SimulationFailed
+from solver.hydrodynamics.radiation.passivity import Constraint, enforce
+from solver.hydrodynamics.radiation.rational import basis, complex_residues, relocated, starting_poles
+
+PAIRS = 30  # of poles, at most
+FALL = 6  # misfits count less beyond the peak of the diagonal, as its frequency over ω to this power
+SILENT = 1e-3  # a motion with y_i, over its squared length, below this share of the largest radiates mesh error only
+PATIENCE = 3  # orders without gain once least squares alone would do
+HOPELESS = 4  # times the tolerance: so far away no weights will help
+SETTLE, EQUALIZE = 4, 12  # relocations of the poles: with even weights, then with weights that lower the largest misfit
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RadiationMemory:
+    """K(t) = Re Σ residue exp(beta t), t >= 0; one of each conjugate pair is stored."""
+
+    beta: np.ndarray  # (p,) complex [rad/s], real parts < 0
+    residue: np.ndarray  # (p, n, n) complex, symmetric [N/m, ...]
+    added_mass_inf: np.ndarray  # (n, n) that goes with this memory; may differ from the BEM's by the fit's error
+    error: float  # largest misfit, see `fit`; above the tolerance if no order met it
+
+    def impulse(self, t: np.ndarray) -> np.ndarray:
+        """K at times t >= 0, (nt, n, n) [N/m, ...]."""
+        return np.einsum("tp,pij->tij", np.exp(np.multiply.outer(t, self.beta)), self.residue).real
+
+    def frequency(self, omega: np.ndarray) -> np.ndarray:
+        """Y(ω) = B - iω(A - A∞) of the memory, (nw, n, n) complex: ½ Σ r/(-iω - β) + r*/(-iω - β*)."""
+        s = -1j * np.asarray(omega, float)[:, None]
+        half = np.einsum("wp,pij->wij", 1 / (s - self.beta), self.residue)
+        other = np.einsum("wp,pij->wij", 1 / (s - self.beta.conj()), self.residue.conj())
+        return (half + other) / 2
+
+
+def fit(
+    omega: np.ndarray,
+    added_mass: np.ndarray,
+    radiation_damping: np.ndarray,
+    added_mass_inf: np.ndarray,
+    tolerance: float = 2e-3,
+    lengths: np.ndarray | None = None,
+) -> RadiationMemory:
+    """The passive memory of least order whose misfit of B - iωA is at most `tolerance`.
+
+    omega: (nw,) > 0 [rad/s]; added_mass, radiation_damping: (nw, n, n); added_mass_inf: (n, n).
+    Misfits of entry ij are relative to sqrt(y_i y_j), y_i the largest |B_ii - iω(A_ii - A∞_ii)|, and
+    beyond the frequency ω_p where the diagonal peaks they count less, 1/(1 + (ω/ω_p)⁶): velocities fall off
+    about so fast, seas with ω^-2.5, the wave's force on a hull with ω^-2, and mass with ω^-1; and waves
+    reflected between bodies ripple there faster than the BEM's frequencies show. A∞ is fitted along:
+    the BEM's has an error too.
+    Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell motions that
+    radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size
+    for rotations; ones if not given.
+    """
+    if not tolerance > 0:
+        raise InputError("memory_tolerance", tolerance, "must be > 0")
+    data = _Data.of(omega, added_mass, radiation_damping, added_mass_inf, lengths)
+    tried, best, stale = [], None, 0
+    for pairs in range(2, min(PAIRS, len(omega) // 2) + 1):
+        tried.append(data.unconstrained(pairs, tolerance))
+        if tried[-1].error > tolerance:
+            continue
+        memory = data.passive(tried[-1])
+        if memory is not None and memory.error <= tolerance:
+            return memory
+        better = memory is not None and (best is None or memory.error < 0.9 * best.error)
+        best, stale = (memory, 0) if better else (best, stale + 1)
+        if stale == PATIENCE:  # the data themselves are not passive
+            break
+    return best if best is not None else data.nearest(tried)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Candidate:
+    """Poles, with the least-squares problem of the scaled residues and A∞ and its free solution's misfit."""
+
+    poles: np.ndarray
+    span: np.ndarray  # of residues with Y(0) = 0
+    columns: np.ndarray
+    target: np.ndarray
+    error: float
+    even: np.ndarray  # (nw,) the weights of `columns` were `weight` times these
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Data:
+    """Samples of conj(Y) + iωA∞ = B + iωA at s = iω, scaled to 1, of the upper triangle's m entries.
+
+    Only of the n motions that radiate, of N.
+    """
+
+    omega: np.ndarray  # (nw,)
+    samples: np.ndarray  # (nw, m) complex
+    weight: np.ndarray  # (nw,)
+    infinite: np.ndarray  # (m,) scaled A∞
+    scale: np.ndarray  # (n,) sqrt(y_i)
+    peak: float  # ω_p [rad/s]
+    heard: np.ndarray  # (n,) numbers of the motions
+    given: np.ndarray  # (N, N) A∞ of all
+
+    @classmethod
+    def of(cls, omega, added_mass, damping, infinite, lengths=None) -> "_Data":
+        lengths = np.ones(len(infinite)) if lengths is None else np.asarray(lengths, float)
+        transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
+        diagonal = np.abs(np.einsum("wii->wi", transfer))
+        largest = diagonal.max(axis=0) / lengths**2
+        heard = np.flatnonzero(largest >= SILENT * largest.max())
+        scale = (lengths * np.sqrt(largest))[heard]
+        upper, both = np.triu_indices(len(scale)), np.multiply.outer(scale, scale)
+        peak = omega[np.argmax(diagonal.sum(axis=1))]
+        given, own = (infinite + infinite.T) / 2, np.ix_(heard, heard)
+        total = (transfer + 1j * omega[:, None, None] * infinite)[:, heard[:, None], heard] / both
+        return cls(
+            omega=omega,
+            samples=(total[:, upper[0], upper[1]] + np.swapaxes(total, 1, 2)[:, upper[0], upper[1]]) / 2,
+            weight=1 / (1 + (omega / peak) ** FALL),
+            infinite=(given[own] / both)[upper],
+            scale=scale,
+            peak=float(peak),
+            heard=heard,
+            given=given,
+        )
+
+    def unconstrained(self, pairs: int, tolerance: float) -> _Candidate:
+        """Poles by vector fitting, and how well they do without regard to passivity.
+
+        Least squares leave their largest misfit where samples are few. After the poles have settled
+        each sample's weight is therefore multiplied by the root of its misfit, again and again
+        (Lawson 1961), and the best of these fits is kept.
+        """
+        poles, even = starting_poles(self.omega, pairs), np.ones(self.omega.size)
+        strictly, best = self.samples - 1j * self.omega[:, None] * self.infinite, None
+        for n in range(SETTLE + EQUALIZE):
+            poles = relocated(poles, self.omega, strictly, self.weight * even)
+            if n < SETTLE:
+                continue
+            candidate, misfit = self._solved(poles, even)
+            if best is None or candidate.error < best.error:
+                best = candidate
+            if best.error > HOPELESS * tolerance:
+                break
+            even = even * np.sqrt(np.maximum(misfit / misfit.max(), 1e-2))
+            even /= np.sqrt(np.mean(even**2))
+        return best
+
+    def _solved(self, poles: np.ndarray, even: np.ndarray) -> tuple[_Candidate, np.ndarray]:
+        """Least squares with given poles, and the largest misfit at each frequency (nw,)."""
+        span = np.linalg.svd(basis(poles, np.zeros(1)).real)[2][1:].T
+        weight = (self.weight * even)[:, None]
+        columns = weight * np.column_stack([basis(poles, self.omega) @ span, 1j * self.omega])
+        target = weight * self.samples
+        # The BEM's A∞ is one more sample, at the peak.
+        anchor = np.append(np.zeros(span.shape[1]), self.peak / 2)
+        columns = np.vstack([columns.real, columns.imag, anchor])
+        target = np.vstack([target.real, target.imag, self.peak / 2 * self.infinite])
+        misfit = self._misfit(columns @ np.linalg.lstsq(columns, target, rcond=None)[0] - target, even)
+        found = _Candidate(poles=poles, span=span, columns=columns, target=target, error=float(misfit.max()), even=even)
+        return found, misfit
+
+    def nearest(self, tried: list[_Candidate]) -> RadiationMemory:
+        """The passive fit of the best candidate; of equally good ones the smallest, poles to spare condition badly."""
+        least = min(c.error for c in tried)
+        for candidate in sorted(tried, key=lambda c: (c.error > 1.5 * least, len(c.poles))):
+            if (memory := self.passive(candidate)) is not None:
+                return memory
+        raise SimulationFailed(f"radiation memory: no passive fit up to {len(tried[-1].poles)} pairs of poles")
+
+    def passive(self, candidate: _Candidate) -> RadiationMemory | None:
+        """The nearest residues and A∞ with Re Y >= 0 at all frequencies; None where poles condition too badly."""
+        n, poles, span = len(self.scale), candidate.poles, candidate.span
+        solution = enforce(candidate.columns, candidate.target, Constraint(poles=poles, span=span, n=n))
+        if solution is None:
+            return None
+        own, both = np.ix_(self.heard, self.heard), np.multiply.outer(self.scale, self.scale)
+        residue, infinite = np.zeros((len(poles), *self.given.shape), complex), self.given.copy()
+        for r, entries in zip(residue, complex_residues(poles, span @ solution[:-1]), strict=True):
+            r[own] = _full(entries, n) * both
+        infinite[own] = _full(solution[-1], n) * both
+        misfit = self._misfit(candidate.columns @ solution - candidate.target, candidate.even)
+        return RadiationMemory(beta=poles, residue=residue, added_mass_inf=infinite, error=float(misfit.max()))
+
+    def _misfit(self, residual: np.ndarray, even: np.ndarray) -> np.ndarray:
+        real, imag = residual[:-1].reshape(2, len(self.omega), -1)
+        return np.hypot(real, imag).max(axis=1) / even
+
+
+def _full(upper: np.ndarray, n: int) -> np.ndarray:
+    """Symmetric (n, n) from its upper triangle's entries."""
+    matrix = np.zeros((n, n), upper.dtype)
+    matrix[np.triu_indices(n)] = upper
+    return matrix + np.triu(matrix, 1).T
+
+
+def retardation(omega: np.ndarray, radiation_damping: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """K(t) = 2/π ∫ B(ω) cos(ωt) dω, (nt, ...), of B (nw, ...) >= 0 grid: the paper's eq. 14, reference path.
+
+    B is a spline from B(0) = 0 through the samples and goes on as a power of ω, as its last quarter
+    falls off, ω^-2 at least. Then, linear between 4,000 close points, each piece is exact.
+    """
+    from scipy.interpolate import CubicSpline
+
+    flat = radiation_damping.reshape(len(omega), -1)
+    inner = np.linspace(0, omega[-1], 4001)
+    spline = CubicSpline(np.concatenate([[0.0], omega]), np.vstack([0 * flat[:1], flat]))
+    quarter = len(omega) * 3 // 4
+    fall = np.log(np.maximum(np.abs(flat[quarter]), 1e-300) / np.maximum(np.abs(flat[-1]), 1e-300))
+    power = np.clip(fall / np.log(omega[-1] / omega[quarter]), 2.0, 12.0)
+    outer = omega[-1] * np.geomspace(1, 1e3, 2001)[1:]
+    x = np.concatenate([inner, outer])
+    y = np.vstack([spline(inner), flat[-1] * (omega[-1] / outer[:, None]) ** power])
+    slope = np.diff(y, axis=0) / np.diff(x)[:, None]
+    # A linear piece integrates to [y sin(xt)/t] + slope [cos(xt)]/t²; the first bracket telescopes.
+    values = np.empty((len(t), flat.shape[1]))
+    for i, at in enumerate(np.asarray(t, float)):
+        if at == 0:
+            values[i] = np.trapezoid(y, x, axis=0)
+        else:
+            values[i] = y[-1] * np.sin(x[-1] * at) / at + np.diff(np.cos(x * at)) @ slope / at**2
+    return 2 / np.pi * values.reshape(len(t), *radiation_damping.shape[1:])

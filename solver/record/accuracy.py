@@ -1,0 +1,58 @@
+"""An error asked for becomes settings: a first guess by known laws, and finer ones where a run's start says so."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from solver.record.audit import MARGIN
+from solver.scene import STEP, Scene, Settings
+
+ATTEMPTS = 6  # at most; each but the last costs the first audit.PROBE seconds of a run, and their audit
+RULES = [(8, 4, 2), (12, 6, 3), (16, 12, 6), (24, 16, 8)]
+MEMORIES = [5e-3, 2e-3, 1e-3, 3e-4]
+# What the sum of the estimates may be made of; the BEM's mesh is chosen before, see scene.panels_for.
+SHARE = {"discretization_error": 0.5, "quadrature_error": 0.2, "memory_effect": 0.2}
+STEP_ORDER = 4
+USUAL = 5e-4  # estimated error of the default step in Buan's representative sea: where the guess starts from
+
+
+def first_guess(scene: Scene) -> Settings:
+    """What the defaults say, scaled to the tolerance where the law is known; rather too coarse than too fine."""
+    s, tolerance = scene.settings, scene.settings.tolerance
+    size = min((f.hull.largest_radius for f in scene.floats), default=1.0)
+    azimuths, arc, line = RULES[0 if tolerance >= 1e-2 else 1]
+    step = STEP * (SHARE["discretization_error"] * tolerance / MARGIN / USUAL) ** (1 / STEP_ORDER)
+    return replace(
+        s,
+        field_tolerance=min(1e-3, tolerance / 20),
+        newton_tolerance=min(1e-5, tolerance / 200) * size,
+        modes=s.modes if tolerance > 1e-4 or s.modes == "all" else 4 * s.modes,
+        azimuths=azimuths,
+        arc_points=arc,
+        line_points=line,
+        stations_per_element=2 if tolerance > 4e-4 else 4,
+        memory_tolerance=next((m for m in MEMORIES if m <= 2.5 * tolerance), MEMORIES[-1]),
+        time_step=min(step, scene.longest_step),
+    )
+
+
+def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
+    """Finer settings for a run that has `told` its estimates; None where they meet the tolerance or nothing helps."""
+    left = settings.tolerance / MARGIN - told["mesh_effect"] - settings.field_tolerance
+    if told["estimated_error"] <= settings.tolerance or left <= 0:
+        return None
+    over = {name: told[name] / (share / sum(SHARE.values()) * left) for name, share in SHARE.items()}
+    finer = settings
+    if over["discretization_error"] > 1:
+        shorter = 0.9 * over["discretization_error"] ** (-1 / STEP_ORDER)
+        finer = replace(finer, time_step=settings.time_step * float(np.clip(shorter, 0.3, 0.9)))
+    at = RULES.index((settings.azimuths, settings.arc_points, settings.line_points))
+    if over["quadrature_error"] > 1 and at + 1 < len(RULES):
+        azimuths, arc, line = RULES[at + 1]
+        points = {"azimuths": azimuths, "arc_points": arc, "line_points": line}
+        finer = replace(finer, panel_size=settings.panel_size / 2, **points)
+    if over["memory_effect"] > 1 and settings.memory_tolerance > MEMORIES[-1]:
+        wanted = settings.memory_tolerance / over["memory_effect"]
+        finer = replace(finer, memory_tolerance=next((m for m in MEMORIES if m <= wanted), MEMORIES[-1]))
+    return None if finer == settings else finer

@@ -1,0 +1,257 @@
+"""What a record says about itself: energy balance, constraint drift, estimated errors, and what was skipped."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from solver.coupled import assembly
+from solver.coupled.linear import LinearModel, linear_model, wave_force
+from solver.coupled.march import Output, State
+from solver.coupled.system import System, blocks
+from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
+from solver.hydrodynamics.radiation.memory import RadiationMemory
+from solver.multibody.minimal import move, new_motion, pressures
+from solver.record.recorder import Recorder
+from solver.scene import Scene, Settings
+from solver.statistics import FAINT, STATISTICS, apart, moments
+
+PROBE = 120.0  # length of the run with half the step [s]
+STATES = 48  # at which the pressure's quadrature is compared with a finer one
+MARGIN = 1.25  # what the sum of the estimates is multiplied by: each is a sample
+DECAY = 400  # frequencies at which a scene without waves is judged
+MOTIONS = ("rotation", "motion", "top_displacement")
+
+
+def probed(scene: Scene, steps: int) -> Scene:
+    """A scene whose record is of so many steps from the start, and of nothing but statistics."""
+    s = scene.settings
+    return replace(
+        scene, settings=replace(s, discard=0.0, duration=steps * s.time_step, keep_series=False, rao=False)
+    )
+
+
+class Probe:
+    """Keeps what the first PROBE seconds of a run are judged by: their statistics, and some states."""
+
+    def __init__(self, system: System):
+        s = system.scene.settings
+        self.system, self.steps = system, max(1, int(min(PROBE, s.discard + s.duration) / system.dt))
+        self.recorder = Recorder(probed(system.scene, self.steps), system.support, layout=system.layout)
+        self.states: list[tuple[np.ndarray, np.ndarray]] = []
+        self.full, self._errors = False, {}
+
+    def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
+        """Take in a block."""
+        self.recorder.add(times, output, samples)
+        pressure, every = self.system.drive(samples).field, max(1, 2 * self.steps // STATES)
+        taken = range(0, int(np.sum(times < self.steps * self.system.dt)), every)
+        self.states += [(output.z[i].copy(), pressure[i].copy()) for i in taken]
+        self.full = bool(times[-1] >= self.steps * self.system.dt * (1 - 1e-9))
+
+    @property
+    def fresh(self) -> bool:
+        """Whether the probe is full and its errors are not known yet."""
+        return self.full and not self._errors
+
+    def errors(self, hydrodynamics: Hydrodynamics | None) -> dict[str, float]:
+        """Relative errors of any mean, rms or std by their causes, and `estimated_error`."""
+        if not self._errors:
+            memory_effect, mesh_effect = coefficient_effects(self.system, hydrodynamics)
+            parts = {
+                "discretization_error": step_error(self),
+                "quadrature_error": quadrature_error(self.system, self),
+                "memory_effect": memory_effect,
+                "mesh_effect": mesh_effect,
+            }
+            field_error = self.system.scene.settings.field_tolerance if self.system.scene.floats else 0.0
+            self._errors = {**parts, "estimated_error": MARGIN * (sum(parts.values()) + field_error)}
+        return self._errors
+
+
+def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
+    """Relative errors of any mean, rms or std, what was asked and not met, and what was left out.
+
+    `estimated_error` is MARGIN times the sum of those of step, quadrature, memory, wave field and BEM mesh.
+    """
+    system = probe.system
+    errors = probe.errors(hydrodynamics)
+    return {
+        **errors,
+        "memory_error": system.fit.error if system.fit else 0.0,
+        "memory_poles": system.fit.beta.size if system.fit else 0,
+        "constraint_drift": constraint_drift(system, state),
+        "unmet": "; ".join(unmet(system.scene.settings, system.fit, errors["estimated_error"])),
+        "skipped": "; ".join(skipped(system)),
+    }
+
+
+def unmet(s: Settings, fit: RadiationMemory | None, estimated: float = 0.0) -> list[str]:
+    """What was asked for and not reached, with both numbers."""
+    notes = []
+    if s.tolerance is not None and not estimated <= s.tolerance:
+        notes.append(f"tolerance = {s.tolerance:g}: the estimated error is {estimated:.2g}")
+    if fit is not None and s.memory == "state-space" and not fit.error <= s.memory_tolerance:
+        notes.append(f"memory_tolerance = {s.memory_tolerance:g}: the radiation memory's fit ended at {fit.error:.2g}")
+    return notes
+
+
+def constraint_drift(system: System, state: State) -> float:
+    """Largest gap [m] between the end of each arm and its hinge on the support, at the end."""
+    body, nc = system.bodies, system.structure.carrier.shape[0]
+    z = np.concatenate([system.structure.carrier @ state.p, state.z])
+    motion = new_motion(body)
+    move(body, z, np.zeros(z.size), motion)
+    drift = 0.0
+    for b, item in enumerate(system.scene.floats):
+        if item.motion != ("hinge",):
+            continue
+        hinge, carrier = np.array(item.hinge, float), system.scene.carriers[b]
+        if carrier >= 0:
+            arm = hinge - system.scene.floats[carrier].centre
+            hinge = motion.position[carrier] + motion.rotation[carrier] @ arm
+        if nc:
+            axes = assembly.carrier_axes(system.scene.planar)
+            shift = np.zeros(6)
+            shift[axes] = z[b * axes.size : (b + 1) * axes.size]
+            hinge += shift[:3]
+        gap = motion.position[b] - motion.rotation[b] @ item.arm - hinge
+        drift = max(drift, float(np.abs(gap).max()))
+    return drift
+
+
+def step_error(probe: Probe) -> float:
+    """Of every mean, rms and std of the first PROBE seconds, against a run of them with half the step.
+
+    The scheme is of fourth order, so that run differs by 15/16 of the error.
+    """
+    system = probe.system
+    dt = system.dt / 2
+    half = replace(system, dt=dt, memory=assembly.memory(system.fit, dt, system.bodies.added_mass.shape[0]))
+    finer = Recorder(probe.recorder.scene, system.support, layout=system.layout)
+    for samples, output, times in blocks(half, half.start(), 2 * probe.steps):
+        finer.add(times[1::2], Output(*(x[1::2] for x in output)), samples[1::2])
+    return statistics_error(probe.recorder, finer, system.newton_tolerance) * 16 / 15
+
+
+def statistics_error(recorder: Recorder, exact: Recorder, tolerance: float) -> float:
+    """Largest error of any mean, rms or std of what the wave drives; nothing where no motion exceeds `tolerance`."""
+    usual, best = recorder.tables(), exact.tables()
+    std = STATISTICS.index("std")
+    if not any(np.nanmax(best[name][..., std]) > 10 * tolerance for name in set(MOTIONS) & set(best)):
+        return 0.0
+    return max(apart(usual[name], best[name]) for name in best if name != "wave_elevation")
+
+
+def quadrature_error(system: System, probe: Probe) -> float:
+    """Of mean and std of the pressure's load on the joints, against twice the points, relative to that std."""
+    if not system.bodies.nonlinear.any():
+        return 0.0
+    s = system.scene.settings
+    finer = {name: 2 * getattr(s, name) for name in ("azimuths", "arc_points", "line_points")}
+    scene = replace(system.scene, settings=replace(s, panel_size=s.panel_size / 2, **finer))
+    fine = system.bodies._replace(**assembly.rules(scene, system.waves))
+    usual, exact = (_joint_loads(body, probe.states) for body in (system.bodies, fine))
+    joints = slice(system.structure.carrier.shape[0], None)
+    # About the exact mean: weight bears the rest of it, and what varies is what moves the floats.
+    usual, exact = (moments((load - exact.mean(axis=0))[:, joints]) for load in (usual, exact))
+    least = system.newton_tolerance * np.abs(np.diag(system.stiffness))[joints]
+    return max((apart(a, b, floor) for a, b, floor in zip(usual, exact, least, strict=True)), default=0.0)
+
+
+def _joint_loads(body, states) -> np.ndarray:
+    """Jᵀ F of the pressure's load F at some states, (m, nz)."""
+    motion, load = new_motion(body), np.empty((body.axes.size, 6))
+    loads = np.zeros((len(states), body.damping.size))
+    for row, (z, pressure) in zip(loads, states, strict=True):
+        move(body, z, np.zeros(z.size), motion)
+        pressures(body, motion, pressure, load)
+        for b in range(body.axes.size):
+            n = body.axes[b]
+            row[body.coordinate[b, :n]] += motion.jacobian[b, :, :n].T @ load[b]
+    return loads
+
+
+def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float, float]:
+    """What the memory's misfit and the boundary elements' mesh do to the linear response's std and mean power.
+
+    In this sea, or let go from the scene's offsets: with the fit's B - iω(A - A∞) in place of the
+    coefficients', and with coefficients off by their estimated error.
+    """
+    if h is None:
+        return 0.0, 0.0
+    model, sea = linear_model(system), system.scene.sea
+    waves = bool(sea.amplitude.any())
+    omega = sea.omega if waves else np.linspace(*h.omega[[0, -1]], DECAY)
+
+    def response(known: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
+        return _waves(system, model, known, Y) if waves else _decay(system, model, omega, Y)
+
+    exact = response(h, _impedance(system, h, omega))
+    fitted = response(h, system.fit.frequency(omega)) if system.fit else exact
+    shifted = response(h.shifted, _impedance(system, h.shifted, omega))
+    return tuple(_response_error(system, model, omega, X, exact) for X in (fitted, shifted))
+
+
+def _impedance(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
+    """B - iω(A - A∞) (nw, na, na), A∞ the system's; zero where the scene leaves radiation out."""
+    if system.fit is None:
+        return np.zeros((omega.size, *h.added_mass_inf.shape))
+    w = h.omega[:, None, None]
+    return CubicSpline(h.omega, h.radiation_damping - 1j * w * (h.added_mass - system.fit.added_mass_inf))(omega)
+
+
+def _waves(system: System, model: LinearModel, h: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
+    """X (nw, n) in the scene's sea."""
+    s, sea = system.scene.settings, system.scene.sea
+    kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
+    excitation = sum((h.excitation(sea.omega, kind) for kind in kinds), np.zeros((sea.omega.size, len(model.active))))
+    return model.response(sea.omega, Y, wave_force(system, model, excitation))
+
+
+def _decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    """Spectrum X (nw, n) of what follows from offsets x₀, (1 - Z⁻¹C) x₀/(-iω)."""
+    start = np.zeros(len(model.mass))
+    start[system.structure.omega.size :] = np.concatenate([f.per_axis("offset") for f in system.scene.floats])
+    pushed = np.broadcast_to(model.stiffness @ start, (omega.size, start.size))
+    return (start - model.response(omega, Y, pushed)) / (-1j * omega[:, None])
+
+
+def _response_error(system: System, model: LinearModel, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
+    """Largest relative change of a coordinate's std, or of its rate's square where that is absorbed power."""
+    used = model.length * np.sqrt(np.sum(np.abs(exact) ** 2, axis=0))
+    used = used > FAINT * used.max(initial=0.0)
+    absorbs = np.zeros(used.size, bool)
+    absorbs[system.structure.omega.size :] = system.bodies.pto[system.structure.carrier.shape[0] :] > 0
+    (std, rate), (std_, rate_) = (
+        (np.sqrt(np.sum(np.abs(x) ** 2, axis=0)), np.sum(np.abs(omega[:, None] * x) ** 2, axis=0)) for x in (X, exact)
+    )
+    changes = np.abs(std / std_ - 1)[used], np.abs(rate / rate_ - 1)[used & absorbs]
+    return float(np.max(np.concatenate(changes), initial=0.0))
+
+
+def skipped(system: System) -> list[str]:
+    """What this scene did not need, each with a bound on what leaving it out can change."""
+    scene, s, notes = system.scene, system.scene.settings, []
+    if scene.platform is None:
+        notes.append("frame: the support is fixed (exact)")
+    if not scene.floats:
+        notes.append("boundary elements, pressure and memory: no floats (exact)")
+    elif scene.planar:
+        kept = ", ".join(DOFS[d] for d in system.bodies.active)
+        notes.append(f"motions other than {kept}, half of each hull: mirror symmetry in y = 0 (exact)")
+    if system.support is not None:
+        notes.append(
+            f"modes: {system.structure.omega.size} shapes for {system.support.dry_omega.size},"
+            " the rest as static load shapes (discretization of the frame, see the benchmark's knob `modes`)"
+        )
+    if scene.floats and s.froude_krylov == "linear":
+        notes.append("pressure quadrature: linear hydrostatics and Froude-Krylov (exact for a linear scene)")
+    if scene.floats and system.bodies.nonlinear.any():
+        notes.append(f"terms of the local wave field beyond {s.field_tolerance:g} of the sum of amplitudes")
+    for switch in ("diffraction", "radiation"):
+        if scene.floats and not getattr(s, switch):
+            notes.append(f"{switch}: switched off")
+    if not s.keep_series:
+        notes.append("time series: not asked for")
+    return notes

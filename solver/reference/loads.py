@@ -1,0 +1,290 @@
+"""Loads on the floats of the reference path: pressure, linear wave loads, memory, and the joints' own."""
+
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+
+from solver.errors import InputError
+from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.surface import split
+from solver.hydrodynamics.pressure.froude_krylov import pressure_load, quadrature
+from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, panels_pressure, wetted_panels
+from solver.reference import axes as joint_axes
+from solver.reference.axes import Axes, Node
+from solver.reference.convolution import Convolution, Kernel
+from solver.reference.joints import GROUND, Frames
+from solver.reference.panels import Mesh, calm, half, panel_load, revolution_mesh, waves_at
+from solver.scene import Float, Scene
+from solver.sea.field import WaveField
+from solver.sea.realization import ramp
+
+TERMS = 32  # of the local wave field, for pressure by quadrature: rounding for every hull that is small for its waves
+Surface = Literal["panels", "quadrature"]
+IN_PLANE = np.array([2.0, 0.0, 2.0, 0.0, 2.0, 0.0])  # load of a hull from that of its half
+
+
+class PressureForce:
+    """Hydrostatic and Froude-Krylov load on all floats, by panels, by quadrature, or linear hydrostatics."""
+
+    def __init__(self, scene: Scene, field: WaveField, kind: Surface, panels: tuple[int, int], coefficients):
+        self.scene, self.field, self.kind = scene, field, kind
+        self.linear = scene.settings.froude_krylov != "body-nonlinear"
+        self.coefficients = coefficients
+        if kind == "panels" and not self.linear:
+            self.meshes = [
+                (self._split(f), np.ones(6)) if isinstance(f.hull, PanelHull) else _mesh(f.hull, panels, scene.planar)
+                for f in scene.floats
+            ]
+        elif not self.linear:
+            s = scene.settings
+            sizes = {"azimuths": s.azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
+            self.rules = [
+                wetted_panels([f.hull], [self._side(f)], half=False, surface_terms=TERMS)
+                if isinstance(f.hull, PanelHull)
+                else quadrature(f.hull, **sizes, half=scene.planar)
+                for f in scene.floats
+            ]
+            self.rows = [field.local_pressure(f.centre, TERMS) for f in scene.floats]
+
+    def _side(self, item: Float) -> float:
+        # Half the production path's: a reference is finer.
+        return longest_side(item.hull, self.scene.settings.panel_size / 2, self.field)
+
+    def _split(self, item: Float) -> Mesh:
+        panels = split(item.hull.panels, self._side(item))
+        return Mesh(panels.reshape(-1, 3), np.arange(4 * len(panels)).reshape(-1, 4))
+
+    def at(self, t: float, factor: float):
+        """Load (6,) of float b at a position and rotation, at time t under a ramp's factor."""
+        if self.linear:
+            return self._linear
+        return self._by_panels(t, factor) if self.kind == "panels" else self._by_quadrature(t, factor)
+
+    def _by_panels(self, t: float, factor: float):
+        scene, sea, water = self.scene, self.scene.sea, self.scene.water
+        rho_g, wheeler = water.density * water.gravity, scene.settings.pressure == "wheeler"
+        waves = calm(self.field.direction[:2], water.depth)
+        if sea.amplitude.any() and factor != 0:
+            waves = waves_at(
+                self.field.k, sea.omega, sea.amplitude, depth=water.depth, heading=sea.heading, t=t, factor=factor
+            )
+
+        def load(b, position, rotation):
+            mesh, share = self.meshes[b]
+            out = np.zeros(6)
+            panel_load(position, rotation, mesh, waves, rho_g, wheeler, out)
+            return out * share
+
+        return load
+
+    def _by_quadrature(self, t: float, factor: float):
+        scene, sea, water = self.scene, self.scene.sea, self.scene.water
+        rho_g, wheeler = water.density * water.gravity, scene.settings.pressure == "wheeler"
+        turn, direction = factor * np.exp(-1j * sea.omega * t), self.field.direction[:2].copy()
+        local = [np.ascontiguousarray((rows * turn).sum(axis=-1).real) for rows in self.rows]
+
+        def load(b, position, rotation):
+            out, rule = np.zeros(6), self.rules[b]
+            arguments = (rule, local[b], scene.floats[b].centre, direction, rho_g, wheeler, water.depth, out)
+            if isinstance(rule, WettedPanels):
+                panels_pressure(0, position, rotation, *arguments)
+            else:
+                pressure_load(position, rotation, *arguments)
+            return out
+
+        return load
+
+    def _linear(self, b, position, rotation):
+        """Buoyancy less stiffness times displacement."""
+        h, index = self.coefficients, _index(self.coefficients)
+        own = slice(b * len(index), (b + 1) * len(index))
+        shift = np.array([*(position - self.scene.floats[b].centre), rotation[2, 1], rotation[0, 2], rotation[1, 0]])
+        out = np.zeros(6)
+        out[2] = h.displaced_mass[b] * self.scene.water.gravity
+        out[index] -= h.hydrostatic_stiffness[own, own] @ shift[index]
+        return out
+
+
+@lru_cache(maxsize=8)
+def _mesh(hull, panels: tuple[int, int], planar: bool) -> tuple[Mesh, np.ndarray]:
+    """The hull's panels and the factors of their load: of a hull symmetric in y = 0 one half, where nothing crosses."""
+    whole = revolution_mesh(hull, along=panels[0], around=panels[1])
+    part = half(whole) if planar else None
+    return (whole, np.ones(6)) if part is None else (part, IN_PLANE)
+
+
+def _index(h: Hydrodynamics) -> list[int]:
+    return [DOFS.index(d) for d in h.dofs]
+
+
+def axes_of(item: Float) -> Axes:
+    """The joint's axes in order from the support."""
+    turns, direction = [], []
+    for name in item.motion:
+        number = 3 if name == "hinge" else DOFS.index(name)
+        turns.append(number >= 3)
+        direction.append(np.divide(item.axis, np.linalg.norm(item.axis)) if name == "hinge" else np.eye(3)[number % 3])
+    return Axes(np.array(turns), np.array(direction, float), np.array(item.arm, float))
+
+
+def held(item: Float) -> tuple[list[np.ndarray], list[np.ndarray], bool]:
+    """Slides, turns, and whether the slides move with the body: what the constraints need to know of the axes.
+
+    The order of axes counts where a turn comes before a slide and does not leave the slides' space as it is.
+    """
+    a = axes_of(item)
+    slides, turns = a.direction[~a.turns], a.direction[a.turns]
+    moved = [
+        i for i, turn in enumerate(a.turns) if turn and not a.turns[i:].all() and not _keeps(a.direction[i], slides)
+    ]
+    if not moved:
+        return list(slides), list(turns), False
+    if a.turns[: a.turns.sum()].all():
+        return list(slides), list(turns), True
+    raise InputError(
+        f"floats.{item.name}.motion", item.motion, "the reference path wants the slides before or after all turns"
+    )
+
+
+def _keeps(turn: np.ndarray, slides: np.ndarray) -> bool:
+    """Whether a rotation about `turn` maps the space of the slides on itself."""
+    along = np.abs(slides @ turn)
+    return len(slides) == 3 or bool(np.all(along < 1e-9) if len(slides) == 2 else np.all(along > 1 - 1e-9))
+
+
+class Floats:
+    """All that loads the floats: see `augmented.Surroundings`. Keeps what the record is made of."""
+
+    def __init__(self, scene: Scene, h: Hydrodynamics | None, kernel: Kernel | None, force, support, *, dt, A, steps):
+        self.scene, self.pressure, self.support = scene, force, support
+        self.axes, self.carriers = [axes_of(f) for f in scene.floats], scene.carriers
+        for f in scene.floats:
+            if f.on and f.per_axis("mechanism_inertia").any():
+                limit = "must be 0 on another float in the reference path"
+                raise InputError(f"floats.{f.name}.mechanism_inertia", f.mechanism_inertia, limit)
+        self.c, self.weight, self.dt = A.sum(axis=1), A[-1], dt
+        nb, stages = len(scene.floats), len(A)
+        names = ("pto_damping", "damping", "quadratic_damping", "stiffness", "mechanism_inertia")
+        self.own = [{name: f.per_axis(name) for name in names} for f in scene.floats]
+        self.active = np.array([6 * b + i for b in range(nb) for i in (_index(h) if h else ())], int)
+        self.convolution = Convolution(kernel, dt=dt, c=self.c, steps=steps) if kernel else None
+        self.velocity = np.zeros((stages, self.active.size))
+        self.rows = np.zeros((6 * nb, scene.sea.omega.size), complex)
+        if h:
+            self.rows[self.active] = _excitation(scene, h)
+        # Of each stage, [0] the step's start: ways and rates of the joints, forces on the floats, powers.
+        self.way = [[np.zeros(len(a.turns)) for a in self.axes] for _ in range(stages)]
+        self.rate = [[np.zeros(len(a.turns)) for a in self.axes] for _ in range(stages)]
+        self.joint = [[None] * nb for _ in range(stages)]
+        self.force, self.power, self.work = np.zeros((stages, nb, 6)), np.zeros((stages, 4)), np.zeros(4)
+
+    def begin(self, t, dt, state):
+        self.velocity[:] = state.velocity.ravel()[self.active]
+        s = self.scene.settings
+        times = t + self.c * dt
+        factors = ramp(times, s.ramp, s.ramp_form)
+        self.fields = [self.pressure.at(at, f) for at, f in zip(times, factors, strict=True)]
+        turn = np.exp(-1j * np.multiply.outer(self.scene.sea.omega, times)) * factors
+        self.excitation = (self.rows @ turn).real.T
+        self.support.begin(times, turn)
+
+    def iterate(self):
+        return self.support.iterate()
+
+    def supports(self, stage, _t):
+        return self.support.frames(stage)
+
+    def node(self, b: int, frames: Frames) -> Node:
+        """What carries float b, at its hinge."""
+        hinge, s = np.array(self.scene.floats[b].hinge, float), self.carriers[b]
+        if s >= 0:
+            return joint_axes.on_body(hinge - self.scene.floats[s].centre, *(x[s] for x in frames))
+        s = self.support.number(b)
+        position = hinge if s == GROUND else frames.position[s]
+        return Node(position, frames.rotation[s], frames.velocity[s], frames.acceleration[s])
+
+    def look(self, stage, frames):
+        """Ways and rates of all joints, and the inertia (6 nb, 6 nb) of their mechanisms; None without any."""
+        extra = None
+        for b, axes in enumerate(self.axes):
+            position, rotation, velocity = frames.position[b], frames.rotation[b], frames.velocity[b]
+            start = self.way[stage][b]
+            y, dy, P, c = joint_axes.state(axes, self.node(b, frames), position, rotation, velocity, start)
+            self.way[stage][b], self.rate[stage][b] = y, dy
+            inertia = self.own[b]["mechanism_inertia"]
+            M = (P.T * inertia) @ P
+            self.joint[stage][b] = P, M, c
+            if inertia.any():
+                extra = np.zeros((6 * len(self.axes),) * 2) if extra is None else extra
+                extra[6 * b : 6 * b + 6, 6 * b : 6 * b + 6] = M
+        return extra
+
+    def loads(self, stage, _t, frames):
+        nb = len(self.axes)
+        v = frames.velocity[:nb]
+        self.velocity[stage] = v.ravel()[self.active]
+        load = self.excitation[stage].reshape(nb, 6).copy()
+        for b in range(nb):
+            load[b] += self.fields[stage](b, frames.position[b], frames.rotation[b])
+        power = self.power[stage]
+        power[:] = np.sum(load * v), 0, 0, 0
+        if self.convolution:
+            memory = self.convolution.load(stage, self.velocity)
+            power[1] = memory @ self.velocity[stage]
+            flat = load.reshape(-1)
+            flat[self.active] -= memory
+        for b in range(nb):
+            self.force[stage, b] = self._joint_load(b, stage, power)
+            _, M, c = self.joint[stage][b]
+            load[b] += self.force[stage, b] + M @ c
+            if (carrier := self.carriers[b]) >= 0:
+                back = _reaction(self.force[stage, b], frames.position[b] - frames.position[carrier])
+                load[carrier] += back
+                self.force[stage, carrier] += back
+        return load
+
+    def _joint_load(self, b, stage, power):
+        """PTO, damping and springs of the axes as a load (6,) on the float."""
+        y, dy, own = self.way[stage][b], self.rate[stage][b], self.own[b]
+        pto, other = own["pto_damping"] * dy, (own["damping"] + own["quadratic_damping"] * np.abs(dy)) * dy
+        power[2] += pto @ dy
+        power[3] += other @ dy
+        return -self.joint[stage][b][0].T @ (pto + other + own["stiffness"] * y)
+
+    def carried(self, stage, frames, held, load):
+        """All that the joints carry, from the constraints' loads on floats, `held` (nb, 6), and on nodes, `load`."""
+        reaction = np.zeros_like(held)
+        for b in range(len(self.axes)):
+            _, M, c = self.joint[stage][b]
+            force = self.force[stage, b] - M @ (frames.acceleration[b] - c)
+            reaction[b] = _reaction(force, frames.position[b] - self.node(b, frames).position)
+            self.force[stage, b] = held[b] + force
+        self.support.carried(stage, load, reaction)
+
+    def finish(self):
+        """Work by the collocation's own weights; the step's end becomes the next one's start."""
+        self.work += self.dt * self.weight @ self.power
+        if self.convolution:
+            self.convolution.remember(self.velocity)
+        self.support.finish()
+        for kept in (self.way, self.rate, self.joint):
+            kept[0] = list(kept[-1])
+        for rows in (self.force, self.power):
+            rows[0] = rows[-1]
+
+
+def _reaction(force: np.ndarray, lever: np.ndarray) -> np.ndarray:
+    """Minus a load (6,) about a point that lies off its origin by `lever` (3,), about that origin."""
+    return -np.concatenate([force[:3], force[3:] + np.cross(lever, force[:3])])
+
+
+def _excitation(scene: Scene, h: Hydrodynamics) -> np.ndarray:
+    """Linear wave loads (nb nr, n) [N] of all components: diffraction, and Froude-Krylov of linear floats."""
+    s, total = scene.settings, np.zeros((scene.sea.omega.size, len(scene.floats) * len(h.dofs)), complex)
+    if s.diffraction:
+        total += h.excitation(scene.sea.omega, "diffraction")
+    if s.froude_krylov == "linear":
+        total += h.excitation(scene.sea.omega, "froude_krylov")
+    return (total * scene.sea.amplitude[:, None]).T

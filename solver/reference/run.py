@@ -1,0 +1,264 @@
+"""A scene by the paper's own method: the slow, independent twin of `simulate`, and its record.
+
+Augmented floats, panel-wise pressure, direct convolution, all modes, every coupling iterated to
+convergence. It shares with `simulate` the scene, the BEM's coefficients and the structure's modes,
+and nothing of the floats' mechanics, the memory, the pressure integral or the time loop.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from solver import limits
+from solver.balance import warnings
+from solver.coupled.march import WORKS, Output
+from solver.coupled.system import System, energy_residual, prepare
+from solver.errors import SimulationFailed
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.record.audit import MARGIN, PROBE, coefficient_effects, probed, statistics_error, unmet
+from solver.record.recorder import Record, Recorder
+from solver.reference import axes as joint_axes
+from solver.reference.augmented import NO_SUPPORTS, Body, Mechanism, State, inertia_and_bias, lobatto, mechanism
+from solver.reference.convolution import CosineTransform, Kernel
+from solver.reference.elastic import ElasticSupport, FixedSupport
+from solver.reference.joints import Axes, Frames, Hinge
+from solver.reference.loads import Floats, PressureForce, Surface, held
+from solver.reference.twoloop import march
+from solver.scene import Float, Scene
+from solver.sea.realization import ramp
+
+STAGES = 3  # of Lobatto's collocation
+CONSTRAINTS = 1e-10  # tolerance of position, velocity and acceleration [m, m/s, m/s2]
+STILL = 1e-7  # [m or rad] the last change that ends a step's iterations, where the settings do not ask for less
+BLOCK = 256  # steps whose samples are kept before the record takes them in
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Case:
+    """A scene at t = 0 by the chosen paths."""
+
+    scene: Scene
+    system: System  # the fast path's: wave rows, modes and what the audit needs
+    mechanism: Mechanism
+    state: State
+    floats: Floats
+    support: FixedSupport | ElasticSupport
+    steps: int
+
+
+def simulate_reference(
+    scene: Scene,
+    hydrodynamics: Hydrodynamics | None = None,
+    *,
+    kernel: Kernel | None = None,
+    surface: Surface | None = None,
+    panels: tuple[int, int] = (71, 120),
+    stages: int = STAGES,
+    tolerance: float = CONSTRAINTS,
+    progress: Callable[[float], None] = lambda _share: None,
+) -> Record:
+    """The record of `scene` by the augmented formulation; what is not given follows `scene.settings`.
+
+    kernel: retardation function, by default eq. 14's of the BEM's damping, or the fitted one where the
+    settings keep the state space. surface: how pressure is integrated. panels: along the meridian and around.
+    stages: 3 for the fourth-order collocation, 2 for the trapezoidal rule. tolerance: of the constraints.
+    progress: told the share of the record that is done, some hundred steps apart.
+    """
+    clock = time.perf_counter()
+    options = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
+    case = _case(scene, hydrodynamics, **options)
+    prepared = time.perf_counter()
+    recorder = Recorder(scene, case.system.support, layout=case.system.layout)
+    probe = Recorder(probed(scene, _probe_steps(case)), case.system.support, layout=case.system.layout)
+    samples = _march(case, tolerance)
+    first = next(samples)
+    before, errors = _stored(case, first.frames), np.array(first.errors)
+    for times, output, waves, gaps, end in _blocks(case, samples):
+        frames = end
+        recorder.add(times, output, waves)
+        probe.add(times, output, waves)
+        errors = np.maximum(errors, gaps)
+        progress(times[-1] / (case.steps * scene.settings.time_step))
+    work, stored = _works(case), _stored(case, frames)
+    marched = time.perf_counter()
+    attrs = {
+        "energy_residual": energy_residual(work, stored, np.array([before, case.system.least_energy])),
+        **{f"work_{name}": float(value) for name, value in zip(WORKS, work, strict=True)},
+        "stored_energy_change": float(stored - before),
+        "constraint_drift": float(errors[0]),
+        "constraint_drift_velocity": float(errors[1]),
+        "constraint_drift_acceleration": float(errors[2]),
+        **_errors(case, hydrodynamics, probe, options, tolerance),
+        "unmet": "; ".join(unmet(case.scene.settings, case.system.fit)),
+        "skipped": "",
+        **_told(scene),
+        "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,
+        "prepare_time": prepared - clock,
+        "march_time": marched - prepared,
+        **scene.sea.parameters(),
+    }
+    if odd := warnings(scene):
+        attrs["warnings"] = "; ".join(odd)
+    attrs["wall_time"] = time.perf_counter() - clock
+    return recorder.record(attrs)
+
+
+def _told(scene: Scene) -> dict[str, float | str]:
+    s = scene.settings
+    names = ("accuracy", "formulation", "memory", "surface", "modes", "time_step", "stations_per_element")
+    return {name: getattr(s.paths, name) for name in names}
+
+
+def _case(scene: Scene, h: Hydrodynamics | None, *, kernel, surface, panels, stages) -> Case:
+    scene = replace(scene, settings=scene.settings.paths)
+    s, system, h = scene.settings, prepare(scene, h), h if scene.floats else None
+    if not s.radiation or h is None:
+        kernel = None
+    elif kernel is None:
+        kernel = CosineTransform.of(h) if s.memory == "convolution" else system.fit
+    steps = int(np.ceil((s.discard + s.duration) / s.time_step - 1e-9))
+    _, A = lobatto(stages)
+    support = FixedSupport()
+    if scene.platform is not None:
+        nodes = np.array([f.hinge for f in scene.floats], float).reshape(-1, 3)
+        support = ElasticSupport(system.support, scene.platform.damping_ratio, nodes, A.sum(axis=1), A, s.time_step)
+    force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
+    floats = Floats(scene, h, kernel, force, support, dt=s.time_step, A=A, steps=steps)
+    bodies, state = _at_rest(scene, system, floats, support, kernel)
+    return Case(
+        scene=scene, system=system, mechanism=bodies, state=state, floats=floats, support=support, steps=steps
+    )  # fmt: skip
+
+
+def _at_rest(scene: Scene, system: System, floats: Floats, support, kernel):
+    """Mechanism and state where the fast path lets go: equilibrium in still water plus offsets, modes at rest."""
+    start, nb = system.start(), len(scene.floats)
+    ends = np.cumsum([len(a.turns) for a in floats.axes])
+    for stage in floats.way:
+        stage[:] = np.split(start.z, ends[:-1]) if nb else []
+    supports = NO_SUPPORTS
+    if scene.platform is not None:
+        support.start(start.p, start.ddp)
+        supports = support.frames(0)
+    drawn, bodies, joints, still = [], [], [], np.zeros(6)
+    for b, (item, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
+        way = floats.way[0][b]
+        for poses, y in ((bodies, way), (drawn, 0 * way)):
+            node = joint_axes.Node(np.array(item.hinge, float), np.eye(3), still, still)
+            if scene.platform is not None:
+                node = joint_axes.Node(*(x[b] for x in supports))
+            elif carrier >= 0:
+                arm, pose = item.hinge - scene.floats[carrier].centre, poses[carrier]
+                turned = Rotation.from_quat(pose.rotation, scalar_first=True).as_matrix()
+                node = joint_axes.on_body(arm, np.array(pose.position), turned, still, still)
+            poses.append(_body(item, *joint_axes.follow(floats.axes[b], node, y, 0 * way)[:2]))
+        # Its node, the last, is where the floats are drawn.
+        joints.append(_joint(item, carrier if carrier >= 0 else support.number(b), b, node))
+    A = None
+    if kernel is not None:
+        A = np.zeros((6 * nb, 6 * nb))
+        A[np.ix_(floats.active, floats.active)] = kernel.added_mass_inf
+    world = {"gravity": (0, 0, -scene.water.gravity), "added_mass": A}
+    # The joints are closed where the floats are drawn; from there they let the axes move.
+    return mechanism(drawn, joints, supports, **world)[0], mechanism(bodies, joints, supports, **world)[1]
+
+
+def _body(item: Float, position, rotation) -> Body:
+    turned = tuple(Rotation.from_matrix(rotation).as_quat(scalar_first=True))
+    return Body(mass=item.mass, inertia=item.inertia, cog=item.cog, position=tuple(position), rotation=turned)
+
+
+def _joint(item: Float, first: int, second: int, node) -> Hinge | Axes:
+    """The paper's hinge, or what keeps the axes of another joint."""
+    slides, turns, inner = held(item)
+    to_space = [tuple(tuple(node.rotation @ d) for d in axes) for axes in (slides, turns)]
+    point = tuple(node.position)
+    if not slides and len(turns) == 1:
+        return Hinge(first=first, second=second, point=point, axis=to_space[1][0])
+    return Axes(first=first, second=second, point=point, slides=to_space[0], turns=to_space[1], inner=inner)
+
+
+def _march(case: Case, tolerance: float):
+    """The start's sample, then two of every step."""
+    dt, stages = case.scene.settings.time_step, len(case.floats.weight)
+    still = min(STILL, case.scene.settings.newton_tolerance)
+    options = {"dt": dt, "stages": stages, "tolerance": tolerance, "still": still}
+    return march(case.mechanism, case.state, case.floats, t_end=case.steps * dt, **options)
+
+
+def _blocks(case: Case, samples):
+    """(times, samples as the fast march puts them out, wave rows' samples, constraint errors, frames at the end)."""
+    rows, stages = [], len(case.floats.weight)
+    for n, sample in enumerate(samples, 1):
+        rows.append(_row(case, (n - 1) % (stages - 1) + 1, sample))
+        if len(rows) == BLOCK * (stages - 1) or n == case.steps * (stages - 1):
+            times, z, dz, p, wrench, errors = (np.array(x) for x in zip(*rows, strict=True))
+            yield times, Output(z, dz, p, wrench), _elevation(case, times), errors.max(axis=0), sample.frames
+            rows = []
+
+
+def _row(case: Case, stage: int, sample):
+    floats, none = case.floats, np.zeros(0)
+    z, dz = (np.concatenate([none, *values[stage]]) for values in (floats.way, floats.rate))
+    limit = case.system.bodies.limit[len(case.system.bodies.limit) - len(z) :]
+    if np.any((z < limit[:, 0]) | (z > limit[:, 1])):
+        when = f"at t = {sample.time:.1f} s"
+        raise SimulationFailed(limits.explain(case.scene, z, case.system.bodies.limit, when))
+    return sample.time, z, dz, case.support.amplitudes(len(floats.weight))[stage], -floats.force[stage], sample.errors
+
+
+def _elevation(case: Case, times: np.ndarray) -> np.ndarray:
+    """Samples (m, columns) of the wave rows, of which the record reads the elevation alone."""
+    s, at = case.scene.settings, case.system.layout.elevation
+    turn = np.exp(-1j * np.multiply.outer(times, case.scene.sea.omega)) * ramp(times, s.ramp, s.ramp_form)[:, None]
+    out = np.zeros((len(times), len(case.system.rows)))
+    out[:, at] = (turn @ case.system.rows[at].T).real
+    return out
+
+
+def _works(case: Case) -> np.ndarray:
+    """As WORKS [J]."""
+    inertia, structural, drag = case.support.work
+    return np.array([*case.floats.work, inertia, drag, structural])
+
+
+def _stored(case: Case, frames: Frames) -> float:
+    """Kinetic energy (added mass included), of gravity, springs and modes [J], where a step has just ended."""
+    floats, body, nb = case.floats, case.mechanism, len(case.scene.floats)
+    if not nb:
+        return case.support.energy
+    M, Q = np.empty((6 * nb, 6 * nb)), np.empty(6 * nb)
+    inertia_and_bias(body, frames, M, Q)
+    v = frames.velocity[:nb].ravel()
+    total = case.support.energy + v @ M @ v / 2
+    for b, own in enumerate(floats.own):
+        height = frames.position[b, 2] + frames.rotation[b, 2] @ body.cog[b]
+        total -= body.mass[b] * body.gravity[2] * height
+        total += own["stiffness"] @ floats.way[0][b] ** 2 / 2 + own["mechanism_inertia"] @ floats.rate[0][b] ** 2 / 2
+    return float(total)
+
+
+def _probe_steps(case: Case) -> int:
+    """Steps that are repeated with half their length: a quarter of the record, PROBE seconds at most."""
+    return max(1, int(min(PROBE / case.scene.settings.time_step, case.steps / 4)))
+
+
+def _errors(case: Case, h: Hydrodynamics | None, probe: Recorder, options, tolerance: float) -> dict[str, float]:
+    """Of the step, by a run with half of it; and of the BEM."""
+    s, order = case.scene.settings, 2 * options["stages"] - 2
+    short = replace(probed(case.scene, _probe_steps(case)).settings, time_step=s.time_step / 2)
+    half = _case(replace(case.scene, settings=short), h, **options)
+    finer, every = Recorder(probe.scene, half.system.support, layout=half.system.layout), slice(1, None, 2)
+    for times, output, waves, *_ in _blocks(half, _march(half, tolerance)):
+        finer.add(times[every], Output(*(x[every] for x in output)), waves[every])
+    step = statistics_error(probe, finer, case.system.newton_tolerance) / (1 - 0.5**order)
+    memory, mesh = coefficient_effects(case.system, h)
+    parts = {
+        "discretization_error": step,
+        "memory_effect": 0.0 if s.memory == "convolution" else memory,
+        "mesh_effect": mesh,
+    }
+    return {**parts, "estimated_error": MARGIN * sum(parts.values())}

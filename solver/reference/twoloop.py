@@ -1,0 +1,252 @@
+"""Two-loop time integration of a constrained mechanism: see `augmented`."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.errors import SimulationFailed
+from solver.reference.augmented import (
+    INNER,
+    NO_SUPPORTS,
+    Augmented,
+    Body,
+    Errors,
+    Mechanism,
+    State,
+    Surroundings,
+    all_frames,
+    lobatto,
+    mechanism,
+    spin,
+)
+from solver.reference.joints import Frames, Joint, joint_loads
+
+# Of the constraints. Where C_u loses rank a gap ε leaves √ε undecided, so it is kept at a hundred times rounding.
+TOLERANCE = 1e-12
+OUTER = 60  # iterations of the outer loop; five to ten suffice where a step is sane
+STILL = 1e-12  # change of dt² a, dt v and orientation that ends the outer loop [m or rad]
+STUCK = 1e-5  # the same after half of all iterations: near a singular position rounding keeps the last digits moving
+
+
+class Sample(NamedTuple):
+    """One stage after convergence; joint_load (nj, 6) on each joint's second frame at its point."""
+
+    time: float
+    frames: Frames
+    joint_load: np.ndarray
+    errors: Errors
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trajectory:
+    """Histories (nt, ...) of all bodies; joint_load on each joint's second frame, moment at its point."""
+
+    time: np.ndarray  # [s]
+    position: np.ndarray  # (nt, nb, 3)
+    rotation: np.ndarray  # (nt, nb, 3, 3)
+    velocity: np.ndarray  # (nt, nb, 6)
+    joint_load: np.ndarray  # (nt, nj, 6)
+    errors: Errors  # largest over the run
+
+
+def evaluate(system, state, stage, t, surroundings, tolerance):
+    """Inner loops at one stage: constraints of position, velocity and acceleration in turn.
+
+    Returns the state with its accelerations and multipliers, its frames, loads at joints, errors.
+    """
+    supports = surroundings.supports(stage, t)
+    frames = all_frames(state, supports)
+    nb = len(state.position)
+    if not nb:
+        return state, Sample(t, frames, np.zeros((0, 6)), Errors(0.0, 0.0, 0.0))
+    extra = surroundings.look(stage, frames)
+    kkt = Augmented(system if extra is None else system._replace(added_mass=system.added_mass + extra), frames)
+    for _ in range(INNER):
+        gap = np.abs(kkt.C).max(initial=0.0)
+        if gap <= tolerance:
+            break
+        move = kkt.correction(kkt.C)
+        q = state.quaternion + spin(move[:, 3:], state.quaternion) / 2
+        q /= np.linalg.norm(q, axis=1, keepdims=True)
+        state = state._replace(position=state.position + move[:, :3], quaternion=q)
+        frames = all_frames(state, supports)
+        kkt.look(frames)
+    for _ in range(INNER):
+        slip = kkt.J @ frames.velocity.ravel()
+        if np.abs(slip).max(initial=0.0) <= tolerance:
+            break
+        state = state._replace(velocity=state.velocity + kkt.correction(slip))
+        frames = all_frames(state, supports)
+        kkt.look(frames)
+    surroundings.look(stage, frames)
+    load = surroundings.loads(stage, t, frames)
+    given = kkt.J[:, 6 * nb :] @ frames.acceleration[nb:].ravel()
+    acceleration, multiplier, error = kkt.accelerations(np.ravel(load), -kkt.bias - given, tolerance)
+    state = state._replace(acceleration=acceleration, multiplier=multiplier)
+    carried = -(kkt.J[:, 6 * nb :].T @ multiplier).reshape(-1, 6)[:-1]
+    frames = frames._replace(acceleration=_with(frames, acceleration))
+    held = -(kkt.Cu.T @ multiplier).reshape(-1, 6)
+    surroundings.carried(stage, frames, held, carried)
+    joints = np.empty((system.equations.joint.max(initial=-1) + 1, 6))
+    joint_loads(system.equations, frames, kkt.J, multiplier, joints)
+    errors = Errors(gap, float(np.abs(slip).max(initial=0.0)), float(error))
+    return state, Sample(t, frames, joints, errors)
+
+
+def _with(frames: Frames, acceleration: np.ndarray) -> np.ndarray:
+    out = frames.acceleration.copy()
+    out[: len(acceleration)] = acceleration
+    return out
+
+
+def march(
+    system: Mechanism,
+    state: State,
+    surroundings: Surroundings,
+    *,
+    t_end: float,
+    dt: float,
+    stages: int = 3,
+    tolerance: float = TOLERANCE,
+    still: float = STILL,
+) -> Iterator[Sample]:
+    """Samples at the start and at every stage of every step; t = n dt + c dt.
+
+    tolerance: of the constraints [m, m/s, m/s2]; still: last change of a stage that ends the outer loop [m].
+    """
+    c, A = lobatto(stages)
+    ahead = _extrapolation(c)
+    state, sample = _first(system, state, dt, surroundings, tolerance)
+    yield sample
+    chain = [state] * stages
+    for n in range(round(t_end / dt)):
+        t = n * dt
+        surroundings.begin(t, dt, chain[-1])
+        a = np.einsum("sj,jbk->sbk", ahead, np.array([s.acceleration for s in chain]))
+        chain, samples = _step(system, chain[-1], a, t, dt, (c, A), surroundings, (tolerance, still))
+        surroundings.finish()
+        yield from samples
+
+
+def _first(system, state, dt, surroundings, tolerance):
+    """Accelerations at t = 0, of bodies and supports together."""
+    surroundings.begin(0.0, dt, state)
+    for _ in range(OUTER):
+        moved = surroundings.iterate()
+        new, sample = evaluate(system, state, 0, 0.0, surroundings, tolerance)
+        change, state = np.abs(new.acceleration - state.acceleration).max(initial=0.0), new
+        if max(moved, dt * dt * change) < STILL:
+            return state, sample
+    raise SimulationFailed(f"accelerations at t = 0 do not settle in {OUTER} iterations, last change {change:.1e} m/s2")
+
+
+def _extrapolation(c: np.ndarray) -> np.ndarray:
+    """(s, s) values at the next step's points of the polynomial through this step's."""
+    basis = np.vander(c, increasing=True)
+    return np.vander(c + 1, increasing=True) @ np.linalg.inv(basis)
+
+
+def _step(system, start, a, t, dt, tableau, surroundings, limits):
+    """Outer loop: accelerations of the stages, until they stand still."""
+    (c, A), (tolerance, still) = tableau, limits
+    a[0] = start.acceleration
+    chain, samples = [start] * len(c), [None] * len(c)
+    for n in range(OUTER):
+        change = surroundings.iterate()
+        v = start.velocity + dt * np.einsum("sj,jbk->sbk", A, a)
+        x = start.position + dt * np.einsum("sj,jbk->sbk", A, v[..., :3])
+        dq = np.array([spin(v[j, :, 3:], chain[j].quaternion) / 2 for j in range(len(c))])
+        q = start.quaternion + dt * np.einsum("sj,jbk->sbk", A, dq)
+        q /= np.linalg.norm(q, axis=-1, keepdims=True)
+        for s in range(1, len(c)):
+            guess = State(x[s], q[s], v[s], a[s], chain[s].multiplier)
+            new, samples[s] = evaluate(system, guess, s, t + c[s] * dt, surroundings, tolerance)
+            turned = np.abs(new.quaternion - chain[s].quaternion).max(initial=0.0)
+            change = max(change, dt * dt * np.abs(new.acceleration - a[s]).max(initial=0.0), turned)
+            a[s], chain[s] = new.acceleration, new
+        if not np.isfinite(change):
+            raise SimulationFailed(f"not finite at t = {t:.3f} s: reduce dt = {dt:g} s")
+        if change < still or (n >= OUTER // 2 and change < STUCK):
+            return chain, samples[1:]
+    raise SimulationFailed(
+        f"no convergence in {OUTER} iterations at t = {t:.3f} s, last change {change:.1e} m: reduce dt = {dt:g} s"
+    )
+
+
+class Given:
+    """Surroundings of which the motion of supports and the loads are known functions."""
+
+    def __init__(self, forces, supports):
+        self.forces, self.motions = forces, supports
+
+    def begin(self, _t, _dt, _state):
+        pass
+
+    def iterate(self):
+        return 0.0
+
+    def look(self, _stage, _frames):
+        return None
+
+    def supports(self, _stage, t):
+        if not self.motions:
+            return NO_SUPPORTS
+        return Frames(*(np.array(x, float) for x in zip(*(motion(t) for motion in self.motions), strict=True)))
+
+    def loads(self, _stage, t, frames):
+        return self.forces(t, frames)
+
+    def carried(self, _stage, _frames, _held, _load):
+        pass
+
+    def finish(self):
+        pass
+
+
+def simulate_mechanism(
+    bodies: tuple[Body, ...],
+    joints: tuple[Joint, ...],
+    forces: Callable[[float, Frames], np.ndarray] | None,
+    t_end: float,
+    dt: float,
+    *,
+    supports: tuple[Callable[[float], tuple], ...] = (),
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81),
+    added_mass: np.ndarray | None = None,
+    stages: int = 3,
+    tolerance: float = TOLERANCE,
+) -> Trajectory:
+    """Motion of bodies held by joints, sampled at every stage (steps of dt/2 with 3 stages).
+
+    forces(t, frames): loads (nb, 6) about the bodies' origins, world axes, besides gravity;
+    supports: t -> (position, rotation, velocity (6,), acceleration (6,)), frames nb, nb + 1, …;
+    GROUND is frame -1. tolerance: of the constraints [m, m/s, m/s2].
+    """
+    still = np.zeros((len(bodies), 6))
+    given = Given(forces or (lambda *_: still), supports)
+    system, state = mechanism(bodies, joints, given.supports(0, 0.0), gravity=gravity, added_mass=added_mass)
+    samples = list(march(system, state, given, t_end=t_end, dt=dt, stages=stages, tolerance=tolerance))
+    nb = len(bodies)
+    return Trajectory(
+        time=np.array([s.time for s in samples]),
+        position=np.array([s.frames.position[:nb] for s in samples]),
+        rotation=np.array([s.frames.rotation[:nb] for s in samples]),
+        velocity=np.array([s.frames.velocity[:nb] for s in samples]),
+        joint_load=np.array([s.joint_load for s in samples]),
+        errors=Errors(*np.max([s.errors for s in samples], axis=0)),
+    )
+
+
+def energy(bodies: tuple[Body, ...], trajectory: Trajectory, gravity=(0.0, 0.0, -9.81)) -> np.ndarray:
+    """Kinetic and potential energy of gravity (nt,) [J]."""
+    total = np.zeros(len(trajectory.time))
+    for b, body in enumerate(bodies):
+        R, v = trajectory.rotation[:, b], trajectory.velocity[:, b]
+        lever = R @ np.array(body.cog, float)
+        at_cog = v[:, :3] + np.cross(v[:, 3:], lever)
+        own = np.einsum("tij,ti->tj", R, v[:, 3:])
+        total += 0.5 * body.mass * np.sum(at_cog**2, axis=1) + 0.5 * np.sum(own**2 * body.inertia, axis=1)
+        total -= body.mass * (trajectory.position[:, b] + lever) @ np.array(gravity)
+    return total

@@ -1,0 +1,107 @@
+"""One scene in, one record out: prepare, march block by block, and read the record."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from solver.balance import warnings
+from solver.coupled.boundary import coefficients, needed
+from solver.coupled.march import WORKS, energy
+from solver.coupled.system import blocks, energy_residual, prepare, unbalanced
+from solver.errors import SimulationFailed, StepTooLong
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.record.accuracy import ATTEMPTS, first_guess, refined
+from solver.record.audit import Probe, audit
+from solver.record.recorder import Record, Recorder
+from solver.reference.run import simulate_reference
+from solver.scene import Scene, Settings
+
+BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's work
+
+# What the record says of how it was computed.
+KNOBS = (
+    "time_step", "modes", "azimuths", "arc_points", "line_points", "panel_size", "field_tolerance", "memory_tolerance",
+    "stations_per_element", "newton_tolerance",
+)  # fmt: skip
+
+
+def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record:
+    """Run `scene` to its end; raises SimulationFailed with time, quantity and advice.
+
+    hydrodynamics: coefficients of the scene's floats at rest; without them the boundary elements come
+    first. Where a smaller step may help the run is repeated once with a quarter of it; `repeated` says why.
+    """
+    clock = time.perf_counter()
+    if hydrodynamics is None and needed(scene):
+        hydrodynamics = coefficients(scene)
+    if scene.settings.tolerance is not None:
+        scene = replace(scene, settings=first_guess(scene))
+    repeated = ""
+    for attempt in range(ATTEMPTS):
+        better = refined if scene.settings.tolerance is not None and attempt + 1 < ATTEMPTS else _content
+        try:
+            record = _run(scene, hydrodynamics, better)
+        except StepTooLong as error:
+            repeated = str(error)
+            record = _again(scene, hydrodynamics, repeated)
+        if isinstance(record, Record):
+            break
+        scene = replace(scene, settings=record)
+    asked = {} if scene.settings.tolerance is None else {"tolerance": scene.settings.tolerance}
+    attrs = {**record.attrs, **asked, "repeated": repeated, "wall_time": time.perf_counter() - clock}
+    return replace(record, attrs=attrs)
+
+
+def _content(_settings: Settings, _told: Mapping[str, float]) -> None:
+    """With whatever a run tells of its errors."""
+
+
+def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record:
+    """With a quarter of the step: 4⁴ times less error, so Newton's tolerance falls as much, 4² of it with the step."""
+    s = scene.settings
+    finer = replace(s, time_step=s.time_step / 4, newton_tolerance=s.newton_tolerance / 4**2)
+    try:
+        return _run(replace(scene, settings=finer), hydrodynamics)
+    except SimulationFailed as second:
+        raise SimulationFailed(f"{second} (second attempt; the first: {first})") from None
+
+
+def _run(
+    scene: Scene, hydrodynamics: Hydrodynamics | None, better: Callable[..., Settings | None] = _content
+) -> Record | Settings:
+    """The record; or other settings, where `better` has some once the run's start has told its errors."""
+    if scene.settings.paths.formulation == "augmented":
+        return simulate_reference(scene, hydrodynamics)
+    clock = time.perf_counter()
+    system = prepare(scene, hydrodynamics)
+    prepared = time.perf_counter()
+    s = scene.settings
+    steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))
+    recorder, probe = Recorder(scene, system.support, layout=system.layout), Probe(system)
+    state = system.start()
+    for samples, output, times in blocks(system, state, steps):
+        recorder.add(times, output, samples)
+        probe.add(times, output, samples)
+        if probe.fresh and (settings := better(scene.settings, probe.errors(hydrodynamics))) is not None:
+            return settings
+    stored = energy(system.bodies, system.structure, state)
+    residual = energy_residual(state.work, stored, state.energy)
+    if not residual <= BALANCE:
+        raise unbalanced(residual, BALANCE, times[-1], system)
+    marched = time.perf_counter()
+    attrs = {
+        "energy_residual": residual,
+        **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
+        "stored_energy_change": float(stored - state.energy[0]),
+        **audit(probe, hydrodynamics, state),
+        **{name: getattr(s, name) for name in KNOBS},
+        "buckling_factor": system.support.buckling_factor if system.support else np.inf,
+        "prepare_time": prepared - clock,
+        "march_time": marched - prepared,
+        **scene.sea.parameters(),
+    }
+    if odd := warnings(scene):
+        attrs["warnings"] = "; ".join(odd)
+    return recorder.record(attrs)

@@ -1,0 +1,92 @@
+"""A floating support: a moored hull that carries other floats' hinges."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.balance import warnings
+from solver.errors import InputError
+from solver.hydrodynamics.bem.bem import solve
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.run import simulate
+from solver.scene import Float, Platform, Scene, Settings, Water
+from solver.sea.realization import CALM, realize
+from solver.sea.spectrum import PiersonMoskowitz
+from tests.reference.test_reference import FINE, HULL, alike, apart, both, pile
+
+COLUMN = Revolution.vertical_cylinder(radius=3.0, draft=3.0, freeboard=2.0)
+WATER = Water(depth=50.0)
+MASS = WATER.density * COLUMN.volume
+MOORED = (2e5, 0.0, 0.0)
+SEA = realize(PiersonMoskowitz(Hs=0.8, Tp=5.46), components=60, band=(0.7, 3.4), seed=3)
+
+
+@pytest.fixture(scope="module")
+def coefficients():
+    omega = np.concatenate([np.linspace(0.4, 4.0, 18), np.linspace(4.5, 9.0, 8)])
+    hulls, centres = (COLUMN, HULL), np.array([[0.0, 0, 0], [-6.0, 0, 0]])
+    return solve(hulls, centres, depth=50.0, omega=omega, panels=108)
+
+
+def base(**more):
+    common = {"motion": ("surge", "heave", "pitch"), "stiffness": MOORED, **more}
+    return Float(name="base", hull=COLUMN, mass=MASS, inertia=(5e5,) * 3, cog=(0, 0, -1.0), hinge=(0, 0, 0), **common)
+
+
+def arm(**more):
+    common = {"on": "base", "pto_damping": 2e4, "mass": 2147.0, "inertia": (859.0,) * 3, **more}
+    return Float(name="arm", hull=HULL, hinge=(-2.0, 0, 2.6), arm=(-4.0, 0, -2.6), **common)
+
+
+def scene(*floats, sea=SEA, **settings):
+    options = {**FINE, "duration": 4.0, "time_step": 0.05, **settings}
+    return Scene(water=WATER, sea=sea, floats=floats or (base(), arm()), settings=Settings(**options))
+
+
+@pytest.mark.parametrize("joint", [{}, {"motion": ("heave",), "stiffness": 3e4}])
+def test_fast_and_reference_path_agree(coefficients, joint):
+    """Shared coordinates in the one, six DOF a body with multipliers in the other."""
+    item = scene(base(), arm(**joint))
+    fast, slow = both(item, coefficients, **alike(item, coefficients))
+    for name in set(fast) & {"rotation", "motion", "absorbed_power", "hinge_force"}:
+        assert apart(name, slow, fast) < 2e-5
+
+
+def test_mooring_alone_holds_what_floats(coefficients):
+    """All that the platform's own joint bears is its springs: -k x in surge, nothing in heave."""
+    found = {name: values for name, (_, values) in simulate(scene(), coefficients).series.items()}
+    surge, force = found["motion"][:, 0, 0], found["hinge_force"][:, 0]
+    assert force[:, 0] == approx(-MOORED[0] * surge, abs=1e-6 * np.abs(force[:, 0]).max() + 1e-3)
+    assert np.abs(force[:, 2]).max() < 1e-6 * np.abs(found["hinge_force"][:, 1, 2]).max() + 1e-2
+
+
+def test_held_fast_it_is_a_fixed_support(coefficients):
+    held = base(stiffness=(1e10, 1e10, 1e11))
+    on_it, on_ground = (simulate(scene(held, item), coefficients) for item in (arm(), arm(on="")))
+    (_, a), (_, b) = (r.series["hinge_force"] for r in (on_it, on_ground))
+    assert a[:, 1] == approx(b[:, 1], abs=1e-4 * np.abs(b[:, 1]).max())
+
+
+def test_record_closes_and_the_hinge_stays_closed(coefficients):
+    attrs = simulate(scene(duration=60.0, time_step=0.2, newton_tolerance=1e-5), coefficients).attrs
+    assert attrs["energy_residual"] < 1e-3 and attrs["constraint_drift"] < 1e-9
+
+
+def test_still_water_leaves_it_at_rest_and_loads_on_board_are_balanced(coefficients):
+    record = simulate(scene(sea=CALM), coefficients)
+    assert np.nanmax(np.ptp(record.series["motion"][1], axis=0)) < 1e-9
+    assert warnings(scene()) == ()
+    heavy = scene(base(), arm(mass=9000.0))
+    assert any(text.startswith("floats.base is out of equilibrium") for text in warnings(heavy))
+
+
+def test_what_cannot_be_carried_is_refused():
+    with pytest.raises(InputError, match=r"floats\.arm\.on = elsewhere: must name a float that is listed before"):
+        scene(base(), arm(on="elsewhere"))
+    with pytest.raises(InputError, match=r"floats\.arm\.on = base: must name a float that is listed before"):
+        scene(arm(), base())
+    nodes = {"base": "h1", "arm": "h2"}
+    with pytest.raises(InputError, match=r"floats\.arm\.on = base: must be empty"):
+        replace(scene(), platform=Platform(frame=pile(), hinge_nodes=nodes))

@@ -1,0 +1,105 @@
+"""Wave loads on an elastic support: Morison on a pile in closed form, and the reduced basis."""
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.coupled import support
+from solver.coupled.march import AA, A, Structure, _drag, flexibility
+from solver.scene import Platform, Water
+from solver.sea.field import WaveField
+from solver.sea.realization import Realization
+from solver.structure import water
+from solver.structure.beam import tube
+from solver.structure.frame import Frame, Material, Member, assemble
+
+OCEAN = Water(depth=30.0)
+OMEGA = 2 * np.pi / 12.0
+
+
+def pile(elements=40):
+    """VERIFICATION: D = 6 m, depth 30 m, amplitude 3 m, T = 12 s, C_D = 1, C_M = 2, to still water."""
+    leg = Member(
+        name="pile", start="foot", end="top", elements=elements, section=tube(6.0, 0.1),
+        material=Material(E=2.1e11, G=8e10, density=7850.0), drag_coefficient=1.0, inertia_coefficient=2.0,
+    )  # fmt: skip
+    return Frame(nodes={"foot": (0, 0, -30), "top": (0, 0, 0)}, members=(leg,), clamped=("foot",))
+
+
+@pytest.fixture
+def waves():
+    sea = Realization(omega=np.array([OMEGA]), amplitude=np.array([3.0 + 0j]), peak_frequency=OMEGA)
+    return WaveField(sea, 30.0, 9.81)
+
+
+def inertia(waves, at, **changes):
+    return support._inertia_rows(Platform(frame=pile(), **changes), at, waves, OCEAN)[:, 0, 0]
+
+
+def drag_force(waves, at):
+    """Drag at the crest on each station of a pile at rest [N]."""
+    u = waves.velocity(at.position)[:, 0, 0].real
+    return 0.5 * OCEAN.density * at.drag * at.diameter * at.weight * np.abs(u) * u
+
+
+def test_published_pile(waves):
+    at = water.stations(assemble(pile()), 2)
+    assert np.abs(inertia(waves, at).sum()) == approx(1_343_264, rel=1e-5)
+    assert drag_force(waves, at).sum() == approx(205_475, rel=1e-5)
+    lever = at.position[:, 2] + 30
+    drag, mass = drag_force(waves, at) @ lever, np.abs(inertia(waves, at)) @ lever
+    phase = np.linspace(0, 2 * np.pi, 20_001)
+    moment = drag * np.abs(np.cos(phase)) * np.cos(phase) + mass * np.sin(phase)
+    assert moment.max() == approx(2.18588e7, rel=1e-5)
+
+
+def test_printed_morison_has_half_the_inertia_load(waves):
+    """C_M - 1 in place of C_M = 2 (eq. 16 of Heo et al. as printed)."""
+    at = water.stations(assemble(pile()), 2)
+    assert inertia(waves, at, wave_inertia="relative") == approx(inertia(waves, at) / 2)
+
+
+def reduced(waves, modes=4, **changes):
+    return support.prepare(Platform(frame=pile(), **changes), waves, OCEAN, [], planar=True, modes=modes, stations=2)
+
+
+def test_kernel_drag_is_that_of_relative_velocity(waves):
+    """Power and modal force of ½ρC_D D|u - v|(u - v), summed over stations in plain numpy."""
+    s = reduced(waves)
+    u = s.station_rows[..., 0].real.T
+    shape = np.ascontiguousarray(s.station_shape.transpose(2, 1, 0))
+    structure = Structure(s.omega, 0 * s.omega, s.carrier, shape, s.drag, 0 * s.omega)
+    dp = np.random.default_rng(0).normal(size=s.omega.size)
+    force = np.zeros_like(dp)
+    power = _drag(structure, u, dp, force, np.empty_like(u))
+    v = np.einsum("mdn,m->dn", shape, dp)
+    load = s.drag * np.linalg.norm(u - v, axis=0) * (u - v)
+    assert force == approx(np.einsum("mdn,dn->m", shape, load), rel=1e-12)
+    assert power == approx(np.sum(load * v), rel=1e-12)
+
+
+def test_basis_is_orthonormal_and_holds_the_static_answer(waves):
+    """However few modes are kept, the static shapes make the quasi-static response exact."""
+    s = reduced(waves, modes=2)
+    every = reduced(waves, modes="all")
+    model = assemble(pile())
+    M = model.M + water.added_mass(model, OCEAN.density)
+    assert s.shapes.T @ (M @ s.shapes) == approx(np.eye(s.omega.size), abs=1e-8)
+    few, all_modes = (x.shapes @ (x.wave_rows / x.omega[:, None] ** 2) for x in (s, every))
+    assert few == approx(all_modes, abs=1e-6 * np.abs(all_modes).max())
+
+
+def test_added_mass_lowers_the_frequencies(waves):
+    s = reduced(waves, modes="all")
+    assert s.omega[0] < s.dry_omega[0]
+
+
+def test_flexibility_inverts_the_stage_equations():
+    """D⁻¹ of a mode: stage accelerations from stage loads by the collocation rule itself."""
+    omega, zeta, dt = 3.0, 0.02, 0.2
+    empty = np.zeros((1, 1, 0))
+    structure = Structure(np.array([omega]), np.array([zeta]), np.ones((1, 1)), empty, np.zeros(0), np.ones(1))
+    inverse, H = flexibility(structure, dt)
+    D = np.eye(2) + 2 * zeta * omega * dt * A + (omega * dt) ** 2 * AA
+    assert inverse[0] @ D == approx(np.eye(2), abs=1e-14)
+    assert H[:, 0, :, 0] == approx(inverse[0])

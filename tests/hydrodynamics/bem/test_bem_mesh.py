@@ -1,0 +1,148 @@
+"""Coefficients of hulls that are meshes, against those of hulls of revolution and against published numbers."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.errors import InputError
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
+from tests.hydrodynamics.shapes import box, fine_box, loose, meshed
+
+SPHERE = Revolution.sphere(radius=1.0, draft=1.0)
+CYLINDER = Revolution.vertical_cylinder(radius=1.0, draft=0.5, freeboard=0.5)
+BARGE = fine_box((4.0, 2.0, 1.0), (0.5, 0.3, 0.0), 0.5)
+G, RHO = 9.81, 1000.0
+OMEGA = np.sqrt(G * np.array([0.3, 1.0, 2.0]))
+solve = partial(bem.solve, density=RHO, gravity=G, omega=OMEGA, depth=np.inf)
+NAMES = ("added_mass", "radiation_damping", "diffraction", "froude_krylov", "added_mass_inf")
+
+
+def share(a, b):
+    """Largest difference over all coefficients of one kind, of the kind's largest."""
+    return max(np.abs(getattr(a, n) - getattr(b, n)).max() / np.abs(getattr(b, n)).max() for n in NAMES)
+
+
+def test_meshed_sphere_approaches_the_sphere_at_second_order():
+    exact = solve((SPHERE,), [[0, 0, 0]], omega=OMEGA[:2])
+    along = np.array([10, 20])
+    error = [share(solve((meshed(SPHERE, n),), [[0, 0, 0]], omega=OMEGA[:2]), exact) for n in along]
+    # The sphere's own error, 1.5e-3, and the collocation's bend the line between two meshes.
+    assert np.log(error[0] / error[1]) / np.log(2) == approx(2, abs=0.2)
+    assert error[1] < 0.01
+
+
+def test_meshed_cylinder_in_finite_depth():
+    exact = solve((CYLINDER,), [[0, 0, 0]], depth=10.0, omega=OMEGA[:2])
+    ours = solve((meshed(CYLINDER, 16),), [[0, 0, 0]], depth=10.0, omega=OMEGA[:2])
+    assert share(ours, exact) < 5e-3  # measured 7e-3, 3e-3, 1e-3 with 12, 16, 24 panels along the meridian
+    assert ours.hydrostatic_stiffness == approx(exact.hydrostatic_stiffness, rel=5e-3)
+
+
+def test_the_lid_removes_irregular_frequencies(monkeypatch):
+    # Interior eigenmodes of the hemisphere: Ka = 2.56 in heave, 4 in surge.
+    omega = np.sqrt(G * np.array([2.45, 2.5, 2.55, 2.6, 2.65, 3.9, 4.0, 4.1]))
+    run = partial(solve, (meshed(SPHERE, 12),), [[0, 0, 0]], omega=omega)
+
+    def roughness(h):
+        curves = np.stack([h.radiation_damping[:, i, i] / h.omega / h.displaced_mass[0] for i in (0, 1)])
+        return np.abs(curves - [np.polynomial.Polynomial.fit(omega, c, 2)(omega) for c in curves]).max()
+
+    with_lid = roughness(run())
+    build = bem._Mesh.build
+    monkeypatch.setattr(bem._Mesh, "build", lambda *args, lids: build(*args, lids=False))
+    assert with_lid < 2e-3  # as for hulls of revolution
+    assert roughness(run()) > 5 * with_lid
+
+
+@pytest.mark.parametrize("images", [1, 2])
+def test_symmetry_planes_change_nothing(monkeypatch, images):
+    hull = PanelHull.of(*box((3.0, 2.0, 1.0)))
+    run = partial(solve, (hull,), [[0.4, -2, 0]], omega=OMEGA[1:2], planar=False, heading=0.5)
+    both, planes = run(), meshes.mirror_planes
+    assert len(planes((hull,), np.array([[0.4, -2, 0]]))[1]) == 4
+    monkeypatch.setattr(meshes, "mirror_planes", lambda *args: (planes(*args)[0], planes(*args)[1][:images]))
+    assert share(run(), both) < 1e-7  # the same panels in another order: rounding only
+
+
+def test_a_turned_mesh_meets_turned_waves():
+    """The hull and the waves turned by 40 degrees: forces and motions turn with them."""
+    c, s = np.cos(0.7), np.sin(0.7)
+    R = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    turned = PanelHull.of(BARGE.vertices @ R.T, BARGE.faces)
+    run = partial(solve, omega=OMEGA[1:2], planar=False, panels=108)
+    a, b = run((BARGE,), [[0, 0, 0]], heading=0.2), run((turned,), [[0, 0, 0]], heading=0.9)
+    T = np.kron(np.eye(2), R)
+    for name in ("diffraction", "froude_krylov"):
+        x, y = getattr(a, name) @ T.T, getattr(b, name)
+        # The lattice of the lid stays along x and y, which the hull does not: measured 2e-4.
+        assert np.abs(x - y).max() < 5e-4 * np.abs(y).max()
+    for name in ("added_mass", "hydrostatic_stiffness"):
+        x, y = T @ getattr(a, name) @ T.T, getattr(b, name)
+        assert np.abs(x - y).max() < 5e-4 * np.abs(y).max()
+
+
+def test_barge_hydrostatics_in_closed_form():
+    h = solve((BARGE,), [[0, 0, 0]], omega=OMEGA[:1], planar=False)
+    V, S, xs, ys, zb = 4.0, 8.0, 0.5, 0.3, -0.25
+    roll, pitch = 4 * 8 / 12 + S * ys**2 + V * zb, 2 * 64 / 12 + S * xs**2 + V * zb
+    K = np.zeros((6, 6))
+    K[2:5, 2:] = [
+        [S, S * ys, -S * xs, 0],
+        [S * ys, roll, -S * xs * ys, -V * xs],
+        [-S * xs, -S * xs * ys, pitch, -V * ys],
+    ]
+    assert h.hydrostatic_stiffness == approx(RHO * G * K, abs=1e-9 * RHO * G)
+    # In long waves the Froude-Krylov force is the slope and height of still water on that stiffness.
+    slow = solve((BARGE,), [[0, 0, 0]], omega=np.array([0.05]), planar=False)
+    assert slow.froude_krylov[0, 2].real == approx(RHO * G * S, rel=1e-3)
+
+
+def test_mixed_scenes_and_far_apart_bodies():
+    run = partial(solve, planar=False, panels=108, omega=OMEGA[1:2])
+    far = run((SPHERE, BARGE), [[-200, 0, 0], [200, 0, 0]])
+    for i, hull in enumerate((SPHERE, BARGE)):
+        own, alone = slice(6 * i, 6 * i + 6), run((hull,), [[0, 0, 0]])
+        # A scattered wave falls as 1/sqrt(kL), there and back: measured 8e-4.
+        assert np.abs(far.added_mass[:, own, own] - alone.added_mass).max() < 2e-3 * np.abs(alone.added_mass).max()
+
+
+def test_a_pair_of_equal_barges_is_its_own_mirror_image():
+    hull = PanelHull.of(*box((2.0, 2.0, 1.0)))
+    _, mirrors = meshes.mirror_planes((hull, hull), np.array([[-3.0, 0, 0], [3, 0, 0]]))
+    assert len(mirrors) == 4
+    h = solve((hull, PanelHull.of(*box((2.0, 2.0, 1.0)))), [[-3, 0, 0], [3, 0, 0]], panels=108)
+    sign = np.array([-1, 1, -1])
+    swapped = h.radiation_damping[:, [3, 4, 5]][:, :, [3, 4, 5]] * np.multiply.outer(sign, sign)
+    assert swapped == approx(h.radiation_damping[:, :3, :3], rel=1e-9, abs=1e-9 * np.abs(swapped).max())
+
+
+def test_a_large_mesh_is_solved_as_given(monkeypatch):
+    monkeypatch.setattr(bem, "AFFORDABLE", 1e3)
+    h = solve((BARGE,), [[0, 0, 0]], omega=OMEGA[:1])
+    assert h.settings["panels"] == h.settings["panels_coarse"] >= len(BARGE.wetted)
+    monkeypatch.undo()
+    finest = solve((BARGE,), [[0, 0, 0]], omega=OMEGA[:1], panels=1700)
+    # Told from the count of panels alone, the error is of the right size: measured 0.5 to 1.2 of it.
+    assert 0.3 < share(h, finest) / h.mesh_error < 1.5
+
+
+def test_long_hulls_side_by_side_do_not_touch():
+    hull = PanelHull.of(*box((1.0, 6.0, 1.0)))
+    solve((hull, hull), [[-1, 0, 0], [1, 0, 0]], omega=OMEGA[:1], panels=108)
+    with pytest.raises(InputError, match="overlap"):
+        solve((hull, hull), [[-0.4, 0, 0], [0.4, 0, 0]], omega=OMEGA[:1])
+    with pytest.raises(InputError, match="draft"):
+        solve((hull,), [[0, 0, 0]], depth=0.5)
+
+
+def test_triangles_and_quadrilaterals_agree():
+    corners = surface.triangles(BARGE.panels)
+    triangles = PanelHull.of(*loose(np.concatenate([corners, corners[:, 2:]], axis=1)))
+    a, b = (solve((hull,), [[0, 0, 0]], omega=OMEGA[1:2], panels=108) for hull in (triangles, BARGE))
+    assert share(a, b) < a.mesh_error + b.mesh_error < 0.05

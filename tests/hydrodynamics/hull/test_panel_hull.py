@@ -1,0 +1,176 @@
+"""Hulls from mesh files: what is read, mended, refused, and their hydrostatics."""
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.errors import InputError
+from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.panel_hull import MeshWarning, PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
+from tests.hydrodynamics.shapes import box, fine_box, gdf, hst, loose, meshed, nemoh, stl
+
+SIZE, CENTRE = (4.0, 2.0, 1.0), (0.5, 0.0, 0.1)  # 0.4 m of draft
+VERTICES, FACES = box(SIZE, CENTRE)
+PANELS = VERTICES[FACES]
+NOT_FACES = {"hull.stl": stl(PANELS), "words.stl": stl(PANELS, text=True), "hull.gdf": gdf(PANELS)}
+INDEXED = {"hull.dat": nemoh(VERTICES, FACES), "hull.HST": hst(VERTICES, FACES)}
+
+
+def data(content):
+    return content if isinstance(content, bytes) else content.encode()
+
+
+@pytest.mark.parametrize("name", [*NOT_FACES, *INDEXED])
+def test_every_format_gives_the_same_box(name):
+    hull = PanelHull.read(name, data((NOT_FACES | INDEXED)[name]))
+    # Single precision of a binary STL: 1e-7 of 4 m.
+    assert hull.volume == approx(4 * 2 * 0.4, rel=1e-6)
+    assert hull.buoyancy_point == approx([0.5, 0, -0.2], abs=1e-6)
+    assert hull.closed and len(hull.vertices) == 8 and not hull.notes
+
+
+def test_closed_forms_of_a_box():
+    hull = PanelHull.of(VERTICES, FACES)
+    area, ixx, iyy = 8.0, 4**3 * 2 / 12 + 8 * 0.5**2, 2**3 * 4 / 12
+    assert hull.waterplane == approx([area, area * 0.5, 0, ixx, 0, iyy], abs=1e-12)
+    assert hull.draft == approx(0.4) and hull.wetted_area == approx(8 + 12 * 0.4)
+    assert hull.symmetry == (False, True)
+    assert hull.largest_radius == approx(np.hypot(2.5, 1)) and hull.scale == approx(np.sqrt(8 / np.pi))
+    assert hull.box == approx(np.array([[-1.5, -1], [2.5, 1]]))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        lambda half, _: gdf(half, isy=1),
+        lambda half, _: gdf(half, isy=1, gravity=32.174, unit=0.3048),
+        lambda _, quarter: gdf(quarter, isx=1, isy=1),
+    ],
+)
+def test_gdf_symmetry_and_feet(content):
+    panels = box(SIZE)[0][FACES]
+    half = surface.below(panels, 1, sign=-1)
+    # The cut of a closed box leaves no panel in the plane of symmetry.
+    hull = PanelHull.read("a.gdf", data(content(half, surface.below(half, 0, sign=-1))))
+    assert hull.volume == approx(4.0, rel=1e-8) and hull.symmetry == (True, True) and hull.closed
+
+
+def test_nemoh_symmetry():
+    half = surface.below(box(SIZE)[0][FACES], 1)
+    assert PanelHull.read("a.dat", data(nemoh(*loose(half), symmetric=1))).volume == approx(4.0, rel=1e-8)
+
+
+def test_an_inside_out_mesh_is_turned_with_a_warning():
+    with pytest.warns(MeshWarning, match="inside out"):
+        hull = PanelHull.read("a.stl", data(stl(PANELS[:, ::-1])))
+    assert hull.volume == approx(3.2, rel=1e-6)
+
+
+def test_panels_wound_against_the_others_are_turned():
+    mixed = FACES.copy()
+    mixed[[1, 4]] = mixed[[1, 4], ::-1]
+    hull = PanelHull.of(VERTICES, mixed)
+    assert hull.volume == approx(3.2) and hull.notes == ("turned: 2 panels wound against their neighbours",)
+
+
+def test_two_floats_in_one_mesh_are_turned_each_for_itself():
+    other = box((1.0, 1.0, 1.0), (5, 0, 0))
+    both = surface.merged([(VERTICES, FACES[:, ::-1]), other])
+    hull = PanelHull.of(*both)
+    assert hull.volume == approx(3.2 + 0.5) and "inside out" in hull.notes[0]
+
+
+def test_double_and_degenerate_panels_are_left_out():
+    faces = np.concatenate([FACES, FACES[:1], [[0, 1, 0, 1], [2, 2, 2, 3]]])
+    hull = PanelHull.of(VERTICES, faces)
+    assert hull.volume == approx(3.2)
+    assert hull.notes == ("left out: 2 panels without area", "left out: 1 panels given twice")
+
+
+def test_a_mesh_without_its_top_is_open():
+    hull = PanelHull.of(VERTICES, FACES[:5])
+    assert not hull.closed and hull.volume == approx(3.2) and "no body-nonlinear" in hull.notes[0]
+    wetted = PanelHull.of(*loose(hull.wetted))  # as a GDF file has it
+    assert not wetted.closed and wetted.volume == approx(3.2)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "reason"),
+    [
+        ((VERTICES, FACES[1:]), "3 open edges"),
+        ((VERTICES + np.array([0, 0, 5]), FACES), "must reach below still water"),
+        ((VERTICES, np.concatenate([FACES, [[0, 1, 7, 7]]])), "3 panels meet"),
+        ((VERTICES, FACES[:1] * 0), "no panel with an area"),
+    ],
+)
+def test_what_is_no_hull_is_refused(mesh, reason):
+    with pytest.raises(InputError, match=reason) as error:
+        PanelHull.of(*mesh, name="a.stl")
+    assert error.value.key == "hull.file"
+
+
+def test_a_moebius_strip_is_refused():
+    turn = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    across = np.stack([np.cos(turn / 2) * np.cos(turn), np.cos(turn / 2) * np.sin(turn), np.sin(turn / 2)], axis=1)
+    middle = 5 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    a, b, n = middle + across, middle - across, np.arange(12)
+    faces = np.stack([n, n + 12, (n + 1) % 12 + 12, (n + 1) % 12], axis=1)
+    faces[11] = [11, 23, 0, 12]
+    with pytest.raises(InputError, match="one side"):
+        PanelHull.of(np.concatenate([a, b]), faces)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.stl", b""),
+        ("a.stl", b"solid\nvertex 0 0 0\nendsolid"),
+        ("a.stl", stl(PANELS)[:-7]),
+        ("a.gdf", b"title\n1 9.81\n0 0\n2\n0 0 0"),
+        ("a.gdf", b"title\n1 9.81\n-1 0\n0\n"),
+        ("a.gdf", b"title"),
+        ("a.dat", b"2 0\n1 0 0 0\n0 0 0 0\n1 2 3 4\n0 0 0 0"),
+        ("a.dat", b"nonsense"),
+        ("a.xyz", b"nonsense"),
+        ("a.stl", stl(np.full((1, 4, 3), np.nan))),
+    ],
+)
+def test_what_cannot_be_read_is_refused_with_the_files_name(name, content):
+    with pytest.raises(InputError) as error:
+        PanelHull.read(name, content)
+    assert error.value.key == "hull.file" and error.value.value == name
+
+
+def test_clipping_keeps_volume_and_area():
+    """Any cut of a closed box: what is below and what is above make the whole."""
+    panels = surface.split(PANELS, 0.3)
+    low, high = surface.below(panels), surface.below(panels, sign=-1)
+    area = [np.linalg.norm(surface.area_vectors(surface.triangles(p)), axis=1).sum() for p in (low, high, panels)]
+    assert area[0] + area[1] == approx(area[2], rel=1e-12)
+    assert low[:, :, 2].max() <= 0 <= high[:, :, 2].min()
+
+
+@pytest.mark.parametrize("change", [lambda p: surface.split(p, 0.37), surface.quartered])
+def test_splitting_changes_nothing_but_the_count(change):
+    whole, corners = PANELS, surface.triangles(PANELS)
+    for panels in (whole, np.concatenate([corners, corners[:, 2:]], axis=1)):
+        parts = change(panels)
+        area = surface.area_vectors(surface.triangles(parts))
+        assert len(parts) >= 4 * len(panels) and np.linalg.norm(area, axis=1).sum() == approx(2 * (8 + 4 + 2))
+        assert PanelHull.of(*loose(parts)).volume == approx(3.2)
+
+
+def test_a_meshed_sphere_approaches_the_sphere_at_second_order():
+    sphere = Revolution.sphere(radius=1.0, draft=0.7)
+    along = np.array([12, 24, 48])
+    error = [abs(meshed(sphere, int(n)).centre_of_buoyancy - sphere.centre_of_buoyancy) for n in along]
+    assert np.polyfit(np.log(1 / along), np.log(error), 1)[0] == approx(2, abs=0.1)
+    assert meshed(sphere, 12).symmetry == (True, True)
+
+
+def test_symmetry_does_not_depend_on_the_diagonals():
+    diagonals = surface.triangles(PANELS - [0.5, 0, 0])
+    hull = PanelHull.of(*loose(np.concatenate([diagonals, diagonals[:, 2:]], axis=1)))
+    assert hull.symmetry == (True, True)
+    assert fine_box(SIZE, (0, 0.2, 0), 0.5).symmetry == (True, False)

@@ -1,0 +1,96 @@
+"""The wetted-surface quadrature against closed forms, its own refinement and invariances."""
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.pressure.froude_krylov import pressure_load, quadrature
+from solver.sea.field import WaveField
+from solver.sea.realization import realize
+from solver.sea.spectrum import PiersonMoskowitz
+
+BUAN = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
+RHO_G = 1025 * 9.81
+CENTRE = np.array([-3.86, 0.0, 0.0])
+STILL = np.zeros((2, 1))
+
+
+def pitched(angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+
+
+def load(hull, shift, angle, field, *, azimuths=16, arc=8, line=4, half=False, wheeler=False, depth=50.0):
+    rule = quadrature(hull, azimuths=azimuths, arc_points=arc, line_points=line, half=half)
+    out = np.zeros(6)
+    pressure_load(CENTRE + shift, pitched(angle), rule, field, CENTRE, np.array([1.0, 0.0]), RHO_G, wheeler, depth, out)
+    return out
+
+
+def waves(t=37.3, terms=24):
+    sea = realize(PiersonMoskowitz(Hs=1.28, Tp=5.46), components=130, band=(0.7, 3.4), seed=1)
+    rows = WaveField(sea, 50.0, 9.81).local_pressure(CENTRE, terms)
+    return np.ascontiguousarray((rows * np.exp(-1j * sea.omega * t)).sum(axis=-1).real)
+
+
+@pytest.mark.parametrize("heave, volume", [
+    (0.0, 2 / 3 * np.pi),
+    (-0.35, 2 / 3 * np.pi + 0.35 * np.pi),  # into the cylinder
+    (0.4, np.pi * 0.6**2 * (3 - 0.6) / 3),  # spherical cap of height 0.6 m
+    (-2.0, 2 / 3 * np.pi + 0.6 * np.pi),  # overtopped: the closed hull is wet all over
+    (1.5, 0.0),  # in the air
+])  # fmt: skip
+def test_still_water_gives_archimedes(heave, volume):
+    force = load(BUAN, np.array([0, 0, heave]), 0.0, STILL, arc=12)
+    assert force[2] == approx(RHO_G * volume, rel=1e-9, abs=1e-6)
+    assert np.abs(force[[0, 1, 3, 4, 5]]).max() < 1e-8 * RHO_G
+
+
+def test_tilted_hull_in_still_water_has_no_sway_and_archimedes_moment():
+    """Heeled about its centre, the hemisphere keeps its displacement; the cylinder gives the righting moment."""
+    force = load(BUAN, np.zeros(3), 0.3, STILL, azimuths=64, arc=12, line=8)
+    assert force[0] == approx(0, abs=1e-6 * RHO_G)
+    # A wedge of waterplane emerges and another submerges: the exact moment is that of the displaced volume.
+    fine = load(BUAN, np.zeros(3), 0.3, STILL, azimuths=512, arc=40, line=40)
+    assert force == approx(fine, abs=1e-5 * RHO_G)
+
+
+def test_slope_of_buoyancy_is_the_waterplane():
+    up, down = (load(BUAN, np.array([0, 0, s * 1e-4]), 0.0, STILL, arc=10)[2] for s in (1, -1))
+    assert -(up - down) / 2e-4 == approx(RHO_G * np.pi, rel=1e-6)
+
+
+@pytest.mark.parametrize("shift, angle, error", [
+    ((0, 0, 0), 0.0, 1e-7),
+    ((0.1, 0, 0.2), 0.3, 1e-7),
+    ((-0.1, 0, -0.4), -0.5, 2e-4),  # the waterline runs over the edge of the flat top: a kink in azimuth
+    ((0.2, 0, -1.2), 0.4, 1e-5),
+])  # fmt: skip
+def test_default_rule_against_a_fine_one(shift, angle, error):
+    field, shift = waves(), np.array(shift)
+    fine = load(BUAN, shift, angle, field, azimuths=512, arc=40, line=40)
+    assert np.abs(load(BUAN, shift, angle, field) - fine).max() < error * abs(fine[2])
+
+
+@pytest.mark.parametrize("wheeler", [False, True])
+def test_half_the_azimuths_suffice_in_a_planar_scene(wheeler):
+    field = waves()
+    whole, half = (load(BUAN, np.array([0, 0, 0.1]), 0.2, field, half=h, wheeler=wheeler) for h in (False, True))
+    assert half == approx(whole, abs=1e-9 * abs(whole[2]))
+
+
+def test_small_wave_gives_the_linear_force_and_the_quadratic_rest():
+    """F(ε) - F(0) is linear in a small wave; what remains falls with ε²."""
+    field, still = waves(), load(BUAN, np.zeros(3), 0.0, STILL, arc=20, line=20)
+    sizes = np.array([1e-2, 5e-3, 2.5e-3])
+    plus, minus = ([load(BUAN, np.zeros(3), 0.0, s * e * field, arc=20, line=20) for e in sizes] for s in (1, -1))
+    even = np.abs(np.array(plus) + np.array(minus) - 2 * still)[:, 0]
+    assert np.polyfit(np.log(sizes), np.log(even), 1)[0] == approx(2, abs=0.05)
+
+
+def test_wheeler_pressure_vanishes_at_the_surface():
+    """With Wheeler's stretching a hull just under the surface feels ρg(η - z): Archimedes on a flat wave."""
+    flat = np.array([[0.5], [0.0]])  # η = 0.5 m, head uniform
+    force = load(BUAN, np.array([0, 0, 0.5]), 0.0, flat, arc=12, wheeler=True)
+    assert force[2] == approx(RHO_G * 2 / 3 * np.pi, rel=1e-9)

@@ -1,0 +1,199 @@
+"""The radiation memory: recovery of known kernels, passivity, causality, and the hemisphere's own."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad_vec
+
+from solver.errors import InputError
+from solver.hydrodynamics.radiation.memory import RadiationMemory, fit, retardation
+from solver.hydrodynamics.radiation.passivity import Constraint, enforce
+from solver.hydrodynamics.radiation.rational import basis, complex_residues
+
+REFERENCE = Path(__file__).parents[2] / "published"
+OMEGA = np.linspace(0.2, 8.0, 50)
+EVERYWHERE = np.concatenate([[0.0], np.geomspace(1e-4, 1e4, 4001)])
+
+
+def known():
+    """K = S1 e^{-t} (cos 2t - sin 2t / 2) + S2 ...: H(0) = 0, Re H = positive x ω² for each pair a.
+
+    s/((s - a)(s - a*)) has the real part 2|Re a| ω² / |..|² >= 0 and the residue a/(a - a*) at a.
+    """
+    beta = np.array([-1.0 + 2.0j, -0.4 + 3.5j])
+    weights = np.array([[[2.0, 0.5], [0.5, 1.0]], [[1.0, -0.7], [-0.7, 0.8]]])
+    residue = (2 * beta / (beta - beta.conj()))[:, None, None] * weights
+    return RadiationMemory(beta=beta, residue=residue, added_mass_inf=np.diag([3.0, 2.0]), error=0.0)
+
+
+def coefficients(memory, omega):
+    """A and B that a memory stands for: Y = B - iω(A - A∞)."""
+    y = memory.frequency(omega)
+    return memory.added_mass_inf - y.imag / omega[:, None, None], y.real
+
+
+def least_damping(memory):
+    """The least eigenvalue of B at any frequency, as a share of the largest."""
+    values = np.linalg.eigvalsh(memory.frequency(EVERYWHERE).real)
+    return values.min() / values.max()
+
+
+def hulme():
+    path = REFERENCE / "hulme-1982-hemisphere.csv"
+    Ka, A, B, *_ = np.loadtxt(path, delimiter=",", skiprows=4).T
+    omega = np.sqrt(9.81 * Ka)  # a = 1 m, mass in units of the displaced
+    return omega, A[:, None, None], (B * omega)[:, None, None], np.array([[0.5]])
+
+
+def test_frequency_is_the_transform_of_the_impulse():
+    memory = known()
+    omega = np.array([0.0, 1.3, 4.0])
+
+    def integrand(t):
+        return memory.impulse(np.array([t])) * np.exp(1j * omega * t)[:, None, None]
+
+    value, _ = quad_vec(integrand, 0, 60)  # the slowest pole has decayed to e^-24
+    assert memory.frequency(omega) == pytest.approx(value, abs=1e-7)
+
+
+def test_a_known_kernel_is_recovered_exactly():
+    memory = known()
+    found = fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, 1e-6)
+    assert len(found.beta) == 2
+    # A margin of 1e-7 keeps the damping from being negative where the kernel's own is just zero.
+    assert np.sort_complex(found.beta) == pytest.approx(np.sort_complex(memory.beta), rel=1e-6)
+    t = np.linspace(0, 10, 50)
+    assert found.impulse(t) == pytest.approx(memory.impulse(t), abs=1e-5)
+    assert found.added_mass_inf == pytest.approx(memory.added_mass_inf, abs=1e-5)
+
+
+def test_units_do_not_matter():
+    memory = known()
+    A, B = coefficients(memory, OMEGA)
+    big = fit(10 * OMEGA, 1e6 * A, 1e7 * B, 1e6 * memory.added_mass_inf, 1e-3)
+    small = fit(OMEGA, A, B, memory.added_mass_inf, 1e-3)
+    t = np.linspace(0, 5, 20)
+    assert big.impulse(t / 10) == pytest.approx(1e8 * small.impulse(t), abs=1e-6 * 1e8 * np.abs(small.impulse(t)).max())
+
+
+@settings(max_examples=8, deadline=None, derandomize=True)
+@given(st.integers(0, 10_000), st.integers(1, 3), st.floats(0.0, 0.05))
+def test_the_fit_is_passive_even_if_the_data_are_not_quite(seed, n, spoil):
+    # Sums of passive pairs, spoilt by a share that makes the damping negative somewhere, also near ω = 0.
+    random = np.random.default_rng(seed)
+    beta = -random.uniform(0.1, 1.5, 3) + 1j * random.uniform(0.5, 6.0, 3)
+    root = random.normal(size=(3, n, n))
+    weights = root @ np.swapaxes(root, 1, 2) + spoil * (root + np.swapaxes(root, 1, 2))
+    turned = np.exp(1j * spoil * random.normal(size=3))
+    residue = (2 * beta / (beta - beta.conj()) * turned)[:, None, None] * weights
+    data = RadiationMemory(beta=beta, residue=residue, added_mass_inf=np.eye(n), error=0.0)
+    found = fit(OMEGA, *coefficients(data, OMEGA), data.added_mass_inf, 1e-2)
+    assert least_damping(found) > -1e-12  # rounding of a sum of terms that cancel
+    assert np.all(found.beta.real < 0)
+    assert found.residue == pytest.approx(np.swapaxes(found.residue, 1, 2))
+    # Zero up to rounding of the terms that cancel there: poles far out have large, nearly opposite residues.
+    terms = np.abs(found.residue / found.beta[:, None, None]).sum(axis=0).max()
+    assert np.abs(found.frequency(np.zeros(1))).max() < 1e-8 * terms
+
+
+def test_enforcement_repairs_what_least_squares_leaves():
+    # One pair of poles, a target with negative damping on both sides of the resonance.
+    poles = np.array([-0.3 + 2.0j, -1.0 + 1.0j])
+    span = np.linalg.svd(basis(poles, np.zeros(1)).real)[2][1:].T
+    columns = basis(poles, OMEGA) @ span
+    target = (1 / (1j * OMEGA - poles[0]) + 1 / (1j * OMEGA - poles[0].conj()))[:, None] * 1j
+    stacked = np.vstack([columns.real, columns.imag]), np.vstack([target.real, target.imag])
+    free = np.linalg.lstsq(*stacked, rcond=None)[0]
+    constraint = Constraint(poles=poles, span=span, n=1)
+    bound = enforce(*stacked, constraint)
+
+    def least(x):
+        r = complex_residues(poles, span @ x)[:, :, None]
+        return least_damping(RadiationMemory(beta=poles, residue=r, added_mass_inf=np.eye(1), error=0.0))
+
+    assert least(free) < -0.1
+    assert least(bound) > -1e-13
+    # Nothing nearer on the way back to the free solution is passive: the constraint is active.
+    assert least(bound + 0.01 * (free - bound)) < 0
+
+
+def test_passive_data_are_left_alone():
+    memory = known()
+    found = fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, 1e-4)
+    assert found.error < 1e-6
+
+
+def test_added_mass_follows_from_the_impulse():
+    # Kramers-Kronig, Ogilvie: A(ω) = A∞ - 1/ω ∫ K sin ωt dt, with the kernel of the damping alone.
+    omega, A, B, infinite = hulme()
+    t = np.linspace(0, 40, 8001)
+    kernel = retardation(omega, B, t)[:, 0, 0]
+    for w, a in zip(omega[5:20], A[5:20, 0, 0], strict=True):
+        ogilvie = infinite[0, 0] - np.trapezoid(kernel * np.sin(w * t), t) / w
+        # Data in four digits at 26 frequencies, and a tail that is extrapolated: 0.5 % of A'(0).
+        assert ogilvie == pytest.approx(a, abs=0.005 * 0.831)
+
+
+def test_hemisphere_heave_kernel():
+    omega, A, B, infinite = hulme()
+    memory = fit(omega, A, B, infinite, 1e-3)
+    assert memory.error <= 1e-3 and len(memory.beta) <= 7
+    assert least_damping(memory) > -1e-13
+    # Seen through -iωA alone, next to fast poles: 1e-3 of Y at its peak.
+    assert memory.added_mass_inf == pytest.approx(infinite, abs=1e-3)
+    t = np.linspace(0, 10, 200)
+    direct = retardation(omega, B, t)[:, 0, 0]
+    # The first half second is what lies beyond the peak: there misfits count less, and four digits
+    # of B do not say how much of K(0) = 2/π ∫ B lies beyond Ka = 9 (2 %).
+    share = np.abs(memory.impulse(t)[:, 0, 0] - direct) / direct[0]
+    assert share.max() < 0.025 and share[t > 0.6].max() < 0.008
+
+
+def test_two_floats_to_a_thousandth(coefficients):
+    """Reflections between the Buan floats: one part in 200 with 10 pairs of poles, in 1,000 with 15."""
+    h = coefficients
+    for tolerance, poles in ((5e-3, 10), (1e-3, 15)):
+        memory = fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance)
+        assert memory.error <= tolerance and len(memory.beta) <= poles
+        assert least_damping(memory) > -1e-12
+        share = 1 / (1 + (h.omega / 3.4) ** 6)  # of a misfit that counts; the diagonal peaks near 3.4 rad/s
+        y = h.radiation_damping - 1j * h.omega[:, None, None] * (h.added_mass - memory.added_mass_inf)
+        misfit = share[:, None, None] * np.abs(memory.frequency(h.omega) - y)
+        # Against the largest of all entries, which is not less than that of the entry's own motions.
+        assert misfit.max() < 1.2 * tolerance * np.abs(y).max()
+
+
+def test_retardation_of_a_closed_form():
+    # B = ω² e^{-ω²}: K = 2/π · √π/8 (2 - t²) e^{-t²/4}; nothing is left at the grid's end.
+    omega, t = np.linspace(0.05, 7, 140), np.linspace(0, 8, 33)
+    exact = 2 / np.pi * np.sqrt(np.pi) / 8 * (2 - t**2) * np.exp(-(t**2) / 4)
+    # Splines of a grid of 0.05 rad/s, and 4,000 linear pieces: 1e-6 of the largest.
+    assert retardation(omega, omega**2 * np.exp(-(omega**2)), t) == pytest.approx(exact, abs=2e-6 * exact[0])
+
+
+def test_retardation_carries_the_tail():
+    # B = ω² / (1 + ω²)²: K = (1 - t) e^{-t} / 2, a tail as ω^-2, of which 3 % of K(0) lies beyond the grid.
+    omega, t = np.linspace(0.1, 20, 200), np.linspace(0, 6, 13)
+    exact = (1 - t) * np.exp(-t) / 2
+    assert retardation(omega, omega**2 / (1 + omega**2) ** 2, t) == pytest.approx(exact, abs=1e-3 * exact[0])
+
+
+def test_a_motion_that_radiates_nothing_has_no_memory():
+    memory = known()
+    A, B = coefficients(memory, OMEGA)
+    noise = 1e-4 * np.random.default_rng(1).normal(size=OMEGA.size)
+    A3, B3, infinite = np.zeros((50, 3, 3)), np.zeros((50, 3, 3)), np.zeros((3, 3))
+    A3[:, :2, :2], B3[:, :2, :2], infinite[:2, :2] = A, B, memory.added_mass_inf
+    A3[:, 2, 2] = B3[:, 2, 2] = noise
+    found = fit(OMEGA, A3, B3, infinite, 1e-4)
+    assert len(found.beta) == 2
+    assert np.abs(found.residue[:, 2]).max() < 1e-4 * np.abs(found.residue).max()
+
+
+def test_a_tolerance_must_be_positive():
+    memory = known()
+    with pytest.raises(InputError, match="memory_tolerance = 0"):
+        fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, 0)

@@ -1,0 +1,78 @@
+"""Coefficients survive the file bit for bit, complex parts and signs of zero included."""
+
+from dataclasses import fields, replace
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+
+from pipeline.bridge import cache
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.radiation.memory import RadiationMemory
+
+
+@pytest.fixture
+def coefficients():
+    rng = np.random.default_rng(1)
+    force = rng.normal(size=(4, 6)) + 1j * rng.normal(size=(4, 6))
+    force[0, 0] = complex(-0.0, 0.0)
+    return Hydrodynamics(
+        omega=np.linspace(0.5, 2, 4),
+        added_mass=rng.normal(size=(4, 6, 6)),
+        radiation_damping=rng.normal(size=(4, 6, 6)),
+        added_mass_inf=rng.normal(size=(6, 6)),
+        diffraction=force,
+        froude_krylov=2 * force,
+        hydrostatic_stiffness=rng.normal(size=(6, 6)),
+        displaced_mass=np.array([2147.0, 2147.0]),
+        buoyancy_centre=np.array([-0.375, -0.375]),
+        centres=np.array([[-3.86, 0, 0], [3.86, 0, 0]]),
+        depth=np.inf,
+        density=1025.0,
+        gravity=9.81,
+        heading=0.0,
+        dofs=("surge", "heave", "pitch"),
+        settings=MappingProxyType({"panels": 432}),
+        mesh_error=1e-4,
+        memory=RadiationMemory(
+            beta=force[0, :3] - 9,
+            residue=rng.normal(size=(3, 6, 6)) + 1j * rng.normal(size=(3, 6, 6)),
+            added_mass_inf=rng.normal(size=(6, 6)),
+            error=1e-3,
+        ),
+        memory_tolerance=1e-2,
+    )
+
+
+def test_round_trip_is_bitwise(coefficients):
+    again = cache.decode(cache.encode(coefficients))
+    same(coefficients.memory, again.memory)
+    same(replace(coefficients, memory=None), replace(again, memory=None))
+
+
+def test_coefficients_without_memory_have_none(coefficients):
+    assert cache.decode(cache.encode(replace(coefficients, memory=None))).memory is None
+
+
+def same(one, other):
+    """All fields, bit for bit."""
+    for field in fields(one):
+        a, b = getattr(one, field.name), getattr(other, field.name)
+        if isinstance(a, np.ndarray):
+            assert (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes()), field.name
+        else:
+            assert a == b or (np.isnan(a) and np.isnan(b)), field.name
+
+
+def test_a_damaged_file_is_not_used(coefficients, tmp_path):
+    store = cache.Cache(tmp_path)
+    data = bytearray(cache.encode(coefficients))
+    store.put("key", bytes(data))
+    assert store.get("key") == bytes(data)
+    at = bytes(data).find(np.linspace(0.5, 2, 4).astype(">f8").tobytes())
+    data[at + 6] ^= 1
+    store.put("key", bytes(data))
+    assert store.get("key") is None
+    store.put("key", bytes(data[: len(data) // 2]))
+    assert store.get("key") is None
+    assert store.get("other") is None

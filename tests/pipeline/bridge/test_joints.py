@@ -1,0 +1,143 @@
+"""Floats on joints of every kind, from a study file to the solver's scene."""
+
+import numpy as np
+import pytest
+
+from pipeline.bridge import preflight, scenes
+from pipeline.bridge.checks import PER_AXIS
+from pipeline.bridge.engine import Engine
+from pipeline.bridge.geometry import geometry_of
+from pipeline.bridge.loading import load
+from pipeline.study.reading import StudyError
+from pipeline.tasks.task import dimensions, expand
+
+TEXT = """
+[water]
+depth = 50.0
+[waves]
+band = [0.5, 3.0]
+{waves}
+[[floats]]
+name = "only"
+hull = {{ shape = "sphere", radius = 1.0, draft = 1.0 }}
+mass = 2147.0
+inertia = [859.0, 859.0, 859.0]
+{keys}
+[sea_states]
+only = {{ Hs = 0.5, Tp = 5.0 }}
+"""
+FREE = 'hinge = [0.0, 0.0, 0.0]\nmotion = ["surge", "heave", "pitch"]\n'
+HINGED = "hinge = [-2.0, 0.0, 2.0]\narm = [2.0, 0.0, -2.0]\n"
+
+
+@pytest.fixture
+def study_with(tmp_path):
+    """A study of one float with these keys."""
+
+    def made(keys, waves=""):
+        path = tmp_path / "joint.toml"
+        path.write_text(TEXT.format(keys=keys, waves=waves))
+        return load(path)
+
+    return made
+
+
+def task(study):
+    return next(iter(expand(study.content)))
+
+
+def test_all_that_belongs_to_a_joint_reaches_the_solver(study_with):
+    keys = FREE + (
+        "pto_damping = [1.0, 2.0, 3.0]\ndamping = [0.0, 5.0, 0.0]\nquadratic_damping = [7.0, 0.0, 8.0]\n"
+        "stiffness = [1e3, 0.0, 0.0]\nmechanism_inertia = [0.0, 0.0, 9.0]\noffset = [0.0, -0.5, 0.1]\n"
+    )
+    (item,) = scenes.scene(task(study_with(keys)).parameters).floats
+    assert item.motion == ("surge", "heave", "pitch")
+    found = {name: item.per_axis(name).tolist() for name in PER_AXIS}
+    assert found == {
+        "pto_damping": [1, 2, 3],
+        "damping": [0, 5, 0],
+        "quadratic_damping": [7, 0, 8],
+        "stiffness": [1e3, 0, 0],
+        "mechanism_inertia": [0, 0, 9],
+        "offset": [0, -0.5, 0.1],
+    }
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("", 'motion = ["hinge"]'),
+        ("damping = 3.0", "damping = [3.0]"),
+        ("damping = 0.0", "damping = [0.0]"),
+        ("offset = -0.1", "offset = [-0.1]"),
+        ("", "arm = [2.0, 0.0, -2.0]"),
+    ],
+)
+def test_two_spellings_of_one_joint_are_one_task(study_with, one, other):
+    base = HINGED if "arm" not in other else HINGED.splitlines()[0] + "\n"
+    first = base + one if "arm" not in other else HINGED
+    assert task(study_with(first)).id == task(study_with(base + other)).id
+
+
+@pytest.mark.parametrize(
+    ("keys", "waves", "planar"),
+    [
+        (HINGED, "", True),
+        (HINGED, f"heading = {np.pi}", True),
+        (HINGED, "heading = 0.1", False),
+        (HINGED + "axis = [0.0, 2.0, 0.0]", "", True),
+        (HINGED + "axis = [1.0, 2.0, 0.0]", "", False),
+        (HINGED + "cog = [0.0, 0.1, 0.0]", "", False),
+        (FREE, "", True),
+        (FREE + "axis = [1.0, 0.0, 0.0]", "", True),
+        (FREE.replace('"pitch"', '"roll"'), "", False),
+        (FREE.replace('"surge"', '"sway"'), "", False),
+        (FREE.replace('"surge"', '"yaw"'), "", False),
+    ],
+)
+def test_pipeline_and_solver_agree_on_what_is_planar(study_with, keys, waves, planar):
+    """Else a scene would get coefficients without the motions that it needs."""
+    found = task(study_with(keys, waves))
+    assert geometry_of(found.parameters).planar == scenes.scene(found.parameters).planar == planar
+
+
+def test_an_axis_of_pto_damping_is_for_floats_with_one_axis(study_with, tmp_path):
+    one = study_with(HINGED + "pto_damping = 5.0\n[axes]\npto_damping = [1.0, 2.0]")
+    assert [t.parameters.floats[0].pto_damping for t in expand(one.content)] == [1.0, 2.0]
+    assert "pto_damping" in dimensions(one.content)
+    with pytest.raises(StudyError, match=r"axes.pto_damping = .*: needs floats with a single axis, and only has sev"):
+        study_with(FREE + "[axes]\npto_damping = [1.0, 2.0]")
+    assert "pto_damping" not in task(study_with(FREE + "pto_damping = [1.0, 2.0, 3.0]")).labels
+
+
+def test_a_float_out_of_equilibrium_is_told_of_and_not_refused(study_with):
+    study = study_with(HINGED)
+    assert preflight.check(study, expand(study.content), Engine()) == []
+    study.path.write_text(study.path.read_text().replace("mass = 2147.0", "mass = 2200.0"))
+    heavy = load(study.path)
+    (told,) = preflight.check(heavy, expand(heavy.content), Engine())
+    assert "floats.only" in told and "2200 kg" in told and "2146.75 kg" in told
+
+
+BAD = [
+    ("motion = []", "floats[0].motion"),
+    ('motion = ["heave", "heave"]', "floats.only.motion = ['heave', 'heave']: must name each axis once"),
+    ('motion = ["heaves"]', "floats[0].motion[0] = 'heaves': must be one of 'hinge', 'surge'"),
+    ('motion = "heave"', "floats[0].motion = 'heave'"),
+    ("axis = [0.0, 0.0, 0.0]", "floats.only.axis = [0.0, 0.0, 0.0]: must not be zero"),
+    ("damping = -1.0", "floats[0].damping = -1.0: must be >= 0 N m s/rad or N s/m"),
+    ("damping = [1.0, 2.0]", "floats.only.damping = [1.0, 2.0]: needs one number for each of hinge"),
+    ("damping = [-1.0]", "floats[0].damping[0] = -1.0: must be >= 0 N m s/rad"),
+    ("offset = [1.0, 2.0]", "floats.only.offset = [1.0, 2.0]: needs one number for each of hinge"),
+    ('offset = "up"', "floats[0].offset = 'up': must be a number rad or m"),
+    ("stiffness = []", "floats[0].stiffness"),
+    ("mechanism_inertia = nan", "floats[0].mechanism_inertia = nan: must be finite kg m2 or kg"),
+]
+
+
+@pytest.mark.parametrize(("keys", "message"), BAD, ids=[row[0] for row in BAD])
+def test_bad_joints_are_refused_in_one_line(study_with, keys, message):
+    with pytest.raises(StudyError) as caught:
+        study_with(HINGED + keys)
+    assert any(message in line for line in caught.value.problems), caught.value.problems

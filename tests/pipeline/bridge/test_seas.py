@@ -1,0 +1,237 @@
+"""Sea states of every kind from a study file: what they become, what they are called, and what is refused."""
+
+import pickle
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from pipeline.bridge import preflight, scenes
+from pipeline.bridge.engine import Engine
+from pipeline.bridge.geometry import geometry_of
+from pipeline.bridge.loading import load
+from pipeline.study.reading import StudyError
+from pipeline.tasks.task import expand
+
+HEAD = """
+[water]
+depth = inf
+[waves]
+heading = 0.3
+{waves}
+[[floats]]
+name = "only"
+hull = {{ shape = "sphere", radius = 5.0, draft = 5.0 }}
+mass = 261.8e3
+inertia = [2.6e6, 2.6e6, 2.6e6]
+hinge = [0.0, 0.0, 0.0]
+motion = ["heave"]
+[axes]
+seed = [0, 1]
+[sea_states]
+only = {sea}
+"""
+BAND = "band = [0.2, 3.0]"
+CSV = {
+    "spectrum.csv": "omega, S\n0.0, 0.0\n0.5, 0.0\n1.0, 2.0\n2.0, 0.0\n",
+    "hertz.csv": "# a buoy's\nS [m^2/Hz], frequency [Hz]\n0,0.08\n12.566370614359172, 0.15915494309189535\n0,0.32\n",
+    "components.csv": "phase [deg],amplitude,omega,remark\n90,0.2,1.5,first\n0,0.1,0.7,second\n",
+    "elevation.csv": "time [s], elevation [m]\n" + "".join(f"{t},{np.cos(np.pi / 4 * t)}\n" for t in range(64)),
+}
+
+
+@pytest.fixture
+def study_with(tmp_path):
+    """A study with one sea state, as text, and files beside it."""
+
+    def made(sea, waves=BAND, **files):
+        for name, text in {**CSV, **{f"{k}.csv": v for k, v in files.items()}}.items():
+            (tmp_path / name).write_text(text)
+        path = tmp_path / "sea.toml"
+        path.write_text(HEAD.format(sea=sea, waves=waves))
+        return load(path)
+
+    return made
+
+
+def first(study):
+    return next(iter(expand(study.content))).parameters
+
+
+def eta(sea, t):
+    return (sea.amplitude * np.exp(-1j * np.outer(t, sea.omega))).sum(axis=1).real
+
+
+def test_still_water_has_no_waves_and_needs_no_band(study_with):
+    parameters = first(study_with('{ kind = "still" }', waves=""))
+    assert not scenes.sea(parameters).amplitude.any()
+    assert scenes.scene(parameters).water.depth == np.inf
+    assert '"depth":"inf"' in parameters.canonical()
+
+
+def test_a_regular_wave(study_with):
+    sea = scenes.sea(first(study_with('{ kind = "regular", height = 2.0, period = 8.0, phase = 0.5 }', waves="")))
+    assert eta(sea, np.array([1.0])) == approx(np.cos(0.5 - np.pi / 4))
+    assert sea.heading == 0.3
+
+
+def test_white_noise_fills_the_band(study_with):
+    sea = scenes.sea(first(study_with('{ kind = "white-noise", Hs = 0.5 }', waves=BAND + '\nintervals = "even"')))
+    assert np.ptp(np.abs(sea.amplitude)) < 1e-12
+    assert sea.parameters()["Hm0"] == approx(0.5)
+
+
+@pytest.mark.parametrize("where", ["waves", "row"])
+def test_jonswap_for_the_study_or_for_one_row(study_with, where):
+    given = 'spectrum = "jonswap"{} gamma = 5.0'
+    if where == "waves":
+        study = study_with("{ Hs = 1.0, Tp = 8.0 }", waves=BAND + "\n" + given.format("\n"))
+    else:
+        study = study_with("{ Hs = 1.0, Tp = 8.0, " + given.format(",") + " }")
+    from solver.sea.realization import realize
+    from solver.sea.spectrum import Jonswap
+
+    parameters = first(study)
+    shape = Jonswap(Hs=1.0, Tp=8.0, gamma=5.0)
+    from pipeline.tasks.task import wave_seed
+
+    known = realize(shape, components=130, band=(0.2, 3.0), seed=wave_seed(parameters), heading=0.3)
+    assert np.array_equal(scenes.sea(parameters).amplitude, known.amplitude)
+
+
+def test_a_spectrum_from_a_file(study_with):
+    """A triangle of 1.5 m²: Hm0 = 4 √1.5, the same in rad/s and in Hz but for the feet of the triangle."""
+    sea = scenes.sea(first(study_with('{ kind = "spectrum", file = "spectrum.csv" }', waves="components = 400")))
+    assert sea.omega[0] > 0.5 and sea.omega[-1] < 2.0  # without a band that of the file
+    assert sea.parameters()["Hm0"] == approx(4 * np.sqrt(1.5), rel=2e-3)
+    hertz = scenes.sea(first(study_with('{ kind = "spectrum", file = "hertz.csv" }', waves="components = 400")))
+    area = (0.32 - 0.08) * 4 * np.pi / 2
+    assert hertz.parameters()["Hm0"] == approx(4 * np.sqrt(area), rel=2e-3)
+
+
+def test_components_from_a_file(study_with):
+    sea = scenes.sea(first(study_with('{ kind = "components", file = "components.csv" }', waves="")))
+    t = np.linspace(0, 9, 10)
+    assert eta(sea, t) == approx(0.2 * np.cos(1.5 * t - np.pi / 2) + 0.1 * np.cos(0.7 * t))
+
+
+def test_an_elevation_record_comes_back(study_with):
+    sea = scenes.sea(first(study_with('{ kind = "elevation", file = "elevation.csv" }')))
+    assert eta(sea, np.arange(64.0)) == approx(np.cos(np.pi / 4 * np.arange(64)), abs=1e-9)
+    assert "repeats after 64 s" in sea.notes[0]
+
+
+def test_what_a_record_leaves_out_is_told_under_the_seas_own_name(study_with):
+    study = study_with('{ kind = "elevation", file = "elevation.csv" }')
+    told = preflight.check(study, expand(study.content), Engine())
+    assert any(text.startswith("sea_states.only: elevation record: mean level ") for text in told)
+
+
+def test_seeds_and_component_counts_decide_nothing_where_nothing_is_random(study_with):
+    sea = '{ kind = "components", file = "components.csv" }'
+    assert len({task.id for task in expand(study_with(sea).content)}) == 1
+    fine, coarse = (first(study_with(sea, waves=f"{BAND}\ncomponents = {n}")).canonical() for n in (10, 20))
+    assert fine == coarse
+    assert len({task.id for task in expand(study_with("{ Hs = 1.0, Tp = 8.0 }").content)}) == 2
+
+
+def test_a_file_is_known_by_its_content(study_with):
+    sea = '{ kind = "components", file = "components.csv" }'
+    before = first(study_with(sea))
+    assert first(study_with(sea.replace("components.csv", "other.csv"), other=CSV["components.csv"])) == before
+    changed = first(study_with(sea, components=CSV["components.csv"].replace("0.2", "0.3")))
+    assert changed.canonical() != before.canonical()
+    assert scenes.sea(pickle.loads(pickle.dumps(before))).amplitude.tolist() == scenes.sea(before).amplitude.tolist()
+
+
+def test_regular_waves_of_about_the_same_period_share_their_coefficients(study_with):
+    def key(period, waves=""):
+        sea = f'{{ kind = "regular", height = 0.1, period = {period} }}'
+        return geometry_of(next(iter(expand(study_with(sea, waves).content))).parameters)
+
+    assert key(8.0) == key(11.0) != key(4.0)
+    assert key(4.0, BAND) == key(8.0, BAND)
+    low, high = key(8.0).band
+    assert low <= 2 * np.pi / 8 <= high
+
+
+BAD = [
+    ('{ kind = "regluar", height = 1 }', {}, "sea_states.only.kind = 'regluar': must be one of 'irregular', 'white-"),
+    ('{ kind = "regular", height = 1.0 }', {}, "sea_states.only.period: is missing [s]"),
+    ('{ kind = "regular", height = 9.0, period = 4.0 }', {}, "sea_states.only.height = 9.0: must be <= 3.55 m, where"),
+    ('{ kind = "regular", height = 1.0, period = 70.0 }', {}, "sea_states.only.period = 70.0: must be <= 60 s"),
+    ('{ kind = "regular", height = 0.1, period = 1.0 }', {}, "must put its frequency, 6.28 rad/s, inside waves.band"),
+    ('{ kind = "white-noise", Hs = 9.0 }', {}, "sea_states.only.Hs = 9.0: must be <= "),
+    ('{ kind = "still", Hs = 1.0 }', {}, "sea_states.only.Hs = 1.0: unknown key; known: kind"),
+    ("{ Hs = 1.0, Tp = 8.0, gamma = 2.0 }", {}, 'sea_states.only.gamma = 2.0: is for spectrum = "jonswap"'),
+    ("{ Hs = 1.0, Tp = 8.0, gamma = 9.0 }", {}, "sea_states.only.gamma = 9.0: must be <= 7"),
+    ('{ Hs = 1.0, Tp = 8.0, spectrum = "jonswap", form = "mean" }', {}, "sea_states.only.form = mean: is for pierson"),
+    ('{ kind = "spectrum", file = "no.csv" }', {}, "sea_states.only.file = 'no.csv': no such file"),
+    (
+        '{ kind = "spectrum", file = "x.csv" }',
+        {"x": "omega\n1"},
+        "file = x.csv: line 1: needs a column S in its header",
+    ),
+    ('{ kind = "spectrum", file = "x.csv" }', {"x": "\n\nf,S\n1,1"}, "line 3: needs a column omega or frequency"),
+    (
+        '{ kind = "spectrum", file = "x.csv" }',
+        {"x": "frequency,S\n1,1"},
+        "line 1, column frequency: needs its unit, [Hz]",
+    ),
+    (
+        '{ kind = "spectrum", file = "x.csv" }',
+        {"x": "frequency [Hz],S\n1,1"},
+        "line 1, column S: needs its unit, [m2 s",
+    ),
+    (
+        '{ kind = "spectrum", file = "x.csv" }',
+        {"x": "omega,S\n1,2\n2,1e"},
+        "line 3, column S: '1e' must be a finite number",
+    ),
+    ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n1,2\n2,-1"}, "line 3, column S: '-1' must be >= 0"),
+    ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n1,2\n2"}, "line 3, column S: '' must be a finite number"),
+    ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n2,1\n1,1"}, "needs at least two increasing frequencies"),
+    ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n9,1\n10,1"}, "file = x.csv: has no waves in waves.band"),
+    ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n"}, "file = x.csv: has a header and no numbers"),
+    ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n1,90\n2,90"}, "sea_states.only.file: Hm0 = 3"),
+    ('{ kind = "spectrum", file = "sea.toml" }', {}, "file = sea.toml: line 2: needs a column omega"),
+    ('{ kind = "components", file = "x.csv" }', {"x": "amplitude,omega,phase\n1,0,0"}, "frequencies must be > 0"),
+    (
+        '{ kind = "components", file = "x.csv" }',
+        {"x": "amplitude,omega,phase\n.001,9,0"},
+        "file = x.csv: must put all waves, 9 rad/s, inside",
+    ),
+    (
+        '{ kind = "elevation", file = "x.csv" }',
+        {"x": "time,elevation\n0,1\n1,0\n2,1\n4,0"},
+        "sample 3 must lie at even",
+    ),
+    ('{ kind = "elevation", file = "x.csv" }', {"x": "time,elevation\n0,1\n1,0"}, "needs at least 4"),
+]
+
+
+@pytest.mark.parametrize(("sea", "files", "message"), BAD, ids=[row[2][-40:] for row in BAD])
+def test_bad_seas_are_refused_in_one_line(study_with, tmp_path, sea, files, message):
+    with pytest.raises(StudyError) as caught:
+        study_with(sea, **files)
+    assert any(line.startswith(f"{tmp_path / 'sea.toml'}: ") and message in line for line in caught.value.problems)
+
+
+@pytest.mark.parametrize("sea", ["{ Hs = 1.0, Tp = 8.0 }", '{ kind = "elevation", file = "elevation.csv" }'])
+def test_a_sea_that_needs_a_band_says_so(study_with, sea):
+    with pytest.raises(StudyError, match=r"waves.band = nothing: is missing \[rad/s\], and sea_states.only is a sea"):
+        study_with(sea, waves="")
+
+
+def test_still_water_in_a_band_shares_coefficients_with_its_waves(study_with):
+    still = geometry_of(next(iter(expand(study_with('{ kind = "still" }').content))).parameters)
+    assert still == geometry_of(next(iter(expand(study_with("{ Hs = 1.0, Tp = 8.0 }").content))).parameters)
+
+
+def test_waves_too_close_for_the_record_cannot_have_an_rao(study_with, tmp_path):
+    """Random intervals of 2.8/130 rad/s come as close as 0.6 of that: 2π over it are 486 s."""
+    study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f"{BAND}\n[record]\nrao = true\nduration = 487.0")
+    with pytest.raises(StudyError, match=r"record.duration = 485.0: must be >= 486.2 s for record.rao"):
+        study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f"{BAND}\n[record]\nrao = true\nduration = 485.0")
+    study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f'{BAND}\nintervals = "even"\n[record]\nrao = true\nduration = 292.0')
+    study_with('{ kind = "regular", height = 1.0, period = 8.0 }', waves="[record]\nrao = true\nduration = 20.0")

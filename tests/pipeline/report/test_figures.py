@@ -1,0 +1,221 @@
+"""The report as a page, and the figures in it, of a small made-up dataset."""
+
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pipeline.bridge.loading import load
+from pipeline.cli import cli
+from pipeline.report import envelopes, figures, overview, page, sketch, strips
+from pipeline.report.drawing import plain, svg
+from pipeline.report.report import COLUMNS
+from pipeline.tasks.study import Study
+
+HEIGHTS = np.array([0.0, 20.0, 52.6])
+PUBLISHED = """table,label,variable,selection,statistic,value,unit,note
+T1,power & <all>,absorbed_power,sea_state=rough;platform=elastic;float=front,mean,8.0,kW,the paper's spike
+"""
+
+
+def dataset():
+    """2 sea states, 3 platforms, 2 seeds; no float numbers without floats, and one failed task."""
+    rng = np.random.default_rng(7)
+    cells, dims = (2, 3, 2), ("sea_state", "platform", "seed")
+    statistics = ["max", "min", "mean", "rms", "std"]
+
+    def values(*own):
+        found = 1 + rng.random((*cells, *own))
+        found[1, 0, 1] = np.nan
+        return found
+
+    data = xr.Dataset(
+        {
+            "absorbed_power": ((*dims, "float", "statistic"), 1e3 * values(1, 5)),
+            "rotation": ((*dims, "float", "statistic"), values(1, 5)),
+            "hinge_force": ((*dims, "float", "direction", "statistic"), values(1, 3, 5)),
+            "displacement_envelope": ((*dims, "leg", "height"), values(1, 3)),
+            "stress_envelope": ((*dims, "leg", "height"), values(1, 3)),
+            "energy_residual": (dims, values() - 1.5),
+            "discretization_error": (dims, 0 * values()),
+            "wall_time": (dims, values()),
+            "status": (dims, np.full(cells, "done", dtype="U8")),
+        },
+        coords={
+            "sea_state": ["calm", "rough"],
+            "platform": ["elastic", "fixed", "elastic-no-floats"],
+            "seed": [0, 1],
+            "float": ["front"],
+            "leg": [1],
+            "height": HEIGHTS,
+            "direction": ["x", "y", "z"],
+            "statistic": statistics,
+            "Hs": ("sea_state", [0.5, 2.0]),
+            "Tp": ("sea_state", [5.0, 7.0]),
+            "pto_damping": 1e5,
+        },
+        attrs={"title": "A <small> study", "source": "sources 0123abc", "version_numpy": "2.4"},
+    )
+    for name in ("absorbed_power", "rotation", "hinge_force"):
+        data[name].loc[{"platform": "elastic-no-floats"}] = np.nan
+    for name in ("displacement_envelope", "stress_envelope"):
+        data[name].loc[{"platform": "fixed"}] = np.nan
+    data["hinge_force"].loc[{"direction": "y"}] = 0.0
+    data["status"][1, 0, 1] = "failed"
+    return data
+
+
+@pytest.fixture
+def results(small):
+    return figures.Results(study=load(small), data=dataset())
+
+
+def titles(results):
+    return [figure["title"] for figure in page.drawn(results)]
+
+
+def test_the_command_writes_the_page_and_the_figure(small, tmp_path, capsys):
+    (tmp_path / "small-published.csv").write_text(PUBLISHED)
+    root = tmp_path / "results" / "small"
+    root.mkdir(parents=True)
+    data = dataset()
+    data.to_netcdf(root / "statistics.nc")
+    picture = tmp_path / "small.png"
+    cli.report(small, tmp_path / "results", picture)
+    text = (root / "report.html").read_text()
+    ours = data.absorbed_power.sel(sea_state="rough", platform="elastic", float="front", statistic="mean", seed=0)
+    assert f"<td>{float(ours) / 1e3:.4g}</td>" in text
+    for words in ("A &lt;small&gt; study", "0123abc", "numpy 2.4", "power &amp; &lt;all&gt;", "the paper&#39;s spike"):
+        assert words in text
+    assert "11 done, 1 failed of 12 = 2 sea states × 3 platforms × 2 seeds" in text
+    assert "sea_state rough, platform elastic, seed 1: failed" in text
+    assert str(root / "report.html") in capsys.readouterr().out
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert not list(tmp_path.rglob("*.part"))
+
+
+def test_the_page_needs_nothing_from_elsewhere(results):
+    text = page.html(results)
+    sources = re.findall(r'(?:src|href)="([^",]*)', text)
+    assert sources == ["data:image/svg+xml;base64"] * 5
+    assert "http" not in re.sub(r'src="data:[^"]*"', "", text)
+    assert "absorbed_power" in text  # nothing was published, so there is the summary
+
+
+def test_missing_variables_are_left_out(results):
+    assert titles(results) == [
+        "Scene",
+        "Envelopes along the legs",
+        "Power and rotation in each sea state",
+        "Extremes of the hinge force",
+        "What the runs say of themselves",
+    ]
+    half = results.data.drop_vars(["stress_envelope", "rotation", "hinge_force", "wall_time"])
+    assert len(titles(figures.Results(study=results.study, data=half))) == 4
+    bare = figures.Results(study=results.study, data=results.data[["status"]])
+    assert titles(bare) == ["Scene"]
+    with plain():
+        assert len(overview.overview(bare).axes) == 1
+
+
+def test_a_study_that_varies_nothing(results):
+    one = results.data.isel(sea_state=1, platform=0, seed=0)
+    alone = figures.Results(study=results.study, data=one)
+    assert len(titles(alone)) == 5
+    assert page.troubles(alone) == []
+    assert page.troubles(figures.Results(study=results.study, data=one.assign(status="failed"))) == ["failed"]
+
+
+def test_an_axis_of_numbers_has_its_own_figure(results):
+    data = xr.concat([dataset().assign_coords(pto_damping=b) for b in (1e5, 2e5, 4e5)], "pto_damping")
+    data["pto_damping"].attrs["units"] = "N m s rad-1"
+    varied = figures.Results(study=results.study, data=data)
+    assert "Along pto damping" in titles(varied)
+    with plain():
+        assert figures.along(varied, "pto_damping").axes[0].get_xlabel() == "pto damping [N m s rad-1]"
+
+
+def test_envelopes_average_what_is_there(results):
+    rows = envelopes.profile(results, "stress_envelope", "elastic", [1])
+    expected = results.data.stress_envelope.sel(sea_state="rough", platform="elastic", seed=0, leg=1)
+    np.testing.assert_array_equal(rows, expected.values[:, None])
+
+
+def test_dots_stand_at_the_numbers(results):
+    """Shown in kW: the mean of the calm sea's two realizations."""
+    with plain():
+        axes = figures.sea_states(results).axes[0]
+    shown = [line.get_xdata()[0] for line in axes.lines if line.get_marker() == "o"]
+    calm = results.data.absorbed_power.sel(sea_state="calm", platform="elastic", statistic="mean").mean() / 1e3
+    assert np.isclose(shown, float(calm), rtol=1e-12).any()
+
+
+def test_a_force_that_is_zero_is_not_shown(results):
+    assert strips.directions(results) == ["x", "z"]
+
+
+def test_published_numbers_choose_the_sea_state(results, tmp_path):
+    from pipeline.report.report import published
+
+    path = tmp_path / "p.csv"
+    path.write_text(f"{','.join(COLUMNS)}\nT,p,absorbed_power,sea_state=calm;platform=fixed;float=front,mean,2,kW,\n")
+    known = figures.Results(study=results.study, data=results.data, published=published(path))
+    assert (results.sea, known.sea) == ("rough", "calm")
+    assert known.theirs("absorbed_power", "mean", sea_state="calm", platform="fixed", float="front") == 2e3
+    assert known.theirs("absorbed_power", "mean", sea_state="rough", platform="fixed", float="front") is None
+
+
+def test_legs_are_grouped_from_the_weather_side(study_of, buan_tables):
+    data = xr.Dataset(coords={"leg": [1, 2, 3, 4]})
+    buan = figures.Results(study=study_of(buan_tables), data=data)
+    assert envelopes.leg_groups(buan) == {"front legs": [1, 2], "rear legs": [3, 4]}
+
+
+def test_the_scene_is_to_scale(results):
+    """A hemisphere of radius 1 m at (-3.86, 0) m, and a leg of 1 m diameter from the seabed to its hinge."""
+    study = results.study.content
+    x, z = np.array(sketch.outline(study.floats[0])).T
+    assert (x.min(), x.max()) == pytest.approx((-4.86, -2.86), abs=1e-12)
+    assert (z.min(), z.max()) == pytest.approx((-1.0, 0.6), abs=1e-12)
+    (leg,) = sketch.members(study)
+    x, z = np.array(leg).T
+    assert (x.min(), x.max(), z.min(), z.max()) == pytest.approx((-2.0, -1.0, -50.0, 2.6), abs=1e-12)
+    with plain():
+        figure = sketch.scene(study)
+    assert {axes.get_aspect() for axes in figure.axes} == {1.0}
+
+
+@pytest.mark.parametrize("hull", ["sphere", "vertical-cylinder"])
+@pytest.mark.parametrize("heading", [0.0, 1.5707963, 3.14])
+def test_floats_without_a_platform(study_of, buan_tables, hull, heading):
+    own = {"draft": 0.8} | ({"freeboard": 0.4} if hull == "vertical-cylinder" else {})
+    tables = {key: buan_tables[key] for key in ("water", "waves", "sea_states")}
+    tables["waves"]["heading"] = heading
+    tables["floats"] = [buan_tables["floats"][0] | {"hull": {"shape": hull, "radius": 1.0} | own}]
+    study = study_of(tables).content
+    with plain():
+        (axes,) = sketch.scene(study).axes
+    assert ("waves" in [text.get_text() for text in axes.texts]) == (heading != 1.5707963)
+
+
+def test_a_scene_of_nothing_is_not_drawn(results):
+    nothing = results.study.content.model_copy(update={"floats": (), "platform": None})
+    assert sketch.scene(nothing) is None
+    assert (
+        titles(figures.Results(study=Study(path=results.study.path, content=nothing), data=results.data))[0] != "Scene"
+    )
+
+
+def test_the_same_figure_has_the_same_bytes(results):
+    with plain():
+        assert svg(strips.audit(results)) == svg(strips.audit(results))
+
+
+def test_a_long_scatter_table_is_cut(results):
+    many = xr.concat([results.data.isel(sea_state=0)] * 30, "sea_state").assign_coords(
+        sea_state=[f"s{i}" for i in range(30)], Hs=("sea_state", np.ones(30)), Tp=("sea_state", np.full(30, 5.0))
+    )
+    long = figures.Results(study=results.study, data=many)
+    with plain():
+        assert len(figures.sea_states(long).axes[0].get_yticks()) == figures.ROOM

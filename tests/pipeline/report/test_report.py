@@ -1,0 +1,114 @@
+"""The table beside the published numbers."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from rich.console import Console
+
+from pipeline.report import report
+from pipeline.results.variables import VARIABLES
+from pipeline.study.reading import StudyError
+
+HEAD = ",".join(report.COLUMNS)
+
+
+@pytest.fixture
+def data():
+    values = np.array([[[1e3, 2e3, 3e3], [4e3, 5e3, 6e3]]])
+    return xr.Dataset(
+        {"absorbed_power": (("platform", "float", "seed"), values)},
+        coords={
+            "platform": ["fixed"],
+            "float": ["front", "rear"],
+            "seed": [0, 1, 2],
+            "sea_state": "mild",
+        },
+    )
+
+
+def row(path, text):
+    path.write_text(f"{HEAD}\n{text}\n")
+    return report.published(path)[0]
+
+
+@pytest.mark.parametrize(
+    ("selection", "mean", "low", "high"),
+    [
+        ("platform=fixed;float=front", 2.0, 1.0, 3.0),
+        ("platform=fixed;float=front+rear", 3.5, 2.5, 4.5),
+        ("platform=fixed;float=rear;seed=1;sea_state=mild", 5.0, 5.0, 5.0),
+    ],
+)
+def test_selection_units_and_spread(data, tmp_path, selection, mean, low, high):
+    mine = report.ours(data, row(tmp_path / "p.csv", f"T,power,absorbed_power,{selection},,2.0,kW,"))
+    assert (mine.mean, mine.low, mine.high) == (mean, low, high)
+
+
+@pytest.mark.parametrize("selection", ["platform=elastic", "platform=fixed;leg=1", "sea_state=rough"])
+def test_what_is_not_there_is_not_invented(data, tmp_path, selection):
+    assert report.ours(data, row(tmp_path / "p.csv", f"T,power,absorbed_power,{selection},,2.0,kW,")) is None
+
+
+def test_a_number_far_off_gets_its_sentence(data, tmp_path):
+    rows = [
+        row(tmp_path / "a.csv", "T,power,absorbed_power,float=front,,8.0,kW,the paper's spike"),
+        row(tmp_path / "b.csv", "T,other,absorbed_power,float=front,,2.1,kW,never said"),
+    ]
+    console = Console(record=True, width=120)
+    report.show(data, rows, console)
+    text = console.export_text()
+    assert "* power: the paper's spike" in text
+    assert "never said" not in text
+    assert "0.25 *" in text
+
+
+def test_bad_rows_are_named(tmp_path):
+    with pytest.raises(StudyError, match="row 1 = 'power': could not convert"):
+        row(tmp_path / "p.csv", "T,power,absorbed_power,,,many,kW,")
+    (tmp_path / "q.csv").write_text("a,b\n1,2\n")
+    with pytest.raises(StudyError, match="must be table, label"):
+        report.published(tmp_path / "q.csv")
+
+
+def test_published_numbers_of_the_project_name_known_variables():
+    for path in (Path(__file__).parents[3] / "studies").glob("*-published.csv"):
+        rows = report.published(path)
+        assert rows
+        assert {r.variable for r in rows} <= VARIABLES.keys()
+        with path.open(newline="") as file:
+            assert all(None not in r for r in csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+@pytest.mark.parametrize(
+    ("value", "count", "verdict"),
+    [
+        ("2.5", 20, "inside"),
+        ("3.04", 20, "outside"),
+        ("3.0", 20, "inside"),
+        ("3", 20, "inside"),  # rounded from as little as 2.5
+        ("0.94", 20, "outside"),
+        ("9.9", 19, ""),  # too few to tell
+    ],
+)
+def test_a_published_number_is_inside_if_its_rounding_reaches_our_range(tmp_path, value, count, verdict):
+    numbers = 1e3 * np.linspace(1.0, 2.99, count)
+    data = xr.Dataset({"absorbed_power": (("seed",), numbers)})
+    theirs = row(tmp_path / "p.csv", f"T,power,absorbed_power,,,{value},kW,why")
+    mine = report.ours(data, theirs)
+    assert mine.verdict(theirs) == verdict
+    assert (report.verdicts(data, [theirs]) == "") == (verdict == "")
+    assert bool(list(report.sentences([(theirs, mine)]))) == (verdict == "outside" or not verdict)
+
+
+def test_the_range_of_39_holds_one_more_with_95_percent(tmp_path):
+    """Whatever the distribution: counted here for an extreme-value one, 4,000 times; 3 standard errors are 1 %."""
+    draws = np.random.default_rng(3).gumbel(size=(4000, 40))
+    held = (draws[:, 0] > draws[:, 1:].min(axis=1)) & (draws[:, 0] < draws[:, 1:].max(axis=1))
+    assert held.mean() == pytest.approx(38 / 40, abs=0.0104)
+    data = xr.Dataset({"rotation": (("seed",), draws[0, 1:])})
+    theirs = row(tmp_path / "p.csv", "T,r,rotation,,,99,rad,")
+    assert "0 of 1 published" in report.verdicts(data, [theirs])
+    assert "95.0% of 39" in report.verdicts(data, [theirs])

@@ -1,0 +1,106 @@
+"""Figures of time series, from records made up here."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pipeline.bridge.loading import load
+from pipeline.report import figures, series
+from pipeline.report.drawing import plain
+from pipeline.results.netcdf import Variable, to_bytes
+
+TIME = np.arange(100.0, 700.0, 0.1)
+PLATFORMS = ("elastic", "fixed", "elastic-no-floats")
+
+
+def record(platform, *, spike=0.0):
+    """Sines; a spike of the hinge force at 400 s."""
+    wave = np.sin(1.1 * TIME)
+    made = {
+        "elapsed_time": Variable(("elapsed_time",), TIME, {}),
+        "wave_elevation_series": Variable(("elapsed_time",), wave, {}),
+    }
+    if platform != "elastic-no-floats":
+        force = np.zeros((TIME.size, 1, 3))
+        force[:, 0, 0] = 1e3 * wave
+        force[np.abs(TIME - 400.0).argmin(), 0, 0] += spike
+        made["float"] = Variable(("float",), np.array(["front"]), {})
+        made["direction"] = Variable(("direction",), np.array(["x", "y", "z"]), {})
+        made["hinge_force_series"] = Variable(("elapsed_time", "float", "direction"), force, {})
+        made["rotation_series"] = Variable(("elapsed_time", "float"), 0.1 * wave[:, None], {})
+    if platform != "fixed":
+        made["leg"] = Variable(("leg",), np.array([1], dtype="i4"), {})
+        made["direction"] = Variable(("direction",), np.array(["x", "y", "z"]), {})
+        made["top_displacement_series"] = Variable(
+            ("elapsed_time", "leg", "direction"), np.repeat(wave[:, None, None], 3, axis=2), {}
+        )
+        made["bottom_stress_series"] = Variable(("elapsed_time", "leg"), 1e6 * wave[:, None], {})
+    return to_bytes(made, {})
+
+
+@pytest.fixture
+def results(small, tmp_path):
+    """A collected study whose tasks keep their series."""
+    text = small.read_text().replace("[waves]", '[record]\nseries = "full"\n[waves]')
+    small.write_text(text.replace('sea_state = ["calm", "rough"]', 'sea_state = ["rough"]'))
+    names = np.array([[[f"{platform}-{seed}" for seed in (0, 1)] for platform in PLATFORMS]], dtype=object)
+    for platform in PLATFORMS:
+        folder = tmp_path / "tasks" / f"{platform}-1"  # seed 0 has left nothing
+        folder.mkdir(parents=True)
+        (folder / "record.nc").write_bytes(record(platform, spike=5e4))
+    dims = ("sea_state", "platform", "seed")
+    data = xr.Dataset(
+        {
+            "task": (dims, names),
+            "hinge_force": ((*dims, "float", "direction"), np.broadcast_to([1.0, 0.0, 0.0], (1, 3, 2, 1, 3))),
+        },
+        coords={"sea_state": ["rough"], "platform": list(PLATFORMS), "seed": [0, 1], "float": ["front"], "leg": [1],
+                "direction": ["x", "y", "z"], "Hs": ("sea_state", [2.0]), "Tp": ("sea_state", [7.0])},
+    )  # fmt: skip
+    return figures.Results(study=load(small), data=data, tasks=tmp_path / "tasks")
+
+
+def test_every_figure_comes_of_what_is_there(results):
+    with plain():
+        shown = [title for title, _, make in series.entries(results) if make(results) is not None]
+    assert shown == ["Waves", "Response of the platform", "Hinge forces", "Rotation"]  # no power in the records
+    without = figures.Results(study=results.study, data=results.data)
+    assert series.entries(without) == []
+
+
+def test_lines_are_the_series_in_the_units_shown(results):
+    (top, stress) = series.response(series.Series(results))
+    assert [line.name for line in top.lines] == ["with floats", "no floats"]
+    np.testing.assert_allclose(stress.lines[0].values, np.sin(1.1 * TIME), rtol=1e-12)
+    (x,) = series.forces(series.Series(results))  # y and z are zero
+    assert x.words == "x force on the float [kN]"
+    assert x.lines[0].values.max() == pytest.approx(50.0, abs=1.0)  # the spike on a wave of 1 kN
+
+
+def test_the_close_up_is_about_the_largest_value(results):
+    lines = series.forces(series.Series(results))[0].lines
+    assert series.window(lines) == pytest.approx(400.0 - series.CLOSE / 2, abs=0.1)
+    early = series.Line("", TIME, np.where(TIME < 101.0, 9.0, 0.0))
+    assert series.window([early]) == TIME[0]
+    late = series.Line("", TIME, np.where(TIME[-1] - 1.0 < TIME, 9.0, 0.0))
+    assert series.window([late]) == pytest.approx(TIME[-1] - series.CLOSE)
+
+
+def test_no_extreme_is_lost_in_the_band():
+    """Least and largest of all pieces are those of the record, and neighbours touch."""
+    values = np.random.default_rng(1).normal(size=4321)
+    at, low, high = series.extremes(values, 500)
+    assert (low.min(), high.max()) == (values.min(), values.max())
+    assert len(at) == 500
+    assert (low[1:] <= high[:-1]).all()
+    assert (high[1:] >= low[:-1]).all()
+
+
+def test_the_spectrum_stands_beside_the_theory_it_was_drawn_from(results):
+    with plain():
+        _, axes = series.sea(series.Series(results)).axes
+    theory = axes.lines[1]
+    assert theory.get_xdata()[[0, -1]] == pytest.approx([0.7, 3.4])
+    # Pierson-Moskowitz in the peak form, at its peak: S = 5/16 Hs² exp(-5/4) / ωp.
+    peak = 5 / 16 * 4.0 * np.exp(-1.25) * 7.0 / (2 * np.pi)
+    assert theory.get_ydata().max() == pytest.approx(peak, rel=1e-4)

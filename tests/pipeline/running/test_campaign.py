@@ -1,0 +1,322 @@
+"""A study from end to end with an engine without physics."""
+
+import json
+import signal
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from pipeline.bridge.geometry import geometry_of
+from pipeline.bridge.loading import load
+from pipeline.cli import actions
+from pipeline.cli.cli import app
+from pipeline.results import dataset
+from pipeline.results.store import Store
+from pipeline.running.campaign import Campaign, unfinished
+from pipeline.running.schedule import Place
+from pipeline.tasks.task import expand
+
+
+def campaign(path, results, engine, **how):
+    return Campaign(study=path, results=results, store=Store(results, path.stem), engine=engine, place=Place(**how))
+
+
+def run(path, results, engine, **how):
+    study = load(path)
+    job = campaign(path, results, engine, **how)
+    heard = []
+    todo = unfinished(study.tasks, job.store)
+    failed = job.run(todo, lambda what, _: heard.append(type(what).__name__.lower()))
+    return study, list(study.tasks), job.store, failed, heard
+
+
+def contents(tasks, store):
+    return {task.id: store.look(task).status["content"] for task in tasks}
+
+
+@pytest.fixture
+def cli(small, tmp_path, engine):
+    def call(*words, code=0):
+        verb, *rest = words
+        result = CliRunner().invoke(app, [verb, str(small), "--results", str(tmp_path / "r"), *rest])
+        assert result.exit_code == code, (result.output, result.exception)
+        return result.output
+
+    return call
+
+
+def test_one_geometry_then_every_task_once(small, tmp_path, engine):
+    _, tasks, store, failed, heard = run(small, tmp_path / "r", engine, workers=1)
+    assert not failed
+    assert heard.count("geometry") == 1
+    assert heard.count("task") == len(tasks) == 12
+    assert {store.look(task, checksums=True).state for task in tasks} == {"done"}
+
+
+def test_a_second_run_runs_nothing(small, tmp_path, engine):
+    run(small, tmp_path / "r", engine, workers=1)
+    assert run(small, tmp_path / "r", engine, workers=1)[4] == []
+
+
+def test_coefficients_are_not_solved_again(small, tmp_path, engine, monkeypatch):
+    monkeypatch.setattr("pipeline.bridge.cache.decode", lambda data: data)
+    monkeypatch.setattr("pipeline.bridge.cache.Cache.__init__.__defaults__", (lambda data: data,))
+    run(small, tmp_path / "r", engine, workers=1)
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 1, 2]"))
+    heard = run(small, tmp_path / "r", engine, workers=1)[4]
+    assert heard == ["task"] * 6
+
+
+@pytest.mark.filterwarnings("default")  # dask's own shutdown is not ours to judge
+def test_serial_and_two_workers_agree_bit_for_bit(small, tmp_path, engine):
+    _, tasks, one, _, _ = run(small, tmp_path / "one", engine, workers=1)
+    _, _, two, failed, _ = run(small, tmp_path / "two", engine, workers=2)
+    assert not failed
+    assert contents(tasks, one) == contents(tasks, two)
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_task_that_kills_its_worker_is_a_failure_and_the_others_go_on(small, tmp_path, engine):
+    few = small.read_text().replace("seed = [0, 1]", "seed = [0, 1, 2, 3, 667]")
+    small.write_text(
+        few.replace('"elastic", "fixed", "elastic-no-floats"', '"fixed"').replace('"calm", "rough"', '"calm"')
+    )
+    _, tasks, store, failed, _ = run(small, tmp_path / "r", engine, workers=2)
+    assert [t.labels["seed"] for t in failed] == [667]
+    assert [store.look(t).state for t in tasks] == ["done"] * 4 + ["failed"]
+    assert "every worker that had it died" in store.look(failed[0]).status["error"]["message"]
+
+
+def test_failed_tasks_are_recorded_and_the_others_go_on(small, cli):
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 666]"))
+    output = cli("run", "--workers", "1", code=1)
+    assert output.count("failed: RuntimeError: the platform left") == 6
+    assert "12 tasks: 6 done, 6 failed" in output
+    assert "RuntimeError: the platform left" in cli("show", "sea_state=calm,platform=fixed,seed=666")
+    assert "--failed" in output
+    cli("run", "--workers", "1", code=1)  # a failed task is not tried again unasked
+    assert cli("rerun", "--failed", "--workers", "1", code=1).count("no new record") == 6
+
+
+def test_fail_fast_stops(small, cli):
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [666, 0]"))
+    output = cli("run", "--workers", "1", "--fail-fast", code=1)
+    assert "1 failed" in output
+    assert "missing" in output
+
+
+def test_failed_coefficients_fail_their_tasks_alone(small, tmp_path, engine):
+    from dataclasses import replace
+
+    def broken(geometry):
+        raise ValueError("singular")
+
+    _, tasks, store, failed, _ = run(small, tmp_path / "r", replace(engine, coefficients=broken), workers=1)
+    assert {t.labels["platform"] for t in failed} == {"elastic", "fixed"}
+    assert {store.look(t).state for t in tasks if not geometry_of(t.parameters)} == {"done"}
+
+
+def test_rerun_is_bitwise_the_same(cli, tmp_path):
+    cli("run", "--workers", "1")
+    before = {p: p.read_bytes() for p in (tmp_path / "r").rglob("record.nc")}
+    output = cli("rerun", "platform=fixed,seed=1", "--workers", "1")
+    assert output.count("bitwise the same as the old record") == 2
+    assert len(before) == 12
+
+
+def test_rerun_tells_what_changed(cli, monkeypatch, engine):
+    from dataclasses import replace
+
+    cli("run", "--workers", "1")
+
+    def other(parameters, coefficients):
+        record = engine.compute(parameters, coefficients)
+        dims, values = record.variables["rotation"]
+        record.variables["rotation"] = (dims, values + 1e-12)
+        return record
+
+    monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: replace(engine, compute=other))
+    output = cli("rerun", "platform=fixed,seed=1,sea_state=calm", "--workers", "1", code=1)
+    assert "rotation: differs by up to 1e-12" in output
+
+
+def test_select_runs_a_part(cli):
+    assert "2 tasks: 2 done" in cli("run", "--select", "platform=fixed,seed=0", "--workers", "1")
+    assert "12 tasks: 10 missing, 2 done" in cli("status", code=2)
+    assert "4 tasks: 4 done" in cli("run", "--select", "platform=fixed", "--workers", "1")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("platfrom=fixed", "platfrom: unknown axis; did you mean platform?"),
+        ("platform=fixd", "platform=fixd: no such value; did you mean fixed?"),
+        ("fixed", "must be axis=value"),
+    ],
+)
+def test_bad_selection_names_the_key(small, tmp_path, words, message):
+    result = CliRunner().invoke(app, ["run", str(small), "--results", str(tmp_path / "r"), "--select", words])
+    assert message in str(result.exception)
+
+
+def test_damaged_records_are_found_and_made_again(cli, tmp_path):
+    cli("run", "--workers", "1")
+    record = next((tmp_path / "r").rglob("record.nc"))
+    data = bytearray(record.read_bytes())
+    data[len(data) // 2] ^= 1
+    record.write_bytes(data)
+    assert "1 damaged" in cli("verify", code=1)
+    assert "1 damaged" in cli("collect")
+    assert "1 run now" in cli("run", "--workers", "1")
+    cli("verify")
+
+
+def test_orphans_are_listed_and_removed_on_request(small, cli, tmp_path):
+    cli("run", "--workers", "1")
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0]"))
+    assert "6 orphans" in cli("clean")
+    assert "removed" in cli("clean", "--orphans")
+    assert "0 orphans" in cli("clean")
+    assert len(list((tmp_path / "r").rglob("record.nc"))) == 6
+
+
+def test_a_run_leaves_an_up_to_date_report(small, cli, tmp_path, monkeypatch):
+    monkeypatch.setattr(actions, "REPORTED", 12)
+    page = tmp_path / "r" / "small" / "report.html"
+    assert str(page) in cli("run", "--workers", "1", "--select", "seed=0")
+    assert "6 done, 6 missing" in page.read_text()
+    cli("run", "--workers", "1")
+    assert "12 done" in page.read_text()
+    page.write_text("mine")
+    cli("run", "--workers", "1")
+    assert page.read_text() == "mine"  # nothing has changed: a second run takes no time for figures
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 1, 2]"))
+    assert "report.html" not in cli("run", "--workers", "1")  # too many to wait for it
+
+
+def test_status_as_json(cli):
+    assert {row["state"] for row in json.loads(cli("status", "--json", code=2))["tasks"]} == {"missing"}
+
+
+@pytest.fixture
+def collected(small, tmp_path, engine):
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 666]"))
+    study, _, store, _, _ = run(small, tmp_path / "r", engine, workers=1)
+    path, counts = dataset.collect(study, store)
+    with xr.open_dataset(path) as data:
+        return data.load(), counts
+
+
+def test_dimensions_and_labels(collected):
+    data, counts = collected
+    assert counts == {"done": 6, "failed": 6}
+    assert data.rotation.dims == ("sea_state", "platform", "seed", "float", "statistic")
+    assert data.natural_frequency.dims == ("mode",)
+    assert data.displacement_envelope.dims == ("sea_state", "platform", "seed", "leg", "height")
+    assert data.platform.values.tolist() == ["elastic", "fixed", "elastic-no-floats"]
+    assert data.statistic.values.tolist() == ["max", "min", "mean", "rms", "std"]
+    assert data.float.values.tolist() == ["front"]
+    assert data.Hs.dims == data.Tp.dims == ("sea_state",)
+    assert data.Tp.values.tolist() == [5.0, 7.0]
+    assert data.pto_damping.dims == ()
+    assert float(data.pto_damping) == 100e3
+
+
+def test_failed_cells_are_nan_with_their_status(collected):
+    data, _ = collected
+    assert (data.status.sel(seed=666) == "failed").all()
+    assert (data.status.sel(seed=0) == "done").all()
+    assert data.wave_elevation.sel(seed=666).isnull().all()
+    assert data.wave_elevation.sel(seed=0).notnull().all()
+    assert data.rotation.sel(platform="elastic-no-floats").isnull().all()
+    assert data.rotation.sel(platform="fixed", seed=0).notnull().all()
+
+
+def test_numbers_stand_in_their_own_cells(collected, small, engine):
+    data, _ = collected
+    for task in expand(load(small).content):
+        if task.labels["seed"] == 0:
+            record = engine.compute(task.parameters, geometry_of(task.parameters) and b"x")
+            cell = data.sel(**{k: task.labels[k] for k in ("sea_state", "platform", "seed")})
+            for name, (dims, values) in record.variables.items():
+                np.testing.assert_array_equal(
+                    cell[name].transpose(*dims).sel({d: record.coords[d] for d in dims}), values
+                )
+
+
+def test_attributes_come_from_the_one_table(collected):
+    data, _ = collected
+    assert data.attrs["Conventions"] == "CF-1.11"
+    assert data.rotation.attrs["units"] == "rad"
+    assert data.Tp_realized.attrs["units"] == "s"
+    assert all("long_name" in v.attrs for v in data.variables.values())
+    assert all("_FillValue" not in data[c].encoding for c in data.coords)
+
+
+def test_collecting_twice_gives_the_same_file(small, tmp_path, engine):
+    study, _, store, _, _ = run(small, tmp_path / "r", engine, workers=1)
+    first = dataset.collect(study, store)[0].read_bytes()
+    (store.root / ".statistics.json").unlink()
+    assert dataset.collect(study, store)[0].read_bytes() == first
+
+
+def test_command_line_exits_with_2_and_one_line(small):
+    small.write_text(small.read_text().replace("depth = 50.0", "depth = -1.0"))
+    done = subprocess.run(
+        [sys.executable, "-m", "pipeline", "run", str(small)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr == f"{small}: water.depth = -1.0: must be > 0 m\n"
+
+
+def test_a_killed_run_leaves_no_lock_and_loses_nothing(small, tmp_path, engine):
+    """SIGKILL while the lock is held: the next run takes it at once, and says whose it was."""
+    code = (
+        "import sys, time; from pathlib import Path; from pipeline.results.store import Store\n"
+        "with Store(Path(sys.argv[1]), 'small').lock(print): print('held', flush=True); time.sleep(60)"
+    )
+    holder = subprocess.Popen([sys.executable, "-c", code, str(tmp_path / "r")], stdout=subprocess.PIPE, text=True)
+    assert holder.stdout.readline() == "held\n"
+    holder.send_signal(signal.SIGKILL)
+    holder.wait()
+    holder.stdout.close()
+    words = []
+    with Store(tmp_path / "r", "small").lock(words.append):
+        assert f"left by process {holder.pid}" in words[0]
+    with Store(tmp_path / "r", "small").lock(pytest.fail):
+        pass
+
+
+def test_warnings_of_a_task_are_in_its_log(cli, engine, monkeypatch):
+    from dataclasses import replace
+
+    def worried(parameters, coefficients):
+        warnings.warn("the platform sways", stacklevel=1)
+        return engine.compute(parameters, coefficients)
+
+    monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: replace(engine, compute=worried))
+    cli("run", "--workers", "1", "--select", "platform=fixed")
+    assert "log: UserWarning: the platform sways" in cli("show", "platform=fixed,seed=0,sea_state=calm")
+
+
+def test_random_tasks_are_repeated_and_compared(cli):
+    cli("run", "--workers", "1")
+    assert cli("verify", "--rerun", "2").count("bitwise the same as the old record") == 2
+    assert cli("verify", "--rerun", "100").count("bitwise the same as the old record") == 12
+
+
+def test_plan_tells_states_and_time_from_past_runs(small, cli):
+    assert "no past run tells how long they take" in cli("plan")
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 666]"))
+    cli("run", "--workers", "1", "--select", "sea_state=calm", code=1)
+    output = cli("plan")
+    assert "12 tasks: 6 missing, 3 done, 3 failed" in output
+    assert "about 0 s on 2 workers, from 3 tasks done" in output

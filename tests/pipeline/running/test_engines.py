@@ -1,0 +1,142 @@
+"""Wherever tasks run, the numbers are the same to the last bit: here, on workers, on somebody's cluster."""
+
+import contextlib
+import json
+import shutil
+import subprocess
+import sys
+import time
+from importlib.util import find_spec
+
+import empty
+import kills
+import pytest
+
+from pipeline.running.schedule import IMPORTED
+
+SHORT = "[record]\nduration = 20.0\ndiscard = 5.0\nramp = 5.0\n"
+
+
+@pytest.fixture
+def small_study(tmp_path):
+    return empty.study(tmp_path, 12)
+
+
+def study(*words, solver=False, **env):
+    """The command line, with the engine of empty tasks or with the solver."""
+    command = [sys.executable, "-m", "pipeline", *map(str, words)] if solver else kills.command(*words)
+    return subprocess.run(command, env=kills.environment(**env), capture_output=True, text=True, timeout=900)
+
+
+@contextlib.contextmanager
+def cluster(folder, *security, workers=2):
+    """`dask scheduler` and `dask worker` as a user starts them; workers know nothing of the client's folders."""
+    away = folder / "away"
+    away.mkdir()
+    dask, env = [sys.executable, "-m", "dask"], kills.environment()
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": env, "cwd": away}
+    where = away / "scheduler.json"
+    host = ["--host", f"{'tls' if security else 'tcp'}://127.0.0.1"] if security else ["--host", "127.0.0.1"]
+    processes = []
+    try:
+        scheduler = [*dask, "scheduler", *host, "--port", "0", "--no-dashboard", "--scheduler-file", str(where)]
+        processes.append(subprocess.Popen([*scheduler, *security], **quiet))
+        deadline = time.monotonic() + 30
+        while not where.exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+        address = json.loads(where.read_text())["address"]
+        for _ in range(workers):
+            worker = [*dask, "worker", address, "--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1"]
+            processes.append(subprocess.Popen([*worker, *security], **quiet))
+        yield address
+    finally:
+        for process in reversed(processes):
+            process.terminate()
+        for process in processes:
+            process.wait(20)
+
+
+def found(results):
+    """All that a study has computed: digests of the records, coefficients, the dataset."""
+    (root,) = (path.parent for path in results.glob("*/tasks"))
+    records = {p.parent.name: json.loads(p.read_bytes())["content"] for p in root.glob("tasks/*/status.json")}
+    coefficients = {p.name: p.read_bytes() for p in results.glob("hydrodynamics/*.nc")}
+    return records, coefficients, kills.dataset(results, root.name)
+
+
+@pytest.mark.parametrize("solver", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_bitwise_the_same_wherever_it_runs(tmp_path, small_study, small, solver):
+    """Serial, 1 worker, 2 workers, a cluster started from the command line, and reruns of single tasks."""
+    if solver:
+        small.write_text(small.read_text() + SHORT)
+    path, tasks = (small, "platform=elastic,seed=1") if solver else (small_study, "seed=5")
+    places = {"serial": ("--workers", 1), "one": ("--workers", 1, "--timeout", 600), "two": ("--workers", 2)}
+    for name, words in places.items():
+        done = study("run", path, "--results", tmp_path / name, *words, solver=solver)
+        assert done.returncode == 0, done.stderr
+    with cluster(tmp_path) as address:
+        done = study("run", path, "--results", tmp_path / "far", "--scheduler", address, solver=solver)
+    assert done.returncode == 0, done.stderr
+    assert not list((tmp_path / "away").rglob("*.nc"))
+    first = found(tmp_path / "serial")
+    assert len(first[0]) == 12 and len(first[1]) == 1
+    assert all(found(tmp_path / name) == first for name in ("one", "two", "far"))
+    again = study("rerun", path, tasks, "--results", tmp_path / "far", "--workers", 1, solver=solver)
+    assert again.stdout.count("bitwise the same as the old record") == (2 if solver else 1), again.stderr
+    assert found(tmp_path / "far") == first
+
+
+@pytest.mark.skipif(not shutil.which("openssl"), reason="needs openssl")
+def test_tls_is_passed_through(tmp_path, small_study):
+    key, cert = tmp_path / "key.pem", tmp_path / "cert.pem"
+    make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]
+    subprocess.run([*make, "-keyout", key, "-out", cert], check=True, capture_output=True)
+    security = ("--tls-ca-file", cert, "--tls-cert", cert, "--tls-key", key)
+    with cluster(tmp_path, *map(str, security), workers=1) as address:
+        assert address.startswith("tls://")
+        run = ("run", small_study, "--scheduler", address, "--results")
+        assert study(*run, tmp_path / "r", "--tls", cert, cert, key).returncode == 0
+        refused = study(*run, tmp_path / "other")
+    assert refused.returncode == 2
+    assert refused.stderr == f"--scheduler = {address}: needs --tls CA CERT KEY, or dask's own tls settings\n"
+
+
+def test_no_scheduler_there(small_study, tmp_path):
+    done = study(
+        "run",
+        small_study,
+        "--results",
+        tmp_path / "r",
+        "--scheduler",
+        "tcp://127.0.0.1:9",
+        DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT="1s",
+    )
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    assert "127.0.0.1:9" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--scheduler", "nowhere"], "--scheduler = nowhere: must be an address such as tcp://10.0.0.1:8786"),
+        (["--scheduler", "http://x:1"], "--scheduler = http://x:1: must be an address such as tcp://10.0.0.1:8786"),
+        (["--scheduler", "tls://x:1", "--tls", "a", "b", "c"], "--tls = a: must be three PEM files: authority"),
+        (["--tls", __file__, __file__, __file__], f"{__file__}: goes with --scheduler tls://HOST:PORT"),
+        (["--memory", "much"], "--memory = much: must be a size such as 2GB, or auto"),
+    ],
+)
+def test_a_place_that_cannot_be_is_refused(small_study, words, message, monkeypatch, capsys):
+    from pipeline.cli import cli
+
+    monkeypatch.setattr("sys.argv", ["study", "run", str(small_study), *words])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_workers_can_import_what_they_shall_before_their_first_step():
+    """A fork server passes over a module that does not exist."""
+    assert all(find_spec(name) for name in IMPORTED)

@@ -1,0 +1,174 @@
+"""Short versions of the scripts in the folder above, a real cluster, and broken disks and workers."""
+
+import contextlib
+import errno
+import json
+import os
+import re
+import subprocess
+import time
+
+import empty
+import fuzz
+import kills
+import pytest
+
+from pipeline.bridge.loading import load
+from pipeline.results.store import Store
+from pipeline.tasks.task import expand
+
+
+def study(*words, cwd=None, **env):
+    """The command line with the engine of empty tasks."""
+    return subprocess.run(
+        kills.command(*words), env=kills.environment(**env), cwd=cwd, capture_output=True, text=True, timeout=120
+    )
+
+
+def contents(results):
+    return {p.parent.name: json.loads(p.read_bytes())["content"] for p in results.glob("empty/tasks/*/status.json")}
+
+
+@pytest.fixture
+def small_study(tmp_path):
+    return empty.study(tmp_path, 12)
+
+
+@pytest.fixture
+def results(tmp_path):
+    return tmp_path / "results"
+
+
+def test_random_study_files_are_refused_with_a_key(tmp_path):
+    assert sum(fuzz.files(tmp_path, 60, seed=3).values()) == 60
+
+
+@pytest.mark.slow
+def test_killed_runs_lose_and_repeat_nothing(tmp_path):
+    kills.storm(tmp_path, 2, tasks=60, seconds=0.05, longest=5.0, seed=1)
+
+
+def test_a_second_run_waits_and_says_so(small_study, results):
+    words = kills.command("run", small_study, "--results", results)
+    first = subprocess.Popen(words, env=kills.environment(EMPTY_SECONDS="0.5"), stdout=subprocess.DEVNULL)
+    while not (results / "empty" / ".lock.json").exists():
+        time.sleep(0.05)
+    watch = kills.command("status", small_study, "--results", results, "--watch", "--every", "0.2")
+    watching = subprocess.Popen(watch, env=kills.environment(), stdout=subprocess.PIPE, text=True)
+    second = study("run", small_study, "--results", results)
+    told = watching.communicate(timeout=60)[0].splitlines()
+    assert watching.returncode == 0
+    assert f"in the hands of process {first.pid}" in told[0]
+    assert told[-1].startswith("12 tasks: 12 done")
+    assert first.wait() == 0
+    assert f"in use by process {first.pid}" in second.stderr
+    assert "nothing to run" in second.stdout
+
+
+@pytest.mark.parametrize("compiled", ["", "1"])
+def test_a_task_that_hangs_is_stopped_and_the_others_go_on(tmp_path, results, compiled):
+    """Compiled code holds the interpreter and cannot be spoken to; it is stopped and not tried again all the same."""
+    path, log = empty.study(tmp_path, 4), tmp_path / "log"
+    hangs = {"EMPTY_SECONDS": "60", "EMPTY_SLOW_SEED": "2", "EMPTY_COMPILED": compiled, "EMPTY_LOG": str(log)}
+    done = study("run", path, "--results", results, "--timeout", "1.5", **hangs)
+    assert done.returncode == 1
+    assert log.read_text().split().count("2") == 1
+    assert "4 tasks: 3 done, 1 failed" in done.stdout
+    assert re.search(r"failed: \w+ seed=2: Lost: ran longer than --timeout = 1.5 s", done.stderr)
+    assert study("rerun", path, "--failed", "--results", results).returncode == 0
+
+
+@pytest.mark.slow
+def test_a_worker_over_its_memory(tmp_path, results):
+    path = empty.study(tmp_path, 3)
+    greedy = {"EMPTY_MEGABYTES": "1500", "EMPTY_SECONDS": "1", "EMPTY_SLOW_SEED": "1"}
+    done = study("run", path, "--results", results, "--memory", "600MB", **greedy)
+    assert done.returncode == 1
+    assert "3 tasks: 2 done, 1 failed" in done.stdout
+    assert "over its memory" in done.stderr
+    assert study("rerun", path, "--failed", "--results", results).returncode == 0
+
+
+@contextlib.contextmanager
+def tmpfs(folder, options):
+    folder.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True).returncode:
+        pytest.skip("needs the right to mount")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", folder], check=True)
+
+
+def test_disk_full(tmp_path):
+    path = empty.study(tmp_path, 200)
+    with tmpfs(tmp_path / "full", "size=300k") as full:
+        done = study("run", path, "--results", full, "--workers", 1)
+        assert done.returncode == 1
+        assert "No space left on device; finished tasks are kept" in done.stderr
+        kept = len(contents(full))
+        assert 0 < kept < 200
+        assert study("verify", path, "--results", full).returncode == 0
+        subprocess.run(["mount", "-o", "remount,size=20m", full], check=True)
+        done = study("run", path, "--results", full, "--workers", 1)
+        assert f"200 tasks: 200 done; {200 - kept} run now" in done.stdout, done.stderr
+        assert not list(full.rglob("*.part"))
+
+
+def test_read_only_results(tmp_path, small_study):
+    with tmpfs(tmp_path / "ro", "size=1m") as folder:
+        subprocess.run(["mount", "-o", "remount,ro", folder], check=True)
+        done = study("run", small_study, "--results", folder)
+        assert done.returncode == 1
+        assert "Read-only file system" in done.stderr
+        assert "Traceback" not in done.stderr
+        assert study("status", small_study, "--results", folder).returncode == 2
+
+
+@pytest.mark.parametrize("damage", ["cut", "flip", "empty", "gone", "status"])
+def test_damaged_results_are_named_and_made_again(small_study, results, damage):
+    study("run", small_study, "--results", results, "--workers", 1)
+    before = contents(results)
+    record = next(results.rglob("record.nc"))
+    data = bytearray(record.read_bytes())
+    data[len(data) // 2] ^= 16
+    status = record.with_name("status.json")
+    if damage == "gone":
+        record.unlink()
+    elif damage == "status":
+        status.write_bytes(status.read_bytes()[:50])
+    else:
+        record.write_bytes({"cut": data[:100], "flip": data, "empty": b""}[damage])
+    found = study("verify", small_study, "--results", results)
+    assert ("1 missing" if damage == "status" else "1 damaged") in found.stdout
+    again = study("run", small_study, "--results", results, "--workers", 1)
+    assert "12 done; 1 run now" in again.stdout
+    assert contents(results) == before
+
+
+def test_a_clock_that_goes_backwards(small_study, results, tmp_path, monkeypatch):
+    from pipeline.bridge import cache
+    from pipeline.running.campaign import Campaign, unfinished
+
+    monkeypatch.setattr(cache.Cache.__init__, "__defaults__", (len,))
+    now = iter(range(10**9, 0, -3600))
+    monkeypatch.setattr(time, "gmtime", lambda *_: time.struct_time((2000, 1, 1, next(now) % 24, 0, 0, 0, 1, 0)))
+    store, tasks = Store(results, "empty"), load(small_study).tasks
+    campaign = Campaign(study=small_study, results=results, store=store, engine=empty.ENGINE)
+    campaign.run(tasks.where(lambda task: task.labels["seed"] < 6), lambda *_: None)
+    campaign.run(unfinished(tasks, store), lambda *_: None)
+    assert not unfinished(tasks, store)
+
+
+def test_an_error_while_a_batch_is_written_leaves_no_part(small_study, results, monkeypatch):
+    store, tasks = Store(results, "empty"), list(expand(load(small_study).content))
+    store.keep([(task, b"old", {}) for task in tasks[:2]])
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("pipeline.results.store.flush", full)
+    with pytest.raises(OSError, match="No space"):
+        store.keep([(task, b"new", {}) for task in tasks[2:9]])
+    assert not list(results.rglob("*.part"))
+    assert [store.look(t, checksums=True).state for t in tasks[:3]] == ["done", "done", "missing"]

@@ -1,0 +1,83 @@
+"""Studies that stand on others."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from pipeline.bridge.loading import load
+from pipeline.study.inherit import merged, rooted
+from pipeline.study.reading import StudyError, stacked
+
+STUDIES = Path(__file__).parents[3] / "studies"
+
+
+def test_tables_merge_by_key_and_named_lists_by_name():
+    base = {"a": {"x": 1, "y": 2}, "floats": [{"name": "f", "mass": 1.0}, {"name": "r", "mass": 1.0}], "v": [1, 2]}
+    own = {"a": {"y": 3}, "floats": [{"name": "r", "mass": 2.0}, {"name": "new"}], "v": [4]}
+    assert merged(base, own) == {
+        "a": {"x": 1, "y": 3},
+        "floats": [{"name": "f", "mass": 1.0}, {"name": "r", "mass": 2.0}, {"name": "new"}],
+        "v": [4],
+    }
+
+
+def test_only_what_differs_is_different(small, tmp_path):
+    (tmp_path / "heavy.toml").write_text('base = "small.toml"\n[[floats]]\nname = "front"\npto_damping = 2e5\n')
+    base, heavy = load(small), load(tmp_path / "heavy.toml")
+    assert heavy.bases == (small,)
+    assert heavy.content.floats[0].pto_damping == 2e5
+    same = {"pto_damping": base.content.floats[0].pto_damping}
+    floats = (heavy.content.floats[0].model_copy(update=same),)
+    assert heavy.content.model_copy(update={"floats": floats}) == base.content
+
+
+def test_a_base_that_changes_nothing_has_the_same_tasks(small, tmp_path):
+    (tmp_path / "twin.toml").write_text('base = "small.toml"\n')
+    assert list(load(small).tasks.ids) == list(load(tmp_path / "twin.toml").tasks.ids)
+
+
+def test_published_numbers_come_with_the_nearest_base(small, tmp_path):
+    (tmp_path / "twin.toml").write_text('base = "small.toml"\n')
+    assert load(tmp_path / "twin.toml").published is None
+    (tmp_path / "small-published.csv").write_text("")
+    assert load(tmp_path / "twin.toml").published == tmp_path / "small-published.csv"
+    (tmp_path / "twin-published.csv").write_text("")
+    assert load(tmp_path / "twin.toml").published == tmp_path / "twin-published.csv"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('base = "none.toml"', "base = 'none.toml': no such file; .* has "),
+        ("base = 7", "base = 7: "),
+        ('base = "own.toml"', "base = 'own.toml': must be another study file"),
+        ('base = "back.toml"', "back.toml: base = 'own.toml': must be another study file"),
+        (
+            'base = "small.toml"\n[[floats]]\nname = "front"\nmass = -1.0',
+            r"own.toml: floats\[0\].mass = -1.0: must be > 0",
+        ),
+    ],
+)
+def test_bad_bases_are_named(small, tmp_path, text, words):
+    (tmp_path / "back.toml").write_text('base = "own.toml"')
+    (tmp_path / "own.toml").write_text(text)
+    with pytest.raises(StudyError, match=words):
+        load(tmp_path / "own.toml")
+
+
+def test_files_are_found_beside_the_base():
+    tables = {"floats": [{"hull": {"shape": "mesh", "file": "barge.gdf"}}], "file": 3}
+    found = rooted(tables, STUDIES)
+    assert found["floats"][0]["hull"]["file"] == str(STUDIES / "barge.gdf")
+    assert found["file"] == 3
+
+
+@pytest.mark.parametrize("path", sorted((STUDIES / "variants").glob("*.toml")), ids=lambda path: path.stem)
+def test_variants_change_something_and_keep_the_seas(path):
+    """Seeds of a variant are among the base's: differences are paired."""
+    variant, base = load(path), load(STUDIES / "buan-paper.toml")
+    assert set(variant.content.axes.seed) < set(base.content.axes.seed)
+    assert not set(variant.tasks.ids.tolist()) & set(base.tasks.ids.tolist())
+    tables = stacked(path)[0]
+    assert tables["title"] == tomllib.loads(path.read_text())["title"]

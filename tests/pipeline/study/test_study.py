@@ -1,0 +1,199 @@
+"""Bad input: one line that names file, key, value and limit; exit status 2; no traceback."""
+
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from pipeline.bridge.loading import load
+from pipeline.cli.cli import app
+from pipeline.study.reading import StudyError
+
+# what to replace in the small study, by what, and what the message must say
+BAD = [
+    ("depth = 50.0", "depth = -1.0", "water.depth = -1.0: must be > 0 m"),
+    ("depth = 50.0", 'depth = "deep"', "water.depth = 'deep': must be a number m"),
+    ("depth = 50.0", "depth = nan", "water.depth = nan: must be > 0 m"),
+    ("depth = 50.0", "depth = true", "water.depth = True: must be a number m"),
+    ("depth = 50.0", "", "water.depth: is missing [m]"),
+    ("depth = 50.0", "depht = 50.0", "water.depht = 50.0: unknown key; did you mean depth?"),
+    (
+        "depth = 50.0",
+        "depth = 0.9",
+        "floats.front.arm = [-2.36, 0.0, -2.6]: must stay above the seabed",
+    ),
+    ("[water]", "[watre]", "watre = {'depth': 50.0}: unknown key; did you mean water?"),
+    ("[water]", "[water", "is not valid TOML"),
+    ("band = [0.7, 3.4]", "band = [3.4, 0.7]", "waves.band = [3.4, 0.7]: must rise"),
+    ("band = [0.7, 3.4]", "band = [0.7]", "waves.band"),
+    (
+        "band = [0.7, 3.4]",
+        "band = [0.7, 3.4]\ncomponents = 0",
+        "waves.components = 0: must be >= 1",
+    ),
+    (
+        "band = [0.7, 3.4]",
+        "band = [0.7, 3.4]\ncomponents = 1.5",
+        "waves.components = 1.5: must be a whole number",
+    ),
+    (
+        "band = [0.7, 3.4]",
+        'band = [0.7, 3.4]\nform = "peek"',
+        "waves.form = 'peek': must be one of 'peak' or 'mean'",
+    ),
+    (
+        "band = [0.7, 3.4]",
+        "band = [0.7, 1.0]",
+        "sea_states.calm.Tp = 5.0: must put the peak, 1.26 rad/s, inside",
+    ),
+    (
+        "Hs = 2.0, Tp = 7.0",
+        "Hs = 12.0, Tp = 7.0",
+        "sea_states.rough.Hs = 12.0: must be <= 10.9 m, where waves of 7 s",
+    ),
+    ("Hs = 2.0, Tp = 7.0", "Hs = 0.0, Tp = 7.0", "sea_states.rough.Hs = 0.0: must be > 0 m"),
+    ("Hs = 2.0, Tp = 7.0", "Hs = 2.0", "sea_states.rough.Tp: is missing [s]"),
+    (
+        'shape = "hemisphere-cylinder"',
+        'shape = "cube"',
+        "floats[0].hull.shape = 'cube': must be one of",
+    ),
+    ("radius = 1.0, height = 0.6", "radius = 1.0", "floats[0].hull.height: is missing [m]"),
+    (
+        "radius = 1.0, height",
+        "radius = -1.0, height",
+        "floats[0].hull.radius = -1.0: must be > 0 m",
+    ),
+    ("mass = 2147.0", "mass = 0", "floats[0].mass = 0: must be > 0 kg"),
+    (
+        "[859.0, 859.0, 859.0]",
+        "[859.0, 1.0, 1.0]",
+        "floats.front.inertia = [859.0, 1.0, 1.0]: must meet the triangle",
+    ),
+    (
+        "arm = [-2.36, 0.0, -2.6]",
+        "arm = [-2.36, 0.0, -2.0]",
+        "floats.front.arm = [-2.36, 0.0, -2.0]: must bring",
+    ),
+    (
+        "arm = [-2.36, 0.0, -2.6]",
+        "arm = [-2.36, 0.0, -52.6]",
+        "lowest point at z = -51 m, depth 50 m",
+    ),
+    (
+        "arm = [-2.36, 0.0, -2.6]",
+        "arm = [0.0, 0.0, -2.6]\naxis = [0.0, 0.0, 1.0]",
+        "must not lie along the hinge axis",
+    ),
+    (
+        "pto_damping = 100e3",
+        "pto_damping = -1.0",
+        "floats[0].pto_damping = -1.0: must be >= 0 N m s/rad",
+    ),
+    (
+        "thickness = 0.05",
+        "thickness = 0.6",
+        "platform.sections.tube.thickness = 0.6: must be <= diameter / 2 = 0.5 m",
+    ),
+    (
+        'start = "foot"',
+        'start = "fot"',
+        "platform.members.leg.start = fot: must be one of foot, hinge:front",
+    ),
+    (
+        'section = "tube"',
+        'section = "pipe"',
+        "platform.members.leg.section = pipe: must be one of tube",
+    ),
+    (
+        'material = "steel"',
+        'material = "wood"',
+        "platform.members.leg.material = wood: must be one of steel",
+    ),
+    ('clamped = ["foot"]', "clamped = []", "platform.clamped = []: needs at least one node"),
+    ('clamped = ["foot"]', 'clamped = ["feet"]', "platform.clamped[0] = feet: must be one of"),
+    ('legs = ["leg"]', 'legs = ["arm"]', "platform.legs[0] = arm: must be one of leg"),
+    (
+        "foot = [-1.5, 0.0, -50.0]",
+        "foot = [-1.5, 0.0, -51.0]",
+        "must not lie below the seabed, z = -50 m",
+    ),
+    (
+        "foot = [-1.5, 0.0, -50.0]",
+        "foot = [-1.5, 0.0, -50.0]\nlost = [0.0, 0.0, 0.0]",
+        "must be the end of a member",
+    ),
+    ("elements = 4", "elements = 0", "platform.members[0].elements = 0: must be >= 1"),
+    (
+        'sea_state = ["calm", "rough"]',
+        'sea_state = ["clam"]',
+        "axes.sea_state = clam: must be one of [sea_states]",
+    ),
+    (
+        'sea_state = ["calm", "rough"]',
+        'sea_state = ["calm", "calm"]',
+        "axes.sea_state = calm: given 2 times",
+    ),
+    (
+        '"elastic", "fixed", "elastic-no-floats"',
+        '"elastic", "fxed"',
+        "axes.platform[1] = 'fxed': must be one of",
+    ),
+    ("seed = [0, 1]", "seed = []", "axes.seed = []: needs at least one value"),
+    ("seed = [0, 1]", "seed = [-1]", "axes.seed[0] = -1: must be >= 0"),
+    (
+        "seed = [0, 1]",
+        "seed = [0]\nhinge_spacing = [3.0]",
+        "axes.hinge_spacing = with 1 floats: needs exactly 2",
+    ),
+    (
+        "[axes]",
+        "[solver]\ntime_step = 0.5\n[axes]",
+        "solver.time_step = 0.5: must be <= 0.308 s, a sixth of the",
+    ),
+    (
+        "[axes]",
+        "[solver]\ntimestep = 0.5\n[axes]",
+        "solver.timestep = 0.5: unknown key; did you mean time_step?",
+    ),
+    (
+        "[axes]",
+        "[record]\nramp = 200.0\n[axes]",
+        "record.ramp = 200.0: must be <= record.discard = 100 s",
+    ),
+    ("[axes]", "[record]\nduration = 0\n[axes]", "record.duration = 0: must be > 0 s"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), BAD, ids=[row[1][:40] for row in BAD])
+def test_bad_study_is_refused_in_one_line(small, old, new, message):
+    text = small.read_text()
+    assert old in text
+    small.write_text(text.replace(old, new, 1))
+    with pytest.raises(StudyError) as caught:
+        load(small)
+    assert any(line.startswith(f"{small}: ") and message in line for line in caught.value.problems)
+
+
+def test_missing_file_names_its_neighbours(small):
+    with pytest.raises(StudyError, match=re.escape(f"no such file; {small.parent} has small.toml")):
+        load(small.with_name("smal.toml"))
+
+
+def test_a_folder_is_no_study(tmp_path):
+    with pytest.raises(StudyError, match="cannot be read"):
+        load(tmp_path)
+
+
+def test_binary_is_no_study(tmp_path):
+    (tmp_path / "b.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(StudyError, match="not UTF-8"):
+        load(tmp_path / "b.toml")
+
+
+@pytest.mark.parametrize("command", ["plan", "run", "status", "collect", "report", "verify", "clean"])
+def test_every_verb_refuses_bad_input_alike(small, tmp_path, command):
+    small.write_text(small.read_text().replace("depth = 50.0", "depth = -1.0"))
+    result = CliRunner().invoke(app, [command, str(small), "--results", str(tmp_path / "r")])
+    assert isinstance(result.exception, StudyError)  # main() prints it and exits with 2
+    assert not (tmp_path / "r").exists()

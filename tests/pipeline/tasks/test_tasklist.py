@@ -1,0 +1,44 @@
+"""Many tasks as numbers are the tasks that the study has."""
+
+import pytest
+
+from pipeline.bridge.loading import load
+from pipeline.tasks.task import expand
+
+
+@pytest.fixture
+def study(small):
+    return load(small)
+
+
+def test_the_same_tasks_in_the_same_order(study):
+    found, direct = list(study.tasks), list(expand(study.content))
+    assert [task.id for task in found] == [task.id for task in direct]
+    assert [dict(task.labels) for task in found] == [dict(task.labels) for task in direct]
+    assert [task.parameters for task in found] == [task.parameters for task in direct]
+    assert [str(task) for task in found] == [str(task) for task in direct]
+
+
+def test_cells_that_share_a_task_are_one_where_it_stands_first(small):
+    """Without floats there is no damping: both its values are the same task."""
+    small.write_text(small.read_text().replace("[axes]", "[axes]\npto_damping = [1e5, 2e5]"))
+    tasks = load(small).tasks
+    assert len(tasks) == 24
+    assert [task.id for task in tasks.unique] == list(dict.fromkeys(task.id for task in tasks))
+    assert len(tasks.unique) == 20
+
+
+def test_groups_are_parts_in_order(study):
+    groups = study.tasks.split(lambda task: task.labels["platform"])
+    assert list(groups) == ["elastic", "fixed", "elastic-no-floats"]
+    for platform, members in groups.items():
+        wanted = study.tasks.where(lambda task, platform=platform: task.labels["platform"] == platform)
+        assert [task.id for task in members] == [task.id for task in wanted]
+        assert len(members) == 4
+
+
+def test_none_is_none(study):
+    none = study.tasks.where(lambda _: False)
+    assert not none
+    assert list(none.unique) == []
+    assert none.split(lambda task: task.id) == {}

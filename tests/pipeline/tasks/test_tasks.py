@@ -1,0 +1,178 @@
+"""Identity: the same physics has the same name, and nothing else decides it."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.bridge.geometry import geometry_of
+from pipeline.study.schema import Solver, StudyFile
+from pipeline.tasks.task import Parameters, Task, canonical, dimensions, expand, wave_seed
+
+
+def ids(tables):
+    return [task.id for task in expand(StudyFile.model_validate(tables))]
+
+
+def one(tables, **labels):
+    tasks = expand(StudyFile.model_validate(tables))
+    (task,) = (t for t in tasks if all(t.labels[k] == v for k, v in labels.items()))
+    return task
+
+
+MINIMAL = {
+    "water": {"depth": 50.0},
+    "waves": {"band": [0.7, 3.4]},
+    "sea_state": {"Hs": 1.28, "Tp": 5.46},
+}
+
+
+def test_id_is_pinned():
+    """Users' results carry these names: if this fails, every result on every disk is orphaned."""
+    task = Task(labels={}, make=lambda: Parameters.model_validate(MINIMAL), version=1)
+    assert task.parameters.canonical() == (
+        '{"sea_state":{"Hs":1.28,"Tp":5.46},"water":{"depth":50.0},"waves":{"band":[0.7,3.4]}}'
+    )
+    assert task.id == "3061316fdf65293b"
+
+
+def test_integers_and_floats_are_one_number(buan_tables):
+    before = ids(buan_tables)
+    buan_tables["water"]["depth"] = 50
+    buan_tables["floats"][0]["mass"] = 2147
+    assert ids(buan_tables) == before
+
+
+def test_negative_zero_is_zero():
+    assert canonical({"a": -0.0, "b": [-0.0]}) == canonical({"a": 0.0, "b": [0.0]})
+
+
+def test_a_parameter_at_its_default_keeps_the_id(buan_tables):
+    before = ids(buan_tables)
+    buan_tables["solver"]["time_step"] = Solver().time_step
+    buan_tables["record"]["series"] = "none"
+    assert ids(buan_tables) == before
+    buan_tables["solver"] = {"time_step": 0.1}
+    assert not set(ids(buan_tables)) & set(before)
+
+
+def test_labels_and_order_do_not_matter(buan_tables):
+    before = set(ids(buan_tables))
+    buan_tables["sea_states"]["mild"] = buan_tables["sea_states"].pop("2019")
+    buan_tables["axes"]["sea_state"] = ["mild", "2021", "representative", "2017", "2018", "2020"]
+    buan_tables["axes"]["seed"].reverse()
+    assert set(ids(buan_tables)) == before
+
+
+@pytest.mark.parametrize(
+    ("axis", "value"),
+    [("seed", 3), ("sea_state", "storm"), ("pto_damping", 50e3), ("hinge_spacing", 4.0)],
+)
+def test_adding_a_value_orphans_nothing(buan_tables, axis, value):
+    buan_tables["axes"] |= {"pto_damping": [100e3], "hinge_spacing": [3.0]}
+    buan_tables["sea_states"]["storm"] = {"Hs": 2.0, "Tp": 7.0}
+    before = set(ids(buan_tables))
+    buan_tables["axes"][axis].append(value)
+    assert before < set(ids(buan_tables))
+
+
+def test_an_axis_with_the_files_own_value_changes_nothing(buan_tables):
+    before = ids(buan_tables)
+    buan_tables["axes"] |= {"pto_damping": [100e3], "hinge_spacing": [3.0]}
+    assert ids(buan_tables) == before
+
+
+def test_platforms_and_dampings_meet_the_same_waves(buan_tables):
+    buan_tables["axes"]["pto_damping"] = [100e3, 50e3]
+    seeds = {}
+    for task in expand(StudyFile.model_validate(buan_tables)):
+        cell = (task.labels["sea_state"], task.labels["seed"])
+        seeds.setdefault(cell, set()).add(wave_seed(task.parameters))
+    assert all(len(found) == 1 for found in seeds.values())
+    assert len({next(iter(found)) for found in seeds.values()}) == len(seeds)
+
+
+def test_waves_do_not_depend_on_the_place_in_the_list(buan_tables):
+    before = wave_seed(one(buan_tables, sea_state="2019", platform="fixed", seed=1).parameters)
+    buan_tables["axes"]["sea_state"] = ["2021", "2019"]
+    assert wave_seed(one(buan_tables, sea_state="2019", platform="fixed", seed=1).parameters) == before
+
+
+def test_base_seed_changes_the_waves(buan_tables):
+    before = wave_seed(one(buan_tables, sea_state="2019", platform="fixed", seed=1).parameters)
+    buan_tables["waves"]["base_seed"] += 1
+    assert wave_seed(one(buan_tables, sea_state="2019", platform="fixed", seed=1).parameters) != before
+
+
+def test_hinge_spacing_moves_hinges_and_their_nodes_and_keeps_arms(buan_tables):
+    buan_tables["axes"]["hinge_spacing"] = [3.0, 5.0]
+    task = one(buan_tables, sea_state="2017", platform="elastic", seed=0, hinge_spacing=5.0)
+    front, rear = task.parameters.floats
+    assert (front.hinge, rear.hinge) == ((-2.5, 0.0, 2.6), (2.5, 0.0, 2.6))
+    assert task.parameters.platform.nodes["hinge:front"] == front.hinge
+    assert front.arm == (-2.36, 0.0, -2.6)
+
+
+def test_platform_without_floats_keeps_its_hinge_nodes(buan_tables):
+    task = one(buan_tables, sea_state="2017", platform="elastic-no-floats", seed=0)
+    assert task.parameters.floats == ()
+    assert "hinge:rear" in task.parameters.platform.nodes
+    assert geometry_of(task.parameters) is None
+
+
+def test_one_geometry_for_the_whole_study(buan_tables):
+    tasks = expand(StudyFile.model_validate(buan_tables))
+    assert len({geometry.key for task in tasks if (geometry := geometry_of(task.parameters))}) == 1
+
+
+def test_listed_axes_are_dimensions_and_others_are_not(buan_tables):
+    assert dimensions(StudyFile.model_validate(buan_tables)) == ["sea_state", "platform", "seed"]
+
+
+def test_older_versions_are_known_by_name(buan_tables):
+    task = one(buan_tables, sea_state="2017", platform="fixed", seed=0)
+    newer = Task(labels=task.labels, make=task.make, version=task.version + 1)
+    assert newer.older_ids[0] == task.id != newer.id
+
+
+@given(
+    st.recursive(
+        st.floats(allow_nan=False, allow_infinity=False) | st.text() | st.booleans() | st.none(),
+        lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+    )
+)
+def test_canonical_text_is_lossless(data):
+    assert json.loads(canonical(data)) == data
+
+
+def test_knobs_of_the_solver_are_its_own():
+    """Names and defaults must be the solver's: an id leaves out what is at its default."""
+    from dataclasses import fields
+
+    from pipeline.study.schema import Recording, Solver
+    from solver.scene import Settings
+
+    assert Recording().series == "none"  # becomes Settings.keep_series
+    ours = Recording().model_dump(exclude={"series"}) | Solver().model_dump()
+    assert ours == {f.name: f.default for f in fields(Settings) if f.name != "keep_series"}
+
+
+@pytest.mark.parametrize("value", ["a", -1, float("nan"), [1]])
+def test_knobs_are_strict(buan_tables, value):
+    from pydantic import ValidationError
+
+    from pipeline.study.schema import Solver
+
+    for knob in Solver.model_fields:
+        buan_tables["solver"] = {knob: value}
+        with pytest.raises(ValidationError):
+            StudyFile.model_validate(buan_tables)
+
+
+def test_studies_of_the_project_are_good():
+    from pipeline.bridge.loading import load
+
+    for path in (Path(__file__).parents[3] / "studies").glob("*.toml"):
+        assert len(list(expand(load(path).content))) > 0
