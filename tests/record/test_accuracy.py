@@ -5,38 +5,87 @@ from dataclasses import replace
 import pytest
 from pytest import approx
 
+from solver import run
+from solver.coupled.system import prepare
 from solver.errors import InputError
-from solver.record.accuracy import settled
+from solver.hydrodynamics.bem.coefficients import MeshError
+from solver.record.accuracy import first_guess, refined
 from solver.run import simulate
 from solver.scene import PANELS, panels_for
+from tests.awkward import SCENES, known
+from tests.awkward import scene as awkward_scene
 
 
-def test_tighter_tolerance_takes_shorter_steps_and_meets_its_estimate(buan, coefficients):
-    loose, tight = (simulate(buan.scene("fixed", tolerance=t), coefficients).attrs for t in (3e-2, 5e-3))
-    assert tight["time_step"] < loose["time_step"]
-    # The coefficients are given here, coarse ones of the tests: their share cannot be bought with settings.
-    assert all(a["estimated_error"] - 1.25 * a["mesh_effect"] <= a["tolerance"] for a in (loose, tight))
+def oblique_hull_in_head_seas():
+    item = replace(SCENES["oblique"]()[0].floats[0], name="free", hinge=(0, 0, 0), arm=(0, 0, 0), axis=(0, 1, 0))
+    item = replace(item, motion=("surge", "sway", "heave", "yaw"), stiffness=(5e4, 5e4, 0, 5e4), pto_damping=0.0)
+    scene = awkward_scene([item])
+    return scene, known(scene, 0.4, 6.0, 16)
 
 
-def test_pilots_stop_when_nothing_is_left_to_improve(buan):
-    scene = buan.scene("fixed", tolerance=1e-2)
-    told = {"discretization_error": 1e-3, "quadrature_error": 0.0, "memory_effect": 0.0}
-    calls = []
-    found = settled(scene, lambda pilot: calls.append(pilot) or told)
-    assert len(calls) == 1 and calls[0].settings.duration == 120.0
-    assert found.settings.tolerance is None and found.settings.duration == scene.settings.duration
+GOOD = {"discretization_error": 1e-5, "quadrature_error": 1e-5, "memory_effect": 1e-5, "mesh_effect": 0.0}
+
+
+def told(**errors):
+    parts = {**GOOD, **errors}
+    return {**parts, "estimated_error": 1.25 * sum(parts.values())}
+
+
+@pytest.mark.parametrize("support", ["fixed", "elastic"])
+def test_tighter_tolerance_is_met_by_dearer_settings(buan, coefficients, support):
+    loose, usual, tight = (
+        simulate(buan.scene(support, tolerance=t, duration=120.0), coefficients).attrs for t in (3e-2, 5e-3, 1e-3)
+    )
+    for attrs in (loose, usual, tight):
+        assert attrs["estimated_error"] <= attrs["tolerance"] and attrs["unmet"] == ""
+    assert tight["time_step"] < usual["time_step"] < loose["time_step"]
+    # Less than the default asks costs less than it: longer steps, fewer points.
+    default = buan.scene(support).settings
+    assert loose["time_step"] > default.time_step and loose["azimuths"] < default.azimuths
+
+
+def test_run_goes_on_where_its_start_meets_the_tolerance(buan, coefficients, monkeypatch):
+    """No pilot runs: one system where the guess is good, one more for each time it is not."""
+    made = []
+    monkeypatch.setattr(run, "prepare", lambda *args: made.append(1) or prepare(*args))
+    simulate(buan.scene("fixed", tolerance=1e-2), coefficients)
+    assert len(made) == 1
+    monkeypatch.setattr(run, "first_guess", lambda scene: replace(first_guess(scene), time_step=scene.longest_step))
+    record = simulate(buan.scene("fixed", tolerance=1e-3), coefficients)
+    assert len(made) > 2 and record.attrs["unmet"] == ""
+
+
+def test_what_cannot_be_met_is_said(buan, coefficients):
+    """Coefficients that are given cannot be bought with settings."""
+    rough = replace(coefficients, error=MeshError(*(30 * x for x in coefficients.error)))
+    attrs = simulate(buan.scene("fixed", tolerance=2e-3), rough).attrs
+    assert attrs["unmet"] == f"tolerance = 0.002: the estimated error is {attrs['estimated_error']:.2g}"
+
+
+def test_memory_that_does_not_fit_is_said(buan, coefficients):
+    attrs = simulate(buan.scene("fixed", memory_tolerance=1e-5, duration=20.0, discard=0.0), coefficients).attrs
+    assert attrs["unmet"].startswith("memory_tolerance = 1e-05: the radiation memory's fit ended at ")
+
+
+def test_settings_are_refined_by_their_own_share_alone(buan):
+    settings = first_guess(buan.scene("fixed", tolerance=1e-3))
+    assert refined(settings, told()) is None
+    finer = refined(settings, told(discretization_error=16e-3))
+    assert (finer.memory_tolerance, finer.azimuths) == (settings.memory_tolerance, settings.azimuths)
+    assert finer.time_step < settings.time_step / 2
+    finer = refined(settings, told(memory_effect=1e-2))
+    assert finer.time_step == settings.time_step and finer.memory_tolerance < settings.memory_tolerance
+    finer = refined(settings, told(quadrature_error=1e-2))
+    assert finer.azimuths > settings.azimuths and finer.panel_size == settings.panel_size / 2
+    assert refined(settings, told(mesh_effect=1e-2)) is None  # not to be had by settings
 
 
 def test_step_follows_the_fourth_order(buan):
     """16 times the error allowed is half the step, with a tenth to spare."""
-    scene = buan.scene("fixed", tolerance=1e-3)
-    share = 0.4 * 1e-3 / 1.25
-    errors = iter([16 * share, share])
-    found = settled(
-        scene,
-        lambda _: {"discretization_error": next(errors), "quadrature_error": 0.0, "memory_effect": 0.0},
-    )
-    assert found.settings.time_step == approx(0.9 / 2 * scene.settings.time_step)
+    settings = first_guess(buan.scene("fixed", tolerance=1e-3))
+    left = 1e-3 / 1.25 - settings.field_tolerance
+    finer = refined(settings, told(discretization_error=16 * left * 0.5 / 0.9))
+    assert finer.time_step == approx(0.9 / 2 * settings.time_step)
 
 
 def test_mesh_follows_the_tolerance():
@@ -47,6 +96,13 @@ def test_mesh_follows_the_tolerance():
 def test_tolerance_out_of_range_is_refused(buan):
     with pytest.raises(InputError, match="tolerance"):
         replace(buan.scene().settings, tolerance=0.5)
+
+
+def test_what_symmetry_keeps_at_zero_is_not_judged(buan):
+    """Its joint may leave the plane and nothing makes it: sway and yaw are rounding, and no error is of them."""
+    scene, h = oblique_hull_in_head_seas()
+    attrs = simulate(scene, h).attrs
+    assert attrs["estimated_error"] < 2e-2
 
 
 def test_record_says_what_it_skipped(buan, coefficients):

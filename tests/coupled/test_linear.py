@@ -1,0 +1,79 @@
+"""The one linear model: against coefficients alone, and its use in judging coefficients."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+from scipy.interpolate import CubicSpline
+
+from solver.coupled.linear import linear_model
+from solver.coupled.system import prepare
+from solver.record.audit import coefficient_effects
+from solver.run import simulate
+from solver.scene import DOFS
+from tests.awkward import SCENES
+
+HINGED = ("duck", "big_beside_small", "model_scale", "flap")
+
+
+def hinged_by_hand(scene, h):
+    """J (n, nb), M without added mass, and C (nb, nb) of hinges about y: from the potential of weight and buoyancy.
+
+    A point at r from the hinge has z'' = -r_z: weight at the c.o.g. gives -m g r_z, buoyancy at the reference point
+    +ρgV r_z, and what the hull's own motion changes of it are the coefficients.
+    """
+    nr, nb, g = len(h.dofs), len(scene.floats), h.gravity
+    J, M, C = np.zeros((nr * nb, nb)), np.zeros((nb, nb)), np.zeros((nb, nb))
+    for b, f in enumerate(scene.floats):
+        six = np.array([f.arm[2], 0, -f.arm[0], 0, 1, 0])
+        J[b * nr : (b + 1) * nr, b] = six[[DOFS.index(d) for d in h.dofs]]
+        lever = np.add(f.arm, f.cog)
+        M[b, b] = f.inertia[1] + f.mass * (lever[0] ** 2 + lever[2] ** 2)
+        C[b, b] = g * (h.displaced_mass[b] * f.arm[2] - f.mass * lever[2])
+    return J, M, C + J.T @ h.hydrostatic_stiffness @ J
+
+
+@pytest.mark.parametrize("name", HINGED)
+def test_model_is_that_of_coefficients_alone(name):
+    scene, h = SCENES[name]()
+    system = prepare(replace(scene, settings=replace(scene.settings, froude_krylov="linear")), h)
+    model, (J, M, C) = linear_model(system), hinged_by_hand(scene, h)
+    infinite = J.T @ system.fit.added_mass_inf @ J
+    assert model.mass == approx(M + infinite, rel=1e-9, abs=1e-9 * np.abs(infinite).max())
+    assert model.stiffness == approx(C, rel=1e-6, abs=1e-6 * np.abs(C).max())
+    assert np.diag(model.damping) == approx([f.pto_damping for f in scene.floats], rel=1e-6)
+    omega = np.linspace(*h.omega[[0, -1]], 7)
+    A, B = (CubicSpline(h.omega, x)(omega) for x in (h.added_mass, h.radiation_damping))
+    Y = B - 1j * omega[:, None, None] * (A - system.fit.added_mass_inf)
+    force = h.excitation(omega) @ J
+    w, D = omega[:, None, None], np.diag([f.pto_damping for f in scene.floats])
+    exact = np.linalg.solve(-(w**2) * (M + J.T @ A @ J) - 1j * w * (D + J.T @ B @ J) + C, force[..., None])[..., 0]
+    assert model.response(omega, Y, force) == approx(exact, rel=1e-6, abs=1e-9 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("name", HINGED)
+def test_tangent_of_nonlinear_pressure_is_the_linear_stiffness(name):
+    scene, h = SCENES[name]()
+    _, _, C = hinged_by_hand(scene, h)
+    # Panels and quadrature, on hulls that are not plane; the duck's waterline lies on slanted panels.
+    assert linear_model(prepare(scene, h)).stiffness == approx(C, rel=2e-3, abs=1e-3 * np.abs(C).max())
+
+
+@pytest.mark.parametrize("name", ["duck", "soft_mooring", "flap", "oblique"])
+def test_mesh_effect_is_what_the_march_shows(name):
+    """Linear floats, with the coefficients and with those off by their estimated error: statistics change by as much."""
+    scene, h = SCENES[name]()
+    linear = replace(
+        scene, settings=replace(scene.settings, froude_krylov="linear", memory_tolerance=1e-3, duration=600.0)
+    )
+    usual, off = (simulate(linear, known).variables for known in (h, h.shifted))
+    changes = []
+    for key in {"rotation", "motion", "absorbed_power"} & set(usual):
+        a, b = (v[key][1].reshape(-1, 5) for v in (usual, off))
+        used = a[:, 4] > 1e-3 * a[:, 4].max(initial=1e-30)
+        changes.append(np.abs(b[used, 4] / a[used, 4] - 1).max(initial=0))
+    _, told = coefficient_effects(prepare(linear, h), h)
+    assert 1 / 3 < max(changes) / told < 3
+
+
