@@ -531,6 +531,15 @@ def march(bodies, structure, memory, drive, state, own, dt, tolerance, iteration
         for s in range(2):
             move(bodies, z[s], dz[s], stage[s])
             _copy(stage[s].active_velocity, velocity[s])
+        # So are the joints' forces with it: of the accelerations before they are off by mass times the update.
+        _memory_loads(memory, history, velocity, load)
+        for s in range(2):
+            for i in range(nz):
+                since[i] = z[s, i] - anchor[s, i]
+            loads(
+                bodies, z[s], dz[s], ddz[s], stage[s], pressure[s], since, drive.excitation[2 * step + 1 + s], load[s],
+                residual[s], wrench[s], external[s],
+            )  # fmt: skip
         for i in range(nz):
             if not bodies.limit[i, 0] < z[1, i] < bodies.limit[i, 1]:
                 _copy(z[1, nc:], state.z)
