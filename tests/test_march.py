@@ -8,6 +8,7 @@ from pytest import approx
 
 from solver.errors import InputError, SimulationFailed
 from solver.march import State
+from solver.scene import Scene
 from solver.simulate import simulate
 from solver.system import BLOCK_STEPS, blocks, prepare
 from studies.validation.response import frequency_domain
@@ -66,6 +67,24 @@ def test_few_modes_and_static_shapes_do_for_all(buan, coefficients):
     for name in ("rotation", "top_displacement", "bottom_stress", "displacement_envelope"):
         # 1e-3 of the largest value: what the defaults promise.
         assert few[name][1] == approx(every[name][1], abs=1e-3 * np.abs(every[name][1]).max())
+
+
+def test_half_a_platform_moves_as_the_whole(buan, monkeypatch):
+    """Drag alone: legs off the plane of symmetry count twice, or each of the two by itself; a leg in it counts once."""
+    frame = buan.frame()
+    legs = [replace(m, inertia_coefficient=1.0, drag_coefficient=5.0 * m.in_water) for m in frame.members]
+    legs.append(replace(legs[0], name="middle", start="foot", end="hinge:front"))
+    nodes, clamped = {**frame.nodes, "foot": (-1.5, 0.0, -50.0)}, (*frame.clamped, "foot")
+    whole = replace(frame, nodes=nodes, members=tuple(legs), clamped=clamped)
+    platform = buan.platform(frame=whole, wave_inertia="relative")  # none of it with C_M = 1
+    scene = buan.scene("elastic-no-floats", platform=platform, modes="all", newton_tolerance=1e-10)
+    reduced, moved = prepare(scene, None).support, history(scene, None, 40.0)[1]
+    monkeypatch.setattr(Scene, "planar", False)
+    whole, free = prepare(scene, None).support, history(scene, None, 40.0)[1]
+    assert 3 * whole.drag.size == 5 * reduced.drag.size
+    half, both = (s.legs.response(p, s.legs.nothing())[0] for s, p in ((reduced, moved), (whole, free)))
+    assert np.ptp(half[..., 0]) > 0.03  # [m]
+    assert both == approx(half, abs=1e-8)
 
 
 def test_mirrored_sea_gives_the_mirrored_answer(buan, coefficients):
