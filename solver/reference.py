@@ -202,7 +202,7 @@ def _row(case: Case, stage: int, sample):
     floats, none = case.floats, np.zeros(0)
     z, dz = (np.concatenate([none, *values[stage]]) for values in (floats.way, floats.rate))
     limit = case.system.bodies.limit[len(case.system.bodies.limit) - len(z) :]
-    if np.any((z < limit[:, 0]) | (z > limit[:, 1])):
+    if not np.all((z >= limit[:, 0]) & (z <= limit[:, 1])):
         when = f"at t = {sample.time:.1f} s"
         raise SimulationFailed(limits.explain(case.scene, z, case.system.bodies.limit, when))
     return sample.time, z, dz, case.support.amplitudes(len(floats.weight))[stage], -floats.force[stage], sample.errors
