@@ -170,6 +170,27 @@ def test_long_waves_lift_as_still_water_does():
     assert h.displaced_mass[0] * h.buoyancy_centre[0] == pytest.approx(-RHO * np.pi / 4, rel=1e-12)
 
 
+@pytest.mark.parametrize("depth", [3.0, 40.0, np.inf])
+def test_incident_wave_is_airys(depth):
+    """p = ρg cosh k(z+h)/cosh kh e^{iks}, iωρ u = ∇p, and nothing flows through the seabed."""
+    omega, heading = 1.5, 0.4
+    sea = bem._Sea(depth=depth, density=RHO, gravity=G, heading=heading)
+    k = sea.wavenumber(omega)
+    points = np.random.default_rng(0).uniform([-3, -3, -2.5], [3, 3, 0], (20, 3))
+    s, z = points[:, :2] @ [np.cos(heading), np.sin(heading)], points[:, 2]
+    deep = np.isinf(depth)
+    cosh, sinh = (np.exp(k * z) if deep else f(k * (z + depth)) / np.cosh(k * depth) for f in (np.cosh, np.sinh))
+    pressure, velocity = sea.wave(points, omega)
+    wave = RHO * G * np.exp(1j * k * s)
+    assert pressure == pytest.approx(wave * cosh, rel=1e-12)
+    along = 1j * k * wave * cosh / (1j * omega * RHO)
+    upward = k * wave * sinh / (1j * omega * RHO)
+    exact = np.column_stack([along * np.cos(heading), along * np.sin(heading), upward])
+    assert velocity == pytest.approx(exact, rel=1e-12)
+    if not deep:
+        assert sea.wave(np.array([[0.3, 0.2, -depth]]), omega)[1][0, 2] == pytest.approx(0, abs=1e-15)
+
+
 def test_leaving_the_seabed_out_is_seamless(monkeypatch):
     # The switch to the table of deep water, at its default threshold, against the seabed kept throughout.
     omega = np.array([1.2, 1.3, 1.5])

@@ -55,6 +55,13 @@ def test_published_pile(waves):
     assert moment.max() == approx(2.18588e7, rel=1e-5)
 
 
+def test_drag_of_the_reduced_platform_is_the_published_piles(waves):
+    """At the crest, on a platform that does not move, from the coefficients and velocities that the march is given."""
+    s = reduced(waves)
+    u = s.station_rows[:, 0, 0].real
+    assert s.drag @ (np.abs(u) * u) == approx(205_475, rel=1e-5)
+
+
 def test_printed_morison_has_half_the_inertia_load(waves):
     """C_M - 1 in place of C_M = 2 (eq. 16 of Heo et al. as printed)."""
     at = water.stations(assemble(pile()), 2)
