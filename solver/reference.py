@@ -16,7 +16,7 @@ from solver import limits
 from solver.audit import MARGIN, PROBE, coefficient_effects, relative
 from solver.balance import warnings
 from solver.errors import SimulationFailed
-from solver.hydrodynamics.coefficients import Hydrodynamics
+from solver.hydrodynamics.coefficients import Hydrodynamics, seabed_error
 from solver.hydrodynamics.convolution import CosineTransform, Kernel
 from solver.march import WORKS, Output
 from solver.multibody import axes as joint_axes
@@ -91,6 +91,7 @@ def simulate_reference(
         "constraint_drift_velocity": float(errors[1]),
         "constraint_drift_acceleration": float(errors[2]),
         **_errors(case, hydrodynamics, np.concatenate(probe), options, tolerance),
+        "seabed_error": seabed_error(hydrodynamics),
         "skipped": "",
         **_told(scene),
         "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,

@@ -11,6 +11,8 @@ from solver.balance import warnings
 from solver.boundary import coefficients, needed
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem import Hydrodynamics
+from solver.hydrodynamics.coefficients import seabed_error
+from solver.limits import field_error
 from solver.march import WORKS, energy
 from solver.record import Record, Recorder
 from solver.reference import simulate_reference
@@ -66,8 +68,10 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
     steps = int(np.ceil((settings.discard + settings.duration) / system.dt - 1e-9))
     recorder, probe = Recorder(scene, system.support, layout=system.layout), Probe(system)
     state = system.start()
+    furthest = np.abs(np.append(np.zeros(system.bodies.damping.size - state.z.size), state.z))
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
+        furthest = np.maximum(furthest, np.abs(output.z).max(axis=0))
         probe.add(samples, output)
     stored = energy(system.bodies, system.structure, state)
     residual = energy_residual(state.work, stored, state.energy)
@@ -79,6 +83,8 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
         "stored_energy_change": float(stored - state.energy[0]),
         **audit(system, hydrodynamics, probe, state),
+        "field_error": field_error(scene, system.bodies, system.waves, system.terms, furthest),
+        "seabed_error": seabed_error(hydrodynamics),
         **{name: getattr(settings, name) for name in KNOBS},
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
         "prepare_time": prepared - clock,
