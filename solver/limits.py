@@ -2,12 +2,16 @@
 
 import numpy as np
 
+from solver.multibody.chain import PRISMATIC
+from solver.multibody.minimal import Bodies
 from solver.scene import DOFS, Float, Scene
 from solver.sea.field import WaveField
 
 FALLEN_OVER = np.pi / 2  # diffraction and radiation at rest say nothing of a float that has turned so far [rad]
 HANGING = np.pi / 6  # an arm at rest so near to the vertical swings beneath its hinge by nature [rad]
-ROUGH = 1e-2  # of the sum of amplitudes, by which the local wave field may be off at the ends of the excursion
+# Of the sum of amplitudes, by which the local wave field may be off at the ends of the excursion; a record's
+# `field_error` says how far off it was.
+ROUGH = 1e-2
 
 
 def excursions(scene: Scene, field: WaveField, terms: int, carrier_axes: np.ndarray) -> np.ndarray:
@@ -27,6 +31,25 @@ def _extent(scene: Scene) -> float:
     """Diagonal of the frame's nodes [m]: displaced by as much, it is no small displacement of a frame."""
     xyz = np.array(list(scene.platform.frame.nodes.values()))
     return float(np.linalg.norm(np.ptp(xyz, axis=0)))
+
+
+def field_error(scene: Scene, bodies: Bodies, field: WaveField, terms: int, furthest: np.ndarray) -> float:
+    """What a series of so many terms leaves out of the waves at a hull at most, of the sum of amplitudes.
+
+    Where the coordinates have been within ± furthest (nz,) [m or rad].
+    """
+    reached = [f.hull.size + _way(bodies, b, furthest) for b, f in enumerate(scene.floats) if bodies.nonlinear[b]]
+    return max((field.left_out(terms, radius) for radius in reached), default=0.0)
+
+
+def _way(bodies: Bodies, b: int, furthest: np.ndarray) -> float:
+    """How far from rest a float's reference point may get [m]: axis by axis from its own to the support's."""
+    way = 0.0
+    for i in reversed(range(bodies.axes[b])):
+        size = furthest[bodies.coordinate[b, i]]
+        lever = float(np.linalg.norm(bodies.reference[b] - bodies.point[b, i])) + way
+        way += size if bodies.kind[b, i] == PRISMATIC else 2 * np.sin(min(size, np.pi) / 2) * lever
+    return way
 
 
 def slides(name: str) -> bool:

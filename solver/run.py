@@ -11,7 +11,8 @@ from solver.coupled.boundary import coefficients, needed
 from solver.coupled.march import WORKS, energy
 from solver.coupled.system import blocks, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed, StepTooLong
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
+from solver.limits import field_error
 from solver.record.accuracy import ATTEMPTS, first_guess, refined
 from solver.record.audit import Probe, audit
 from solver.record.recorder import Record, Recorder
@@ -81,8 +82,10 @@ def _run(
     steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))
     recorder, probe = Recorder(scene, system.support, layout=system.layout), Probe(system)
     state = system.start()
+    furthest = np.abs(np.append(np.zeros(system.bodies.damping.size - state.z.size), state.z))
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
+        furthest = np.maximum(furthest, np.abs(output.z).max(axis=0))
         probe.add(times, output, samples)
         if probe.fresh and (settings := better(scene.settings, probe.errors(hydrodynamics))) is not None:
             return settings
@@ -96,6 +99,8 @@ def _run(
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
         "stored_energy_change": float(stored - state.energy[0]),
         **audit(probe, hydrodynamics, state),
+        "field_error": field_error(scene, system.bodies, system.waves, system.terms, furthest),
+        "seabed_error": seabed_error(hydrodynamics),
         **{name: getattr(s, name) for name in KNOBS},
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
         "prepare_time": prepared - clock,

@@ -101,7 +101,8 @@ class Platform:
 
     frame: Frame
     legs: tuple[str, ...] = ()  # members whose displacements and stresses are put out
-    damping_ratio: float = 0.01  # of every mode [-]
+    # Of every mode in water [-]: with the wetted members' added mass, without the floats.
+    damping_ratio: float = 0.01
     hinge_nodes: Mapping[str, str] = field(default_factory=dict)  # float -> node
     geometric_stiffness: bool = False
     # "standard": C_M rho V du/dt - (C_M - 1) rho V a; "relative" (Heo et al. 2022, eq. 16, as

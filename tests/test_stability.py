@@ -14,6 +14,7 @@ from solver import limits
 from solver.coupled.march import WATCH, WORKS, open_by
 from solver.coupled.system import BLOCK_STEPS, blocks, prepare
 from solver.errors import InputError, SimulationFailed, StepTooLong
+from solver.multibody.minimal import move, new_motion
 from solver.run import simulate
 from solver.scene import Float
 from solver.sea.field import WaveField
@@ -112,6 +113,42 @@ def test_more_waves_or_less_reach_need_fewer_terms(buan):
     for terms in (6, 12, 24):
         radius = waves.radius_for(terms, 1e-5)
         assert waves.terms_for(0.999 * radius, 1e-5) == terms and waves.terms_for(1.001 * radius, 1e-5) == terms + 1
+
+
+def test_a_record_says_how_well_the_wave_field_was_known(buan, coefficients):
+    """Within what was reckoned with, to less than the tolerance; linear floats need none."""
+    guided = {"motion": ("heave",), "pto_damping": 0.0, "stiffness": 1e5}
+    for start in (0.0, 0.4):
+        floats = buan.floats(**guided, offset=start)
+        scene = buan.scene("fixed", floats=floats, duration=5.0, discard=0.0, keep_series=True)
+        system, record = prepare(scene, coefficients), simulate(scene, coefficients)
+        reach = max(start, np.abs(record.series["motion"][1]).max()) + floats[0].hull.size
+        assert record.attrs["field_error"] == approx(system.waves.left_out(system.terms, reach), rel=1e-9)
+        assert 0 < record.attrs["field_error"] < scene.settings.field_tolerance
+    flat = replace(scene, settings=replace(scene.settings, froude_krylov="linear"))
+    assert simulate(flat, coefficients).attrs["field_error"] == 0
+
+
+@pytest.mark.parametrize("formulation", ["minimal", "augmented"])
+def test_a_record_says_how_much_of_the_seabed_was_left_out(buan, coefficients, formulation):
+    short = {"duration": 1.0, "discard": 0.0, "time_step": 0.1, "formulation": formulation}
+    attrs = simulate(buan.scene("fixed", **short), coefficients).attrs
+    assert attrs["seabed_error"] == coefficients.settings["seabed_error"] > 0
+
+
+def test_how_far_a_float_has_been_is_reckoned_from_the_support_on(buan, coefficients):
+    """An arm of 3.5 m, on a platform that sways and turns: axis by axis never less than where it really is."""
+    system = prepare(buan.scene(), coefficients)
+    z = np.random.default_rng(1).uniform(-0.6, 0.6, (200, system.bodies.damping.size))
+    motion, still = new_motion(system.bodies), np.zeros(z.shape[1])
+    for row in z:
+        move(system.bodies, row, still, motion)
+        way = [limits._way(system.bodies, b, np.abs(row)) for b in (0, 1)]
+        gone = np.linalg.norm(motion.position - system.bodies.reference, axis=1)
+        assert np.all(gone <= way)
+    alone = prepare(buan.scene("fixed"), coefficients).bodies
+    arm = np.hypot(2.36, 2.6)
+    assert limits._way(alone, 0, np.array([0.8, 0.0])) == approx(2 * np.sin(0.4) * arm)
 
 
 def test_a_float_that_reaches_through_too_many_waves_is_refused(buan, coefficients):

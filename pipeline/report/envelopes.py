@@ -25,17 +25,26 @@ TAGS = (0.3, 0.8)  # of the height: where the platforms' names stand clear of ea
 
 
 def leg_groups(results: Results) -> dict[str, list[int]]:
-    """Legs that stand at the same x: front legs (the weather side of heading 0), rear legs; by the dataset's labels."""
+    """Legs of one height at the same x, from the weather side of heading 0 to the lee; by the dataset's labels."""
     labels, platform = results.labels("leg"), results.study.content.platform
     if platform is None or len(platform.legs) != len(labels):
         return {f"leg {label}": [label] for label in labels}
     nodes = dict(platform.nodes) | hinge_nodes(results.study.content.floats)
-    starts = {member.name: nodes[member.start][0] for member in platform.members}
-    places: dict[float, list[int]] = {}
-    for label, name in sorted(zip(labels, platform.legs, strict=True), key=lambda pair: starts[pair[1]]):
-        places.setdefault(round(starts[name], 3), []).append(label)
-    names = {1: ["legs"], 2: ["front legs", "rear legs"]}.get(len(places), [f"legs at x = {x:g} m" for x in places])
+    kinds = {member.name: _kind(nodes[member.start], nodes[member.end]) for member in platform.members}
+    places: dict[tuple[float, float], list[int]] = {}
+    for label, name in sorted(zip(labels, platform.legs, strict=True), key=lambda pair: kinds[pair[1]]):
+        places.setdefault(kinds[name], []).append(label)
+    at = [x for x, _ in places]
+    names = {1: ["legs"], 2: ["front legs", "rear legs"]}.get(len(places), [f"legs at x = {x:g} m" for x in at])
+    if len(set(at)) < len(at):
+        names = [f"legs at x = {x:g} m, {height:g} m high" for x, height in places]
     return dict(zip(names, places.values(), strict=True))
+
+
+def _kind(start: Sequence[float], end: Sequence[float]) -> tuple[float, float]:
+    """x of a leg's foot and its height [m], to the millimetre."""
+    foot, top = sorted((start, end), key=lambda node: node[2])
+    return round(foot[0], 3), round(top[2] - foot[2], 3)
 
 
 def shown(results: Results) -> list[tuple[str, str, float, str]]:
@@ -43,28 +52,31 @@ def shown(results: Results) -> list[tuple[str, str, float, str]]:
     return [entry for entry in ENVELOPES if results.has(entry[0])]
 
 
-def profile(results: Results, name: str, platform: str, legs: Sequence[int]) -> np.ndarray:
-    """A group of legs, averaged, in every realization that there is, (height, realization)."""
+def profile(results: Results, name: str, platform: str, legs: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Heights of a group of legs, and the legs averaged, in every realization that there is, (height, realization)."""
     part = results.values(name, sea_state=results.sea, platform=platform, **results.first).sel(leg=list(legs))
     rows = part.transpose("leg", "height", ...).values
     rows = rows.reshape(*rows.shape[:2], -1).mean(axis=0)
-    return np.asarray(rows[:, np.isfinite(rows).all(axis=0)])
+    rows = rows[:, np.isfinite(rows).any(axis=0)]
+    own = np.isfinite(rows).all(axis=1)  # other legs' nodes are at other heights
+    return results.data["height"].values[own], rows[own]
 
 
 def draw(panels: Sequence[Axes], results: Results) -> None:
     """A panel for each envelope: mean of the realizations, and their range as a band."""
-    heights = results.data["height"].values
+    every = results.data["height"].values
     for axes, (name, words, scale, _) in zip(panels, shown(results), strict=True):
         for j, platform in enumerate(results.supports(name)):
             for i, (_, legs) in enumerate(leg_groups(results).items()):
-                rows = profile(results, name, platform, legs) / scale
+                heights, rows = profile(results, name, platform, legs)
+                rows = rows / scale
                 if rows.size:
                     band: dict[str, Any] = {"color": colour(i), "alpha": 0.15, "linewidth": 0}
                     axes.fill_betweenx(heights, rows.min(axis=1), rows.max(axis=1), **band)
                     axes.plot(rows.mean(axis=1), heights, "--" if j else "-", color=colour(i), linewidth=1.4)
                 if rows.size and i == 0 and axes is panels[0]:
                     _tag(axes, rows.mean(axis=1), heights, j, WORDS.get(platform, platform))
-        axes.set_ylim(float(heights.min()), float(heights.max()))
+        axes.set_ylim(float(every.min()), float(every.max()))
         axes.set_xlim(left=0.0)
         axes.set_xlabel(words)
     _groups(panels[-1], list(leg_groups(results)), shown(results)[-1][-1])

@@ -64,6 +64,8 @@ VARIABLES = {
     "energy_residual": Meaning("1", "Energy that the balance does not account for, as a share of the wave work"),
     "constraint_drift": Meaning("m", "Largest distance of a hinge from its place"),
     "discretization_error": Meaning("1", "Estimated relative error of the time discretization"),
+    "field_error": Meaning("1", "Share of the wave amplitudes' sum that the local series left out at a hull, at most"),
+    "seabed_error": Meaning("1", "Share of a coefficient that the seabed has, at most, where it was left out"),
     "static_stress": Meaning("Pa", "Static stress at the bottom of the leg, without waves"),
     "time_step": Meaning("s", "Time step"),
     "wall_time": Meaning("s", "Time that the task took to compute"),

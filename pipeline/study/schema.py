@@ -210,7 +210,11 @@ class Platform(Table):
     legs: tuple[Name, ...] = ()
     masses: tuple[PointMass, ...] = ()
     loads: tuple[PointLoad, ...] = ()
-    damping_ratio: Annotated[NotNegative, Field(lt=1), Unit("-")] = 0.01
+    damping_ratio: Annotated[
+        NotNegative,
+        Field(lt=1, description="Of every mode in water: with the wetted members' added mass, without the floats"),
+        Unit("-"),
+    ] = 0.01
     geometric_stiffness: Flag = False
     wave_inertia: Literal["standard", "relative"] = "standard"  # of Morison's equation
 

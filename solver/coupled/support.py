@@ -68,12 +68,14 @@ def _dry_frequencies(model: FrameModel) -> np.ndarray:
 @lru_cache(maxsize=KNOWN)
 def _kept_modes(model: FrameModel, density: float, planar: bool, count: int | None):
     """Mass with the water's, and the lowest modes; in a planar scene the symmetric ones and the basis of all such."""
-    M = model.M + water.added_mass(model, density)
+    added = water.added_mass(model, density)
+    M = model.M + added
     if not planar:
         return M, natural.modes(model.K, M, model.free, count), None
-    symmetric = natural.symmetric_basis(model)
+    symmetric = natural.symmetric_basis(model, added, water.drag(model))
     if symmetric is None:
-        raise InputError("platform.frame", "not symmetric in y = 0", "a planar scene needs a symmetric frame")
+        limit = "a planar scene needs a symmetric frame, its coefficients of drag and inertia included"
+        raise InputError("platform.frame", "not symmetric in y = 0", limit)
     return M, natural.modes_in(symmetric, model.K, M, count), symmetric
 
 
@@ -100,7 +102,7 @@ def prepare(
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
-    at = water.stations(model, 4)  # once a task, so exact is free
+    at = water.stations(model, water.EXACT)  # once a task, so exact is free
     inertia_rows = _inertia_rows(platform, at, field, sea)
     nodal = _nodal_load(model, at, inertia_rows)
     omega, shapes = kept if modes == "all" else _basis(model, M, kept, symmetric, dof.ravel(), nodal)

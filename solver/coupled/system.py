@@ -72,6 +72,12 @@ class System:
         return max(self.scene.settings.newton_tolerance * min(1.0, self.dt / STEP) ** 2, LEAST)
 
     @property
+    def terms(self) -> int:
+        """Of the local wave field around each float."""
+        at = self.layout.field
+        return (at.stop - at.start) // max(2 * len(self.scene.floats), 1)
+
+    @property
     def least_energy(self) -> float:
         """Of a motion of Newton's tolerance, and of rounding [J]: what is less is nothing to speak of."""
         return float(self.newton_tolerance**2 * np.trace(self.stiffness) + LEAST * weights(self.bodies))
@@ -110,9 +116,8 @@ class System:
         """Columns of the wave series (m, columns) as the march reads them."""
         nb, (_, nd, ns) = len(self.scene.floats), self.structure.station.shape
         m, at = len(samples), self.layout
-        terms = (at.field.stop - at.field.start) // max(2 * nb, 1)
         return Drive(
-            field=np.ascontiguousarray(samples[:, at.field]).reshape(m, nb, 2, terms),
+            field=np.ascontiguousarray(samples[:, at.field]).reshape(m, nb, 2, self.terms),
             excitation=np.ascontiguousarray(samples[:, at.excitation]).reshape(m, nb, 6),
             modal=np.ascontiguousarray(samples[:, at.modal]),
             station=np.ascontiguousarray(samples[:, at.station]).reshape(m, nd, ns),

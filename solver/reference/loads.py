@@ -97,12 +97,13 @@ class PressureForce:
         return load
 
     def _linear(self, b, position, rotation):
-        """Buoyancy less stiffness times displacement."""
+        """Buoyancy ρgV at (x_b, y_b) at rest, with its moment, less stiffness times displacement."""
         h, index = self.coefficients, _index(self.coefficients)
         own = slice(b * len(index), (b + 1) * len(index))
         shift = np.array([*(position - self.scene.floats[b].centre), rotation[2, 1], rotation[0, 2], rotation[1, 0]])
         out = np.zeros(6)
-        out[2] = h.displaced_mass[b] * self.scene.water.gravity
+        x, y, _ = self.scene.floats[b].hull.buoyancy_point
+        out[2:5] = h.displaced_mass[b] * self.scene.water.gravity * np.array([1.0, y, -x])
         out[index] -= h.hydrostatic_stiffness[own, own] @ shift[index]
         return out
 

@@ -17,7 +17,7 @@ from solver.balance import warnings
 from solver.coupled.march import WORKS, Output
 from solver.coupled.system import System, energy_residual, prepare
 from solver.errors import SimulationFailed
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
 from solver.record.audit import MARGIN, PROBE, coefficient_effects, probed, statistics_error, unmet
 from solver.record.recorder import Record, Recorder
 from solver.reference import axes as joint_axes
@@ -92,6 +92,7 @@ def simulate_reference(
         "constraint_drift_velocity": float(errors[1]),
         "constraint_drift_acceleration": float(errors[2]),
         **_errors(case, hydrodynamics, probe, options, tolerance),
+        "seabed_error": seabed_error(hydrodynamics),
         "unmet": "; ".join(unmet(case.scene.settings, case.system.fit)),
         "skipped": "",
         **_told(scene),
@@ -204,7 +205,7 @@ def _row(case: Case, stage: int, sample):
     floats, none = case.floats, np.zeros(0)
     z, dz = (np.concatenate([none, *values[stage]]) for values in (floats.way, floats.rate))
     limit = case.system.bodies.limit[len(case.system.bodies.limit) - len(z) :]
-    if np.any((z < limit[:, 0]) | (z > limit[:, 1])):
+    if not np.all((z >= limit[:, 0]) & (z <= limit[:, 1])):
         when = f"at t = {sample.time:.1f} s"
         raise SimulationFailed(limits.explain(case.scene, z, case.system.bodies.limit, when))
     return sample.time, z, dz, case.support.amplitudes(len(floats.weight))[stage], -floats.force[stage], sample.errors

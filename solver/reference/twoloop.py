@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.errors import SimulationFailed
+from solver.errors import StepTooLong
 from solver.reference.augmented import (
     INNER,
     NO_SUPPORTS,
@@ -27,7 +27,7 @@ from solver.reference.joints import Frames, Joint, joint_loads
 TOLERANCE = 1e-12
 OUTER = 60  # iterations of the outer loop; five to ten suffice where a step is sane
 STILL = 1e-12  # change of dt² a, dt v and orientation that ends the outer loop [m or rad]
-STUCK = 1e-5  # the same after half of all iterations: near a singular position rounding keeps the last digits moving
+LOST = 1e6  # the same in a loop that runs away, as it does where dampers or springs are stiff for the step
 
 
 class Sample(NamedTuple):
@@ -111,10 +111,13 @@ def march(
     stages: int = 3,
     tolerance: float = TOLERANCE,
     still: float = STILL,
+    stuck: float = 0.0,
 ) -> Iterator[Sample]:
     """Samples at the start and at every stage of every step; t = n dt + c dt.
 
-    tolerance: of the constraints [m, m/s, m/s2]; still: last change of a stage that ends the outer loop [m].
+    tolerance: of the constraints [m, m/s, m/s2]; still: last change of a stage that ends the outer loop [m]; stuck:
+    the same after half of all iterations, for mechanisms that pass singular positions, where rounding keeps the last
+    digits moving.
     """
     c, A = lobatto(stages)
     ahead = _extrapolation(c)
@@ -125,7 +128,7 @@ def march(
         t = n * dt
         surroundings.begin(t, dt, chain[-1])
         a = np.einsum("sj,jbk->sbk", ahead, np.array([s.acceleration for s in chain]))
-        chain, samples = _step(system, chain[-1], a, t, dt, (c, A), surroundings, (tolerance, still))
+        chain, samples = _step(system, chain[-1], a, t, dt, (c, A), surroundings, (tolerance, still, stuck))
         surroundings.finish()
         yield from samples
 
@@ -135,11 +138,14 @@ def _first(system, state, dt, surroundings, tolerance):
     surroundings.begin(0.0, dt, state)
     for _ in range(OUTER):
         moved = surroundings.iterate()
-        new, sample = evaluate(system, state, 0, 0.0, surroundings, tolerance)
-        change, state = np.abs(new.acceleration - state.acceleration).max(initial=0.0), new
-        if max(moved, dt * dt * change) < STILL:
+        new, sample = _evaluated(system, state, 0, (0.0, dt), surroundings, tolerance)
+        change = _largest(moved, dt * dt * (new.acceleration - state.acceleration))
+        state = new
+        if not change < LOST:
+            break
+        if change < STILL:
             return state, sample
-    raise SimulationFailed(f"accelerations at t = 0 do not settle in {OUTER} iterations, last change {change:.1e} m/s2")
+    raise _lost(change, 0.0, dt)
 
 
 def _extrapolation(c: np.ndarray) -> np.ndarray:
@@ -150,7 +156,7 @@ def _extrapolation(c: np.ndarray) -> np.ndarray:
 
 def _step(system, start, a, t, dt, tableau, surroundings, limits):
     """Outer loop: accelerations of the stages, until they stand still."""
-    (c, A), (tolerance, still) = tableau, limits
+    (c, A), (tolerance, still, stuck) = tableau, limits
     a[0] = start.acceleration
     chain, samples = [start] * len(c), [None] * len(c)
     for n in range(OUTER):
@@ -162,16 +168,39 @@ def _step(system, start, a, t, dt, tableau, surroundings, limits):
         q /= np.linalg.norm(q, axis=-1, keepdims=True)
         for s in range(1, len(c)):
             guess = State(x[s], q[s], v[s], a[s], chain[s].multiplier)
-            new, samples[s] = evaluate(system, guess, s, t + c[s] * dt, surroundings, tolerance)
-            turned = np.abs(new.quaternion - chain[s].quaternion).max(initial=0.0)
-            change = max(change, dt * dt * np.abs(new.acceleration - a[s]).max(initial=0.0), turned)
+            new, samples[s] = _evaluated(system, guess, s, (t + c[s] * dt, dt), surroundings, tolerance)
+            turned = new.quaternion - chain[s].quaternion
+            change = _largest(change, dt * dt * (new.acceleration - a[s]), turned)
             a[s], chain[s] = new.acceleration, new
-        if not np.isfinite(change):
-            raise SimulationFailed(f"not finite at t = {t:.3f} s: reduce dt = {dt:g} s")
-        if change < still or (n >= OUTER // 2 and change < STUCK):
+        if not change < LOST:
+            break
+        if change < (still if n < OUTER // 2 else max(still, stuck)):
             return chain, samples[1:]
-    raise SimulationFailed(
-        f"no convergence in {OUTER} iterations at t = {t:.3f} s, last change {change:.1e} m: reduce dt = {dt:g} s"
+    raise _lost(change, t + dt, dt)
+
+
+def _evaluated(system, state, stage, when, surroundings, tolerance):
+    """As `evaluate` at when = (t, dt); a pose that its equations cannot be solved for is an outcome."""
+    try:
+        return evaluate(system, state, stage, when[0], surroundings, tolerance)
+    except np.linalg.LinAlgError as error:
+        t, dt = when
+        raise StepTooLong(f"joints lost at t = {t:.3f} s ({error}): reduce time_step = {dt:g} s") from None
+
+
+def _largest(*changes) -> float:
+    """Magnitude of the largest, NaN if any is: Python's max would drop it."""
+    return float(np.max([np.abs(change).max(initial=0.0) for change in changes]))
+
+
+def _lost(change: float, t: float, dt: float) -> StepTooLong:
+    """What a run is told whose outer loop does not settle."""
+    trouble = "runs away" if np.isfinite(change) else "is not finite"
+    if change < LOST:
+        trouble = f"does not settle in {OUTER} iterations"
+    return StepTooLong(
+        f"motion of the stages {trouble} at t = {t:.3f} s, last change {change:.1e} m or rad: reduce time_step ="
+        f" {dt:g} s, which stiff dampers, springs and light supports ask for in the augmented formulation"
     )
 
 
@@ -217,17 +246,18 @@ def simulate_mechanism(
     added_mass: np.ndarray | None = None,
     stages: int = 3,
     tolerance: float = TOLERANCE,
+    stuck: float = 0.0,
 ) -> Trajectory:
     """Motion of bodies held by joints, sampled at every stage (steps of dt/2 with 3 stages).
 
     forces(t, frames): loads (nb, 6) about the bodies' origins, world axes, besides gravity;
     supports: t -> (position, rotation, velocity (6,), acceleration (6,)), frames nb, nb + 1, …;
-    GROUND is frame -1. tolerance: of the constraints [m, m/s, m/s2].
+    GROUND is frame -1. tolerance: of the constraints [m, m/s, m/s2]; stuck: see `march`.
     """
-    still = np.zeros((len(bodies), 6))
-    given = Given(forces or (lambda *_: still), supports)
+    none = np.zeros((len(bodies), 6))
+    given = Given(forces or (lambda *_: none), supports)
     system, state = mechanism(bodies, joints, given.supports(0, 0.0), gravity=gravity, added_mass=added_mass)
-    samples = list(march(system, state, given, t_end=t_end, dt=dt, stages=stages, tolerance=tolerance))
+    samples = list(march(system, state, given, t_end=t_end, dt=dt, stages=stages, tolerance=tolerance, stuck=stuck))
     nb = len(bodies)
     return Trajectory(
         time=np.array([s.time for s in samples]),

@@ -108,6 +108,10 @@ class WaveField:
             low, high = (middle, high) if self._tail(terms, middle) < tolerance else (low, middle)
         return low
 
+    def left_out(self, terms: int, radius: float) -> float:
+        """What `terms` leave out within `radius` [m] at most, of Σ|aᵢ|; nothing without waves."""
+        return self._tail(terms, radius) if self.sea.amplitude.any() else 0.0
+
     def _tail(self, n: int, radius: float) -> float:
         """Bound on Σ|aᵢ|(kᵢr)ᵐ/m! over m >= n, relative to Σ|aᵢ|: the first term times 1/(1 - kr/(n+1))."""
         amplitude, kr = np.abs(self.sea.amplitude), self.k * radius

@@ -1,6 +1,7 @@
 """What is put out along the legs: displacements and fibre stresses as linear maps of modal amplitudes."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -9,35 +10,47 @@ from solver.errors import InputError
 from solver.kernels import fast_lean_kernel
 from solver.statistics import vertex
 from solver.structure import recovery, statics, water
-from solver.structure.frame import FrameModel
+from solver.structure.frame import COINCIDENT, FrameModel
 
 BENDING = [0, 4, 5]  # N, My, Mz among the section forces
+MIRROR = np.array([1.0, -1.0, 1.0])  # a displacement seen in the plane y = 0
+SAME, SAME_STRESS = 1e-9, 1e-6  # of the largest value: rounding of shapes, and of what their differences strain
 
 
 class Largest(NamedTuple):
-    """Over all samples so far, of no legs."""
+    """Over all samples so far, at the nn nodes and both ends of the ne elements of the no legs."""
 
-    square: np.ndarray  # (no nh,) of the displacement [m²]
-    stress: np.ndarray  # (no ne 2,) magnitude [Pa]
-    last_square: np.ndarray  # (2, no nh) the last two samples
+    square: np.ndarray  # (nn,) of the displacement [m²]
+    stress: np.ndarray  # (ne 2,) magnitude [Pa]
+    last_square: np.ndarray  # (2, nn) the last two samples
     last_stress: np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Legs:
-    """Maps for nl legs of nh nodes, of which no respond each in their own way (mirror images do not)."""
+    """Maps for nl legs, of which no respond each in their own way (mirror images do not).
+
+    One after another and foot first they have nn nodes, at nh different heights, and ne elements.
+    """
 
     height: np.ndarray  # (nh,) above the leg's foot [m]
+    place: np.ndarray  # (nn,) which of the heights is the node's
+    ends: np.ndarray  # (no,) where each leg's nodes end
     twin: np.ndarray  # (nl,) which of the no legs responds like it, or as its mirror image in y = 0
     mirrored: np.ndarray  # (nl,) bool
-    displacement: np.ndarray  # (nm, 3, no nh) [m]
-    fibre: np.ndarray  # (nm, 3, no ne 2) N/A, c My/Iy, c Mz/Iz at both ends of each element [Pa]
-    static_fibre: np.ndarray  # (3, no ne 2)
+    displacement: np.ndarray  # (nm, 3, nn) [m]
+    fibre: np.ndarray  # (nm, 3, ne 2) N/A, c My/Iy, c Mz/Iz at both ends of each element [Pa]
+    static_fibre: np.ndarray  # (3, ne 2)
 
     @property
-    def own(self) -> int:
-        """Number of legs that respond each in their own way, no."""
-        return int(self.twin.max(initial=-1)) + 1
+    def nodes(self) -> list[slice]:
+        """Of each of the no legs."""
+        return [slice(*pair) for pair in pairwise([0, *self.ends])]
+
+    @property
+    def element_ends(self) -> list[slice]:
+        """Of each of the no legs, with one element less than nodes."""
+        return [slice(2 * (at.start - leg), 2 * (at.stop - leg - 1)) for leg, at in enumerate(self.nodes)]
 
     def nothing(self) -> Largest:
         """The largest values before the first sample."""
@@ -50,21 +63,27 @@ class Legs:
         The stress is that of the most compressive fibre, σ = N/A - ((c My/Iy)² + (c Mz/Iz)²)^½.
         """
         u, fibre = _map(p, self.displacement), _map(p, self.fibre)
-        feet = np.empty((len(p), self.own))
-        _respond(u, fibre, self.static_fibre, feet, *largest)
-        tops = u.reshape(len(p), 3, self.own, -1)[..., -1].swapaxes(1, 2)[:, self.twin]
-        return tops * np.where(self.mirrored[:, None], [1.0, -1.0, 1.0], 1.0), feet[:, self.twin]
+        first = np.array([at.start for at in self.element_ends])
+        feet = np.empty((len(p), first.size))
+        _respond(u, fibre, self.static_fibre, first, feet, *largest)
+        tops = u[..., self.ends - 1].swapaxes(1, 2)[:, self.twin]
+        return tops * np.where(self.mirrored[:, None], MIRROR, 1.0), feet[:, self.twin]
 
     def envelopes(self, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
-        """Displacement (nl, nh) [m] and stress (nl, nh) [Pa]."""
-        square, stress = largest.square.reshape(self.own, -1), largest.stress.reshape(self.own, -1, 2)
-        return np.sqrt(square)[self.twin], at_nodes(stress)[self.twin]
+        """Displacement (nl, nh) [m] and stress (nl, nh) [Pa], NaN at heights where a leg has no node."""
+        displacement, stress = np.full((2, self.ends.size, self.height.size), np.nan)
+        for leg, (nodes, ends) in enumerate(zip(self.nodes, self.element_ends, strict=True)):
+            displacement[leg, self.place[nodes]] = np.sqrt(largest.square[nodes])
+            stress[leg, self.place[nodes]] = at_nodes(largest.stress[ends].reshape(-1, 2))
+        return displacement[self.twin], stress[self.twin]
 
 
 @fast_lean_kernel
-def _respond(u, fibre, static, feet, square, stress, last_square, last_stress):
-    """Stress at the feet (m, no) and largest values, from displacements and fibres, sample by sample in place."""
-    points = stress.size // feet.shape[1]
+def _respond(u, fibre, static, first, feet, square, stress, last_square, last_stress):
+    """Stress at the feet (m, no) and largest values, from displacements and fibres, sample by sample in place.
+
+    first (no,): the feet among the elements' ends.
+    """
     for i in range(feet.shape[0]):
         for j in range(square.size):
             _take(u[i, 0, j] ** 2 + u[i, 1, j] ** 2 + u[i, 2, j] ** 2, j, square, last_square)
@@ -73,7 +92,7 @@ def _respond(u, fibre, static, feet, square, stress, last_square, last_stress):
             axial[j] += static[0, j] - np.sqrt((about_y[j] + static[1, j]) ** 2 + (about_z[j] + static[2, j]) ** 2)
             _take(abs(axial[j]), j, stress, last_stress)
         for leg in range(feet.shape[1]):
-            feet[i, leg] = axial[leg * points]
+            feet[i, leg] = axial[first[leg]]
 
 
 @fast_lean_kernel(inline="always")
@@ -101,44 +120,76 @@ def outputs(names, model: FrameModel, sea, at_rest: np.ndarray, shapes: np.ndarr
     A, Iy, Iz, c = np.moveaxis(recovery.section_properties(model).reshape(-1, 2, 4), -1, 0)
     to_stress = np.stack([1 / A, c / Iy, c / Iz], axis=-1)
     still, moving = still * to_stress, moving * to_stress[..., None]
-    counts = {leg: len(model.member_elements[leg]) for leg in names}
-    if len(set(counts.values())) > 1:
-        raise InputError("platform.legs", counts, "must have as many elements each: they share the heights")
-    displacement, fibre, static = [], [], []
-    for leg in names:
-        nodes, elements = model.member_nodes[leg], np.array(model.member_elements[leg])
+    legs = []
+    for name in names:
+        nodes, elements = model.member_nodes[name], np.array(model.member_elements[name])
         end = slice(None)
         if model.xyz[nodes[0], 2] > model.xyz[nodes[-1], 2]:  # foot first
             nodes, elements, end = nodes[::-1], elements[::-1], slice(None, None, -1)
-        displacement.append(shapes.reshape(-1, 6, nm)[nodes, :3])
-        fibre.append(moving[elements][:, end])
-        static.append(still[elements][:, end])
-    own, twin, mirrored = _alike(np.array(displacement))
+        height = model.xyz[nodes, 2] - model.xyz[nodes[0], 2]
+        if not height[-1] > COINCIDENT * model.length[elements].sum():
+            raise InputError("platform.legs", name, "must rise: what it does is put out by height")
+        shape = shapes.reshape(-1, 6, nm)[nodes, :3]
+        legs.append(_Leg(height, shape, moving[elements][:, end], still[elements][:, end]))
+    own, twin, mirrored = _alike(legs)
+    height = _grid(own)
     return Legs(
-        height=model.xyz[nodes, 2] - model.xyz[nodes[0], 2],
+        height=height,
+        place=np.concatenate([np.abs(leg.height[:, None] - height).argmin(axis=1) for leg in own]),
+        ends=np.cumsum([leg.height.size for leg in own]),
         twin=twin,
         mirrored=mirrored,
-        displacement=_innermost(np.array(displacement)[own].transpose(3, 2, 0, 1), 2),
-        fibre=_innermost(np.array(fibre)[own].transpose(4, 3, 0, 1, 2), 2),
-        static_fibre=_innermost(np.array(static)[own].transpose(3, 0, 1, 2), 1),
+        displacement=_innermost(np.concatenate([leg.displacement for leg in own]).transpose(2, 1, 0), 2),
+        fibre=_innermost(np.concatenate([leg.fibre for leg in own]).transpose(3, 2, 0, 1), 2),
+        static_fibre=_innermost(np.concatenate([leg.static for leg in own]).transpose(2, 0, 1), 1),
     )
 
 
-def _alike(displacement: np.ndarray) -> tuple[list[int], np.ndarray, np.ndarray]:
-    """Of legs (nl, nh, 3, nm) those whose response is their own; which of them each follows; which are mirrored."""
-    own: list[int] = []
-    twin, mirrored = np.zeros(len(displacement), int), np.zeros(len(displacement), bool)
-    mirror, close = np.array([1.0, -1.0, 1.0])[:, None], 1e-9 * np.abs(displacement).max()
-    for i, leg in enumerate(displacement):
-        for place, j in enumerate(own):
-            same = np.allclose(leg, displacement[j], rtol=0, atol=close)
-            if same or np.allclose(leg, displacement[j] * mirror, rtol=0, atol=close):
+class _Leg(NamedTuple):
+    """A member of n nodes, foot first."""
+
+    height: np.ndarray  # (n,) above its foot [m]
+    displacement: np.ndarray  # (n, 3, nm)
+    fibre: np.ndarray  # (n - 1, 2, 3, nm) as in Legs
+    static: np.ndarray  # (n - 1, 2, 3)
+
+
+def _grid(legs: list[_Leg]) -> np.ndarray:
+    """Heights at which any of the legs has a node, each once."""
+    every = np.sort(np.concatenate([leg.height for leg in legs]))
+    return every[np.diff(every, prepend=-np.inf) > COINCIDENT * every[-1]]
+
+
+def _alike(legs: list[_Leg]) -> tuple[list[_Leg], np.ndarray, np.ndarray]:
+    """The legs whose response is their own; which of them each leg follows; which legs are mirrored."""
+    own: list[_Leg] = []
+    twin, mirrored = np.zeros(len(legs), int), np.zeros(len(legs), bool)
+    close = SAME * max(np.abs(leg.displacement).max() for leg in legs)
+    for i, leg in enumerate(legs):
+        for place, other in enumerate(own):
+            if not _same_make(leg, other):
+                continue
+            same = np.allclose(leg.displacement, other.displacement, rtol=0, atol=close)
+            if same or np.allclose(leg.displacement, other.displacement * MIRROR[:, None], rtol=0, atol=close):
                 twin[i], mirrored[i] = place, not same
                 break
         else:
             twin[i] = len(own)
-            own.append(i)
+            own.append(leg)
     return own, twin, mirrored
+
+
+def _same_make(leg: _Leg, other: _Leg) -> bool:
+    """Whether two legs have nodes at the same heights, and stresses of the same size, at rest and in each shape."""
+    if leg.height.size != other.height.size:
+        return False
+    sizes = ((one.height, np.abs(one.fibre), _stress(one.static)) for one in (leg, other))
+    return all(np.allclose(a, b, rtol=0, atol=SAME_STRESS * np.abs(b).max()) for a, b in zip(*sizes, strict=True))
+
+
+def _stress(fibre: np.ndarray) -> np.ndarray:
+    """Of the most compressive fibre, of N/A, c My/Iy and c Mz/Iz (…, 3) [Pa]."""
+    return fibre[..., 0] - np.hypot(fibre[..., 1], fibre[..., 2])
 
 
 def _innermost(values: np.ndarray, kept: int) -> np.ndarray:

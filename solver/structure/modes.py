@@ -62,11 +62,11 @@ def _signed(shapes):
     return shapes * np.sign(shapes[leading, np.arange(shapes.shape[1])])
 
 
-def mirror(model: FrameModel):
+def mirror(model: FrameModel, *others):
     """Mirror image about the plane y = 0 of every displacement, sparse (6n, 6n).
 
-    None if the frame is not symmetric: nodes must pair up, and K, M and the supports must be their
-    own mirror images.
+    None if the frame is not symmetric: nodes must pair up, and K, M, the supports and other matrices (6n, 6n),
+    such as the water's, must be their own mirror images.
     """
     size = np.ptp(model.xyz, axis=0).max()
     gap, partner = cKDTree(model.xyz).query(model.xyz * [1, -1, 1])
@@ -76,17 +76,17 @@ def mirror(model: FrameModel):
     columns = (6 * partner[:, None] + np.arange(6)).ravel()
     image = sparse.csr_array((np.tile(MIRROR_Y, len(partner)).astype(float), (rows, columns)))
     same = all(
-        abs(image @ A @ image.T - A).max() <= SAME_VALUE * abs(A).max() for A in (model.K, model.M)
+        abs(image @ A @ image.T - A).max() <= SAME_VALUE * abs(A).max() for A in (model.K, model.M, *others)
     )
     return image if same and np.isin(columns[model.free], model.free).all() else None
 
 
-def symmetric_basis(model: FrameModel):
+def symmetric_basis(model: FrameModel, *others):
     """Orthonormal basis of the displacements that are their own mirror image, sparse (6n, nb).
 
-    Waves along x load a symmetric platform only through these. None if the frame is not symmetric.
+    Waves along x load a symmetric platform only through these. None if the frame is not symmetric, see mirror.
     """
-    image = mirror(model)
+    image = mirror(model, *others)
     if image is None:
         return None
     here = model.free

@@ -9,6 +9,8 @@ from solver.errors import InputError
 from solver.structure import beam
 from solver.structure.frame import FrameModel, sparse_sum
 
+EXACT = 4  # stations for the product of two cubics (order 6), however deep the water reaches into an element
+
 
 def wetted_span(model: FrameModel):
     """Part (s0, s1) of each element below z = 0, (ne, 2); s0 = s1 for a dry one."""
@@ -84,17 +86,23 @@ def _shapes(model, element, s):
 
 @lru_cache(maxsize=8)
 def added_mass(model: FrameModel, density):
-    """Consistent added mass, sparse (6n, 6n): ∫ (C_M - 1) ρπD²/4 Nᵀ(I - ttᵀ)N dx, wetted part.
+    """Consistent added mass, sparse (6n, 6n): ∫ (C_M - 1) ρπD²/4 Nᵀ(I - ttᵀ)N dx, wetted part."""
+    at = stations(model, EXACT)
+    return _normal(model, (at.inertia - 1) * density * np.pi * at.diameter**2 / 4)
 
-    Normal to the member only. Four points are exact for the product of two cubics (order 6),
-    however deep the water reaches into an element.
-    """
-    at = stations(model, 4)
-    per_length = (at.inertia - 1) * density * np.pi * at.diameter**2 / 4
+
+@lru_cache(maxsize=8)
+def drag(model: FrameModel):
+    """What drag is proportional to, spread as added mass is, sparse (6n, 6n): ∫ C_D D Nᵀ(I - ttᵀ)N dx, wetted part."""
+    at = stations(model, EXACT)
+    return _normal(model, at.drag * at.diameter)
+
+
+def _normal(model: FrameModel, per_length):
+    """∫ c Nᵀ(I - ttᵀ)N dx of c (ns,) at the EXACT stations: normal to the member only."""
+    at = stations(model, EXACT)
     normal = np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
-    matrices = (per_length * at.weight)[:, None, None] * (
-        at.shape.transpose(0, 2, 1) @ normal @ at.shape
-    )
+    matrices = (per_length * at.weight)[:, None, None] * (at.shape.transpose(0, 2, 1) @ normal @ at.shape)
     return sparse_sum(matrices, at.dofs, at.dofs, model.K.shape)
 
 

@@ -62,7 +62,7 @@ def test_tangent_of_nonlinear_pressure_is_the_linear_stiffness(name):
 
 @pytest.mark.parametrize("name", ["duck", "soft_mooring", "flap", "oblique"])
 def test_mesh_effect_is_what_the_march_shows(name):
-    """Linear floats, with the coefficients and with those off by their estimated error: statistics change by as much."""
+    """Linear floats, with coefficients and with those off by their estimated error: statistics change by as much."""
     scene, h = SCENES[name]()
     linear = replace(
         scene, settings=replace(scene.settings, froude_krylov="linear", memory_tolerance=1e-3, duration=600.0)

@@ -7,9 +7,13 @@ import pytest
 from pytest import approx
 
 from solver.coupled.march import State
+from solver.coupled.support import dynamic_model
 from solver.coupled.system import BLOCK_STEPS, blocks, prepare
 from solver.errors import InputError, SimulationFailed
 from solver.run import simulate
+from solver.scene import Scene
+from solver.structure.modes import modes_in, symmetric_basis
+from solver.structure.water import added_mass
 from studies.validation.response import frequency_domain
 from tests.awkward import SCENES
 
@@ -67,6 +71,41 @@ def test_few_modes_and_static_shapes_do_for_all(buan, coefficients):
     for name in ("rotation", "top_displacement", "bottom_stress", "displacement_envelope"):
         # 1e-3 of the largest value: what the defaults promise.
         assert few[name][1] == approx(every[name][1], abs=1e-3 * np.abs(every[name][1]).max())
+
+
+def test_damping_ratio_is_that_of_the_modes_in_water(buan):
+    """Let go in a mode in still water, without drag: p = e^(-ζωt) (cos ω't + ζω/ω' sin ω't), ω with added mass."""
+    still = [replace(m, drag_coefficient=0.0) for m in buan.frame().members]
+    platform = buan.platform(frame=replace(buan.frame(), members=tuple(still)), damping_ratio=0.05)
+    calm = replace(buan.sea(), amplitude=np.zeros(130, complex))
+    system = prepare(buan.scene("elastic-no-floats", platform=platform, sea=calm), None)
+    model = dynamic_model(platform, buan.water)[0]
+    masses = model.M, model.M + added_mass(model, buan.water.density)
+    dry, omega = (modes_in(symmetric_basis(model), model.K, M, 1).omega[0] for M in masses)
+    state = system.start()
+    state.p[0], state.ddp[0] = 1.0, -(omega**2)
+    p = np.concatenate([out.p[:, 0] for _, out, _ in blocks(system, state, 300)])
+    t, swift = 0.1 * (1 + np.arange(len(p))), omega * np.sqrt(1 - 0.05**2)
+    exact = np.exp(-0.05 * omega * t) * (np.cos(swift * t) + 0.05 * omega / swift * np.sin(swift * t))
+    assert p == approx(exact, abs=1e-4) and dry > 1.03 * omega
+
+
+def test_half_a_platform_moves_as_the_whole(buan, monkeypatch):
+    """Drag alone: legs off the plane of symmetry count twice, or each of the two by itself; a leg in it counts once."""
+    frame = buan.frame()
+    legs = [replace(m, inertia_coefficient=1.0, drag_coefficient=5.0 * m.in_water) for m in frame.members]
+    legs.append(replace(legs[0], name="middle", start="foot", end="hinge:front"))
+    nodes, clamped = {**frame.nodes, "foot": (-1.5, 0.0, -50.0)}, (*frame.clamped, "foot")
+    whole = replace(frame, nodes=nodes, members=tuple(legs), clamped=clamped)
+    platform = buan.platform(frame=whole, wave_inertia="relative")  # none of it with C_M = 1
+    scene = buan.scene("elastic-no-floats", platform=platform, modes="all", newton_tolerance=1e-10)
+    reduced, moved = prepare(scene, None).support, history(scene, None, 40.0)[1]
+    monkeypatch.setattr(Scene, "planar", False)
+    whole, free = prepare(scene, None).support, history(scene, None, 40.0)[1]
+    assert 3 * whole.drag.size == 5 * reduced.drag.size
+    half, both = (s.legs.response(p, s.legs.nothing())[0] for s, p in ((reduced, moved), (whole, free)))
+    assert np.ptp(half[..., 0]) > 0.03  # [m]
+    assert both == approx(half, abs=1e-8)
 
 
 def test_mirrored_sea_gives_the_mirrored_answer(buan, coefficients):

@@ -1,11 +1,14 @@
 """Wave loads on an elastic support: Morison on a pile in closed form, and the reduced basis."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pytest import approx
 
 from solver.coupled import support
 from solver.coupled.march import AA, A, Structure, _drag, flexibility
+from solver.errors import InputError
 from solver.scene import Platform, Water
 from solver.sea.field import WaveField
 from solver.sea.realization import Realization
@@ -51,6 +54,13 @@ def test_published_pile(waves):
     phase = np.linspace(0, 2 * np.pi, 20_001)
     moment = drag * np.abs(np.cos(phase)) * np.cos(phase) + mass * np.sin(phase)
     assert moment.max() == approx(2.18588e7, rel=1e-5)
+
+
+def test_drag_of_the_reduced_platform_is_the_published_piles(waves):
+    """At the crest, on a platform that does not move, from the coefficients and velocities that the march is given."""
+    s = reduced(waves)
+    u = s.station_rows[:, 0, 0].real
+    assert s.drag @ (np.abs(u) * u) == approx(205_475, rel=1e-5)
 
 
 def test_printed_morison_has_half_the_inertia_load(waves):
@@ -103,3 +113,16 @@ def test_flexibility_inverts_the_stage_equations():
     D = np.eye(2) + 2 * zeta * omega * dt * A + (omega * dt) ** 2 * AA
     assert inverse[0] @ D == approx(np.eye(2), abs=1e-14)
     assert H[:, 0, :, 0] == approx(inverse[0])
+
+
+@pytest.mark.parametrize("odd", [{"drag_coefficient": 0.7}, {"inertia_coefficient": 1.6}])
+def test_half_a_platform_stands_for_its_mirror_image_only(buan, odd):
+    """One leg of other water coefficients: structure and masses are symmetric, loads are not."""
+    frame = buan.frame()
+    first, *others = frame.members
+    uneven = buan.platform(frame=replace(frame, members=(replace(first, **odd), *others)))
+    field = WaveField(buan.sea(), 50.0, 9.81)
+    options = {"modes": 2, "stations": 2}
+    with pytest.raises(InputError, match="symmetric frame, its coefficients of drag and inertia included"):
+        support.prepare(uneven, field, buan.water, [], planar=True, **options)
+    assert support.prepare(uneven, field, buan.water, [], planar=False, **options).drag.size

@@ -1,11 +1,13 @@
 """The augmented formulation: derivatives, published mechanisms, energy, drift and order of accuracy."""
 
+import itertools
+
 import numpy as np
 import pytest
 from pytest import approx
 from scipy.integrate import solve_ivp
 
-from solver.errors import InputError
+from solver.errors import InputError, StepTooLong
 from solver.multibody.chain import PRISMATIC, REVOLUTE, Chain, kinematics
 from solver.reference.augmented import Body, mechanism, rotation_of, spin
 from solver.reference.joints import GROUND, Ball, Frames, Guide, Hinge, constraints, equations, row_count
@@ -68,6 +70,37 @@ def test_four_bar_passes_its_singular_positions():
     assert tip(run)[-1] == approx([*FOUR_BAR, 0], abs=1e-5)  # fourth order: 1e-7 at half the step
     E = energy(bodies, run, DOWN)
     assert np.ptp(E) < 1e-4 * 9.81
+
+
+def test_what_does_not_settle_is_an_outcome():
+    """A load that is another one whenever asked for moves the stages by dt² ΔF/m for ever: taken on request alone."""
+    body, sizes = (Body(mass=2.0, inertia=(0.1, 0.2, 0.3), position=(0, 0, 0)),), itertools.cycle([1e-3, -1e-3, 0.0])
+
+    def load(t, _frames):
+        return np.array([[next(sizes) if t > 0 else 0.0, 0, 0, 0, 0, 0]])
+
+    with pytest.raises(StepTooLong, match=r"does not settle in 60 iterations at t = 0\.050 s, last change .\..e-06"):
+        simulate_mechanism(body, (), load, 0.2, 0.05)
+    assert len(simulate_mechanism(body, (), load, 0.2, 0.05, stuck=1e-5).time) == 9
+
+
+def test_what_is_not_finite_is_an_outcome():
+    """A load that becomes NaN after half a second: no sample is NaN, the run ends then and says so."""
+    body = (Body(mass=2.0, inertia=(0.1, 0.2, 0.3), position=(0.5, 0, 0)),)
+    joint = (Hinge(first=GROUND, second=0, point=(0, 0, 0)),)
+    for start, when in ((0.5, r"0\.[56]\d\d"), (0.0, r"0\.000")):
+        load = {True: np.zeros((1, 6)), False: np.full((1, 6), np.nan)}
+        with pytest.raises(StepTooLong, match=rf"is not finite at t = {when} s, .*: reduce time_step = 0\.05 s"):
+            simulate_mechanism(body, joint, lambda t, _, start=start, load=load: load[t < start], 1.0, 0.05)
+
+
+@pytest.mark.parametrize("damping", [1e5, 1e12])
+def test_a_damper_too_stiff_for_the_step_is_an_outcome(damping):
+    """Iterated, its change grows by about c dt/I each time: told long before it is too large for a number."""
+    body = (Body(mass=2.0, inertia=(0.1, 0.2, 0.3), position=(0.5, 0, 0)),)
+    joint = (Hinge(first=GROUND, second=0, point=(0, 0, 0)),)
+    with pytest.raises(StepTooLong, match=r"runs away at t = 0\.050 s, last change .*: reduce time_step = 0\.05 s"):
+        simulate_mechanism(body, joint, lambda _, f: -damping * f.velocity[:1] * [0, 0, 0, 0, 1, 0], 1.0, 0.05)
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 
 from solver.coupled.system import prepare
-from solver.errors import InputError
+from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem.bem import solve
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.memory import RadiationMemory
@@ -230,6 +230,15 @@ def test_each_path_alone(path):
     settings = Settings(**path).paths
     assert settings.formulation == "augmented" and settings.modes == 6
     assert all(getattr(settings, name) == value for name, value in path.items())
+
+
+@pytest.mark.parametrize("elastic", [False, True])
+def test_a_damper_too_stiff_for_its_iterations_is_an_outcome(coefficients, elastic):
+    """Damping that would stop the arm within 1e-5 s: not that soon, and said with time, quantity and advice."""
+    item = scene(elastic=elastic, items=floats(pto_damping=1e9), duration=0.5, ramp=0.0, formulation="augmented")
+    told = r"runs away at t = 0\.0\d* s, last change .* m or rad: reduce time_step = 0\.0125 s.* \(second attempt"
+    with pytest.raises(SimulationFailed, match=told):
+        simulate(item, coefficients)
 
 
 def test_what_it_cannot_do_is_named():

@@ -58,6 +58,14 @@ def test_seed_gives_the_same_sea_and_another_seed_another():
     assert not np.array_equal(buan(3).amplitude, buan(4).amplitude)
 
 
+@pytest.mark.parametrize("intervals", ["random", "even"])
+def test_heading_turns_the_same_waves(intervals):
+    """The same sea at the origin: seeds say what it is, not where it goes."""
+    along, across = (buan(3, heading=heading, intervals=intervals) for heading in (0.0, 0.7))
+    assert np.array_equal(along.omega, across.omega) and np.array_equal(along.amplitude, across.amplitude)
+    assert across.heading == 0.7
+
+
 def test_even_intervals_repeat_and_random_ones_do_not():
     even, uneven = buan(intervals="even"), buan()
     assert even.repeat_period == approx(303, abs=1)

@@ -36,6 +36,14 @@ def test_jonswap_is_pierson_moskowitz_at_gamma_one_and_gamma_times_it_at_the_pea
     assert ratio[0] == approx(gamma * goda, rel=0.01)
 
 
+def test_jonswap_is_narrower_below_its_peak_than_above():
+    """One σ from the peak, 0.07 below and 0.09 above, γ^r has fallen from γ to γ^(e^-½)."""
+    wp, gamma = 2 * np.pi / 7, 3.3
+    omega = wp * np.array([0.93, 1.0, 1.09])
+    enhanced = Jonswap(Hs=2.0, Tp=7.0, gamma=gamma).density(omega) / PiersonMoskowitz(Hs=2.0, Tp=7.0).density(omega)
+    assert enhanced / enhanced[1] == approx([gamma ** (np.exp(-0.5) - 1), 1.0, gamma ** (np.exp(-0.5) - 1)], rel=1e-12)
+
+
 def test_a_tabulated_spectrum_is_the_one_it_was_made_from():
     omega = np.linspace(0.3, 4, 2000)
     known = PiersonMoskowitz(Hs=2.0, Tp=7.0)

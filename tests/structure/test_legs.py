@@ -1,19 +1,25 @@
 """What is put out along the legs, against displacements and section forces of the frame itself."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from pytest import approx
 
 from solver.coupled import support
+from solver.errors import InputError
 from solver.sea.field import WaveField
 from solver.statistics import Statistics
 from solver.structure import recovery, statics, water
 from solver.structure.legs import BENDING, at_nodes
 
+LEGS = ["leg1", "leg2", "leg3", "leg4"]
 
-def prepared(buan, planar=True):
+
+def prepared(buan, planar=True, **changes):
     return support.prepare(
-        buan.platform(), WaveField(buan.sea(), 50.0, 9.81), buan.water, ["hinge:front", "hinge:rear"],
-        planar=planar, modes=6, stations=2,
+        replace(buan.platform(), **changes), WaveField(buan.sea(), 50.0, 9.81), buan.water,
+        ["hinge:front", "hinge:rear"], planar=planar, modes=6, stations=2,
     )  # fmt: skip
 
 
@@ -23,9 +29,32 @@ def test_planar_scenes_compute_two_of_four_legs(buan):
     assert prepared(buan, planar=False).legs.twin.tolist() == [0, 1, 2, 3]
 
 
-def test_tops_feet_and_envelopes_are_those_of_the_whole_frame(buan):
-    """Fibre stress N/A - c/I (My² + Mz²)^½ of static and moving section forces, sample by sample."""
-    s, platform = prepared(buan), buan.platform()
+def even(frame):
+    return frame
+
+
+def uneven(frame):
+    """The rear legs stand 20 m higher."""
+    return replace(frame, nodes={**frame.nodes, "foot3": (1.5, 1.2, -30.0), "foot4": (1.5, -1.2, -30.0)})
+
+
+def downward(frame):
+    """They also have fewer elements, and run from the top down."""
+    rear = {m.name: replace(m, start=m.end, end=m.start, elements=2) for m in frame.members if m.name in LEGS[2:]}
+    return replace(uneven(frame), members=tuple(rear.get(m.name, m) for m in frame.members))
+
+
+def laden(frame):
+    """A static load over one leg only, which moves nothing."""
+    first, *others = frame.loads
+    return replace(frame, loads=(replace(first, force=(0.0, 0.0, -1e6)), *others))
+
+
+@pytest.mark.parametrize("make", [even, uneven, downward, laden])
+def test_tops_feet_and_envelopes_are_those_of_the_whole_frame(buan, make):
+    """Fibre stress N/A - c/I (My² + Mz²)^½ of static and moving section forces, sample by sample, node by node."""
+    frame = make(buan.frame())
+    s, platform = prepared(buan, frame=frame), buan.platform(frame=frame)
     model, at_rest, _ = support.dynamic_model(platform, buan.water)
     p = np.random.default_rng(0).normal(size=(7, s.omega.size)) * 100.0
     largest = s.legs.nothing()
@@ -41,13 +70,23 @@ def test_tops_feet_and_envelopes_are_those_of_the_whole_frame(buan):
     A, Iy, _, c = np.moveaxis(recovery.section_properties(model).reshape(-1, 2, 4), -1, 0)
     sigma = force[..., 0] / A - c / Iy * np.hypot(force[..., 1], force[..., 2])  # tubes: Iy = Iz
     for leg, name in enumerate(platform.legs):
-        nodes, elements = model.member_nodes[name], model.member_elements[name]
+        nodes, found = model.member_nodes[name], sigma[:, model.member_elements[name]]
+        if model.xyz[nodes[0], 2] > model.xyz[nodes[-1], 2]:
+            nodes, found = nodes[::-1], found[:, ::-1, ::-1]
         u = moved.reshape(len(p), -1, 6)[:, nodes, :3]
         assert tops[:, leg] == approx(u[:, -1], rel=1e-9, abs=1e-9 * np.abs(u).max())
-        assert feet[:, leg] == approx(sigma[:, elements[0], 0], rel=1e-9)
-        assert displacement[leg] ** 2 == approx(highest(np.sum(u**2, axis=2)), rel=1e-9)
-        ends = np.abs(sigma[:, elements])
-        assert stress[leg] == approx(at_nodes(highest(ends.reshape(len(p), -1)).reshape(ends.shape[1:])), rel=1e-9)
+        assert feet[:, leg] == approx(found[:, 0, 0], rel=1e-9)
+        here = ~np.isnan(displacement[leg])
+        assert s.legs.height[here] == approx(model.xyz[nodes, 2] - model.xyz[nodes[0], 2], abs=1e-9)
+        assert displacement[leg, here] ** 2 == approx(highest(np.sum(u**2, axis=2)), rel=1e-9)
+        assert displacement[leg, 0] == 0 < displacement[leg, here][-1]  # clamped at the foot
+        most = at_nodes(highest(np.abs(found).reshape(len(p), -1)).reshape(found.shape[1:]))
+        assert stress[leg, here] == approx(most, rel=1e-9) and np.isnan(stress[leg, ~here]).all()
+
+
+def test_a_leg_that_does_not_rise_is_refused(buan):
+    with pytest.raises(InputError, match=r"platform\.legs = top1 top3: must rise"):
+        prepared(buan, legs=("leg1", "top1 top3"))
 
 
 def highest(samples):

@@ -5,7 +5,6 @@ shares one factorization, and parts that a symmetry makes zero are never solved.
 """
 
 from dataclasses import dataclass
-from functools import cache
 from types import MappingProxyType
 
 import numpy as np
@@ -13,6 +12,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
+from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.mean_hull import froude_krylov, hydrostatic_stiffness, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.mesh import Hull
@@ -21,7 +21,7 @@ from solver.sea.dispersion import wavenumber
 
 __all__ = ["DOFS", "PLANAR", "Hydrodynamics", "check", "frequency_grid", "solve"]
 
-DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see _Sea.seabed
+DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see _Sea.seabed_share
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
 HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it and halved
 METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
@@ -110,6 +110,7 @@ def solve(
                 "panels_coarse": solutions[-1][-1],
                 "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
                 "green_function": "Delhommeau",
+                "seabed_error": sea.left_out(omega, max(h.largest_radius for h in hulls)),
             }
         ),
         error=MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2]),
@@ -127,12 +128,22 @@ class _Sea:
         return float(wavenumber(omega, self.depth, self.gravity))
 
     def seabed(self, k: float, radius: float) -> float:
-        """Depth to solve with: infinite, with a five times faster table, where the seabed does not matter.
+        """Depth to solve with: infinite, with a table four times faster, where the seabed does not matter."""
+        return np.inf if self.seabed_share(k, radius) < DEEP else self.depth
 
-        Its waves fade as exp(-2kh), its images only as (a/h) (kh)^-2.5, measured on two hemispheres.
+    def seabed_share(self, k: float, radius: float) -> float:
+        """What the seabed changes of a coefficient, relatively: (a/h) (kh)^-2.5 + 0.7 (a/h)³.
+
+        Its waves fade as exp(-2kh), its images do not: both terms are measured, on hemispheres; the second is
+        that of a heaving one's added mass at infinite frequency.
         """
-        kh = k * self.depth
-        return np.inf if radius / self.depth * kh**-2.5 < DEEP else self.depth
+        slender = radius / self.depth
+        return float(slender * (k * self.depth) ** -2.5 + 0.7 * slender**3)
+
+    def left_out(self, omega: np.ndarray, radius: float) -> float:
+        """The largest such share where it is left out."""
+        shares = [self.seabed_share(k, radius) for k in (*map(self.wavenumber, omega), np.inf)]
+        return max([share for share in shares if share < DEEP], default=0.0)
 
     def wave(self, points: np.ndarray, omega: float) -> tuple[np.ndarray, np.ndarray]:
         """Pressure (np,) [Pa/m] and velocity (np, 3) [1/s] of the unit incident wave."""
@@ -171,7 +182,7 @@ class _Mesh:
                 pieces.append((vertices + at, faces))
                 body.append(np.full(len(faces), b))
                 wet.append(np.full(len(faces), make is meshes.panels))
-        part, whole = _join(pieces), _join([meshes.mirrored(p, m) for m in mirrors for p in pieces])
+        part, whole = joined(pieces), joined([meshes.mirrored(p, m) for m in mirrors for p in pieces])
         wet, body = np.concatenate(wet), np.concatenate(body)
         bodies = np.concatenate([meshes.partner(centres - origin, m)[body] for m in mirrors])
         motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
@@ -191,7 +202,7 @@ class _Mesh:
         its share of the motion, mean of χ(g) v_g over the images g, drives D = sum of χ(g) D_g.
         """
         ng, nf, nc = normal_velocity.shape
-        single, double = _green_function().evaluate(
+        single, double = green_function().evaluate(
             self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
         )
         single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
@@ -211,7 +222,7 @@ def _coefficients(hulls, centres, dofs, sea: _Sea, omega: np.ndarray, count: int
     bare = _Mesh.build(hulls, centres, dofs, count, refine, lids=False)  # no irregular frequency at infinity
     mesh = _Mesh.build(hulls, centres, dofs, count, refine, lids=True)
     n, largest = mesh.motions.shape[-1], max(h.largest_radius for h in hulls)
-    infinite = sea.density * bare.solve(bare.motions, np.inf, sea.seabed(np.inf, 1.0)).real
+    infinite = sea.density * bare.solve(bare.motions, np.inf, sea.seabed(np.inf, largest)).real
     impedance, diffraction = np.empty((len(omega), n, n), complex), np.empty((len(omega), n), complex)
     for i, w in enumerate(omega):
         sources = np.concatenate([mesh.motions, mesh.scattered(sea, w)], axis=2)
@@ -255,31 +266,6 @@ def _extrapolated(solutions, divisions, edged: bool):
 def _limits(pair, divisions):
     fine, coarse = (n**2 for n in divisions)
     return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-1] for s in pair), strict=True)]
-
-
-@cache
-def _capytaine():
-    import capytaine
-
-    capytaine.set_logging("ERROR")  # panels of a sphere are not plane: nothing to warn of
-    return capytaine
-
-
-@cache
-def _delhommeau():
-    return _capytaine().Delhommeau()
-
-
-def _green_function():
-    # Capytaine draws the points of its finite-depth fit at random: the same numbers for each fit, on every machine.
-    _capytaine().tools.prony_decomposition.RNG = np.random.default_rng(0)
-    return _delhommeau()
-
-
-def _join(pieces):
-    vertices, faces = meshes.merged(pieces)
-    # Cleaning would take panels away that we count on; nor is there anything to clean.
-    return _capytaine().Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
 
 
 def check(hulls, centres, depth, omega, gravity, panels) -> None:

@@ -93,3 +93,8 @@ class Hydrodynamics:
         k = wavenumber(omega, self.depth, self.gravity)
         along = self.centres[:, 0] * np.cos(self.heading) + self.centres[:, 1] * np.sin(self.heading)
         return np.exp(1j * k[:, None] * np.repeat(along, len(self.dofs)))
+
+
+def seabed_error(h: Hydrodynamics | None) -> float:
+    """Share of a coefficient that the seabed has at most where the boundary elements left it out."""
+    return float(h.settings.get("seabed_error", 0.0)) if h is not None else 0.0

@@ -137,9 +137,22 @@ def test_an_axis_of_numbers_has_its_own_figure(results):
 
 
 def test_envelopes_average_what_is_there(results):
-    rows = envelopes.profile(results, "stress_envelope", "elastic", [1])
+    heights, rows = envelopes.profile(results, "stress_envelope", "elastic", [1])
     expected = results.data.stress_envelope.sel(sea_state="rough", platform="elastic", seed=0, leg=1)
+    np.testing.assert_array_equal(heights, HEIGHTS)
     np.testing.assert_array_equal(rows, expected.values[:, None])
+
+
+def test_a_leg_is_drawn_at_its_own_heights(results):
+    """Another leg has its nodes at other heights, and no numbers at these."""
+    other = results.data[["stress_envelope"]].assign_coords(leg=[2], height=[0.0, 16.3, 32.6])
+    both = xr.merge([results.data, other], join="outer", compat="no_conflicts")
+    uneven = figures.Results(study=results.study, data=both)
+    assert both.height.size == 5
+    for leg, own in ((1, HEIGHTS), (2, [0.0, 16.3, 32.6])):
+        heights, rows = envelopes.profile(uneven, "stress_envelope", "elastic", [leg])
+        assert heights.tolist() == list(own) and np.isfinite(rows).all() and rows.shape == (3, 1)
+    assert "Envelopes along the legs" in titles(uneven)
 
 
 def test_dots_stand_at_the_numbers(results):
@@ -170,6 +183,15 @@ def test_legs_are_grouped_from_the_weather_side(study_of, buan_tables):
     data = xr.Dataset(coords={"leg": [1, 2, 3, 4]})
     buan = figures.Results(study=study_of(buan_tables), data=data)
     assert envelopes.leg_groups(buan) == {"front legs": [1, 2], "rear legs": [3, 4]}
+
+
+def test_legs_of_unlike_height_are_not_averaged(study_of, buan_tables):
+    """Feet of the second and fourth leg 20 m higher: at each x a long and a short one."""
+    for foot in ("foot2", "foot4"):
+        buan_tables["platform"]["nodes"][foot][2] += 20.0
+    buan = figures.Results(study=study_of(buan_tables), data=xr.Dataset(coords={"leg": [1, 2, 3, 4]}))
+    assert list(envelopes.leg_groups(buan).values()) == [[2], [1], [4], [3]]
+    assert next(iter(envelopes.leg_groups(buan))) == "legs at x = -1.5 m, 32.6 m high"
 
 
 def test_the_scene_is_to_scale(results):
