@@ -228,13 +228,12 @@ def memory(fit: RadiationMemory | None, dt: float, directions: int) -> Memory:
 
 def newton_stiffness(body: Bodies, scene: Scene, hydrodynamics: Hydrodynamics | None) -> np.ndarray:
     """Stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
-    nz = body.damping.size
+    K, nz = np.diag(body.spring), body.damping.size
     if hydrodynamics is None:
-        return np.zeros((nz, nz))
+        return K
     motion = new_motion(body)
     move(body, np.zeros(nz), np.zeros(nz), motion)
     linear, _ = _hydrostatics(scene, hydrodynamics)
-    K = np.diag(body.spring)
     for b in range(len(scene.floats)):
         n = body.axes[b]
         J, index = motion.jacobian[b, :, :n], body.coordinate[b, :n]

@@ -15,9 +15,7 @@ from solver.march import WORKS, energy
 from solver.record import Record, Recorder
 from solver.reference import simulate_reference
 from solver.scene import Scene
-from solver.system import blocks, energy_residual, prepare, unbalanced
-
-BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's work
+from solver.system import BALANCE, blocks, energy_residual, prepare, unbalanced
 
 # What the record says of how it was computed.
 KNOBS = (

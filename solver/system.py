@@ -33,7 +33,9 @@ from solver.sea.realization import ramp
 from solver.structure import support as platform
 
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
-LEAST = 1e-13  # of Newton's tolerances [m or rad], and of energies as a share of the weights': rounding
+LEAST = 1e-13  # of Newton's tolerances [m or rad]
+ROUNDING = 1e-12  # of the weights' energy and work: 2e-16 a step, in some 1e6 steps of either sign
+BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's work
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
 
@@ -61,15 +63,20 @@ class System:
 
     @property
     def least_energy(self) -> float:
-        """Of a motion of Newton's tolerance, and of rounding [J]: what is less is nothing to speak of."""
-        return float(self.newton_tolerance**2 * np.trace(self.stiffness) + LEAST * self.weights)
+        """What the balance is judged against where less is exchanged [J]: BALANCE of it is open in any case.
+
+        Newton's tolerance τ leaves open τ² Σ|Kᵢᵢ| (the signs: Newton's K lacks the weight, and may be negative
+        where the whole is not), and rounding a share of the weights' energy, which buoyancy's work cancels.
+        """
+        newton = self.newton_tolerance**2 * np.abs(np.diag(self.stiffness)).sum()
+        return float(newton + ROUNDING * self.weights) / BALANCE
 
     @property
     def weights(self) -> float:
-        """Of all floats on a metre and on their arms [N m]."""
+        """Of all floats on a metre, on their arms and on the way to their centres of gravity [N m]."""
         body = self.bodies
         hinge = body.point[:, :1].sum(axis=1)  # the first axis's; without floats there is none
-        lever = np.linalg.norm(body.reference - hinge, axis=1)
+        lever = np.linalg.norm(body.reference - hinge, axis=1) + np.linalg.norm(body.cog, axis=1)
         return float(body.gravity * np.sum(body.mass * (1 + lever)))
 
     def start(self) -> State:
