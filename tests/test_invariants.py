@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
@@ -20,8 +20,7 @@ from solver.system import blocks, prepare
 
 SHORT = {"duration": 30.0, "discard": 10.0, "ramp": 10.0}
 EXAMPLES = int(os.environ.get("EXAMPLES", "8"))
-# Fixtures of the session are the same for every example.
-few = settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+few = settings(max_examples=EXAMPLES)
 
 # Seas that a float with this damping rides without being thrown over.
 seas = st.tuples(st.floats(0.05, 0.8), st.floats(4.5, 8.0), st.integers(0, 2**16))

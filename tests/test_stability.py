@@ -223,7 +223,7 @@ def test_interpreted_and_compiled_kernels_agree(coefficients, tmp_path):
     (tmp_path / "coefficients.nc").write_bytes(cache.encode(coefficients))
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.getcwd()}
     files = [str(tmp_path / name) for name in ("coefficients.nc", "interpreted.npz")]
-    subprocess.run([sys.executable, "tests/interpreted.py", *files], env=environment, check=True, timeout=120)
+    subprocess.run([sys.executable, "tests/interpreted.py", *files], env=environment, check=True, timeout=600)
     with np.load(files[1]) as interpreted:
         for name, compiled in motions(coefficients).items():
             largest = np.abs(compiled).max(initial=0.0)
