@@ -22,8 +22,11 @@ paper: $(READY)
 		echo $$study; $(VENV)/bin/study run $$study > /dev/null || test $$? -eq 1; done
 	$(VENV)/bin/python -m studies.paper
 
+# On both cores. As on other machines: make test ORDER=7 OPENBLAS_NUM_THREADS=2 OPENBLAS_CORETYPE=Haswell, with a random order
+# of the tests and random examples of that seed.
 test: $(READY)
-	$(VENV)/bin/python -m pytest -q -m "not slow"
+	$(VENV)/bin/python -m pytest -q -n 2 --dist worksteal -m "not slow" $(if $(ORDER),\
+		--shuffle $(ORDER) --hypothesis-profile random --hypothesis-seed $(ORDER))
 
 validate: $(READY)
 	$(VENV)/bin/python -m studies.validate
@@ -34,7 +37,7 @@ bench: $(READY)
 # Where the solver is stable and accurate and where it stops: some 380 scenes, then more random ones of each invariant.
 stress: $(READY)
 	$(VENV)/bin/python -m studies.stress
-	EXAMPLES=40 $(VENV)/bin/python -m pytest -q tests/test_invariants.py
+	EXAMPLES=40 $(VENV)/bin/python -m pytest -q tests/test_invariants.py --hypothesis-profile=random
 
 # The kernels without the compiler: unit tests, then short runs against compiled ones.
 test-python: $(READY)

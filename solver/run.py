@@ -9,7 +9,7 @@ import numpy as np
 from solver.balance import warnings
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.march import WORKS, energy
-from solver.coupled.system import blocks, energy_residual, prepare, unbalanced
+from solver.coupled.system import BALANCE, blocks, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
 from solver.limits import field_error
@@ -18,8 +18,6 @@ from solver.record.audit import Probe, audit
 from solver.record.recorder import Record, Recorder
 from solver.reference.run import simulate_reference
 from solver.scene import Scene, Settings
-
-BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's work
 
 # What the record says of how it was computed.
 KNOBS = (

@@ -1,10 +1,12 @@
 """The Buan scene of Heo, Koo and Kim (2022), as the tests of the coupled solver vary it."""
 
+import random
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -14,9 +16,29 @@ from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
 
+# How long an example takes is the machine's affair; what is found again is of use, other draws go by --hypothesis-seed.
+UNTIMED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("same", UNTIMED, derandomize=True)
+settings.register_profile("random", UNTIMED)
+settings.load_profile("same")
+
 HULL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
 WATER = Water(depth=50.0)
 DISPLACED = 1025 * 2 / 3 * np.pi  # of the hemisphere [kg]
+
+
+def pytest_addoption(parser):
+    parser.addoption("--shuffle", metavar="SEED", help="run files, and the tests within each, in a random order")
+
+
+def pytest_collection_modifyitems(config, items):
+    """No test may lean on another one: any order is as good, and fixtures of a file are still made once."""
+    if (seed := config.getoption("shuffle")) is not None:
+        dice, files = random.Random(seed), {}
+        for item in items:
+            files.setdefault(item.path, []).append(item)
+        mixed = dice.sample(list(files.values()), len(files))
+        items[:] = [item for own in mixed for item in dice.sample(own, len(own))]
 
 
 def frame(stiffer=1.0):

@@ -1,14 +1,13 @@
 """Streaming statistics against numpy on the whole record."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pytest import approx
 
 from solver.statistics import Statistics
 
 
-@settings(deadline=None)  # compilation
 @given(seed=st.integers(0, 1000), cuts=st.lists(st.integers(0, 200), max_size=5), offset=st.floats(-1e3, 1e3))
 def test_blocks_give_what_the_whole_gives(seed, cuts, offset):
     x = offset + np.random.default_rng(seed).normal(size=(200, 3))
@@ -39,7 +38,6 @@ def whole(x):
     return statistics.table().T
 
 
-@settings(deadline=None)
 @given(phase=st.floats(0, 2 * np.pi), offset=st.floats(-0.9, 0.9))
 def test_extremes_lie_between_samples(phase, offset):
     """Sixteen samples a period miss a crest by up to 2 %; the parabola through three by 3(ωh)⁴/128."""

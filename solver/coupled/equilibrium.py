@@ -37,9 +37,9 @@ def tangent(body: Bodies, z: np.ndarray) -> np.ndarray:
 
 
 def weights(body: Bodies) -> float:
-    """Of all floats on a metre and on their arms [N m]."""
+    """Of all floats on a metre, on their arms and on the way to their centres of gravity [N m]."""
     hinge = body.point[:, :1].sum(axis=1)  # the first axis's; without floats there is none
-    lever = np.linalg.norm(body.reference - hinge, axis=1)
+    lever = np.linalg.norm(body.reference - hinge, axis=1) + np.linalg.norm(body.cog, axis=1)
     return float(body.gravity * np.sum(body.mass * (1 + lever)))
 
 

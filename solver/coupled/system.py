@@ -35,7 +35,9 @@ from solver.sea.field import Factored, WaveField, WaveSeries, factored
 from solver.sea.realization import ramp
 
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
-LEAST = 1e-13  # of Newton's tolerances [m or rad], and of energies as a share of the weights': rounding
+LEAST = 1e-13  # of Newton's tolerances [m or rad]
+ROUNDING = 1e-12  # of the weights' energy and work: 2e-16 a step, in some 1e6 steps of either sign
+BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's work
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
 
@@ -79,8 +81,13 @@ class System:
 
     @property
     def least_energy(self) -> float:
-        """Of a motion of Newton's tolerance, and of rounding [J]: what is less is nothing to speak of."""
-        return float(self.newton_tolerance**2 * np.trace(self.stiffness) + LEAST * weights(self.bodies))
+        """What the balance is judged against where less is exchanged [J]: BALANCE of it is open in any case.
+
+        Newton's tolerance τ leaves open τ² Σ|Kᵢᵢ| (the signs: what rests on springs alone may be unstable beside),
+        and rounding a share of the weights' energy, which buoyancy's work cancels.
+        """
+        newton = self.newton_tolerance**2 * np.abs(np.diag(self.stiffness)).sum()
+        return float(newton + ROUNDING * weights(self.bodies)) / BALANCE
 
     def start(self) -> State:
         """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""

@@ -7,6 +7,7 @@ import pytest
 from pytest import approx
 
 from solver.balance import warnings
+from solver.coupled.system import BALANCE, prepare
 from solver.errors import InputError
 from solver.hydrodynamics.bem.bem import solve
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -15,6 +16,7 @@ from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import CALM, realize
 from solver.sea.spectrum import PiersonMoskowitz
 from tests.reference.test_reference import FINE, HULL, alike, apart, both, pile
+from tests.test_invariants import alone
 
 COLUMN = Revolution.vertical_cylinder(radius=3.0, draft=3.0, freeboard=2.0)
 WATER = Water(depth=50.0)
@@ -80,6 +82,66 @@ def test_still_water_leaves_it_at_rest_and_loads_on_board_are_balanced(coefficie
     assert warnings(scene()) == ()
     heavy = scene(base(), arm(mass=9000.0))
     assert any(text.startswith("floats.base is out of equilibrium") for text in warnings(heavy))
+
+
+STILL = {
+    "float on board": (base(), arm()),
+    "float in equilibrium elsewhere": (base(), arm(mass=4000.0)),
+    "centre of gravity beside the centre": (
+        replace(base(motion=("heave", "pitch"), stiffness=0.0), cog=(0.3, 0, -1)),
+        arm(),
+    ),
+}
+
+
+def shaken(h, size, seed):
+    """Coefficients whose last bits are others, as another processor would have them."""
+    random, own = np.random.default_rng(seed), ("added_mass", "added_mass_inf", "radiation_damping")
+    matrices = {name: getattr(h, name) for name in (*own, "hydrostatic_stiffness")}
+    return replace(h, **{name: x * (1 + size * random.normal(size=x.shape)) for name, x in matrices.items()})
+
+
+@pytest.mark.parametrize("settings", [{"duration": 60.0}, {"newton_tolerance": 1e-5, "time_step": 0.2}])
+@pytest.mark.parametrize("name", STILL)
+def test_rest_is_no_failure_whatever_the_last_bits(coefficients, name, settings):
+    """Where next to nothing is exchanged the balance is judged against what Newton's tolerance and rounding leave.
+
+    The drift is theirs too: where nothing holds the float an acceleration of 1e-12 g, for a minute.
+    """
+    for size in (0.0, 1e-15, 1e-14, 1e-13, 1e-12):
+        other = shaken(coefficients, size, seed=round(1e15 * size))
+        record = simulate(scene(*STILL[name], sea=CALM, **settings), other)
+        assert record.attrs["repeated"] == ""
+        assert np.nanmax(np.ptp(record.series["motion"][1], axis=0)) < 2e-8
+
+
+def test_rest_of_what_only_turns(coefficients):
+    """Of the hull's stiffness in pitch the weight's part is not in Newton's matrix, and the rest is negative."""
+    turning = base(motion=("pitch",), stiffness=0.0)
+    record = simulate(scene(turning, sea=CALM, newton_tolerance=1e-5, duration=20.0), alone(coefficients, 0))
+    assert record.attrs["repeated"] == "" and record.attrs["energy_residual"] < 1e-4
+
+
+def test_rest_of_what_nothing_holds_needs_no_coefficients():
+    free = base(motion=("surge", "sway", "heave", "roll", "pitch", "yaw"), stiffness=0.0)
+    record = simulate(scene(free, sea=CALM, radiation=False, diffraction=False, duration=200.0))
+    assert record.attrs["repeated"] == "" and record.attrs["energy_residual"] < 1e-4
+
+
+def test_rounding_of_the_stored_energy_is_never_an_open_balance(coefficients):
+    """A float deep in the water stores 1e5 times what a metre of its weight would: 1e-16 of it are many bits."""
+    for depth in (0.0, -1.0, -1e3):
+        deep = prepare(scene(replace(base(), cog=(0, 0, depth)), arm(), sea=CALM), coefficients)
+        stored = abs(deep.start().energy[0])
+        assert BALANCE * deep.least_energy > 100 * np.finfo(float).eps * stored
+
+
+def test_mooring_is_in_newtons_matrix_without_coefficients_too():
+    """A spring and a mass: fourth order leaves 1e-9 of the energy, where a frozen spring would be found out."""
+    item = scene(base(motion=("surge",), stiffness=2e5, offset=0.01), sea=CALM, radiation=False, diffraction=False)
+    coarse = replace(item, settings=replace(item.settings, newton_tolerance=1e-5, time_step=0.2, duration=200.0))
+    attrs = simulate(coarse).attrs
+    assert attrs["repeated"] == "" and attrs["energy_residual"] < 1e-6
 
 
 def test_what_cannot_be_carried_is_refused():

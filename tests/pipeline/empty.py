@@ -47,7 +47,7 @@ def compute(parameters, data):
     """Numbers that depend on the parameters alone, after EMPTY_SECONDS and with EMPTY_MEGABYTES.
 
     EMPTY_SLOW_SEED: only this realization takes them. EMPTY_COMPILED: it holds the interpreter meanwhile.
-    EMPTY_LOG: a file that gets a line for each call.
+    EMPTY_LOG: a file that gets a line for each call. EMPTY_GATE: a file without which no call ends.
     """
     if log := os.environ.get("EMPTY_LOG"):
         with open(log, "a") as file:
@@ -60,6 +60,8 @@ def compute(parameters, data):
         ctypes.PyDLL(None).sleep(int(pause))  # and nothing else runs in this process, as in a compiled kernel
     else:
         time.sleep(pause)
+    while (gate := given.get("EMPTY_GATE")) and not os.path.exists(gate):
+        time.sleep(0.01)
     rng = np.random.default_rng([*wave_seed(parameters), len(data)])
     variables = {"wave_elevation": (("statistic",), rng.normal(size=5) * space[:1].sum(initial=1.0))}
     coords = {"statistic": np.array(["max", "min", "mean", "rms", "std"])}

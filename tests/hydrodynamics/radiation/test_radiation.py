@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad_vec
 
@@ -39,6 +39,21 @@ def least_damping(memory):
     """The least eigenvalue of B at any frequency, as a share of the largest."""
     values = np.linalg.eigvalsh(memory.frequency(EVERYWHERE).real)
     return values.min() / values.max()
+
+
+def rounding(memory, omega):
+    """What is left of Y where its terms cancel (nw,): some bits of |r| |1/(s - β)|, each a norm over all poles.
+
+    Not of the terms' sum: residues with Y(0) = 0 are found to the last bit of the largest among them.
+    """
+    s = -1j * omega[:, None]
+    poles = np.concatenate([1 / (s - memory.beta), 1 / (s - memory.beta.conj())], axis=1)
+    return 16 * np.finfo(float).eps * np.linalg.norm(memory.residue) * np.linalg.norm(poles, axis=1)
+
+
+def is_passive(memory):
+    """No eigenvalue of B below zero at any frequency, but for rounding."""
+    return np.all(np.linalg.eigvalsh(memory.frequency(EVERYWHERE).real)[:, 0] > -rounding(memory, EVERYWHERE))
 
 
 def hulme():
@@ -79,8 +94,10 @@ def test_units_do_not_matter():
     assert big.impulse(t / 10) == pytest.approx(1e8 * small.impulse(t), abs=1e-6 * 1e8 * np.abs(small.impulse(t)).max())
 
 
-@settings(max_examples=8, deadline=None, derandomize=True)
+@settings(max_examples=8)
 @given(st.integers(0, 10_000), st.integers(1, 3), st.floats(0.0, 0.05))
+@example(0, 1, 1 / 64)  # terms that cancel at ω = 0 are far larger than B
+@example(7977, 3, 0.05)
 def test_the_fit_is_passive_even_if_the_data_are_not_quite(seed, n, spoil):
     # Sums of passive pairs, spoilt by a share that makes the damping negative somewhere, also near ω = 0.
     random = np.random.default_rng(seed)
@@ -91,12 +108,11 @@ def test_the_fit_is_passive_even_if_the_data_are_not_quite(seed, n, spoil):
     residue = (2 * beta / (beta - beta.conj()) * turned)[:, None, None] * weights
     data = RadiationMemory(beta=beta, residue=residue, added_mass_inf=np.eye(n), error=0.0)
     found = fit(OMEGA, *coefficients(data, OMEGA), data.added_mass_inf, 1e-2)
-    assert least_damping(found) > -1e-12  # rounding of a sum of terms that cancel
+    assert is_passive(found)
     assert np.all(found.beta.real < 0)
     assert found.residue == pytest.approx(np.swapaxes(found.residue, 1, 2))
-    # Zero up to rounding of the terms that cancel there: poles far out have large, nearly opposite residues.
-    terms = np.abs(found.residue / found.beta[:, None, None]).sum(axis=0).max()
-    assert np.abs(found.frequency(np.zeros(1))).max() < 1e-8 * terms
+    zero = np.zeros(1)
+    assert np.abs(found.frequency(zero)).max() < rounding(found, zero)[0]
 
 
 def test_enforcement_repairs_what_least_squares_leaves():
@@ -110,14 +126,14 @@ def test_enforcement_repairs_what_least_squares_leaves():
     constraint = Constraint(poles=poles, span=span, n=1)
     bound = enforce(*stacked, constraint)
 
-    def least(x):
+    def memory(x):
         r = complex_residues(poles, span @ x)[:, :, None]
-        return least_damping(RadiationMemory(beta=poles, residue=r, added_mass_inf=np.eye(1), error=0.0))
+        return RadiationMemory(beta=poles, residue=r, added_mass_inf=np.eye(1), error=0.0)
 
-    assert least(free) < -0.1
-    assert least(bound) > -1e-13
+    assert least_damping(memory(free)) < -0.1
+    assert is_passive(memory(bound))
     # Nothing nearer on the way back to the free solution is passive: the constraint is active.
-    assert least(bound + 0.01 * (free - bound)) < 0
+    assert not is_passive(memory(bound + 0.01 * (free - bound)))
 
 
 def test_passive_data_are_left_alone():
@@ -141,7 +157,7 @@ def test_hemisphere_heave_kernel():
     omega, A, B, infinite = hulme()
     memory = fit(omega, A, B, infinite, 1e-3)
     assert memory.error <= 1e-3 and len(memory.beta) <= 7
-    assert least_damping(memory) > -1e-13
+    assert is_passive(memory)
     # Seen through -iωA alone, next to fast poles: 1e-3 of Y at its peak.
     assert memory.added_mass_inf == pytest.approx(infinite, abs=1e-3)
     t = np.linspace(0, 10, 200)
@@ -158,7 +174,7 @@ def test_two_floats_to_a_thousandth(coefficients):
     for tolerance, poles in ((5e-3, 10), (1e-3, 15)):
         memory = fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance)
         assert memory.error <= tolerance and len(memory.beta) <= poles
-        assert least_damping(memory) > -1e-12
+        assert is_passive(memory)
         share = 1 / (1 + (h.omega / 3.4) ** 6)  # of a misfit that counts; the diagonal peaks near 3.4 rad/s
         y = h.radiation_damping - 1j * h.omega[:, None, None] * (h.added_mass - memory.added_mass_inf)
         misfit = share[:, None, None] * np.abs(memory.frequency(h.omega) - y)

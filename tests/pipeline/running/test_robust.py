@@ -21,7 +21,7 @@ from pipeline.tasks.task import expand
 def study(*words, cwd=None, **env):
     """The command line with the engine of empty tasks."""
     return subprocess.run(
-        kills.command(*words), env=kills.environment(**env), cwd=cwd, capture_output=True, text=True, timeout=120
+        kills.command(*words), env=kills.environment(**env), cwd=cwd, capture_output=True, text=True, timeout=600
     )
 
 
@@ -48,33 +48,37 @@ def test_killed_runs_lose_and_repeat_nothing(tmp_path):
     kills.storm(tmp_path, 2, tasks=60, seconds=0.05, longest=5.0, seed=1)
 
 
-def test_a_second_run_waits_and_says_so(small_study, results):
-    words = kills.command("run", small_study, "--results", results)
-    first = subprocess.Popen(words, env=kills.environment(EMPTY_SECONDS="0.5"), stdout=subprocess.DEVNULL)
+def test_a_second_run_waits_and_says_so(small_study, results, tmp_path):
+    gate = tmp_path / "gate"
+
+    def start(*words, **streams):
+        env = kills.environment(EMPTY_GATE=str(gate), PYTHONUNBUFFERED="1")
+        return subprocess.Popen(kills.command(*words, "--results", results), env=env, text=True, **streams)
+
+    first = start("run", small_study, stdout=subprocess.DEVNULL)
     while not (results / "empty" / ".lock.json").exists():
+        assert first.poll() is None
         time.sleep(0.05)
-    watch = kills.command("status", small_study, "--results", results, "--watch", "--every", "0.2")
-    watching = subprocess.Popen(watch, env=kills.environment(), stdout=subprocess.PIPE, text=True)
-    second = study("run", small_study, "--results", results)
-    told = watching.communicate(timeout=60)[0].splitlines()
-    assert watching.returncode == 0
-    assert f"in the hands of process {first.pid}" in told[0]
-    assert told[-1].startswith("12 tasks: 12 done")
-    assert first.wait() == 0
-    assert f"in use by process {first.pid}" in second.stderr
-    assert "nothing to run" in second.stdout
+    watching = start("status", small_study, "--watch", "--every", "0.2", stdout=subprocess.PIPE)
+    second = start("run", small_study, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert f"in the hands of process {first.pid}" in watching.stdout.readline()
+    assert f"in use by process {first.pid}" in second.stderr.readline()
+    gate.touch()
+    assert watching.communicate()[0].splitlines()[-1].startswith("12 tasks: 12 done")
+    assert watching.returncode == 0 and first.wait() == 0
+    assert "nothing to run" in second.communicate()[0]
 
 
 @pytest.mark.parametrize("compiled", ["", "1"])
 def test_a_task_that_hangs_is_stopped_and_the_others_go_on(tmp_path, results, compiled):
     """Compiled code holds the interpreter and cannot be spoken to; it is stopped and not tried again all the same."""
     path, log = empty.study(tmp_path, 4), tmp_path / "log"
-    hangs = {"EMPTY_SECONDS": "60", "EMPTY_SLOW_SEED": "2", "EMPTY_COMPILED": compiled, "EMPTY_LOG": str(log)}
-    done = study("run", path, "--results", results, "--timeout", "1.5", **hangs)
+    hangs = {"EMPTY_SECONDS": "600", "EMPTY_SLOW_SEED": "2", "EMPTY_COMPILED": compiled, "EMPTY_LOG": str(log)}
+    done = study("run", path, "--results", results, "--timeout", "4", **hangs)
     assert done.returncode == 1
     assert log.read_text().split().count("2") == 1
     assert "4 tasks: 3 done, 1 failed" in done.stdout
-    assert re.search(r"failed: \w+ seed=2: Lost: ran longer than --timeout = 1.5 s", done.stderr)
+    assert re.search(r"failed: \w+ seed=2: Lost: ran longer than --timeout = 4 s", done.stderr)
     assert study("rerun", path, "--failed", "--results", results).returncode == 0
 
 
