@@ -34,12 +34,15 @@ class Campaign:
     keep_going: bool = True
     say: Callable[[str], None] = print
 
-    def run(self, tasks: Tasks, watch: Watch) -> list[Task]:
-        """Run and keep all; the tasks that failed. `watch` hears of every outcome."""
+    def run(self, tasks: Tasks, watch: Watch, broken: Sequence[Geometry] = ()) -> list[Task]:
+        """Run and keep all; the tasks that failed. `watch` hears of every outcome.
+
+        broken: geometries whose coefficients are made again, whether or not a task needs them.
+        """
         tasks = tasks.unique
         failed: list[Task] = []
-        with schedule.pool(len(tasks), self.place, self.say) as pool:
-            for task, outcome in _Run(self, pool, watch).outcomes(tasks):
+        with schedule.pool(len(tasks) + len(broken), self.place, self.say) as pool:
+            for task, outcome in _Run(self, pool, watch).outcomes(tasks, broken):
                 if isinstance(outcome.result, Failure):
                     failed.append(task)
                     if not self.keep_going:
@@ -60,7 +63,7 @@ class Campaign:
             if isinstance(outcome.result, Failure):
                 kept.append((task, None, status | {"error": asdict(outcome.result)}))
             else:
-                kept.append((task, outcome.result, status | {"content": outcome.content}))
+                kept.append((task, outcome.result, status | {"content": outcome.content, "unmet": outcome.unmet}))
         self.store.keep(kept)
 
     def command(self, task: Task) -> str:
@@ -80,9 +83,9 @@ class _Run:
     out: int = 0  # batches that the pool has
     waiting: dict[Geometry, Tasks] = field(default_factory=dict)  # for their coefficients
 
-    def outcomes(self, tasks: Tasks) -> Iterator[tuple[Task, Outcome]]:
+    def outcomes(self, tasks: Tasks, broken: Sequence[Geometry]) -> Iterator[tuple[Task, Outcome]]:
         """Every task with what came of it, kept."""
-        self._start(tasks)
+        self._start(tasks, broken)
         self._offer()
         for key, results in self.pool.finished():
             arriving = self._arrived(key, results)
@@ -93,10 +96,11 @@ class _Run:
                     yield task, outcome
             self._offer()
 
-    def _start(self, tasks: Tasks) -> None:
+    def _start(self, tasks: Tasks, broken: Sequence[Geometry]) -> None:
         """Coefficients that are not known go first; tasks that need none of those are ready."""
-        cache = Cache(self.campaign.results)
-        for geometry, members in tasks.split(lambda task: task.geometry).items():
+        cache, none = Cache(self.campaign.results), tasks.where(lambda _: False)
+        groups = dict.fromkeys(broken, none) | tasks.split(lambda task: task.geometry)
+        for geometry, members in groups.items():
             if geometry is None:
                 self.batches.add(members, None)
             elif (data := cache.get(geometry.key)) is not None:
@@ -158,3 +162,10 @@ def _same_sources(outcome: Outcome) -> Outcome:
 def unfinished(tasks: Tasks, store: Store) -> Tasks:
     """What a run has to do."""
     return tasks.where(lambda task: store.look(task, checksums=True).state in UNFINISHED)
+
+
+def broken(tasks: Tasks, results: Path) -> list[Geometry]:
+    """The geometries whose coefficients are there and damaged; no task is made to find that there are none."""
+    damaged = Cache(results).damaged()
+    found = tasks.split(lambda task: task.geometry) if damaged else {}
+    return [geometry for geometry in found if geometry and geometry.key in damaged]

@@ -69,6 +69,7 @@ VARIABLES = {
     "wall_time": Meaning("s", "Time that the task took to compute"),
     "status": Meaning(None, "Outcome of the task: done, failed, missing, stale (older model) or damaged"),
     "task": Meaning(None, "Identity of the task"),
+    "unmet": Meaning(None, "What was asked of the task and not met, empty if all was"),
 }
 
 COORDINATES = {

@@ -38,7 +38,7 @@ def coefficients(geometry: tasks.Geometry) -> Hydrodynamics:
     if known is None:
         arguments = scenes.bem_arguments(plain)
         arguments |= {"omega": np.concatenate([LOWEST, arguments["omega"]]), "panels": PANELS}
-        known = cache.encode(bem.solve(**arguments))
+        known = cache.encode(bem.solve(**arguments), plain.key)
         COEFFICIENTS.put(plain.key, known)
     return cache.decode(known)
 

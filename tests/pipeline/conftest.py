@@ -10,7 +10,7 @@ import cloudpickle
 import numpy as np
 import pytest
 
-from pipeline import actions, run
+from pipeline import actions, cache, run
 from pipeline.schema import StudyFile
 from pipeline.study import Study, read
 from pipeline.tasks import wave_seed
@@ -75,6 +75,12 @@ def fake_coefficients(geometry):
     return f"coefficients of {geometry.key}".encode()
 
 
+def fake_check(data, key):
+    """These coefficients are no netCDF file."""
+    if data != f"coefficients of {key}".encode():
+        raise ValueError(key)
+
+
 def fake_compute(parameters, coefficients):
     """Numbers that depend on the parameters alone; seed 666 fails, seed 667 kills its process."""
     if parameters.seed == 666:
@@ -106,6 +112,7 @@ def engine(monkeypatch):
     """The engine without physics, also for the command line."""
     fake = run.Engine(coefficients=fake_coefficients, compute=fake_compute, check=lambda _: None, reduce=lambda _: None)
     monkeypatch.setattr(run, "Engine", lambda: fake)
+    monkeypatch.setattr(cache.Cache.__init__, "__defaults__", (fake_check,))
     monkeypatch.setattr(actions, "REPORTED", 0)  # figures take longer than all the rest
     return fake
 

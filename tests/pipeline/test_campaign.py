@@ -1,6 +1,7 @@
 """A study from end to end with an engine without physics."""
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from pipeline import actions, dataset
 from pipeline.campaign import Campaign, unfinished
 from pipeline.cli import app
 from pipeline.schedule import Place
-from pipeline.store import Store
+from pipeline.store import Store, remove
 from pipeline.study import load
 from pipeline.tasks import expand
 
@@ -34,7 +35,7 @@ def run(path, results, engine, **how):
 
 
 def contents(tasks, store):
-    return {task.id: store.look(task).status["content"] for task in tasks}
+    return {task.id: store.look(task).status.content for task in tasks}
 
 
 @pytest.fixture
@@ -61,9 +62,7 @@ def test_a_second_run_runs_nothing(small, tmp_path, engine):
     assert run(small, tmp_path / "r", engine, workers=1)[4] == []
 
 
-def test_coefficients_are_not_solved_again(small, tmp_path, engine, monkeypatch):
-    monkeypatch.setattr("pipeline.cache.decode", lambda data: data)
-    monkeypatch.setattr("pipeline.cache.Cache.__init__.__defaults__", (lambda data: data,))
+def test_coefficients_are_not_solved_again(small, tmp_path, engine):
     run(small, tmp_path / "r", engine, workers=1)
     small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 1, 2]"))
     heard = run(small, tmp_path / "r", engine, workers=1)[4]
@@ -87,7 +86,7 @@ def test_a_task_that_kills_its_worker_is_a_failure_and_the_others_go_on(small, t
     _, tasks, store, failed, _ = run(small, tmp_path / "r", engine, workers=2)
     assert [t.labels["seed"] for t in failed] == [667]
     assert [store.look(t).state for t in tasks] == ["done"] * 4 + ["failed"]
-    assert "every worker that had it died" in store.look(failed[0]).status["error"]["message"]
+    assert "every worker that had it died" in store.look(failed[0]).status.error.message
 
 
 def test_failed_tasks_are_recorded_and_the_others_go_on(small, cli):
@@ -171,6 +170,39 @@ def test_damaged_records_are_found_and_made_again(cli, tmp_path):
     assert "1 damaged" in cli("verify", code=1)
     assert "1 damaged" in cli("collect")
     assert "1 run now" in cli("run", "--workers", "1")
+    cli("verify")
+
+
+def test_copied_results_are_found_and_made_again(small, cli, tmp_path):
+    cli("run", "--workers", "1")
+    (one,) = (tmp_path / "r" / "hydrodynamics").glob("*.nc")
+    small.write_text(small.read_text().replace("depth = 50.0", "depth = 50.0\ndensity = 1000.0"))
+    cli("run", "--workers", "1")
+    other = one.with_name(f"{next(iter(load(small).tasks)).geometry.key}.nc")
+    right = other.read_bytes()
+    other.write_bytes(one.read_bytes())
+    assert f"damaged: {other}; `study run" in cli("verify", code=1)
+    assert "hydrodynamic coefficients" in cli("run", "--workers", "1")
+    assert other.read_bytes() == right
+    first, second, *_ = (tmp_path / "r" / "small" / "tasks" / task.id for task in load(small).tasks)
+    shutil.copytree(first, second, dirs_exist_ok=True)
+    assert f"damaged: {second.name}" in cli("verify", code=1)
+    assert "1 damaged" in cli("collect")
+    assert "1 run now" in cli("run", "--workers", "1")
+    cli("verify")
+
+
+def test_folders_where_files_should_be_stop_nothing(cli, tmp_path):
+    cli("run", "--workers", "1")
+    root, (bem,) = tmp_path / "r" / "small", (tmp_path / "r" / "hydrodynamics").glob("*.nc")
+    one, other, third = list((root / "tasks").iterdir())[:3]
+    found = [one / "record.nc", other / "status.json", third, root / "statistics.nc", root / ".lock", bem]
+    for path in [*found, root / ".lock.json", root / ".statistics.json"]:
+        remove(path)
+        (path / "inside").mkdir(parents=True)
+    assert "12 tasks: 9 done, 2 missing, 1 damaged" in cli("status", code=2)
+    assert "12 done; 3 run now" in cli("run", "--workers", "1")
+    assert all(path.is_file() for path in found if path != third)
     cli("verify")
 
 
@@ -318,3 +350,28 @@ def test_plan_tells_states_and_time_from_past_runs(small, cli):
     output = cli("plan")
     assert "12 tasks: 6 missing, 3 done, 3 failed" in output
     assert "about 0 s on 2 workers, from 3 tasks done" in output
+
+
+def test_what_was_asked_and_not_met_is_told(small, cli, engine, monkeypatch, tmp_path):
+    from dataclasses import replace
+
+    def short(parameters, coefficients):
+        record = engine.compute(parameters, coefficients)
+        missed = "tolerance 1e-3 asked, 2.1e-3 estimated" if parameters.platform and parameters.floats else ""
+        return replace(record, attrs={**record.attrs, "unmet": missed})
+
+    monkeypatch.setattr("pipeline.run.Engine", lambda: replace(engine, compute=short))
+    output = cli("run", "--workers", "1")
+    assert output.count(": tolerance 1e-3 asked, 2.1e-3 estimated") == 3  # the first of them
+    assert "and 1 more that did not meet what was asked" in output
+    told = "12 tasks: 12 done; 4 did not meet what was asked"
+    assert told in output
+    assert told in cli("status")
+    rows = json.loads(cli("status", "--json"))["tasks"]
+    assert [row["id"] for row in rows if row["unmet"]] == [
+        task.id for task in load(small).tasks if task.labels["platform"] == "elastic"
+    ]
+    assert "unmet: tolerance 1e-3 asked" in cli("show", "sea_state=calm,platform=elastic,seed=0")
+    with xr.open_dataset(tmp_path / "r" / "small" / "statistics.nc") as data:
+        assert (data.unmet.sel(platform="elastic") == "tolerance 1e-3 asked, 2.1e-3 estimated").all()
+        assert (data.unmet.sel(platform=["fixed", "elastic-no-floats"]) == "").all()
