@@ -129,11 +129,11 @@ class _Run:
             outcomes = [_outcome(results)] if isinstance(results, Lost) else results
             for task, outcome in zip(key.tasks, outcomes, strict=True):
                 self.batches.heard(outcome.wall_time)
-                yield task, _same_sources(outcome)
+                yield task, outcome
 
     def _geometry_arrived(self, geometry: Geometry, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
         """Keep coefficients and let their tasks go; without them, the tasks have failed too."""
-        outcome, tasks = _same_sources(outcome), self.waiting.pop(geometry)
+        tasks = self.waiting.pop(geometry)
         self.watch(geometry, outcome)
         if isinstance(outcome.result, Failure):
             yield from ((task, outcome) for task in tasks)
@@ -147,16 +147,6 @@ def _outcome(results: list[Outcome] | Lost) -> Outcome:
     if isinstance(results, Lost):
         return Outcome(result=Failure.of(results), provenance=environment.provenance())
     return results[0]
-
-
-def _same_sources(outcome: Outcome) -> Outcome:
-    """A worker with another solver computes another study: its results are refused."""
-    mine, theirs = environment.sources(), outcome.provenance["solver_sources"]
-    if theirs == mine:
-        return outcome
-    where = outcome.provenance["host"]
-    error = RuntimeError(f"the worker on {where} has solver sources {theirs}, this process {mine}: install the same")
-    return Outcome(result=Failure.of(error), provenance=outcome.provenance)
 
 
 def unfinished(tasks: Tasks, store: Store) -> Tasks:
