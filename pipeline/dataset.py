@@ -18,10 +18,10 @@ from pipeline.status import read_json
 from pipeline.store import Entry, Store, appearing, sha256, write_json
 from pipeline.study import Study
 from pipeline.tasks import MODEL_VERSION, Label, axes, dimensions
-from pipeline.variables import meaning
+from pipeline.variables import KNOBS, SLIDING, axis_units, meaning
 
 ALONG_MODE = "natural_frequency"
-SLIDING = {"surge", "sway", "heave"}
+LOWEST = 6  # modes: a table of the whole dataset has a row for every combination of labels, with all 708 too many
 SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
 LAYOUT = 3  # raise it when the dataset's form changes, so that it is written anew
@@ -73,9 +73,18 @@ def _fill(arrays: Arrays, cell: tuple[int, ...], entry: Entry) -> str:
         return "damaged"
     if sha256(data) != entry.status.sha256:
         return "damaged"
-    arrays.add(cell, decode(data))
+    arrays.add(cell, _lowest(decode(data)))
     arrays.put(cell, "wall_time", entry.status.wall_time)
     return entry.state
+
+
+def _lowest(record: Mapping[str, Variable]) -> dict[str, Variable]:
+    """A record with its lowest modes alone."""
+    kept = {"mode": slice(LOWEST)}
+    return {
+        name: v._replace(values=v.values[tuple(kept.get(dim, slice(None)) for dim in v.dims)])
+        for name, v in record.items()
+    }
 
 
 def _fingerprint(study: Study, store: Store) -> str:
@@ -101,17 +110,21 @@ def _dataset(
         arrays.sort(dim)
     outer = dimensions(study.content)
     keep = tuple(slice(None) if name in outer else 0 for name in table)
+    axes_met = list(arrays.labels.get("axis", ()))
     variables: dict[str, Variable] = {}
+    knobs: dict[str, float] = {}
     for name in sorted(arrays.values):
         values, own = arrays.whole(name), arrays.dims[name]
-        if name == ALONG_MODE and (single := _single(values, len(table))) is not None:
+        if name in KNOBS and (knob := _single(values[..., None], len(table))) is not None:
+            knobs[name] = float(knob[0])
+        elif name == ALONG_MODE and (single := _single(values, len(table))) is not None:
             variables[name] = Variable(own, single, meaning(name))
         else:
-            variables[name] = Variable((*outer, *own), values[keep], meaning(name))
+            variables[name] = Variable((*outer, *own), values[keep], meaning(name, axes_met))
     for name, texts in words.items():
-        variables[name] = Variable(tuple(outer), texts[keep], meaning(name))
+        variables[name] = Variable(tuple(outer), np.asarray(texts[keep]), meaning(name))
     coordinates = _coordinates(study, table, outer, arrays)
-    return coordinates | _with_coordinates(variables, coordinates), _attributes(study)
+    return coordinates | _with_coordinates(variables, coordinates), _attributes(study) | knobs
 
 
 def _single(values: np.ndarray, outer: int) -> np.ndarray | None:
@@ -145,6 +158,8 @@ def _coordinates(
         if dim in used:
             labels = np.array(list(arrays.labels[dim]))
             found[dim] = Variable((dim,), labels, meaning(dim))
+    if "axis" in used:
+        found["axis_unit"] = Variable(("axis",), np.array(axis_units(arrays.labels["axis"])), meaning("axis_unit"))
     return found
 
 

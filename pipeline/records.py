@@ -11,11 +11,12 @@ import numpy as np
 from pipeline import seas
 from pipeline.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.tasks import Parameters, wave_seed
-from pipeline.variables import RENAMED, SERIES, meaning
+from pipeline.variables import RENAMED, SERIES, axis_units, meaning
 
 # How long it took is no part of what came out: no two runs agree on it.
 TIMINGS = ("wall_time", "prepare_time", "march_time")
 TASK = {"coordinates": "task"}  # so that records side by side know whose they are
+ALONG_AXES = {"coordinates": "task axis_unit"}
 SAMPLES = 4  # of a decimated series in the shortest wave
 
 Labelled = tuple[tuple[str, ...], Any]
@@ -74,12 +75,15 @@ def _variables(record: Record, kept: slice) -> Iterator[tuple[str, Variable]]:
     series = {n if n == "time" else n + SERIES: (_renamed(dims), v[kept]) for n, (dims, v) in record.series.items()}
     arrays = {**record.variables, **series}
     used = {dim for dims, _ in arrays.values() for dim in dims}
+    axes = [str(axis) for axis in record.coords.get("axis", ())]
     for name, labels in sorted(record.coords.items()):
         if name in used:
             yield name, Variable((name,), _narrow(labels), meaning(name))
+    if "axis" in used:
+        yield "axis_unit", Variable(("axis",), np.array(axis_units(axes)), meaning("axis_unit"))
     for name, (dims, array) in sorted(arrays.items()):
-        own = RENAMED.get(name, name)
-        yield own, Variable(tuple(dims), _narrow(array), meaning(own) | ({} if (own,) == tuple(dims) else TASK))
+        own, beside = RENAMED.get(name, name), ALONG_AXES if "axis" in dims else TASK
+        yield own, Variable(tuple(dims), _narrow(array), meaning(own, axes) | ({} if (own,) == tuple(dims) else beside))
     for name, value in sorted(record.attrs.items()):
         if _is_figure(value) and name not in TIMINGS:
             own = RENAMED.get(name, name)

@@ -288,6 +288,63 @@ def test_attributes_come_from_the_one_table(collected):
     assert all("_FillValue" not in data[c].encoding for c in data.coords)
 
 
+@pytest.fixture
+def changed(small, tmp_path, engine):
+    """The dataset of a study whose records have been changed: change(parameters, record)."""
+    from dataclasses import replace
+
+    def collect(change):
+        def compute(parameters, coefficients):
+            record = engine.compute(parameters, coefficients)
+            change(parameters, record)
+            return record
+
+        study, _, store, failed, _ = run(small, tmp_path / "r", replace(engine, compute=compute), workers=1)
+        assert not failed
+        return dataset.load(dataset.collect(study, store)[0])
+
+    return collect
+
+
+def test_a_knob_is_an_attribute_unless_tasks_differ(changed):
+    data = changed(lambda given, record: record.attrs.update(time_step=0.2, newton_tolerance=1e-5 / (1 + given.seed)))
+    assert data.attrs["time_step"] == 0.2 and "time_step" not in data
+    assert data.newton_tolerance.sel(seed=1, sea_state="calm", platform="fixed") == 5e-6
+    assert data.newton_tolerance.dims == ("sea_state", "platform", "seed")
+    assert data.newton_tolerance.attrs["units"] == "m"
+    assert "newton_tolerance" not in data.attrs
+
+
+def test_frequencies_that_differ_are_not_shown_as_one(changed):
+    def soften(given, record):
+        if given.platform and given.seed:
+            record.variables["natural_frequency"] = (("mode",), np.array([0.4, 3.1 * (1 - 1e-6)]))
+
+    data = changed(soften)
+    assert data.natural_frequency.dims == ("sea_state", "platform", "seed", "mode")
+    assert data.natural_frequency.sel(sea_state="calm", platform="elastic", mode=2).values.tolist() == [
+        3.1,
+        3.1 * (1 - 1e-6),
+    ]
+
+
+def test_a_table_of_the_dataset_has_room_for_the_lowest_modes_alone(changed, tmp_path):
+    """A row for every combination of labels, of which a platform may have 708; the record has them all."""
+
+    def refine(given, record):
+        if given.platform:
+            record.coords["mode"] = np.arange(1, 709)
+            record.variables["natural_frequency"] = (("mode",), np.sqrt(np.arange(1.0, 709.0)))
+
+    data = changed(refine)
+    np.testing.assert_array_equal(data.natural_frequency, np.sqrt(np.arange(1.0, 7.0)))
+    assert data.mode.values.tolist() == [1, 2, 3, 4, 5, 6]
+    assert len(data.to_dataframe()) == 12 * 6 * 5 * 2  # tasks, modes, statistics, heights; one float, one leg
+    path = next(tmp_path / "r" / "small" / "tasks" / task for task in data.task.sel(platform="elastic").values.ravel())
+    with xr.open_dataset(path / "record.nc") as one:
+        assert one.sizes["mode"] == 708
+
+
 def test_collecting_twice_gives_the_same_file(small, tmp_path, engine):
     study, _, store, _, _ = run(small, tmp_path / "r", engine, workers=1)
     first = dataset.collect(study, store)[0].read_bytes()

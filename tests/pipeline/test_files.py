@@ -8,14 +8,77 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import SMALL
 
-from pipeline import dataset, records
+from pipeline import cache, dataset, records, run
 from pipeline.campaign import Campaign
 from pipeline.schedule import Place
 from pipeline.schema import Recording
 from pipeline.store import Store
 from pipeline.study import load
 from pipeline.tasks import wave_seed
+from pipeline.variables import COORDINATES, KNOBS, SERIES, VARIABLES
+
+SHORT = "[record]\nduration = 4.0\ndiscard = 1.0\nramp = 1.0\nseries = 'full'\n"
+SPHERE = """
+[water]
+depth = inf
+[waves]
+band = [0.5, 2.0]
+components = 20
+[[floats]]
+name = "sphere"
+hull = { shape = "sphere", radius = 5.0, draft = 5.0 }
+mass = 261.8e3
+inertia = [2.6e6, 2.6e6, 2.6e6]
+hinge = [0.0, 0.0, 0.0]
+motion = ["heave"]
+offset = 0.5
+[sea_states]
+still = { kind = "still" }
+regular = { kind = "regular", height = 0.2, period = 6.0 }
+"""
+# A float that turns, hinged on one that slides: axes of both kinds.
+CARRIED = """
+[[floats]]
+name = "front"
+on = "sphere"
+hull = { shape = "sphere", radius = 1.0, draft = 1.0 }
+mass = 2147.0
+inertia = [859.0, 859.0, 859.0]
+hinge = [-5.0, 0.0, 2.6]
+arm = [-3.5, 0.0, -2.6]
+pto_damping = 5e4
+[axes]
+hinge_spacing = [5.0]
+"""
+CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
+# Every kind of scene, sea, path and output.
+REAL = {
+    "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
+    "heave": SPHERE + SHORT + "rao = true\n[solver]\ntolerance = 0.05\n",
+    "floating": SPHERE.replace('["heave"]\noffset = 0.5', '["surge", "heave"]\nstiffness = [2e5, 0]') + CARRIED + SHORT,
+    "paper": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("4.0", "1.0") + '[solver]\naccuracy = "reference"\n',
+}
+
+
+def coarse(geometry):
+    """Coefficients in a second: their names are the fine ones'."""
+    return cache.encode(run.hydrodynamics(geometry.model_copy(update={"panels": 108})), geometry.key)
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory):
+    """A folder of results that the solver itself has left."""
+    folder, engine = tmp_path_factory.mktemp("real"), run.Engine(coefficients=coarse)
+    for name, text in REAL.items():
+        path = folder / f"{name}.toml"
+        path.write_text(text)
+        study, store = load(path), Store(folder / "r", name)
+        job = Campaign(study=path, results=folder / "r", store=store, engine=engine, place=Place(workers=1))
+        assert job.run(study.tasks, lambda *_: None) == []
+        dataset.collect(study, store)
+    return folder / "r"
 
 
 @pytest.fixture
@@ -48,6 +111,56 @@ def test_dataset_and_records_are_clean_under_cf(ran, tmp_path):
     assert complaints(dataset.collect(study, store)[0], tmp_path) == []
     for task in tasks[::2]:
         assert complaints(store.look(task).record, tmp_path) == []
+
+
+def variables(path):
+    with xr.open_dataset(path, decode_cf=False) as data:
+        return {str(name): (v.dims, v.dtype.kind, v.attrs) for name, v in data.variables.items()}
+
+
+def test_the_one_table_names_all_that_runs_leave_and_nothing_else(real):
+    """Elastic, fixed, no floats, guided, floating, decay, RAO, series, tolerance, the paper's way: all have units."""
+    found = {}
+    for path in real.glob("**/*.nc"):
+        if path.parent.name != "hydrodynamics":
+            found |= {(path, name): told for name, told in variables(path).items()}
+    for (path, name), (dims, kind, attrs) in found.items():
+        assert attrs.get("long_name"), (path, name)
+        mixed = path.is_relative_to(real / "floating") and "axis" in dims
+        assert "units" in attrs or kind in "OSU" or mixed, (path, name)
+    listed = VARIABLES.keys() | KNOBS.keys() | COORDINATES.keys()
+    assert {name.removesuffix(SERIES) for _, name in found} == listed
+
+
+def test_motion_along_an_axis_has_its_unit(real):
+    """Where axes slide and turn, the unit is beside the axis."""
+    with xr.open_dataset(real / "heave" / "statistics.nc") as data:
+        assert (data.motion.attrs["units"], data.rao.attrs["units"]) == ("m", "m m-1")
+        assert data.axis_unit.values.tolist() == ["m"]
+    for path in (real / "floating").glob("**/*.nc"):
+        with xr.open_dataset(path) as data:
+            assert "units" not in data.motion.attrs
+            assert dict(zip(data.axis.values, data.motion.axis_unit.values, strict=True)) == {
+                "surge": "m", "heave": "m", "hinge": "rad"
+            }  # fmt: skip
+
+
+def test_what_the_solver_itself_leaves_is_clean_under_cf(real, tmp_path):
+    for path in [real / "floating" / "statistics.nc", next(real.glob("heave/tasks/*/record.nc"))]:
+        assert complaints(path, tmp_path) == [], path
+
+
+def test_records_of_different_platforms_open_together(real):
+    """xarray's own default, coords="different", wants every coordinate in every file."""
+    paths = sorted((real / "elastic" / "tasks").glob("*/record.nc"))
+    with xr.open_mfdataset(paths, combine="nested", concat_dim="task", coords="minimal") as data:
+        assert data.task.values.tolist() == [path.parent.name for path in paths]
+        for path in paths:
+            with xr.open_dataset(path) as one:
+                row = data.sel(task=path.parent.name)
+                for name, values in one.data_vars.items():
+                    xr.testing.assert_equal(row[name].drop_vars("task"), values.drop_vars("task"))
+                assert row.bottom_stress.isnull().all() == ("leg" not in one.coords)
 
 
 def test_records_open_one_by_one_and_together(ran):
