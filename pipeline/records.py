@@ -105,16 +105,24 @@ def _is_figure(value: object) -> bool:
 
 
 def differences(old: bytes, new: bytes) -> list[str]:
-    """Which variables of two records differ, and by how much."""
+    """Which variables of two records differ, and by how much; none if they have the same content."""
     a, b = decode(old), decode(new)
     lines = [f"{name}: only in the {'old' if name in a else 'new'} record" for name in sorted(a.keys() ^ b.keys())]
-    for name in sorted(a.keys() & b.keys()):
-        x, y = a[name].values, b[name].values
-        if x.shape != y.shape or x.dtype != y.dtype:
-            lines.append(f"{name}: {x.dtype}{x.shape} became {y.dtype}{y.shape}")
-        elif x.dtype.kind not in "UO" and x.tobytes() != y.tobytes():
-            with np.errstate(invalid="ignore"):
-                lines.append(f"{name}: differs by up to {np.nanmax(np.abs(x - y)):.3g}")
-        elif x.dtype.kind in "UO" and not np.array_equal(x, y):
-            lines.append(f"{name}: other labels")
-    return lines
+    return lines + [f"{name}: {words}" for name in sorted(a.keys() & b.keys()) for words in _changes(a[name], b[name])]
+
+
+def _changes(old: Variable, new: Variable) -> Iterator[str]:
+    """What is no longer the same of a variable."""
+    x, y = old.values, new.values
+    if x.shape != y.shape or x.dtype != y.dtype:
+        yield f"{x.dtype}{x.shape} became {y.dtype}{y.shape}"
+    elif x.dtype.kind in "UO" and not np.array_equal(x, y):
+        yield "other labels"
+    elif x.dtype.kind not in "UO" and x.tobytes() != y.tobytes():
+        with np.errstate(invalid="ignore"):
+            yield f"differs by up to {np.nanmax(np.abs(x - y)):.3g}"
+    if old.dims != new.dims:
+        yield f"dimensions {', '.join(old.dims)} became {', '.join(new.dims)}"
+    for key in sorted(old.attrs.keys() | new.attrs.keys()):
+        if str(old.attrs.get(key)) != str(new.attrs.get(key)):
+            yield f"{key} {old.attrs.get(key)} became {new.attrs.get(key)}"

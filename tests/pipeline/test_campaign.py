@@ -12,13 +12,15 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from pipeline import actions, dataset
+from pipeline import actions, dataset, preflight
 from pipeline.campaign import Campaign, unfinished
 from pipeline.cli import app
+from pipeline.plan import Estimate
 from pipeline.schedule import Place
 from pipeline.store import Store, remove
-from pipeline.study import load
+from pipeline.study import StudyError, load
 from pipeline.tasks import expand
+from solver.errors import InputError
 
 
 def campaign(path, results, engine, **how):
@@ -400,6 +402,35 @@ def test_random_tasks_are_repeated_and_compared(cli):
     assert cli("verify", "--rerun", "100").count("bitwise the same as the old record") == 12
 
 
+def test_every_sea_and_every_configuration_is_judged_before_anything_runs(small, engine):
+    from dataclasses import replace
+
+    small.write_text(small.read_text().replace("[axes]", "[axes]\npto_damping = [1e5, 2e5]"))
+    study, judged = load(small), []
+    preflight.check(study, expand(study.content), replace(engine, check=judged.append))
+    assert {given.sea_state.Hs for given in judged} == {0.5, 2.0}
+    assert {(bool(given.platform), *(f.pto_damping for f in given.floats)) for given in judged} == {
+        (elastic, damping) for elastic in (True, False) for damping in (1e5, 2e5)
+    } | {(True,)}
+    assert len(judged) < len(study.tasks)
+
+
+def test_odd_and_impossible_seas_are_named_whichever_they_are(small, engine):
+    from dataclasses import replace
+
+    study = load(small)
+    for label, height in (("calm", 0.5), ("rough", 2.0)):
+        odd = replace(engine, check=lambda given, height=height: ["sea: odd"] * (given.sea_state.Hs == height))
+        assert preflight.check(study, expand(study.content), odd) == [f"sea_states.{label}: odd"]
+
+        def refuse(given, height=height):
+            if given.sea_state.Hs == height:
+                raise InputError("sea", height, "must be calm")
+
+        with pytest.raises(StudyError, match=f"sea = {height}: must be calm"):
+            preflight.check(study, expand(study.content), replace(engine, check=refuse))
+
+
 def test_plan_tells_states_and_time_from_past_runs(small, cli):
     assert "no past run tells how long they take" in cli("plan")
     small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 666]"))
@@ -407,6 +438,7 @@ def test_plan_tells_states_and_time_from_past_runs(small, cli):
     output = cli("plan")
     assert "12 tasks: 6 missing, 3 done, 3 failed" in output
     assert "about 0 s on 2 workers, from 3 tasks done" in output
+    assert "about 0 s on 7 workers" in cli("plan", "--workers", "7")
 
 
 def test_what_was_asked_and_not_met_is_told(small, cli, engine, monkeypatch, tmp_path):
@@ -432,3 +464,15 @@ def test_what_was_asked_and_not_met_is_told(small, cli, engine, monkeypatch, tmp
     with xr.open_dataset(tmp_path / "r" / "small" / "statistics.nc") as data:
         assert (data.unmet.sel(platform="elastic") == "tolerance 1e-3 asked, 2.1e-3 estimated").all()
         assert (data.unmet.sel(platform=["fixed", "elastic-no-floats"]) == "").all()
+
+
+@pytest.mark.parametrize(("workers", "time"), [(1, "about 62 s"), (2, "about 31 s"), (10, "about 6 s")])
+def test_a_plans_time_is_shared_by_its_workers(small, tmp_path, engine, workers, time):
+    """Six of twelve tasks are done and took 10.4 s each."""
+    study, store = load(small), Store(tmp_path / "r", "small")
+    estimate = Estimate()
+    for task in study.tasks:
+        if task.labels["seed"] == 0:
+            store.done(task, b"record", {"wall_time": 10.4, "labels": dict(task.labels)})
+        estimate.see(task, store.look(task))
+    assert f"; {time} on {workers} workers, from 6 tasks done" in estimate.words(tmp_path / "r", workers)

@@ -12,6 +12,7 @@ from conftest import SMALL
 
 from pipeline import cache, dataset, records, run
 from pipeline.campaign import Campaign
+from pipeline.netcdf import Variable, content, to_bytes
 from pipeline.schedule import Place
 from pipeline.schema import Recording
 from pipeline.store import Store
@@ -180,6 +181,37 @@ def test_provenance_is_in_the_attributes(ran):
         assert data.attrs["wave_seed"].split() == [str(word) for word in wave_seed(tasks[0].parameters)]
         assert re.fullmatch(r"[0-9a-f]{40}(-dirty)?|unknown", data.attrs["commit"])
         assert {"host", "numpy", "numba", "solver_sources", "wall_time", "task"} <= data.attrs.keys()
+
+
+WHOLE = Variable(("float",), np.array([1.0, 0.0]), {"units": "m"})
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"values": np.array([1.0, 1e-300])}, "x: differs by up to 1e-300"),
+        ({"values": np.array([1.0, -0.0])}, "x: differs by up to 0"),
+        ({"values": np.array([1.0, 0.0], "f4")}, "x: float64(2,) became float32(2,)"),
+        ({"values": np.array([1, 0], "i4")}, "x: float64(2,) became int32(2,)"),
+        ({"values": np.array([1.0, 0.0, 0.0])}, "x: float64(2,) became float64(3,)"),
+        ({"values": np.array(["1.0", "0.0"])}, "x: float64(2,) became <U3(2,)"),
+        ({"dims": ("leg",)}, "x: dimensions float became leg"),
+        ({"attrs": {"units": "km"}}, "x: units m became km"),
+        ({"attrs": {}}, "x: units m became None"),
+    ],
+)
+def test_whatever_changes_in_a_record_is_named_and_changes_its_digest(changed, words):
+    old, new = {"x": WHOLE}, {"x": WHOLE._replace(**changed)}
+    assert records.differences(to_bytes(old, {}), to_bytes(new, {})) == [words]
+    assert content(old) != content(new)
+    assert content(old, {"unit": "m"}) != content(old, {"unit": "km"})
+
+
+def test_labels_that_change_are_named():
+    old, new = ({"leg": Variable(("leg",), np.array(names), {})} for names in (["a", "b"], ["a", "c"]))
+    assert records.differences(to_bytes(old, {}), to_bytes(new, {})) == ["leg: other labels"]
+    assert records.differences(to_bytes(old, {}), to_bytes(old, {"host": "other"})) == []
+    assert content(old) != content(new)
 
 
 @pytest.mark.parametrize(("series", "step"), [("full", 1), ("decimated", 6)])
