@@ -30,7 +30,7 @@ from pipeline.tables import Count, Number, Positive, Seed, Table, Vector
 
 # Raise it when the physics or a default changes: older results then count as stale, not as done.
 MODEL_VERSION = 4
-BEM_VERSION = 2
+BEM_VERSION = 3  # of coefficients, and of the form of their file
 AXES = ("sea_state", "platform", "pto_damping", "hinge_spacing", "seed")
 
 Label = str | float | int

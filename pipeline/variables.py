@@ -63,7 +63,7 @@ VARIABLES = {
     "constraint_drift_velocity": Meaning("m s-1", "Largest velocity at which a hinge leaves its place"),
     "constraint_drift_acceleration": Meaning("m s-2", "Largest acceleration at which a hinge leaves its place"),
     "estimated_error": Meaning(
-        "1", "Estimated relative error of any mean, rms or std, of all the parts below together"
+        "1", "Estimated relative error of any mean, rms or std: step, quadrature, memory and mesh"
     ),
     "discretization_error": Meaning("1", "Estimated relative error of the time discretization"),
     "quadrature_error": Meaning("1", "Estimated relative error of the pressure's quadrature"),

@@ -204,7 +204,12 @@ def test_whatever_changes_in_a_record_is_named_and_changes_its_digest(changed, w
     old, new = {"x": WHOLE}, {"x": WHOLE._replace(**changed)}
     assert records.differences(to_bytes(old, {}), to_bytes(new, {})) == [words]
     assert content(old) != content(new)
-    assert content(old, {"unit": "m"}) != content(old, {"unit": "km"})
+
+
+def test_a_digest_is_of_types_and_attributes_too():
+    """Zeros have the same bits in numbers of either kind."""
+    x, n = ({"x": Variable(("leg",), np.zeros(2, kind), {})} for kind in ("f4", "i4"))
+    assert len({content(x), content(n), content(x, {"unit": "m"}), content(x, {"unit": "km"})}) == 4
 
 
 def test_labels_that_change_are_named():
