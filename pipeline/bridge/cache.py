@@ -1,5 +1,6 @@
 """Hydrodynamic coefficients by content: results/hydrodynamics/<key>.nc, capytaine's names.
 
+A file holds its key, and a checksum over that and all else in it: under another's name it does not count.
 netCDF has no complex numbers; as capytaine does, they get a last dimension `complex` = re, im.
 """
 
@@ -68,8 +69,8 @@ ERRORS = {
 SCALARS = ("depth", "density", "gravity", "heading")
 
 
-def encode(hydrodynamics: Hydrodynamics) -> bytes:
-    """The file of a set of coefficients."""
+def encode(hydrodynamics: Hydrodynamics, key: str = "") -> bytes:
+    """The file of a set of coefficients, those of the geometry with this key."""
     variables = _variables(hydrodynamics, ARRAYS)
     memory = hydrodynamics.memory
     if hydrodynamics.error is not None:
@@ -83,6 +84,7 @@ def encode(hydrodynamics: Hydrodynamics) -> bytes:
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
         "title": "Hydrodynamic coefficients, Re{X exp(-i omega t)}",
+        "geometry": key,
     }
     attrs |= {name: float(getattr(hydrodynamics, name)) for name in SCALARS}
     attrs |= {f"setting_{key}": value for key, value in hydrodynamics.settings.items()}
@@ -116,9 +118,7 @@ def decode(data: bytes) -> Hydrodynamics:
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics, MeshError
     from solver.hydrodynamics.radiation.memory import RadiationMemory
 
-    variables, attrs = from_bytes(data)
-    if content(variables, {k: v for k, v in attrs.items() if k != "content"}) != attrs["content"]:
-        raise ValueError("the file's content is not what was written")
+    variables, attrs = _whole(data)
     fields: dict[str, Any] = {name: float(attrs[name]) for name in SCALARS}
     fields |= _fields(variables, ARRAYS)
     if "added_mass_error" in variables:
@@ -130,23 +130,49 @@ def decode(data: bytes) -> Hydrodynamics:
     return Hydrodynamics(**fields, dofs=tuple(attrs["dofs"].split()), settings=MappingProxyType(settings))
 
 
+@lru_cache(maxsize=8)
+def _whole(data: bytes) -> tuple[dict[str, Variable], dict[str, Any]]:
+    """What is in a file; raises ValueError if that is not what was written."""
+    variables, attrs = from_bytes(data)
+    if content(variables, {k: v for k, v in attrs.items() if k != "content"}) != attrs.get("content"):
+        raise ValueError("the file's content is not what was written")
+    return variables, attrs
+
+
+def check(data: bytes, key: str) -> None:
+    """Raise ValueError unless a file is whole, of the geometry with this key, and has all that is read of it."""
+    variables, attrs = _whole(data)
+    if attrs.get("geometry") != key:
+        raise ValueError("the file is another geometry's")
+    if lacking := {name for name, *_ in ARRAYS.values()}.union(SCALARS) - variables.keys() - attrs.keys():
+        raise ValueError(f"the file lacks {', '.join(sorted(lacking))}")
+
+
 class Cache:
     """Files of coefficients, one for each geometry, shared by all studies of a results folder."""
 
-    def __init__(self, results: Path, readable: Callable[[bytes], object] = decode):
+    def __init__(self, results: Path, check: Callable[[bytes, str], object] = check):
         self.folder = results / "hydrodynamics"
-        self.readable = readable
+        self.check = check
+
+    def path(self, key: str) -> Path:
+        """Where a geometry's file is."""
+        return self.folder / f"{key}.nc"
+
+    def damaged(self) -> set[str]:
+        """Keys of the files that are not what their names say."""
+        return {path.stem for path in self.folder.glob("*.nc") if self.get(path.stem) is None}
 
     def get(self, key: str) -> bytes | None:
         """The file's bytes, None if there is none or it is damaged."""
         try:
-            data = (self.folder / f"{key}.nc").read_bytes()
-            self.readable(data)
-        except (OSError, KeyError, ValueError):
+            data = self.path(key).read_bytes()
+            self.check(data, key)
+        except (OSError, ValueError):
             return None
         return data
 
     def put(self, key: str, data: bytes) -> None:
         """Keep a file of coefficients."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        write_atomic(self.folder / f"{key}.nc", data)
+        write_atomic(self.path(key), data)

@@ -7,7 +7,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pipeline import environment
 from pipeline.bridge.geometry import Geometry, bem_arguments, geometry_of
@@ -41,6 +41,7 @@ class Outcome:
 
     result: bytes | Failure
     content: str = ""  # digest of the record's values
+    unmet: str = ""  # what was asked of the record and not met
     wall_time: float = 0.0  # [s]
     log: tuple[str, ...] = ()  # warnings on the way
     provenance: dict[str, str]
@@ -75,7 +76,7 @@ def coefficients(geometry: Geometry) -> bytes:
     """The file of a geometry's coefficients."""
     from pipeline.bridge import cache
 
-    return cache.encode(hydrodynamics(geometry))
+    return cache.encode(hydrodynamics(geometry), geometry.key)
 
 
 def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
@@ -118,10 +119,18 @@ class Engine:
     reduce: Callable[[Parameters], None] = reduce
 
 
+class _Made(NamedTuple):
+    """What work leaves."""
+
+    result: bytes | Failure
+    content: str = ""
+    unmet: str = ""
+
+
 def attempt_geometry(engine: Engine, geometry: Geometry) -> list[Outcome]:
     """Coefficients, or why there are none."""
     environment.prepare()
-    return [_attempt(lambda: (engine.coefficients(geometry), ""))]
+    return [_attempt(lambda: _Made(engine.coefficients(geometry)))]
 
 
 def attempt_tasks(engine: Engine, tasks: Sequence[tuple[str, Parameters]], coefficients: bytes | None) -> list[Outcome]:
@@ -134,23 +143,23 @@ def attempt_task(engine: Engine, task_id: str, parameters: Parameters, coefficie
     """A record's file, or why there is none."""
     from pipeline.results import records
 
-    def work() -> tuple[bytes, str]:
+    def work() -> _Made:
         provenance = environment.provenance() | {"task": task_id}
-        return records.encode(engine.compute(parameters, coefficients), parameters, provenance)
+        record = engine.compute(parameters, coefficients)
+        return _Made(*records.encode(record, parameters, provenance), str(record.attrs.get("unmet", "")))
 
     return _attempt(work)
 
 
-def _attempt(work: Callable[[], tuple[bytes, str]]) -> Outcome:
+def _attempt(work: Callable[[], _Made]) -> Outcome:
     """A failure is a result like any other: it must not stop the tasks beside it."""
     start = time.perf_counter()
-    result: bytes | Failure
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("default")
         try:
-            result, content = work()
+            made = work()
         except Exception as error:
-            result, content = Failure.of(error), ""
+            made = _Made(Failure.of(error))
     seconds = time.perf_counter() - start
     log = tuple(f"{w.category.__name__}: {w.message}" for w in caught)
-    return Outcome(result=result, content=content, wall_time=seconds, log=log, provenance=environment.provenance())
+    return Outcome(**made._asdict(), wall_time=seconds, log=log, provenance=environment.provenance())

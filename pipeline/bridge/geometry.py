@@ -12,7 +12,7 @@ from pipeline.study.tables import Count, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
 from solver.scene import panels_for
 
-BEM_VERSION = 3  # raise it when the boundary elements change
+BEM_VERSION = 3  # of coefficients, and of the form of their file: raise it when either changes
 
 
 class Body(Table):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from pipeline.bridge.geometry import Geometry
 from pipeline.cli.console import DONE, FAILED, Tally, compare, err, finish, looked, out, say
-from pipeline.results.store import UNFINISHED, Store, read_json, write_json
+from pipeline.results.status import read_json
+from pipeline.results.store import UNFINISHED, Store, write_json
 from pipeline.running.schedule import Place
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Task
@@ -34,8 +36,17 @@ def make_ready(study: Study, tasks: Tasks, store: Store, place: Place) -> None:
         preflight(study, tasks)
 
 
-def run(study: Study, store: Store, results: Path, tasks: Tasks, place: Place, *, keep_going: bool = True) -> None:
-    """Run tasks, with a bar or lines about it."""
+def run(
+    study: Study,
+    store: Store,
+    results: Path,
+    tasks: Tasks,
+    place: Place,
+    *,
+    keep_going: bool = True,
+    broken: Sequence[Geometry] = (),
+) -> None:
+    """Run tasks, with a bar or lines about it; and make broken coefficients again."""
     from pipeline.bridge.engine import Engine
     from pipeline.cli.progress import watching
     from pipeline.running.campaign import Campaign
@@ -50,7 +61,7 @@ def run(study: Study, store: Store, results: Path, tasks: Tasks, place: Place, *
         say=lambda text: say(text, err),
     )
     with watching(err if err.is_terminal else out, len(tasks)) as watch:
-        campaign.run(tasks, watch)
+        campaign.run(tasks, watch, broken)
 
 
 def rerun(study: Study, store: Store, results: Path, tasks: Tasks, place: Place) -> int:
@@ -72,11 +83,11 @@ def collect(study: Study, store: Store) -> list[Path]:
     """The dataset and, of a study that is not large, the report; each is written only if its sources are others."""
     from pipeline.results import dataset
 
-    path = dataset.collect(study, store, anew=False)[0]
+    path = dataset.current(study, store)
     if len(study.tasks) > REPORTED:
         return [path]
     page, mark, source = store.root / "report.html", store.root / ".report.json", {"of": dataset.checksum(path)}
-    if read_json(mark) != source or not page.exists():
+    if read_json(mark) != source or not page.is_file():
         from pipeline.report.page import write
 
         write(study, path)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import shutil
 import sys
 import time
 from collections import Counter
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -16,7 +15,8 @@ from pipeline import environment
 from pipeline.bridge.loading import load
 from pipeline.cli import actions
 from pipeline.cli.console import DONE, FAILED, Tally, err, finish, looked, say, store_of
-from pipeline.results.store import Store, read_json
+from pipeline.results.status import read_status
+from pipeline.results.store import Store, remove
 from pipeline.study.reading import StudyError
 from pipeline.tasks.select import find, select
 from pipeline.tasks.study import Study
@@ -41,6 +41,7 @@ Words = Annotated[list[str] | None, typer.Argument(metavar="TASK...", help="Ids,
 
 BAD_INPUT, INTERRUPTED = 2, 130
 RESULTS = Path("results")
+SHOWN = ("finished", "wall_time", "command", "sha256", "provenance", "unmet")  # of a task's status
 KEPT = "finished tasks are kept, and the same command goes on from here"
 
 
@@ -98,7 +99,7 @@ def run(
     tls: Tls = None,
 ) -> None:
     """Run what is missing, collect, print the table, and write the report of up to 1,000 tasks."""
-    from pipeline.running.campaign import unfinished
+    from pipeline.running.campaign import broken, unfinished
     from pipeline.running.schedule import Place, check
 
     place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
@@ -106,9 +107,9 @@ def run(
     study, tasks, store = _open(study_file, results, select_)
     actions.make_ready(study, tasks, store, place)
     with store.lock(lambda text: say(text, err)):
-        todo = unfinished(tasks, store)
-        if todo:
-            actions.run(study, store, results, todo, place, keep_going=keep_going)
+        todo, again = unfinished(tasks, store), broken(tasks, results)
+        if todo or again:
+            actions.run(study, store, results, todo, place, keep_going=keep_going, broken=again)
         paths = actions.collect(study, store)
     tally = Tally.of(looked(tasks, store))
     actions.print_table(study, paths[0])
@@ -142,7 +143,8 @@ def _status(study: Study, tasks: Tasks, store: Store, *, as_json: bool) -> tuple
     for task, entry in looked(tasks, store):
         tally.see(task, entry)
         if as_json:
-            rows.append(json.dumps({"id": task.id, "state": entry.state, "labels": dict(task.labels)}))
+            row = {"id": task.id, "state": entry.state, "labels": dict(task.labels), "unmet": entry.status.unmet}
+            rows.append(json.dumps(row))
     holder = store.holder()
     if as_json:
         head = json.dumps({"study": study.name, "holder": holder})[:-1]
@@ -164,14 +166,14 @@ def show(study_file: File, task: Annotated[str, typer.Argument()], results: Resu
     for found in tasks.where(lambda one: one.id in chosen):
         entry = store.look(found, checksums=True)
         say(f"{found.id} {entry.state} {found}")
-        for key in ("finished", "wall_time", "command", "sha256", "provenance"):
-            if key in entry.status:
-                say(f"{key}: {entry.status[key]}")
-        for line in entry.status.get("log", ()):
+        for key in SHOWN:
+            if key in entry.status.model_fields_set:
+                say(f"{key}: {getattr(entry.status, key)}")
+        for line in entry.status.log:
             say(f"log: {line}")
         say(json.dumps(json.loads(found.parameters.canonical()), indent=1))
-        if "error" in entry.status:
-            say(entry.status["error"]["traceback"] or entry.status["error"]["message"])
+        if error := entry.status.error:
+            say(error.traceback or error.message)
 
 
 @app.command()
@@ -241,9 +243,11 @@ def verify(
     results: Results = RESULTS,
     rerun_: Annotated[int, typer.Option("--rerun", min=0, help="Repeat so many random tasks")] = 0,
 ) -> None:
-    """Check every record against its checksum; with --rerun, repeat some and compare bit for bit."""
+    """Check every record and its coefficients against their checksums; --rerun: repeat some, compare bit for bit."""
     import random
 
+    from pipeline.bridge.cache import Cache
+    from pipeline.running.campaign import broken
     from pipeline.running.schedule import Place
 
     study, tasks, store = _open(study_file, results)
@@ -252,11 +256,14 @@ def verify(
     say(str(Tally(counts)))
     for task in by_state.get("damaged", ()):
         say(f"damaged: {task.id} {task}; `study run {study.path}` makes it again", err)
+    spoilt = [Cache(results).path(geometry.key) for geometry in broken(tasks, results)]
+    for path in spoilt:
+        say(f"damaged: {path}; `study run {study.path}` makes it again", err)
     done = [task.id for task in by_state.get("done", ())]
     chosen = set(random.sample(done, min(rerun_, len(done))))  # any will do, if only none is favoured
     again = tasks.where(lambda task: task.id in chosen)
     code = actions.rerun(study, store, results, again, Place()) if chosen else DONE
-    raise typer.Exit(FAILED if counts["damaged"] else code)
+    raise typer.Exit(FAILED if counts["damaged"] or spoilt else code)
 
 
 @app.command()
@@ -270,8 +277,8 @@ def clean(
     known = {task.id for task in tasks} | {older for task in tasks for older in task.older_ids}
     found = sorted(p for p in store.tasks.iterdir() if p.name not in known) if store.tasks.is_dir() else []
     for folder in found:
-        known_of: dict[str, Any] = read_json(folder / "status.json") or {}
-        say(f"{'removed' if orphans else 'orphan'}: {folder.name} {known_of.get('labels', '')}")
+        labels = read_status(folder / "status.json").labels
+        say(f"{'removed' if orphans else 'orphan'}: {folder.name} {labels or ''}")
         if orphans:
-            shutil.rmtree(folder)
+            remove(folder)
     say(f"{len(found)} orphans")

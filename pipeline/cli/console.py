@@ -17,6 +17,7 @@ from pipeline.tasks.task import Task
 
 DONE, FAILED, INCOMPLETE = 0, 1, 2
 MANY = 20  # failures that are listed
+FEW = 3  # tasks that did not meet what was asked and are listed
 out, err = Console(), Console(stderr=True)
 
 
@@ -44,6 +45,8 @@ class Tally:
     counts: Counter[str] = field(default_factory=Counter)
     other_sources: int = 0  # finished tasks from other solver sources than the present ones
     failed: list[str] = field(default_factory=list)  # the first of them, in words
+    short: int = 0  # finished tasks of which more was asked than they met
+    unmet: list[str] = field(default_factory=list)  # the first of them, in words
 
     @classmethod
     def of(cls, entries: Iterable[tuple[Task, Entry]]) -> Tally:
@@ -58,10 +61,14 @@ class Tally:
         self.counts[entry.state] += 1
         if entry.state == "done":
             mine = environment.sources()
-            self.other_sources += entry.status.get("provenance", {}).get("solver_sources", mine) != mine
-        if entry.state == "failed" and len(self.failed) < MANY:
-            error = entry.status.get("error", {})
-            self.failed.append(f"failed: {task.id} {task}: {error.get('kind')}: {error.get('message')}")
+            self.other_sources += entry.status.provenance.get("solver_sources", mine) != mine
+        if entry.state in ("done", "stale") and entry.status.unmet:
+            self.short += 1
+            if self.short <= FEW:
+                self.unmet.append(f"not met: {task.id} {task}: {entry.status.unmet}")
+        error = entry.status.error
+        if entry.state == "failed" and error and len(self.failed) < MANY:
+            self.failed.append(f"failed: {task.id} {task}: {error.kind}: {error.message}")
 
     @property
     def code(self) -> int:
@@ -74,11 +81,17 @@ class Tally:
         """54 tasks: 50 done, 3 missing, 1 failed."""
         others = f"; {self.other_sources} done by other solver sources of the same model version"
         states = ", ".join(f"{n} {state}" for state, n in self.counts.most_common() if n)
-        return f"{self.counts.total()} tasks: {states}" + (others if self.other_sources else "")
+        short = f"; {self.short} did not meet what was asked"
+        words = (others if self.other_sources else "") + (short if self.short else "")
+        return f"{self.counts.total()} tasks: {states}{words}"
 
 
 def finish(tally: Tally, study: Study) -> int:
-    """List what failed, with reason; the exit status."""
+    """List what was asked and not met, and what failed, with reason; the exit status."""
+    for line in tally.unmet:
+        say(line, err)
+    if tally.short > FEW:
+        say(f"and {tally.short - FEW} more that did not meet what was asked, as `study show` tells of each", err)
     for line in tally.failed:
         say(line, err)
     count = tally.counts["failed"]

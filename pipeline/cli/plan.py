@@ -7,13 +7,12 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from pipeline.bridge.cache import Cache
 from pipeline.bridge.geometry import Geometry, geometry_of
 from pipeline.cli.progress import about
-from pipeline.results.store import Entry, read_json
-from pipeline.study.schema import Recording
+from pipeline.results.status import Status, read_status
+from pipeline.results.store import Entry
 from pipeline.tasks.task import Label, Task
 
 SAMPLE = 200  # tasks of other studies looked at
@@ -71,8 +70,8 @@ class Estimate:
         bem = f" after {fresh} boundary element solutions" if fresh else ""
         return f"to run: {self.left} tasks{bem}; {time if count else 'no past run tells how long they take'}"
 
-    def _ran(self, status: dict[str, Any]) -> None:
-        self.past[status.get("labels", {}).get("platform", "")].add(status.get("wall_time", 0.0) / _length(status))
+    def _ran(self, status: Status) -> None:
+        self.past[status.labels.get("platform", "")].add(status.wall_time / status.parameters.record.total)
 
     def _seconds(self) -> float:
         """By tasks with the same platform, or else by all."""
@@ -80,12 +79,7 @@ class Estimate:
         return sum(length * self.past.get(platform, every).mean for platform, length in self.length.items())
 
 
-def _length(status: dict[str, Any]) -> float:
-    default, given = Recording(), status.get("parameters", {}).get("record", {})
-    return float(given.get("duration", default.duration) + given.get("discard", default.discard))
-
-
-def _others(results: Path) -> Iterator[dict[str, Any]]:
+def _others(results: Path) -> Iterator[Status]:
     for path in results.glob("*/tasks/*/status.json"):
-        if (status := read_json(path)) and status.get("state") == "done":
+        if (status := read_status(path)).state == "done":
             yield status

@@ -23,7 +23,7 @@ from pipeline.tasks.task import axes
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MANY = 20  # tasks that went wrong and are named
+MANY = 20  # tasks of a kind that are named
 VERSION = "version_"
 
 
@@ -55,7 +55,7 @@ def html(found: Results) -> str:
     return page.from_string(PAGE).render(
         title=found.data.attrs.get("title", found.study.name),
         facts=facts(found),
-        troubles=troubles(found),
+        troubles={"Not done": troubles(found), "Asked and not met": unmet(found)},
         tables=tables(found),
         verdicts=report.verdicts(found.data, list(found.published)),
         summary=[] if found.published else list(report.summary_rows(found.data)),
@@ -91,14 +91,24 @@ def _states(found: Results) -> str:
 
 def troubles(found: Results) -> list[str]:
     """Tasks that are not done, the first of them by name."""
-    if "status" not in found.data:
+    return _named(found, "status", "done")
+
+
+def unmet(found: Results) -> list[str]:
+    """Tasks that did not meet what was asked, the first of them by name."""
+    return _named(found, "unmet", "")
+
+
+def _named(found: Results, name: str, usual: str) -> list[str]:
+    """Cells where a word is not the usual one, and that word."""
+    if name not in found.data:
         return []
-    status = found.data["status"]
+    words = found.data[name]
     lines = []
-    places = np.argwhere(status.values != "done")
+    places = np.argwhere(words.values != usual)
     for place in places[:MANY]:
-        cell = status[tuple(place)]
-        labels = ", ".join(f"{dim} {cell[dim].values}" for dim in status.dims)
+        cell = words[tuple(place)]
+        labels = ", ".join(f"{dim} {cell[dim].values}" for dim in words.dims)
         lines.append(f"{labels}: {cell.values}".removeprefix(": "))
     return lines + ([f"and {len(places) - MANY} more"] if len(places) > MANY else [])
 

@@ -68,7 +68,7 @@ class Series:
         cells = self.results.values("task", sea_state=self.results.sea, platform=platform, **self.results.first)
         folder = self.results.tasks or Path()
         files = (folder / str(task) / "record.nc" for task in cells.values.ravel())
-        return next((decode(file.read_bytes()) for file in files if file.exists()), {})
+        return next((record for file in files if (record := _decoded(file))), {})
 
     def line(self, name: str, platform: str, variable: str, scale: float = 1.0, **labels: object) -> Iterator[Line]:
         """One component of a variable on one platform, if it is there."""
@@ -88,6 +88,14 @@ class Series:
     def floats(self) -> list[str]:
         """Names of the floats."""
         return [str(name) for name in self.results.labels("float")]
+
+
+def _decoded(file: Path) -> Mapping[str, Variable]:
+    """A task's record, nothing if it is not there or damaged."""
+    try:
+        return decode(file.read_bytes())
+    except (OSError, ValueError):
+        return {}
 
 
 def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:

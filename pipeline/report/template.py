@@ -35,14 +35,14 @@ ul.note { margin: .4rem 0 0; padding-left: 1.2rem; }
 <dt>{{ name }}</dt><dd>{{ value }}</dd>
 {% endfor %}
 </dl>
-{% if troubles %}
-<h2>Not done</h2>
+{% for title, lines in troubles.items() if lines %}
+<h2>{{ title }}</h2>
 <ul>
-{% for line in troubles %}
+{% for line in lines %}
 <li>{{ line }}</li>
 {% endfor %}
 </ul>
-{% endif %}
+{% endfor %}
 <h2>Figures</h2>
 {% for figure in figures %}
 <figure>

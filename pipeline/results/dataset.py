@@ -14,40 +14,48 @@ from pipeline import environment
 from pipeline.results.arrays import INNER, Arrays
 from pipeline.results.netcdf import Variable, to_file
 from pipeline.results.records import decode
-from pipeline.results.store import Entry, Store, appearing, read_json, sha256, write_json
-from pipeline.results.variables import meaning
+from pipeline.results.status import read_json
+from pipeline.results.store import Entry, Store, appearing, sha256, write_json
+from pipeline.results.variables import KNOBS, SLIDING, axis_units, meaning
 from pipeline.study import seas
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import MODEL_VERSION, Label, axes, dimensions
 
 ALONG_MODE = "natural_frequency"
-SLIDING = {"surge", "sway", "heave"}
+LOWEST = 6  # modes: a table of the whole dataset has a row for every combination of labels, with all 708 too many
 SAME = 1e-9  # relative difference below which two frequencies are one
-LAYOUT = 2  # raise it when the dataset's form changes, so that it is written anew
+MARK = ".statistics.json"  # beside the dataset: what it was made of
+LAYOUT = 3  # raise it when the dataset's form changes, so that it is written anew
 
 
-def collect(study: Study, store: Store, *, anew: bool = True) -> tuple[Path, dict[str, int]]:
-    """Write the dataset of whatever is there; its path, and how many tasks are in which state.
-
-    Not `anew`: leave a dataset that was made of the same records as it is, without reading them.
-    """
-    table = axes(study.content)
-    shape = tuple(len(values) for values in table.values())
+def current(study: Study, store: Store) -> Path:
+    """The dataset's path. One that was made of the same records stays as it is, and they are not read."""
     path, mark = store.root / "statistics.nc", _fingerprint(study, store)
-    known = read_json(store.root / ".statistics.json") or {}
-    if not anew and known.get("of") == mark and path.exists() and known.get("sha256") == checksum(path):
-        return path, known["counts"]
+    if path.is_file() and read_json(store.root / MARK) == {"of": mark, "sha256": checksum(path)}:
+        return path
+    return _collect(study, store, mark)[0]
+
+
+def collect(study: Study, store: Store) -> tuple[Path, dict[str, int]]:
+    """Write the dataset of whatever is there; its path, and how many tasks are in which state."""
+    return _collect(study, store, _fingerprint(study, store))
+
+
+def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int]]:
+    table, path = axes(study.content), store.root / "statistics.nc"
+    shape = tuple(len(values) for values in table.values())
     store.root.mkdir(parents=True, exist_ok=True)
     arrays = Arrays(shape, store.root)
-    status, names = np.full(shape, "missing", dtype="U8"), np.full(shape, "", dtype="U16")
+    words = {name: np.full(shape, "", dtype=kind) for name, kind in (("status", "U8"), ("task", "U16"), ("unmet", "O"))}
     for cell, task in zip(np.ndindex(*shape), study.tasks, strict=True):
-        status[cell], names[cell] = _fill(arrays, cell, store.look(task)), task.id
+        entry = store.look(task)
+        words["status"][cell], words["task"][cell] = _fill(arrays, cell, entry), task.id
+        words["unmet"][cell] = entry.status.unmet
     with appearing(path) as part:
-        to_file(part, *_dataset(study, table, arrays, status, names))
-    states, numbers = np.unique(status, return_counts=True)
-    counts = {str(s): int(n) for s, n in zip(states, numbers, strict=True)}
-    write_json(store.root / ".statistics.json", {"of": mark, "sha256": checksum(path), "counts": counts})
-    return path, counts
+        to_file(part, *_dataset(study, table, arrays, words))
+    states, numbers = np.unique(words["status"], return_counts=True)
+    write_json(store.root / MARK, {"of": mark, "sha256": checksum(path)})
+    return path, {str(s): int(n) for s, n in zip(states, numbers, strict=True)}
 
 
 def checksum(path: Path) -> str:
@@ -64,11 +72,20 @@ def _fill(arrays: Arrays, cell: tuple[int, ...], entry: Entry) -> str:
         data = entry.record.read_bytes()
     except OSError:
         return "damaged"
-    if sha256(data) != entry.status.get("sha256"):
+    if sha256(data) != entry.status.sha256:
         return "damaged"
-    arrays.add(cell, decode(data))
-    arrays.put(cell, "wall_time", float(entry.status.get("wall_time", np.nan)))
+    arrays.add(cell, _lowest(decode(data)))
+    arrays.put(cell, "wall_time", entry.status.wall_time)
     return entry.state
+
+
+def _lowest(record: Mapping[str, Variable]) -> dict[str, Variable]:
+    """A record with its lowest modes alone."""
+    kept = {"mode": slice(LOWEST)}
+    return {
+        name: v._replace(values=v.values[tuple(kept.get(dim, slice(None)) for dim in v.dims)])
+        for name, v in record.items()
+    }
 
 
 def _fingerprint(study: Study, store: Store) -> str:
@@ -78,7 +95,7 @@ def _fingerprint(study: Study, store: Store) -> str:
     digest.update(json.dumps([LAYOUT, words, dimensions(study.content)], sort_keys=True).encode())
     for task in study.tasks:
         entry = store.look(task)
-        made = [entry.status.get(key) for key in ("sha256", "finished", "wall_time")]
+        made = [entry.status.sha256, entry.status.finished, entry.status.wall_time]
         digest.update(json.dumps([dict(task.labels), task.id, entry.state, made]).encode())
     return digest.hexdigest()
 
@@ -87,25 +104,28 @@ def _dataset(
     study: Study,
     table: Mapping[str, Sequence[Label]],
     arrays: Arrays,
-    status: np.ndarray,
-    names: np.ndarray,
+    words: Mapping[str, np.ndarray],
 ) -> tuple[dict[str, Variable], dict[str, Any]]:
     """Variables and attributes of the file."""
     for dim in ("height", "mode"):
         arrays.sort(dim)
     outer = dimensions(study.content)
     keep = tuple(slice(None) if name in outer else 0 for name in table)
+    axes_met = list(arrays.labels.get("axis", ()))
     variables: dict[str, Variable] = {}
+    knobs: dict[str, float] = {}
     for name in sorted(arrays.values):
         values, own = arrays.whole(name), arrays.dims[name]
-        if name == ALONG_MODE and (single := _single(values, len(table))) is not None:
+        if name in KNOBS and (knob := _single(values[..., None], len(table))) is not None:
+            knobs[name] = float(knob[0])
+        elif name == ALONG_MODE and (single := _single(values, len(table))) is not None:
             variables[name] = Variable(own, single, meaning(name))
         else:
-            variables[name] = Variable((*outer, *own), values[keep], meaning(name))
-    for name, words in (("status", status), ("task", names)):
-        variables[name] = Variable(tuple(outer), words[keep], meaning(name))
+            variables[name] = Variable((*outer, *own), values[keep], meaning(name, axes_met))
+    for name, texts in words.items():
+        variables[name] = Variable(tuple(outer), np.asarray(texts[keep]), meaning(name))
     coordinates = _coordinates(study, table, outer, arrays)
-    return coordinates | _with_coordinates(variables, coordinates), _attributes(study)
+    return coordinates | _with_coordinates(variables, coordinates), _attributes(study) | knobs
 
 
 def _single(values: np.ndarray, outer: int) -> np.ndarray | None:
@@ -139,6 +159,8 @@ def _coordinates(
         if dim in used:
             labels = np.array(list(arrays.labels[dim]))
             found[dim] = Variable((dim,), labels, meaning(dim))
+    if "axis" in used:
+        found["axis_unit"] = Variable(("axis",), np.array(axis_units(arrays.labels["axis"])), meaning("axis_unit"))
     return found
 
 

@@ -9,13 +9,14 @@ from typing import Any, Protocol
 import numpy as np
 
 from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
-from pipeline.results.variables import RENAMED, SERIES, meaning
+from pipeline.results.variables import RENAMED, SERIES, axis_units, meaning
 from pipeline.study import seas
 from pipeline.tasks.task import Parameters, wave_seed
 
 # How long it took is no part of what came out: no two runs agree on it.
 TIMINGS = ("wall_time", "prepare_time", "march_time")
 TASK = {"coordinates": "task"}  # so that records side by side know whose they are
+ALONG_AXES = {"coordinates": "task axis_unit"}
 SAMPLES = 4  # of a decimated series in the shortest wave
 
 Labelled = tuple[tuple[str, ...], Any]
@@ -74,12 +75,15 @@ def _variables(record: Record, kept: slice) -> Iterator[tuple[str, Variable]]:
     series = {n if n == "time" else n + SERIES: (_renamed(dims), v[kept]) for n, (dims, v) in record.series.items()}
     arrays = {**record.variables, **series}
     used = {dim for dims, _ in arrays.values() for dim in dims}
+    axes = [str(axis) for axis in record.coords.get("axis", ())]
     for name, labels in sorted(record.coords.items()):
         if name in used:
             yield name, Variable((name,), _narrow(labels), meaning(name))
+    if "axis" in used:
+        yield "axis_unit", Variable(("axis",), np.array(axis_units(axes)), meaning("axis_unit"))
     for name, (dims, array) in sorted(arrays.items()):
-        own = RENAMED.get(name, name)
-        yield own, Variable(tuple(dims), _narrow(array), meaning(own) | ({} if (own,) == tuple(dims) else TASK))
+        own, beside = RENAMED.get(name, name), ALONG_AXES if "axis" in dims else TASK
+        yield own, Variable(tuple(dims), _narrow(array), meaning(own, axes) | ({} if (own,) == tuple(dims) else beside))
     for name, value in sorted(record.attrs.items()):
         if _is_figure(value) and name not in TIMINGS:
             own = RENAMED.get(name, name)
@@ -101,16 +105,24 @@ def _is_figure(value: object) -> bool:
 
 
 def differences(old: bytes, new: bytes) -> list[str]:
-    """Which variables of two records differ, and by how much."""
+    """Which variables of two records differ, and by how much; none if they have the same content."""
     a, b = decode(old), decode(new)
     lines = [f"{name}: only in the {'old' if name in a else 'new'} record" for name in sorted(a.keys() ^ b.keys())]
-    for name in sorted(a.keys() & b.keys()):
-        x, y = a[name].values, b[name].values
-        if x.shape != y.shape or x.dtype != y.dtype:
-            lines.append(f"{name}: {x.dtype}{x.shape} became {y.dtype}{y.shape}")
-        elif x.dtype.kind not in "UO" and x.tobytes() != y.tobytes():
-            with np.errstate(invalid="ignore"):
-                lines.append(f"{name}: differs by up to {np.nanmax(np.abs(x - y)):.3g}")
-        elif x.dtype.kind in "UO" and not np.array_equal(x, y):
-            lines.append(f"{name}: other labels")
-    return lines
+    return lines + [f"{name}: {words}" for name in sorted(a.keys() & b.keys()) for words in _changes(a[name], b[name])]
+
+
+def _changes(old: Variable, new: Variable) -> Iterator[str]:
+    """What is no longer the same of a variable."""
+    x, y = old.values, new.values
+    if x.shape != y.shape or x.dtype != y.dtype:
+        yield f"{x.dtype}{x.shape} became {y.dtype}{y.shape}"
+    elif x.dtype.kind in "UO" and not np.array_equal(x, y):
+        yield "other labels"
+    elif x.dtype.kind not in "UO" and x.tobytes() != y.tobytes():
+        with np.errstate(invalid="ignore"):
+            yield f"differs by up to {np.nanmax(np.abs(x - y)):.3g}"
+    if old.dims != new.dims:
+        yield f"dimensions {', '.join(old.dims)} became {', '.join(new.dims)}"
+    for key in sorted(old.attrs.keys() | new.attrs.keys()):
+        if str(old.attrs.get(key)) != str(new.attrs.get(key)):
+            yield f"{key} {old.attrs.get(key)} became {new.attrs.get(key)}"

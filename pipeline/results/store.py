@@ -1,8 +1,9 @@
 """Results on disk: results/<study>/tasks/<id>/{record.nc, status.json}.
 
 A file appears whole or not at all. status.json is written last and carries the checksum of the
-record, so a task is done when its status says so and its record still has that checksum. Besides,
-it has the task's parameters, labels and provenance; a failed task has it alone.
+record and the task's id, so a task is done when its status says so, is its own and not one copied
+from elsewhere, and its record still has that checksum. Besides, it has the task's parameters, labels
+and provenance; a failed task has it alone.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import ctypes
 import hashlib
 import json
 import os
+import shutil
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -20,6 +22,7 @@ from typing import Any, Literal
 
 from filelock import FileLock, Timeout
 
+from pipeline.results.status import Status, read_json, read_status
 from pipeline.tasks.task import Task
 
 MANY = 4  # files from which on one flush of the file system is sooner done than one for each
@@ -35,7 +38,7 @@ class Entry:
 
     state: State
     folder: Path
-    status: dict[str, Any]
+    status: Status
 
     @property
     def record(self) -> Path:
@@ -50,11 +53,26 @@ def appearing(path: Path) -> Iterator[Path]:
     try:
         yield part
         flush([part], path.parent)
-        os.replace(part, path)
+        settle(part, path)
     except BaseException:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
         raise
+
+
+def settle(part: Path, path: Path) -> None:
+    """Give a finished file its name, whatever had it."""
+    if path.is_dir():
+        remove(path)
+    os.replace(part, path)
+
+
+def remove(path: Path) -> None:
+    """A file, or a folder with all that is in it, if there is one."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def write_atomic(path: Path, data: bytes) -> None:
@@ -96,21 +114,13 @@ def _described(task: Task, status: dict[str, Any]) -> bytes:
     """The content of status.json."""
     head = {"id": task.id, "model_version": task.version, "finished": timestamp()}
     parameters = {"parameters": task.parameters.model_dump(mode="json", exclude_defaults=True)}
-    return (json.dumps(head | status | parameters, allow_nan=False) + "\n").encode()
+    text = json.dumps(head | status | parameters, allow_nan=False, ensure_ascii=False)
+    return (text + "\n").encode("utf-8", "replace")  # an error's message may hold bytes that are no text
 
 
 def write_json(path: Path, data: object) -> None:
     """A JSON file, indented for people."""
     write_atomic(path, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())
-
-
-def read_json(path: Path) -> dict[str, Any] | None:
-    """The content of a JSON file, None if it is not there or not whole."""
-    try:
-        data = json.loads(path.read_bytes())
-    except (OSError, ValueError):
-        return None
-    return data if isinstance(data, dict) else None
 
 
 class Store:
@@ -136,18 +146,19 @@ class Store:
 
     def _look(self, task_id: str, checksums: bool) -> Entry:
         folder = self.folder(task_id)
-        status = read_json(folder / "status.json") or {}
-        state: State = {"done": "done", "failed": "failed"}.get(status.get("state", ""), "missing")  # type: ignore[assignment]
-        if state == "done" and not self._whole(folder / "record.nc", status, checksums):
+        status = read_status(folder / "status.json")
+        state: State = status.state
+        copied = state != "missing" and status.id != task_id
+        if copied or (state == "done" and not self._whole(folder / "record.nc", status, checksums)):
             state = "damaged"
         return Entry(state=state, folder=folder, status=status)
 
     @staticmethod
-    def _whole(record: Path, status: dict[str, Any], checksums: bool) -> bool:
+    def _whole(record: Path, status: Status, checksums: bool) -> bool:
         try:
-            if record.stat().st_size != status.get("bytes"):
+            if record.stat().st_size != status.bytes:
                 return False
-            return not checksums or sha256(record.read_bytes()) == status.get("sha256")
+            return not checksums or sha256(record.read_bytes()) == status.sha256
         except OSError:
             return False
 
@@ -175,7 +186,7 @@ class Store:
                 parts.append(_part(folder / "status.json", _described(task, made | status)))
             flush([part for part, _ in parts], self.tasks)
             for part, path in parts:
-                os.replace(part, path)
+                settle(part, path)
         except BaseException:
             for part, _ in parts:
                 with contextlib.suppress(OSError):
@@ -190,16 +201,21 @@ class Store:
         except FileNotFoundError:
             folder.mkdir(parents=True)
         except FileExistsError:
-            (folder / "status.json").unlink(missing_ok=True)
+            if not folder.is_dir():
+                remove(folder)
+                folder.mkdir()
+            remove(folder / "status.json")
             flush([folder], folder)
             for part in folder.glob(".*.part"):
-                part.unlink(missing_ok=True)
+                remove(part)
         return folder
 
     @contextlib.contextmanager
     def lock(self, waiting: Callable[[str], None]) -> Iterator[None]:
         """One writer for a study. The lock dies with its process, so a killed run leaves none behind."""
         self.root.mkdir(parents=True, exist_ok=True)
+        if (self.root / ".lock").is_dir():
+            remove(self.root / ".lock")
         lock = FileLock(self.root / ".lock")
         try:
             lock.acquire(timeout=0)

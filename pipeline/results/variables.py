@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 
@@ -22,14 +23,12 @@ WAVE = "sea_surface_wave_"
 
 VARIABLES = {
     "rotation": Meaning("rad", "Rotation of the float about its hinge axis, from rest, right-handed"),
-    "motion": Meaning(None, "Motion of the float along each free axis of its joint, from rest, in m or rad"),
-    "rao": Meaning(None, "Amplitude of the motion along each free axis per wave amplitude, in m/m or rad/m"),
+    "motion": Meaning("{axis}", "Motion of the float along each free axis of its joint, from rest"),
+    "rao": Meaning("{axis} m-1", "Amplitude of the motion along each free axis per wave amplitude"),
     "rao_phase": Meaning("rad", "Lag of that motion behind the elevation at the origin"),
     "wave_frequency": Meaning("rad s-1", "Angular frequency of each wave of the realization"),
     "absorbed_power": Meaning("W", "Mechanical power absorbed by the power take-off"),
-    "pto_moment": Meaning("N m", "Moment of the power take-off on the float about the hinge axis"),
     "hinge_force": Meaning("N", "Force of the hinge on the float"),
-    "hinge_moment": Meaning("N m", "Moment of the hinge on the float, without that of the power take-off"),
     "top_displacement": Meaning("m", "Displacement of the top of the leg from static equilibrium"),
     "bottom_stress": Meaning("Pa", "Stress of the most compressive fibre at the bottom of the leg"),
     "displacement_envelope": Meaning("m", "Largest absolute displacement along the leg"),
@@ -37,7 +36,7 @@ VARIABLES = {
     "wave_elevation": Meaning(
         "m", "Elevation of the sea surface at the origin", "sea_surface_height_above_mean_sea_level"
     ),
-    "natural_frequency": Meaning("rad s-1", "Natural angular frequency of the dry platform"),
+    "natural_frequency": Meaning("rad s-1", "Natural angular frequency of the dry platform, lowest first"),
     "Hm0": Meaning("m", "Significant wave height of the realization", WAVE + "significant_height"),
     "Tp_realized": Meaning("s", "Peak period of the realization", WAVE + "period_at_variance_spectral_density_maximum"),
     "Te": Meaning(
@@ -51,26 +50,51 @@ VARIABLES = {
         WAVE + "mean_period_from_variance_spectral_density_second_frequency_moment",
     ),
     "buckling_factor": Meaning("1", "Euler load over gravity load of the platform"),
-    "samples_per_second": Meaning("s-1", "Samples of the record in a second"),
     "stored_energy_change": Meaning("J", "Change of kinetic and potential energy over the run"),
     "work_wave": Meaning("J", "Work of wave pressure and excitation on the floats"),
     "work_radiation": Meaning("J", "Work of the radiation memory"),
     "work_pto": Meaning("J", "Work taken by the power take-offs"),
-    "work_joint_drag": Meaning("J", "Work taken by quadratic damping in the joints"),
+    "work_joint_damping": Meaning("J", "Work taken by damping in the joints besides the power take-offs"),
     "work_frame_inertia": Meaning("J", "Work of wave inertia loads on the platform"),
     "work_frame_drag": Meaning("J", "Work of drag on the platform"),
     "work_structural": Meaning("J", "Work taken by structural damping"),
-    "repeat_period": Meaning("s", "Time after which the wave record repeats itself"),
     "energy_residual": Meaning("1", "Energy that the balance does not account for, as a share of the wave work"),
     "constraint_drift": Meaning("m", "Largest distance of a hinge from its place"),
+    "constraint_drift_velocity": Meaning("m s-1", "Largest velocity at which a hinge leaves its place"),
+    "constraint_drift_acceleration": Meaning("m s-2", "Largest acceleration at which a hinge leaves its place"),
+    "estimated_error": Meaning(
+        "1", "Estimated relative error of any mean, rms or std: step, quadrature, memory and mesh"
+    ),
     "discretization_error": Meaning("1", "Estimated relative error of the time discretization"),
     "field_error": Meaning("1", "Share of the wave amplitudes' sum that the local series left out at a hull, at most"),
     "seabed_error": Meaning("1", "Share of a coefficient that the seabed has, at most, where it was left out"),
     "static_stress": Meaning("Pa", "Static stress at the bottom of the leg, without waves"),
-    "time_step": Meaning("s", "Time step"),
+    "quadrature_error": Meaning("1", "Estimated relative error of the pressure's quadrature"),
+    "memory_effect": Meaning(
+        "1", "Relative error that the misfit of the radiation memory makes in the linear response"
+    ),
+    "mesh_effect": Meaning("1", "Relative error that the boundary elements' mesh makes in the linear response"),
+    "memory_error": Meaning("1", "Largest relative misfit of the radiation memory"),
+    "memory_poles": Meaning("1", "Number of exponentials of the radiation memory"),
     "wall_time": Meaning("s", "Time that the task took to compute"),
     "status": Meaning(None, "Outcome of the task: done, failed, missing, stale (older model) or damaged"),
     "task": Meaning(None, "Identity of the task"),
+    "unmet": Meaning(None, "What was asked of the task and not met, empty if all was"),
+}
+
+# Numerical choices. A dataset has those that are the same in all its tasks as attributes of the file.
+KNOBS = {
+    "tolerance": Meaning("1", "Relative error that was asked for"),
+    "time_step": Meaning("s", "Time step"),
+    "modes": Meaning("1", "Number of the platform's lowest modes that are kept, besides static load shapes"),
+    "azimuths": Meaning("1", "Number of azimuths of the pressure's quadrature"),
+    "arc_points": Meaning("1", "Number of quadrature points on a meridian's arc"),
+    "line_points": Meaning("1", "Number of quadrature points on a meridian's straight part"),
+    "panel_size": Meaning("1", "Longest side of a mesh's triangles, relative to the hull and to the mean wave"),
+    "field_tolerance": Meaning("1", "Tolerance of the local wave field, relative to the sum of amplitudes"),
+    "memory_tolerance": Meaning("1", "Tolerance of the radiation memory's fit"),
+    "stations_per_element": Meaning("1", "Number of points of an element at which drag is taken"),
+    "newton_tolerance": Meaning("m", "Newton's last update of a position, or of an angle in rad"),
 }
 
 COORDINATES = {
@@ -86,7 +110,8 @@ COORDINATES = {
     "float": Meaning(None, "Name of the float"),
     "component": Meaning("1", "Number of the wave in its realization, from 1"),
     "axis": Meaning(None, "Free axis of the joint"),
-    "leg": Meaning(None, "Name of the leg"),
+    "axis_unit": Meaning(None, "Unit of motion along the axis"),
+    "leg": Meaning("1", "Number of the leg in the study file, from 1"),
     "direction": Meaning(None, "Axis of the component"),
     "height": Meaning("m", "Height above the foot of the leg", "height"),
     "statistic": Meaning(None, "Over the analysed time; max, min of parabolas through samples, std with ddof 0"),
@@ -98,11 +123,23 @@ COORDINATES = {
 RENAMED = {"Tp": "Tp_realized", "time": "elapsed_time"}
 # What a time series is called beside the statistics of the same variable.
 SERIES = "_series"
+SLIDING = {"surge", "sway", "heave"}  # the other axes turn
 
 
-def meaning(name: str) -> dict[str, str]:
-    """Attributes of a variable or coordinate; an unlisted one is only named."""
+def axis_units(axes: Iterable[str]) -> list[str]:
+    """Unit of motion along each axis."""
+    return ["m" if axis in SLIDING else "rad" for axis in axes]
+
+
+def meaning(name: str, axes: Iterable[str] = ()) -> dict[str, str]:
+    """Attributes of a variable or coordinate; an unlisted one is only named.
+
+    axes: of the joints; where some slide and some turn, what goes with both has no unit but theirs.
+    """
     name = name.removesuffix(SERIES)
-    known = VARIABLES.get(name) or COORDINATES.get(name)
+    known = VARIABLES.get(name) or KNOBS.get(name) or COORDINATES.get(name)
     attrs = known.attrs() if known else {"long_name": name.replace("_", " ")}
+    if "{axis}" in attrs.get("units", ""):
+        pattern, found = attrs.pop("units"), set(axis_units(axes))
+        attrs |= {"units": pattern.format(axis=found.pop())} if len(found) == 1 else {}
     return attrs | {"positive": "up"} if name == "height" else attrs

@@ -36,12 +36,15 @@ class Campaign:
     keep_going: bool = True
     say: Callable[[str], None] = print
 
-    def run(self, tasks: Tasks, watch: Watch) -> list[Task]:
-        """Run and keep all; the tasks that failed. `watch` hears of every outcome."""
+    def run(self, tasks: Tasks, watch: Watch, broken: Sequence[Geometry] = ()) -> list[Task]:
+        """Run and keep all; the tasks that failed. `watch` hears of every outcome.
+
+        broken: geometries whose coefficients are made again, whether or not a task needs them.
+        """
         tasks = tasks.unique
         failed: list[Task] = []
-        with schedule.pool(len(tasks), self.place, self.say) as pool:
-            for task, outcome in _Run(self, pool, watch).outcomes(tasks):
+        with schedule.pool(len(tasks) + len(broken), self.place, self.say) as pool:
+            for task, outcome in _Run(self, pool, watch).outcomes(tasks, broken):
                 if isinstance(outcome.result, Failure):
                     failed.append(task)
                     if not self.keep_going:
@@ -62,7 +65,7 @@ class Campaign:
             if isinstance(outcome.result, Failure):
                 kept.append((task, None, status | {"error": asdict(outcome.result)}))
             else:
-                kept.append((task, outcome.result, status | {"content": outcome.content}))
+                kept.append((task, outcome.result, status | {"content": outcome.content, "unmet": outcome.unmet}))
         self.store.keep(kept)
 
     def command(self, task: Task) -> str:
@@ -82,9 +85,9 @@ class _Run:
     out: int = 0  # batches that the pool has
     waiting: dict[Geometry, Tasks] = field(default_factory=dict)  # for their coefficients
 
-    def outcomes(self, tasks: Tasks) -> Iterator[tuple[Task, Outcome]]:
+    def outcomes(self, tasks: Tasks, broken: Sequence[Geometry]) -> Iterator[tuple[Task, Outcome]]:
         """Every task with what came of it, kept."""
-        self._start(tasks)
+        self._start(tasks, broken)
         self._offer()
         for key, results in self.pool.finished():
             arriving = self._arrived(key, results)
@@ -95,10 +98,11 @@ class _Run:
                     yield task, outcome
             self._offer()
 
-    def _start(self, tasks: Tasks) -> None:
+    def _start(self, tasks: Tasks, broken: Sequence[Geometry]) -> None:
         """Coefficients that are not known go first; tasks that need none of those are ready."""
-        cache = Cache(self.campaign.results)
-        for geometry, members in tasks.split(lambda task: geometry_of(task.parameters)).items():
+        cache, none = Cache(self.campaign.results), tasks.where(lambda _: False)
+        groups = dict.fromkeys(broken, none) | tasks.split(lambda task: geometry_of(task.parameters))
+        for geometry, members in groups.items():
             if geometry is None:
                 self.batches.add(members, None)
             elif (data := cache.get(geometry.key)) is not None:
@@ -127,11 +131,11 @@ class _Run:
             outcomes = [_outcome(results)] if isinstance(results, Lost) else results
             for task, outcome in zip(key.tasks, outcomes, strict=True):
                 self.batches.heard(outcome.wall_time)
-                yield task, _same_sources(outcome)
+                yield task, outcome
 
     def _geometry_arrived(self, geometry: Geometry, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
         """Keep coefficients and let their tasks go; without them, the tasks have failed too."""
-        outcome, tasks = _same_sources(outcome), self.waiting.pop(geometry)
+        tasks = self.waiting.pop(geometry)
         self.watch(geometry, outcome)
         if isinstance(outcome.result, Failure):
             yield from ((task, outcome) for task in tasks)
@@ -147,16 +151,13 @@ def _outcome(results: list[Outcome] | Lost) -> Outcome:
     return results[0]
 
 
-def _same_sources(outcome: Outcome) -> Outcome:
-    """A worker with another solver computes another study: its results are refused."""
-    mine, theirs = environment.sources(), outcome.provenance["solver_sources"]
-    if theirs == mine:
-        return outcome
-    where = outcome.provenance["host"]
-    error = RuntimeError(f"the worker on {where} has solver sources {theirs}, this process {mine}: install the same")
-    return Outcome(result=Failure.of(error), provenance=outcome.provenance)
-
-
 def unfinished(tasks: Tasks, store: Store) -> Tasks:
     """What a run has to do."""
     return tasks.where(lambda task: store.look(task, checksums=True).state in UNFINISHED)
+
+
+def broken(tasks: Tasks, results: Path) -> list[Geometry]:
+    """The geometries whose coefficients are there and damaged; no task is made to find that there are none."""
+    damaged = Cache(results).damaged()
+    found = tasks.split(lambda task: geometry_of(task.parameters)) if damaged else {}
+    return [geometry for geometry in found if geometry and geometry.key in damaged]

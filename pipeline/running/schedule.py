@@ -137,6 +137,7 @@ class Dask:
         self._running: dict[str, _Job] = {}
         self._events: SimpleQueue[tuple[str, bool]] = SimpleQueue()  # names of what has begun or ended
         self._ended: deque[str] = deque()
+        self._refused: set[str] = set()  # addresses of workers with other sources
         self.width = self._threads()
         if place.timeout:
             client.subscribe_topic(START, lambda event: self._events.put((event[1]["key"], True)))
@@ -146,7 +147,7 @@ class Dask:
         return max(1, sum(self._client.nthreads().values()))
 
     def submit(self, key: Hashable, function: Work, *args: Any) -> None:
-        future = self._client.submit(_within, self._place.timeout, function, *args, pure=False)
+        future = self._client.submit(_within, self._place.timeout, function, *args, pure=False, **self._where())
         self._running[future.key] = _Job(key, future, function, args)
         future.add_done_callback(lambda done: self._events.put((done.key, False)))
 
@@ -163,12 +164,33 @@ class Dask:
                 except TimeoutError:  # the worker that has it is silent: it hangs in its next piece, or is dead
                     self._ended.append(name)
                     continue
+            if isinstance(results, list) and self._foreign(name, results):
+                results = None
             del self._running[name]
             job.future.release()
             if results is None:
                 self.submit(job.key, job.function, *job.args)
             else:
                 yield job.key, results
+
+    def _foreign(self, name: str, results: list[Any]) -> bool:
+        """Whether a worker with another solver has computed another study: another does it, and that one no more."""
+        mine, theirs = environment.sources(), results[0].provenance["solver_sources"]
+        if theirs == mine:
+            return False
+        for address in set(self._client.who_has([self._running[name].future])[name]) - self._refused:
+            self._refused.add(address)
+            self._say(f"the worker at {address} has solver sources {theirs}, this process {mine}: it gets no more work")
+        return True
+
+    def _where(self) -> dict[str, Any]:
+        """For whom work is meant: anybody, or those that have not been refused as long as one of them lives."""
+        if not self._refused:
+            return {}
+        trusted = [address for address in self._client.nthreads() if address not in self._refused]
+        if not trusted:
+            raise ConnectionError("no worker has this process's solver sources: install the same")
+        return {"workers": trusted, "allow_other_workers": True}
 
     def _next(self) -> tuple[str, bool]:
         """The next piece of work that has come to an end, or is over its time; meanwhile, an eye on the cluster."""

@@ -41,7 +41,7 @@ def coefficients(geometry: Geometry) -> Hydrodynamics:
     if known is None:
         arguments = bem_arguments(plain)
         arguments |= {"omega": np.concatenate([LOWEST, arguments["omega"]]), "panels": PANELS}
-        known = cache.encode(bem.solve(**arguments))
+        known = cache.encode(bem.solve(**arguments), plain.key)
         COEFFICIENTS.put(plain.key, known)
     return cache.decode(known)
 

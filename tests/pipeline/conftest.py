@@ -10,6 +10,7 @@ import cloudpickle
 import numpy as np
 import pytest
 
+from pipeline.bridge import cache
 from pipeline.bridge import engine as physics
 from pipeline.cli import actions
 from pipeline.study.reading import read
@@ -77,6 +78,12 @@ def fake_coefficients(geometry):
     return f"coefficients of {geometry.key}".encode()
 
 
+def fake_check(data, key):
+    """These coefficients are no netCDF file."""
+    if data != f"coefficients of {key}".encode():
+        raise ValueError(key)
+
+
 def fake_compute(parameters, coefficients):
     """Numbers that depend on the parameters alone; seed 666 fails, seed 667 kills its process."""
     if parameters.seed == 666:
@@ -110,6 +117,7 @@ def engine(monkeypatch):
         coefficients=fake_coefficients, compute=fake_compute, check=lambda _: None, reduce=lambda _: None
     )
     monkeypatch.setattr(physics, "Engine", lambda: fake)
+    monkeypatch.setattr(cache.Cache.__init__, "__defaults__", (fake_check,))
     monkeypatch.setattr(actions, "REPORTED", 0)  # figures take longer than all the rest
     return fake
 

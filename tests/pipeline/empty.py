@@ -43,11 +43,18 @@ def coefficients(geometry):
     return geometry.key.encode() * 1000
 
 
+def check(data, key):
+    """These coefficients are no netCDF file."""
+    if data != key.encode() * 1000:
+        raise ValueError(key)
+
+
 def compute(parameters, data):
     """Numbers that depend on the parameters alone, after EMPTY_SECONDS and with EMPTY_MEGABYTES.
 
     EMPTY_SLOW_SEED: only this realization takes them. EMPTY_COMPILED: it holds the interpreter meanwhile.
     EMPTY_LOG: a file that gets a line for each call. EMPTY_GATE: a file without which no call ends.
+    EMPTY_UNMET: what odd realizations do not meet.
     """
     if log := os.environ.get("EMPTY_LOG"):
         with open(log, "a") as file:
@@ -65,7 +72,8 @@ def compute(parameters, data):
     rng = np.random.default_rng([*wave_seed(parameters), len(data)])
     variables = {"wave_elevation": (("statistic",), rng.normal(size=5) * space[:1].sum(initial=1.0))}
     coords = {"statistic": np.array(["max", "min", "mean", "rms", "std"])}
-    return SimpleNamespace(variables=variables, coords=coords, attrs={"energy_residual": rng.random()}, series={})
+    attrs = {"energy_residual": rng.random(), "unmet": given.get("EMPTY_UNMET", "") if parameters.seed % 2 else ""}
+    return SimpleNamespace(variables=variables, coords=coords, attrs=attrs, series={})
 
 
 def nothing(parameters):
@@ -81,7 +89,7 @@ def main() -> None:
     from pipeline.cli import actions, cli
 
     actions.REPORTED = 0
-    cache.Cache.__init__.__defaults__ = (len,)  # these coefficients are no netCDF file
+    cache.Cache.__init__.__defaults__ = (check,)
     engine.Engine = lambda: ENGINE
     cli.main()
 

@@ -66,7 +66,7 @@ def same(one, other):
 
 def test_a_damaged_file_is_not_used(coefficients, tmp_path):
     store = cache.Cache(tmp_path)
-    data = bytearray(cache.encode(coefficients))
+    data = bytearray(cache.encode(coefficients, "key"))
     store.put("key", bytes(data))
     assert store.get("key") == bytes(data)
     at = bytes(data).find(np.linspace(0.5, 2, 4).astype(">f8").tobytes())
@@ -76,3 +76,24 @@ def test_a_damaged_file_is_not_used(coefficients, tmp_path):
     store.put("key", bytes(data[: len(data) // 2]))
     assert store.get("key") is None
     assert store.get("other") is None
+
+
+def test_a_file_counts_under_its_own_name_alone(coefficients, tmp_path):
+    """Copied over another's, also with the name in it overwritten, which breaks the checksum."""
+    store, data = cache.Cache(tmp_path), cache.encode(coefficients, "0123456789abcdef")
+    store.put("0123456789abcdef", data)
+    store.put("fedcba9876543210", data)
+    assert store.damaged() == {"fedcba9876543210"}
+    assert store.get("fedcba9876543210") is None
+    store.put("fedcba9876543210", data.replace(b"0123456789abcdef", b"fedcba9876543210"))
+    assert store.damaged() == {"fedcba9876543210"}
+
+
+def test_a_whole_file_that_lacks_something_is_not_used(coefficients, tmp_path, monkeypatch):
+    """As another version of the program may leave one."""
+    with monkeypatch.context() as patch:
+        patch.setattr(cache, "SCALARS", cache.SCALARS[:-1])
+        data = cache.encode(coefficients, "key")
+    store = cache.Cache(tmp_path)
+    store.put("key", data)
+    assert store.get("key") is None

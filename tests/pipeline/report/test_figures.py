@@ -127,6 +127,18 @@ def test_a_study_that_varies_nothing(results):
     assert page.troubles(figures.Results(study=results.study, data=one.assign(status="failed"))) == ["failed"]
 
 
+def test_the_page_names_what_was_asked_and_not_met(results):
+    words = results.data["status"].astype(object).copy()
+    words[...] = ""
+    words[0, 0, 0] = "tolerance 1e-3 asked, 2.1e-3 estimated"
+    found = figures.Results(study=results.study, data=results.data.assign(unmet=words))
+    (line,) = page.unmet(found)
+    assert line.endswith("seed 0: tolerance 1e-3 asked, 2.1e-3 estimated")
+    bare = figures.Results(study=results.study, data=found.data[["status", "unmet"]])
+    assert f"<h2>Asked and not met</h2>\n<ul>\n<li>{line}</li>" in page.html(bare)
+    assert "Asked and not met" not in page.html(figures.Results(study=results.study, data=found.data[["status"]]))
+
+
 def test_an_axis_of_numbers_has_its_own_figure(results):
     data = xr.concat([dataset().assign_coords(pto_damping=b) for b in (1e5, 2e5, 4e5)], "pto_damping")
     data["pto_damping"].attrs["units"] = "N m s rad-1"

@@ -68,6 +68,16 @@ def test_every_figure_comes_of_what_is_there(results):
     assert series.entries(without) == []
 
 
+def test_damaged_records_are_passed_over(results):
+    for platform in PLATFORMS:
+        folder = results.tasks / f"{platform}-0"  # comes before the whole one
+        folder.mkdir()
+        (folder / "record.nc").write_bytes(record(platform)[:100])
+    (results.tasks / "fixed-1" / "record.nc").unlink()
+    (results.tasks / "fixed-1" / "record.nc").mkdir()
+    assert list(series.Series(results).records) == ["elastic", "elastic-no-floats"]
+
+
 def test_lines_are_the_series_in_the_units_shown(results):
     (top, stress) = series.response(series.Series(results))
     assert [line.name for line in top.lines] == ["with floats", "no floats"]

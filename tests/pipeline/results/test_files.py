@@ -8,14 +8,79 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import SMALL
 
+from pipeline.bridge import cache
 from pipeline.bridge.loading import load
 from pipeline.results import dataset, records
+from pipeline.results.netcdf import Variable, content, to_bytes
 from pipeline.results.store import Store
+from pipeline.results.variables import COORDINATES, KNOBS, SERIES, VARIABLES
 from pipeline.running.campaign import Campaign
 from pipeline.running.schedule import Place
 from pipeline.study.schema import Recording
 from pipeline.tasks.task import wave_seed
+
+SHORT = "[record]\nduration = 4.0\ndiscard = 1.0\nramp = 1.0\nseries = 'full'\n"
+SPHERE = """
+[water]
+depth = inf
+[waves]
+band = [0.5, 2.0]
+components = 20
+[[floats]]
+name = "sphere"
+hull = { shape = "sphere", radius = 5.0, draft = 5.0 }
+mass = 261.8e3
+inertia = [2.6e6, 2.6e6, 2.6e6]
+hinge = [0.0, 0.0, 0.0]
+motion = ["heave"]
+offset = 0.5
+[sea_states]
+still = { kind = "still" }
+regular = { kind = "regular", height = 0.2, period = 6.0 }
+"""
+# A float that turns, hinged on one that slides: axes of both kinds.
+CARRIED = """
+[[floats]]
+name = "front"
+on = "sphere"
+hull = { shape = "sphere", radius = 1.0, draft = 1.0 }
+mass = 2147.0
+inertia = [859.0, 859.0, 859.0]
+hinge = [-5.0, 0.0, 2.6]
+arm = [-3.5, 0.0, -2.6]
+pto_damping = 5e4
+[axes]
+hinge_spacing = [5.0]
+"""
+CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
+# Every kind of scene, sea, path and output.
+REAL = {
+    "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
+    "heave": SPHERE + SHORT + "rao = true\n[solver]\ntolerance = 0.05\n",
+    "floating": SPHERE.replace('["heave"]\noffset = 0.5', '["surge", "heave"]\nstiffness = [2e5, 0]') + CARRIED + SHORT,
+    "paper": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("4.0", "1.0") + '[solver]\naccuracy = "reference"\n',
+}
+
+
+def coarse(geometry):
+    """Coefficients in a second: their names are the fine ones'."""
+    return cache.encode(engine.hydrodynamics(geometry.model_copy(update={"panels": 108})), geometry.key)
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory):
+    """A folder of results that the solver itself has left."""
+    folder, solver = tmp_path_factory.mktemp("real"), engine.Engine(coefficients=coarse)
+    for name, text in REAL.items():
+        path = folder / f"{name}.toml"
+        path.write_text(text)
+        study, store = load(path), Store(folder / "r", name)
+        job = Campaign(study=path, results=folder / "r", store=store, engine=solver, place=Place(workers=1))
+        assert job.run(study.tasks, lambda *_: None) == []
+        dataset.collect(study, store)
+    return folder / "r"
 
 
 @pytest.fixture
@@ -50,6 +115,56 @@ def test_dataset_and_records_are_clean_under_cf(ran, tmp_path):
         assert complaints(store.look(task).record, tmp_path) == []
 
 
+def variables(path):
+    with xr.open_dataset(path, decode_cf=False) as data:
+        return {str(name): (v.dims, v.dtype.kind, v.attrs) for name, v in data.variables.items()}
+
+
+def test_the_one_table_names_all_that_runs_leave_and_nothing_else(real):
+    """Elastic, fixed, no floats, guided, floating, decay, RAO, series, tolerance, the paper's way: all have units."""
+    found = {}
+    for path in real.glob("**/*.nc"):
+        if path.parent.name != "hydrodynamics":
+            found |= {(path, name): told for name, told in variables(path).items()}
+    for (path, name), (dims, kind, attrs) in found.items():
+        assert attrs.get("long_name"), (path, name)
+        mixed = path.is_relative_to(real / "floating") and "axis" in dims
+        assert "units" in attrs or kind in "OSU" or mixed, (path, name)
+    listed = VARIABLES.keys() | KNOBS.keys() | COORDINATES.keys()
+    assert {name.removesuffix(SERIES) for _, name in found} == listed
+
+
+def test_motion_along_an_axis_has_its_unit(real):
+    """Where axes slide and turn, the unit is beside the axis."""
+    with xr.open_dataset(real / "heave" / "statistics.nc") as data:
+        assert (data.motion.attrs["units"], data.rao.attrs["units"]) == ("m", "m m-1")
+        assert data.axis_unit.values.tolist() == ["m"]
+    for path in (real / "floating").glob("**/*.nc"):
+        with xr.open_dataset(path) as data:
+            assert "units" not in data.motion.attrs
+            assert dict(zip(data.axis.values, data.motion.axis_unit.values, strict=True)) == {
+                "surge": "m", "heave": "m", "hinge": "rad"
+            }  # fmt: skip
+
+
+def test_what_the_solver_itself_leaves_is_clean_under_cf(real, tmp_path):
+    for path in [real / "floating" / "statistics.nc", next(real.glob("heave/tasks/*/record.nc"))]:
+        assert complaints(path, tmp_path) == [], path
+
+
+def test_records_of_different_platforms_open_together(real):
+    """xarray's own default, coords="different", wants every coordinate in every file."""
+    paths = sorted((real / "elastic" / "tasks").glob("*/record.nc"))
+    with xr.open_mfdataset(paths, combine="nested", concat_dim="task", coords="minimal") as data:
+        assert data.task.values.tolist() == [path.parent.name for path in paths]
+        for path in paths:
+            with xr.open_dataset(path) as one:
+                row = data.sel(task=path.parent.name)
+                for name, values in one.data_vars.items():
+                    xr.testing.assert_equal(row[name].drop_vars("task"), values.drop_vars("task"))
+                assert row.bottom_stress.isnull().all() == ("leg" not in one.coords)
+
+
 def test_records_open_one_by_one_and_together(ran):
     _, store, tasks = ran
     paths = [store.look(task).record for task in tasks[:2]]
@@ -67,6 +182,42 @@ def test_provenance_is_in_the_attributes(ran):
         assert data.attrs["wave_seed"].split() == [str(word) for word in wave_seed(tasks[0].parameters)]
         assert re.fullmatch(r"[0-9a-f]{40}(-dirty)?|unknown", data.attrs["commit"])
         assert {"host", "numpy", "numba", "solver_sources", "wall_time", "task"} <= data.attrs.keys()
+
+
+WHOLE = Variable(("float",), np.array([1.0, 0.0]), {"units": "m"})
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"values": np.array([1.0, 1e-300])}, "x: differs by up to 1e-300"),
+        ({"values": np.array([1.0, -0.0])}, "x: differs by up to 0"),
+        ({"values": np.array([1.0, 0.0], "f4")}, "x: float64(2,) became float32(2,)"),
+        ({"values": np.array([1, 0], "i4")}, "x: float64(2,) became int32(2,)"),
+        ({"values": np.array([1.0, 0.0, 0.0])}, "x: float64(2,) became float64(3,)"),
+        ({"values": np.array(["1.0", "0.0"])}, "x: float64(2,) became <U3(2,)"),
+        ({"dims": ("leg",)}, "x: dimensions float became leg"),
+        ({"attrs": {"units": "km"}}, "x: units m became km"),
+        ({"attrs": {}}, "x: units m became None"),
+    ],
+)
+def test_whatever_changes_in_a_record_is_named_and_changes_its_digest(changed, words):
+    old, new = {"x": WHOLE}, {"x": WHOLE._replace(**changed)}
+    assert records.differences(to_bytes(old, {}), to_bytes(new, {})) == [words]
+    assert content(old) != content(new)
+
+
+def test_a_digest_is_of_types_and_attributes_too():
+    """Zeros have the same bits in numbers of either kind."""
+    x, n = ({"x": Variable(("leg",), np.zeros(2, kind), {})} for kind in ("f4", "i4"))
+    assert len({content(x), content(n), content(x, {"unit": "m"}), content(x, {"unit": "km"})}) == 4
+
+
+def test_labels_that_change_are_named():
+    old, new = ({"leg": Variable(("leg",), np.array(names), {})} for names in (["a", "b"], ["a", "c"]))
+    assert records.differences(to_bytes(old, {}), to_bytes(new, {})) == ["leg: other labels"]
+    assert records.differences(to_bytes(old, {}), to_bytes(old, {"host": "other"})) == []
+    assert content(old) != content(new)
 
 
 @pytest.mark.parametrize(("series", "step"), [("full", 1), ("decimated", 6)])

@@ -1,6 +1,7 @@
 """Files appear whole or not at all, and only a whole record counts."""
 
 import os
+import shutil
 
 import pytest
 
@@ -8,6 +9,8 @@ from pipeline.bridge.loading import load
 from pipeline.results import store as module
 from pipeline.results.store import Store, sha256, write_atomic
 from pipeline.tasks.task import Task, expand
+
+ERROR = {"error": {"kind": "ValueError", "message": "too much", "traceback": ""}}
 
 
 @pytest.fixture
@@ -53,12 +56,12 @@ def test_a_record_without_status_is_not_done(store, task, monkeypatch):
 
 def test_done_and_failed(store, task):
     assert store.look(task).state == "missing"
-    store.failed(task, {"error": {"kind": "ValueError"}})
+    store.failed(task, ERROR)
     assert store.look(task).state == "failed"
     store.done(task, b"record", {})
     entry = store.look(task, checksums=True)
     assert entry.state == "done"
-    assert entry.status["sha256"] == sha256(b"record")
+    assert entry.status.sha256 == sha256(b"record")
 
 
 def test_short_and_flipped_records_are_damaged(store, task):
@@ -71,9 +74,27 @@ def test_short_and_flipped_records_are_damaged(store, task):
     assert store.look(task, checksums=True).state == "damaged"  # a checksum is
 
 
-def test_results_of_an_older_model_are_stale(store, task):
+def test_a_longer_record_is_damaged(store, task):
     store.done(task, b"record", {})
+    store.look(task).record.write_bytes(b"record and more")
+    assert store.look(task).state == "damaged"
+
+
+def test_a_folder_copied_over_another_is_damaged(store, small):
+    """Record and status fit each other, and are another task's."""
+    one, other, third = list(expand(load(small).content))[:3]
+    store.done(one, b"record", {})
+    store.failed(third, ERROR)
+    for source, target in ((one, other), (third, one)):
+        shutil.copytree(store.folder(source.id), store.folder(target.id), dirs_exist_ok=True)
+        assert store.look(target).state == "damaged"
+
+
+def test_results_of_an_older_model_are_stale(store, task):
     newer = Task(labels=task.labels, make=task.make, version=task.version + 1)
+    store.failed(task, ERROR)
+    assert store.look(newer).state == "missing"  # nothing to show for it
+    store.done(task, b"record", {})
     assert store.look(newer).state == "stale"
     store.done(newer, b"record", {})
     assert store.look(newer).state == "done"
@@ -95,3 +116,26 @@ def test_a_second_user_waits_and_is_told(store):
     assert f"in use by process {os.getpid()}" in words[0]
     with store.lock(waiting):
         assert len(words) == 1
+
+
+@pytest.mark.parametrize("name", ["record.nc", "status.json", ".status.json.1.part"])
+def test_a_folder_where_a_file_should_be_makes_way(store, task, name):
+    folder = store.folder(task.id) / name
+    (folder / "inside").mkdir(parents=True)
+    assert store.look(task, checksums=True).state == "missing"
+    store.done(task, b"record", {})
+    assert store.look(task, checksums=True).state == "done"
+
+
+def test_a_file_where_a_folder_should_be_makes_way(store, task):
+    store.tasks.mkdir(parents=True)
+    store.folder(task.id).write_text("no folder")
+    assert store.look(task, checksums=True).state == "missing"
+    store.done(task, b"record", {})
+    assert store.look(task, checksums=True).state == "done"
+
+
+def test_an_error_that_holds_no_text_is_kept(store, task):
+    """A lone surrogate stands for a byte of a file's name; JSON and terminals have none."""
+    store.failed(task, {"error": {**ERROR["error"], "message": "no file named \udcff"}})
+    assert store.look(task).status.error.message == "no file named ?"

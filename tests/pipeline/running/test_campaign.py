@@ -1,6 +1,7 @@
 """A study from end to end with an engine without physics."""
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,15 +12,19 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
+from pipeline.bridge import preflight
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
 from pipeline.cli import actions
 from pipeline.cli.cli import app
+from pipeline.cli.plan import Estimate
 from pipeline.results import dataset
-from pipeline.results.store import Store
+from pipeline.results.store import Store, remove
 from pipeline.running.campaign import Campaign, unfinished
 from pipeline.running.schedule import Place
+from pipeline.study.reading import StudyError
 from pipeline.tasks.task import expand
+from solver.errors import InputError
 
 
 def campaign(path, results, engine, **how):
@@ -36,7 +41,7 @@ def run(path, results, engine, **how):
 
 
 def contents(tasks, store):
-    return {task.id: store.look(task).status["content"] for task in tasks}
+    return {task.id: store.look(task).status.content for task in tasks}
 
 
 @pytest.fixture
@@ -63,9 +68,7 @@ def test_a_second_run_runs_nothing(small, tmp_path, engine):
     assert run(small, tmp_path / "r", engine, workers=1)[4] == []
 
 
-def test_coefficients_are_not_solved_again(small, tmp_path, engine, monkeypatch):
-    monkeypatch.setattr("pipeline.bridge.cache.decode", lambda data: data)
-    monkeypatch.setattr("pipeline.bridge.cache.Cache.__init__.__defaults__", (lambda data: data,))
+def test_coefficients_are_not_solved_again(small, tmp_path, engine):
     run(small, tmp_path / "r", engine, workers=1)
     small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 1, 2]"))
     heard = run(small, tmp_path / "r", engine, workers=1)[4]
@@ -89,7 +92,7 @@ def test_a_task_that_kills_its_worker_is_a_failure_and_the_others_go_on(small, t
     _, tasks, store, failed, _ = run(small, tmp_path / "r", engine, workers=2)
     assert [t.labels["seed"] for t in failed] == [667]
     assert [store.look(t).state for t in tasks] == ["done"] * 4 + ["failed"]
-    assert "every worker that had it died" in store.look(failed[0]).status["error"]["message"]
+    assert "every worker that had it died" in store.look(failed[0]).status.error.message
 
 
 def test_failed_tasks_are_recorded_and_the_others_go_on(small, cli):
@@ -176,6 +179,39 @@ def test_damaged_records_are_found_and_made_again(cli, tmp_path):
     cli("verify")
 
 
+def test_copied_results_are_found_and_made_again(small, cli, tmp_path):
+    cli("run", "--workers", "1")
+    (one,) = (tmp_path / "r" / "hydrodynamics").glob("*.nc")
+    small.write_text(small.read_text().replace("depth = 50.0", "depth = 50.0\ndensity = 1000.0"))
+    cli("run", "--workers", "1")
+    other = one.with_name(f"{geometry_of(next(iter(load(small).tasks)).parameters).key}.nc")
+    right = other.read_bytes()
+    other.write_bytes(one.read_bytes())
+    assert f"damaged: {other}; `study run" in cli("verify", code=1)
+    assert "hydrodynamic coefficients" in cli("run", "--workers", "1")
+    assert other.read_bytes() == right
+    first, second, *_ = (tmp_path / "r" / "small" / "tasks" / task.id for task in load(small).tasks)
+    shutil.copytree(first, second, dirs_exist_ok=True)
+    assert f"damaged: {second.name}" in cli("verify", code=1)
+    assert "1 damaged" in cli("collect")
+    assert "1 run now" in cli("run", "--workers", "1")
+    cli("verify")
+
+
+def test_folders_where_files_should_be_stop_nothing(cli, tmp_path):
+    cli("run", "--workers", "1")
+    root, (bem,) = tmp_path / "r" / "small", (tmp_path / "r" / "hydrodynamics").glob("*.nc")
+    one, other, third = list((root / "tasks").iterdir())[:3]
+    found = [one / "record.nc", other / "status.json", third, root / "statistics.nc", root / ".lock", bem]
+    for path in [*found, root / ".lock.json", root / ".statistics.json"]:
+        remove(path)
+        (path / "inside").mkdir(parents=True)
+    assert "12 tasks: 9 done, 2 missing, 1 damaged" in cli("status", code=2)
+    assert "12 done; 3 run now" in cli("run", "--workers", "1")
+    assert all(path.is_file() for path in found if path != third)
+    cli("verify")
+
+
 def test_orphans_are_listed_and_removed_on_request(small, cli, tmp_path):
     cli("run", "--workers", "1")
     small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0]"))
@@ -258,6 +294,63 @@ def test_attributes_come_from_the_one_table(collected):
     assert all("_FillValue" not in data[c].encoding for c in data.coords)
 
 
+@pytest.fixture
+def changed(small, tmp_path, engine):
+    """The dataset of a study whose records have been changed: change(parameters, record)."""
+    from dataclasses import replace
+
+    def collect(change):
+        def compute(parameters, coefficients):
+            record = engine.compute(parameters, coefficients)
+            change(parameters, record)
+            return record
+
+        study, _, store, failed, _ = run(small, tmp_path / "r", replace(engine, compute=compute), workers=1)
+        assert not failed
+        return dataset.load(dataset.collect(study, store)[0])
+
+    return collect
+
+
+def test_a_knob_is_an_attribute_unless_tasks_differ(changed):
+    data = changed(lambda given, record: record.attrs.update(time_step=0.2, newton_tolerance=1e-5 / (1 + given.seed)))
+    assert data.attrs["time_step"] == 0.2 and "time_step" not in data
+    assert data.newton_tolerance.sel(seed=1, sea_state="calm", platform="fixed") == 5e-6
+    assert data.newton_tolerance.dims == ("sea_state", "platform", "seed")
+    assert data.newton_tolerance.attrs["units"] == "m"
+    assert "newton_tolerance" not in data.attrs
+
+
+def test_frequencies_that_differ_are_not_shown_as_one(changed):
+    def soften(given, record):
+        if given.platform and given.seed:
+            record.variables["natural_frequency"] = (("mode",), np.array([0.4, 3.1 * (1 - 1e-6)]))
+
+    data = changed(soften)
+    assert data.natural_frequency.dims == ("sea_state", "platform", "seed", "mode")
+    assert data.natural_frequency.sel(sea_state="calm", platform="elastic", mode=2).values.tolist() == [
+        3.1,
+        3.1 * (1 - 1e-6),
+    ]
+
+
+def test_a_table_of_the_dataset_has_room_for_the_lowest_modes_alone(changed, tmp_path):
+    """A row for every combination of labels, of which a platform may have 708; the record has them all."""
+
+    def refine(given, record):
+        if given.platform:
+            record.coords["mode"] = np.arange(1, 709)
+            record.variables["natural_frequency"] = (("mode",), np.sqrt(np.arange(1.0, 709.0)))
+
+    data = changed(refine)
+    np.testing.assert_array_equal(data.natural_frequency, np.sqrt(np.arange(1.0, 7.0)))
+    assert data.mode.values.tolist() == [1, 2, 3, 4, 5, 6]
+    assert len(data.to_dataframe()) == 12 * 6 * 5 * 2  # tasks, modes, statistics, heights; one float, one leg
+    path = next(tmp_path / "r" / "small" / "tasks" / task for task in data.task.sel(platform="elastic").values.ravel())
+    with xr.open_dataset(path / "record.nc") as one:
+        assert one.sizes["mode"] == 708
+
+
 def test_collecting_twice_gives_the_same_file(small, tmp_path, engine):
     study, _, store, _, _ = run(small, tmp_path / "r", engine, workers=1)
     first = dataset.collect(study, store)[0].read_bytes()
@@ -313,6 +406,35 @@ def test_random_tasks_are_repeated_and_compared(cli):
     assert cli("verify", "--rerun", "100").count("bitwise the same as the old record") == 12
 
 
+def test_every_sea_and_every_configuration_is_judged_before_anything_runs(small, engine):
+    from dataclasses import replace
+
+    small.write_text(small.read_text().replace("[axes]", "[axes]\npto_damping = [1e5, 2e5]"))
+    study, judged = load(small), []
+    preflight.check(study, expand(study.content), replace(engine, check=judged.append))
+    assert {given.sea_state.Hs for given in judged} == {0.5, 2.0}
+    assert {(bool(given.platform), *(f.pto_damping for f in given.floats)) for given in judged} == {
+        (elastic, damping) for elastic in (True, False) for damping in (1e5, 2e5)
+    } | {(True,)}
+    assert len(judged) < len(study.tasks)
+
+
+def test_odd_and_impossible_seas_are_named_whichever_they_are(small, engine):
+    from dataclasses import replace
+
+    study = load(small)
+    for label, height in (("calm", 0.5), ("rough", 2.0)):
+        odd = replace(engine, check=lambda given, height=height: ["sea: odd"] * (given.sea_state.Hs == height))
+        assert preflight.check(study, expand(study.content), odd) == [f"sea_states.{label}: odd"]
+
+        def refuse(given, height=height):
+            if given.sea_state.Hs == height:
+                raise InputError("sea", height, "must be calm")
+
+        with pytest.raises(StudyError, match=f"sea = {height}: must be calm"):
+            preflight.check(study, expand(study.content), replace(engine, check=refuse))
+
+
 def test_plan_tells_states_and_time_from_past_runs(small, cli):
     assert "no past run tells how long they take" in cli("plan")
     small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 666]"))
@@ -320,3 +442,41 @@ def test_plan_tells_states_and_time_from_past_runs(small, cli):
     output = cli("plan")
     assert "12 tasks: 6 missing, 3 done, 3 failed" in output
     assert "about 0 s on 2 workers, from 3 tasks done" in output
+    assert "about 0 s on 7 workers" in cli("plan", "--workers", "7")
+
+
+def test_what_was_asked_and_not_met_is_told(small, cli, engine, monkeypatch, tmp_path):
+    from dataclasses import replace
+
+    def short(parameters, coefficients):
+        record = engine.compute(parameters, coefficients)
+        missed = "tolerance 1e-3 asked, 2.1e-3 estimated" if parameters.platform and parameters.floats else ""
+        return replace(record, attrs={**record.attrs, "unmet": missed})
+
+    monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: replace(engine, compute=short))
+    output = cli("run", "--workers", "1")
+    assert output.count(": tolerance 1e-3 asked, 2.1e-3 estimated") == 3  # the first of them
+    assert "and 1 more that did not meet what was asked" in output
+    told = "12 tasks: 12 done; 4 did not meet what was asked"
+    assert told in output
+    assert told in cli("status")
+    rows = json.loads(cli("status", "--json"))["tasks"]
+    assert [row["id"] for row in rows if row["unmet"]] == [
+        task.id for task in load(small).tasks if task.labels["platform"] == "elastic"
+    ]
+    assert "unmet: tolerance 1e-3 asked" in cli("show", "sea_state=calm,platform=elastic,seed=0")
+    with xr.open_dataset(tmp_path / "r" / "small" / "statistics.nc") as data:
+        assert (data.unmet.sel(platform="elastic") == "tolerance 1e-3 asked, 2.1e-3 estimated").all()
+        assert (data.unmet.sel(platform=["fixed", "elastic-no-floats"]) == "").all()
+
+
+@pytest.mark.parametrize(("workers", "time"), [(1, "about 62 s"), (2, "about 31 s"), (10, "about 6 s")])
+def test_a_plans_time_is_shared_by_its_workers(small, tmp_path, engine, workers, time):
+    """Six of twelve tasks are done and took 10.4 s each."""
+    study, store = load(small), Store(tmp_path / "r", "small")
+    estimate = Estimate()
+    for task in study.tasks:
+        if task.labels["seed"] == 0:
+            store.done(task, b"record", {"wall_time": 10.4, "labels": dict(task.labels)})
+        estimate.see(task, store.look(task))
+    assert f"; {time} on {workers} workers, from 6 tasks done" in estimate.words(tmp_path / "r", workers)

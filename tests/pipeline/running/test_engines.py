@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -28,9 +29,22 @@ def study(*words, solver=False, **env):
     return subprocess.run(command, env=kills.environment(**env), capture_output=True, text=True, timeout=900)
 
 
+def other_sources(folder):
+    """The project with a solver that is not the same, for PYTHONPATH."""
+    for package in ("solver", "pipeline"):
+        shutil.copytree(kills.ROOT / package, folder / package)
+    with (folder / "solver" / "errors.py").open("a") as file:
+        file.write("# other\n")
+    return f"{folder}{os.pathsep}{kills.HERE}"
+
+
 @contextlib.contextmanager
-def cluster(folder, *security, workers=2):
-    """`dask scheduler` and `dask worker` as a user starts them; workers know nothing of the client's folders."""
+def cluster(folder, *security, workers=2, strangers=0):
+    """`dask scheduler` and `dask worker` as a user starts them; workers know nothing of the client's folders.
+
+    strangers: so many of the workers have other sources.
+    """
+    paths = [other_sources(folder / "other")] * strangers + [kills.environment()["PYTHONPATH"]] * (workers - strangers)
     away = folder / "away"
     away.mkdir()
     dask, env = [sys.executable, "-m", "dask"], kills.environment()
@@ -45,9 +59,9 @@ def cluster(folder, *security, workers=2):
             assert processes[0].poll() is None
             time.sleep(0.1)
         address = json.loads(where.read_text())["address"]
-        for _ in range(workers):
+        for path in paths:
             worker = [*dask, "worker", address, "--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1"]
-            processes.append(subprocess.Popen([*worker, *security], **quiet))
+            processes.append(subprocess.Popen([*worker, *security], **{**quiet, "env": {**env, "PYTHONPATH": path}}))
         yield address
     finally:
         for process in reversed(processes):
@@ -99,6 +113,25 @@ def test_tls_is_passed_through(tmp_path, small_study):
         refused = study(*run, tmp_path / "other")
     assert refused.returncode == 2
     assert refused.stderr == f"--scheduler = {address}: needs --tls CA CERT KEY, or dask's own tls settings\n"
+
+
+def test_a_worker_with_other_sources_gets_no_more_work(tmp_path, small_study):
+    """The other worker does all."""
+    with cluster(tmp_path, strangers=1) as address:
+        run = ("run", small_study, "--scheduler", address, "--results", tmp_path / "r")
+        done = study(*run, EMPTY_SECONDS="0.5")
+    assert done.returncode == 0, done.stderr
+    assert "12 tasks: 12 done" in done.stdout
+    assert done.stderr.count("it gets no more work") == 1
+
+
+@pytest.mark.slow
+def test_tasks_for_which_there_are_only_other_sources_stay_missing(tmp_path, small_study):
+    with cluster(tmp_path, workers=1, strangers=1) as address:
+        done = study("run", small_study, "--scheduler", address, "--results", tmp_path / "r")
+    assert done.returncode == 1
+    assert "no worker has this process's solver sources: install the same; finished tasks are kept" in done.stderr
+    assert "12 tasks: 12 missing" in study("status", small_study, "--results", tmp_path / "r").stdout
 
 
 def test_no_scheduler_there(small_study, tmp_path):

@@ -1,0 +1,86 @@
+"""status.json of a task, read strictly: what lacks the shape says nothing, as if it were not there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import from_json
+
+# A simulated or measured time [s].
+Seconds = Annotated[float, Field(ge=0.0)]
+
+
+class _Shape(BaseModel):
+    """What is known must have its type; other keys may come and go with the versions of the program."""
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="ignore", allow_inf_nan=False)
+
+
+class Error(_Shape):
+    """Why a task failed."""
+
+    kind: str
+    message: str
+    traceback: str
+
+
+class Length(_Shape):
+    """Of the simulated time; the defaults are those of a study file."""
+
+    duration: Annotated[float, Field(gt=0.0)] = 3600.0
+    discard: Seconds = 100.0
+
+    @property
+    def total(self) -> float:
+        """From start to end [s]."""
+        return self.duration + self.discard
+
+
+class Parameters(_Shape):
+    """Of all parameters, those that are asked for."""
+
+    record: Length = Length()
+
+
+class Status(_Shape):
+    """What is kept of a task beside its record; nothing at all is a task that is missing."""
+
+    id: str = ""
+    state: Literal["done", "failed", "missing"] = "missing"
+    bytes: int = -1
+    sha256: str = ""
+    content: str = ""
+    finished: str = ""
+    wall_time: Seconds = 0.0
+    labels: dict[str, str | int | float] = {}
+    provenance: dict[str, str] = {}
+    command: str = ""
+    log: tuple[str, ...] = ()
+    unmet: str = ""  # what was asked for and not met, in a sentence
+    parameters: Parameters = Parameters()
+    error: Error | None = None
+
+    @model_validator(mode="after")
+    def _failed_for_a_reason(self) -> Self:
+        if self.state == "failed" and self.error is None:
+            raise ValueError("failed without an error")
+        return self
+
+
+def read_status(path: Path) -> Status:
+    """What a status.json says; nothing if it is not there, not whole or not of this shape."""
+    try:
+        return Status.model_validate_json(path.read_bytes())
+    except (OSError, ValueError):
+        return Status()
+
+
+def read_json(path: Path) -> dict[str, Any] | None:
+    """The content of a JSON file, None if it is not there or not whole."""
+    try:
+        data = from_json(path.read_bytes(), allow_inf_nan=False)
+    except (OSError, ValueError):
+        return None
+    return data if isinstance(data, dict) else None
