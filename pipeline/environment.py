@@ -36,10 +36,10 @@ def _writable_cache() -> Path:
 
 
 @cache
-def sources() -> str:
-    """Digest of the solver's sources: numba does not notice an edit in another file."""
+def sources(package: str = "solver") -> str:
+    """Digest of a package's sources; of the solver's, because numba does not notice an edit in another file."""
     digest = hashlib.sha256()
-    for path in sorted((ROOT / "solver").rglob("*.py")):
+    for path in sorted((ROOT / package).rglob("*.py")):
         digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:12]
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from pipeline import environment
 from pipeline.cli.console import DONE, FAILED, Tally, compare, err, finish, looked, out, say
-from pipeline.results.store import UNFINISHED, Store, read_json, write_json
+from pipeline.results.store import UNFINISHED, Store, read_json, sha256, write_json
 from pipeline.running.schedule import Place
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Task
@@ -75,7 +76,7 @@ def collect(study: Study, store: Store) -> list[Path]:
     path = dataset.collect(study, store, anew=False)[0]
     if len(study.tasks) > REPORTED:
         return [path]
-    page, mark, source = store.root / "report.html", store.root / ".report.json", {"of": dataset.checksum(path)}
+    page, mark, source = store.root / "report.html", store.root / ".report.json", {"of": _drawn_from(study, path)}
     if read_json(mark) != source or not page.exists():
         from pipeline.report.page import write
 
@@ -85,12 +86,31 @@ def collect(study: Study, store: Store) -> list[Path]:
 
 
 def print_table(study: Study, path: Path) -> None:
-    """Ours beside the published numbers, or a summary."""
+    """Ours beside the published numbers, or a summary; drawn again only if its sources are others."""
+    kept, source = path.with_name(".table.json"), [_drawn_from(study, path), out.width, out.color_system]
+    known = read_json(kept) or {}
+    if known.get("of") != source:
+        known = {"of": source, "text": _table(study, path)}
+        write_json(kept, known)
+    print(known["text"], end="", file=out.file)
+
+
+def _table(study: Study, path: Path) -> str:
     from pipeline.report import report
     from pipeline.results import dataset
 
-    with dataset.opened(path) as data:
+    with dataset.opened(path) as data, out.capture() as drawn:
         if study.published:
             report.show(data, report.published(study.published), out)
         else:
             report.summary(data, out)
+    return drawn.get()
+
+
+def _drawn_from(study: Study, path: Path) -> str:
+    """Digest of all that table and report show: numbers, ours and published, the study, and the code that draws."""
+    from pipeline.results import dataset
+
+    files = [dataset.checksum(file) for file in (path, study.published) if file]
+    words = [environment.sources("pipeline"), study.content.model_dump_json(), *files]
+    return sha256("\0".join(words).encode())
