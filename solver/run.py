@@ -15,7 +15,6 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.accuracy import ATTEMPTS, first_guess, refined
 from solver.record.audit import Probe, audit
 from solver.record.recorder import Record, Recorder
-from solver.reference.run import simulate_reference
 from solver.scene import Scene, Settings
 
 BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's work
@@ -73,6 +72,8 @@ def _run(
 ) -> Record | Settings:
     """The record; or other settings, where `better` has some once the run's start has told its errors."""
     if scene.settings.paths.formulation == "augmented":
+        from solver.reference.run import simulate_reference  # rarely asked for, and 40 ms to import
+
         return simulate_reference(scene, hydrodynamics)
     clock = time.perf_counter()
     system = prepare(scene, hydrodynamics)

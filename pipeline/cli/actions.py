@@ -29,10 +29,10 @@ def make_ready(study: Study, tasks: Tasks, store: Store, place: Place) -> None:
     """If there is something to run, have workers begin to start while the solver looks at the study."""
     from pipeline.running.schedule import warm_up
 
-    todo = sum(1 for task in tasks if store.look(task).state in UNFINISHED)
+    todo = tasks.where(lambda task: store.look(task).state in UNFINISHED)
     if todo:
-        warm_up(todo, place)
-        preflight(study, tasks)
+        warm_up(len(todo), place)
+        preflight(study, todo)
 
 
 def run(study: Study, store: Store, results: Path, tasks: Tasks, place: Place, *, keep_going: bool = True) -> None:

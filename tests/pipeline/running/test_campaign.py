@@ -255,6 +255,24 @@ def test_a_rerun_to_the_same_bits_leaves_dataset_and_report_alone(cli, tmp_path,
     assert drawn.count("page") == 2
 
 
+def test_preflight_judges_what_runs_each_task_once(cli, monkeypatch, engine):
+    from dataclasses import replace
+
+    judged = []
+    watchful = replace(engine, check=judged.append, reduce=lambda _: None)
+    monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: watchful)
+    cli("run", "--workers", "1", "--select", "platform=fixed")
+    assert {parameters.platform for parameters in judged} == {None}
+    judged.clear()
+    cli("run", "--workers", "1", "--select", "sea_state=rough")
+    assert all(p.platform and p.sea_state.Hs == 2.0 for p in judged)  # the others of them are done
+    judged.clear()
+    cli("run", "--workers", "1", "--select", "platform=fixed")
+    assert judged == []
+    cli("rerun", "platform=fixed,seed=1,sea_state=calm", "--workers", "1")
+    assert len(judged) == 1
+
+
 def test_nothing_to_do_imports_nothing_heavy(small, cli, tmp_path, drawn):
     cli("run", "--workers", "1")
     program = (
