@@ -21,6 +21,8 @@ def preflight(study: Study, tasks: Iterable[Task]) -> None:
     from pipeline.bridge.engine import Engine
     from pipeline.bridge.preflight import check
 
+    if not environment.compiled():
+        say("compiling the solver: a few minutes, once for each state of its sources", err)
     for text in check(study, tasks, Engine()):
         say(f"{study.path}: warning: {text}", err)
 

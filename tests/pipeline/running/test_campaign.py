@@ -255,6 +255,14 @@ def test_a_rerun_to_the_same_bits_leaves_dataset_and_report_alone(cli, tmp_path,
     assert drawn.count("page") == 2
 
 
+def test_a_run_says_that_it_compiles(cli, tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert "compiling" in cli("run", "--workers", "1")
+    assert "compiling" not in cli("run")  # nothing to run
+    monkeypatch.setattr("pipeline.environment.compiled", lambda: True)
+    assert "compiling" not in cli("rerun", "platform=fixed,seed=1", "--workers", "1")
+
+
 def test_preflight_judges_what_runs_each_task_once(cli, monkeypatch, engine):
     from dataclasses import replace
 
