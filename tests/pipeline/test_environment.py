@@ -16,7 +16,7 @@ def test_the_command_sets_the_environment_before_numpy_comes():
 def test_the_first_run_says_that_it_compiles(tmp_path, monkeypatch):
     """Also after a plan or an interrupted run, which have left some kernels compiled."""
     from pipeline import environment
-    from solver.march import march
+    from solver.coupled.march import march
 
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert not environment.compiled()
