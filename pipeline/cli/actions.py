@@ -6,12 +6,13 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from pipeline import environment
-from pipeline.cli.console import DONE, FAILED, Tally, compare, err, finish, looked, out, say
+from pipeline.cli.console import DONE, FAILED, Tally, compare, finish, looked, say
 from pipeline.results.store import UNFINISHED, Store, read_json, sha256, write_json
 from pipeline.running.schedule import Place
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Task
 from pipeline.tasks.tasklist import Tasks
+from pipeline.terminal import err, out
 
 REPORTED = 1000  # tasks up to which the report comes by itself: its figures take 3 s, and longer with more dots
 

@@ -11,10 +11,10 @@ from typing import Any
 
 from pipeline.bridge.cache import Cache
 from pipeline.bridge.geometry import Geometry, geometry_of
-from pipeline.cli.progress import about
 from pipeline.results.store import Entry, read_json
 from pipeline.study.schema import Recording
 from pipeline.tasks.task import Label, Task
+from pipeline.terminal import about
 
 SAMPLE = 200  # tasks of other studies looked at
 

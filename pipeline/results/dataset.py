@@ -40,7 +40,7 @@ def collect(study: Study, store: Store, *, anew: bool = True) -> tuple[Path, dic
     store.root.mkdir(parents=True, exist_ok=True)
     arrays = Arrays(shape, store.root)
     status, names = np.full(shape, "missing", dtype="U8"), np.full(shape, "", dtype="U16")
-    for cell, task in zip(np.ndindex(*shape), study.tasks, strict=True):
+    for cell, task in zip(np.ndindex(*shape), study.tasks.passing("collecting"), strict=True):
         status[cell], names[cell] = _fill(arrays, cell, store.look(task)), task.id
     with appearing(path) as part:
         to_file(part, *_dataset(study, table, arrays, status, names))
@@ -79,7 +79,7 @@ def _fingerprint(study: Study, store: Store) -> str:
     digest = hashlib.sha256()
     words = study.content.model_dump(mode="json", include={"sea_states", "title"})
     digest.update(json.dumps([LAYOUT, words, dimensions(study.content)], sort_keys=True).encode())
-    for task in study.tasks:
+    for task in study.tasks.passing("looking at records"):
         entry = store.look(task)
         made = [dict(task.labels), task.id, entry.state, entry.status.get("content")]
         digest.update(json.dumps(made).encode())
