@@ -13,6 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+MARCH = "*/march.march-*.nbi"  # numba's index of the time loop, which calls all other kernels and is compiled last
 PACKAGES = ("wecplatform", "numpy", "scipy", "numba", "capytaine")
 
 
@@ -22,6 +23,11 @@ def prepare() -> None:
         os.environ.setdefault(name, "1")
     if "NUMBA_CACHE_DIR" not in os.environ:
         os.environ["NUMBA_CACHE_DIR"] = str(_writable_cache() / f"jit-{sources()}")
+
+
+def compiled() -> bool:
+    """Whether there is machine code of these sources: the first run has to make it, and is silent for minutes."""
+    return any(Path(os.environ.get("NUMBA_CACHE_DIR", "")).glob(MARCH))
 
 
 def _writable_cache() -> Path:
@@ -36,10 +42,10 @@ def _writable_cache() -> Path:
 
 
 @cache
-def sources() -> str:
-    """Digest of the solver's sources: numba does not notice an edit in another file."""
+def sources(package: str = "solver") -> str:
+    """Digest of a package's sources; of the solver's, because numba does not notice an edit in another file."""
     digest = hashlib.sha256()
-    for path in sorted((ROOT / "solver").rglob("*.py")):
+    for path in sorted((ROOT / package).rglob("*.py")):
         digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:12]
 

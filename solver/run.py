@@ -16,7 +16,6 @@ from solver.limits import field_error
 from solver.record.accuracy import ATTEMPTS, first_guess, refined
 from solver.record.audit import Probe, audit
 from solver.record.recorder import Record, Recorder
-from solver.reference.run import simulate_reference
 from solver.scene import Scene, Settings
 
 # What the record says of how it was computed.
@@ -72,6 +71,8 @@ def _run(
 ) -> Record | Settings:
     """The record; or other settings, where `better` has some once the run's start has told its errors."""
     if scene.settings.paths.formulation == "augmented":
+        from solver.reference.run import simulate_reference  # rarely asked for, and 40 ms to import
+
         return simulate_reference(scene, hydrodynamics)
     clock = time.perf_counter()
     system = prepare(scene, hydrodynamics)

@@ -30,8 +30,8 @@ def check(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
         seas[task.labels["sea_state"]] = task
     platforms = {task.labels["platform"]: task for task in distinct.values()}
     odd: list[str] = []
-    every = [*distinct.values(), *seas.values()]
-    problems = [problem for task in every for problem in _problems(_Listener(engine, task, odd), task)]
+    every = {task.id: task for task in (*distinct.values(), *seas.values())}
+    problems = [problem for task in every.values() for problem in _problems(_Listener(engine, task, odd), task)]
     # A frame takes 0.4 s to reduce, so one stands for all hinge spacings.
     problems = problems or [problem for task in platforms.values() for problem in _problems(engine.reduce, task)]
     if problems:

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from pipeline import environment
 from pipeline.bridge.geometry import Geometry
-from pipeline.cli.console import DONE, FAILED, Tally, compare, err, finish, looked, out, say
+from pipeline.cli.console import DONE, FAILED, Tally, compare, finish, looked, say
 from pipeline.results.status import read_json
-from pipeline.results.store import UNFINISHED, Store, write_json
+from pipeline.results.store import UNFINISHED, Store, sha256, write_json
 from pipeline.running.schedule import Place
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Task
 from pipeline.tasks.tasklist import Tasks
+from pipeline.terminal import err, out
 
 REPORTED = 1000  # tasks up to which the report comes by itself: its figures take 3 s, and longer with more dots
 
@@ -22,6 +24,8 @@ def preflight(study: Study, tasks: Iterable[Task]) -> None:
     from pipeline.bridge.engine import Engine
     from pipeline.bridge.preflight import check
 
+    if not environment.compiled():
+        say("compiling the solver: a few minutes, once for each state of its sources", err)
     for text in check(study, tasks, Engine()):
         say(f"{study.path}: warning: {text}", err)
 
@@ -30,10 +34,10 @@ def make_ready(study: Study, tasks: Tasks, store: Store, place: Place) -> None:
     """If there is something to run, have workers begin to start while the solver looks at the study."""
     from pipeline.running.schedule import warm_up
 
-    todo = sum(1 for task in tasks if store.look(task).state in UNFINISHED)
+    todo = tasks.where(lambda task: store.look(task).state in UNFINISHED)
     if todo:
-        warm_up(todo, place)
-        preflight(study, tasks)
+        warm_up(len(todo), place)
+        preflight(study, todo)
 
 
 def run(
@@ -86,7 +90,7 @@ def collect(study: Study, store: Store) -> list[Path]:
     path = dataset.current(study, store)
     if len(study.tasks) > REPORTED:
         return [path]
-    page, mark, source = store.root / "report.html", store.root / ".report.json", {"of": dataset.checksum(path)}
+    page, mark, source = store.root / "report.html", store.root / ".report.json", {"of": _drawn_from(study, path)}
     if read_json(mark) != source or not page.is_file():
         from pipeline.report.page import write
 
@@ -96,12 +100,31 @@ def collect(study: Study, store: Store) -> list[Path]:
 
 
 def print_table(study: Study, path: Path) -> None:
-    """Ours beside the published numbers, or a summary."""
+    """Ours beside the published numbers, or a summary; drawn again only if its sources are others."""
+    kept, source = path.with_name(".table.json"), [_drawn_from(study, path), out.width, out.color_system]
+    known = read_json(kept) or {}
+    if known.get("of") != source or not isinstance(known.get("text"), str):
+        known = {"of": source, "text": _table(study, path)}
+        write_json(kept, known)
+    print(known["text"], end="", file=out.file)
+
+
+def _table(study: Study, path: Path) -> str:
     from pipeline.report import report
     from pipeline.results import dataset
 
-    with dataset.opened(path) as data:
+    with dataset.opened(path) as data, out.capture() as drawn:
         if study.published:
             report.show(data, report.published(study.published), out)
         else:
             report.summary(data, out)
+    return drawn.get()
+
+
+def _drawn_from(study: Study, path: Path) -> str:
+    """Digest of all that table and report show: numbers, ours and published, the study, and the code that draws."""
+    from pipeline.results import dataset
+
+    files = [dataset.checksum(file) for file in (path, study.published) if file]
+    words = [environment.sources("pipeline"), study.content.model_dump_json(), *files]
+    return sha256("\0".join(words).encode())

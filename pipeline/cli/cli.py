@@ -14,13 +14,14 @@ import typer
 from pipeline import environment
 from pipeline.bridge.loading import load
 from pipeline.cli import actions
-from pipeline.cli.console import DONE, FAILED, Tally, err, finish, looked, say, store_of
+from pipeline.cli.console import DONE, FAILED, Tally, finish, looked, say, store_of
 from pipeline.results.status import read_status
 from pipeline.results.store import Store, remove
 from pipeline.study.reading import StudyError
 from pipeline.tasks.select import find, select
 from pipeline.tasks.study import Study
 from pipeline.tasks.tasklist import Tasks
+from pipeline.terminal import err
 from solver.errors import InputError
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
@@ -77,7 +78,8 @@ def plan(study_file: File, results: Results = RESULTS, select_: Select = "", wor
     study, tasks, store = _open(study_file, results, select_)
     actions.preflight(study, tasks)
     tally, estimate = Tally(), Estimate()
-    for task, entry in looked(tasks, store):
+    for task in tasks:
+        entry = store.look(task)
         say(f"{task.id} {entry.state:7} {task}")
         tally.see(task, entry)
         estimate.see(task, entry)

@@ -14,11 +14,12 @@ from pipeline.results.store import Entry, Store
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Task
+from pipeline.tasks.tasklist import Tasks
+from pipeline.terminal import err, out
 
 DONE, FAILED, INCOMPLETE = 0, 1, 2
 MANY = 20  # failures that are listed
 FEW = 3  # tasks that did not meet what was asked and are listed
-out, err = Console(), Console(stderr=True)
 
 
 def say(text: str, console: Console = out) -> None:
@@ -33,9 +34,9 @@ def store_of(study: Study, results: Path) -> Store:
     return Store(results, study.name)
 
 
-def looked(tasks: Iterable[Task], store: Store) -> Iterator[tuple[Task, Entry]]:
+def looked(tasks: Tasks, store: Store) -> Iterator[tuple[Task, Entry]]:
     """Every task with its state, one at a time: what is known of a million does not fit in memory."""
-    return ((task, store.look(task)) for task in tasks)
+    return ((task, store.look(task)) for task in tasks.passing())
 
 
 @dataclass

@@ -10,10 +10,10 @@ from pathlib import Path
 
 from pipeline.bridge.cache import Cache
 from pipeline.bridge.geometry import Geometry, geometry_of
-from pipeline.cli.progress import about
 from pipeline.results.status import Status, read_status
 from pipeline.results.store import Entry
 from pipeline.tasks.task import Label, Task
+from pipeline.terminal import about
 
 SAMPLE = 200  # tasks of other studies looked at
 

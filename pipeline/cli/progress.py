@@ -12,6 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from pipeline.bridge.engine import Failure, Outcome
 from pipeline.bridge.geometry import Geometry
 from pipeline.tasks.task import Task
+from pipeline.terminal import about
 
 Watch = Callable[[Task | Geometry, Outcome], None]
 PAUSE = 0.2  # between two lines about tasks that went well [s]
@@ -86,10 +87,3 @@ class Clock:
             return ""
         pace = (time.monotonic() - self.start - self.first) / (self.done - 1)
         return about(pace * remaining) + " left"
-
-
-def about(seconds: float) -> str:
-    """A time as precise as an estimate is."""
-    if seconds < 90:
-        return f"about {seconds:.0f} s"
-    return f"about {seconds / 60:.0f} min" if seconds < 5400 else f"about {seconds / 3600:.1f} h"

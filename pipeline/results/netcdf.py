@@ -7,11 +7,12 @@ import io
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import netCDF4
 import numpy as np
-from scipy.io import netcdf_file
+
+if TYPE_CHECKING:
+    import netCDF4
 
 SLAB = 2**24  # bytes written at a time
 
@@ -26,6 +27,8 @@ class Variable(NamedTuple):
 
 def to_bytes(variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> bytes:
     """A netCDF-3 file as bytes: made and read in a fraction of the time of netCDF-4, and 30 times smaller."""
+    from scipy.io import netcdf_file
+
     buffer = io.BytesIO()
     file = netcdf_file(buffer, "w", version=2)
     for name, given in variables.items():
@@ -66,6 +69,8 @@ def _attribute(value: Any) -> Any:
 
 def to_file(path: Path, variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> None:
     """A netCDF-4 file on the disk, for what need not fit in memory."""
+    import netCDF4
+
     with netCDF4.Dataset(path, "w") as file:
         _write(file, variables, attrs)
 
@@ -96,6 +101,8 @@ def _slabs(array: np.ndarray) -> Iterator[slice]:
 
 def from_bytes(data: bytes) -> tuple[dict[str, Variable], dict[str, Any]]:
     """Variables and global attributes of a netCDF-3 file held in memory; raises ValueError if it is none."""
+    from scipy.io import netcdf_file
+
     try:
         file = netcdf_file(io.BytesIO(data), "r", mmap=False)
         return {name: _variable(v) for name, v in file.variables.items()}, _attributes(file._attributes)

@@ -15,8 +15,7 @@ def select(study: Study, text: str) -> Tasks:
     """The tasks, each once, whose labels are all among those asked for."""
     if not text:
         return study.tasks.unique
-    wanted = _wanted(study, text)
-    return study.tasks.where(lambda t: all(t.labels[axis] in values for axis, values in wanted.items())).unique
+    return Tasks.of(study.content, _wanted(study, text)).unique
 
 
 def find(study: Study, words: Iterable[str]) -> set[str]:

@@ -5,16 +5,17 @@ A task costs 16 bytes here, so that a million of them are no burden.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import TypeVar
 
 import numpy as np
 
 from pipeline.study.schema import StudyFile
 from pipeline.tasks.task import Label, Task, axes, cell, dimensions
+from pipeline.terminal import passing
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -28,12 +29,12 @@ class Tasks:
     ids: np.ndarray  # (n,) u8, an id is 16 hexadecimal digits
 
     @classmethod
-    def of(cls, study: StudyFile) -> Tasks:
-        """The tasks in all cells; cells may share one."""
-        count = math.prod(len(values) for values in axes(study).values())
-        bare = cls(study=study, cells=np.arange(count), ids=np.zeros(count, "u8"))
-        ids = (int(bare.task(number).id, 16) for number in range(count))
-        return cls(study=study, cells=bare.cells, ids=np.fromiter(ids, "u8", count))
+    def of(cls, study: StudyFile, wanted: Mapping[str, Set[Label]] = MappingProxyType({})) -> Tasks:
+        """The tasks in all cells, or in those with one of the wanted labels along each axis; cells may share one."""
+        cells = _cells(axes(study), wanted)
+        bare = cls(study=study, cells=cells, ids=np.zeros(len(cells), "u8"))
+        ids = (int(bare.task(int(number)).id, 16) for number in passing(cells, len(cells), "naming tasks"))
+        return cls(study=study, cells=cells, ids=np.fromiter(ids, "u8", len(cells)))
 
     @property
     def unique(self) -> Tasks:
@@ -42,12 +43,12 @@ class Tasks:
 
     def where(self, wanted: Callable[[Task], bool]) -> Tasks:
         """Some of the tasks."""
-        return self._part(np.fromiter((n for n, task in enumerate(self) if wanted(task)), "i8"))
+        return self._part(np.fromiter((n for n, task in enumerate(self.passing()) if wanted(task)), "i8"))
 
     def split(self, key: Callable[[Task], Key]) -> dict[Key, Tasks]:
         """Groups with the same key, in the order in which the keys come."""
         numbers: dict[Key, int] = {}
-        mine = np.fromiter((numbers.setdefault(key(task), len(numbers)) for task in self), "i8", len(self))
+        mine = np.fromiter((numbers.setdefault(key(task), len(numbers)) for task in self.passing()), "i8", len(self))
         return {one: self._part(np.flatnonzero(mine == number)) for one, number in numbers.items()}
 
     def __len__(self) -> int:
@@ -56,6 +57,10 @@ class Tasks:
     def __iter__(self) -> Iterator[Task]:
         for number, known in zip(self.cells, self.ids, strict=True):
             yield self.task(int(number), f"{known:016x}")
+
+    def passing(self, words: str = "looking at tasks") -> Iterator[Task]:
+        """The tasks, one after another, for a pass that may take long."""
+        return passing(self, len(self), words)
 
     def labels(self, number: int) -> dict[str, Label]:
         """Labels of a cell along every axis."""
@@ -83,3 +88,12 @@ class Tasks:
     @cached_property
     def _varied(self) -> tuple[str, ...]:
         return tuple(dimensions(self.study))
+
+
+def _cells(table: Mapping[str, Sequence[Label]], wanted: Mapping[str, Set[Label]]) -> np.ndarray:
+    """Numbers of the cells, ascending, found along the axes: what is not wanted is not looked at."""
+    places = [
+        np.array([place for place, label in enumerate(values) if name not in wanted or label in wanted[name]], int)
+        for name, values in table.items()
+    ]
+    return np.ravel_multi_index(np.ix_(*places), [len(values) for values in table.values()]).ravel()

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
+import scipy  # sparse is slow to import, and the command line needs frames but rarely their matrices
 
 from solver.errors import InputError
 from solver.structure import beam
@@ -146,8 +145,8 @@ class Frame:
         """Every node hangs on a clamped one, or the stiffness is singular."""
         index = {name: i for i, name in enumerate(self.nodes)}
         ends = np.array([[index[member.start], index[member.end]] for member in self.members])
-        graph = sparse.coo_matrix((np.ones(len(ends)), ends.T), shape=2 * (len(index),))
-        part = connected_components(graph, directed=False)[1]
+        graph = scipy.sparse.coo_matrix((np.ones(len(ends)), ends.T), shape=2 * (len(index),))
+        part = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
         held = {part[index[name]] for name in self.clamped}
         floating = [name for name, i in index.items() if part[i] not in held]
         if floating:
@@ -178,8 +177,8 @@ class FrameModel:
     length: np.ndarray  # (ne,) [m]
     rotation: np.ndarray  # (ne, 3, 3) rows = local axes
     element_stiffness: np.ndarray  # (ne, 12, 12) local axes
-    K: sparse.csr_array  # (6n, 6n), supports not yet removed
-    M: sparse.csr_array  # (6n, 6n), consistent and lumped
+    K: "scipy.sparse.csr_array"  # (6n, 6n), supports not yet removed
+    M: "scipy.sparse.csr_array"  # (6n, 6n), consistent and lumped
 
     def member_of(self, element):
         return self.frame.members[self.member[element]]
@@ -259,14 +258,14 @@ def sparse_sum(blocks, rows, columns, shape):
     """Sparse sum of dense blocks (nb, r, c) placed at rows (nb, r) and columns (nb, c)."""
     i = np.broadcast_to(rows[:, :, None], blocks.shape).ravel()
     j = np.broadcast_to(columns[:, None, :], blocks.shape).ravel()
-    return sparse.csr_array(sparse.coo_array((blocks.ravel(), (i, j)), shape=shape))
+    return scipy.sparse.csr_array(scipy.sparse.coo_array((blocks.ravel(), (i, j)), shape=shape))
 
 
 def _lumped(frame, node_index, size):
     diagonal = np.zeros(size)
     for item in frame.masses:
         diagonal[6 * node_index[item.node] + np.arange(3)] += item.mass
-    return sparse.csr_array(sparse.diags_array(diagonal))
+    return scipy.sparse.csr_array(scipy.sparse.diags_array(diagonal))
 
 
 def _free(frame, node_index, size):

@@ -5,9 +5,7 @@ Corners run counter-clockwise seen from the water; a triangle gives its last cor
 """
 
 import numpy as np
-import scipy
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components
+import scipy  # sparse and spatial are slow to import, and the command line needs scenes but rarely meshes
 
 from solver.errors import InputError
 
@@ -46,8 +44,8 @@ def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
     """Coinciding points made one, panels without area or given twice left out; and what was done."""
     extent = np.ptp(vertices[faces.ravel()], axis=0).max()
     near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
-    links = coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(vertices),) * 2)
-    _, place = connected_components(links, directed=False)
+    links = scipy.sparse.coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(vertices),) * 2)
+    _, place = scipy.sparse.csgraph.connected_components(links, directed=False)
     first = np.unique(place, return_index=True)[1]
     vertices, faces = vertices[first], _collapsed(place[faces])
     area = np.linalg.norm(np.cross(*(np.diff(vertices[faces[:, [k, 2]]], axis=1)[:, 0] for k in (0, 1))), axis=1)
@@ -118,14 +116,14 @@ def _column_volume(panels: np.ndarray) -> np.ndarray:
 def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray):
     """Which of `count` faces to turn so that neighbours (n, 2) agree, None if none do; and each one's part."""
     a, b = neighbours.T if len(neighbours) else np.zeros((2, 0), int)
-    graph = coo_array((np.ones(len(a)), (a, b)), shape=(count, count)).tocsr()
-    parts, part = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array((np.ones(len(a)), (a, b)), shape=(count, count)).tocsr()
+    parts, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
     turned = np.zeros(count, bool)
     if not against.any():
         return turned, part
-    differs = coo_array((np.where(against, 2.0, 1.0), (a, b)), shape=(count, count)).todok()
+    differs = scipy.sparse.coo_array((np.where(against, 2.0, 1.0), (a, b)), shape=(count, count)).todok()
     for start in np.unique(part, return_index=True)[1]:
-        sequence, before = breadth_first_order(graph, start, directed=False)
+        sequence, before = scipy.sparse.csgraph.breadth_first_order(graph, start, directed=False)
         for face in sequence[1:]:
             other = before[face]
             turned[face] = turned[other] ^ (max(differs[face, other], differs[other, face]) > 1)

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 from conftest import SMALL
 
-from pipeline.bridge import cache
+from pipeline.bridge import cache, engine
 from pipeline.bridge.loading import load
 from pipeline.results import dataset, records
 from pipeline.results.netcdf import Variable, content, to_bytes

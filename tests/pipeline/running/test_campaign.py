@@ -18,6 +18,7 @@ from pipeline.bridge.loading import load
 from pipeline.cli import actions
 from pipeline.cli.cli import app
 from pipeline.cli.plan import Estimate
+from pipeline.report.report import COLUMNS
 from pipeline.results import dataset
 from pipeline.results.store import Store, remove
 from pipeline.running.campaign import Campaign, unfinished
@@ -132,10 +133,9 @@ def test_rerun_is_bitwise_the_same(cli, tmp_path):
     assert len(before) == 12
 
 
-def test_rerun_tells_what_changed(cli, monkeypatch, engine):
+def _elsewhere(monkeypatch, engine):
+    """From now on the engine rounds otherwise."""
     from dataclasses import replace
-
-    cli("run", "--workers", "1")
 
     def other(parameters, coefficients):
         record = engine.compute(parameters, coefficients)
@@ -144,6 +144,11 @@ def test_rerun_tells_what_changed(cli, monkeypatch, engine):
         return record
 
     monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: replace(engine, compute=other))
+
+
+def test_rerun_tells_what_changed(cli, monkeypatch, engine):
+    cli("run", "--workers", "1")
+    _elsewhere(monkeypatch, engine)
     output = cli("rerun", "platform=fixed,seed=1,sea_state=calm", "--workers", "1", code=1)
     assert "rotation: differs by up to 1e-12" in output
 
@@ -233,6 +238,97 @@ def test_a_run_leaves_an_up_to_date_report(small, cli, tmp_path, monkeypatch):
     assert page.read_text() == "mine"  # nothing has changed: a second run takes no time for figures
     small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 1, 2]"))
     assert "report.html" not in cli("run", "--workers", "1")  # too many to wait for it
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """What is drawn: pages and tables, by name."""
+    from pipeline.report import page, report
+
+    names = []
+
+    def write(study, path):
+        names.append("page")
+        path.with_name("report.html").touch()
+
+    def table(data, *rest):
+        names.append("table")
+        rest[-1].print(rest[0][0].note if rest[:-1] else "a summary")
+
+    monkeypatch.setattr(actions, "REPORTED", 12)
+    monkeypatch.setattr(page, "write", write)
+    monkeypatch.setattr(report, "summary", table)
+    monkeypatch.setattr(report, "show", table)
+    return names
+
+
+def test_table_and_report_are_drawn_again_only_from_other_sources(small, cli, tmp_path, drawn):
+    assert "a summary" in cli("run", "--workers", "1")
+    assert sorted(drawn) == ["page", "table"]
+    assert "a summary" in cli("run")
+    assert len(drawn) == 2
+    published = tmp_path / "small-published.csv"
+    for note in ("why", "because"):
+        published.write_text(f"{','.join(COLUMNS)}\nT,power,absorbed_power,,,2.0,kW,{note}\n")
+        drawn.clear()
+        assert note in cli("run")
+        assert sorted(drawn) == ["page", "table"]
+    small.write_text(small.read_text().replace("mass = 2147.0", "mass = 2148.0"))
+    cli("run", "--workers", "1")
+    assert len(drawn) == 4
+
+
+def test_a_rerun_to_the_same_bits_leaves_dataset_and_report_alone(cli, tmp_path, drawn, monkeypatch, engine):
+    cli("run", "--workers", "1")
+    path = tmp_path / "r" / "small" / "statistics.nc"
+    before = path.stat().st_ino, path.stat().st_mtime_ns
+    cli("rerun", "platform=fixed,seed=1", "--workers", "1")
+    assert (path.stat().st_ino, path.stat().st_mtime_ns) == before
+    assert drawn.count("page") == 1
+    _elsewhere(monkeypatch, engine)
+    cli("rerun", "platform=fixed,seed=1,sea_state=calm", "--workers", "1", code=1)
+    assert path.stat().st_ino != before[0]
+    assert drawn.count("page") == 2
+
+
+def test_a_run_says_that_it_compiles(cli, tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert "compiling" in cli("run", "--workers", "1")
+    assert "compiling" not in cli("run")  # nothing to run
+    monkeypatch.setattr("pipeline.environment.compiled", lambda: True)
+    assert "compiling" not in cli("rerun", "platform=fixed,seed=1", "--workers", "1")
+
+
+def test_preflight_judges_what_runs_each_task_once(cli, monkeypatch, engine):
+    from dataclasses import replace
+
+    judged = []
+    watchful = replace(engine, check=judged.append, reduce=lambda _: None)
+    monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: watchful)
+    cli("run", "--workers", "1", "--select", "platform=fixed")
+    assert {parameters.platform for parameters in judged} == {None}
+    judged.clear()
+    cli("run", "--workers", "1", "--select", "sea_state=rough")
+    assert all(p.platform and p.sea_state.Hs == 2.0 for p in judged)  # the others of them are done
+    judged.clear()
+    cli("run", "--workers", "1", "--select", "platform=fixed")
+    assert judged == []
+    cli("rerun", "platform=fixed,seed=1,sea_state=calm", "--workers", "1")
+    assert len(judged) == 1
+
+
+def test_nothing_to_do_imports_nothing_heavy(small, cli, tmp_path, drawn):
+    cli("run", "--workers", "1")
+    program = (
+        "import sys; from pipeline.cli.cli import app\n"
+        "app(sys.argv[1:], standalone_mode=False)\n"
+        "heavy = {'xarray', 'netCDF4', 'numba', 'matplotlib', 'dask', 'distributed', 'capytaine', 'scipy.sparse'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
+    )
+    words = ["run", str(small), "--results", str(tmp_path / "r")]
+    done = subprocess.run([sys.executable, "-c", program, *words], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "nothing to run" in done.stdout
 
 
 def test_status_as_json(cli):

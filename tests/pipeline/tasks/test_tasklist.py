@@ -3,6 +3,8 @@
 import pytest
 
 from pipeline.bridge.loading import load
+from pipeline.tasks import tasklist
+from pipeline.tasks.select import select
 from pipeline.tasks.task import expand
 
 
@@ -42,3 +44,27 @@ def test_none_is_none(study):
     assert not none
     assert list(none.unique) == []
     assert none.split(lambda task: task.id) == {}
+
+
+@pytest.fixture
+def million(small):
+    """100 sea states x 100 dampings x 100 seeds."""
+    head = small.read_text().split("[axes]")[0]
+    axes = f"""[axes]
+platform = ["fixed"]
+pto_damping = {[1e3 * i for i in range(100)]}
+seed = {list(range(100))}
+[sea_states]
+"""
+    small.write_text(head + axes + "\n".join(f"s{i} = {{ Hs = {0.5 + i / 100}, Tp = 5.0 }}" for i in range(100)))
+    return load(small)
+
+
+def test_selecting_makes_the_tasks_selected_and_no_others(million, monkeypatch):
+    made, cell = [], tasklist.cell
+    monkeypatch.setattr(tasklist, "cell", lambda study, *rest: made.append(rest) or cell(study, *rest))
+    chosen = select(million, "seed=5,sea_state=s7,sea_state=s3,pto_damping=1000,pto_damping=99000")
+    assert len(made) == 4
+    found = [(t.labels["sea_state"], t.labels["pto_damping"], t.labels["seed"]) for t in chosen]
+    assert found == [("s3", 1e3, 5), ("s3", 99e3, 5), ("s7", 1e3, 5), ("s7", 99e3, 5)]
+    assert [task.id for task in chosen] == [cell(million.content, task.labels, task.varied).id for task in chosen]

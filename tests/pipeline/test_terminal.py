@@ -1,0 +1,39 @@
+"""A pass that takes long shows itself on a terminal, and nowhere else."""
+
+import io
+from types import SimpleNamespace
+
+import pytest
+from rich.console import Console
+
+from pipeline import terminal
+
+
+@pytest.fixture
+def screen(monkeypatch):
+    """A terminal on which a second passes at every look at the clock."""
+    file, seconds = io.StringIO(), iter(range(1000))
+    monkeypatch.setattr(terminal, "err", Console(file=file, force_terminal=True, force_interactive=True, width=100))
+    monkeypatch.setattr(terminal, "time", SimpleNamespace(monotonic=lambda: float(next(seconds))))
+    return file
+
+
+def test_a_long_pass_shows_how_far_it_is_and_an_estimate(screen):
+    """Looked at after 64, 128, ... of 640: the third look is the first after more than 2 s, at 192 in 3 s."""
+    assert list(terminal.passing(range(640), 640, "naming tasks")) == list(range(640))
+    text = screen.getvalue()
+    assert "naming tasks" in text
+    assert "192/640" in text
+    assert "about 7 s left" in text
+    assert "64/640" not in text
+
+
+def test_a_short_pass_is_quiet(screen):
+    assert list(terminal.passing(range(128), 128, "naming tasks")) == list(range(128))
+    assert screen.getvalue() == ""
+
+
+def test_elsewhere_a_long_pass_is_quiet(screen, monkeypatch):
+    monkeypatch.setattr(terminal, "err", Console(file=screen))
+    assert list(terminal.passing(iter(range(640)), 640, "naming tasks")) == list(range(640))
+    assert screen.getvalue() == ""
