@@ -502,24 +502,32 @@ def test_random_tasks_are_repeated_and_compared(cli):
     assert cli("verify", "--rerun", "100").count("bitwise the same as the old record") == 12
 
 
-def test_every_sea_and_every_configuration_is_judged_before_anything_runs(small, engine):
+@pytest.fixture
+def three_seas(small):
+    """The small study with a sea state between its two: of several, the first and the last are easily met."""
+    text = small.read_text().replace('["calm", "rough"]', '["calm", "mild", "rough"]')
+    small.write_text(text + "mild = { Hs = 1.0, Tp = 6.0 }\n")
+    return small
+
+
+def test_every_sea_and_every_configuration_is_judged_before_anything_runs(three_seas, engine):
     from dataclasses import replace
 
-    small.write_text(small.read_text().replace("[axes]", "[axes]\npto_damping = [1e5, 2e5]"))
-    study, judged = load(small), []
+    three_seas.write_text(three_seas.read_text().replace("[axes]", "[axes]\npto_damping = [1e5, 2e5]"))
+    study, judged = load(three_seas), []
     preflight.check(study, expand(study.content), replace(engine, check=judged.append))
-    assert {given.sea_state.Hs for given in judged} == {0.5, 2.0}
+    assert {given.sea_state.Hs for given in judged} == {0.5, 1.0, 2.0}
     assert {(bool(given.platform), *(f.pto_damping for f in given.floats)) for given in judged} == {
         (elastic, damping) for elastic in (True, False) for damping in (1e5, 2e5)
     } | {(True,)}
     assert len(judged) < len(study.tasks)
 
 
-def test_odd_and_impossible_seas_are_named_whichever_they_are(small, engine):
+def test_odd_and_impossible_seas_are_named_whichever_they_are(three_seas, engine):
     from dataclasses import replace
 
-    study = load(small)
-    for label, height in (("calm", 0.5), ("rough", 2.0)):
+    study = load(three_seas)
+    for label, height in (("calm", 0.5), ("mild", 1.0), ("rough", 2.0)):
         odd = replace(engine, check=lambda given, height=height: ["sea: odd"] * (given.sea_state.Hs == height))
         assert preflight.check(study, expand(study.content), odd) == [f"sea_states.{label}: odd"]
 
