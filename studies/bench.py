@@ -6,6 +6,8 @@ and the figures pareto.png (each knob alone) and scaling.png (cost against size)
 
 import os
 import sys
+from pathlib import Path
+from platform import processor
 
 import matplotlib as mpl
 
@@ -13,14 +15,14 @@ mpl.use("Agg")
 import numpy as np
 import xarray as xr
 
-from studies.benchmark import knobs, paper, parts, scaling
+from studies.benchmark import estimates, knobs, paper, parts, scaling
 from studies.benchmark.case import OUT, coefficients, scene, timed, with_settings
 
 
 def main() -> int:
     """Tables, file and figures."""
     OUT.mkdir(parents=True, exist_ok=True)
-    print(f"load of the machine: {os.getloadavg()[0]:.1f}")
+    print(f"{machine()}, load {os.getloadavg()[0]:.1f}")
     print(f"boundary elements of the pair, default mesh: {coefficients()[1]:.1f} s; known: nothing")
     attrs = {}
     for platform in ("elastic", "fixed"):
@@ -36,10 +38,20 @@ def main() -> int:
     scaling.picture(sizes)
     print(knobs.HEADER)
     rows = knobs.vary("elastic")
+    for platform in ("fixed", "elastic"):
+        knobs.steps(platform)
+    estimates.table()
     knobs.picture(rows)
     save(rows, sizes, attrs)
     print(f"tables in {OUT}/bench.nc, figures in {OUT}/pareto.png and scaling.png")
     return 0
+
+
+def machine() -> str:
+    """Processor and number of cores: times are this machine's, ratios hold on others."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    names = [line.split(":")[1].strip() for line in lines if line.startswith("model name")] or [processor()]
+    return f"{names[0]}, {os.cpu_count()} cores"
 
 
 def of_parts() -> dict[str, float]:

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from solver import limits
 from solver.balance import warnings
 from solver.coupled.march import WORKS, Output
-from solver.coupled.system import System, energy_residual, prepare
+from solver.coupled.system import BALANCE, System, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
 from solver.record.audit import MARGIN, PROBE, coefficient_effects, probed, statistics_error, unmet
@@ -83,9 +83,12 @@ def simulate_reference(
         errors = np.maximum(errors, gaps)
         progress(times[-1] / (case.steps * scene.settings.time_step))
     work, stored = _works(case), _stored(case, frames)
+    residual = energy_residual(work, stored, np.array([before, case.system.least_energy]))
+    if not residual <= BALANCE:
+        raise unbalanced(residual, BALANCE, times[-1], case.system)
     marched = time.perf_counter()
     attrs = {
-        "energy_residual": energy_residual(work, stored, np.array([before, case.system.least_energy])),
+        "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, work, strict=True)},
         "stored_energy_change": float(stored - before),
         "constraint_drift": float(errors[0]),

@@ -1,6 +1,7 @@
 """Run time against error: each knob alone, against a run that takes every knob to where it no longer shows."""
 
 import statistics
+from collections import Counter
 from typing import NamedTuple
 
 import matplotlib.pyplot as plt
@@ -8,7 +9,7 @@ import numpy as np
 from matplotlib.ticker import ScalarFormatter
 
 from solver.record.recorder import Record
-from studies.benchmark.case import OUT, RUNS, coefficients, errors, scene, timed, with_settings
+from studies.benchmark.case import OUT, RUNS, coefficients, errors, scene, timed, with_settings, worst
 
 SECONDS = 900.0  # analysed in each run
 FINE = {
@@ -33,11 +34,13 @@ KNOBS = {
     "newton_tolerance": [1e-4, 1e-5, 1e-6, 1e-8],
     "memory_tolerance": [3e-2, 1e-2, 5e-3, 3e-3, 1e-3],
 }
-PANELS = [192, 300, 432, 768]  # a body
+PANELS = [108, 432, 972]  # a body: the lattice has no other counts between
 FREQUENCIES = [20, 40, 60]  # of a body alone; see bem.frequency_grid
-TOLERANCES = [3e-2, 1e-2, 3e-3]
+TOLERANCES = [3e-2, 1e-2, 3e-3, 1e-3]
+STEPS = [0.3, 0.2, 0.15, 0.1, 0.05]  # s
+REALIZATIONS = 8  # of the same sea, to tell the order of the steps' error from luck
 SEEDS = [1, 2, 3]  # other realizations of the same sea
-BEST = {"panels": 972}
+BEST = {"panels": 1728}
 
 
 class Row(NamedTuple):
@@ -89,13 +92,32 @@ def vary(platform: str) -> list[Row]:
     true, _ = timed(short, best, 1)
     for panels in PANELS:
         known, _ = coefficients(f"panels-{panels}", panels=panels)
-        rows.append(run("panels", panels, short, known, true))
+        rows.append(run("panels", known.settings["panels"] // len(known.centres), short, known, true))
     fine, _ = coefficients("frequencies-120", omega=_grid(120))
     against, _ = timed(short, fine, 1)
     for count in FREQUENCIES:
         known, _ = coefficients(f"frequencies-{count}", omega=_grid(count))
         rows.append(run("frequencies", count, short, known, against))
     return rows
+
+
+def steps(platform: str) -> None:
+    """Print the error of each step over realizations: median and extremes, the worst number, the record's estimate."""
+    usual, _ = coefficients()
+    print(f"{'time_step':>10s}{'median':>10s}{'least':>10s}{'largest':>10s}{'estimate':>10s}  worst numbers, {platform}")
+    found: dict[float, list] = {step: [] for step in STEPS}
+    for seed in range(REALIZATIONS):
+        item = with_settings(scene(platform, seed), duration=SECONDS)
+        finest = {"time_step": min(STEPS) / 2, "newton_tolerance": FINE["newton_tolerance"]}
+        exact, _ = timed(with_settings(item, **finest), usual, 1)
+        for step in STEPS:
+            record, _ = timed(with_settings(item, time_step=step), usual, 1)
+            found[step].append((*worst(record, exact), record.attrs["discretization_error"]))
+    for step, rows in found.items():
+        error, names, told = zip(*rows, strict=True)
+        common = ", ".join(f"{name} {n} times" for name, n in Counter(names).most_common(2))
+        numbers = (statistics.median(error), min(error), max(error), statistics.median(told))
+        print(f"{step:10g}" + "".join(f"{x:10.1e}" for x in numbers) + f"  {common}", flush=True)
 
 
 def paired(item, known, usual, usual_known) -> tuple[Record, float]:
