@@ -63,10 +63,10 @@ class Tally:
         if entry.state == "done":
             mine = environment.sources()
             self.other_sources += entry.status.provenance.get("solver_sources", mine) != mine
-        if entry.state in ("done", "stale") and entry.status.unmet:
+        if entry.unmet:
             self.short += 1
             if self.short <= FEW:
-                self.unmet.append(f"not met: {task.id} {task}: {entry.status.unmet}")
+                self.unmet.append(f"not met: {task.id} {task}: {entry.unmet}")
         error = entry.status.error
         if entry.state == "failed" and error and len(self.failed) < MANY:
             self.failed.append(f"failed: {task.id} {task}: {error.kind}: {error.message}")

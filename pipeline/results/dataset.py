@@ -50,7 +50,7 @@ def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int
     for cell, task in zip(np.ndindex(*shape), study.tasks.passing("collecting"), strict=True):
         entry = store.look(task)
         words["status"][cell], words["task"][cell] = _fill(arrays, cell, entry), task.id
-        words["unmet"][cell] = entry.status.unmet
+        words["unmet"][cell] = entry.unmet
     with appearing(path) as part:
         to_file(part, *_dataset(study, table, arrays, words))
     states, numbers = np.unique(words["status"], return_counts=True)

@@ -45,6 +45,11 @@ class Entry:
         """The task's record; there is one only if it is done or stale."""
         return self.folder / "record.nc"
 
+    @property
+    def unmet(self) -> str:
+        """What was asked of its record and not met, in a sentence; empty if there is none."""
+        return self.status.unmet if self.state in ("done", "stale") else ""
+
 
 @contextlib.contextmanager
 def appearing(path: Path) -> Iterator[Path]:

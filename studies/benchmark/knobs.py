@@ -102,9 +102,9 @@ def vary(platform: str) -> list[Row]:
 
 
 def steps(platform: str) -> None:
-    """Print the error of each step over realizations: median and extremes, the worst number, the record's estimate."""
+    """Print each step's error over realizations: median and extremes, the record's estimate, the worst number."""
     usual, _ = coefficients()
-    print(f"{'time_step':>10s}{'median':>10s}{'least':>10s}{'largest':>10s}{'estimate':>10s}  worst numbers, {platform}")
+    print(f"{'time_step':>10s}{'median':>10s}{'least':>10s}{'largest':>10s}{'estimate':>10s}  worst, {platform}")
     found: dict[float, list] = {step: [] for step in STEPS}
     for seed in range(REALIZATIONS):
         item = with_settings(scene(platform, seed), duration=SECONDS)

@@ -1,12 +1,13 @@
 """Coefficients survive the file bit for bit, complex parts and signs of zero included."""
 
 from dataclasses import fields, replace
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 import pytest
 
 from pipeline.bridge import cache
+from pipeline.bridge import engine as run
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 
@@ -87,6 +88,12 @@ def test_a_file_counts_under_its_own_name_alone(coefficients, tmp_path):
     assert store.get("fedcba9876543210") is None
     store.put("fedcba9876543210", data.replace(b"0123456789abcdef", b"fedcba9876543210"))
     assert store.damaged() == {"fedcba9876543210"}
+
+
+def test_workers_write_the_key_into_the_file(coefficients, monkeypatch):
+    monkeypatch.setattr(run, "hydrodynamics", lambda _: coefficients)
+    geometry = SimpleNamespace(key="0123456789abcdef")
+    cache.check(run.coefficients(geometry), geometry.key)
 
 
 def test_a_whole_file_that_lacks_something_is_not_used(coefficients, tmp_path, monkeypatch):

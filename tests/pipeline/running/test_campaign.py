@@ -572,6 +572,12 @@ def test_what_was_asked_and_not_met_is_told(small, cli, engine, monkeypatch, tmp
     with xr.open_dataset(tmp_path / "r" / "small" / "statistics.nc") as data:
         assert (data.unmet.sel(platform="elastic") == "tolerance 1e-3 asked, 2.1e-3 estimated").all()
         assert (data.unmet.sel(platform=["fixed", "elastic-no-floats"]) == "").all()
+    tasks = {task.labels["platform"]: tmp_path / "r" / "small" / "tasks" / task.id for task in load(small).tasks}
+    shutil.copytree(tasks["elastic"], tasks["fixed"], dirs_exist_ok=True)  # says nothing of the other
+    assert told.replace("12 done", "11 done, 1 damaged") in cli("status", code=2)
+    cli("collect")
+    with xr.open_dataset(tmp_path / "r" / "small" / "statistics.nc") as data:
+        assert (data.unmet.sel(platform="fixed") == "").all()
 
 
 @pytest.mark.parametrize(("workers", "time"), [(1, "about 62 s"), (2, "about 31 s"), (10, "about 6 s")])
