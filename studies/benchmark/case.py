@@ -73,7 +73,7 @@ def timed(item: Scene, known: Hydrodynamics | None, runs: int = RUNS) -> tuple[R
 
 
 def _pairs(record: Record, exact: Record):
-    """(name, statistics (n, 5), exact ones) of every output that is there, the planar scene's still directions aside."""
+    """(name, statistics (n, 5), exact ones) of every output that is there, a planar scene's still directions aside."""
     for name in OUTPUTS:
         if name in exact.variables:
             a, b = (r.variables[name][1].reshape(-1, 5) for r in (record, exact))

@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.bridge import cache
 from pipeline.bridge import engine as run
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, MeshError
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 
 
@@ -34,7 +34,12 @@ def coefficients():
         heading=0.0,
         dofs=("surge", "heave", "pitch"),
         settings=MappingProxyType({"panels": 432}),
-        mesh_error=1e-4,
+        error=MeshError(
+            added_mass=1e-3 * rng.normal(size=(4, 6, 6)),
+            radiation_damping=1e-3 * rng.normal(size=(4, 6, 6)),
+            added_mass_inf=1e-3 * rng.normal(size=(6, 6)),
+            diffraction=1e-3 * force.conj(),
+        ),
         memory=RadiationMemory(
             beta=force[0, :3] - 9,
             residue=rng.normal(size=(3, 6, 6)) + 1j * rng.normal(size=(3, 6, 6)),
