@@ -113,7 +113,7 @@ def _similar_coefficients(h, scale, density):
     return replace(
         h, omega=h.omega / time, added_mass=mass * both * h.added_mass, added_mass_inf=mass * both * h.added_mass_inf,
         radiation_damping=mass / time * both * h.radiation_damping, diffraction=mass / scale * arm * h.diffraction,
-        froude_krylov=mass / scale * arm * h.froude_krylov, displaced_mass=mass * h.displaced_mass,
+        froude_krylov=mass / scale * arm * h.froude_krylov, displaced_mass=mass * h.displaced_mass, error=None,
         hydrostatic_stiffness=mass / scale * both * h.hydrostatic_stiffness, centres=scale * h.centres,
         depth=scale * h.depth, density=density * h.density,
     )  # fmt: skip
@@ -153,7 +153,7 @@ def alone(h, b):
     own = slice(3 * b, 3 * b + 3)
     matrices = {n: getattr(h, n)[..., own, own] for n in ("added_mass", "radiation_damping", "added_mass_inf")}
     return replace(
-        h, **matrices, diffraction=h.diffraction[:, own], froude_krylov=h.froude_krylov[:, own],
+        h, **matrices, error=None, diffraction=h.diffraction[:, own], froude_krylov=h.froude_krylov[:, own],
         hydrostatic_stiffness=h.hydrostatic_stiffness[own, own], displaced_mass=h.displaced_mass[b : b + 1],
         buoyancy_centre=h.buoyancy_centre[b : b + 1], centres=h.centres[b : b + 1],
     )  # fmt: skip

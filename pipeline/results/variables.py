@@ -68,7 +68,6 @@ VARIABLES = {
     "discretization_error": Meaning("1", "Estimated relative error of the time discretization"),
     "field_error": Meaning("1", "Share of the wave amplitudes' sum that the local series left out at a hull, at most"),
     "seabed_error": Meaning("1", "Share of a coefficient that the seabed has, at most, where it was left out"),
-    "static_stress": Meaning("Pa", "Static stress at the bottom of the leg, without waves"),
     "quadrature_error": Meaning("1", "Estimated relative error of the pressure's quadrature"),
     "memory_effect": Meaning(
         "1", "Relative error that the misfit of the radiation memory makes in the linear response"

@@ -219,15 +219,14 @@ def _decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray)
 
 def _response_error(system: System, model: LinearModel, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
     """Largest relative change of a coordinate's std, or of its rate's square where that is absorbed power."""
-    used = model.length * np.sqrt(np.sum(np.abs(exact) ** 2, axis=0))
-    used = used > FAINT * used.max(initial=0.0)
-    absorbs = np.zeros(used.size, bool)
-    absorbs[system.structure.omega.size :] = system.bodies.pto[system.structure.carrier.shape[0] :] > 0
-    (std, rate), (std_, rate_) = (
-        (np.sqrt(np.sum(np.abs(x) ** 2, axis=0)), np.sum(np.abs(omega[:, None] * x) ** 2, axis=0)) for x in (X, exact)
-    )
-    changes = np.abs(std / std_ - 1)[used], np.abs(rate / rate_ - 1)[used & absorbs]
-    return float(np.max(np.concatenate(changes), initial=0.0))
+    largest = model.length * np.sqrt(np.sum(np.abs(exact) ** 2, axis=0))
+    used = largest > FAINT * largest.max(initial=0.0)
+    first, pto = system.structure.omega.size, system.bodies.pto[system.structure.carrier.shape[0] :] > 0
+    absorbs = used & np.concatenate([np.zeros(first, bool), pto])
+    std = [np.sqrt(np.sum(np.abs(x[:, used]) ** 2, axis=0)) for x in (X, exact)]
+    power = [np.sum(np.abs(omega[:, None] * x[:, absorbs]) ** 2, axis=0) for x in (X, exact)]
+    changes = np.concatenate([np.abs(a / b - 1) for a, b in (std, power)])
+    return float(changes.max(initial=0.0))
 
 
 def skipped(system: System) -> list[str]:

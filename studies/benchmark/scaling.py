@@ -51,6 +51,7 @@ def pairs(count: int) -> tuple[Scene, Hydrodynamics]:
         froude_krylov=np.tile(h.froude_krylov, count) * arrival,
         hydrostatic_stiffness=block_diag(*[h.hydrostatic_stiffness] * count),
         displaced_mass=np.tile(h.displaced_mass, count),
+        error=None,
         buoyancy_centre=np.tile(h.buoyancy_centre, count),
         centres=np.concatenate([h.centres + np.array([APART * i, 0, 0]) for i in range(count)]),
     )
