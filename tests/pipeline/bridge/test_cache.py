@@ -101,6 +101,22 @@ def test_workers_write_the_key_into_the_file(coefficients, monkeypatch):
     cache.check(run.coefficients(geometry), geometry.key)
 
 
+def test_a_file_found_whole_is_opened_again_only_if_it_is_another(coefficients, tmp_path):
+    opened = []
+    store = cache.Cache(tmp_path, lambda data, key: opened.append(key) or cache.check(data, key))
+    data = cache.encode(coefficients, "key")
+    store.put("key", data)
+    assert [store.damaged(), store.damaged()] == [set(), set()]
+    assert opened == ["key"]
+    store.put("key", data[:-1] + bytes([data[-1] ^ 1]))
+    assert [store.damaged(), store.damaged()] == [{"key"}, {"key"}]
+    store.path("key").unlink()
+    store.path("key").mkdir()
+    assert store.damaged() == {"key"}
+    store.path("key").rmdir()
+    assert store.damaged() == set()
+
+
 def test_a_whole_file_that_lacks_something_is_not_used(coefficients, tmp_path, monkeypatch):
     """As another version of the program may leave one."""
     with monkeypatch.context() as patch:
