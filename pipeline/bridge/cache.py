@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
-from pipeline.results.store import write_atomic
+from pipeline.results.status import read_json
+from pipeline.results.store import sha256, write_atomic, write_json
 
 if TYPE_CHECKING:
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -148,6 +149,14 @@ def check(data: bytes, key: str) -> None:
         raise ValueError(f"the file lacks {', '.join(sorted(lacking))}")
 
 
+def _checksum(path: Path) -> str:
+    """Of a file that can be read; else empty."""
+    try:
+        return sha256(path.read_bytes())
+    except OSError:
+        return ""
+
+
 class Cache:
     """Files of coefficients, one for each geometry, shared by all studies of a results folder."""
 
@@ -160,8 +169,14 @@ class Cache:
         return self.folder / f"{key}.nc"
 
     def damaged(self) -> set[str]:
-        """Keys of the files that are not what their names say."""
-        return {path.stem for path in self.folder.glob("*.nc") if self.get(path.stem) is None}
+        """Keys of the files that are not what their names say; what was found whole is known again by its checksum."""
+        sums = {path.stem: _checksum(path) for path in self.folder.glob("*.nc")}
+        mark = self.folder / ".whole.json"
+        known = read_json(mark) or {}
+        whole = {k: found for k, found in sums.items() if found and (known.get(k) == found or self.get(k) is not None)}
+        if whole != known:
+            write_json(mark, whole)
+        return sums.keys() - whole.keys()
 
     def get(self, key: str) -> bytes | None:
         """The file's bytes, None if there is none or it is damaged."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline import environment
@@ -19,14 +19,14 @@ from pipeline.terminal import err, out
 REPORTED = 1000  # tasks up to which the report comes by itself: its figures take 3 s, and longer with more dots
 
 
-def preflight(study: Study, tasks: Iterable[Task]) -> None:
+def preflight(study: Study, tasks: Tasks) -> None:
     """The solver's own objections and warnings, before anything runs."""
     from pipeline.bridge.engine import Engine
     from pipeline.bridge.preflight import check
 
     if not environment.compiled():
         say("compiling the solver: a few minutes, once for each state of its sources", err)
-    for text in check(study, tasks, Engine()):
+    for text in check(study, tasks.passing(), Engine()):
         say(f"{study.path}: warning: {text}", err)
 
 

@@ -276,7 +276,7 @@ def clean(
 ) -> None:
     """List, or with --orphans remove, results that belong to no task of the study."""
     _, tasks, store = _open(study_file, results)
-    known = {task.id for task in tasks} | {older for task in tasks for older in task.older_ids}
+    known = {name for task in tasks.passing() for name in (task.id, *task.older_ids)}
     found = sorted(p for p in store.tasks.iterdir() if p.name not in known) if store.tasks.is_dir() else []
     for folder in found:
         labels = read_status(folder / "status.json").labels

@@ -25,7 +25,7 @@ def find(study: Study, words: Iterable[str]) -> set[str]:
         if "=" in word:
             ids = {task.id for task in select(study, word)}
         else:
-            ids = {task.id for task in study.tasks if task.id.startswith(word)}
+            ids = {task.id for task in study.tasks.passing() if task.id.startswith(word)}
         if not ids:
             raise StudyError(study.path, [f"task = {word}: no such task; `study plan {study.path}` lists them"])
         if len(ids) > 1 and "=" not in word:

@@ -92,7 +92,7 @@ if __name__ == "__main__":
             first, walls[workers], paces[workers] = run(path, results, workers)
             print(f"{workers} workers: first step after {first:.2f} s, end after {walls[workers]:.2f} s", flush=True)
         again = min(run(path, results, 2)[1] for _ in range(3))
-        print(f"nothing to do: {again:.2f} s (at most 3)")
+        print(f"nothing to do: {again:.2f} s (at most 0.8)")
         alone, together = side_by_side(1), side_by_side(2)
         print(
             f"2 workers are {walls[1] / walls[2]:.2f} times as fast as 1 with start and report,"

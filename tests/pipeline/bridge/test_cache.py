@@ -63,13 +63,13 @@ def test_coefficients_without_memory_have_none(coefficients):
 def same(one, other):
     """All fields, bit for bit."""
     for field in fields(one):
-        a, b = getattr(one, field.name), getattr(other, field.name)
-        if isinstance(a, MeshError):
-            assert [x.tobytes() for x in a] == [x.tobytes() for x in b]
-        elif isinstance(a, np.ndarray):
-            assert (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes()), field.name
-        else:
-            assert a == b or (np.isnan(a) and np.isnan(b)), field.name
+        given, found = getattr(one, field.name), getattr(other, field.name)
+        pairs = zip(given, found, strict=True) if isinstance(given, MeshError) else [(given, found)]
+        for a, b in pairs:
+            if isinstance(a, np.ndarray):
+                assert (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes()), field.name
+            else:
+                assert a == b or (np.isnan(a) and np.isnan(b)), field.name
 
 
 def test_a_damaged_file_is_not_used(coefficients, tmp_path):
@@ -101,6 +101,22 @@ def test_workers_write_the_key_into_the_file(coefficients, monkeypatch):
     monkeypatch.setattr(run, "hydrodynamics", lambda _: coefficients)
     geometry = SimpleNamespace(key="0123456789abcdef")
     cache.check(run.coefficients(geometry), geometry.key)
+
+
+def test_a_file_found_whole_is_opened_again_only_if_it_is_another(coefficients, tmp_path):
+    opened = []
+    store = cache.Cache(tmp_path, lambda data, key: opened.append(key) or cache.check(data, key))
+    data = cache.encode(coefficients, "key")
+    store.put("key", data)
+    assert [store.damaged(), store.damaged()] == [set(), set()]
+    assert opened == ["key"]
+    store.put("key", data[:-1] + bytes([data[-1] ^ 1]))
+    assert [store.damaged(), store.damaged()] == [{"key"}, {"key"}]
+    store.path("key").unlink()
+    store.path("key").mkdir()
+    assert store.damaged() == {"key"}
+    store.path("key").rmdir()
+    assert store.damaged() == set()
 
 
 def test_a_whole_file_that_lacks_something_is_not_used(coefficients, tmp_path, monkeypatch):
