@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.balance import warnings
 from solver.coupled.boundary import coefficients, needed
-from solver.coupled.march import WORKS, energy
+from solver.coupled.energy import AT_START, WORKS, energy
 from solver.coupled.system import BALANCE, blocks, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
@@ -81,7 +81,7 @@ def _run(
     steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))
     recorder, probe = Recorder(scene, system.support, layout=system.layout), Probe(system)
     state = system.start()
-    furthest = np.abs(np.append(np.zeros(system.bodies.damping.size - state.z.size), state.z))
+    furthest = np.abs(np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z))
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
         furthest = np.maximum(furthest, np.abs(output.z).max(axis=0))
@@ -96,7 +96,7 @@ def _run(
     attrs = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
-        "stored_energy_change": float(stored - state.energy[0]),
+        "stored_energy_change": float(stored - state.energy[AT_START]),
         **audit(probe, hydrodynamics, state),
         "field_error": field_error(scene, system.bodies, system.waves, system.terms, furthest),
         "seabed_error": seabed_error(hydrodynamics),

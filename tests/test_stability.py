@@ -11,7 +11,8 @@ from pytest import approx
 
 from pipeline.bridge import cache
 from solver import limits
-from solver.coupled.march import WATCH, WORKS, open_by
+from solver.coupled.energy import WORKS, open_by
+from solver.coupled.march import WATCH
 from solver.coupled.system import BLOCK_STEPS, blocks, prepare
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.multibody.minimal import move, new_motion
@@ -139,7 +140,7 @@ def test_a_record_says_how_much_of_the_seabed_was_left_out(buan, coefficients, f
 def test_how_far_a_float_has_been_is_reckoned_from_the_support_on(buan, coefficients):
     """An arm of 3.5 m, on a platform that sways and turns: axis by axis never less than where it really is."""
     system = prepare(buan.scene(), coefficients)
-    z = np.random.default_rng(1).uniform(-0.6, 0.6, (200, system.bodies.damping.size))
+    z = np.random.default_rng(1).uniform(-0.6, 0.6, (200, system.bodies.mechanism.size))
     motion, still = new_motion(system.bodies), np.zeros(z.shape[1])
     for row in z:
         move(system.bodies, row, still, motion)

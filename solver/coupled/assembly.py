@@ -1,11 +1,13 @@
 """The seam between objects and kernels: a scene becomes the arrays that the march reads."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
 from solver import limits
-from solver.coupled.march import Memory, Structure
+from solver.coupled.memory import Memory
+from solver.coupled.modal import Structure
 from solver.coupled.support import PLANAR, Support
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -13,6 +15,7 @@ from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadra
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.multibody.chain import PRISMATIC, REVOLUTE
+from solver.multibody.joint_law import JointLaw
 from solver.multibody.minimal import Bodies
 from solver.scene import DOFS, Float, Scene
 from solver.sea.field import WaveField
@@ -80,11 +83,8 @@ def bodies(
         wheeler=scene.settings.pressure == "wheeler",
         active=np.array([DOFS.index(d) for d in dofs], np.int64),
         added_mass=added_mass,
-        pto=_joints(scene, nc, "pto_damping"),
-        damping=_joints(scene, nc, "damping"),
-        quadratic=_joints(scene, nc, "quadratic_damping"),
-        spring=_joints(scene, nc, "stiffness"),
-        mechanism=_joints(scene, nc, "mechanism_inertia"),
+        law=joint_law(floats, nc),
+        mechanism=_per_axis(floats, "mechanism_inertia", nc),
         limit=limits.excursions(scene, field, terms, own),
     )
 
@@ -112,9 +112,15 @@ def _axis(item: Float, name: str) -> tuple[bool, np.ndarray]:
     return number >= SPIN, np.eye(3)[number % 3]
 
 
-def _joints(scene: Scene, carriers: int, name: str) -> np.ndarray:
+def joint_law(floats: Iterable[Float], carriers: int = 0) -> JointLaw:
+    """Of all axes of the floats' joints, after so many coordinates of carriers, which no law holds."""
+    names = {"pto": "pto_damping", "damping": "damping", "quadratic": "quadratic_damping", "spring": "stiffness"}
+    return JointLaw(**{part: _per_axis(floats, name, carriers) for part, name in names.items()})
+
+
+def _per_axis(floats: Iterable[Float], name: str, carriers: int) -> np.ndarray:
     """A quantity of all joints' axes among the coordinates (nz,)."""
-    return np.concatenate([np.zeros(carriers), *(f.per_axis(name) for f in scene.floats)])
+    return np.concatenate([np.zeros(carriers), *(f.per_axis(name) for f in floats)])
 
 
 def _rule(item: Float, scene: Scene, field: WaveField) -> WettedQuadrature:
@@ -159,14 +165,12 @@ def _stacked(own: list[WettedQuadrature | None]) -> WettedQuadrature:
     if not given:
         empty = np.zeros(0)
         nothing = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2)), 0.0
-        return WettedQuadrature(*nothing, *[empty] * 4, False, 1, np.zeros((11, 0)), np.zeros((0, 0)), empty)
+        return WettedQuadrature(*nothing, *[empty] * 4, False, 1)
     most = max(len(r.patch) for r in given)
     return given[0]._replace(
         patch=np.stack([_padded(r.patch if r else given[0].patch[:0], most) for r in own]),
         whole=np.stack([_padded(r.whole if r else given[0].whole[:0], most) for r in own]),
         surface_terms=max(r.surface_terms for r in given),
-        room=max((r.room for r in given), key=np.size),
-        sides=max((r.sides for r in given), key=np.size),
     )
 
 

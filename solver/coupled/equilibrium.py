@@ -2,9 +2,19 @@
 
 import numpy as np
 
-from solver.coupled.march import Structure
+from solver.coupled.modal import Structure
 from solver.errors import SimulationFailed
-from solver.multibody.minimal import Bodies, loads, move, new_motion, pressures
+from solver.multibody.minimal import (
+    Bodies,
+    Coordinates,
+    Loads,
+    WaterLoads,
+    loads,
+    move,
+    new_motion,
+    pressure_room,
+    pressures,
+)
 
 STEP = 1e-5  # of differences [m or rad]: what curvature and rounding leave is below 1e-8
 SETTLED = 1e-12  # last change of a coordinate [m or rad]
@@ -15,16 +25,17 @@ ROUNDS = 100  # of floats and structure in turn; a float on a platform as soft a
 
 def balance(body: Bodies, z, dz=None, ddz=None, field=None, excitation=None) -> tuple[np.ndarray, np.ndarray]:
     """JᵀW (nz,) of the floats and W (nb, 6), all loads on each, at z, ż, z̈ (nz,), rest and still water if not given."""
-    nz, nb, na = body.damping.size, body.axes.size, body.axes.size * body.active.size
+    nz, nb, na = body.mechanism.size, body.axes.size, body.axes.size * body.active.size
     still, motion = np.zeros(nz), new_motion(body)
     dz, ddz = (still if x is None else x for x in (dz, ddz))
     field = np.zeros((nb, 2, 1)) if field is None else field
     excitation = np.zeros((nb, 6)) if excitation is None else excitation
     move(body, z, dz, motion)
-    pressure, out, (wrench, external) = np.empty((nb, 6)), np.empty(nz), np.empty((2, nb, 6))
-    pressures(body, motion, field, pressure)
-    loads(body, z, dz, ddz, motion, pressure, still, excitation, np.zeros(na), out, wrench, external)
-    return out, wrench
+    water = WaterLoads(pressure=np.empty((nb, 6)), since=still, excitation=excitation, memory=np.zeros(na))
+    out = Loads(np.empty(nz), *np.empty((2, nb, 6)))
+    pressures(body, motion, field, pressure_room(body), water.pressure)
+    loads(body, Coordinates(z, dz, ddz), motion, water, out)
+    return out.residual, out.wrench
 
 
 def tangent(body: Bodies, z: np.ndarray) -> np.ndarray:
@@ -50,7 +61,7 @@ def equilibrium(body: Bodies, frame: Structure, stride: float) -> tuple[np.ndarr
     follow it by at most `stride` [m or rad] at a time, in turn until nothing moves.
     """
     nc, nm = frame.carrier.shape
-    z, p = np.zeros(body.damping.size), np.zeros(nm)
+    z, p = np.zeros(body.mechanism.size), np.zeros(nm)
     for _ in range(ROUNDS):
         before = z.copy()
         if z.size > nc:

@@ -8,6 +8,7 @@ import numpy as np
 from solver import limits
 from solver.coupled import assembly
 from solver.coupled import support as platform
+from solver.coupled.energy import AT_START, GAP, SCALE, WORKS, energy, open_by
 from solver.coupled.equilibrium import balance, equilibrium, tangent, weights
 from solver.coupled.march import (
     EXCURSION,
@@ -15,14 +16,13 @@ from solver.coupled.march import (
     NOT_CONVERGED,
     OK,
     UNBALANCED,
-    WORKS,
     Drive,
     Output,
+    Problem,
     State,
-    energy,
     march,
-    open_by,
-    workspace,
+    new_problem,
+    new_workspace,
 )
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
@@ -92,7 +92,7 @@ class System:
     def start(self) -> State:
         """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""
         body, nm = self.bodies, self.structure.omega.size
-        nz, nc = body.damping.size, self.structure.carrier.shape[0]
+        nz, nc = body.mechanism.size, self.structure.carrier.shape[0]
         z, p = (part.copy() for part in self.equilibrium)
         z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
         s = self.scene.settings
@@ -111,8 +111,20 @@ class System:
             work=np.zeros(len(WORKS)),
             energy=np.array([0.0, self.least_energy, 0.0]),
         )
-        state.energy[0] = energy(body, self.structure, state)
+        state.energy[AT_START] = energy(body, self.structure, state)
         return state
+
+    def problem(self) -> Problem:
+        """What the march is given of the scene."""
+        return new_problem(
+            self.bodies,
+            self.structure,
+            self.memory,
+            self.stiffness,
+            dt=self.dt,
+            tolerance=self.newton_tolerance,
+            iterations=ITERATIONS,
+        )
 
     def series(self, dt: float, block: int = 2 * BLOCK_STEPS + 1) -> WaveSeries:
         """All that the wave drives, at samples dt/2 apart, blocks of at most `block`."""
@@ -223,7 +235,7 @@ def _way(item: Float, point: np.ndarray, angle: float, height: float) -> float:
 def _initial_acceleration(system: System, z, p, first: Drive):
     """Modal and joint accelerations at t = 0, and the modal load of the hinges, from all loads at rest."""
     body, frame = system.bodies, system.structure
-    nz, (nc, nm) = body.damping.size, frame.carrier.shape
+    nz, (nc, nm) = body.mechanism.size, frame.carrier.shape
     motion, M = new_motion(body), np.zeros((nz, nz))
     move(body, z, np.zeros(nz), motion)
     mass_matrix(body, motion, M)
@@ -244,12 +256,11 @@ def blocks(system: System, state: State, steps: int, done: int = 0):
     `state` is that after `done` steps, and all that a run needs to go on: to the last bit where `done` is a
     multiple of BLOCK_STEPS, elsewhere to Newton's tolerance.
     """
-    h, tolerance = system.dt / 2, system.newton_tolerance
-    series = system.series(system.dt)
-    own = workspace(system.bodies, system.structure, system.memory, system.stiffness, system.dt)
+    h, series = system.dt / 2, system.series(system.dt)
+    problem, room = system.problem(), new_workspace(system.bodies, system.structure)
     # Up to the longest wave's period after the start little has been exchanged, and that with a jolt.
     quiet = int(2 * np.pi / system.scene.sea.omega.min() / system.dt)
-    nz, nm, nb = system.bodies.damping.size, system.structure.omega.size, system.bodies.axes.size
+    nz, nm, nb = system.bodies.mechanism.size, system.structure.omega.size, system.bodies.axes.size
     for first in range(done, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - first)
         samples = series.block(2 * first, 2 * count + 1)
@@ -259,19 +270,7 @@ def blocks(system: System, state: State, steps: int, done: int = 0):
             np.empty((2 * count, nm)),
             np.empty((2 * count, nb, 6)),
         )
-        outcome, sample, _ = march(
-            system.bodies,
-            system.structure,
-            system.memory,
-            system.drive(samples),
-            state,
-            own,
-            system.dt,
-            tolerance,
-            ITERATIONS,
-            quiet - first,
-            output,
-        )
+        outcome, sample, _ = march(problem, system.drive(samples), state, room, quiet - first, output)
         if outcome != OK:
             raise _failure(outcome, (2 * first + sample) * h, system, state)
         yield samples[1:], output, (2 * first + 1 + np.arange(2 * count)) * h
@@ -283,15 +282,15 @@ def _failure(outcome: int, t: float, system: System, state: State) -> Simulation
         return SimulationFailed(limits.explain(system.scene, state.z, system.bodies.limit, when))
     if outcome == UNBALANCED:
         stored = energy(system.bodies, system.structure, state)
-        return unbalanced(energy_residual(state.work, stored, state.energy, state.energy[2]), GROSSLY, t, system)
+        return unbalanced(energy_residual(state.work, stored, state.energy, state.energy[GAP]), GROSSLY, t, system)
     trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
     return StepTooLong(f"{trouble} {when}: reduce time_step = {system.dt:g} s")
 
 
 def energy_residual(work: np.ndarray, stored: float, exchanged: np.ndarray, allowed: float = 0.0) -> float:
-    """Gap of the energy balance, but for `allowed` [J], over the largest exchanged so far; see march.open_by."""
+    """Gap of the energy balance, but for `allowed` [J], over the largest exchanged so far; see energy.open_by."""
     gap = open_by(work, stored, exchanged) - allowed
-    return float(abs(gap) / exchanged[1]) if gap else 0.0
+    return float(abs(gap) / exchanged[SCALE]) if gap else 0.0
 
 
 def unbalanced(gap: float, limit: float, t: float, system: System) -> StepTooLong:

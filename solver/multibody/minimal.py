@@ -11,10 +11,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, pressure_load
-from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, panels_pressure
+from solver.hydrodynamics.pressure.froude_krylov import (
+    Incident,
+    QuadratureRoom,
+    WettedQuadrature,
+    pressure_load,
+    quadrature_room,
+)
+from solver.hydrodynamics.pressure.wetted_panels import PanelsRoom, WettedPanels, panels_pressure, panels_room
 from solver.kernels import fast_lean_kernel, kernel, lean_kernel
 from solver.multibody.chain import Chain, cross, kinematics, rotated
+from solver.multibody.joint_law import JointLaw, axis_energy, axis_load
 
 
 class Bodies(NamedTuple):
@@ -43,10 +50,7 @@ class Bodies(NamedTuple):
     wheeler: bool
     active: np.ndarray  # (nr,) which of the six DOF radiate
     added_mass: np.ndarray  # (nb nr, nb nr) at infinite frequency
-    pto: np.ndarray  # (nz,) linear damping that is absorbed power
-    damping: np.ndarray  # (nz,) other linear damping
-    quadratic: np.ndarray  # (nz,) quadratic damping
-    spring: np.ndarray  # (nz,) linear spring about z = 0
+    law: JointLaw  # of the nz axes; nothing on carriers
     mechanism: np.ndarray  # (nz,) inertia on the axes besides the floats'
     limit: np.ndarray  # (nz, 2) excursions beyond which the run is given up, see solver.limits
 
@@ -61,6 +65,42 @@ class Motion(NamedTuple):
     bias: np.ndarray  # (nb, 6)
     acceleration: np.ndarray  # (nb, 6)
     active_velocity: np.ndarray  # (nb nr,)
+
+
+class Coordinates(NamedTuple):
+    """All coordinates at one instant."""
+
+    z: np.ndarray  # (nz,)
+    dz: np.ndarray  # (nz,)
+    ddz: np.ndarray  # (nz,)
+
+
+class WaterLoads(NamedTuple):
+    """What the water does to the bodies, but for added mass."""
+
+    pressure: np.ndarray  # (nb, 6) as it was at coordinates smaller by `since`
+    since: np.ndarray  # (nz,) the hydrostatic stiffness stands for that change
+    excitation: np.ndarray  # (nb, 6) linear wave loads
+    memory: np.ndarray  # (nb nr,) of the radiation, against the motion
+
+
+class Loads(NamedTuple):
+    """The equations of motion at one instant."""
+
+    residual: np.ndarray  # (nz,) JᵀW
+    wrench: np.ndarray  # (nb, 6) W, all loads on each body, inertia included
+    external: np.ndarray  # (nb, 6) the waves' part of it
+
+
+class PressureRoom(NamedTuple):
+    """Scratch of the pressure integrals: a kernel that allocates is slower."""
+
+    quadrature: QuadratureRoom
+    panels: PanelsRoom
+
+
+def pressure_room(bodies: Bodies) -> PressureRoom:
+    return PressureRoom(quadrature_room(bodies.rule), panels_room(bodies.panels))
 
 
 @kernel
@@ -124,36 +164,26 @@ def _spatial_inertia(bodies, b, rotation, M, lever):
 
 
 @kernel(inline="always")
-def _pressure(bodies, b, motion, field, load):
-    """Hydrostatic load, and the incident wave's where it is body-nonlinear."""
-    if bodies.nonlinear[b] and bodies.meshed[b]:
-        panels_pressure(
-            b, motion.position[b], motion.rotation[b], bodies.panels,
-            field[b], bodies.reference[b], bodies.wave_direction, bodies.rho_g, bodies.wheeler, bodies.depth, load,
-        )  # fmt: skip
-        return
-    if bodies.nonlinear[b]:
-        rule = bodies.rule
-        own = WettedQuadrature(
-            rule.patch[b, : bodies.patches[b]],
-            rule.whole[b],
-            rule.azimuth,
-            rule.dpsi,
-            rule.arc_u,
-            rule.arc_w,
-            rule.line_u,
-            rule.line_w,
-            rule.half,
-            rule.surface_terms,
-            rule.room,
-            rule.sides,
-            rule.series,
-        )
-        pressure_load(
-            motion.position[b], motion.rotation[b], own,
-            field[b], bodies.reference[b], bodies.wave_direction, bodies.rho_g, bodies.wheeler, bodies.depth, load,
-        )  # fmt: skip
-        return
+def _rule_of(bodies, b):
+    """The quadrature of one body."""
+    rule = bodies.rule
+    return WettedQuadrature(
+        rule.patch[b, : bodies.patches[b]],
+        rule.whole[b],
+        rule.azimuth,
+        rule.dpsi,
+        rule.arc_u,
+        rule.arc_w,
+        rule.line_u,
+        rule.line_w,
+        rule.half,
+        rule.surface_terms,
+    )
+
+
+@kernel(inline="always")
+def _linear_hydrostatics(bodies, b, motion, load):
+    """Buoyancy at rest, less stiffness times displacement."""
     x, x0, R = motion.position[b], bodies.reference[b], motion.rotation[b]
     shift = (x[0] - x0[0], x[1] - x0[1], x[2] - x0[2], R[2, 1], R[0, 2], R[1, 0])
     for r in range(6):
@@ -163,43 +193,42 @@ def _pressure(bodies, b, motion, field, load):
 
 
 @fast_lean_kernel
-def pressures(bodies, motion, field, out):
+def pressures(bodies, motion, field, room, out):
     """Hydrostatic load, and the incident wave's where it is body-nonlinear: out (nb, 6)."""
     out[:] = 0.0
     for b in range(bodies.axes.size):
-        _pressure(bodies, b, motion, field, out[b])
+        if not bodies.nonlinear[b]:
+            _linear_hydrostatics(bodies, b, motion, out[b])
+            continue
+        waves = Incident(
+            field[b], bodies.reference[b], bodies.wave_direction, bodies.rho_g, bodies.wheeler, bodies.depth
+        )
+        if bodies.meshed[b]:
+            panels_pressure(b, motion.position[b], motion.rotation[b], bodies.panels, waves, room.panels, out[b])
+        else:
+            rule = _rule_of(bodies, b)
+            pressure_load(motion.position[b], motion.rotation[b], rule, waves, room.quadrature, out[b])
 
 
 @lean_kernel
-def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, residual, wrench, external):
-    """Residual JᵀW (nz,) of the equations of motion, W (nb, 6), and the waves' part of it, external (nb, 6).
-
-    pressure (nb, 6) as it was at coordinates smaller by since (nz,): the hydrostatic stiffness
-    stands for the change; excitation (nb, 6) linear wave loads; memory (nb nr,) radiation memory load.
-    """
+def loads(bodies, at, motion, water, out):
+    """Fill out (Loads) with the equations of motion at coordinates `at`, moved there as `motion`, under WaterLoads."""
     nb, nr = bodies.axes.size, bodies.active.size
     for b in range(nb):
         for r in range(6):
             a = motion.bias[b, r]
             for i in range(bodies.axes[b]):
-                a += motion.jacobian[b, r, i] * ddz[bodies.coordinate[b, i]]
+                a += motion.jacobian[b, r, i] * at.ddz[bodies.coordinate[b, i]]
             motion.acceleration[b, r] = a
-    residual[:] = 0.0
+    out.residual[:] = 0.0
     for b in range(nb):
-        W = wrench[b]
+        W = out.wrench[b]
+        _wave_wrench(bodies, b, motion, water, W)
         for r in range(6):
-            W[r] = excitation[b, r] + pressure[b, r]
-        for c in range(6):
-            moved = 0.0
-            for i in range(bodies.axes[b]):
-                moved += motion.jacobian[b, c, i] * since[bodies.coordinate[b, i]]
-            for r in range(6):
-                W[r] -= bodies.stiffness[b, r, c] * moved
-        for r in range(6):
-            external[b, r] = W[r]
+            out.external[b, r] = W[r]
         for r in range(nr):
             i = b * nr + r
-            total = memory[i]
+            total = water.memory[i]
             for j in range(nb):
                 for s in range(nr):
                     total += bodies.added_mass[i, j * nr + s] * motion.acceleration[j, bodies.active[s]]
@@ -207,28 +236,43 @@ def loads(bodies, z, dz, ddz, motion, pressure, since, excitation, memory, resid
         _weight_and_inertia(bodies, b, motion, W)
         for i in range(bodies.axes[b]):
             for r in range(6):
-                residual[bodies.coordinate[b, i]] += motion.jacobian[b, r, i] * W[r]
-    for i in range(z.size):
-        damping = bodies.pto[i] + bodies.damping[i] + bodies.quadratic[i] * abs(dz[i])
-        residual[i] -= damping * dz[i] + bodies.spring[i] * z[i] + bodies.mechanism[i] * ddz[i]
+                out.residual[bodies.coordinate[b, i]] += motion.jacobian[b, r, i] * W[r]
+    for i in range(at.z.size):
+        own = axis_load(bodies.law, i, at.z[i], at.dz[i])
+        out.residual[i] -= own.pto + own.loss + own.spring + bodies.mechanism[i] * at.ddz[i]
+
+
+@kernel(inline="always")
+def _wave_wrench(bodies, b, motion, water, W):
+    """W <- excitation and pressure, carried on by the hydrostatic stiffness."""
+    for r in range(6):
+        W[r] = water.excitation[b, r] + water.pressure[b, r]
+    for c in range(6):
+        moved = 0.0
+        for i in range(bodies.axes[b]):
+            moved += motion.jacobian[b, c, i] * water.since[bodies.coordinate[b, i]]
+        for r in range(6):
+            W[r] -= bodies.stiffness[b, r, c] * moved
 
 
 @lean_kernel
-def powers(bodies, dz, motion, external, memory, power):
-    """Powers (4,) [W] of pressure and excitation; radiation memory, PTO and other damping of the joints as dissipated.
+def powers(bodies, at, motion, external, memory):
+    """Powers [W] of pressure and excitation; of radiation memory, PTO and the joints' other losses as dissipated.
 
     Of the step's final velocities: with others, weight and buoyancy, far larger than what varies, would not balance.
     """
     nb, nr = bodies.axes.size, bodies.active.size
-    power[:] = 0.0
+    waves = radiation = pto = loss = 0.0
     for b in range(nb):
         for r in range(6):
-            power[0] += external[b, r] * motion.velocity[b, r]
+            waves += external[b, r] * motion.velocity[b, r]
         for r in range(nr):
-            power[1] += memory[b * nr + r] * motion.velocity[b, bodies.active[r]]
-    for i in range(dz.size):
-        power[2] += bodies.pto[i] * dz[i] ** 2
-        power[3] += (bodies.damping[i] + bodies.quadratic[i] * abs(dz[i])) * dz[i] ** 2
+            radiation += memory[b * nr + r] * motion.velocity[b, bodies.active[r]]
+    for i in range(at.dz.size):
+        own = axis_load(bodies.law, i, at.z[i], at.dz[i])
+        pto += own.pto * at.dz[i]
+        loss += own.loss * at.dz[i]
+    return waves, radiation, pto, loss
 
 
 @lean_kernel
@@ -334,5 +378,5 @@ def stored_energy(bodies, z, dz, motion):
         for j in range(v.size):
             energy += 0.5 * v[i] * bodies.added_mass[i, j] * v[j]
     for i in range(z.size):
-        energy += 0.5 * (bodies.spring[i] * z[i] * z[i] + bodies.mechanism[i] * dz[i] * dz[i])
+        energy += axis_energy(bodies.law, i, z[i]) + 0.5 * bodies.mechanism[i] * dz[i] * dz[i]
     return energy

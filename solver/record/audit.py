@@ -11,7 +11,8 @@ from solver.coupled.march import Output, State
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.radiation.memory import RadiationMemory
-from solver.multibody.minimal import move, new_motion, pressures
+from solver.multibody.joint_law import absorbing
+from solver.multibody.minimal import move, new_motion, pressure_room, pressures
 from solver.record.recorder import Recorder
 from solver.scene import Scene, Settings
 from solver.statistics import FAINT, STATISTICS, apart, moments
@@ -161,11 +162,11 @@ def quadrature_error(system: System, probe: Probe) -> float:
 
 def _joint_loads(body, states) -> np.ndarray:
     """Jᵀ F of the pressure's load F at some states, (m, nz)."""
-    motion, load = new_motion(body), np.empty((body.axes.size, 6))
-    loads = np.zeros((len(states), body.damping.size))
+    motion, room, load = new_motion(body), pressure_room(body), np.empty((body.axes.size, 6))
+    loads = np.zeros((len(states), body.mechanism.size))
     for row, (z, pressure) in zip(loads, states, strict=True):
         move(body, z, np.zeros(z.size), motion)
-        pressures(body, motion, pressure, load)
+        pressures(body, motion, pressure, room, load)
         for b in range(body.axes.size):
             n = body.axes[b]
             row[body.coordinate[b, :n]] += motion.jacobian[b, :, :n].T @ load[b]
@@ -221,7 +222,7 @@ def _response_error(system: System, model: LinearModel, omega: np.ndarray, X: np
     """Largest relative change of a coordinate's std, or of its rate's square where that is absorbed power."""
     largest = model.length * np.sqrt(np.sum(np.abs(exact) ** 2, axis=0))
     used = largest > FAINT * largest.max(initial=0.0)
-    first, pto = system.structure.omega.size, system.bodies.pto[system.structure.carrier.shape[0] :] > 0
+    first, pto = system.structure.omega.size, absorbing(system.bodies.law)[system.structure.carrier.shape[0] :]
     absorbs = used & np.concatenate([np.zeros(first, bool), pto])
     std = [np.sqrt(np.sum(np.abs(x[:, used]) ** 2, axis=0)) for x in (X, exact)]
     power = [np.sum(np.abs(omega[:, None] * x[:, absorbs]) ** 2, axis=0) for x in (X, exact)]

@@ -5,9 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solver.coupled.assembly import Layout
+from solver.coupled.assembly import Layout, joint_law
 from solver.coupled.march import Output
 from solver.coupled.support import Support
+from solver.multibody.joint_law import joint_loads
 from solver.record.spectra import Harmonics
 from solver.scene import Scene
 from solver.statistics import STATISTICS, Statistics
@@ -38,7 +39,7 @@ class Recorder:
         self.owner = np.array([b for b, f in enumerate(floats) for _ in f.motion], int)  # of each joint axis
         self.names = [name for f in floats for name in f.motion]
         self.axes = list(dict.fromkeys(self.names))
-        self.pto = np.concatenate([np.zeros(0), *(f.per_axis("pto_damping") for f in floats)])
+        self.law = joint_law(floats)
         self.statistics = Statistics()
         self.shapes: dict[str, tuple[int, ...]] = {}  # of the channels, in the order of the statistics
         self.largest = self.legs.nothing() if self.legs is not None else None
@@ -73,7 +74,8 @@ class Recorder:
                 yield "rotation", moved[:, :, self.axes.index("hinge")]
             if self.axes != ["hinge"]:
                 yield "motion", moved
-            yield "absorbed_power", (self.pto * rate**2) @ (self.owner[:, None] == np.arange(nb))
+            absorbed = joint_loads(self.law, joint, rate).pto * rate
+            yield "absorbed_power", absorbed @ (self.owner[:, None] == np.arange(nb))
             force = -output.wrench[kept, :, :3]
             for b, carrier in reversed(list(enumerate(self.scene.carriers))):
                 if carrier >= 0:  # whose own joint bears what it carries, too

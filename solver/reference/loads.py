@@ -5,12 +5,21 @@ from typing import Literal
 
 import numpy as np
 
+from solver.coupled.assembly import joint_law
+from solver.coupled.energy import JOINT_DAMPING, PTO, RADIATION, WAVE, WORKS
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.surface import split
-from solver.hydrodynamics.pressure.froude_krylov import pressure_load, quadrature
-from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, panels_pressure, wetted_panels
+from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature, quadrature_room
+from solver.hydrodynamics.pressure.wetted_panels import (
+    WettedPanels,
+    longest_side,
+    panels_pressure,
+    panels_room,
+    wetted_panels,
+)
+from solver.multibody.joint_law import joint_loads
 from solver.reference import axes as joint_axes
 from solver.reference.axes import Axes, Node
 from solver.reference.convolution import Convolution, Kernel
@@ -46,6 +55,7 @@ class PressureForce:
                 else quadrature(f.hull, **sizes, half=scene.planar)
                 for f in scene.floats
             ]
+            self.rooms = [panels_room(r) if isinstance(r, WettedPanels) else quadrature_room(r) for r in self.rules]
             self.rows = [field.local_pressure(f.centre, TERMS) for f in scene.floats]
 
     def _side(self, item: Float) -> float:
@@ -86,12 +96,12 @@ class PressureForce:
         local = [np.ascontiguousarray((rows * turn).sum(axis=-1).real) for rows in self.rows]
 
         def load(b, position, rotation):
-            out, rule = np.zeros(6), self.rules[b]
-            arguments = (rule, local[b], scene.floats[b].centre, direction, rho_g, wheeler, water.depth, out)
+            out, rule, room = np.zeros(6), self.rules[b], self.rooms[b]
+            waves = Incident(local[b], scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
             if isinstance(rule, WettedPanels):
-                panels_pressure(0, position, rotation, *arguments)
+                panels_pressure(0, position, rotation, rule, waves, room, out)
             else:
-                pressure_load(position, rotation, *arguments)
+                pressure_load(position, rotation, rule, waves, room, out)
             return out
 
         return load
@@ -167,8 +177,8 @@ class Floats:
                 raise InputError(f"floats.{f.name}.mechanism_inertia", f.mechanism_inertia, limit)
         self.c, self.weight, self.dt = A.sum(axis=1), A[-1], dt
         nb, stages = len(scene.floats), len(A)
-        names = ("pto_damping", "damping", "quadratic_damping", "stiffness", "mechanism_inertia")
-        self.own = [{name: f.per_axis(name) for name in names} for f in scene.floats]
+        self.law = [joint_law([f]) for f in scene.floats]
+        self.inertia = [f.per_axis("mechanism_inertia") for f in scene.floats]
         self.active = np.array([6 * b + i for b in range(nb) for i in (_index(h) if h else ())], int)
         self.convolution = Convolution(kernel, dt=dt, c=self.c, steps=steps) if kernel else None
         self.velocity = np.zeros((stages, self.active.size))
@@ -179,7 +189,8 @@ class Floats:
         self.way = [[np.zeros(len(a.turns)) for a in self.axes] for _ in range(stages)]
         self.rate = [[np.zeros(len(a.turns)) for a in self.axes] for _ in range(stages)]
         self.joint = [[None] * nb for _ in range(stages)]
-        self.force, self.power, self.work = np.zeros((stages, nb, 6)), np.zeros((stages, 4)), np.zeros(4)
+        self.force = np.zeros((stages, nb, 6))
+        self.power, self.work = np.zeros((stages, len(WORKS))), np.zeros(len(WORKS))
 
     def begin(self, t, dt, state):
         self.velocity[:] = state.velocity.ravel()[self.active]
@@ -214,7 +225,7 @@ class Floats:
             start = self.way[stage][b]
             y, dy, P, c = joint_axes.state(axes, self.node(b, frames), position, rotation, velocity, start)
             self.way[stage][b], self.rate[stage][b] = y, dy
-            inertia = self.own[b]["mechanism_inertia"]
+            inertia = self.inertia[b]
             M = (P.T * inertia) @ P
             self.joint[stage][b] = P, M, c
             if inertia.any():
@@ -230,10 +241,11 @@ class Floats:
         for b in range(nb):
             load[b] += self.fields[stage](b, frames.position[b], frames.rotation[b])
         power = self.power[stage]
-        power[:] = np.sum(load * v), 0, 0, 0
+        power[:] = 0.0
+        power[WAVE] = np.sum(load * v)
         if self.convolution:
             memory = self.convolution.load(stage, self.velocity)
-            power[1] = memory @ self.velocity[stage]
+            power[RADIATION] = memory @ self.velocity[stage]
             flat = load.reshape(-1)
             flat[self.active] -= memory
         for b in range(nb):
@@ -248,11 +260,11 @@ class Floats:
 
     def _joint_load(self, b, stage, power):
         """PTO, damping and springs of the axes as a load (6,) on the float."""
-        y, dy, own = self.way[stage][b], self.rate[stage][b], self.own[b]
-        pto, other = own["pto_damping"] * dy, (own["damping"] + own["quadratic_damping"] * np.abs(dy)) * dy
-        power[2] += pto @ dy
-        power[3] += other @ dy
-        return -self.joint[stage][b][0].T @ (pto + other + own["stiffness"] * y)
+        dy = self.rate[stage][b]
+        pto, loss, spring = (load[0] for load in joint_loads(self.law[b], self.way[stage][b][None], dy[None]))
+        power[PTO] += pto @ dy
+        power[JOINT_DAMPING] += loss @ dy
+        return -self.joint[stage][b][0].T @ (pto + loss + spring)
 
     def carried(self, stage, frames, held, load):
         """All that the joints carry, from the constraints' loads on floats, `held` (nb, 6), and on nodes, `load`."""

@@ -14,10 +14,12 @@ from scipy.spatial.transform import Rotation
 
 from solver import limits
 from solver.balance import warnings
-from solver.coupled.march import WORKS, Output
+from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
+from solver.coupled.march import Output
 from solver.coupled.system import BALANCE, System, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
+from solver.multibody.joint_law import joint_energy
 from solver.record.audit import MARGIN, PROBE, coefficient_effects, probed, statistics_error, unmet
 from solver.record.recorder import Record, Recorder
 from solver.reference import axes as joint_axes
@@ -225,8 +227,9 @@ def _elevation(case: Case, times: np.ndarray) -> np.ndarray:
 
 def _works(case: Case) -> np.ndarray:
     """As WORKS [J]."""
-    inertia, structural, drag = case.support.work
-    return np.array([*case.floats.work, inertia, drag, structural])
+    work = case.floats.work.copy()
+    work[[FRAME_INERTIA, STRUCTURAL, FRAME_DRAG]] = case.support.work
+    return work
 
 
 def _stored(case: Case, frames: Frames) -> float:
@@ -238,10 +241,10 @@ def _stored(case: Case, frames: Frames) -> float:
     inertia_and_bias(body, frames, M, Q)
     v = frames.velocity[:nb].ravel()
     total = case.support.energy + v @ M @ v / 2
-    for b, own in enumerate(floats.own):
+    for b, (law, inertia) in enumerate(zip(floats.law, floats.inertia, strict=True)):
         height = frames.position[b, 2] + frames.rotation[b, 2] @ body.cog[b]
         total -= body.mass[b] * body.gravity[2] * height
-        total += own["stiffness"] @ floats.way[0][b] ** 2 / 2 + own["mechanism_inertia"] @ floats.rate[0][b] ** 2 / 2
+        total += joint_energy(law, floats.way[0][b]) + inertia @ floats.rate[0][b] ** 2 / 2
     return float(total)
 
 

@@ -5,12 +5,14 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from solver.coupled.march import _drag, _memory_history, _newton_matrix, flexibility
+from solver.coupled.memory import memory_history
+from solver.coupled.modal import drag, flexibility
+from solver.coupled.newton import new_newton, newton_matrix
 from solver.coupled.system import BLOCK_STEPS, blocks, prepare
-from solver.hydrodynamics.pressure.froude_krylov import pressure_load
+from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature_room
 from solver.hydrodynamics.radiation import memory as radiation
 from solver.kernels import fast_lean_kernel
-from solver.multibody.minimal import loads, move, new_motion, pressures
+from solver.multibody.minimal import Coordinates, Loads, WaterLoads, loads, move, new_motion, pressure_room, pressures
 from solver.reference.panels import panel_load, revolution_mesh, waves_at
 from solver.run import simulate
 from solver.sea.field import WaveField
@@ -42,38 +44,26 @@ def of_a_step(platform: str) -> list[tuple[str, float, float]]:
     z, dz = (np.concatenate([frame.carrier @ p, q]) for p, q in ((state.p, state.z), (state.dp, state.dz)))
     nz, motion, load = z.size, new_motion(body), np.zeros((nb, 6))
     move(body, z, dz, motion)
-    H, square = flexibility(frame, system.dt)[1], (2 * nz, 2 * nz)
+    H, constant = flexibility(frame, system.dt)[1], np.zeros((2 * nz, 2 * nz))
+    water = WaterLoads(load, np.zeros(nz), drive.excitation[5], np.zeros(na))
+    out = Loads(np.zeros(nz), load.copy(), load.copy())
     series = system.series(system.dt)
-    field, wave = drive.field[5], drive.excitation[5]
+    field = drive.field[5]
     parts = [
         ("wave field", median(lambda: system.drive(series.block(999, 2 * BLOCK_STEPS + 1)), 9) / BLOCK_STEPS * 1e6, 1),
-        ("Froude-Krylov and hydrostatics", each(pressures, body, motion, field, load), 2),
+        ("Froude-Krylov and hydrostatics", each(pressures, body, motion, field, pressure_room(body), load), 2),
         ("kinematics", each(move, body, z, dz, motion), 6),
-        (
-            "other loads",
-            each(
-                loads, body, z, dz, z, motion, load, np.zeros(nz), wave, np.zeros(na), np.zeros(nz), load.copy(),
-                load.copy(),
-            ),
-            4,
-        ),
+        ("other loads", each(loads, body, Coordinates(z, dz, z), motion, water, out), 4),
         (
             "radiation memory",
-            each(_memory_history, system.memory, state, motion.active_velocity, np.zeros((2, na))),
+            each(memory_history, system.memory, state.memory, motion.active_velocity, np.zeros((2, na))),
             1,
         ),
-        (
-            "Newton's matrix",
-            each(
-                _newton_matrix, body, motion, H, np.zeros(square), np.zeros((nz, nz)), np.zeros(square),
-                np.zeros(square),
-            ),
-            1 / 8,
-        ),
-    ]  # fmt: skip
+        ("Newton's matrix", each(newton_matrix, body, motion, H, constant, new_newton(nz)), 1 / 8),
+    ]
     if frame.omega.size:
-        water, force, flow = drive.station[5], np.zeros(frame.omega.size), np.zeros(frame.station.shape[1:])
-        parts.append(("Morison drag", each(_drag, frame, water, state.dp, force, flow), 2))
+        flow, force, room = drive.station[5], np.zeros(frame.omega.size), np.zeros(frame.station.shape[1:])
+        parts.append(("Morison drag", each(drag, frame, flow, state.dp, force, room), 2))
     return parts
 
 
@@ -96,19 +86,20 @@ def pressure_pair() -> tuple[float, float, float]:
     k, t = WaveField(sea, item.water.depth, item.water.gravity).k, sample * system.dt / 2
     waves = waves_at(k, sea.omega, sea.amplitude, depth=item.water.depth, heading=sea.heading, t=t)
     position, turned = body.reference[0] + np.array([0.05, 0.0, 0.1]), np.eye(3)
-    at = (rule, local, body.reference[0], body.wave_direction, body.rho_g, False, body.depth)
+    incident = Incident(local, body.reference[0], body.wave_direction, body.rho_g, False, body.depth)
+    at = (position, turned, rule, incident, quadrature_room(rule))
     fast, slow = np.zeros(6), np.zeros(6)
-    pressure_load(position, turned, *at, fast)
+    pressure_load(*at, fast)
     panel_load(position, turned, mesh, waves, body.rho_g, False, slow)
-    quick, load = each(_one_load, position, turned, *at, np.zeros(6)), np.zeros(6)
+    quick, load = each(_one_load, *at, np.zeros(6)), np.zeros(6)
     paper = median(lambda: panel_load(position, turned, mesh, waves, body.rho_g, False, load), 7) * 1e6
     return quick, paper, float(np.abs(fast - slow).max() / np.abs(fast).max())
 
 
 @fast_lean_kernel
-def _one_load(position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load):
+def _one_load(position, rotation, rule, waves, room, load):
     """`pressure_load` is inlined where it is called, and `each` can only call what is not."""
-    pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load)
+    pressure_load(position, rotation, rule, waves, room, load)
 
 
 def memory_fit() -> float:

@@ -7,7 +7,8 @@ import pytest
 from pytest import approx
 
 from solver.coupled import support
-from solver.coupled.march import AA, A, Structure, _drag, flexibility
+from solver.coupled.modal import Structure, drag, flexibility
+from solver.coupled.scheme import AA, A
 from solver.errors import InputError
 from solver.scene import Platform, Water
 from solver.sea.field import WaveField
@@ -81,7 +82,7 @@ def test_kernel_drag_is_that_of_relative_velocity(waves):
     structure = Structure(s.omega, 0 * s.omega, s.carrier, shape, s.drag, 0 * s.omega)
     dp = np.random.default_rng(0).normal(size=s.omega.size)
     force = np.zeros_like(dp)
-    power = _drag(structure, u, dp, force, np.empty_like(u))
+    power = drag(structure, u, dp, force, np.empty_like(u))
     v = np.einsum("mdn,m->dn", shape, dp)
     load = s.drag * np.linalg.norm(u - v, axis=0) * (u - v)
     assert force == approx(np.einsum("mdn,dn->m", shape, load), rel=1e-12)

@@ -8,7 +8,7 @@ from pytest import approx
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.hydrodynamics.pressure.froude_krylov import pressure_load, quadrature
+from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature, quadrature_room
 from solver.reference.panels import Mesh, _elevation, _head, calm, half, panel_load, revolution_mesh, volume, waves_at
 from solver.sea.field import WaveField
 from solver.sea.realization import realize
@@ -52,7 +52,8 @@ def by_quadrature(shift, rotation, t, *, heading=0.0, depth=DEPTH, wheeler=False
     c = np.ascontiguousarray((rows * np.exp(-1j * real.omega * t)).sum(axis=-1).real)
     rule = quadrature(BUAN, azimuths=256, arc_points=30, line_points=30, half=False)
     out, direction = np.zeros(6), field.direction[:2].copy()
-    pressure_load(CENTRE + shift, rotation, rule, c, CENTRE, direction, RHO_G, wheeler, depth, out)
+    waves = Incident(c, CENTRE, direction, RHO_G, wheeler, depth)
+    pressure_load(CENTRE + shift, rotation, rule, waves, quadrature_room(rule), out)
     return out
 
 

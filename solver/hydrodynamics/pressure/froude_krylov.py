@@ -24,7 +24,6 @@ class WettedQuadrature(NamedTuple):
     arcs (1, zc, R, sin φm, cos φm, tm, 0): φ = φm + 2 atan(tm u), r = R sin φ, z = zc - R cos φ.
     whole (np, g, 5): r, z, n_r, n_z and area at the Gauss points of a patch that is wet from end to end.
     azimuth (na, 2): cos ψ, sin ψ; weight dψ. Points and weights of Gauss rules for arc and line.
-    room (11, points), sides (2 np + 7, na) and series (MOST_TERMS,) are scratch: a kernel that allocates is slower.
     """
 
     patch: np.ndarray
@@ -37,9 +36,68 @@ class WettedQuadrature(NamedTuple):
     line_w: np.ndarray
     half: bool
     surface_terms: int
-    room: np.ndarray
-    sides: np.ndarray
-    series: np.ndarray
+
+
+class QuadratureRoom(NamedTuple):
+    """Scratch: one row of n Gauss points, or na azimuths, for each quantity; all wet points at once are SIMD."""
+
+    series: np.ndarray  # (MOST_TERMS,) of the elevation
+    rays: np.ndarray  # (4, na) radial directions, and their part along the waves
+    height: np.ndarray  # (2 np + 1, na)
+    along: np.ndarray  # (2, na) way along the waves and elevation
+    lever: np.ndarray  # (3, n) from the reference point
+    normal: np.ndarray  # (3, n) n dS
+    s: np.ndarray  # (n,) way along the waves
+    z: np.ndarray  # (n,)
+    level: np.ndarray  # (n,) height at which the pressure is taken
+    head: np.ndarray  # (2, n) dynamic head, and its imaginary part
+
+
+def quadrature_room(rule: WettedQuadrature) -> QuadratureRoom:
+    """For a rule, or for several of one size stacked."""
+    azimuths, patches = len(rule.azimuth), rule.patch.shape[-2]
+    n = azimuths * patches * 2 * max(rule.arc_u.size, rule.line_u.size)
+    return QuadratureRoom(
+        series=np.empty(MOST_TERMS),
+        rays=np.empty((4, azimuths)),
+        height=np.empty((2 * patches + 1, azimuths)),
+        along=np.empty((2, azimuths)),
+        lever=np.empty((3, n)),
+        normal=np.empty((3, n)),
+        s=np.empty(n),
+        z=np.empty(n),
+        level=np.empty(n),
+        head=np.empty((2, n)),
+    )
+
+
+class Incident(NamedTuple):
+    """The incident wave around a hull, and how its pressure is made of it."""
+
+    c: np.ndarray  # (2, terms) local field [m^(1-n)] about `centre` (at z = 0)
+    centre: np.ndarray  # (3,)
+    direction: np.ndarray  # (2,) of the waves
+    rho_g: float
+    wheeler: bool  # pressure at the stretched height (z - η)/(1 + η/h) in place of z
+    depth: float
+
+
+class Direction(NamedTuple):
+    """A unit vector, and its part along the waves."""
+
+    x: float
+    y: float
+    z: float
+    s: float
+
+
+class Meridian(NamedTuple):
+    """How the meridian of one azimuth stands in the waves: point (r, z) is at reference point + r out + z axis."""
+
+    out: Direction
+    axis: Direction
+    s0: float  # of the reference point, from where the field is expanded
+    z0: float
 
 
 def quadrature(
@@ -79,9 +137,6 @@ def quadrature(
         line_w=line[1],
         half=half,
         surface_terms=surface_terms,
-        room=np.empty((11, count * len(patch) * 2 * max(arc_points, line_points))),
-        sides=np.empty((2 * len(patch) + 7, count)),
-        series=np.empty(MOST_TERMS),
     )
 
 
@@ -110,7 +165,8 @@ def _meridian(patch, u):
 
 
 @kernel(inline="always")
-def _polynomial(coefficient, x):
+def polynomial(coefficient, x):
+    """Σ cₙ xⁿ."""
     y = 0.0
     for n in range(coefficient.size - 1, -1, -1):
         y = y * x + coefficient[n]
@@ -118,18 +174,19 @@ def _polynomial(coefficient, x):
 
 
 @kernel(inline="always")
-def _height(patch, u, slope_r, slope_z, along_r, along_z, z0, surface):
+def _height(patch, u, meridian, surface):
     """Height of a meridian point above the instantaneous surface."""
     r, z, _, _, _ = _meridian(patch, u)
-    return z0 + slope_r * r + slope_z * z - _polynomial(surface, along_r * r + along_z * z)
+    out, axis = meridian.out, meridian.axis
+    return meridian.z0 + out.z * r + axis.z * z - polynomial(surface, out.s * r + axis.s * z)
 
 
 @kernel(inline="always")
-def _crossing(patch, a, fa, b, fb, slope_r, slope_z, along_r, along_z, z0, surface):
+def _crossing(patch, a, fa, b, fb, meridian, surface):
     """u in [a, b] where the meridian meets the surface: false position as Anderson and Björck weigh it."""
     for _ in range(50):
         u = (a * fb - b * fa) / (fb - fa)
-        f = _height(patch, u, slope_r, slope_z, along_r, along_z, z0, surface)
+        f = _height(patch, u, meridian, surface)
         if abs(f) < NEAR or abs(b - a) < 1e-12:
             return u
         if (f > 0) == (fb > 0):
@@ -142,37 +199,34 @@ def _crossing(patch, a, fa, b, fb, slope_r, slope_z, along_r, along_z, z0, surfa
 
 
 @fast_kernel(inline="always")
-def _rays(rule, rotation, direction):
-    """Of each azimuth: the radial direction's x, y, z and its part along the waves, (4, na)."""
-    rays = rule.sides[:4]
+def _rays(rule, rotation, direction, rays):
+    """Of each azimuth: the radial direction's x, y, z and its part along the waves, rays (4, na)."""
     for j in range(rule.azimuth.shape[0]):
         for r in range(3):
             rays[r, j] = rule.azimuth[j, 0] * rotation[r, 0] + rule.azimuth[j, 1] * rotation[r, 1]
         rays[3, j] = rays[0, j] * direction[0] + rays[1, j] * direction[1]
-    return rays
 
 
 @fast_kernel(inline="always")
-def _heights(rule, rays, upright, axis_s, z0, surface):
-    """Heights above the surface where patches begin, at their middles and at the end, (2 np + 1, na).
+def _heights(rule, axis, z0, surface, room):
+    """Heights above the surface where patches begin, at their middles and at the end, room.height.
 
-    All azimuths of a point innermost (SIMD). upright, axis_s: the hull's axis upwards and along the waves.
+    All azimuths of a point innermost (SIMD). axis: the hull's.
     """
-    patches, na = rule.patch.shape[0], rays.shape[1]
-    s, eta, height = rule.sides[4], rule.sides[5], rule.sides[6:]
+    patches, na = rule.patch.shape[0], rule.azimuth.shape[0]
+    rays, height, s, eta = room.rays, room.height, room.along[0], room.along[1]
     for i in range(2 * patches + 1):
         last = i == 2 * patches
         r, z, _, _, _ = _meridian(rule.patch[patches - 1 if last else i // 2], 1.0 if last else i % 2 - 1.0)
         for j in range(na):
-            s[j] = r * rays[3, j] + z * axis_s
-            height[i, j] = z0 + r * rays[2, j] + z * upright
+            s[j] = r * rays[3, j] + z * axis.s
+            height[i, j] = z0 + r * rays[2, j] + z * axis.z
             eta[j] = surface[surface.size - 1]
         for k in range(surface.size - 2, -1, -1):
             for j in range(na):
                 eta[j] = eta[j] * s[j] + surface[k]
         for j in range(na):
             height[i, j] -= eta[j]
-    return height
 
 
 @fast_kernel(inline="always")
@@ -206,72 +260,104 @@ def heads(c, s, z, head, imag):
 
 
 @fast_kernel(inline="always")
-def pressure_load(position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load):
+def stretched(z, eta, depth):
+    """Wheeler's height: the surface at 0, the seabed where it is."""
+    return (z - eta) / (1.0 + eta / depth)
+
+
+@fast_kernel(inline="always")
+def pressure_load(position, rotation, rule, waves, room, load):
     """Load (6,) [N, N m] about the hull's reference point, added to `load`.
 
-    position (3,), rotation (3, 3) of the hull; c (2, terms) local field [m^(1-n)] about
-    `centre` (at z = 0); direction (2,) of the waves; wheeler: pressure at the stretched height
-    (z - η)/(1 + η/h) in place of z.
+    position (3,), rotation (3, 3) of the hull; waves: Incident; room: see quadrature_room.
     """
-    s0 = (position[0] - centre[0]) * direction[0] + (position[1] - centre[1]) * direction[1]
-    surface = surface_series(c, s0, rule.surface_terms, rule.series)
-    s, z, lever, normal = rule.room[0], rule.room[1], rule.room[2:5], rule.room[5:8]
+    direction, rays = waves.direction, room.rays
+    s0 = (position[0] - waves.centre[0]) * direction[0] + (position[1] - waves.centre[1]) * direction[1]
+    surface = surface_series(waves.c, s0, rule.surface_terms, room.series)
     axis_s = rotation[0, 2] * direction[0] + rotation[1, 2] * direction[1]
-    rays = _rays(rule, rotation, direction)
-    height = _heights(rule, rays, rotation[2, 2], axis_s, position[2], surface)
+    axis = Direction(rotation[0, 2], rotation[1, 2], rotation[2, 2], axis_s)
+    _rays(rule, rotation, direction, rays)
+    _heights(rule, axis, position[2], surface, room)
     count = 0
-    for j in range(rays.shape[1]):
-        e0, e1, e2, e_s = rays[0, j], rays[1, j], rays[2, j], rays[3, j]
+    for j in range(rule.azimuth.shape[0]):
+        out = Direction(rays[0, j], rays[1, j], rays[2, j], rays[3, j])
+        meridian = Meridian(out, axis, s0, position[2])
         for i in range(rule.patch.shape[0]):
-            start, middle, end = height[2 * i, j], height[2 * i + 1, j], height[2 * i + 2, j]
-            if start >= 0 and middle >= 0 and end >= 0:
-                continue
-            patch = rule.patch[i]
-            points, weights = (rule.line_u, rule.line_w) if patch[0] == 0 else (rule.arc_u, rule.arc_w)
-            low = high = 0.0
-            if (start < 0) != (middle < 0):
-                low = _crossing(
-                    patch, -1.0, start, 0.0, middle, e2, rotation[2, 2], e_s, axis_s, position[2], surface
-                )
-            if (middle < 0) != (end < 0):
-                high = _crossing(patch, 0.0, middle, 1.0, end, e2, rotation[2, 2], e_s, axis_s, position[2], surface)
-            # One wet interval about the middle, or one at each end where the middle is dry.
-            for side in range(1 if middle < 0 else 2):
-                if middle < 0:
-                    a, b = -1.0 if start < 0 else low, 1.0 if end < 0 else high
-                elif side == 0:
-                    a, b = -1.0, low if start < 0 else -1.0
-                else:
-                    a, b = high if end < 0 else 1.0, 1.0
-                half, centre_u = (b - a) / 2, (a + b) / 2
-                if half <= 0:
-                    continue
-                for g in range(points.size):
-                    if half == 1.0:
-                        at = rule.whole[i, g]
-                        r, zb, n_r, n_z, area = at[0], at[1], at[2], at[3], at[4]
-                    else:
-                        r, zb, n_r, n_z, speed = _meridian(patch, centre_u + half * points[g])
-                        area = weights[g] * half * speed * r * rule.dpsi
-                    lever[0, count] = r * e0 + zb * rotation[0, 2]
-                    lever[1, count] = r * e1 + zb * rotation[1, 2]
-                    lever[2, count] = r * e2 + zb * rotation[2, 2]
-                    normal[0, count] = area * (n_r * e0 + n_z * rotation[0, 2])
-                    normal[1, count] = area * (n_r * e1 + n_z * rotation[1, 2])
-                    normal[2, count] = area * (n_r * e2 + n_z * rotation[2, 2])
-                    s[count] = s0 + r * e_s + zb * axis_s
-                    z[count] = position[2] + lever[2, count]
-                    count += 1
-    if count == 0:
-        return
-    level, head, imag = rule.room[8, :count], rule.room[9, :count], rule.room[10, :count]
+            start, middle, end = room.height[2 * i, j], room.height[2 * i + 1, j], room.height[2 * i + 2, j]
+            if start < 0 or middle < 0 or end < 0:
+                count = _wet_points(rule, i, (start, middle, end), meridian, surface, room, count)
+    if count > 0:
+        _evaluate_heads(waves, s0, surface, room, count)
+        _add_load(rule, waves.rho_g, room, count, load)
+
+
+@fast_kernel(inline="always")
+def _wet_points(rule, i, heights, meridian, surface, room, count):
+    """Put Gauss points on what is wet of a patch, after `count` others; their number with these.
+
+    One wet interval about the middle, or one at each end where the middle is dry.
+    """
+    start, middle, end = heights
+    patch = rule.patch[i]
+    low = high = 0.0
+    if (start < 0) != (middle < 0):
+        low = _crossing(patch, -1.0, start, 0.0, middle, meridian, surface)
+    if (middle < 0) != (end < 0):
+        high = _crossing(patch, 0.0, middle, 1.0, end, meridian, surface)
+    for side in range(1 if middle < 0 else 2):
+        if middle < 0:
+            a, b = -1.0 if start < 0 else low, 1.0 if end < 0 else high
+        elif side == 0:
+            a, b = -1.0, low if start < 0 else -1.0
+        else:
+            a, b = high if end < 0 else 1.0, 1.0
+        if b > a:
+            count = _gauss_points(rule, i, a, b, meridian, room, count)
+    return count
+
+
+@fast_kernel(inline="always")
+def _gauss_points(rule, i, a, b, meridian, room, count):
+    """Put a Gauss rule on a patch between u = a and b, after `count` points; their number with these."""
+    patch, out, axis = rule.patch[i], meridian.out, meridian.axis
+    points, weights = (rule.line_u, rule.line_w) if patch[0] == 0 else (rule.arc_u, rule.arc_w)
+    half, centre = (b - a) / 2, (a + b) / 2
+    lever, normal = room.lever, room.normal
+    for g in range(points.size):
+        if half == 1.0:
+            at = rule.whole[i, g]
+            r, zb, n_r, n_z, area = at[0], at[1], at[2], at[3], at[4]
+        else:
+            r, zb, n_r, n_z, speed = _meridian(patch, centre + half * points[g])
+            area = weights[g] * half * speed * r * rule.dpsi
+        lever[0, count] = r * out.x + zb * axis.x
+        lever[1, count] = r * out.y + zb * axis.y
+        lever[2, count] = r * out.z + zb * axis.z
+        normal[0, count] = area * (n_r * out.x + n_z * axis.x)
+        normal[1, count] = area * (n_r * out.y + n_z * axis.y)
+        normal[2, count] = area * (n_r * out.z + n_z * axis.z)
+        room.s[count] = meridian.s0 + r * out.s + zb * axis.s
+        room.z[count] = meridian.z0 + lever[2, count]
+        count += 1
+    return count
+
+
+@fast_kernel(inline="always")
+def _evaluate_heads(waves, s0, surface, room, count):
+    """Dynamic heads at the first `count` points, room.head."""
+    s, z, level = room.s[:count], room.z, room.level[:count]
     for i in range(count):
         level[i] = z[i]
-    if wheeler:
+    if waves.wheeler:
         for i in range(count):
-            eta = _polynomial(surface, s[i] - s0)
-            level[i] = (z[i] - eta) / (1.0 + eta / depth)
-    heads(c, s[:count], level, head, imag)
+            level[i] = stretched(z[i], polynomial(surface, s[i] - s0), waves.depth)
+    heads(waves.c, s, level, room.head[0, :count], room.head[1, :count])
+
+
+@fast_kernel(inline="always")
+def _add_load(rule, rho_g, room, count, load):
+    """load += Σ pressure times n dS and its moment about the reference point."""
+    z, head, lever, normal = room.z, room.head[0], room.lever, room.normal
     fx_ = fy_ = fz_ = mx_ = my_ = mz_ = 0.0
     for i in range(count):
         p = rho_g * (z[i] - head[i])  # minus the pressure

@@ -12,7 +12,7 @@ import numpy as np
 
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.pressure.froude_krylov import heads, surface_series
+from solver.hydrodynamics.pressure.froude_krylov import heads, polynomial, stretched, surface_series
 from solver.kernels import fast_kernel
 from solver.sea.field import WaveField
 
@@ -22,8 +22,6 @@ class WettedPanels(NamedTuple):
 
     vertices (nv, 3) [m] in body coordinates; corners (nt, 3) vertex numbers; area (nt, 3) n dS [m²];
     first_vertex, first_triangle (nb + 1,); copies 2 where the mirror half in y = 0 is left out, else 1.
-    nodes (3, nv): s, z and height above the surface; points (7, 6 nt): body coordinates, s, z, head
-    and scratch; pieces (2, 2 nt): triangle and share of each wet piece.
     """
 
     vertices: np.ndarray
@@ -33,9 +31,19 @@ class WettedPanels(NamedTuple):
     first_triangle: np.ndarray
     copies: float
     surface_terms: int
-    nodes: np.ndarray
-    points: np.ndarray
-    pieces: np.ndarray
+
+
+class PanelsRoom(NamedTuple):
+    """Scratch for WettedPanels."""
+
+    nodes: np.ndarray  # (3, nv) s, z and height above the surface
+    points: np.ndarray  # (7, 6 nt) body coordinates, s, z, head and its imaginary part
+    pieces: np.ndarray  # (2, 2 nt) triangle and share of each wet piece
+
+
+def panels_room(rule: WettedPanels) -> PanelsRoom:
+    vertices, triangles = len(rule.vertices), len(rule.corners)
+    return PanelsRoom(np.empty((3, vertices)), np.empty((7, 6 * triangles)), np.empty((2, 2 * triangles)))
 
 
 def longest_side(hull, share: float, field: WaveField) -> float:
@@ -61,9 +69,6 @@ def wetted_panels(hulls: list[PanelHull | None], sizes: list[float], *, half: bo
         first_triangle=first_triangle,
         copies=2.0 if half else 1.0,
         surface_terms=surface_terms,
-        nodes=np.empty((3, len(vertices))),
-        points=np.empty((7, 6 * len(corners))),
-        pieces=np.empty((2, 2 * len(corners))),
     )
 
 
@@ -77,9 +82,10 @@ def _triangles(hull: PanelHull, size: float, half: bool) -> tuple[np.ndarray, np
 
 
 @fast_kernel
-def _levels(rule, first, last, along, up, z0, series):
-    """Fill rule.nodes: s from the reference point, z, and height above the surface, of vertices first to last."""
-    s, z, height = rule.nodes[0], rule.nodes[1], rule.nodes[2]
+def _levels(rule, b, along, up, z0, series, room):
+    """Fill room.nodes: s from the reference point, z, and height above the surface, of hull b's vertices."""
+    first, last = rule.first_vertex[b], rule.first_vertex[b + 1]
+    s, z, height = room.nodes[0], room.nodes[1], room.nodes[2]
     for v in range(first, last):
         x = rule.vertices[v]
         s[v] = along[0] * x[0] + along[1] * x[1] + along[2] * x[2]
@@ -93,13 +99,13 @@ def _levels(rule, first, last, along, up, z0, series):
 
 
 @fast_kernel
-def _add_piece(rule, count, triangle, share, p, q, r):
+def _add_piece(room, count, triangle, share, p, q, r):
     """One wet piece with corners p, q, r (5,): body coordinates, s and z."""
-    rule.pieces[0, count], rule.pieces[1, count] = triangle, share
+    room.pieces[0, count], room.pieces[1, count] = triangle, share
     for k in range(5):
-        rule.points[k, 3 * count] = (p[k] + q[k]) / 2
-        rule.points[k, 3 * count + 1] = (q[k] + r[k]) / 2
-        rule.points[k, 3 * count + 2] = (r[k] + p[k]) / 2
+        room.points[k, 3 * count] = (p[k] + q[k]) / 2
+        room.points[k, 3 * count + 1] = (q[k] + r[k]) / 2
+        room.points[k, 3 * count + 2] = (r[k] + p[k]) / 2
 
 
 @fast_kernel
@@ -112,12 +118,12 @@ def _between(p, hp, q, hq, out):
 
 
 @fast_kernel
-def _wet_pieces(rule, first, last):
-    """Fill rule.points and rule.pieces with the wet parts of triangles first to last; their number."""
-    height = rule.nodes[2]
+def _wet_pieces(rule, b, room):
+    """Fill room.points and room.pieces with the wet parts of hull b's triangles; their number."""
+    height = room.nodes[2]
     corner, cut = np.empty((3, 5)), np.empty((2, 5))
     count = 0
-    for t in range(first, last):
+    for t in range(rule.first_triangle[b], rule.first_triangle[b + 1]):
         i, j, k = rule.corners[t, 0], rule.corners[t, 1], rule.corners[t, 2]
         wet = int(height[i] < 0) + int(height[j] < 0) + int(height[k] < 0)
         if wet == 0:
@@ -128,30 +134,30 @@ def _wet_pieces(rule, first, last):
             while (height[i] < 0) != alone:
                 i, j, k = j, k, i
         for n, v in enumerate((i, j, k)):
-            for r in range(3):
-                corner[n, r] = rule.vertices[v, r]
-            corner[n, 3], corner[n, 4] = rule.nodes[0, v], rule.nodes[1, v]
-        a, b, c = corner[0], corner[1], corner[2]
+            for d in range(3):
+                corner[n, d] = rule.vertices[v, d]
+            corner[n, 3], corner[n, 4] = room.nodes[0, v], room.nodes[1, v]
+        p, q, r = corner[0], corner[1], corner[2]
         if wet == 3:
-            _add_piece(rule, count, t, 1.0, a, b, c)
+            _add_piece(room, count, t, 1.0, p, q, r)
             count += 1
         elif wet == 1:
-            share = _between(a, height[i], b, height[j], cut[0]) * _between(a, height[i], c, height[k], cut[1])
-            _add_piece(rule, count, t, share, a, cut[0], cut[1])
+            share = _between(p, height[i], q, height[j], cut[0]) * _between(p, height[i], r, height[k], cut[1])
+            _add_piece(room, count, t, share, p, cut[0], cut[1])
             count += 1
-        else:  # a is dry
-            on_b, on_c = _between(b, height[j], a, height[i], cut[0]), _between(c, height[k], a, height[i], cut[1])
-            _add_piece(rule, count, t, on_c, b, c, cut[1])
-            _add_piece(rule, count + 1, t, on_b * (1.0 - on_c), b, cut[1], cut[0])
+        else:  # p is dry
+            on_q, on_r = _between(q, height[j], p, height[i], cut[0]), _between(r, height[k], p, height[i], cut[1])
+            _add_piece(room, count, t, on_r, q, r, cut[1])
+            _add_piece(room, count + 1, t, on_q * (1.0 - on_r), q, cut[1], cut[0])
             count += 2
     return count
 
 
 @fast_kernel
-def _summed(rule, count, total):
+def _summed(rule, count, room, total):
     """Force and moment (6,) per ρg in body coordinates: pressure heads at the points times n dS / 3."""
-    x, y, z = rule.points[0], rule.points[1], rule.points[2]
-    height, head = rule.points[4], rule.points[5]
+    x, y, z = room.points[0], room.points[1], room.points[2]
+    height, head = room.points[4], room.points[5]
     for n in range(count):
         q = mx = my = mz = 0.0
         for i in range(3 * n, 3 * n + 3):
@@ -160,7 +166,7 @@ def _summed(rule, count, total):
             mx += p * x[i]
             my += p * y[i]
             mz += p * z[i]
-        area, third = rule.area[int(rule.pieces[0, n])], rule.pieces[1, n] / 3
+        area, third = rule.area[int(room.pieces[0, n])], room.pieces[1, n] / 3
         ax, ay, az = area[0] * third, area[1] * third, area[2] * third
         total[0] += q * ax
         total[1] += q * ay
@@ -171,38 +177,41 @@ def _summed(rule, count, total):
 
 
 @fast_kernel
-def panels_pressure(b, position, rotation, rule, c, centre, direction, rho_g, wheeler, depth, load):
+def panels_pressure(b, position, rotation, rule, waves, room, load):
     """Load (6,) [N, N m] about the reference point of hull b, added to `load`; see froude_krylov.pressure_load."""
-    s0 = (position[0] - centre[0]) * direction[0] + (position[1] - centre[1]) * direction[1]
+    direction, c = waves.direction, waves.c
+    s0 = (position[0] - waves.centre[0]) * direction[0] + (position[1] - waves.centre[1]) * direction[1]
     series = surface_series(c, s0, rule.surface_terms, np.empty(c.shape[1]))
     along, up = np.empty(3), np.empty(3)
     for r in range(3):
         along[r] = rotation[0, r] * direction[0] + rotation[1, r] * direction[1]
         up[r] = rotation[2, r]
-    _levels(rule, rule.first_vertex[b], rule.first_vertex[b + 1], along, up, position[2], series)
-    pieces = _wet_pieces(rule, rule.first_triangle[b], rule.first_triangle[b + 1])
+    _levels(rule, b, along, up, position[2], series, room)
+    pieces = _wet_pieces(rule, b, room)
     count = 3 * pieces
-    s, z, head, imag = rule.points[3], rule.points[4], rule.points[5], rule.points[6]
+    s, z, head, imag = room.points[3], room.points[4], room.points[5], room.points[6]
     level = z[:count].copy()
-    if wheeler:
+    if waves.wheeler:
         for i in range(count):
-            eta = series[series.size - 1]
-            for k in range(series.size - 2, -1, -1):
-                eta = eta * s[i] + series[k]
-            level[i] = (z[i] - eta) / (1.0 + eta / depth)
+            level[i] = stretched(z[i], polynomial(series, s[i]), waves.depth)
     for i in range(count):
         s[i] += s0
     heads(c, s[:count], level, head[:count], imag[:count])
     total = np.zeros(6)
-    _summed(rule, pieces, total)
-    scale = rho_g * rule.copies
+    _summed(rule, pieces, room, total)
+    _add_turned(rotation, waves.rho_g * rule.copies, total, rule.copies == 2.0, load)
+
+
+@fast_kernel(inline="always")
+def _add_turned(rotation, scale, total, half, load):
+    """load += scale times `total` (6,) from body to space; the mirror half cancels sway, roll and yaw."""
     for r in range(3):
-        if r == 1 and rule.copies == 2.0:
-            continue  # the mirror half cancels sway
+        if r == 1 and half:
+            continue
         for k in range(3):
             load[r] += scale * rotation[r, k] * total[k]
     for r in range(3):
-        if r != 1 and rule.copies == 2.0:
-            continue  # and roll and yaw
+        if r != 1 and half:
+            continue
         for k in range(3):
             load[3 + r] += scale * rotation[r, k] * total[3 + k]

@@ -5,7 +5,7 @@ import pytest
 from pytest import approx
 
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.hydrodynamics.pressure.froude_krylov import pressure_load, quadrature
+from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature, quadrature_room
 from solver.sea.field import WaveField
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
@@ -24,7 +24,8 @@ def pitched(angle):
 def load(hull, shift, angle, field, *, azimuths=16, arc=8, line=4, half=False, wheeler=False, depth=50.0):
     rule = quadrature(hull, azimuths=azimuths, arc_points=arc, line_points=line, half=half)
     out = np.zeros(6)
-    pressure_load(CENTRE + shift, pitched(angle), rule, field, CENTRE, np.array([1.0, 0.0]), RHO_G, wheeler, depth, out)
+    waves = Incident(field, CENTRE, np.array([1.0, 0.0]), RHO_G, wheeler, depth)
+    pressure_load(CENTRE + shift, pitched(angle), rule, waves, quadrature_room(rule), out)
     return out
 
 

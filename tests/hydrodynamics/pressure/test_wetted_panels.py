@@ -8,7 +8,8 @@ from solver.errors import InputError
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.surface import split
-from solver.hydrodynamics.pressure.wetted_panels import longest_side, panels_pressure, wetted_panels
+from solver.hydrodynamics.pressure.froude_krylov import Incident
+from solver.hydrodynamics.pressure.wetted_panels import longest_side, panels_pressure, panels_room, wetted_panels
 from solver.reference.panels import Mesh, panel_load
 from solver.sea.field import WaveField
 from solver.sea.realization import realize
@@ -30,7 +31,8 @@ def load(hull, shift, rotation, c=STILL, *, side=1e9, half=False, wheeler=False,
     centre, heading, depth = sea_.get("centre", CENTRE), sea_.get("heading", 0.0), sea_.get("depth", 50.0)
     rule = wetted_panels([None, hull], [0.0, side], half=half, surface_terms=99)
     out, direction = np.zeros(6), np.array([np.cos(heading), np.sin(heading)])
-    panels_pressure(1, centre + np.array(shift), rotation, rule, c, centre, direction, RHO_G, wheeler, depth, out)
+    waves = Incident(c, centre, direction, RHO_G, wheeler, depth)
+    panels_pressure(1, centre + np.array(shift), rotation, rule, waves, panels_room(rule), out)
     return out
 
 

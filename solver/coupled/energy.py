@@ -1,0 +1,51 @@
+"""Where a run's energy goes: works by name, what is stored, and by how much the balance of both is open."""
+
+import numpy as np
+
+from solver.coupled.modal import carry
+from solver.kernels import kernel, lean_kernel
+from solver.multibody.minimal import move, new_motion, stored_energy
+
+# Work [J] of: pressure and excitation, radiation memory, PTO, other losses of the joints,
+# wave inertia on the frame, drag on the frame, structural damping.
+WORKS = ("wave", "radiation", "pto", "joint_damping", "frame_inertia", "frame_drag", "structural")
+WAVE, RADIATION, PTO, JOINT_DAMPING, FRAME_INERTIA, FRAME_DRAG, STRUCTURAL = range(len(WORKS))
+
+# Of `State.energy` [J]: stored at the start, scale of what has been exchanged since, gap soon after the start.
+AT_START, SCALE, GAP = range(3)
+
+
+@lean_kernel
+def stored(bodies, structure, state, z, dz, motion):
+    """In floats and modes [J], radiation memory excluded; z, dz (nz,) and motion are the state's."""
+    total = stored_energy(bodies, z, dz, motion)
+    for m in range(structure.omega.size):
+        total += 0.5 * (state.dp[m] ** 2 + (structure.omega[m] * state.p[m]) ** 2)
+    return total
+
+
+@kernel
+def energy(bodies, structure, state):
+    """Stored energy [J] of floats and modes, radiation memory excluded."""
+    nc, nz = structure.carrier.shape[0], bodies.mechanism.size
+    z, dz, motion = np.zeros(nz), np.zeros(nz), new_motion(bodies)
+    carry(structure, state.p, z)
+    carry(structure, state.dp, dz)
+    z[nc:], dz[nc:] = state.z, state.dz
+    move(bodies, z, dz, motion)
+    return stored(bodies, structure, state, z, dz, motion)
+
+
+@lean_kernel
+def open_by(work, now, energy):
+    """Gap [J] of the balance, wave work - (PTO + radiation + drag + structural + change of stored energy).
+
+    work (len(WORKS),) since the start and what is stored `now` [J]; energy: see State. Its scale, the largest of
+    these terms so far, is renewed: as a rule the wave's work; in free decay, where all return to nothing once a
+    period, what went to and fro.
+    """
+    drag = work[FRAME_DRAG]
+    brought, gained = work[WAVE] + work[FRAME_INERTIA] + max(drag, 0.0), now - energy[AT_START]
+    taken = work[RADIATION] + work[PTO] + work[JOINT_DAMPING] + work[STRUCTURAL] - min(drag, 0.0)
+    energy[SCALE] = max(energy[SCALE], abs(brought), abs(taken), abs(gained))
+    return brought - taken - gained

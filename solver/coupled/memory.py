@@ -1,0 +1,53 @@
+"""The radiation memory within a step: exact for velocities quadratic in time."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.kernels import lean_kernel
+
+
+class Memory(NamedTuple):
+    """Radiation memory for one step length: see solver.hydrodynamics.radiation.memory."""
+
+    residue: np.ndarray  # (p, na, na) complex
+    decay: np.ndarray  # (2, p) complex exp(β c dt)
+    weight: np.ndarray  # (2, 3, p) complex, stage s from velocities at 0, ½, 1
+    direct: np.ndarray  # (2, 2, na, na) load at stage s from velocity at stage j
+
+
+@lean_kernel
+def memory_loads(memory, history, velocity, out):
+    """Memory load (2, na) at both stages: history plus the stages' own velocities (2, na)."""
+    for s in range(2):
+        for i in range(out.shape[1]):
+            total = history[s, i]
+            for j in range(2):
+                for k in range(out.shape[1]):
+                    total += memory.direct[s, j, i, k] * velocity[j, k]
+            out[s, i] = total
+
+
+@lean_kernel
+def memory_history(memory, past, velocity, history):
+    """Load (2, na) at the stages from the memory so far, past (p, na), and the velocity at the step's start."""
+    history[:] = 0.0
+    for q in range(memory.residue.shape[0]):
+        for s in range(2):
+            for k in range(velocity.size):
+                r = memory.decay[s, q] * past[q, k] + memory.weight[s, 0, q] * velocity[k]
+                for i in range(velocity.size):
+                    history[s, i] += (memory.residue[q, i, k] * r).real
+
+
+@lean_kernel
+def remember(memory, past, start, stages):
+    """past (p, na) at the step's end from velocities at its three points."""
+    for q in range(memory.residue.shape[0]):
+        for k in range(start.size):
+            past[q, k] = (
+                memory.decay[1, q] * past[q, k]
+                + memory.weight[1, 0, q] * start[k]
+                + memory.weight[1, 1, q] * stages[0, k]
+                + memory.weight[1, 2, q] * stages[1, k]
+            )

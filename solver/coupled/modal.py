@@ -1,0 +1,85 @@
+"""The support's modes within a step: eliminated exactly by their flexibility at the floats' nodes, and their drag."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.coupled.scheme import AA, A
+from solver.kernels import fast_lean_kernel, kernel, lean_kernel
+
+
+class Structure(NamedTuple):
+    """Modes of the support and its drag stations; all empty for a fixed support."""
+
+    omega: np.ndarray  # (nm,) [rad/s]
+    damping: np.ndarray  # (nm,) ratio
+    carrier: np.ndarray  # (nc, nm) carrier coordinates of unit modal amplitude
+    station: np.ndarray  # (nm, nd, ns) normal displacement at the drag stations
+    drag: np.ndarray  # (ns,) ½ρ C_D D times length [kg/m]
+    scale: np.ndarray  # (nm,) largest displacement of unit amplitude, for convergence
+
+
+@fast_lean_kernel
+def drag(structure, water, dp, force, flow):
+    """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame.
+
+    water, flow (nd, ns): particle velocity, and room for the frame's own. Stations are
+    innermost, so that both products with the modal shapes run along memory.
+    """
+    nm, nd, ns = structure.station.shape
+    flow[:] = 0.0
+    for m in range(nm):
+        for d in range(nd):
+            for i in range(ns):
+                flow[d, i] += structure.station[m, d, i] * dp[m]
+    power = 0.0
+    for i in range(ns):
+        square = 0.0
+        for d in range(nd):
+            square += (water[d, i] - flow[d, i]) ** 2
+        size = structure.drag[i] * np.sqrt(square)
+        for d in range(nd):
+            own = flow[d, i]
+            flow[d, i] = size * (water[d, i] - own)
+            power += flow[d, i] * own
+    for m in range(nm):
+        total = 0.0
+        for d in range(nd):
+            for i in range(ns):
+                total += structure.station[m, d, i] * flow[d, i]
+        force[m] += total
+    return power
+
+
+@kernel
+def flexibility(structure, dt):
+    """D⁻¹ (nm, 2, 2) of each mode's stages and H (2, nc, 2, nc) of the carriers.
+
+    D = I + 2ζω dt A + ω² dt² AA maps a mode's stage accelerations to its stage loads.
+    """
+    nc, nm = structure.carrier.shape
+    inverse = np.empty((nm, 2, 2))
+    H = np.zeros((2, nc, 2, nc))
+    for m in range(nm):
+        c, k = 2 * structure.damping[m] * structure.omega[m] * dt, (structure.omega[m] * dt) ** 2
+        D = np.eye(2) + c * A + k * AA
+        det = D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
+        inverse[m, 0, 0], inverse[m, 1, 1] = D[1, 1] / det, D[0, 0] / det
+        inverse[m, 0, 1], inverse[m, 1, 0] = -D[0, 1] / det, -D[1, 0] / det
+        for s in range(2):
+            for l in range(2):
+                for i in range(nc):
+                    for j in range(nc):
+                        H[s, i, l, j] += inverse[m, s, l] * structure.carrier[i, m] * structure.carrier[j, m]
+    return inverse, H
+
+
+@lean_kernel
+def carry(structure, amplitude, out):
+    """out[:nc] = carrier coordinates of modal amplitudes (nm,)."""
+    nc, nm = structure.carrier.shape
+    for i in range(nc):
+        total = 0.0
+        for m in range(nm):
+            total += structure.carrier[i, m] * amplitude[m]
+        out[i] = total

@@ -1,0 +1,143 @@
+"""Newton's method for a step: the matrix of the step's start, its factors, and the right-hand side."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.coupled.scheme import AA, A
+from solver.kernels import kernel, lean_kernel
+from solver.multibody.joint_law import axis_damping
+from solver.multibody.minimal import mass_matrix, move, new_motion, project_active
+
+
+class Newton(NamedTuple):
+    """Scratch, and the factors that some steps share."""
+
+    mass: np.ndarray  # (nz, nz)
+    Z: np.ndarray  # (2nz, 2nz) stage loads from stage accelerations
+    K: np.ndarray  # (2nz, 2nz) Newton's matrix with the frame, then its factors
+    pivot: np.ndarray  # (2nz,)
+    update: np.ndarray  # (2nz,) of the stage accelerations
+
+
+def new_newton(nz: int) -> Newton:
+    return Newton(
+        mass=np.empty((nz, nz)),
+        Z=np.empty((2 * nz, 2 * nz)),
+        K=np.empty((2 * nz, 2 * nz)),
+        pivot=np.empty(2 * nz, np.int64),
+        update=np.empty(2 * nz),
+    )
+
+
+@lean_kernel
+def factorize(K, pivot):
+    """LU factors of K in place, rows exchanged; False when singular."""
+    n = K.shape[0]
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(K[i, k]) > abs(K[best, k]):
+                best = i
+        pivot[k] = best
+        if not abs(K[best, k]) > 0:
+            return False
+        if best != k:
+            for j in range(n):
+                K[k, j], K[best, j] = K[best, j], K[k, j]
+        for i in range(k + 1, n):
+            factor = K[i, k] / K[k, k]
+            K[i, k] = factor
+            if factor != 0:
+                for j in range(k + 1, n):
+                    K[i, j] -= factor * K[k, j]
+    return True
+
+
+@lean_kernel
+def substitute(K, pivot, b):
+    """b <- K⁻¹ b with the factors of `factorize`."""
+    n = K.shape[0]
+    for k in range(n):
+        best = pivot[k]
+        if best != k:
+            b[k], b[best] = b[best], b[k]
+    for k in range(n):
+        for i in range(k + 1, n):
+            b[i] -= K[i, k] * b[k]
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            b[k] -= K[k, j] * b[j]
+        b[k] /= K[k, k]
+
+
+@kernel
+def constant_part(bodies, memory, stiffness, dt, constant):
+    """Stage loads from stage accelerations (2nz, 2nz) of all but the mass, at rest.
+
+    Newton's matrix need only be near the true one: the mass follows the motion, the small rest does not.
+    """
+    nz = bodies.mechanism.size
+    motion, still = new_motion(bodies), np.zeros(nz)
+    move(bodies, still, still, motion)
+    B = np.empty((nz, nz))
+    constant[:] = 0.0
+    for s in range(2):
+        for j in range(2):
+            project_active(bodies, motion, memory.direct[s, j], B)
+            for l in range(2):
+                for i in range(nz):
+                    for k in range(nz):
+                        constant[s * nz + i, l * nz + k] += dt * A[j, l] * B[i, k]
+        for l in range(2):
+            for i in range(nz):
+                for k in range(nz):
+                    constant[s * nz + i, l * nz + k] += dt * dt * AA[s, l] * stiffness[i, k]
+                constant[s * nz + i, l * nz + i] += dt * A[s, l] * axis_damping(bodies.law, i)
+
+
+@kernel
+def newton_matrix(bodies, motion, H, constant, newton):
+    """Fill newton.Z, and newton.K from it; H (2, nc, 2, nc): see modal.flexibility; constant: see constant_part."""
+    mass, Z, K = newton.mass, newton.Z, newton.K
+    nz, nc = bodies.mechanism.size, H.shape[1]
+    mass_matrix(bodies, motion, mass)
+    Z[:] = constant
+    for s in range(2):
+        for i in range(nz):
+            for k in range(nz):
+                Z[s * nz + i, s * nz + k] += mass[i, k]
+    K[:] = Z
+    for s in range(2):
+        for i in range(nc):
+            row = s * nz + i
+            K[row] = 0.0
+            for l in range(2):
+                for k in range(nc):
+                    factor = H[s, i, l, k]
+                    for col in range(2 * nz):
+                        K[row, col] += factor * Z[l * nz + k, col]
+            K[row, row] += 1.0
+
+
+@lean_kernel
+def newton_side(structure, inverse, stage, side):
+    """Newton's right-hand side (2nz,) from the stages' residuals.
+
+    For a carrier its acceleration under all loads less the present one, for a joint its residual.
+    """
+    known, drag, residual, ddz = stage.known, stage.drag, stage.residual, stage.ddz
+    nz, (nc, nm) = residual.shape[1], structure.carrier.shape
+    for s in range(2):
+        for i in range(nz):
+            side[s * nz + i] = residual[s, i] if i >= nc else -ddz[s, i]
+    for m in range(nm):
+        f0, f1 = known[0, m] + drag[0, m], known[1, m] + drag[1, m]
+        for i in range(nc):
+            f0 += structure.carrier[i, m] * residual[0, i]
+            f1 += structure.carrier[i, m] * residual[1, i]
+        a0 = inverse[m, 0, 0] * f0 + inverse[m, 0, 1] * f1
+        a1 = inverse[m, 1, 0] * f0 + inverse[m, 1, 1] * f1
+        for i in range(nc):
+            side[i] += structure.carrier[i, m] * a0
+            side[nz + i] += structure.carrier[i, m] * a1

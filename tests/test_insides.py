@@ -1,0 +1,68 @@
+"""Where the solver reaches into other packages: what broke if a new version of one of them takes that away."""
+
+import numpy as np
+import pytest
+from numba import __version__ as numba_version
+from numba import float64
+
+from solver.hydrodynamics.bem import bem, green
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.kernels import fast_kernel, fast_lean_kernel, kernel, lean_kernel
+
+FLOAT = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
+
+
+def first_row_sum(rows):
+    row = rows[0]
+    return row[0] + row[1]
+
+
+@pytest.mark.parametrize(("compiled", "counts"), [(kernel, 1), (fast_kernel, 1), (lean_kernel, 0), (fast_lean_kernel, 0)])
+def test_numba_leaves_the_counting_of_references_out_where_kernels_ask_for_it(compiled, counts):
+    """Without: take `_nrt` out of solver/kernels.py; a march then takes an eighth longer."""
+    told = f"numba {numba_version} no longer heeds `_nrt`, its private option that solver/kernels.py uses"
+    try:
+        function = compiled(cache=False)(first_row_sum)
+        function.compile((float64[:, ::1],))
+    except KeyError as error:
+        pytest.fail(f"{told}: {error}")
+    code = function.inspect_llvm(function.signatures[0])
+    assert ("NRT_decref" in code) == bool(counts), told
+
+
+@pytest.fixture
+def afresh():
+    """A Green function without what others have fitted, before and after."""
+    green.green_function.cache_clear()
+    yield
+    green.green_function.cache_clear()
+
+
+def test_capytaine_fits_the_finite_depth_function_by_our_tolerance(monkeypatch, afresh):
+    """Without: coefficients a few radii above the seabed have noise of 1 % and more."""
+    fits, fit = [], green._exponentials
+    monkeypatch.setattr(green, "_exponentials", lambda *a, **k: fits.append(1) or fit(*a, **k))
+    shallow()
+    assert fits, "capytaine no longer fits by green_functions.delhommeau.find_best_exponential_decomposition (green.py)"
+
+
+def test_capytaine_draws_the_points_of_its_fit_from_our_numbers(monkeypatch, afresh):
+    """Without: coefficients in finite depth differ from process to process, by what the fit leaves."""
+    dice = Counted()
+    monkeypatch.setattr(np.random, "default_rng", lambda _seed: dice)
+    shallow()
+    assert dice.throws, "capytaine no longer draws from tools.prony_decomposition.RNG (green.py)"
+
+
+class Counted:
+    """Random numbers, all of them a half."""
+
+    throws = 0
+
+    def uniform(self):
+        self.throws += 1
+        return 0.5
+
+
+def shallow():
+    bem.solve((FLOAT,), [[0, 0, 0]], depth=5.0, omega=np.array([1.2]), panels=108)
