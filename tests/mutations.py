@@ -1,8 +1,8 @@
 """Deliberate faults, one at a time, in a copy of the tree: does a test notice?   python tests/mutations.py [WORD ...]
 
-`mutations.toml` lists them: a piece of a file, what to put in its place, and the tests that should fail. These run first;
-what they do not notice meets all tests but the slow ones (unless --named). Exit status 1 if fewer than 90 % are killed.
-WORD: only mutations with that word in their file or their new text.
+`mutations.toml` lists them: a piece of a file, what to put in its place, and the tests that should fail. These run
+first; what they do not notice meets all tests but the slow ones (unless --named). Exit status 1 if fewer than 90 % are
+killed. WORD: only mutations with one of these words in their file or their new text.
 """
 
 from __future__ import annotations
@@ -68,19 +68,19 @@ class Copy:
             else:
                 shutil.copy2(source, target)
 
-    def passes(self, tests: Iterable[str], *, interpreted: bool = False, cache: Path | None = None) -> bool:
-        """Whether tests pass; raises where they cannot even be run."""
+    def failure(self, tests: Iterable[str], *, interpreted: bool = False, cache: Path | None = None) -> str:
+        """What is said of the first test that fails, empty if all pass; raises where they cannot even be run."""
         command = [sys.executable, "-m", "pytest", "-xq", "-p", "no:cacheprovider", "-m", "not slow", *tests]
         compiler = {"NUMBA_CACHE_DIR": str(cache or self.cache), "NUMBA_DISABLE_JIT": str(int(interpreted))}
         threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
         given = {**os.environ, **threads, **compiler, "PYTHONPATH": str(self.tree), "PYTHONDONTWRITEBYTECODE": "1"}
         code, said = _ended(command, self.tree, given)
         if code > 1:
-            raise RuntimeError(f"pytest ended with {code}:\n{said[-2000:]}")
-        return code == 0
+            raise RuntimeError(f"pytest ended with {code}:\n{said}")
+        return said if code else ""
 
-    def survives(self, mutation: Mutation, tests: Iterable[str]) -> bool:
-        """Whether tests pass on the tree with a fault in it."""
+    def notices(self, mutation: Mutation, tests: Iterable[str]) -> bool:
+        """Whether one of the tests fails on the tree with a fault in it."""
         file, kernels = self.tree / mutation.file, self.cache.with_name("faulty")
         right, stat = file.read_bytes(), file.stat()
         shutil.rmtree(kernels, ignore_errors=True)
@@ -89,7 +89,7 @@ class Copy:
             self._forget(kernels, mutation.file)
         try:
             file.write_text(right.decode().replace(mutation.old, mutation.new), encoding="utf-8")
-            return self.passes(tests, interpreted=mutation.interpreted, cache=kernels)
+            return bool(self.failure(tests, interpreted=mutation.interpreted, cache=kernels))
         finally:
             file.write_bytes(right)
             os.utime(file, ns=(stat.st_atime_ns, stat.st_mtime_ns))  # by which numba knows its kernels
@@ -128,9 +128,8 @@ def _imported(tree: ast.Module) -> Iterator[str]:
 
 def _ended(command: list[str], folder: Path, given: dict[str, str]) -> tuple[int, str]:
     """Exit status and output; 1 for what takes too long, and for what is killed by a signal."""
-    with subprocess.Popen(
-        command, cwd=folder, env=given, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
-    ) as process:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    with subprocess.Popen(command, cwd=folder, env=given, start_new_session=True, **pipes) as process:
         try:
             said, _ = process.communicate(timeout=LONGEST)
         except subprocess.TimeoutExpired:
@@ -143,15 +142,15 @@ def healthy(copy: Copy, chosen: list[Mutation]) -> None:
     """The tests must pass where there is no fault; this also compiles the kernels."""
     for interpreted in (False, True):
         tests = sorted({test for m in chosen if m.interpreted == interpreted for test in m.tests})
-        if tests and not copy.passes(tests, interpreted=interpreted):
-            raise SystemExit(f"tests fail without a fault: {' '.join(tests)}")
+        if tests and (said := copy.failure(tests, interpreted=interpreted)):
+            raise SystemExit(f"tests fail without a fault:\n{said}")
 
 
 def killed(copy: Copy, mutation: Mutation, named: bool) -> str:
     """By what tests a mutation is noticed; empty if by none."""
-    if not copy.survives(mutation, mutation.tests):
+    if copy.notices(mutation, mutation.tests):
         return "named tests"
-    return "" if named or copy.survives(mutation, ["tests"]) else "other tests"
+    return "other tests" if not named and copy.notices(mutation, ["tests"]) else ""
 
 
 def main() -> int:
@@ -159,9 +158,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("words", nargs="*", metavar="WORD")
     parser.add_argument("--named", action="store_true", help="no other tests than those named")
-    parser.add_argument("--folder", type=Path, default=ROOT / ".jit" / "mutations", help="where the copy of the tree is")
+    parser.add_argument("--folder", type=Path, default=ROOT / ".jit" / "mutations", help="of the copy")
     given = parser.parse_args()
-    chosen = [m for m in mutations() if all(word in m.file or word in m.new for word in given.words)]
+    chosen = [m for m in mutations() if any(word in m.file or word in m.new for word in given.words or [""])]
     copy, caught = Copy(given.folder.resolve()), 0
     healthy(copy, chosen)
     for number, mutation in enumerate(chosen, 1):
