@@ -16,15 +16,18 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+
+from pipeline.environment import sources
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 TABLE = HERE / "mutations.toml"
 COPIED = ("solver", "pipeline", "studies", "tests", "README.md", "Makefile", "pyproject.toml")
+EVERY = ("tests",)
 NEEDED = 0.9  # share of the mutations that a test must notice
 LONGEST = 3600.0  # a mutation may make a loop endless: a test that hangs has noticed it [s]
 
@@ -59,8 +62,9 @@ class Copy:
     """A copy of the tree in which tests are run, with its own compiled kernels."""
 
     def __init__(self, folder: Path):
-        self.tree, self.cache = folder / "tree", folder / "kernels"
-        shutil.rmtree(folder, ignore_errors=True)
+        self.tree, self.cache = folder / "tree", folder / f"kernels-{sources()}"
+        self._sound: dict[tuple[tuple[str, ...], bool], bool] = {}
+        shutil.rmtree(self.tree, ignore_errors=True)
         for name in COPIED:
             source, target = ROOT / name, self.tree / name
             if source.is_dir():
@@ -68,31 +72,41 @@ class Copy:
             else:
                 shutil.copy2(source, target)
 
-    def failure(self, tests: Iterable[str], *, interpreted: bool = False, cache: Path | None = None) -> str:
+    def sound(self, tests: tuple[str, ...], interpreted: bool) -> bool:
+        """Whether tests pass where there is no fault; this also compiles the kernels."""
+        if (tests, interpreted) not in self._sound:
+            failure = self._failure(tests, interpreted, self.cache)
+            self._sound[tests, interpreted] = not failure
+            print(failure, end="")
+        return self._sound[tests, interpreted]
+
+    def notices(self, mutation: Mutation, tests: tuple[str, ...], interpreted: bool) -> bool:
+        """Whether one of the tests fails on the tree with a fault in it, and passes without."""
+        if not self.sound(tests, interpreted):
+            return False
+        file, kernels = self.tree / mutation.file, self.cache.with_name("faulty")
+        right, stat = file.read_bytes(), file.stat()
+        shutil.rmtree(kernels, ignore_errors=True)
+        shutil.copytree(self.cache, kernels)
+        self._forget(kernels, mutation.file)
+        try:
+            file.write_text(right.decode().replace(mutation.old, mutation.new), encoding="utf-8")
+            return bool(self._failure(tests, interpreted, kernels))
+        finally:
+            file.write_bytes(right)
+            os.utime(file, ns=(stat.st_atime_ns, stat.st_mtime_ns))  # by which numba knows its kernels
+
+    def _failure(self, tests: tuple[str, ...], interpreted: bool, kernels: Path) -> str:
         """What is said of the first test that fails, empty if all pass; raises where they cannot even be run."""
         command = [sys.executable, "-m", "pytest", "-xq", "-p", "no:cacheprovider", "-m", "not slow", *tests]
-        compiler = {"NUMBA_CACHE_DIR": str(cache or self.cache), "NUMBA_DISABLE_JIT": str(int(interpreted))}
+        kernels.mkdir(parents=True, exist_ok=True)
+        compiler = {"NUMBA_CACHE_DIR": str(kernels), "NUMBA_DISABLE_JIT": str(int(interpreted))}
         threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
         given = {**os.environ, **threads, **compiler, "PYTHONPATH": str(self.tree), "PYTHONDONTWRITEBYTECODE": "1"}
         code, said = _ended(command, self.tree, given)
         if code > 1:
             raise RuntimeError(f"pytest ended with {code}:\n{said}")
         return said if code else ""
-
-    def notices(self, mutation: Mutation, tests: Iterable[str]) -> bool:
-        """Whether one of the tests fails on the tree with a fault in it."""
-        file, kernels = self.tree / mutation.file, self.cache.with_name("faulty")
-        right, stat = file.read_bytes(), file.stat()
-        shutil.rmtree(kernels, ignore_errors=True)
-        if self.cache.is_dir():
-            shutil.copytree(self.cache, kernels)
-            self._forget(kernels, mutation.file)
-        try:
-            file.write_text(right.decode().replace(mutation.old, mutation.new), encoding="utf-8")
-            return bool(self.failure(tests, interpreted=mutation.interpreted, cache=kernels))
-        finally:
-            file.write_bytes(right)
-            os.utime(file, ns=(stat.st_atime_ns, stat.st_mtime_ns))  # by which numba knows its kernels
 
     def _forget(self, kernels: Path, file: str) -> None:
         """Compiled kernels that may have called those of a file; numba does not notice an edit in another file."""
@@ -138,19 +152,11 @@ def _ended(command: list[str], folder: Path, given: dict[str, str]) -> tuple[int
     return (process.returncode if process.returncode >= 0 else 1), said
 
 
-def healthy(copy: Copy, chosen: list[Mutation]) -> None:
-    """The tests must pass where there is no fault; this also compiles the kernels."""
-    for interpreted in (False, True):
-        tests = sorted({test for m in chosen if m.interpreted == interpreted for test in m.tests})
-        if tests and (said := copy.failure(tests, interpreted=interpreted)):
-            raise SystemExit(f"tests fail without a fault:\n{said}")
-
-
-def killed(copy: Copy, mutation: Mutation, named: bool) -> str:
-    """By what tests a mutation is noticed; empty if by none."""
-    if copy.notices(mutation, mutation.tests):
-        return "named tests"
-    return "other tests" if not named and copy.notices(mutation, ["tests"]) else ""
+def judged(copy: Copy, mutation: Mutation, named: bool) -> str:
+    """What tests make of a mutation."""
+    if copy.notices(mutation, mutation.tests, mutation.interpreted):
+        return "killed"
+    return "killed by others" if not named and copy.notices(mutation, EVERY, interpreted=False) else "SURVIVED"
 
 
 def main() -> int:
@@ -162,13 +168,11 @@ def main() -> int:
     given = parser.parse_args()
     chosen = [m for m in mutations() if any(word in m.file or word in m.new for word in given.words or [""])]
     copy, caught = Copy(given.folder.resolve()), 0
-    healthy(copy, chosen)
     for number, mutation in enumerate(chosen, 1):
         start = time.monotonic()
-        by = killed(copy, mutation, given.named)
-        caught += bool(by)
-        word = f"killed by {by}" if by else "SURVIVED"
-        print(f"{number:3}/{len(chosen)} {word:21} {time.monotonic() - start:5.0f} s  {mutation}", flush=True)
+        word = judged(copy, mutation, given.named)
+        caught += word.startswith("killed")
+        print(f"{number:3}/{len(chosen)} {word:16} {time.monotonic() - start:5.0f} s  {mutation}", flush=True)
     print(f"{caught} of {len(chosen)} mutations killed ({caught / max(len(chosen), 1):.0%})")
     return 0 if caught >= NEEDED * len(chosen) else 1
 

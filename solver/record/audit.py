@@ -226,8 +226,9 @@ def _response_error(system: System, model: LinearModel, omega: np.ndarray, X: np
     (std, rate), (std_, rate_) = (
         (np.sqrt(np.sum(np.abs(x) ** 2, axis=0)), np.sum(np.abs(omega[:, None] * x) ** 2, axis=0)) for x in (X, exact)
     )
-    changes = np.abs(std / std_ - 1)[used], np.abs(rate / rate_ - 1)[used & absorbs]
-    return float(np.max(np.concatenate(changes), initial=0.0))
+    absorbs &= used
+    changes = std[used] / std_[used] - 1, rate[absorbs] / rate_[absorbs] - 1
+    return float(np.max(np.abs(np.concatenate(changes)), initial=0.0))
 
 
 def skipped(system: System) -> list[str]:
