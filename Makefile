@@ -10,7 +10,7 @@ export NUMBA_NUM_THREADS := 1
 # numba's cache misses an edit in another file: a new folder for each state of the sources.
 export NUMBA_CACHE_DIR := $(CURDIR)/.jit/$(shell find solver -name '*.py' | LC_ALL=C sort | xargs cat | cksum | tr -d ' ')
 
-.PHONY: study-buan paper test validate bench bench-pipeline stress test-python kills faults fuzz figure lint setup clean
+.PHONY: study-buan paper test nightly validate bench bench-pipeline stress test-python kills faults fuzz figure lint setup clean
 
 study-buan: $(READY)
 	$(VENV)/bin/study run studies/buan.toml
@@ -27,6 +27,10 @@ paper: $(READY)
 test: $(READY)
 	$(VENV)/bin/python -m pytest -q -n 2 --dist worksteal -m "not slow" $(if $(ORDER),\
 		--shuffle $(ORDER) --hypothesis-profile random --hypothesis-seed $(ORDER))
+
+# All that is too slow for `test`, and whether the tests notice deliberate faults (tests/mutations.toml): many hours.
+nightly: $(READY)
+	$(VENV)/bin/python tests/nightly.py
 
 validate: $(READY)
 	$(VENV)/bin/python -m studies.validate

@@ -138,6 +138,14 @@ def test_tube_is_the_difference_of_two_rods():
     assert (PIPE.fibre, PIPE.diameter) == (0.225, 0.45)
 
 
+def test_second_moments_are_the_integrals_over_the_section():
+    """Iy = ∫z² dA, Iz = ∫y² dA: width along y, height along z."""
+    b, h, R = 0.3, 0.1, 0.2
+    assert (PLANK.Iy, PLANK.Iz) == pytest.approx((b * h**3 / 12, h * b**3 / 12))
+    rod = beam.tube(diameter=2 * R, thickness=R)
+    assert (rod.Iy, rod.Iz, rod.J) == pytest.approx(np.pi * R**4 * np.array([1 / 4, 1 / 4, 1 / 2]))
+
+
 # Timoshenko & Goodier, Theory of Elasticity: J = k1 a b³, printed to three or four digits.
 @pytest.mark.parametrize(
     ("ratio", "k1"), [(1, 0.1406), (1.5, 0.196), (2, 0.229), (3, 0.263), (10, 0.312)]

@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from solver.structure import recovery, statics
+from solver.structure.beam import solid_rectangle
 from solver.structure.frame import Frame, Member, PointLoad, PointMass, assemble
 
 ROUNDING = 1e-8  # K of fine meshes is conditioned about 1e7: 1e-16 becomes 1e-9
@@ -19,6 +20,21 @@ def test_tip_load_on_a_cantilever_in_any_mesh(line, pipe, steel, n):
     bending = 12**3 / (3 * steel.E * pipe.Iy)
     expected = np.array(TIP_LOAD) * [12 / (steel.E * pipe.area), bending, bending]
     assert tip == pytest.approx(expected, rel=ROUNDING)
+
+
+def test_a_plank_bends_about_either_axis_by_its_own_moment(line, steel):
+    """F L³/3EI of a plank lying flat, three times as wide as high: pushed aside it is nine times as stiff."""
+    plank = solid_rectangle(width=0.3, height=0.1)
+    model = line(3, section=plank, loads=(PointLoad(node="end", force=(0.0, 1e3, 1e3)),))
+    tip = statics.static(model, statics.point_load(model))[model.translations("end")]
+    aside, up = 0.1 * 0.3**3 / 12, 0.3 * 0.1**3 / 12
+    assert tip[1:] == pytest.approx(1e3 * 12**3 / (3 * steel.E) / np.array([aside, up]), rel=ROUNDING)
+
+
+def test_loads_on_one_node_add_up(line):
+    each = [PointLoad(node="end", force=force) for force in (TIP_LOAD, (1.0, 2.0, 3.0))]
+    model = line(1, loads=tuple(each))
+    assert statics.point_load(model)[model.translations("end")] == pytest.approx(np.add(TIP_LOAD, (1.0, 2.0, 3.0)))
 
 
 @pytest.mark.parametrize("n", [1, 2, 7, 30])
