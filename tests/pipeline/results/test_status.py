@@ -84,6 +84,7 @@ OTHERS = JSON.map(lambda value: json.dumps(value).encode()) | st.binary()
 @example(changes=[], other=b'{"state": "failed"}', verbs=VERBS)
 @example(changes=[(("error",), "x")], other=None, verbs=VERBS)
 @example(changes=[(("wall_time",), 10**400)], other=None, verbs=VERBS)
+@example(changes=[(("parameters", "record"), {"duration": -100.0})], other=None, verbs=VERBS)
 def test_no_verb_minds_what_a_status_says(ran, changes, other, verbs):
     call, files, marks = ran
     for mark in marks if other is not None else ():
