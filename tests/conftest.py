@@ -16,7 +16,7 @@ from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
 
-# How long an example takes is the machine's affair; what is found again is of use, what is not goes by --hypothesis-seed.
+# How long an example takes is the machine's affair, and a run can be repeated; "random" goes by --hypothesis-seed.
 UNTIMED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("same", UNTIMED, derandomize=True)
 settings.register_profile("random", UNTIMED)
