@@ -32,7 +32,12 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(config, items):
-    """No test may lean on another one: any order is as good, and fixtures of a file are still made once."""
+    """No test may lean on another one: any order is as good, and fixtures of a file are still made once.
+
+    Of two workers one begins with the first half and one with the second: the pipeline's first, which wait for
+    other processes, so that the kernels are compiled in the other half meanwhile, once.
+    """
+    items.sort(key=lambda item: "pipeline" not in item.path.parts)
     if (seed := config.getoption("shuffle")) is not None:
         dice, files = random.Random(seed), {}
         for item in items:
