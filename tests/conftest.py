@@ -1,12 +1,15 @@
 """The Buan scene of Heo, Koo and Kim (2022), as the tests of the coupled solver vary it."""
 
+import os
 import random
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from filelock import FileLock
 from hypothesis import HealthCheck, settings
+from numba.core.dispatcher import Dispatcher
 
 from solver.hydrodynamics import bem
 from solver.hydrodynamics.hull import Revolution
@@ -34,8 +37,7 @@ def pytest_addoption(parser):
 def pytest_collection_modifyitems(config, items):
     """No test may lean on another one: any order is as good, and fixtures of a file are still made once.
 
-    Of two workers one begins with the first half and one with the second: the pipeline's first, which wait for
-    other processes, so that the kernels are compiled in the other half meanwhile, once.
+    Workers begin with a part each: the pipeline's first, so that the kernels are compiled in the others meanwhile.
     """
     items.sort(key=lambda item: "pipeline" not in item.path.parts)
     if (seed := config.getoption("shuffle")) is not None:
@@ -44,6 +46,23 @@ def pytest_collection_modifyitems(config, items):
             files.setdefault(item.path, []).append(item)
         mixed = dice.sample(list(files.values()), len(files))
         items[:] = [item for own in mixed for item in dice.sample(own, len(own))]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_compiler(tmp_path_factory):
+    """What one worker compiles the others wait for and read from numba's cache; they would all compile it too."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        yield
+        return
+    lock, compiled = FileLock(tmp_path_factory.getbasetemp().parent / "compiler.lock"), Dispatcher.compile
+
+    def alone(self, signature):
+        with lock:
+            return compiled(self, signature)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Dispatcher, "compile", alone)
+        yield
 
 
 def frame(stiffer=1.0):
