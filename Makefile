@@ -22,10 +22,10 @@ paper: $(READY)
 		echo $$study; $(VENV)/bin/study run $$study > /dev/null || test $$? -eq 1; done
 	$(VENV)/bin/python -m studies.paper
 
-# On both cores. As on other machines: make test ORDER=7 OPENBLAS_NUM_THREADS=2 OPENBLAS_CORETYPE=Haswell, with a random order
-# of the tests and random examples of that seed.
+# On two cores; a third process fills them while one waits for others or for the compiler. As on other machines:
+# make test ORDER=7 OPENBLAS_NUM_THREADS=2 OPENBLAS_CORETYPE=Haswell, with a random order and random examples of that seed.
 test: $(READY)
-	$(VENV)/bin/python -m pytest -q -n 2 --dist worksteal -m "not slow" $(if $(ORDER),\
+	$(VENV)/bin/python -m pytest -q -n 3 --dist worksteal -m "not slow" $(if $(ORDER),\
 		--shuffle $(ORDER) --hypothesis-profile random --hypothesis-seed $(ORDER))
 
 # All that is too slow for `test`, and whether the tests notice deliberate faults (tests/mutations.toml): many hours.

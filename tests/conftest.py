@@ -1,12 +1,15 @@
 """The Buan scene of Heo, Koo and Kim (2022), as the tests of the coupled solver vary it."""
 
+import os
 import random
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from filelock import FileLock
 from hypothesis import HealthCheck, settings
+from numba.core.dispatcher import Dispatcher
 
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -16,7 +19,7 @@ from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
 
-# How long an example takes is the machine's affair; what is found again is of use, other draws go by --hypothesis-seed.
+# How long an example takes is the machine's affair, and a run can be repeated; "random" goes by --hypothesis-seed.
 UNTIMED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("same", UNTIMED, derandomize=True)
 settings.register_profile("random", UNTIMED)
@@ -32,13 +35,34 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(config, items):
-    """No test may lean on another one: any order is as good, and fixtures of a file are still made once."""
+    """No test may lean on another one: any order is as good, and fixtures of a file are still made once.
+
+    Workers begin with a part each: the pipeline's first, so that the kernels are compiled in the others meanwhile.
+    """
+    items.sort(key=lambda item: "pipeline" not in item.path.parts)
     if (seed := config.getoption("shuffle")) is not None:
         dice, files = random.Random(seed), {}
         for item in items:
             files.setdefault(item.path, []).append(item)
         mixed = dice.sample(list(files.values()), len(files))
         items[:] = [item for own in mixed for item in dice.sample(own, len(own))]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_compiler(tmp_path_factory):
+    """What one worker compiles the others wait for and read from numba's cache; they would all compile it too."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        yield
+        return
+    lock, compiled = FileLock(tmp_path_factory.getbasetemp().parent / "compiler.lock"), Dispatcher.compile
+
+    def alone(self, signature):
+        with lock:
+            return compiled(self, signature)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Dispatcher, "compile", alone)
+        yield
 
 
 def frame(stiffer=1.0):

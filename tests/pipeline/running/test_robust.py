@@ -5,6 +5,7 @@ import errno
 import json
 import os
 import re
+import shutil
 import subprocess
 import time
 
@@ -129,9 +130,18 @@ def test_read_only_results(tmp_path, small_study):
         assert study("status", small_study, "--results", folder).returncode == 2
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A study file beside its results, all done."""
+    folder = tmp_path_factory.mktemp("whole")
+    assert study("run", empty.study(folder, 12), "--results", folder / "results", "--workers", 1).returncode == 0
+    return folder
+
+
 @pytest.mark.parametrize("damage", ["cut", "flip", "empty", "gone", "status"])
-def test_damaged_results_are_named_and_made_again(small_study, results, damage):
-    study("run", small_study, "--results", results, "--workers", 1)
+def test_damaged_results_are_named_and_made_again(whole, tmp_path, damage):
+    small_study, results = tmp_path / "empty.toml", tmp_path / "results"
+    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
     before = contents(results)
     record = next(results.rglob("record.nc"))
     data = bytearray(record.read_bytes())
