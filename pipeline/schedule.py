@@ -34,6 +34,9 @@ SETTINGS = {
     "distributed.worker.profile.enabled": False,  # who runs what, a hundred times a second: nobody looks at it
     # A fork of a process that has imported everything is up at once, also when a worker that died is replaced.
     "distributed.worker.multiprocessing-method": "forkserver",
+    # Who may not connect gets no page either, with the labels of tasks, their errors and where they run.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
 }
 # A block of a record takes a few arrays of half a megabyte. glibc would hand each back to the system and ask for it
 # anew, page by page, once dask has set a threshold of 64 kB: a quarter of a worker's time, and more beside another.
@@ -272,25 +275,37 @@ def pool(work: int, place: Place, say: Callable[[str], None]) -> Iterator[Pool]:
 
     with contextlib.ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
-        address = place.scheduler or stack.enter_context(_cluster(min(place.workers, work), place.memory))
-        client = Client(address, timeout="10s", security=_security(place.tls))
+        cluster = None if place.scheduler else stack.enter_context(_cluster(min(place.workers, work), place.memory))
+        security = cluster.security if cluster else _security(place.tls)
+        client = Client(cluster or place.scheduler, timeout="10s", security=security)
         yield Dask(stack.enter_context(client), place, say)
 
 
-def _cluster(workers: int, memory: str) -> Any:
-    """Workers of our own: processes of one thread, on loopback alone, no dashboard."""
-    from distributed import LocalCluster
+@contextlib.contextmanager
+def _cluster(workers: int, memory: str) -> Iterator[Any]:
+    """Workers of our own: processes of one thread, on loopback alone, no dashboard.
 
-    return LocalCluster(
-        n_workers=workers,
-        threads_per_worker=1,
-        processes=True,
-        host="127.0.0.1",
-        dashboard_address="127.0.0.1:0",  # dask insists on some port, where it then shows nothing
-        scheduler_kwargs={"dashboard": False},
-        memory_limit=memory,
-        silence_logs="CRITICAL",
-    )
+    Whoever may connect runs code as the owner, and every user of the machine reaches loopback: all ports ask for a
+    certificate made now and kept in memory. Workers import and unpickle from their scratch folder: it is private, too.
+    """
+    import dask
+    from distributed import LocalCluster, Security
+
+    with (
+        dask.config.set({"temporary-directory": str(environment.scratch())}),
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            security=Security.temporary(),
+            dashboard_address="127.0.0.1:0",  # dask insists on some port, where it then shows nothing
+            scheduler_kwargs={"dashboard": False},
+            memory_limit=memory,
+            silence_logs="CRITICAL",
+        ) as cluster,
+    ):
+        yield cluster
 
 
 def _security(tls: tuple[Path, Path, Path] | None) -> Any:
