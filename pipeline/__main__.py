@@ -2,18 +2,23 @@
 
 import sys
 
-from pipeline import environment
+from pipeline import interrupt
 
 
 def main() -> None:
     """The environment first: BLAS reads its number of threads once, when numpy is imported."""
+    interrupt.heed()
     try:
+        from pipeline import environment
+
         environment.prepare()
+        from pipeline import cli
+
+        cli.main()
+    except interrupt.Interrupted:
+        sys.exit(interrupt.STATUS)
     except PermissionError as error:
         sys.exit(f"{error.filename}: {error.strerror}")
-    from pipeline import cli
-
-    cli.main()
 
 
 if __name__ == "__main__":

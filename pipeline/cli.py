@@ -14,6 +14,7 @@ import typer
 
 from pipeline import actions, environment
 from pipeline.console import DONE, FAILED, Tally, err, finish, looked, say, store_of
+from pipeline.interrupt import KEPT
 from pipeline.select import find, select
 from pipeline.store import Store, read_json
 from pipeline.study import Study, StudyError, load
@@ -36,9 +37,8 @@ Tls = Annotated[
 ]
 Words = Annotated[list[str] | None, typer.Argument(metavar="TASK...", help="Ids, their beginnings, or labels")]
 
-BAD_INPUT, INTERRUPTED = 2, 130
+BAD_INPUT = 2
 RESULTS = Path("results")
-KEPT = "finished tasks are kept, and the same command goes on from here"
 
 
 def main() -> None:
@@ -60,9 +60,6 @@ def main() -> None:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
         say(f"{what}; {KEPT}", err)
         sys.exit(FAILED)
-    except KeyboardInterrupt:
-        say(f"interrupted; {KEPT}", err)
-        sys.exit(INTERRUPTED)
 
 
 @app.command()

@@ -75,12 +75,12 @@ ENGINE = run.Engine(coefficients=coefficients, compute=compute, check=nothing, r
 
 def main() -> None:
     """The command line, with this engine."""
-    from pipeline import actions, cache, cli
+    from pipeline import __main__, actions, cache
 
     actions.REPORTED = 0
     cache.Cache.__init__.__defaults__ = (len,)  # these coefficients are no netCDF file
     run.Engine = lambda: ENGINE
-    cli.main()
+    __main__.main()
 
 
 if __name__ == "__main__":

@@ -1,12 +1,10 @@
 """Who else is on the machine: no port answers them, no file or folder of a run takes anything from them."""
 
 import os
-import signal
 import stat
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import empty
@@ -65,21 +63,10 @@ def temporary():
 
 @pytest.fixture
 def running(tmp_path, temporary):
-    """A run with both workers at work."""
-    path, log = empty.study(tmp_path, 12), tmp_path / "log"
-    env = kills.environment(EMPTY_SECONDS="20", EMPTY_LOG=str(log), TMPDIR=str(temporary))
-    words = kills.command("run", path, "--results", tmp_path / "results")
-    client = subprocess.Popen(words, env=env, start_new_session=True, stdout=subprocess.DEVNULL)
-    try:
-        deadline = time.monotonic() + 60
-        while not log.exists() or len(log.read_text().split()) < 2:
-            assert client.poll() is None and time.monotonic() < deadline
-            time.sleep(0.1)
+    """The processes of a run."""
+    with kills.at_work(tmp_path, EMPTY_SECONDS="20", TMPDIR=str(temporary)) as client:
         process = psutil.Process(client.pid)
         yield [process, *process.children(recursive=True)]
-    finally:
-        os.killpg(client.pid, signal.SIGKILL)
-        client.wait()
 
 
 def test_no_port_of_a_run_answers_a_stranger(running, temporary):

@@ -2,14 +2,19 @@
 
 import contextlib
 import json
+import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
 
 import empty
 import kills
+import psutil
 import pytest
+
+from pipeline.interrupt import KEPT
 
 SHORT = "[record]\nduration = 20.0\ndiscard = 5.0\nramp = 5.0\n"
 
@@ -97,6 +102,19 @@ def test_tls_is_passed_through(tmp_path, small_study):
         refused = study(*run, tmp_path / "other")
     assert refused.returncode == 2
     assert refused.stderr == f"--scheduler = {address}: needs --tls CA CERT KEY, or dask's own tls settings\n"
+
+
+def test_a_scheduler_that_is_killed_is_one_line(tmp_path):
+    with cluster(tmp_path) as address, kills.at_work(tmp_path, "--scheduler", address, tasks=3000, begun=0) as client:
+        while not kills.finished(tmp_path / "results"):
+            assert client.poll() is None
+            time.sleep(0.05)
+        port = int(address.rpartition(":")[2])
+        (listening,) = {c.pid for c in psutil.net_connections("tcp") if c.laddr.port == port and c.status == "LISTEN"}
+        os.kill(listening, signal.SIGKILL)
+        told = client.communicate(timeout=120)[1]
+    assert client.returncode == 1
+    assert told == f"lost the scheduler at {address}; {KEPT}\n"
 
 
 def test_no_scheduler_there(small_study, tmp_path):
