@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.netcdf import Variable, content, from_bytes, to_bytes
-from pipeline.store import write_atomic
+from pipeline.store import COEFFICIENTS, write_atomic
 
 if TYPE_CHECKING:
     from solver.hydrodynamics.bem import Hydrodynamics
@@ -125,7 +125,7 @@ class Cache:
     """Files of coefficients, one for each geometry, shared by all studies of a results folder."""
 
     def __init__(self, results: Path, readable: Callable[[bytes], object] = decode):
-        self.folder = results / "hydrodynamics"
+        self.folder = results / COEFFICIENTS
         self.readable = readable
 
     def get(self, key: str) -> bytes | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import shutil
 import sys
@@ -44,6 +45,9 @@ RESULTS = Path("results")
 def main() -> None:
     """Exit status 0 done, 1 a task failed or the machine did, 2 bad input."""
     environment.prepare()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a locale may lack the letters of a title
     try:
         app()
     except StudyError as error:

@@ -22,6 +22,7 @@ from filelock import FileLock, Timeout
 
 from pipeline.tasks import Task
 
+COEFFICIENTS = "hydrodynamics"  # the folder beside those of the studies, which share it
 MANY = 4  # files from which on one flush of the file system is sooner done than one for each
 _syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)  # Linux alone has it
 
