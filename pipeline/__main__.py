@@ -1,14 +1,24 @@
 """python -m pipeline ..., and the command `study`."""
 
-from pipeline import environment
+import sys
+
+from pipeline import interrupt
 
 
 def main() -> None:
     """The environment first: BLAS reads its number of threads once, when numpy is imported."""
-    environment.prepare()
-    from pipeline.cli import cli
+    interrupt.heed()
+    try:
+        from pipeline import environment
 
-    cli.main()
+        environment.prepare()
+        from pipeline.cli import cli
+
+        cli.main()
+    except interrupt.Interrupted:
+        sys.exit(interrupt.STATUS)
+    except PermissionError as error:
+        sys.exit(f"{error.filename}: {error.strerror}")
 
 
 if __name__ == "__main__":

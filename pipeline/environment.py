@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import platform
+import stat
 import subprocess
 import tempfile
 from functools import cache
@@ -31,14 +33,30 @@ def compiled() -> bool:
 
 
 def _writable_cache() -> Path:
+    """Where compiled kernels are kept: code, so nobody else may have a hand in it."""
     folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "wecplatform"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if os.access(folder, os.W_OK):
+        if os.access(private(folder), os.W_OK):
             return folder
     except OSError:
         pass
-    return Path(tempfile.gettempdir()) / f"wecplatform-{os.getuid()}"
+    return scratch()
+
+
+def scratch() -> Path:
+    """A folder for this user in the machine's temporary one."""
+    return private(Path(tempfile.gettempdir()) / f"wecplatform-{os.getuid()}")
+
+
+def private(folder: Path) -> Path:
+    """The folder, made if need be, that this user owns and alone may write to; PermissionError if it is another's."""
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    # Who owns a link decides where it leads, so that counts as well.
+    owners, mode = {folder.lstat().st_uid, folder.stat().st_uid}, folder.stat().st_mode
+    if owners != {os.getuid()} or mode & (stat.S_IWGRP | stat.S_IWOTH):
+        reason = "others own it or may write to it, so no code is loaded from there; remove it, or set TMPDIR"
+        raise PermissionError(errno.EPERM, reason, str(folder))
+    return folder
 
 
 @cache

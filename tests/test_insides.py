@@ -5,7 +5,8 @@ import pytest
 from numba import __version__ as numba_version
 from numba import float64
 
-from solver.hydrodynamics.bem import bem, green
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem.bem import green
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.kernels import fast_kernel, fast_lean_kernel, kernel, lean_kernel
 
@@ -17,7 +18,10 @@ def first_row_sum(rows):
     return row[0] + row[1]
 
 
-@pytest.mark.parametrize(("compiled", "counts"), [(kernel, 1), (fast_kernel, 1), (lean_kernel, 0), (fast_lean_kernel, 0)])
+COUNTING = [(kernel, 1), (fast_kernel, 1), (lean_kernel, 0), (fast_lean_kernel, 0)]
+
+
+@pytest.mark.parametrize(("compiled", "counts"), COUNTING)
 def test_numba_leaves_the_counting_of_references_out_where_kernels_ask_for_it(compiled, counts):
     """Without: take `_nrt` out of solver/kernels.py; a march then takes an eighth longer."""
     told = f"numba {numba_version} no longer heeds `_nrt`, its private option that solver/kernels.py uses"

@@ -17,6 +17,7 @@ import numpy as np
 from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.results.status import read_json
 from pipeline.results.store import sha256, write_atomic, write_json
+from pipeline.study.reading import COEFFICIENTS
 
 if TYPE_CHECKING:
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -161,7 +162,7 @@ class Cache:
     """Files of coefficients, one for each geometry, shared by all studies of a results folder."""
 
     def __init__(self, results: Path, check: Callable[[bytes, str], object] = check):
-        self.folder = results / "hydrodynamics"
+        self.folder = results / COEFFICIENTS
         self.check = check
 
     def path(self, key: str) -> Path:

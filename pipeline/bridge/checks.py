@@ -14,6 +14,11 @@ from solver.errors import InputError
 
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 STEPS_A_PERIOD = 6  # fewer time steps in the shortest wave do not describe it
+# Far more than anybody has asked for, and already days of work or all of a machine's memory.
+MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
+MOST_TASKS = 10_000_000
+MOST_FLOATS = 100
+MOST_ELEMENTS = 10_000  # of a platform
 
 
 PER_AXIS = ("pto_damping", "damping", "quadratic_damping", "stiffness", "mechanism_inertia", "offset")
@@ -37,6 +42,9 @@ def _axes(study: StudyFile) -> Iterator[InputError]:
         if values is not None and not values:
             yield InputError(f"axes.{name}", "[]", "needs at least one value")
         yield from _unique(f"axes.{name}", values or ())
+    lengths = [len(values) for name in type(axes).model_fields if (values := getattr(axes, name))]
+    if (count := math.prod(lengths, start=1 if axes.sea_state else len(study.sea_states))) > MOST_TASKS:
+        yield InputError("axes", f"{count} tasks", f"must be <= {MOST_TASKS}: split the study")
     for label in axes.sea_state or ():
         if label not in study.sea_states:
             known = ", ".join(study.sea_states)
@@ -65,6 +73,10 @@ def _recording(study: StudyFile, shortest: float) -> Iterator[InputError]:
         yield InputError("record.duration", record.duration, "must be from 1 to 1e6 s")
     if record.discard > 1e5:
         yield InputError("record.discard", record.discard, "must be <= 1e5 s")
+    longest = record.discard + record.duration
+    if study.solver.tolerance is None and longest > MOST_STEPS * step:
+        limit = f"must be >= {longest / MOST_STEPS:.3g} s, or {longest:g} s take more than {MOST_STEPS} steps"
+        yield InputError("solver.time_step", step, limit)
     if study.solver.tolerance is None and step > shortest / STEPS_A_PERIOD:
         limit = f"must be <= {shortest / STEPS_A_PERIOD:.3g} s, a sixth of the shortest wave period {shortest:.3g} s"
         yield InputError("solver.time_step", step, limit)
@@ -72,6 +84,9 @@ def _recording(study: StudyFile, shortest: float) -> Iterator[InputError]:
 
 def _floats(study: StudyFile) -> Iterator[InputError]:
     yield from _unique("floats.name", [f.name for f in study.floats])
+    if len(study.floats) > MOST_FLOATS:
+        yield InputError("floats", f"{len(study.floats)} floats", f"must be <= {MOST_FLOATS}")
+        return
     for item in study.floats:
         yield from _float(item, study)
     if study.axes.hinge_spacing and len(study.floats) == 2:
@@ -139,6 +154,10 @@ def _distance(point: tuple[float, ...], axis: tuple[float, ...]) -> float:
 def _platform(platform: Platform, study: StudyFile) -> Iterator[InputError]:
     nodes = {**platform.nodes, **hinge_nodes(study.floats)}
     yield from _unique("platform.members", [m.name for m in platform.members])
+    yield from _unique("platform.legs", platform.legs)
+    if (count := sum(m.elements for m in platform.members)) > MOST_ELEMENTS:
+        yield InputError("platform.members", f"{count} elements", f"must be <= {MOST_ELEMENTS}")
+        return
     if not platform.members:
         yield InputError("platform.members", "[]", "needs at least one member")
     if not platform.clamped:

@@ -12,7 +12,7 @@ from pipeline.tasks.study import Study
 def load(path: Path) -> Study:
     """Read and check a study file; raise StudyError."""
     content, bases = parsed(path)
-    problems = [str(problem) for problem in checks.problems(content)]
+    problems = dict.fromkeys(str(problem) for problem in checks.problems(content))
     if problems:
         raise StudyError(path, problems)
     return Study(path=path, content=content, bases=bases)

@@ -13,6 +13,7 @@ from pipeline.study.seas import Components, Elevation, Irregular, Regular, SeaSt
 from solver.errors import InputError
 
 LARGEST_PERIOD = 60.0  # longer waves are no longer wind waves [s]
+HIGHEST = 100.0  # frequency; shorter waves are ripples [rad/s]
 MOST = 10_000  # waves of one sea
 SHALLOW = 0.1  # kh below which there are no coefficients
 
@@ -25,10 +26,8 @@ def problems(study: StudyFile) -> Iterator[InputError]:
     if waves.band and waves.band[0] >= waves.band[1]:
         yield InputError("waves.band", list(waves.band), "must rise: low < high [rad/s]")
         return
-    if waves.band and waves.band[1] > 100:
-        yield InputError("waves.band", list(waves.band), "must end at or below 100 rad/s")
-    if waves.components > MOST:
-        yield InputError("waves.components", waves.components, f"must be <= {MOST}")
+    if waves.band and waves.band[1] > HIGHEST:
+        yield InputError("waves.band", list(waves.band), f"must end at or below {HIGHEST:g} rad/s")
     if abs(waves.heading) > 2 * math.pi:
         yield InputError("waves.heading", waves.heading, "must be within ±2π rad")
     if waves.spectrum == "jonswap" and waves.form == "mean":
@@ -53,11 +52,10 @@ def _sea(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
         return
     if isinstance(sea, Irregular):
         yield from _shape(key, sea, study)
-        yield from _period(f"{key}.Tp", sea.Tp)
-        yield from _breaking(f"{key}.Hs", sea.Hs, 2 * math.pi / seas.peak_frequency(sea, waves), study)
+        peak = 2 * math.pi / seas.peak_frequency(sea, waves)
+        yield from _period(f"{key}.Tp", sea.Tp) or _breaking(f"{key}.Hs", sea.Hs, peak, study)
     elif isinstance(sea, Regular):
-        yield from _period(f"{key}.period", sea.period)
-        yield from _breaking(f"{key}.height", sea.height, sea.period, study)
+        yield from _period(f"{key}.period", sea.period) or _breaking(f"{key}.height", sea.height, sea.period, study)
     elif not isinstance(sea, Still):
         yield from _realization(key, sea, study)
 
@@ -70,9 +68,11 @@ def _shape(key: str, sea: Irregular, study: StudyFile) -> Iterator[InputError]:
         yield InputError(f"{key}.form", sea.form, "is for pierson-moskowitz: JONSWAP has its peak period")
 
 
-def _period(key: str, period: float) -> Iterator[InputError]:
+def _period(key: str, period: float) -> list[InputError]:
     if period > LARGEST_PERIOD:
-        yield InputError(key, period, f"must be <= {LARGEST_PERIOD:g} s")
+        return [InputError(key, period, f"must be <= {LARGEST_PERIOD:g} s")]
+    shortest = 2 * math.pi / HIGHEST
+    return [InputError(key, period, f"must be >= {shortest:.3g} s")] if period < shortest else []
 
 
 def _breaking(key: str, height: float, period: float, study: StudyFile) -> Iterator[InputError]:
@@ -82,7 +82,7 @@ def _breaking(key: str, height: float, period: float, study: StudyFile) -> Itera
     depth = study.water.depth
     k = float(wavenumber(2 * math.pi / period, depth, study.water.gravity))
     limit = 0.142 * 2 * math.pi / k * math.tanh(k * depth) if k > 0 else math.inf
-    if height > limit:
+    if not height <= limit:
         reason = f"must be <= {limit:.3g} m, where waves of {period:.3g} s break (0.142 L tanh kh)"
         yield InputError(key, height, reason)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import sys
 import time
@@ -15,6 +16,7 @@ from pipeline import environment
 from pipeline.bridge.loading import load
 from pipeline.cli import actions
 from pipeline.cli.console import DONE, FAILED, Tally, finish, looked, say, store_of
+from pipeline.interrupt import KEPT
 from pipeline.results.status import read_status
 from pipeline.results.store import Store, remove
 from pipeline.study.reading import StudyError
@@ -40,15 +42,17 @@ Tls = Annotated[
 ]
 Words = Annotated[list[str] | None, typer.Argument(metavar="TASK...", help="Ids, their beginnings, or labels")]
 
-BAD_INPUT, INTERRUPTED = 2, 130
+BAD_INPUT = 2
 RESULTS = Path("results")
 SHOWN = ("finished", "wall_time", "command", "sha256", "provenance", "unmet")  # of a task's status
-KEPT = "finished tasks are kept, and the same command goes on from here"
 
 
 def main() -> None:
     """Exit status 0 done, 1 a task failed or the machine did, 2 bad input."""
     environment.prepare()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a locale may lack the letters of a title
     try:
         app()
     except StudyError as error:
@@ -65,9 +69,6 @@ def main() -> None:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
         say(f"{what}; {KEPT}", err)
         sys.exit(FAILED)
-    except KeyboardInterrupt:
-        say(f"interrupted; {KEPT}", err)
-        sys.exit(INTERRUPTED)
 
 
 @app.command()

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import contextlib
 import faulthandler
+import logging
 import math
 import os
 import re
+import signal
 import threading
 import time
 from collections import deque
@@ -34,10 +36,15 @@ SETTINGS = {
     "distributed.worker.profile.enabled": False,  # who runs what, a hundred times a second: nobody looks at it
     # A fork of a process that has imported everything is up at once, also when a worker that died is replaced.
     "distributed.worker.multiprocessing-method": "forkserver",
+    # Who may not connect gets no page either, with the labels of tasks, their errors and where they run.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
 }
 # A block of a record takes a few arrays of half a megabyte. glibc would hand each back to the system and ask for it
 # anew, page by page, once dask has set a threshold of 64 kB: a quarter of a worker's time, and more beside another.
 MALLOC = {"MALLOC_MMAP_THRESHOLD_": "33554432", "MALLOC_TRIM_THRESHOLD_": "67108864"}
+# What cleans up after a killed run need not tell.
+QUIET = {"PYTHONWARNINGS": "ignore:resource_tracker:UserWarning"}
 # What workers need before their first step.
 IMPORTED = (
     "distributed", "solver.run", "pipeline.bridge.scenes", "pipeline.bridge.cache", "pipeline.results.records",
@@ -234,7 +241,7 @@ class Dask:
         if future.status != "error":
             if self._client.status == "running":
                 return None
-            raise ConnectionError(f"lost the scheduler at {self._client.scheduler.address}")
+            raise _lost(self._client)
         error = future.exception()
         if isinstance(error, KilledWorker):
             late = f" or longer than --timeout = {self._place.timeout:g} s" if self._place.timeout else ""
@@ -270,14 +277,24 @@ def _announce() -> None:
 
 def warm_up(work: int, place: Place) -> None:
     """Start the process that workers are forked from, so that it imports while this one still checks the study."""
-    from multiprocessing import forkserver, set_forkserver_preload
-
     if place.scheduler is None and not _small(work, place):
-        environment.prepare()
-        for name, value in MALLOC.items():
-            os.environ.setdefault(name, value)
-        set_forkserver_preload(list(IMPORTED))
+        _start_fork_server()
+
+
+def _start_fork_server() -> None:
+    """If it is not running. It blocks Ctrl-C, and so do the workers: that is for this process, which closes them."""
+    from multiprocessing import forkserver, resource_tracker, set_forkserver_preload
+
+    environment.prepare()
+    for name, value in {**MALLOC, **QUIET}.items():
+        os.environ.setdefault(name, value)
+    set_forkserver_preload(list(IMPORTED))
+    resource_tracker.ensure_running()  # or else the fork server starts it, and it ends by unblocking
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
         forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _small(work: int, place: Place) -> bool:
@@ -294,28 +311,54 @@ def pool(work: int, place: Place, say: Callable[[str], None]) -> Iterator[Pool]:
         return
     import dask
     from distributed import Client
+    from distributed.comm.core import CommClosedError
 
+    for name in ("distributed", "distributed.client"):
+        # Dask tells in tracebacks how a cluster breaks; what a user can do about it is said here.
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     with contextlib.ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
-        address = place.scheduler or stack.enter_context(_cluster(min(place.workers, work), place.memory))
-        client = Client(address, timeout="10s", security=_security(place.tls))
-        yield Dask(stack.enter_context(client), place, say)
+        cluster = None if place.scheduler else stack.enter_context(_cluster(min(place.workers, work), place.memory))
+        security = cluster.security if cluster else _security(place.tls)
+        client = stack.enter_context(Client(cluster or place.scheduler, timeout="10s", security=security))
+        try:
+            yield Dask(client, place, say)
+        except CommClosedError:
+            raise _lost(client) from None
 
 
-def _cluster(workers: int, memory: str) -> Any:
-    """Workers of our own: processes of one thread, on loopback alone, no dashboard."""
-    from distributed import LocalCluster
+def _lost(client: Any) -> ConnectionError:
+    return ConnectionError(f"lost the scheduler at {client.scheduler.address}")
 
-    return LocalCluster(
-        n_workers=workers,
-        threads_per_worker=1,
-        processes=True,
-        host="127.0.0.1",
-        dashboard_address="127.0.0.1:0",  # dask insists on some port, where it then shows nothing
-        scheduler_kwargs={"dashboard": False},
-        memory_limit=memory,
-        silence_logs="CRITICAL",
-    )
+
+@contextlib.contextmanager
+def _cluster(workers: int, memory: str) -> Iterator[Any]:
+    """Workers of our own: processes of one thread, on loopback alone, no dashboard.
+
+    Whoever may connect runs code as the owner, and every user of the machine reaches loopback: all ports ask for a
+    certificate made now and kept in memory. Workers import and unpickle from their scratch folder: it is private, too.
+    """
+    import dask
+    from distributed import LocalCluster, Security
+
+    _start_fork_server()
+    with dask.config.set({"temporary-directory": str(environment.scratch())}):
+        try:
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                security=Security.temporary(),
+                dashboard_address="127.0.0.1:0",  # dask insists on some port, where it then shows nothing
+                scheduler_kwargs={"dashboard": False},
+                memory_limit=memory,
+                silence_logs="CRITICAL",
+            )
+        except RuntimeError:
+            raise ChildProcessError("workers do not start: they are killed, or this machine refuses them") from None
+        with cluster:
+            yield cluster
 
 
 def _security(tls: tuple[Path, Path, Path] | None) -> Any:

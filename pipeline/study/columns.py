@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.study.attachments import Attachment
+from pipeline.study.tables import LARGEST
 from solver.errors import InputError
 
 
@@ -99,7 +100,8 @@ def _number(file: Attachment, line: int, cells: Sequence[str], at: int, title: s
     except ValueError:
         value = math.nan
     least = QUANTITIES[title].least
-    if math.isfinite(value) and value >= least:
+    if least <= value and abs(value) <= LARGEST:
         return value
-    limit = "must be a finite number" if not math.isfinite(value) else f"must be >= {least:g}"
+    limit = "must be a finite number" if not math.isfinite(value) else f"must be >= {max(least, -LARGEST):g}"
+    limit = f"must be <= {LARGEST:g}" if LARGEST < value < math.inf else limit
     raise InputError("file", file, f"line {line}, column {title}: {text[:40]!r} {limit}")

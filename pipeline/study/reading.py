@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import stat
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -19,16 +21,29 @@ LIMITS = {
     "greater_than_equal": "must be >= {ge}{unit}",
     "less_than": "must be < {lt}{unit}",
     "less_than_equal": "must be <= {le}{unit}",
-    "float_type": "must be a number{unit}",
+    "float_type": "must be a number{of_unit}",
     "int_type": "must be a whole number",
     "bool_type": "must be true or false",
     "string_type": "must be a string",
-    "finite_number": "must be finite{unit}",
+    "finite_number": "must be a finite number{of_unit}",
+    "too_small": "must be >= {least}{unit}",
+    "too_deep": "must be <= {deepest}{unit}, or inf",
+    "model_type": "must be a table",
+    "dict_type": "must be a table",
+    "tuple_type": "must be a list",
+    "control_character": "must be one line, without control characters",
+    "string_too_long": "must have at most {max_length} characters",
     "literal_error": "must be one of {expected}",
     "union_tag_invalid": "must be one of {expected_tags}",
     "unknown_key": "{limit}",
     "string_pattern_mismatch": "must be letters, digits, '_', '-', '.' or ':', not starting with a sign",
 }
+
+
+COEFFICIENTS = "hydrodynamics"  # the folder beside those of the studies, which share it
+LARGEST = 10e6  # bytes of a study file
+DEEPEST = 20  # levels of tables in tables
+MOST_BASES = 20  # that stand on each other
 
 
 class StudyError(Exception):
@@ -42,10 +57,21 @@ class StudyError(Exception):
 def parsed(path: Path) -> tuple[StudyFile, tuple[Path, ...]]:
     """The content of a study file, and the files that it stands on, nearest first; raise StudyError."""
     tables, bases = stacked(path)
+    _check_name(path)
     try:
         return StudyFile.model_validate(tables, context={"folder": path.parent}), bases
     except ValidationError as error:
         raise StudyError(path, [describe(e) for e in error.errors(include_url=False)]) from None
+
+
+def _check_name(path: Path) -> None:
+    """results/<name> is a folder of its own, below results, which no command takes for an option."""
+    name = path.stem
+    if not (re.match(r"\w", name) and name.isprintable() and "\\" not in name):
+        limit = "must start with a letter, a digit or _, and go on without control characters or backslashes"
+        raise StudyError(path, [f"name = {name!r}: {limit}, for results are in a folder of that name"])
+    if name.casefold() == COEFFICIENTS:
+        raise StudyError(path, [f"name = {name!r}: is the folder of all studies' coefficients; rename the file"])
 
 
 def stacked(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], tuple[Path, ...]]:
@@ -54,11 +80,18 @@ def stacked(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], t
     if BASE not in tables:
         return tables, ()
     given = tables.pop(BASE)
-    base = path.parent / given if isinstance(given, str) else path
-    if not base.is_file():
-        raise StudyError(path, [f"{BASE} = {given!r}: {missing_file(base)}"])
+    if not isinstance(given, str) or not given:
+        raise StudyError(path, [f"{BASE} = {_short(given)}: must be the path of a study file, relative to this one"])
+    base = path.parent / given
+    try:
+        if not base.is_file():
+            raise StudyError(path, [f"{BASE} = {_short(given)}: {missing_file(base)}"])
+    except OSError as error:
+        raise StudyError(path, [f"{BASE} = {_short(given)}: cannot be read: {error.strerror}"]) from None
     if base.resolve() in (path.resolve(), *above):
         raise StudyError(path, [f"{BASE} = {given!r}: must be another study file, which does not stand on this one"])
+    if len(above) >= MOST_BASES:
+        raise StudyError(path, [f"{BASE} = {given!r}: at most {MOST_BASES} files may stand on each other"])
     below, bases = stacked(base, (*above, path.resolve()))
     return merged(rooted(below, base.parent), tables), (base, *bases)
 
@@ -66,7 +99,7 @@ def stacked(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], t
 def read(path: Path) -> dict[str, Any]:
     """The raw tables of one TOML file."""
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8"))
+        tables = tomllib.loads(_content(path).decode("utf-8-sig"))
     except FileNotFoundError:
         raise StudyError(path, [missing_file(path)]) from None
     except OSError as error:
@@ -77,6 +110,31 @@ def read(path: Path) -> dict[str, Any]:
         raise StudyError(path, [f"is not valid TOML: {error}"]) from None
     except RecursionError:
         raise StudyError(path, ["is not valid TOML: nested too deeply"]) from None
+    except ValueError as error:  # a number of thousands of digits
+        raise StudyError(path, [f"is not valid TOML: {str(error).partition(':')[0]}"]) from None
+    if _depth(tables) > DEEPEST:
+        raise StudyError(path, [f"is not a study: tables are nested more than {DEEPEST} deep"])
+    return tables
+
+
+def _content(path: Path) -> bytes:
+    """The bytes of a file that is one, and no device or pipe without an end."""
+    found = path.stat()
+    if not stat.S_ISREG(found.st_mode):
+        raise StudyError(path, ["cannot be read: is no regular file"])
+    if found.st_size > LARGEST:
+        raise StudyError(path, [f"cannot be read: has {found.st_size / 1e6:.0f} MB, {LARGEST / 1e6:g} MB at most"])
+    return path.read_bytes()
+
+
+def _depth(tables: Any) -> int:
+    """How many tables and lists are in each other; not by recursion, which has its own limit."""
+    depth, layer = 0, [tables]
+    while layer:
+        depth += 1
+        inner = (v.values() if isinstance(v, dict) else v if isinstance(v, list) else () for v in layer)
+        layer = [item for items in inner for item in items]
+    return depth
 
 
 def missing_file(path: Path) -> str:
@@ -100,7 +158,8 @@ def describe(error: ErrorDetails) -> str:
     key = dotted(parts)
     if error["type"] in ("missing", "union_tag_not_found"):
         return f"{key}: is missing{_unit(parts, ' [{}]')}"
-    limit = LIMITS.get(error["type"], "{msg}").format(msg=error["msg"], unit=_unit(parts, " {}"), **context)
+    unit, of_unit = _unit(parts, " {}"), _unit(parts, " [{}]")
+    limit = LIMITS.get(error["type"], "{msg}").format(msg=error["msg"], unit=unit, of_unit=of_unit, **context)
     if error["type"] == "union_tag_invalid":
         limit = limit.replace("<", "").replace(">", "")
     return str(InputError(key, _short(value), limit))

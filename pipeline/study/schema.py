@@ -23,6 +23,7 @@ from pipeline.study.tables import (
     Seed,
     SignedPerAxis,
     Table,
+    Title,
     Unit,
     Vector,
 )
@@ -48,9 +49,18 @@ class Recording(Table):
     rao: Flag = False  # motion per wave amplitude, for every wave of the sea
 
 
+# Beyond these a knob asks for what arithmetic cannot give, or for nothing.
+BOUNDS = {
+    "newton_tolerance": (1e-14, 1.0),
+    "field_tolerance": (1e-14, 1.0),
+    "memory_tolerance": (1e-8, 1.0),
+    "panel_size": (0.01, 10.0),
+}
+
+
 def _knobs() -> dict[str, Any]:
     """Numerical choices, as the solver names and defaults them; names, types and defaults are its own."""
-    strict: dict[Any, Any] = {float: Positive, int: Count, bool: Flag}
+    strict: dict[Any, Any] = {float: Positive, int: Annotated[Count, Field(le=1000)], bool: Flag}
     units = {"time_step": "s"}
     hints, found = get_type_hints(Settings), {}
     for knob in fields(Settings):
@@ -60,6 +70,8 @@ def _knobs() -> dict[str, Any]:
                 kind: Any = Union.__getitem__(tuple(strict.get(a, a) for a in get_args(hint)))
             else:
                 kind = NotNegative if knob.default == 0.0 and hint is float else strict.get(hint, hint)
+            if bounds := BOUNDS.get(knob.name):
+                kind = Annotated[kind, Field(ge=bounds[0], le=bounds[1])]
             found[knob.name] = (Annotated[kind, Unit(units.get(knob.name, "-"))], knob.default)
     return found
 
@@ -235,7 +247,7 @@ class Axes(Table):
 class StudyFile(Table):
     """A whole study file."""
 
-    title: str = ""
+    title: Title = ""
     water: Water
     waves: Waves = Waves()
     record: Recording = Recording()

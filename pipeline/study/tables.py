@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import unicodedata
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import (
@@ -27,19 +28,47 @@ class Unit(NamedTuple):
     symbol: str
 
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
-NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+# Numbers whose squares and cubes are numbers, too; what somebody divides by is not next to nothing.
+SMALLEST, LARGEST = 1e-20, 1e20
+DEEPEST = 1e5  # [m]; deeper water is infinitely deep
+
+
+def _divisible(value: float) -> float:
+    if value < SMALLEST:
+        raise PydanticCustomError("too_small", "{least}", {"least": SMALLEST})
+    return value
+
+
+def _fathomable(value: float) -> float:
+    if DEEPEST < value < math.inf:
+        raise PydanticCustomError("too_deep", "{deepest}", {"deepest": DEEPEST})
+    return value
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=LARGEST)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=LARGEST), AfterValidator(_divisible)]
 # TOML has inf, JSON has not.
 Depth = Annotated[
     float,
     Field(strict=True, gt=0),
+    AfterValidator(_divisible),
+    AfterValidator(_fathomable),
     PlainSerializer(lambda v: "inf" if math.isinf(v) else v, when_used="json"),
 ]
-Count = Annotated[int, Field(strict=True, ge=1)]
+Count = Annotated[int, Field(strict=True, ge=1, le=10_000)]
 Flag = Annotated[bool, Field(strict=True)]
 Vector = tuple[Number, Number, Number]
-Name = Annotated[str, StringConstraints(strict=True, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.:-]*$")]
+
+
+def _one_line(text: str) -> str:
+    if any(unicodedata.category(letter) == "Cc" for letter in text):
+        raise PydanticCustomError("control_character", "in a line")
+    return text
+
+
+Title = Annotated[str, StringConstraints(strict=True, max_length=200), AfterValidator(_one_line)]
+Name = Annotated[str, StringConstraints(strict=True, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.:-]*$")]
 # A year is a fine label, and TOML reads it as a number.
 Label = Annotated[Name, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
 Seed = Annotated[int, Field(strict=True, ge=0, lt=2**63)]

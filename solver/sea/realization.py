@@ -40,6 +40,7 @@ class Realization:
         }
 
 
+SLOWEST = 1e-6  # a wave of ten weeks [rad/s]
 CALM = Realization(omega=np.array([1.0]), amplitude=np.zeros(1, complex))
 
 
@@ -92,8 +93,8 @@ def components(*, amplitude, omega, phase, heading: float = 0.0) -> Realization:
     A, w, e = (np.asarray(x, float) for x in (amplitude, omega, phase))
     if not A.shape == w.shape == e.shape or A.size == 0:
         raise InputError("amplitude", f"{A.size} values", f"needs as many as omega ({w.size}) and phase ({e.size})")
-    if not (np.all(np.isfinite([A, w, e])) and np.all(w > 0)):
-        raise InputError("omega", w.min(), "frequencies must be > 0, and all numbers finite")
+    if not (np.all(np.isfinite([A, w, e])) and np.all(w >= SLOWEST)):
+        raise InputError("omega", w.min(), f"frequencies must be >= {SLOWEST:g} rad/s, and all numbers finite")
     order = np.argsort(w, kind="stable")
     return Realization(
         omega=w[order],

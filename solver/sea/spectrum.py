@@ -111,7 +111,7 @@ class Tabulated:
 
 
 def _brief(values: np.ndarray) -> str:
-    return f"{len(values)} values" if len(values) > 4 else str(list(values))
+    return f"{len(values)} values" if len(values) > 4 else str(values.tolist())
 
 
 def moment(omega: np.ndarray, variance: np.ndarray, n: int) -> float:

@@ -85,13 +85,14 @@ ENGINE = engine.Engine(coefficients=coefficients, compute=compute, check=nothing
 
 def main() -> None:
     """The command line, with this engine."""
+    from pipeline import __main__
     from pipeline.bridge import cache
-    from pipeline.cli import actions, cli
+    from pipeline.cli import actions
 
     actions.REPORTED = 0
     cache.Cache.__init__.__defaults__ = (check,)
     engine.Engine = lambda: ENGINE
-    cli.main()
+    __main__.main()
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ finished task may have been run again.   python tests/pipeline/kills.py [KILLS] 
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import signal
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +32,32 @@ def command(*words) -> list[str]:
 def environment(**more) -> dict[str, str]:
     """What makes the project and the engine importable, here and in the workers."""
     return {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{HERE}", **more}
+
+
+@contextlib.contextmanager
+def at_work(folder: Path, *words, tasks: int = 12, begun: int = 2, **env) -> Iterator[subprocess.Popen]:
+    """A run in a session of its own that has begun so many tasks; what is left of it in the end is killed."""
+    from empty import study
+
+    log = folder / "log"
+    client = subprocess.Popen(
+        command("run", study(folder, tasks), "--results", folder / "results", *words),
+        env=environment(EMPTY_LOG=str(log), **env),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        deadline = time.monotonic() + 120
+        while begun and not (log.exists() and len(log.read_text().split()) >= begun):
+            assert client.poll() is None and time.monotonic() < deadline
+            time.sleep(0.05)
+        yield client
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(client.pid, signal.SIGKILL)
+        client.communicate()
 
 
 def finished(results: Path) -> dict[str, bytes]:

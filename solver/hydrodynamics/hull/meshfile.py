@@ -17,6 +17,7 @@ FOOT = 0.3048  # [m]
 FEET = (31.0, 33.0)  # gravity [ft/s²] of a GDF file whose lengths are feet
 WORDS = ("hst", "pnl", "hydrostar", "hams", "nemoh", "mar")  # capytaine's own formats, text
 KEY = "hull.file"
+FARTHEST = 1e5  # [m]
 
 
 def read(name: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
@@ -34,6 +35,8 @@ def read(name: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
         raise InputError(KEY, name, "holds no panels")
     if not np.all(np.isfinite(vertices)) or faces.min() < 0 or faces.max() >= len(vertices):
         raise InputError(KEY, name, "has panels with corners that are no points of it")
+    if (far := float(np.abs(vertices).max())) > FARTHEST:
+        raise InputError(KEY, name, f"has a corner at {far:.3g} m, must be within {FARTHEST:g} m")
     return vertices, faces
 
 

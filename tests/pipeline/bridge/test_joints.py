@@ -130,9 +130,9 @@ BAD = [
     ("damping = [1.0, 2.0]", "floats.only.damping = [1.0, 2.0]: needs one number for each of hinge"),
     ("damping = [-1.0]", "floats[0].damping[0] = -1.0: must be >= 0 N m s/rad"),
     ("offset = [1.0, 2.0]", "floats.only.offset = [1.0, 2.0]: needs one number for each of hinge"),
-    ('offset = "up"', "floats[0].offset = 'up': must be a number rad or m"),
+    ('offset = "up"', "floats[0].offset = 'up': must be a number [rad or m]"),
     ("stiffness = []", "floats[0].stiffness"),
-    ("mechanism_inertia = nan", "floats[0].mechanism_inertia = nan: must be finite kg m2 or kg"),
+    ("mechanism_inertia = nan", "floats[0].mechanism_inertia = nan: must be a finite number [kg m2 or kg]"),
 ]
 
 

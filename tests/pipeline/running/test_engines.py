@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -11,8 +12,10 @@ from importlib.util import find_spec
 
 import empty
 import kills
+import psutil
 import pytest
 
+from pipeline.interrupt import KEPT
 from pipeline.running.schedule import IMPORTED
 
 SHORT = "[record]\nduration = 20.0\ndiscard = 5.0\nramp = 5.0\n"
@@ -132,6 +135,19 @@ def test_tasks_for_which_there_are_only_other_sources_stay_missing(tmp_path, sma
     assert done.returncode == 1
     assert "no worker has this process's solver sources: install the same; finished tasks are kept" in done.stderr
     assert "12 tasks: 12 missing" in study("status", small_study, "--results", tmp_path / "r").stdout
+
+
+def test_a_scheduler_that_is_killed_is_one_line(tmp_path):
+    with cluster(tmp_path) as address, kills.at_work(tmp_path, "--scheduler", address, tasks=3000, begun=0) as client:
+        while not kills.finished(tmp_path / "results"):
+            assert client.poll() is None
+            time.sleep(0.05)
+        port = int(address.rpartition(":")[2])
+        (listening,) = {c.pid for c in psutil.net_connections("tcp") if c.laddr.port == port and c.status == "LISTEN"}
+        os.kill(listening, signal.SIGKILL)
+        told = client.communicate(timeout=120)[1]
+    assert client.returncode == 1
+    assert told == f"lost the scheduler at {address}; {KEPT}\n"
 
 
 def test_no_scheduler_there(small_study, tmp_path):

@@ -6,12 +6,14 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import time
 
 import empty
 import fuzz
 import kills
+import psutil
 import pytest
 
 from pipeline.bridge.loading import load
@@ -81,6 +83,40 @@ def test_a_task_that_hangs_is_stopped_and_the_others_go_on(tmp_path, results, co
     assert "4 tasks: 3 done, 1 failed" in done.stdout
     assert re.search(r"failed: \w+ seed=2: Lost: ran longer than --timeout = 4 s", done.stderr)
     assert study("rerun", path, "--failed", "--results", results).returncode == 0
+
+
+INTERRUPTED = "interrupted; finished tasks are kept, and the same command goes on from here\n"
+
+
+@pytest.mark.parametrize(("times", "workers"), [(1, 1), (1, 2), (2, 2)])
+def test_ctrl_c_says_what_is_kept_in_one_line(tmp_path, times, workers):
+    """A terminal sends it to workers as well. The second one waits for nobody."""
+    pause = "1" if times == 1 else "300"
+    with kills.at_work(tmp_path, "--workers", workers, begun=workers, EMPTY_SECONDS=pause) as client:
+        every = psutil.Process(client.pid).children(recursive=True)
+        os.killpg(client.pid, signal.SIGINT)
+        assert client.stderr.readline() == INTERRUPTED
+        if times == 2:
+            os.killpg(client.pid, signal.SIGINT)
+        assert client.wait(120) == 130
+        assert client.stderr.read() == ""
+        assert not psutil.wait_procs(every, timeout=60)[1]
+    done = study("run", tmp_path / "empty.toml", "--results", tmp_path / "results", "--workers", 1)
+    assert "12 tasks: 12 done" in done.stdout
+
+
+def test_a_fork_server_that_is_killed_is_one_line(tmp_path):
+    with kills.at_work(tmp_path, begun=0) as client:
+        while client.poll() is None:
+            with contextlib.suppress(psutil.NoSuchProcess):
+                for child in psutil.Process(client.pid).children():
+                    if "multiprocessing.forkserver" in "".join(child.cmdline()):
+                        child.kill()
+            time.sleep(0.05)
+        told = client.stderr.read()
+    assert client.returncode == 1
+    assert told.startswith("workers do not start: they are killed, or this machine refuses them; finished tasks")
+    assert told.count("\n") == 1
 
 
 @pytest.mark.slow

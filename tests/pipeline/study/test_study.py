@@ -12,9 +12,9 @@ from pipeline.study.reading import StudyError
 # what to replace in the small study, by what, and what the message must say
 BAD = [
     ("depth = 50.0", "depth = -1.0", "water.depth = -1.0: must be > 0 m"),
-    ("depth = 50.0", 'depth = "deep"', "water.depth = 'deep': must be a number m"),
+    ("depth = 50.0", 'depth = "deep"', "water.depth = 'deep': must be a number [m]"),
     ("depth = 50.0", "depth = nan", "water.depth = nan: must be > 0 m"),
-    ("depth = 50.0", "depth = true", "water.depth = True: must be a number m"),
+    ("depth = 50.0", "depth = true", "water.depth = True: must be a number [m]"),
     ("depth = 50.0", "", "water.depth: is missing [m]"),
     ("depth = 50.0", "depht = 50.0", "water.depht = 50.0: unknown key; did you mean depth?"),
     (
