@@ -5,8 +5,7 @@ import pytest
 from numba import __version__ as numba_version
 from numba import float64
 
-from solver.hydrodynamics.bem import bem
-from solver.hydrodynamics.bem import green
+from solver.hydrodynamics.bem import bem, green
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.kernels import fast_kernel, fast_lean_kernel, kernel, lean_kernel
 
