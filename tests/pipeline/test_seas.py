@@ -193,7 +193,11 @@ BAD = [
     ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n"}, "file = x.csv: has a header and no numbers"),
     ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n1,90\n2,90"}, "sea_states.only.file: Hm0 = 3"),
     ('{ kind = "spectrum", file = "sea.toml" }', {}, "file = sea.toml: line 2: needs a column omega"),
-    ('{ kind = "components", file = "x.csv" }', {"x": "amplitude,omega,phase\n1,0,0"}, "frequencies must be >= 1e-06 rad/s"),
+    (
+        '{ kind = "components", file = "x.csv" }',
+        {"x": "amplitude,omega,phase\n1,0,0"},
+        "frequencies must be >= 1e-06 rad/s",
+    ),
     (
         '{ kind = "components", file = "x.csv" }',
         {"x": "amplitude,omega,phase\n.001,9,0"},
