@@ -15,8 +15,9 @@ def merged(base: Any, own: Any) -> Any:
         return base | {key: merged(base[key], value) if key in base else value for key, value in own.items()}
     if _named(base) and _named(own):
         mine = {item["name"]: item for item in own}
+        twice = [item for item in own if mine[item["name"]] is not item]  # is not for us to choose from
         both = [merged(item, mine.pop(item["name"], {})) for item in base]
-        return both + list(mine.values())
+        return both + list(mine.values()) + twice
     return own
 
 

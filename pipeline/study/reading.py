@@ -180,7 +180,7 @@ def dotted(parts: Iterable[int | str]) -> str:
     for part in parts:
         if isinstance(part, int):
             text += f"[{part}]"
-        elif part not in tags and not part.startswith("<"):
+        elif part not in tags and not part.startswith(("<", "constrained-", "literal[")):
             text += f".{part}" if text else str(part)
     return text
 
