@@ -8,8 +8,9 @@ import empty
 import kills
 import pytest
 
-from pipeline import cli
-from pipeline.study import StudyError, load
+from pipeline.bridge.loading import load
+from pipeline.cli import cli
+from pipeline.study.reading import StudyError
 
 BARGE = Path(__file__).parents[2].joinpath("studies", "barge.gdf").read_text().splitlines()
 HULL = 'hull = { shape = "hemisphere-cylinder", radius = 1.0, height = 0.6 }'
