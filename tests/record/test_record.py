@@ -7,7 +7,9 @@ import pytest
 from pytest import approx
 
 from solver.run import simulate
-from solver.sea.realization import ramp
+from solver.sea.realization import CALM, components, ramp
+from solver.statistics import STATISTICS
+from studies.validation.response import frequency_domain
 
 SPRING = 4e4  # [N/m]
 
@@ -33,3 +35,30 @@ def test_every_sample_stands_at_its_time(buan, coefficients, formulation):
     )  # fmt: skip
     longer = replace(scene, settings=replace(scene.settings, discard=0.0, duration=8.0))
     assert simulate(longer, coefficients).series["motion"][1][-121:] == approx(z, abs=1e-9)
+
+
+def test_power_and_motion_per_wave_are_those_of_the_frequency_domain(buan, coefficients):
+    """Unlike floats in two small waves: each its own X of a wave, in phase with it, and ½ c Σ|ωX|² of power."""
+    front, rear = buan.floats(pto_damping=1e5)
+    items = (front, replace(rear, pto_damping=2e4))
+    sea = components(amplitude=[2e-3, 1e-3], omega=[1.0, 2.0], phase=[0.4, -1.0])
+    scene = buan.scene(
+        "fixed", sea=sea, floats=items, froude_krylov="linear", rao=True, memory_tolerance=1e-3,
+        time_step=2 * np.pi / 60, discard=100.0, duration=32 * np.pi,
+    )  # fmt: skip
+    found, exact = simulate(scene, coefficients).variables, frequency_domain(items, coefficients, sea.omega)
+    motion = found["rao"][1][:, 0] * np.exp(1j * found["rao_phase"][1][:, 0])
+    # 5e-3 of the largest: splines through 36 coarse frequencies and a memory fitted to 1e-3.
+    assert motion == approx(exact.T, abs=5e-3 * np.abs(exact).max())
+    rates = np.abs(sea.omega[:, None] * exact * sea.amplitude[:, None]) ** 2
+    mean = found["absorbed_power"][1][:, STATISTICS.index("mean")]
+    assert mean == approx(np.array([1e5, 2e4]) * rates.sum(axis=0) / 2, rel=1e-2)
+
+
+def test_a_joint_bears_what_the_water_does_not(buan, coefficients):
+    """A float a tenth too heavy, guided in surge: the joint pushes it up by that tenth of its displaced weight."""
+    displaced = coefficients.displaced_mass
+    items = buan.floats(motion=("surge",), stiffness=1e4, pto_damping=0.0, mass=1.1 * float(displaced[0]))
+    scene = buan.scene("fixed", sea=CALM, floats=items, froude_krylov="linear", duration=2.0, discard=0.0)
+    force = simulate(scene, coefficients).variables["hinge_force"][1][..., STATISTICS.index("mean")]
+    assert force == approx(np.outer(0.1 * displaced * 9.81, [0, 0, 1]), abs=1e-6 * displaced[0])

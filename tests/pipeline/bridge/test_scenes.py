@@ -6,6 +6,8 @@ import pytest
 from pipeline.bridge import scenes
 from pipeline.bridge.geometry import bem_arguments, geometry_of
 from pipeline.tasks.task import expand
+from solver.scene import panels_for
+from solver.structure.beam import solid_rectangle, tube
 
 
 def task(study, **labels):
@@ -21,6 +23,20 @@ def test_buan_scene_is_the_papers(buan_tables, study_of):
     assert scene.settings.duration == 3600.0
     assert scene.sea.omega.size == 130
     assert scene.planar
+
+
+def test_all_of_a_platforms_table_reaches_the_solver(buan_tables, study_of):
+    table = buan_tables["platform"]
+    table |= {"legs": ["leg3", "leg1"], "damping_ratio": 0.03, "wave_inertia": "relative", "geometric_stiffness": True}
+    table["sections"]["deck"] |= {"width": 0.9, "height": 0.4}
+    platform = scenes.scene(task(study_of(buan_tables), platform="elastic").parameters).platform
+    assert (platform.legs, platform.damping_ratio) == (("leg3", "leg1"), 0.03)
+    assert (platform.wave_inertia, platform.geometric_stiffness) == ("relative", True)
+    assert {m.section for m in platform.frame.members} == {tube(0.45, 0.012), solid_rectangle(0.9, 0.4)}
+    leg, given = platform.frame.members[0], table["members"][0]
+    assert (leg.name, leg.start, leg.end) == (given["name"], given["start"], given["end"])
+    assert (leg.drag_coefficient, leg.inertia_coefficient) == (1.0, 2.0)
+    assert (leg.material.E, leg.material.G, leg.material.density) == (2.1e11, 8.33e10, 8012.23)
 
 
 def test_fixed_has_no_frame_and_no_floats_has_none(buan_tables, study_of):
@@ -44,3 +60,13 @@ def test_coefficients_cover_the_waves(buan_tables, study_of, band):
     assert omega[0] <= band[0]
     assert omega[-1] >= band[1]
     assert (np.diff(omega) > 0).all()
+
+
+def test_coefficients_are_those_of_the_tasks_water_direction_and_accuracy(buan_tables, study_of):
+    buan_tables["water"] = {"depth": 40.0, "density": 1000.0, "gravity": 9.8}
+    buan_tables["waves"]["heading"] = 0.5
+    buan_tables["solver"]["tolerance"] = 1e-4
+    given = bem_arguments(geometry_of(task(study_of(buan_tables), platform="fixed").parameters))
+    assert [given[name] for name in ("depth", "density", "gravity", "heading")] == [40.0, 1000.0, 9.8, 0.5]
+    assert given["panels"] == panels_for(1e-4) != panels_for(None) and not given["planar"]
+    assert given["centres"].tolist() == [[-3.86, 0.0, 0.0], [3.86, 0.0, 0.0]]

@@ -3,8 +3,9 @@
 import pytest
 
 from pipeline.bridge.loading import load
+from pipeline.study.reading import StudyError
 from pipeline.tasks import tasklist
-from pipeline.tasks.select import select
+from pipeline.tasks.select import find, select
 from pipeline.tasks.task import expand
 
 
@@ -37,6 +38,15 @@ def test_groups_are_parts_in_order(study):
         wanted = study.tasks.where(lambda task, platform=platform: task.labels["platform"] == platform)
         assert [task.id for task in members] == [task.id for task in wanted]
         assert len(members) == 4
+
+
+def test_a_task_is_found_by_the_beginning_of_its_id_if_no_other_begins_so(study):
+    one, other, *_ = study.tasks
+    assert find(study, [one.id, other.id[:15]]) == {one.id, other.id}
+    with pytest.raises(StudyError, match="12 tasks begin so"):
+        find(study, [""])
+    with pytest.raises(StudyError, match="task = x: no such task"):
+        find(study, ["x"])
 
 
 def test_none_is_none(study):

@@ -58,6 +58,30 @@ def test_a_parameter_at_its_default_keeps_the_id(buan_tables):
     assert not set(ids(buan_tables)) & set(before)
 
 
+@pytest.mark.parametrize(
+    ("table", "key", "value"),
+    [
+        ("water", "density", 1000.0),
+        ("waves", "heading", 0.1),
+        ("record", "duration", 600.0),
+        ("solver", "modes", 7),
+        ("platform", "damping_ratio", 0.02),
+    ],
+)
+def test_whatever_changes_the_physics_changes_the_id(buan_tables, table, key, value):
+    before = one(buan_tables, sea_state="2019", platform="elastic", seed=1).id
+    buan_tables.setdefault(table, {})[key] = value
+    assert one(buan_tables, sea_state="2019", platform="elastic", seed=1).id != before
+
+
+@pytest.mark.parametrize("key", ["mass", "cog", "hinge", "pto_damping"])
+def test_whatever_changes_a_float_changes_the_id(buan_tables, key):
+    before = one(buan_tables, sea_state="2019", platform="fixed", seed=1).id
+    given = buan_tables["floats"][0].get(key, [0.0, 0.0, 0.0])
+    buan_tables["floats"][0][key] = [given[0], given[1] + 0.1, given[2]] if isinstance(given, list) else given + 1.0
+    assert one(buan_tables, sea_state="2019", platform="fixed", seed=1).id != before
+
+
 def test_labels_and_order_do_not_matter(buan_tables):
     before = set(ids(buan_tables))
     buan_tables["sea_states"]["mild"] = buan_tables["sea_states"].pop("2019")
@@ -100,6 +124,12 @@ def test_waves_do_not_depend_on_the_place_in_the_list(buan_tables):
     assert wave_seed(one(buan_tables, sea_state="2019", platform="fixed", seed=1).parameters) == before
 
 
+def test_the_same_waves_come_from_any_direction(buan_tables):
+    before = wave_seed(one(buan_tables, sea_state="2019", platform="fixed", seed=1).parameters)
+    buan_tables["waves"]["heading"] = 0.5
+    assert wave_seed(one(buan_tables, sea_state="2019", platform="fixed", seed=1).parameters) == before
+
+
 def test_base_seed_changes_the_waves(buan_tables):
     before = wave_seed(one(buan_tables, sea_state="2019", platform="fixed", seed=1).parameters)
     buan_tables["waves"]["base_seed"] += 1
@@ -135,6 +165,8 @@ def test_older_versions_are_known_by_name(buan_tables):
     task = one(buan_tables, sea_state="2017", platform="fixed", seed=0)
     newer = Task(labels=task.labels, make=task.make, version=task.version + 1)
     assert newer.older_ids[0] == task.id != newer.id
+    every = [Task(labels=task.labels, make=task.make, version=version).id for version in range(task.version, 0, -1)]
+    assert newer.older_ids == every
 
 
 @given(
