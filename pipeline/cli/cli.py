@@ -34,7 +34,7 @@ Select = Annotated[str, typer.Option("--select", help="Part of the study: platfo
 Workers = Annotated[int, typer.Option(min=1, max=1024, help="Worker processes")]
 Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="A running dask scheduler's")]
 KeepGoing = Annotated[bool, typer.Option("--keep-going/--fail-fast", help="Go on after a failed task, or stop")]
-Timeout = Annotated[float | None, typer.Option(min=1e-3, metavar="SECONDS", help="Longest time of one task")]
+Timeout = Annotated[float | None, typer.Option(min=1e-3, max=1e7, metavar="SECONDS", help="Longest time of one task")]
 Memory = Annotated[str, typer.Option(help="Limit of one worker, such as 2GB; auto: its share of the machine's")]
 Tls = Annotated[
     tuple[Path, Path, Path] | None,
@@ -225,7 +225,9 @@ def collect(study_file: File, results: Results = RESULTS) -> None:
 def report(
     study_file: File,
     results: Results = RESULTS,
-    figure: Annotated[Path | None, typer.Option(metavar="PNG", help="Write the summary as one figure, too")] = None,
+    figure: Annotated[
+        Path | None, typer.Option(metavar="PNG", dir_okay=False, help="Write the summary as one figure, too")
+    ] = None,
 ) -> None:
     """Print our numbers beside the published ones, and write results/<study>/report.html."""
     from pipeline.report import page

@@ -50,6 +50,8 @@ IMPORTED = (
     "distributed", "solver.run", "pipeline.bridge.scenes", "pipeline.bridge.cache", "pipeline.results.records",
     "pipeline.cli.cli",
 )  # fmt: skip
+LEAST_MEMORY = 100e6  # less than what a worker imports [bytes]
+ADDRESS = r"(tcp|tls|ws|wss)://(\[[0-9A-Fa-f:.]+\]|[^\s:/\[\]]+):[0-9]{1,5}"
 SMALL = 2  # so few pieces of work are done sooner than a cluster starts
 START = "study-start"  # the topic on which workers tell that they begin a piece of work
 GRACE = 2.0  # a worker waits so long to be told that its work is given up before it leaves, or is made to [s]
@@ -76,9 +78,12 @@ def check(place: Place) -> None:
         from dask.utils import parse_bytes
 
         try:
-            parse_bytes(place.memory)
-        except ValueError:
-            raise InputError("--memory", place.memory, "must be a size such as 2GB, or auto") from None
+            size = parse_bytes(place.memory)
+        except (ValueError, OverflowError):
+            size = 0
+        if size < LEAST_MEMORY:
+            limit = f"must be a size such as 2GB, at least {LEAST_MEMORY / 1e6:g}MB, or auto"
+            raise InputError("--memory", place.memory, limit)
     for path in place.tls or ():
         if not path.is_file():
             raise InputError("--tls", str(path), "must be three PEM files: authority, certificate, key")
@@ -86,10 +91,19 @@ def check(place: Place) -> None:
         if place.tls:
             raise InputError("--tls", " ".join(map(str, place.tls)), "goes with --scheduler tls://HOST:PORT")
         return
-    if not re.fullmatch(r"(tcp|tls|ws|wss|ucx)://.+:[0-9]+", place.scheduler):
-        raise InputError("--scheduler", place.scheduler, "must be an address such as tcp://10.0.0.1:8786")
-    if place.scheduler.startswith("tls:") and not _security(place.tls).get_connection_args("client")["ssl_context"]:
+    if not re.fullmatch(ADDRESS, place.scheduler):
+        raise InputError("--scheduler", place.scheduler, "must be an address such as tls://10.0.0.1:8786")
+    if place.scheduler.startswith("tls:") and not _context(place.tls):
         raise InputError("--scheduler", place.scheduler, "needs --tls CA CERT KEY, or dask's own tls settings")
+
+
+def _context(tls: tuple[Path, Path, Path] | None) -> Any:
+    """What OpenSSL makes of the certificates; raises InputError."""
+    try:
+        return _security(tls).get_connection_args("client")["ssl_context"]
+    except OSError as error:
+        given = " ".join(map(str, tls)) if tls else "dask's own settings"
+        raise InputError("--tls", given, f"must be PEM files that belong together: {error}") from None
 
 
 class Lost(Exception):

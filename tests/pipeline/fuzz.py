@@ -51,11 +51,49 @@ CSV = {
     "components.csv": "frequency [Hz], amplitude, phase [deg]\n0.2, 0.1, 30\n0.25, 0.05, 0\n",
     "elevation.csv": "time, elevation\n" + "".join(f"{0.5 * t},{0.1 * math.cos(0.6 * t)}\n" for t in range(200)),
 }
+
+
+def deep(levels: int) -> object:
+    """Lists in tables in lists."""
+    value: object = 1
+    for level in range(levels):
+        value = [value] if level % 2 else {"a": value}
+    return value
+
+
 JUNK = (
-    *(0, -1, 1, 2**63, -(2**70), 10**400, 0.0, -0.0, 1e-300, 1e300, -1e9, math.nan, math.inf, -math.inf),
-    *("", " ", "a", "é\u202e", "x" * 5000, "[red]", "{}", "%s", "\x00", "hinge:front", "elastic", "tube", True, False),
+    *(0, -1, 1, 10**9, 2**63, -(2**70), 10**400, 0.0, -0.0, 1e-300, 1e300, -1e9, math.nan, math.inf, -math.inf),
+    *(5e-324, 1e-20, 1e-9, 1e9, 1e20, -1e20, 1e308, -1e308, [1e20, -1e20, 1e20], [1e-20, 1e-20, 1e-20]),
+    *(
+        "",
+        " ",
+        "a",
+        "..",
+        "/dev/zero",
+        "/",
+        "random.toml",
+        "-x",
+        "\x1b[31m",
+        "\ud7ff",
+        "1e400",
+        "2019-13-45",
+        "é\u202e",
+        "x" * 5000,
+        "[red]",
+        "{}",
+        "%s",
+        "\x00",
+        "hinge:front",
+        "elastic",
+        "tube",
+        True,
+        False,
+    ),
+    *(deep(30), deep(150), ["a", "a"], [0, 0], list(range(3000)), {str(i): {} for i in range(3000)}),
     *([], {}, [[]], [{}], [1, 2, 3], [0.0, 0.0, 0.0], ["a"], {"a": 1}, {"shape": "cube"}, {"shape": []}, [None]),
 )
+FILES = {name: text.encode() for name, text in CSV.items()}
+FILES |= {path.name: path.read_bytes() for path in (*STUDIES, *STUDIES[0].parent.glob("*.gdf"))}
 # A key and what is said of it, or the place of a mistake in the TOML.
 NAMED = re.compile(r"^\S+\.toml: (.* = .*: .+|\S+: is missing.*|is not .+)", re.S)
 
@@ -129,9 +167,8 @@ def enrich(data: dict, dice: random.Random) -> None:
 
 
 def write_files(folder: Path, dice: random.Random) -> None:
-    """The files that seas are in, sometimes spoilt."""
-    for name, text in CSV.items():
-        data = text.encode()
+    """The files that seas, hulls and bases are in, sometimes spoilt."""
+    for name, data in FILES.items():
         (folder / name).write_bytes(spoil(data, dice) if dice.random() < 0.3 else data)
 
 
@@ -140,19 +177,21 @@ def one(path: Path, dice: random.Random, engine: Engine) -> str:
     study = dice.choice(STUDIES)
     write_files(path.parent, dice)
     if dice.random() < 0.2:
-        path.write_bytes(spoil(study.read_bytes(), dice))
+        header = ".".join("a" * dice.choice((2, 25, 1000)))
+        path.write_bytes(spoil(study.read_bytes(), dice) + dice.choice((b"", f"\n[{header}]\nb = 1\n".encode())))
     else:
         data = read(study)
         if dice.random() < 0.6:
             enrich(data, dice)
         for _ in range(dice.randint(1, 3)):
             mutate(data, dice)
-        path.write_text("\n".join(f"{json.dumps(k)} = {toml(v)}" for k, v in data.items()), encoding="utf-8")
+        text = "\n".join(f"{json.dumps(k)} = {toml(v)}" for k, v in data.items())
+        path.write_text(dice.choice(("", "", "\ufeff")) + text, encoding="utf-8")
     try:
         study = load(path)
         tasks = list(expand(study.content))
-        assert all(task.id and geometry_of(task.parameters) is not False for task in tasks[:20])
         preflight.check(study, tasks, engine)
+        assert all(task.id and geometry_of(task.parameters) is not False for task in tasks[:20])
     except StudyError as error:
         for problem in error.problems:
             assert NAMED.match(problem), f"names no key: {problem!r}"

@@ -235,3 +235,10 @@ def test_letters_that_a_locale_lacks(tmp_path):
     done = subprocess.run(kills.command("plan", path), env=env, capture_output=True, text=True, timeout=120)
     assert (done.returncode, done.stdout) == (2, "")
     assert "water.depth = '\\u6ce2': must be a number [m]" in done.stderr
+
+
+def test_a_figure_needs_a_name(small, monkeypatch):
+    monkeypatch.setattr("sys.argv", ["study", "report", str(small), "--figure", ""])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 2

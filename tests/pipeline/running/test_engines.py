@@ -168,11 +168,17 @@ def test_no_scheduler_there(small_study, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--scheduler", "nowhere"], "--scheduler = nowhere: must be an address such as tcp://10.0.0.1:8786"),
-        (["--scheduler", "http://x:1"], "--scheduler = http://x:1: must be an address such as tcp://10.0.0.1:8786"),
+        (["--scheduler", "nowhere"], "--scheduler = nowhere: must be an address such as tls://10.0.0.1:8786"),
+        (["--scheduler", "http://x:1"], "--scheduler = http://x:1: must be an address such as tls://10.0.0.1:8786"),
         (["--scheduler", "tls://x:1", "--tls", "a", "b", "c"], "--tls = a: must be three PEM files: authority"),
         (["--tls", __file__, __file__, __file__], f"{__file__}: goes with --scheduler tls://HOST:PORT"),
-        (["--memory", "much"], "--memory = much: must be a size such as 2GB, or auto"),
+        (["--scheduler", "tcp://[::1:1"], "--scheduler = tcp://[::1:1: must be an address such as"),
+        (["--scheduler", "tcp://x:1234567"], "--scheduler = tcp://x:1234567: must be an address such as"),
+        (["--scheduler", "tls://x:1", "--tls", __file__, __file__, __file__], "must be PEM files that belong together"),
+        (["--memory", "1e400"], "--memory = 1e400: must be a size such as 2GB, at least 100MB, or auto"),
+        (["--memory", "0"], "--memory = 0: must be a size such as 2GB, at least 100MB, or auto"),
+        (["--timeout", "1e300"], "Invalid value for '--timeout'"),
+        (["--memory", "much"], "--memory = much: must be a size such as 2GB, at least 100MB, or auto"),
     ],
 )
 def test_a_place_that_cannot_be_is_refused(small_study, words, message, monkeypatch, capsys):
