@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from pipeline.bridge import preflight, scenes
-from pipeline.bridge.checks import PER_AXIS
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import dimensions, expand
+from solver.scene import PER_AXIS
 
 TEXT = """
 [water]
