@@ -8,7 +8,6 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 SQUARE = np.array([[-1.0, -1.0], [1.0, 1.0]])
 
 
-
 def touching(a: Hull, at: np.ndarray, b: Hull, other: np.ndarray) -> bool:
     """Whether neither the circles nor the rectangles about two hulls at those points (3,) [m] are clear."""
     box, other_box = _rectangle(a) + at[:2], _rectangle(b) + other[:2]
