@@ -1,5 +1,7 @@
 """What can go wrong, as types: bad input, and a simulation that cannot go on."""
 
+from collections.abc import Iterable
+
 
 class InputError(ValueError):
     """A value that physics or numerics cannot accept; names key, value and limit.
@@ -8,12 +10,20 @@ class InputError(ValueError):
     ``studies/buan.toml: floats.front.mass = -1: must be > 0 kg``.
     """
 
-    def __init__(self, key: str, value: object, limit: str):
+    def __init__(self, key: str, value: object, limit: str, others: "tuple[InputError, ...]" = ()):
         super().__init__(f"{key} = {value}: {limit}")
         self.key, self.value, self.limit = key, value, limit
+        self.others = others  # what else the same input has wrong
 
     def __reduce__(self):
-        return type(self), (self.key, self.value, self.limit)
+        return type(self), (self.key, self.value, self.limit, self.others)
+
+
+def refuse(problems: Iterable[InputError]) -> None:
+    """Raise the first of the problems, which knows the others; nothing if there are none."""
+    if problems := tuple(problems):
+        problems[0].others = problems[1:]
+        raise problems[0]
 
 
 class SimulationFailed(RuntimeError):

@@ -3,36 +3,40 @@
 Frame: x along the waves for heading 0, z upwards from still water, rotations right-handed.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from itertools import combinations
+from typing import Annotated, Literal
 
 import numpy as np
 
-from solver.errors import InputError
+from solver.errors import InputError, refuse
+from solver.hydrodynamics.hull.clearance import reach, touching
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.quantities import Quantity, out_of_range, require_ranges
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 
 STEP = 0.2  # [s], the default, to which Newton's tolerance refers
+STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Water:
     """Still water of constant depth (inf allowed)."""
 
-    depth: float  # [m]
-    density: float = 1025.0  # [kg/m3]
-    gravity: float = 9.81  # [m/s2]
+    depth: Annotated[float, Quantity("m", above=0, infinite=True)]
+    density: Annotated[float, Quantity("kg/m3", above=0)] = 1025.0
+    gravity: Annotated[float, Quantity("m/s2", above=0)] = 9.81
 
     def __post_init__(self):
-        for key in ("depth", "density", "gravity"):
-            if not getattr(self, key) > 0:
-                raise InputError(f"water.{key}", getattr(self, key), "must be > 0")
+        require_ranges(self, "water")
 
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+PER_AXIS = ("pto_damping", "damping", "quadratic_damping", "stiffness", "mechanism_inertia", "offset")
+Vector = tuple[float, float, float]
 PerAxis = float | tuple[float, ...]
 
 
@@ -50,44 +54,49 @@ class Float:
 
     name: str
     hull: Revolution | PanelHull
-    mass: float  # [kg]
-    inertia: tuple[float, float, float]  # about the c.o.g., own axes [kg m2]
-    cog: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from the reference point [m]
-    hinge: tuple[float, float, float]  # at rest [m]
-    arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from the hinge to the reference point [m]
-    axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    mass: Annotated[float, Quantity("kg", above=0)]
+    inertia: Annotated[Vector, Quantity("kg m2", above=0)]  # about the c.o.g. and the body's axes through it
+    cog: Annotated[Vector, Quantity("m")] = (0.0, 0.0, 0.0)  # from the reference point
+    hinge: Annotated[Vector, Quantity("m")]  # the joint's point, at rest
+    arm: Annotated[Vector, Quantity("m")] = (0.0, 0.0, 0.0)  # from the hinge to the reference point
+    axis: Annotated[Vector, Quantity("-")] = (0.0, 1.0, 0.0)  # of the hinge
     motion: tuple[str, ...] = ("hinge",)
-    on: str = ""  # the float that carries the hinge, such as a floating platform; "": the support
-    pto_damping: PerAxis = 0.0
-    damping: PerAxis = 0.0  # besides the PTO, linear
-    quadratic_damping: PerAxis = 0.0
-    stiffness: PerAxis = 0.0  # a linear spring about the position at rest
-    mechanism_inertia: PerAxis = 0.0  # of what turns or slides with the axis, besides the float
-    offset: PerAxis = 0.0  # from equilibrium, where the float is let go at t = 0 [m or rad]
+    on: str = ""  # the float listed before that carries the hinge, such as a floating platform; "": the support
+    pto_damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0)] = 0.0
+    damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0)] = 0.0  # besides the PTO, linear
+    quadratic_damping: Annotated[PerAxis, Quantity("N m s2/rad2 or N s2/m2", least=0)] = 0.0
+    stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m", least=0)] = 0.0  # of a linear spring, at ease at rest
+    # Of what turns or slides with the axis, besides the float.
+    mechanism_inertia: Annotated[PerAxis, Quantity("kg m2 or kg", least=0)] = 0.0
+    offset: Annotated[PerAxis, Quantity("rad or m")] = 0.0  # from equilibrium, where the float is let go at t = 0
 
     def __post_init__(self):
         key = f"floats.{self.name}"
-        if not self.mass > 0:
-            raise InputError(f"{key}.mass", self.mass, "must be > 0 kg")
-        if "hinge" in self.motion and not np.linalg.norm(self.axis) > 0:
-            raise InputError(f"{key}.axis", self.axis, "must not have zero length")
+        refuse([*out_of_range(self, key), *self._joint_problems(key), *self._body_problems(key)])
+
+    def _joint_problems(self, key: str) -> Iterator[InputError]:
+        if "hinge" in self.motion and not np.any(self.axis):
+            yield InputError(f"{key}.axis", self.axis, "must not be zero")
         if not self.motion or len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
-            raise InputError(f"{key}.motion", self.motion, f"must list hinge, {', '.join(DOFS)}, each at most once")
-        for name in ("pto_damping", "damping", "quadratic_damping", "stiffness", "mechanism_inertia", "offset"):
-            values = self.per_axis(name)
-            if name != "offset" and not np.all(values >= 0):
-                raise InputError(f"{key}.{name}", getattr(self, name), "must be >= 0")
+            yield InputError(f"{key}.motion", self.motion, f"must name each axis once, of hinge, {', '.join(DOFS)}")
+        for name in PER_AXIS:
+            if np.any(getattr(self, name)) and np.size(getattr(self, name)) != len(self.motion):
+                limit = f"needs one number for each of {', '.join(self.motion)}"
+                yield InputError(f"{key}.{name}", getattr(self, name), limit)
+
+    def _body_problems(self, key: str) -> Iterator[InputError]:
+        moments = sorted(self.inertia)
+        if moments[2] > (moments[0] + moments[1]) * (1 + 1e-9):
+            limit = "must meet the triangle inequality: no moment above the sum of the others"
+            yield InputError(f"{key}.inertia", self.inertia, limit)
+        upright, lever = self.axis[0] == self.axis[1] == 0, np.linalg.norm(np.cross(self.arm, self.axis))
+        if self.motion == ("hinge",) and upright and lever < 1e-9 * np.linalg.norm(self.axis):
+            yield InputError(f"{key}.arm", self.arm, "must not lie along the hinge axis: the float would only spin")
 
     def per_axis(self, name: str) -> np.ndarray:
         """A quantity of the joint for each axis (n,)."""
-        given = np.atleast_1d(np.asarray(getattr(self, name), float))
-        if given.size == 1 and not given.any():
-            return np.zeros(len(self.motion))
-        if given.size != len(self.motion):
-            raise InputError(
-                f"floats.{self.name}.{name}", getattr(self, name), f"needs one number for each of {self.motion}"
-            )
-        return given
+        values = np.atleast_1d(np.asarray(getattr(self, name), float))
+        return values if values.any() else np.zeros(len(self.motion))
 
     @property
     def centre(self) -> np.ndarray:
@@ -101,13 +110,19 @@ class Platform:
 
     frame: Frame
     legs: tuple[str, ...] = ()  # members whose displacements and stresses are put out
-    # Of every mode in water [-]: with the wetted members' added mass, without the floats.
-    damping_ratio: float = 0.01
+    # Of every mode in water: with the wetted members' added mass, without the floats.
+    damping_ratio: Annotated[float, Quantity("-", least=0, below=1)] = 0.01
     hinge_nodes: Mapping[str, str] = field(default_factory=dict)  # float -> node
     geometric_stiffness: bool = False
     # "standard": C_M rho V du/dt - (C_M - 1) rho V a; "relative" (Heo et al. 2022, eq. 16, as
     # printed): (C_M - 1) rho V (du/dt - a), which leaves out the undisturbed wave's pressure.
     wave_inertia: Literal["standard", "relative"] = "standard"
+
+    def __post_init__(self):
+        members = [member.name for member in self.frame.members]
+        strange = [(i, leg) for i, leg in enumerate(self.legs) if leg not in members]
+        unknown = [InputError(f"platform.legs[{i}]", leg, f"must be one of {', '.join(members)}") for i, leg in strange]
+        refuse([*out_of_range(self, "platform"), *unknown])
 
     def __hash__(self):
         """Equal platforms have equal text; what no wave changes is kept for the next task with this one."""
@@ -118,19 +133,22 @@ class Platform:
 class Settings:
     """Record and numerics. The defaults hold the errors that `make bench` prints."""
 
-    duration: float = 3600.0  # analysed [s]
-    discard: float = 100.0  # before that [s]
-    ramp: float = 50.0  # [s]
+    duration: Annotated[float, Quantity("s", above=0)] = 3600.0  # analysed
+    discard: Annotated[float, Quantity("s", least=0)] = 100.0  # before that
+    ramp: Annotated[float, Quantity("s", least=0)] = 50.0
     ramp_form: Literal["paper", "cosine"] = "paper"
-    time_step: float = STEP  # [s]; samples are half a step apart
-    modes: int | Literal["all"] = 6  # lowest modes kept, besides static load shapes
-    azimuths: int = 12  # of the wetted-surface quadrature, full circle
-    arc_points: int = 6
-    line_points: int = 3
-    panel_size: float = 0.5  # longest side of a mesh's triangles, of the hull's size and of 1/k of the mean wave
-    field_tolerance: float = 1e-4  # of the local wave field, relative to the sum of amplitudes
-    memory_tolerance: float = 5e-3  # of the radiation memory's fit
-    stations_per_element: int = 2  # drag
+    time_step: Annotated[float, Quantity("s", above=0)] = STEP  # samples are half a step apart
+    # Lowest modes kept, besides static load shapes.
+    modes: Annotated[int | Literal["all"], Quantity(least=1, most=1000)] = 6
+    azimuths: Annotated[int, Quantity(least=1, most=1000)] = 12  # of the wetted-surface quadrature, full circle
+    arc_points: Annotated[int, Quantity(least=1, most=1000)] = 6
+    line_points: Annotated[int, Quantity(least=1, most=1000)] = 3
+    # Longest side of a mesh's triangles, of the hull's size and of 1/k of the mean wave.
+    panel_size: Annotated[float, Quantity(least=0.01, most=10)] = 0.5
+    # Of the local wave field, relative to the sum of amplitudes.
+    field_tolerance: Annotated[float, Quantity(least=1e-14, most=1)] = 1e-4
+    memory_tolerance: Annotated[float, Quantity(least=1e-8, most=1)] = 5e-3  # of the radiation memory's fit
+    stations_per_element: Annotated[int, Quantity(least=1, most=1000)] = 2  # drag
     # Pressure above still water. Wheeler's vanishes at the surface and agrees with published
     # body-nonlinear codes in steep waves; Airy's extrapolated is the Buan paper's.
     pressure: Literal["wheeler", "extrapolated"] = "wheeler"
@@ -139,7 +157,7 @@ class Settings:
     diffraction: bool = True
     radiation: bool = True
     # Newton's last update of a position [m or rad] in a step of STEP; in less as their square: forces are as exact.
-    newton_tolerance: float = 1e-5
+    newton_tolerance: Annotated[float, Quantity(least=1e-14, most=1)] = 1e-5
     keep_series: bool = False
     rao: bool = False  # motion per wave amplitude, wave by wave
     # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.
@@ -149,20 +167,12 @@ class Settings:
     memory: Literal["state-space", "convolution"] = "state-space"
     surface: Literal["quadrature", "panels"] = "quadrature"
     # Relative error of every mean, rms and std; where given, it chooses the knobs above from time_step on.
-    tolerance: float | None = None
+    tolerance: Annotated[float | None, Quantity(least=1e-6, most=0.1)] = None
 
     def __post_init__(self):
-        if self.tolerance is not None and not 1e-6 <= self.tolerance <= 0.1:
-            raise InputError("settings.tolerance", self.tolerance, "must be between 1e-6 and 0.1")
+        require_ranges(self, "settings")
         if self.tolerance is not None and self.paths.formulation == "augmented":
             raise InputError("settings.tolerance", self.tolerance, "chooses the knobs of the standard paths only")
-        positive = ("duration", "time_step", "newton_tolerance", "memory_tolerance", "field_tolerance", "panel_size")
-        for key in positive:
-            if not getattr(self, key) > 0:
-                raise InputError(f"settings.{key}", getattr(self, key), "must be > 0")
-        for key in ("discard", "ramp"):
-            if not getattr(self, key) >= 0:
-                raise InputError(f"settings.{key}", getattr(self, key), "must be >= 0 s")
 
     @property
     def paths(self) -> "Settings":
@@ -194,40 +204,43 @@ class Scene:
     settings: Settings = Settings()
 
     def __post_init__(self):
-        names = [f.name for f in self.floats]
-        if len(set(names)) < len(names):
-            raise InputError("floats.name", names, "must differ")
+        refuse(self._problems())
+
+    def _problems(self) -> Iterator[InputError]:
+        yield from self._carrier_problems()
         for f in self.floats:
-            lowest = f.centre[2] - f.hull.draft
-            if not lowest > -self.water.depth:
-                raise InputError(
-                    f"floats.{f.name}",
-                    f"lowest point at z = {lowest:g} m",
-                    f"must stay above the seabed at z = {-self.water.depth:g} m",
-                )
+            yield from out_of_place(f, self.water)
             if self.settings.froude_krylov == "body-nonlinear" and not f.hull.closed:
-                raise InputError(
+                yield InputError(
                     f"floats.{f.name}.hull",
                     "a mesh that is open above still water",
                     'must be closed for body-nonlinear pressure; or set froude_krylov = "linear"',
                 )
-            if abs(f.centre[2]) > 1e-9:
-                raise InputError(f"floats.{f.name}.arm", f.arm, "hinge + arm must end at still water, z = 0 m")
-            if self.platform and f.name not in self.platform.hinge_nodes:
-                raise InputError("platform.hinge_nodes", f.name, "no node carries this float's hinge")
-            if f.on and self.platform:
-                raise InputError(f"floats.{f.name}.on", f.on, "must be empty: the platform carries every float")
-            if f.on and f.on not in names[: names.index(f.name)]:
-                raise InputError(f"floats.{f.name}.on", f.on, "must name a float that is listed before")
-        self._check_time_step()
+        for a, b in combinations(self.floats, 2):
+            if touching(a.hull, a.centre, b.hull, b.centre):
+                key, gap = f"distance of floats.{a.name} and floats.{b.name}", np.linalg.norm(a.centre - b.centre)
+                limit = f"must be > {reach(a.hull) + reach(b.hull):g} m, or the floats touch"
+                yield InputError(key, f"{gap:g} m", limit)
+        for name, place in self.platform.frame.nodes.items() if self.platform else ():
+            if place[2] < -self.water.depth - STILL_WATER:
+                limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
+                yield InputError(f"platform.nodes.{name}", place, limit)
+        step, longest = self.settings.time_step, self.longest_step
+        if self.settings.tolerance is None and step > longest:
+            limit = f"must be <= {longest:.3g} s, a sixth of the shortest wave's period, {6 * longest:.3g} s"
+            yield InputError("settings.time_step", step, limit)
 
-    def _check_time_step(self):
-        if self.settings.tolerance is None and self.settings.time_step > self.longest_step:
-            raise InputError(
-                "settings.time_step",
-                self.settings.time_step,
-                f"must be <= {self.longest_step:.3g} s, a sixth of the shortest wave's period",
-            )
+    def _carrier_problems(self) -> Iterator[InputError]:
+        names = [f.name for f in self.floats]
+        for i, f in enumerate(self.floats):
+            if names.index(f.name) < i:
+                yield InputError("floats.name", f.name, f"given {names.count(f.name)} times, must be unique")
+            if self.platform and f.name not in self.platform.hinge_nodes:
+                yield InputError("platform.hinge_nodes", f.name, "no node carries this float's hinge")
+            if f.on and self.platform:
+                yield InputError(f"floats.{f.name}.on", f.on, "must be empty: the platform carries every float")
+            elif f.on and f.on not in names[:i]:
+                yield InputError(f"floats.{f.name}.on", f.on, "must name a float that is listed before")
 
     @property
     def carriers(self) -> tuple[int, ...]:
@@ -238,15 +251,31 @@ class Scene:
     @property
     def longest_step(self) -> float:
         """A sixth of the shortest wave's period [s]."""
-        return float(np.pi / 3 / self.sea.omega.max())
+        return float(2 * np.pi / self.sea.omega.max() / 6)
 
     @property
     def planar(self) -> bool:
         """Scene and sea are mirror images of themselves in y = 0, so nothing leaves the plane."""
-        return self.sea.heading % np.pi == 0 and all(
-            f.hinge[1] == f.arm[1] == f.cog[1] == 0
-            and f.hull.symmetry[1]
-            and not set(f.motion) & {"sway", "roll", "yaw"}
-            and ("hinge" not in f.motion or f.axis[0] == f.axis[2] == 0)
-            for f in self.floats
-        )
+        return is_planar(self.floats, self.sea.heading)
+
+
+def is_planar(floats: Iterable[Float], heading: float) -> bool:
+    """Whether floats and waves of that heading [rad] are mirror images of themselves in y = 0."""
+    return heading % np.pi == 0 and all(
+        f.hinge[1] == f.arm[1] == f.cog[1] == 0
+        and f.hull.symmetry[1]
+        and not set(f.motion) & {"sway", "roll", "yaw"}
+        and ("hinge" not in f.motion or f.axis[0] == f.axis[2] == 0)
+        for f in floats
+    )
+
+
+def out_of_place(item: Float, water: Water) -> Iterator[InputError]:
+    """A float that reaches the seabed at rest, or whose reference point is not at still water."""
+    key, z = f"floats.{item.name}.arm", item.centre[2]
+    if not z - item.hull.draft > -water.depth:
+        lowest = f"lowest point at z = {z - item.hull.draft:g} m, depth {water.depth:g} m"
+        yield InputError(key, item.arm, f"must stay above the seabed: {lowest}")
+    elif abs(z) > STILL_WATER:
+        limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {z:g} m"
+        yield InputError(key, item.arm, limit)

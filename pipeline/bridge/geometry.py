@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-from pipeline.bridge.scenes import hull
+from pipeline.bridge.scenes import floating, hull
 from pipeline.study import seas
-from pipeline.study.schema import Float, Hull, PanelMesh, Solver, Water
+from pipeline.study.schema import Hull, Solver, Water
 from pipeline.study.tables import Count, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
-from solver.scene import panels_for
+from solver.scene import is_planar, panels_for
 
 BEM_VERSION = 3  # of coefficients, and of the form of their file: raise it when either changes
 
@@ -38,41 +37,20 @@ class Geometry(Table):
         return digest(canonical(self.model_dump(mode="json", exclude_defaults=True)), BEM_VERSION)
 
 
-def geometry_of(given: Parameters) -> Geometry | None:
+def geometry_of(parameters: Parameters) -> Geometry | None:
     """What the boundary element method must solve for a task; None without floats."""
-    if not given.floats:
+    if not parameters.floats:
         return None
+    floats = [floating(table) for table in parameters.floats]
+    centres = [tuple(map(float, item.centre)) for item in floats]
     return Geometry(
-        water=given.water,
-        bodies=tuple(Body(hull=f.hull, centre=_centre(f)) for f in given.floats),
-        band=seas.band(given.sea_state, given.waves),
-        heading=given.waves.heading,
-        planar=_is_planar(given),
-        panels=panels_for(given.solver.tolerance),
+        water=parameters.water,
+        bodies=tuple(Body(hull=f.hull, centre=at) for f, at in zip(parameters.floats, centres, strict=True)),
+        band=seas.band(parameters.sea_state, parameters.waves),
+        heading=parameters.waves.heading,
+        planar=is_planar(floats, parameters.waves.heading),
+        panels=panels_for(parameters.solver.tolerance),
     )
-
-
-def _centre(item: Float) -> tuple[float, float, float]:
-    x, y, z = (h + a for h, a in zip(item.hinge, item.arm, strict=True))
-    return x, y, z
-
-
-def _is_planar(given: Parameters) -> bool:
-    """Whether sea and floats are mirror images of themselves in y = 0."""
-    return given.waves.heading % math.pi == 0 and all(
-        f.hinge[1] == f.arm[1] == f.cog[1] == 0
-        and not {"sway", "roll", "yaw"} & set(f.motion)
-        and ("hinge" not in f.motion or f.axis[0] == f.axis[2] == 0)
-        and _is_symmetric(f.hull)
-        for f in given.floats
-    )
-
-
-def _is_symmetric(shape: Hull) -> bool:
-    """Whether a hull is its own mirror image in y = 0."""
-    if not isinstance(shape, PanelMesh):
-        return True
-    return hull(shape).symmetry[1]
 
 
 def bem_arguments(geometry: Geometry) -> dict[str, Any]:

@@ -12,7 +12,6 @@ from pipeline.tasks.study import Study
 def load(path: Path) -> Study:
     """Read and check a study file; raise StudyError."""
     content, bases = parsed(path)
-    problems = dict.fromkeys(str(problem) for problem in checks.problems(content))
-    if problems:
-        raise StudyError(path, problems)
+    if problems := checks.problems(content):
+        raise StudyError(path, map(str, problems))
     return Study(path=path, content=content, bases=bases)

@@ -4,22 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 from pipeline.bridge.engine import Engine
+from pipeline.bridge.scenes import objections
 from pipeline.study.reading import StudyError
-from pipeline.study.schema import Recording
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Parameters, Task
-from solver.errors import InputError
 
 # Sea states and seeds are judged from the file alone.
 CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
-# First word of a key of the solver's -> where a study file has it.
-PLACES = {
-    "band": "waves.band",
-    "components": "waves.components",
-    **{word: f"platform.{word}" for word in ("nodes", "members", "clamped", "masses", "loads", "legs")},
-}
 
 
 def check(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
@@ -53,19 +47,9 @@ class _Listener:
             self.odd.append(f"sea_states.{self.task.labels['sea_state']}{colon}{rest}" if first == "sea" else text)
 
 
-def _problems(judge: Callable[[Parameters], None], task: Task) -> Iterator[str]:
+def _problems(judge: Callable[[Parameters], object], task: Task) -> Iterator[str]:
     try:
-        judge(task.parameters)
-    except InputError as error:
-        yield str(InputError(key(error.key), error.value, error.limit))
+        yield from map(str, objections(partial(judge, task.parameters)))
     except Exception:
         # Not bad input: the task will meet it again, and its failure is recorded with all there is to know.
         return
-
-
-def key(theirs: str) -> str:
-    """settings.time_step -> solver.time_step; members.leg.end -> platform.members.leg.end."""
-    first, dot, rest = theirs.partition(".")
-    if first == "settings":
-        return f"{'record' if rest in Recording.model_fields else 'solver'}.{rest}"
-    return PLACES.get(first, first) + dot + rest

@@ -23,7 +23,7 @@ from solver.errors import InputError
 
 if TYPE_CHECKING:
     from solver.sea.realization import Realization
-    from solver.sea.spectrum import Spectrum
+    from solver.sea.spectrum import Jonswap, PiersonMoskowitz, Spectrum
 
 
 def realize(sea: SeaState, waves: Waves, seed: Sequence[int]) -> Realization:
@@ -69,7 +69,14 @@ def spectrum(sea: Irregular | WhiteNoise | MeasuredSpectrum, waves: Waves) -> Sp
             return shapes.WhiteNoise(Hs=sea.Hs, band=_needed(waves.band))
         case MeasuredSpectrum():
             return shapes.Tabulated(**columns.read(sea.file, ("omega", "S")))
-        case Irregular() if (sea.spectrum or waves.spectrum) == "jonswap":
-            return shapes.Jonswap(Hs=sea.Hs, Tp=sea.Tp, gamma=sea.gamma or waves.gamma)
         case Irregular():
-            return shapes.PiersonMoskowitz(Hs=sea.Hs, Tp=sea.Tp, form=sea.form or waves.form)
+            return shape(sea, waves)
+
+
+def shape(sea: Irregular, waves: Waves) -> Jonswap | PiersonMoskowitz:
+    """The solver's spectrum with a peak."""
+    from solver.sea import spectrum as shapes
+
+    if (sea.spectrum or waves.spectrum) == "jonswap":
+        return shapes.Jonswap(Hs=sea.Hs, Tp=sea.Tp, gamma=sea.gamma or waves.gamma)
+    return shapes.PiersonMoskowitz(Hs=sea.Hs, Tp=sea.Tp, form=sea.form or waves.form)

@@ -1,7 +1,12 @@
-"""Parameters of a task -> the solver's frozen inputs. The only translation between the two."""
+"""Parameters of a task -> the solver's frozen inputs, and its objections to them -> keys of the study file.
+
+The only translation between the two.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING, assert_never
 
@@ -11,44 +16,76 @@ from pipeline.study.layout import HINGE
 from pipeline.study.schema import (
     Float,
     HemisphereCylinder,
+    Member,
     PanelMesh,
     Platform,
-    Section,
+    Recording,
     Sphere,
     Tube,
     VerticalCylinder,
+    Water,
 )
 from pipeline.tasks.task import Parameters, wave_seed
-from solver.errors import InputError
+from solver.errors import InputError, refuse
 
 if TYPE_CHECKING:
     from solver import scene as physics
     from solver.hydrodynamics.hull.panel_hull import PanelHull
     from solver.hydrodynamics.hull.revolution import Revolution
     from solver.sea.realization import Realization
-    from solver.structure import beam
-    from solver.structure.frame import Member
+    from solver.structure import beam, frame
 
 
-def scene(parameters: Parameters) -> physics.Scene:
-    """Everything that one simulation needs."""
+# First word of a key of the solver's -> where a study file has it.
+PLACES = {"band": "waves.band", "components": "waves.components"}
+
+
+def scene(parameters: Parameters, waves: Realization | None = None) -> physics.Scene:
+    """Everything that one simulation needs; with other waves than the task's where they are given."""
     from solver import scene as physics
 
     return physics.Scene(
         water=physics.Water(**dict(parameters.water)),
-        sea=sea(parameters),
-        floats=tuple(_float(f) for f in parameters.floats),
-        platform=_platform(parameters) if parameters.platform else None,
+        sea=waves or sea(parameters),
+        floats=tuple(floating(f) for f in parameters.floats),
+        platform=platform(parameters.platform, parameters.floats) if parameters.platform else None,
         settings=settings(parameters),
     )
+
+
+def objections(build: Callable[[], object]) -> Iterator[InputError]:
+    """What the solver has against that which `build` makes of a study, under the study file's key."""
+    try:
+        build()
+    except InputError as first:
+        for error in (first, *first.others):
+            value = list(error.value) if isinstance(error.value, tuple) else error.value
+            yield InputError(_key(error.key), value, error.limit)
+
+
+def _key(theirs: str) -> str:
+    """settings.time_step -> solver.time_step; band -> waves.band."""
+    first, dot, rest = theirs.partition(".")
+    if first == "settings":
+        return f"{'record' if rest in Recording.model_fields else 'solver'}.{rest}"
+    return PLACES.get(first, first) + dot + rest
+
+
+@contextmanager
+def _part(place: str, word: str = "") -> Iterator[None]:
+    """Objections to a part that does not know of what it is one: under its place, instead of the solver's word."""
+    try:
+        yield
+    except InputError as first:
+        refuse(InputError(place + e.key.removeprefix(word), e.value, e.limit) for e in (first, *first.others))
 
 
 def settings(parameters: Parameters) -> physics.Settings:
     """Record and numerics; how the series is thinned is the pipeline's own business."""
     from solver import scene as physics
 
-    given = {**dict(parameters.record), **dict(parameters.solver)}
-    return physics.Settings(keep_series=given.pop("series") != "none", **given)
+    knobs = {**dict(parameters.record), **dict(parameters.solver)}
+    return physics.Settings(keep_series=knobs.pop("series") != "none", **knobs)
 
 
 def sea(parameters: Parameters) -> Realization:
@@ -96,52 +133,71 @@ def outline(shape: HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh) -
     return right + [(-r, h) for r, h in reversed(right)]
 
 
-def _float(item: Float) -> physics.Float:
+@lru_cache(maxsize=64)
+def floating(item: Float) -> physics.Float:
+    """The solver's float for a table of [[floats]]; tasks that differ in other things share it."""
     from solver import scene as physics
 
-    try:
-        return physics.Float(**{**dict(item), "hull": hull(item.hull)})
-    except InputError as error:
-        # A mesh does not know whose hull it is.
-        named = error.key.startswith("hull.")
-        raise InputError(f"floats.{item.name}.{error.key}" if named else error.key, error.value, error.limit) from None
+    with _part(f"floats.{item.name}."):  # a hull does not know whose it is
+        body = hull(item.hull)
+    return physics.Float(**{**dict(item), "hull": body})
 
 
-def _platform(parameters: Parameters) -> physics.Platform:
+def in_place(item: Float, water: Water) -> None:
+    """Refuse a float that reaches the seabed or is not at still water."""
+    from solver import scene as physics
+
+    refuse(physics.out_of_place(floating(item), physics.Water(**dict(water))))
+
+
+def platform(table: Platform, floats: Iterable[Float]) -> physics.Platform:
+    """The solver's platform for the table [platform], whose nodes include the hinges of the floats."""
     from solver import scene as physics
     from solver.structure.frame import Frame, PointLoad, PointMass
 
-    table = parameters.platform
-    assert table is not None
-    return physics.Platform(
-        frame=Frame(
+    members = tuple(member(m, table) for m in table.members)
+    with _part("platform."):
+        frame = Frame(
             nodes=table.nodes,
-            members=_members(table),
+            members=members,
             clamped=table.clamped,
             masses=tuple(PointMass(**dict(m)) for m in table.masses),
             loads=tuple(PointLoad(**dict(p)) for p in table.loads),
-        ),
+        )
+    return physics.Platform(
+        frame=frame,
         legs=table.legs,
         damping_ratio=table.damping_ratio,
-        hinge_nodes={f.name: HINGE + f.name for f in parameters.floats},
+        hinge_nodes={f.name: HINGE + f.name for f in floats},
         geometric_stiffness=table.geometric_stiffness,
         wave_inertia=table.wave_inertia,
     )
 
 
-def _members(table: Platform) -> tuple[Member, ...]:
-    from solver.structure.frame import Material, Member
+def member(item: Member, table: Platform) -> frame.Member:
+    """The solver's member for a table of [[platform.members]]."""
+    from solver.structure import frame
 
-    sections = {name: _section(section) for name, section in table.sections.items()}
-    materials = {name: Material(**dict(material)) for name, material in table.materials.items()}
-    return tuple(
-        Member(**{**dict(m), "section": sections[m.section], "material": materials[m.material]}) for m in table.members
-    )
+    key = f"platform.members.{item.name}"
+    section_name = _known(f"{key}.section", item.section, table.sections)
+    material = table.materials[_known(f"{key}.material", item.material, table.materials)]
+    parts = {"section": section(section_name, table), "material": frame.Material(**dict(material))}
+    with _part("platform."):
+        return frame.Member(**{**dict(item), **parts})
 
 
-def _section(section: Section) -> beam.Section:
+def _known(key: str, name: str, table: Collection[str]) -> str:
+    if name not in table:
+        raise InputError(key, name, f"must be one of {', '.join(table)}")
+    return name
+
+
+def section(name: str, table: Platform) -> beam.Section:
+    """The solver's cross section for a table of [platform.sections]."""
     from solver.structure import beam
 
-    if isinstance(section, Tube):
-        return beam.tube(section.diameter, section.thickness)
-    return beam.solid_rectangle(section.width, section.height)
+    shape = table.sections[name]
+    with _part(f"platform.sections.{name}.", "section."):
+        if isinstance(shape, Tube):
+            return beam.tube(shape.diameter, shape.thickness)
+        return beam.solid_rectangle(shape.width, shape.height)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from functools import partial
 
 from pipeline.bridge import realizations
+from pipeline.bridge.scenes import objections
 from pipeline.study import seas
 from pipeline.study.schema import StudyFile
 from pipeline.study.seas import Components, Elevation, Irregular, Regular, SeaState, Still, Waves, WhiteNoise
@@ -14,34 +16,31 @@ from solver.errors import InputError
 
 LARGEST_PERIOD = 60.0  # longer waves are no longer wind waves [s]
 HIGHEST = 100.0  # frequency; shorter waves are ripples [rad/s]
-MOST = 10_000  # waves of one sea
-SHALLOW = 0.1  # kh below which there are no coefficients
+MOST = 10_000  # waves of one sea, from a file
 
 
 def problems(study: StudyFile) -> Iterator[InputError]:
     """Of the waves, and of every sea state."""
+    from solver.sea.realization import require_rising
+
     waves = study.waves
     if not study.sea_states:
         yield InputError("sea_states", "{}", "needs at least one sea state")
-    if waves.band and waves.band[0] >= waves.band[1]:
-        yield InputError("waves.band", list(waves.band), "must rise: low < high [rad/s]")
+    if waves.band and (falling := list(objections(partial(require_rising, waves.band)))):
+        yield from falling
         return
-    if waves.band and waves.band[1] > HIGHEST:
-        yield InputError("waves.band", list(waves.band), f"must end at or below {HIGHEST:g} rad/s")
-    if abs(waves.heading) > 2 * math.pi:
-        yield InputError("waves.heading", waves.heading, "must be within ±2π rad")
     if waves.spectrum == "jonswap" and waves.form == "mean":
         yield InputError("waves.form", waves.form, "is for pierson-moskowitz: JONSWAP has its peak period")
     for label, sea in study.sea_states.items():
         key = f"sea_states.{label}"
-        found = list(_sea(key, sea, study))
-        yield from found or [*_coverage(key, sea, study), *_resolution(key, sea, study)]
+        alone = list(_sea(key, sea, study))
+        yield from alone or [*_coverage(key, sea, study), *_resolution(key, sea, study)]
 
 
-def shortest_period(study: StudyFile) -> float:
-    """Of all waves in the study [s]; inf if there are none."""
+def highest_frequency(study: StudyFile) -> float:
+    """Of all waves in the study [rad/s]; next to nothing if there are none."""
     spans = (seas.frequencies(sea, study.waves) for sea in study.sea_states.values())
-    return min((2 * math.pi / span[1] for span in spans if span), default=math.inf)
+    return max((span[1] for span in spans if span), default=1e-9)
 
 
 def _sea(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
@@ -52,7 +51,7 @@ def _sea(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
         return
     if isinstance(sea, Irregular):
         yield from _shape(key, sea, study)
-        peak = 2 * math.pi / seas.peak_frequency(sea, waves)
+        peak = 2 * math.pi / realizations.shape(sea, waves).peak_frequency
         yield from _period(f"{key}.Tp", sea.Tp) or _breaking(f"{key}.Hs", sea.Hs, peak, study)
     elif isinstance(sea, Regular):
         yield from _period(f"{key}.period", sea.period) or _breaking(f"{key}.height", sea.height, sea.period, study)
@@ -76,12 +75,10 @@ def _period(key: str, period: float) -> list[InputError]:
 
 
 def _breaking(key: str, height: float, period: float, study: StudyFile) -> Iterator[InputError]:
-    """Miche's limit of a regular wave, H <= 0.142 L tanh(kh); for random ones Hs at a typical period."""
-    from solver.sea.dispersion import wavenumber
+    """The limit of a regular wave; for random ones Hs at a typical period."""
+    from solver.sea.dispersion import breaking_height
 
-    depth = study.water.depth
-    k = float(wavenumber(2 * math.pi / period, depth, study.water.gravity))
-    limit = 0.142 * 2 * math.pi / k * math.tanh(k * depth) if k > 0 else math.inf
+    limit = breaking_height(period, study.water.depth, study.water.gravity)
     if not height <= limit:
         reason = f"must be <= {limit:.3g} m, where waves of {period:.3g} s break (0.142 L tanh kh)"
         yield InputError(key, height, reason)
@@ -109,12 +106,12 @@ def _realization(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputErr
 
 def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
     """Whether the waves lie in waves.band, and coefficients can be had at their frequencies."""
-    from solver.sea.dispersion import wavenumber
+    from solver.sea.dispersion import SHALLOWEST, too_shallow
 
     waves, water = study.waves, study.water
     span = seas.frequencies(sea, waves)
     if isinstance(sea, Irregular):
-        span = (seas.peak_frequency(sea, waves),) * 2
+        span = (realizations.shape(sea, waves).peak_frequency,) * 2
     if waves.band and span and not isinstance(sea, Elevation | WhiteNoise):
         low, high = waves.band
         if not low <= span[0] <= span[1] <= high:
@@ -123,8 +120,8 @@ def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]
             limit = f"must put {what}, {outside:.3g} rad/s, inside waves.band = [{low:g}, {high:g}]"
             yield InputError(name, value, limit)
     wanted = seas.band(sea, waves)
-    if study.floats and wanted and float(wavenumber(wanted[0], water.depth, water.gravity)) * water.depth <= SHALLOW:
-        limit = f"must start where kh > {SHALLOW:g} in {water.depth:g} m"
+    if study.floats and wanted and too_shallow(wanted[0], water.depth, water.gravity):
+        limit = f"must start where kh > {SHALLOWEST:g} in {water.depth:g} m"
         yield InputError("waves.band", list(wanted), limit)
 
 

@@ -59,7 +59,10 @@ def outline(item: Float) -> list[Point]:
 
 def centre(item: Float) -> tuple[float, float, float]:
     """The float's reference point at rest [m]."""
-    return (item.hinge[0] + item.arm[0], item.hinge[1] + item.arm[1], item.hinge[2] + item.arm[2])
+    from pipeline.bridge import scenes
+
+    x, y, z = map(float, scenes.floating(item).centre)
+    return x, y, z
 
 
 def whole(study: StudyFile) -> Box:

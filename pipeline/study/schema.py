@@ -2,91 +2,66 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import fields
-from types import UnionType
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, create_model
+from pydantic import Field
 
 from pipeline.study.attachments import File
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import (
     Count,
     Depth,
-    Flag,
     Label,
     Name,
     NotNegative,
     Number,
-    PerAxis,
     Positive,
     Seed,
-    SignedPerAxis,
     Table,
     Title,
     Unit,
     Vector,
+    fields_of,
 )
-from solver.scene import Settings
+from solver import scene as physics
+from solver.structure import frame
 
 
+@fields_of(physics.Water)
 class Water(Table):
     """Still water of constant depth."""
 
-    depth: Annotated[Depth, Unit("m")]  # inf for deep water
-    density: Annotated[Positive, Unit("kg/m3")] = 1025.0
-    gravity: Annotated[Positive, Unit("m/s2")] = 9.81
+    depth: Depth  # inf for deep water
+    if TYPE_CHECKING:
+        density: float
+        gravity: float
 
 
-class Recording(Table):
-    """What of the simulated time is analysed."""
-
-    duration: Annotated[Positive, Unit("s")] = 3600.0
-    discard: Annotated[NotNegative, Unit("s")] = 100.0
-    ramp: Annotated[NotNegative, Unit("s")] = 50.0
-    ramp_form: Literal["paper", "cosine"] = "paper"
-    series: Literal["none", "decimated", "full"] = "none"  # of the record; decimated keeps four in the shortest wave
-    rao: Flag = False  # motion per wave amplitude, for every wave of the sea
-
-
-# Beyond these a knob asks for what arithmetic cannot give, or for nothing.
-BOUNDS = {
-    "newton_tolerance": (1e-14, 1.0),
-    "field_tolerance": (1e-14, 1.0),
-    "memory_tolerance": (1e-8, 1.0),
-    "panel_size": (0.01, 10.0),
-}
-
-
-def _knobs() -> dict[str, Any]:
-    """Numerical choices, as the solver names and defaults them; names, types and defaults are its own."""
-    strict: dict[Any, Any] = {float: Positive, int: Annotated[Count, Field(le=1000)], bool: Flag}
-    units = {"time_step": "s"}
-    hints, found = get_type_hints(Settings), {}
-    for knob in fields(Settings):
-        if knob.name not in (*Recording.model_fields, "keep_series"):
-            hint = hints[knob.name]
-            if isinstance(hint, UnionType) or get_origin(hint) is Union:
-                kind: Any = Union.__getitem__(tuple(strict.get(a, a) for a in get_args(hint)))
-            else:
-                kind = NotNegative if knob.default == 0.0 and hint is float else strict.get(hint, hint)
-            if bounds := BOUNDS.get(knob.name):
-                kind = Annotated[kind, Field(ge=bounds[0], le=bounds[1])]
-            found[knob.name] = (Annotated[kind, Unit(units.get(knob.name, "-"))], knob.default)
-    return found
+DEFAULT = physics.Settings()
 
 
 # An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
-if TYPE_CHECKING:
+@fields_of(physics.Settings, ("duration", "discard", "ramp", "ramp_form", "rao"))
+class Recording(Table):
+    """What of the simulated time is analysed."""
 
-    class Solver(Table):
-        """The knobs that the pipeline itself looks at."""
+    duration: Annotated[Number, Field(ge=1, le=1e6)] = DEFAULT.duration
+    discard: Annotated[NotNegative, Field(le=1e5)] = DEFAULT.discard
+    series: Literal["none", "decimated", "full"] = "none"  # of the record; decimated keeps four in the shortest wave
+    if TYPE_CHECKING:
+        ramp: float = DEFAULT.ramp
+        rao: bool = DEFAULT.rao
 
-        time_step: float = 0.0
-        tolerance: float | None = None
 
-else:
-    Solver = create_model("Solver", __base__=Table, **_knobs())
+@fields_of(physics.Settings, {f.name for f in fields(physics.Settings)} - {*Recording.model_fields, "keep_series"})
+class Solver(Table):
+    """Numerical choices, as the solver names and defaults them."""
+
+    if TYPE_CHECKING:
+        tolerance: float | None = DEFAULT.tolerance
+        time_step: float = DEFAULT.time_step
 
 
 class HemisphereCylinder(Table):
@@ -132,6 +107,7 @@ Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh, Fie
 Motion = Literal["hinge", "surge", "sway", "heave", "roll", "pitch", "yaw"]
 
 
+@fields_of(physics.Float)
 class Float(Table):
     """A rigid float on a massless arm, joined to the platform, to fixed ground or to another float.
 
@@ -141,28 +117,15 @@ class Float(Table):
 
     name: Name
     hull: Hull
-    mass: Annotated[Positive, Unit("kg")]
-    inertia: Annotated[tuple[Positive, Positive, Positive], Unit("kg m2")]  # about the c.o.g.
-    cog: Annotated[Vector, Unit("m")] = (0.0, 0.0, 0.0)  # from the reference point
-    hinge: Annotated[Vector, Unit("m")]  # the joint's point, at rest
-    arm: Annotated[Vector, Unit("m")] = (0.0, 0.0, 0.0)  # from there to the reference point
-    axis: Annotated[Vector, Unit("-")] = (0.0, 1.0, 0.0)  # of the hinge
-    motion: Annotated[tuple[Motion, ...], Field(min_length=1)] = ("hinge",)
-    on: str = ""  # the float listed before that carries it, such as a floating platform; else the support
-    pto_damping: Annotated[PerAxis, Unit("N m s/rad or N s/m")] = 0.0
-    damping: Annotated[PerAxis, Unit("N m s/rad or N s/m")] = 0.0  # besides the PTO
-    quadratic_damping: Annotated[PerAxis, Unit("N m s2/rad2 or N s2/m2")] = 0.0
-    stiffness: Annotated[PerAxis, Unit("N m/rad or N/m")] = 0.0  # of a spring, at ease at rest
-    mechanism_inertia: Annotated[PerAxis, Unit("kg m2 or kg")] = 0.0  # of what moves with the axis, besides the float
-    offset: Annotated[SignedPerAxis, Unit("rad or m")] = 0.0  # from equilibrium, where it is let go
+    motion: Annotated[tuple[Motion, ...], Field(min_length=1)]
+    if TYPE_CHECKING:
+        hinge: Vector
+        pto_damping: float | tuple[float, ...]
 
 
+@fields_of(frame.Material)
 class Material(Table):
     """Linear elastic."""
-
-    E: Annotated[Positive, Unit("Pa")]
-    G: Annotated[Positive, Unit("Pa")]
-    density: Annotated[Positive, Unit("kg/m3")]
 
 
 class Tube(Table):
@@ -184,33 +147,33 @@ class SolidRectangle(Table):
 Section = Annotated[Tube | SolidRectangle, Field(discriminator="shape")]
 
 
+@fields_of(frame.Member)
 class Member(Table):
-    """A straight beam between two nodes, cut into equal elements."""
+    """A straight beam between two nodes, cut into equal elements; it takes wave loads if C_D > 0 or C_M > 1."""
 
     name: Name
     start: Name
     end: Name
-    elements: Count = 1
+    elements: Annotated[Count, Field(le=1000)] = 1
     section: Name
     material: Name
-    drag_coefficient: Annotated[NotNegative, Unit("-")] = 0.0  # C_D; 0 and C_M = 1: no wave load
-    inertia_coefficient: Annotated[Number, Field(ge=1), Unit("-")] = 1.0  # C_M = 1 + C_a
 
 
+@fields_of(frame.PointMass)
 class PointMass(Table):
     """A mass without extent on a node."""
 
     node: Name
-    mass: Annotated[Positive, Unit("kg")]
 
 
+@fields_of(frame.PointLoad)
 class PointLoad(Table):
     """A constant force on a node."""
 
     node: Name
-    force: Annotated[Vector, Unit("N")]
 
 
+@fields_of(physics.Platform, ("legs", "damping_ratio", "geometric_stiffness", "wave_inertia"))
 class Platform(Table):
     """A beam frame. Nodes named hinge:<float> come with the floats; the rest are given here."""
 
@@ -222,13 +185,10 @@ class Platform(Table):
     legs: tuple[Name, ...] = ()
     masses: tuple[PointMass, ...] = ()
     loads: tuple[PointLoad, ...] = ()
-    damping_ratio: Annotated[
-        NotNegative,
-        Field(lt=1, description="Of every mode in water: with the wetted members' added mass, without the floats"),
-        Unit("-"),
-    ] = 0.01
-    geometric_stiffness: Flag = False
-    wave_inertia: Literal["standard", "relative"] = "standard"  # of Morison's equation
+    if TYPE_CHECKING:
+        damping_ratio: float
+        geometric_stiffness: bool
+        wave_inertia: Literal["standard", "relative"]
 
 
 Support = Literal["elastic", "fixed", "elastic-no-floats"]
@@ -260,12 +220,19 @@ class StudyFile(Table):
 
 def units() -> dict[str, str]:
     """Unit of every key that has one; a key means the same in every table."""
-    found: dict[str, str] = {}
-    for table in Table.__subclasses__():
+    symbols: dict[str, str] = {}
+    for table in tables():
         for key, field in table.model_fields.items():
             # In a union with None the unit sits one level down.
             inner = [m for a in getattr(field.annotation, "__args__", ()) for m in getattr(a, "__metadata__", ())]
             for mark in (*field.metadata, *inner):
                 if isinstance(mark, Unit):
-                    found[key] = mark.symbol
-    return found
+                    symbols[key] = mark.symbol
+    return symbols
+
+
+def tables(above: type[Table] = Table) -> Iterator[type[Table]]:
+    """All tables of study files."""
+    for table in above.__subclasses__():
+        yield table
+        yield from tables(table)

@@ -13,6 +13,7 @@ from pipeline.study.tables import Count, Number, Positive, Seed, Table, Unit
 
 Shape = Literal["pierson-moskowitz", "jonswap"]
 Form = Literal["peak", "mean"]  # "mean": Tp holds the mean period T1, as in the Pierson-Moskowitz form of ITTC
+Frequency = Annotated[Positive, Field(le=100)]
 Gamma = Annotated[Number, Field(ge=1, le=7), Unit("-")]
 
 
@@ -22,11 +23,11 @@ class Waves(Table):
     spectrum: Shape = "pierson-moskowitz"
     form: Form = "peak"
     gamma: Gamma = 3.3  # of JONSWAP
-    components: Count = 130
+    components: Annotated[Count, Field(le=10_000)] = 130
     # Frequencies of irregular waves, and of the coefficients of floats.
-    band: Annotated[tuple[Positive, Positive], Unit("rad/s")] | None = None
+    band: Annotated[tuple[Frequency, Frequency], Unit("rad/s")] | None = None
     intervals: Literal["random", "even"] = "random"
-    heading: Annotated[Number, Unit("rad")] = 0.0
+    heading: Annotated[Number, Field(ge=-2 * math.pi, le=2 * math.pi), Unit("rad")] = 0.0
     base_seed: Seed = 0
 
 
@@ -149,9 +150,3 @@ def band(sea: SeaState, waves: Waves) -> tuple[float, float] | None:
         return waves.band
     low, high = span
     return 2.0 ** math.floor(math.log2(low)), 2.0 ** math.ceil(math.log2(high))
-
-
-def peak_frequency(sea: Irregular, waves: Waves) -> float:
-    """Of the spectrum [rad/s]; in the mean form, whose Tp is T1, it is (4/5 692)^(1/4) / T1."""
-    mean = (sea.spectrum or waves.spectrum, sea.form or waves.form) == ("pierson-moskowitz", "mean")
-    return (0.8 * 692) ** 0.25 / sea.Tp if mean else 2 * math.pi / sea.Tp

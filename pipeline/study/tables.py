@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import math
 import unicodedata
-from typing import Annotated, Any, NamedTuple
+from collections.abc import Callable, Collection
+from copy import copy
+from types import UnionType
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from pydantic import (
     AfterValidator,
@@ -17,9 +21,13 @@ from pydantic import (
     PlainSerializer,
     StringConstraints,
     Tag,
+    create_model,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
+
+from solver.quantities import Quantity, quantities
 
 
 class Unit(NamedTuple):
@@ -85,20 +93,6 @@ def _one_or_many(given: Any) -> str:
     return "<many>" if isinstance(given, list | tuple) else "<one>"
 
 
-# A number for a joint's only axis, or a list with one for each.
-PerAxis = Annotated[
-    Annotated[NotNegative, Tag("<one>")]
-    | Annotated[tuple[NotNegative, ...], Field(min_length=1, max_length=7), Tag("<many>")],
-    Discriminator(_one_or_many),
-    AfterValidator(_shortest),
-]
-SignedPerAxis = Annotated[
-    Annotated[Number, Tag("<one>")] | Annotated[tuple[Number, ...], Field(min_length=1, max_length=7), Tag("<many>")],
-    Discriminator(_one_or_many),
-    AfterValidator(_shortest),
-]
-
-
 class Table(BaseModel):
     """One table of a study file: immutable, and an unknown key is an error with a suggestion."""
 
@@ -113,3 +107,60 @@ class Table(BaseModel):
                 known = f"did you mean {close[0]}?" if close else f"known: {', '.join(cls.model_fields)}"
                 raise PydanticCustomError("unknown_key", "{limit}", {"key": key, "limit": f"unknown key; {known}"})
         return data
+
+
+T = TypeVar("T", bound=Table)
+PER_AXIS = float | tuple[float, ...]  # of a joint: a number for its only axis, or one for each
+
+
+def fields_of(inputs: type, names: Collection[str] = ()) -> Callable[[type[T]], type[T]]:
+    """Complete a table with the fields of the solver's inputs, all or those named.
+
+    Name, default, unit and range are the solver's. A field that the table declares keeps its own type; one
+    under TYPE_CHECKING is there for the pipeline's eyes alone.
+    """
+
+    def complete(table: type[T]) -> type[T]:
+        hints = get_type_hints(inputs)
+        made: dict[str, Any] = {}
+        for field in dataclasses.fields(inputs):
+            if not names or field.name in names:
+                quantity = quantities(inputs).get(field.name, Quantity())
+                declared = table.model_fields.get(field.name)
+                info = copy(declared) if declared else FieldInfo.from_annotation(_strict(hints[field.name], quantity))
+                info.metadata = [*info.metadata, Unit(quantity.unit)]
+                made[field.name] = (info.annotation, FieldInfo.merge_field_infos(info, **_default(field)))
+        return create_model(table.__name__, __base__=table, __doc__=table.__doc__, __module__=table.__module__, **made)
+
+    return complete
+
+
+def _default(field: dataclasses.Field[Any]) -> dict[str, Any]:
+    return {} if field.default is dataclasses.MISSING else {"default": field.default}
+
+
+def _strict(hint: Any, quantity: Quantity) -> Any:
+    """A type of the solver's as a file must give it: no word and no flag is taken for a number."""
+    if hint in (float, int):
+        return Annotated[hint, Field(strict=True, **_bounds(quantity, finite=hint is float))]
+    if hint is bool:
+        return Flag
+    if hint == PER_AXIS:
+        return _per_axis(_strict(float, quantity))
+    if get_origin(hint) in (None, Literal):
+        return hint
+    inner = tuple(_strict(each, quantity) for each in get_args(hint))
+    return Union.__getitem__(inner) if get_origin(hint) in (Union, UnionType) else get_origin(hint)[inner]
+
+
+def _bounds(quantity: Quantity, *, finite: bool) -> dict[str, Any]:
+    bounds = {"gt": quantity.above, "ge": quantity.least, "lt": quantity.below, "le": quantity.most}
+    finite_too = {"allow_inf_nan": quantity.infinite} if finite else {}
+    return {name: bound for name, bound in bounds.items() if bound is not None} | finite_too
+
+
+def _per_axis(number: Any) -> Any:
+    """A number, or a list with one for each axis."""
+    one = Annotated[number, Tag("<one>")]
+    many = Annotated[tuple[number, ...], Field(min_length=1, max_length=7), Tag("<many>")]
+    return Annotated[one | many, Discriminator(_one_or_many), AfterValidator(_shortest)]

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+SHALLOWEST = 0.1  # kh; longer waves have no coefficients
+
 
 def wavenumber(omega, depth: float, gravity: float = 9.81) -> np.ndarray:
     """Wavenumber k [1/m] of ω² = g k tanh(kh) for ω [rad/s] of any shape, depth h [m].
@@ -19,3 +21,14 @@ def wavenumber(omega, depth: float, gravity: float = 9.81) -> np.ndarray:
         slope = t + y * (1 - t * t)
         y = y - np.where(slope > 0, (y * t - y0) / np.where(slope > 0, slope, 1.0), 0.0)
     return y / depth
+
+
+def too_shallow(omega: float, depth: float, gravity: float) -> bool:
+    """Whether waves of ω [rad/s] are too long for the depth [m] to have coefficients."""
+    return bool(wavenumber(omega, depth, gravity) * depth <= SHALLOWEST)
+
+
+def breaking_height(period: float, depth: float, gravity: float) -> float:
+    """Miche's limit of a regular wave's height [m], 0.142 L tanh(kh), for its period [s]."""
+    k = float(wavenumber(2 * np.pi / period, depth, gravity))
+    return float(0.142 * 2 * np.pi / k * np.tanh(k * depth)) if k > 0 else np.inf

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from solver.errors import InputError
+from solver.quantities import require_positive
 from solver.sea.spectrum import Spectrum, moment
 
 
@@ -59,8 +60,7 @@ def realize(
     partition moves by up to ±0.4 of a width, so that frequencies share no period.
     """
     low, high = band
-    if not 0 < low < high:
-        raise InputError("band", list(band), "needs 0 < low < high [rad/s]")
+    require_rising(band)
     if components < 1:
         raise InputError("components", components, "must be at least 1")
     rng = np.random.default_rng(np.random.SeedSequence(seed))
@@ -80,11 +80,16 @@ def realize(
     )
 
 
+def require_rising(band: tuple[float, float]) -> None:
+    """Refuse a band that is none."""
+    if not 0 < band[0] < band[1]:
+        raise InputError("band", list(band), "must rise: 0 < low < high [rad/s]")
+
+
 def regular(*, height: float, period: float, phase: float = 0.0, heading: float = 0.0) -> Realization:
     """One wave, η = H/2 cos(ks - ωt + ε) of height H [m], period [s] and phase ε [rad]."""
-    for key, value in (("height", height), ("period", period)):
-        if not 0 < value < np.inf:
-            raise InputError(key, value, "must be positive and finite")
+    require_positive("height", height, "m")
+    require_positive("period", period, "s")
     return components(amplitude=[height / 2], omega=[2 * np.pi / period], phase=[phase], heading=heading)
 
 

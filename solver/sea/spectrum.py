@@ -6,6 +6,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from solver.errors import InputError
+from solver.quantities import require_positive
 
 
 class Spectrum(Protocol):
@@ -14,12 +15,6 @@ class Spectrum(Protocol):
     def density(self, omega: np.ndarray) -> np.ndarray:
         """S(ω) [m² s/rad], one-sided, for ω [rad/s]."""
         ...
-
-
-def _positive(**values: float) -> None:
-    for key, value in values.items():
-        if not 0 < value < np.inf:
-            raise InputError(key, value, "must be positive and finite")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +33,13 @@ class PiersonMoskowitz:
     form: Literal["peak", "mean"] = "peak"
 
     def __post_init__(self):
-        _positive(Hs=self.Hs, Tp=self.Tp)
+        require_positive("Hs", self.Hs, "m")
+        require_positive("Tp", self.Tp, "s")
+
+    @property
+    def peak_frequency(self) -> float:
+        """Where S is largest [rad/s]; in the mean form (4/5 692)^(1/4) / T."""
+        return 2 * np.pi / self.Tp if self.form == "peak" else (0.8 * 692) ** 0.25 / self.Tp
 
     def density(self, omega):
         if self.form == "peak":
@@ -56,7 +57,7 @@ class WhiteNoise:
     band: tuple[float, float]  # [rad/s]
 
     def __post_init__(self):
-        _positive(Hs=self.Hs)
+        require_positive("Hs", self.Hs, "m")
 
     def density(self, omega):
         low, high = self.band
@@ -76,9 +77,15 @@ class Jonswap:
     gamma: float = 3.3  # peak enhancement [-]; 1 is Pierson-Moskowitz
 
     def __post_init__(self):
-        _positive(Hs=self.Hs, Tp=self.Tp)
+        require_positive("Hs", self.Hs, "m")
+        require_positive("Tp", self.Tp, "s")
         if not 1 <= self.gamma <= 7:
             raise InputError("gamma", self.gamma, "JONSWAP needs 1 <= gamma <= 7")
+
+    @property
+    def peak_frequency(self) -> float:
+        """Where S is largest [rad/s]."""
+        return 2 * np.pi / self.Tp
 
     def density(self, omega):
         wp = 2 * np.pi / self.Tp

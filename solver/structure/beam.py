@@ -7,10 +7,12 @@ matrix R are the local axes: local = R global.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from solver.errors import InputError
+from solver.quantities import Quantity, require_positive, require_ranges
 
 AXIAL, TORSION = [0, 6], [3, 9]
 BENDING_XY, BENDING_XZ = [1, 5, 7, 11], [2, 4, 8, 10]
@@ -19,36 +21,26 @@ VERTICAL = 1e-4  # sine of the angle to z below which a member counts as vertica
 GAUSS_2 = np.polynomial.legendre.leggauss(2)
 
 
-def positive(key, value, unit):
-    """The value, if it is finite and > 0."""
-    if not (np.isfinite(value) and value > 0):
-        raise InputError(key, value, f"must be > 0 {unit}".rstrip())
-    return value
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Section:
     """Cross section; Iy is the bending stiffness in the xz plane, Iz in the xy plane."""
 
-    area: float  # [m2]
-    Iy: float  # ∫z² dA [m4]
-    Iz: float  # ∫y² dA [m4]
-    J: float  # torsion constant [m4]
-    Ip: float  # polar moment Iy + Iz, for the rotary inertia [m4]
-    fibre: float  # distance c of the extreme fibre from the axis [m]
-    diameter: float = 0.0  # outer diameter seen by the water; 0 takes no water load [m]
+    area: Annotated[float, Quantity("m2", above=0)]
+    Iy: Annotated[float, Quantity("m4", above=0)]  # ∫z² dA
+    Iz: Annotated[float, Quantity("m4", above=0)]  # ∫y² dA
+    J: Annotated[float, Quantity("m4", above=0)]  # torsion constant
+    Ip: Annotated[float, Quantity("m4", above=0)]  # polar moment Iy + Iz, for the rotary inertia
+    fibre: Annotated[float, Quantity("m", above=0)]  # distance c of the extreme fibre from the axis
+    diameter: Annotated[float, Quantity("m", least=0)] = 0.0  # outer, as the water sees it; 0 takes no water load
 
     def __post_init__(self):
-        for name in ("area", "Iy", "Iz", "J", "Ip", "fibre"):
-            positive(f"section.{name}", getattr(self, name), "")
-        if not (np.isfinite(self.diameter) and self.diameter >= 0):
-            raise InputError("section.diameter", self.diameter, "must be >= 0 m")
+        require_ranges(self, "section")
 
 
 def tube(diameter, thickness):
     """Circular tube of outer diameter D and wall t [m]; t = D/2 is a solid rod."""
-    positive("section.diameter", diameter, "m")
-    positive("section.thickness", thickness, "m")
+    require_positive("section.diameter", diameter, "m")
+    require_positive("section.thickness", thickness, "m")
     if thickness > diameter / 2:
         raise InputError(
             "section.thickness", thickness, f"must be <= diameter / 2 = {diameter / 2:g} m"
@@ -71,8 +63,8 @@ def solid_rectangle(width, height):
 
     The extreme fibre is the corner, half a diagonal away.
     """
-    positive("section.width", width, "m")
-    positive("section.height", height, "m")
+    require_positive("section.width", width, "m")
+    require_positive("section.height", height, "m")
     Iy, Iz = width * height**3 / 12, height * width**3 / 12
     return Section(
         area=width * height,

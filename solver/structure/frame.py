@@ -3,27 +3,29 @@
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import scipy  # sparse is slow to import, and the command line needs frames but rarely their matrices
 
-from solver.errors import InputError
+from solver.errors import InputError, refuse
+from solver.quantities import Quantity, out_of_range, require_ranges
 from solver.structure import beam
-from solver.structure.beam import Section, positive
+from solver.structure.beam import Section
 
 COINCIDENT = 1e-9  # two nodes closer than this share of the frame's size are one
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
-    E: float  # Young's modulus [Pa]
-    G: float  # shear modulus [Pa]
-    density: float  # [kg/m3]
+    """Linear elastic."""
+
+    E: Annotated[float, Quantity("Pa", above=0)]  # Young's modulus
+    G: Annotated[float, Quantity("Pa", above=0)]  # shear modulus
+    density: Annotated[float, Quantity("kg/m3", above=0)]
 
     def __post_init__(self):
-        positive("material.E", self.E, "Pa")
-        positive("material.G", self.G, "Pa")
-        positive("material.density", self.density, "kg/m3")
+        require_ranges(self, "material")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,27 +41,20 @@ class Member:
     elements: int
     section: Section
     material: Material
-    drag_coefficient: float = 0.0  # C_D [-]
-    inertia_coefficient: float = 1.0  # C_M [-]
+    drag_coefficient: Annotated[float, Quantity("-", least=0)] = 0.0  # C_D
+    inertia_coefficient: Annotated[float, Quantity("-", least=1)] = 1.0  # C_M = 1 + C_a
 
     def __post_init__(self):
-        key = f"members.{self.name}"
+        refuse(self._problems(f"members.{self.name}"))
+
+    def _problems(self, key):
+        yield from out_of_range(self, key)
         if self.elements < 1 or int(self.elements) != self.elements:
-            raise InputError(f"{key}.elements", self.elements, "must be a whole number >= 1")
+            yield InputError(f"{key}.elements", self.elements, "must be a whole number >= 1")
         if self.start == self.end:
-            raise InputError(f"{key}.end", self.end, "must differ from start: zero length")
-        if not (np.isfinite(self.drag_coefficient) and self.drag_coefficient >= 0):
-            raise InputError(f"{key}.drag_coefficient", self.drag_coefficient, "must be >= 0")
-        if not (np.isfinite(self.inertia_coefficient) and self.inertia_coefficient >= 1):
-            raise InputError(
-                f"{key}.inertia_coefficient",
-                self.inertia_coefficient,
-                "must be >= 1 (C_M = 1 + C_a)",
-            )
+            yield InputError(f"{key}.end", self.end, "must differ from start: zero length")
         if self.in_water and self.section.diameter == 0:
-            raise InputError(
-                f"{key}.section.diameter", 0.0, "must be > 0 m for a member with water coefficients"
-            )
+            yield InputError(f"{key}.section.diameter", 0.0, "must be > 0 m for a member with water coefficients")
 
     @property
     def in_water(self):
@@ -69,17 +64,21 @@ class Member:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointMass:
+    """A mass without extent on a node; it resists translation alone."""
+
     node: str
-    mass: float  # translational only [kg]
+    mass: Annotated[float, Quantity("kg", above=0)]
 
     def __post_init__(self):
-        positive(f"masses.{self.node}", self.mass, "kg")
+        require_ranges(self, f"masses.{self.node}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointLoad:
+    """A constant force on a node."""
+
     node: str
-    force: tuple[float, float, float]  # global axes [N]
+    force: Annotated[tuple[float, float, float], Quantity("N")]  # global axes
 
     def __post_init__(self):
         if np.shape(self.force) != (3,) or not np.all(np.isfinite(self.force)):
@@ -101,64 +100,57 @@ class Frame:
         return hash(repr(self))
 
     def __post_init__(self):
-        self._check_coordinates()
-        self._check_names()
-        self._check_supported()
+        refuse(self._coordinate_problems())
+        refuse(self._name_problems())
+        refuse(self._support_problems())
 
-    def _check_coordinates(self):
+    def _coordinate_problems(self):
         for name, xyz in self.nodes.items():
             if np.shape(xyz) != (3,) or not np.all(np.isfinite(xyz)):
-                raise InputError(f"nodes.{name}", xyz, "must be three finite coordinates [m]")
+                yield InputError(f"nodes.{name}", xyz, "must be three finite coordinates [m]")
+                return
         names, xyz = list(self.nodes), np.array(list(self.nodes.values()), float).reshape(-1, 3)
         size = np.ptp(xyz, axis=0).max(initial=0.0)
         for i, name in enumerate(names[1:], start=1):
             gap = np.linalg.norm(xyz[:i] - xyz[i], axis=1)
             if gap.min() <= COINCIDENT * size:
-                raise InputError(
-                    f"nodes.{name}",
-                    self.nodes[name],
-                    f"must not coincide with {names[gap.argmin()]}",
-                )
+                yield InputError(f"nodes.{name}", self.nodes[name], f"must not coincide with {names[gap.argmin()]}")
 
-    def _check_names(self):
+    def _name_problems(self):
         if not self.members:
-            raise InputError("members", "none", "a frame needs at least one")
+            yield InputError("members", "[]", "needs at least one member")
         if not self.clamped:
-            raise InputError("clamped", "none", "a frame needs at least one clamped node")
-        _unique("members", [member.name for member in self.members])
-        _unique("clamped", self.clamped)
+            yield InputError("clamped", "[]", "needs at least one node, or the frame floats away")
+        for key, names in (("members", [member.name for member in self.members]), ("clamped", self.clamped)):
+            for name, count in Counter(names).items():
+                if count > 1:
+                    yield InputError(key, name, f"given {count} times, must be unique")
+        for key, node in self._mentioned():
+            if node not in self.nodes:
+                yield InputError(key, node, f"must be one of {', '.join(self.nodes)}")
+
+    def _mentioned(self):
+        """Keys under which nodes are mentioned, and those nodes."""
         for member in self.members:
-            self._known(f"members.{member.name}.start", member.start)
-            self._known(f"members.{member.name}.end", member.end)
-        for node in self.clamped:
-            self._known("clamped", node)
-        for item in self.masses:
-            self._known("masses", item.node)
-        for item in self.loads:
-            self._known("loads", item.node)
+            yield f"members.{member.name}.start", member.start
+            yield f"members.{member.name}.end", member.end
+        yield from ((f"clamped[{i}]", node) for i, node in enumerate(self.clamped))
+        for key, items in (("masses", self.masses), ("loads", self.loads)):
+            yield from ((f"{key}[{i}].node", item.node) for i, item in enumerate(items))
 
-    def _known(self, key, node):
-        if node not in self.nodes:
-            raise InputError(key, node, f"must be one of the nodes {', '.join(self.nodes)}")
-
-    def _check_supported(self):
+    def _support_problems(self):
         """Every node hangs on a clamped one, or the stiffness is singular."""
-        index = {name: i for i, name in enumerate(self.nodes)}
-        ends = np.array([[index[member.start], index[member.end]] for member in self.members])
-        graph = scipy.sparse.coo_matrix((np.ones(len(ends)), ends.T), shape=2 * (len(index),))
-        part = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
-        held = {part[index[name]] for name in self.clamped}
-        floating = [name for name, i in index.items() if part[i] not in held]
+        neighbours = {name: set() for name in self.nodes}
+        for member in self.members:
+            neighbours[member.start].add(member.end)
+            neighbours[member.end].add(member.start)
+        held, reached = set(), set(self.clamped)
+        while reached:
+            held |= reached
+            reached = set().union(*(neighbours[name] for name in reached)) - held
+        floating = [name for name in self.nodes if name not in held]
         if floating:
-            raise InputError(
-                "nodes", ", ".join(floating), "must be joined to a clamped node by members"
-            )
-
-
-def _unique(key, names):
-    name, count = Counter(names).most_common(1)[0]
-    if count > 1:
-        raise InputError(key, name, f"given {count} times, must be unique")
+            yield InputError("nodes", ", ".join(floating), "must be joined to a clamped node by members")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

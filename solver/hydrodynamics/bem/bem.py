@@ -15,9 +15,10 @@ from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, M
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.mean_hull import froude_krylov, hydrostatic_stiffness, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull.clearance import touching
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.sea.dispersion import wavenumber
+from solver.sea.dispersion import SHALLOWEST, too_shallow, wavenumber
 
 __all__ = ["DOFS", "PLANAR", "Hydrodynamics", "check", "frequency_grid", "solve"]
 
@@ -281,15 +282,8 @@ def check(hulls, centres, depth, omega, gravity, panels) -> None:
         raise InputError("depth", depth, f"must be greater than the draft, {deepest} m")
     if omega[0] <= 0 or np.any(np.diff(omega) <= 0):
         raise InputError("omega", omega.tolist(), "must increase from above 0 rad/s")
-    if wavenumber(omega[0], depth, gravity) * depth <= 0.1:
-        raise InputError("omega", omega[0], f"must have kh > 0.1 in the depth of {depth} m")
+    if too_shallow(omega[0], depth, gravity):
+        raise InputError("omega", omega[0], f"must have kh > {SHALLOWEST:g} in the depth of {depth} m")
     for i, j in zip(*np.triu_indices(len(hulls), 1), strict=True):
-        if _touching(hulls[i], centres[i], hulls[j], centres[j]):
+        if touching(hulls[i], centres[i], hulls[j], centres[j]):
             raise InputError("centres", centres[[i, j]].tolist(), "bodies must not touch or overlap")
-
-
-def _touching(a, at, b, other) -> bool:
-    """Whether neither the circles nor the rectangles about two hulls are clear of each other."""
-    circles = np.linalg.norm(at - other) <= a.largest_radius + b.largest_radius
-    gap = np.maximum(a.box[0] + at[:2] - b.box[1] - other[:2], b.box[0] + other[:2] - a.box[1] - at[:2])
-    return bool(circles and np.all(gap <= 0))

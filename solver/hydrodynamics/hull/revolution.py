@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.errors import InputError
+from solver.quantities import require_positive
 
 LINE, ARC = 0.0, 1.0
 
@@ -118,17 +119,17 @@ class Revolution:
     @classmethod
     def sphere(cls, *, radius: float, draft: float) -> "Revolution":
         """A sphere whose lowest point is `draft` below still water."""
-        _positive("hull.radius", radius)
+        require_positive("hull.radius", radius, "m")
         if not 0 < draft < 2 * radius:
-            raise InputError("hull.draft", draft, f"must be between 0 and the diameter, {2 * radius} m")
+            raise InputError("hull.draft", draft, f"must be between 0 and the diameter, {2 * radius:g} m")
         centre = radius - draft
         return cls(meridian=(Segment(start=(0.0, -draft), end=(0.0, centre + radius), centre=centre),))
 
     @classmethod
     def hemisphere_cylinder(cls, *, radius: float, height: float) -> "Revolution":
         """A hemisphere under a cylinder of `height` with a flat top; still water at the junction."""
-        _positive("hull.radius", radius)
-        _positive("hull.height", height)
+        require_positive("hull.radius", radius, "m")
+        require_positive("hull.height", height, "m")
         return cls(
             meridian=(
                 Segment(start=(0.0, -radius), end=(radius, 0.0), centre=0.0),
@@ -140,9 +141,9 @@ class Revolution:
     @classmethod
     def vertical_cylinder(cls, *, radius: float, draft: float, freeboard: float) -> "Revolution":
         """A circular cylinder, flat at both ends."""
-        _positive("hull.radius", radius)
-        _positive("hull.draft", draft)
-        _positive("hull.freeboard", freeboard)
+        require_positive("hull.radius", radius, "m")
+        require_positive("hull.draft", draft, "m")
+        require_positive("hull.freeboard", freeboard, "m")
         return cls(
             meridian=(
                 Segment(start=(0.0, -draft), end=(radius, -draft)),
@@ -256,8 +257,3 @@ class Revolution:
     def wetted_area(self) -> float:
         """Surface below still water [m²]."""
         return sum(s.area for s in self.wetted())
-
-
-def _positive(key: str, value: float) -> None:
-    if not (np.isfinite(value) and value > 0):
-        raise InputError(key, value, "must be finite and > 0 m")

@@ -1,15 +1,17 @@
 """Floats on joints of every kind, from a study file to the solver's scene."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from pipeline.bridge import preflight, scenes
-from pipeline.bridge.checks import PER_AXIS
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import dimensions, expand
+from solver.scene import PER_AXIS
 
 TEXT = """
 [water]
@@ -141,3 +143,40 @@ def test_bad_joints_are_refused_in_one_line(study_with, keys, message):
     with pytest.raises(StudyError) as caught:
         study_with(HINGED + keys)
     assert any(message in line for line in caught.value.problems), caught.value.problems
+
+
+def test_all_that_is_wrong_is_told_at_once_and_once(study_with):
+    """Each key of a float, and of a platform that no task of the study has."""
+    platform = """
+[axes]
+platform = ["fixed"]
+[platform]
+nodes = { foot = [0.0, 0.0, -51.0] }
+materials = { steel = { E = 2.1e11, G = 8.33e10, density = 8012.0 } }
+sections = { pipe = { shape = "tube", diameter = 1.0, thickness = 0.6 } }
+members = [
+    { name = "leg", start = "foot", end = "top", section = "pipe", material = "steel" },
+    { name = "arm", start = "foot", end = "foot", section = "tube", material = "steel" },
+]
+clamped = ["foot"]
+"""
+    with pytest.raises(StudyError) as caught:
+        study_with(HINGED + "damping = [1.0, 2.0]\noffset = [1.0, 2.0]" + platform)
+    keys = [line.split(": ", 1)[1].split(" = ")[0] for line in caught.value.problems]
+    assert keys == [
+        "floats.only.damping",
+        "floats.only.offset",
+        "platform.sections.pipe.thickness",
+        "platform.members.arm.section",
+    ]
+    path = caught.value.problems[0].split(": ")[0]
+    text = (
+        Path(path)
+        .read_text()
+        .replace("thickness = 0.6", "thickness = 0.1")
+        .replace('section = "tube"', 'section = "pipe"')
+    )
+    Path(path).write_text(text.replace("[1.0, 2.0]", "1.0"))
+    with pytest.raises(StudyError) as caught:
+        load(Path(path))
+    assert [line.split(": ", 1)[1].split(" = ")[0] for line in caught.value.problems] == ["platform.members.arm.end"]

@@ -121,7 +121,7 @@ BAD = [
     (
         "foot = [-1.5, 0.0, -50.0]",
         "foot = [-1.5, 0.0, -50.0]\nlost = [0.0, 0.0, 0.0]",
-        "must be the end of a member",
+        "platform.nodes = lost: must be joined to a clamped node by members",
     ),
     ("elements = 4", "elements = 0", "platform.members[0].elements = 0: must be >= 1"),
     (
@@ -161,7 +161,7 @@ BAD = [
         "[record]\nramp = 200.0\n[axes]",
         "record.ramp = 200.0: must be <= record.discard = 100 s",
     ),
-    ("[axes]", "[record]\nduration = 0\n[axes]", "record.duration = 0: must be > 0 s"),
+    ("[axes]", "[record]\nduration = 0\n[axes]", "record.duration = 0: must be >= 1 s"),
 ]
 
 

@@ -1,5 +1,6 @@
 """Identity: the same physics has the same name, and nothing else decides it."""
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -8,8 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.bridge.geometry import geometry_of
+from pipeline.study import schema
 from pipeline.study.schema import Solver, StudyFile
+from pipeline.study.tables import Unit
 from pipeline.tasks.task import Parameters, Task, canonical, dimensions, expand, wave_seed
+from solver import scene as physics
+from solver.quantities import quantities
+from solver.structure import frame
 
 
 def ids(tables):
@@ -179,16 +185,23 @@ def test_canonical_text_is_lossless(data):
     assert json.loads(canonical(data)) == data
 
 
+@pytest.mark.parametrize("name", ["Water", "Float", "Member", "Material", "PointMass", "PointLoad"])
+def test_a_tables_fields_are_the_solvers(name):
+    """An id leaves out what is at its default, and a number without range or unit would pass."""
+    inputs = getattr(frame, name, None) or getattr(physics, name)
+    table = getattr(schema, name)
+    theirs = {f.name: f.default for f in dataclasses.fields(inputs) if f.default is not dataclasses.MISSING}
+    ours = {key: f.default for key, f in table.model_fields.items() if not f.is_required()}
+    assert set(table.model_fields) == {f.name for f in dataclasses.fields(inputs)}
+    assert ours == theirs | ({"elements": 1} if name == "Member" else {})
+    for key, quantity in quantities(inputs).items():
+        assert Unit(quantity.unit) in table.model_fields[key].metadata
+
+
 def test_knobs_of_the_solver_are_its_own():
-    """Names and defaults must be the solver's: an id leaves out what is at its default."""
-    from dataclasses import fields
-
-    from pipeline.study.schema import Recording, Solver
-    from solver.scene import Settings
-
-    assert Recording().series == "none"  # becomes Settings.keep_series
-    ours = Recording().model_dump(exclude={"series"}) | Solver().model_dump()
-    assert ours == {f.name: f.default for f in fields(Settings) if f.name != "keep_series"}
+    ours = schema.Recording().model_dump(exclude={"series"}) | schema.Solver().model_dump()
+    assert schema.Recording().series == "none"  # becomes Settings.keep_series
+    assert ours == {f.name: f.default for f in dataclasses.fields(physics.Settings) if f.name != "keep_series"}
 
 
 @pytest.mark.parametrize("value", ["a", -1, float("nan"), [1]])

@@ -1,0 +1,62 @@
+"""Units and ranges of inputs: they stand once, beside the field, and a study file's tables take them from there."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, get_type_hints
+
+import numpy as np
+
+from solver.errors import InputError, refuse
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Of a number, or of every number of several: what may follow it in an annotation."""
+
+    unit: str = "-"
+    above: float | None = None  # must be >
+    least: float | None = None  # must be >=
+    below: float | None = None  # must be <
+    most: float | None = None  # must be <=
+    infinite: bool = False  # may be
+
+    def limit(self, values: Any) -> str:
+        """What numbers that are outside the range must be; empty if they are inside."""
+        bounds = {
+            ">": (self.above, np.greater), ">=": (self.least, np.greater_equal),
+            "<": (self.below, np.less), "<=": (self.most, np.less_equal),
+        }  # fmt: skip
+        for sign, (bound, holds) in bounds.items():
+            if bound is not None and not np.all(holds(values, bound)):
+                return f"must be {sign} {bound:g} {self.unit}".removesuffix(" -")
+        if not (np.all(np.isfinite(values)) or (self.infinite and not np.any(np.isnan(values)))):
+            return f"must be finite {self.unit}".removesuffix(" -")
+        return ""
+
+
+@lru_cache
+def quantities(inputs: type) -> dict[str, Quantity]:
+    """Of the fields of a class of inputs."""
+    hints = get_type_hints(inputs, include_extras=True)
+    marks = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
+    return {name: mark for name, of in marks.items() for mark in of if isinstance(mark, Quantity)}
+
+
+def out_of_range(inputs: Any, key: str) -> Iterator[InputError]:
+    """Every field of inputs that is outside its range; None and words have none."""
+    for name, quantity in quantities(type(inputs)).items():
+        value = getattr(inputs, name)
+        if value is not None and not isinstance(value, str) and (limit := quantity.limit(np.asarray(value, float))):
+            yield InputError(f"{key}.{name}", value, limit)
+
+
+def require_ranges(inputs: Any, key: str) -> None:
+    """Refuse inputs of which a field is outside its range."""
+    refuse(out_of_range(inputs, key))
+
+
+def require_positive(key: str, value: float, unit: str = "-") -> None:
+    """Refuse a number that is not finite and > 0."""
+    if limit := Quantity(unit, above=0).limit(value):
+        raise InputError(key, value, limit)

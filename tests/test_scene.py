@@ -1,0 +1,77 @@
+"""What a scene's inputs refuse: key, value and limit of all that is wrong with them, before anything runs."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solver.errors import InputError
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.scene import Float, Platform, Scene, Settings, Water
+
+BALL = Revolution.sphere(radius=2.0, draft=1.0)  # widest above still water
+FREE = {"hull": BALL, "mass": 1e4, "inertia": (1e4,) * 3, "hinge": (0.0, 0.0, 0.0), "motion": ("heave",)}
+
+
+def one(**changes):
+    return Float(name="a", **FREE | changes)
+
+
+def two(apart, **changes):
+    return Scene(water=Water(depth=50.0), floats=(one(**changes), replace(one(), name="b", hinge=(apart, 0.0, 0.0))))
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda _: Water(depth=-1.0), "water.depth = -1.0: must be > 0 m"),
+        (lambda _: Water(depth=np.nan), "water.depth = nan: must be > 0 m"),
+        (lambda _: Water(depth=1.0, density=np.inf), "water.density = inf: must be finite kg/m3"),
+        (lambda _: Settings(modes=0), "settings.modes = 0: must be >= 1"),
+        (lambda _: Settings(tolerance=0.2), "settings.tolerance = 0.2: must be <= 0.1"),
+        (
+            lambda _: one(inertia=(1.0, 2.0, 3.1)),
+            "floats.a.inertia = (1.0, 2.0, 3.1): must meet the triangle inequality",
+        ),
+        (lambda _: one(motion=("yaw", "yaw")), "floats.a.motion = ('yaw', 'yaw'): must name each axis once, of hinge,"),
+        (
+            lambda _: one(motion=("hinge",), axis=(0, 0, 2), arm=(0, 0, 1)),
+            "a.arm = (0, 0, 1): must not lie along the hinge",
+        ),
+        (lambda _: two(3.9), "distance of floats.a and floats.b = 3.9 m: must be > 4 m, or the floats touch"),
+        (lambda _: two(9.0, on="b"), "floats.a.on = b: must name a float that is listed before"),
+        (lambda buan: buan.platform(damping_ratio=1.0), "platform.damping_ratio = 1.0: must be < 1"),
+        (
+            lambda buan: Platform(frame=buan.frame(), legs=("leg1", "leg9")),
+            "platform.legs[1] = leg9: must be one of leg1,",
+        ),
+        (
+            lambda buan: buan.scene(water=Water(depth=49.9)),
+            "platform.nodes.foot1 = (-1.5, 1.2, -50.0): must not lie below",
+        ),
+        (
+            lambda buan: Scene(water=buan.water, sea=buan.regular(0.1, 2.0), settings=Settings(time_step=0.53)),
+            "settings.time_step = 0.53: must be <= 0.524 s, a sixth of the shortest wave's period, 3.14 s",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused(buan, build, message):
+    with pytest.raises(InputError) as caught:
+        build(buan)
+    assert message in str(caught.value)
+
+
+def test_bounds_belong_to_their_range_or_not_as_they_say():
+    assert Settings(discard=0.0, ramp=0.0, modes=1, tolerance=0.1).discard == 0
+    assert Water(depth=np.inf).depth == np.inf
+    assert one(inertia=(1.0, 2.0, 3.0)) and two(4.001).floats
+
+
+def test_all_that_is_wrong_with_an_input_is_told_at_once():
+    """A study file's reader mends them together."""
+    with pytest.raises(InputError) as caught:
+        one(mass=-1.0, inertia=(1.0, 1.0, 3.0), damping=(1.0, 2.0), offset=(0.0, 0.1))
+    error = pickle.loads(pickle.dumps(caught.value))
+    keys = [problem.key for problem in (error, *error.others)]
+    assert keys == ["floats.a.mass", "floats.a.damping", "floats.a.offset", "floats.a.inertia"]
