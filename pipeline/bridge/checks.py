@@ -89,6 +89,7 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
     for item in study.floats:
         yield from scenes.objections(partial(scenes.in_place, item, study.water))
     if table := study.platform:
+        yield from _repeated("platform.legs", table.legs)
         for node, place in table.nodes.items():
             if node.startswith(HINGE):
                 yield InputError(f"platform.nodes.{node}", list(place), "comes with its float; leave it out")

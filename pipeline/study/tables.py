@@ -64,7 +64,8 @@ Depth = Annotated[
     AfterValidator(_fathomable),
     PlainSerializer(lambda v: "inf" if math.isinf(v) else v, when_used="json"),
 ]
-Count = Annotated[int, Field(strict=True, ge=1, le=10_000)]
+MOST = 10_000  # of anything that is counted
+Count = Annotated[int, Field(strict=True, ge=1, le=MOST)]
 Flag = Annotated[bool, Field(strict=True)]
 Vector = tuple[Number, Number, Number]
 
@@ -142,7 +143,8 @@ def _default(field: dataclasses.Field[Any]) -> dict[str, Any]:
 def _strict(hint: Any, quantity: Quantity) -> Any:
     """A type of the solver's as a file must give it: no word and no flag is taken for a number."""
     if hint in (float, int):
-        return Annotated[hint, Field(strict=True, **_bounds(quantity, finite=hint is float))]
+        number = Annotated[hint, Field(strict=True, **_bounds(quantity, real=hint is float))]
+        return Annotated[number, AfterValidator(_divisible)] if hint is float and quantity.above == 0 else number
     if hint is bool:
         return Flag
     if hint == PER_AXIS:
@@ -153,10 +155,13 @@ def _strict(hint: Any, quantity: Quantity) -> Any:
     return Union.__getitem__(inner) if get_origin(hint) in (Union, UnionType) else get_origin(hint)[inner]
 
 
-def _bounds(quantity: Quantity, *, finite: bool) -> dict[str, Any]:
+def _bounds(quantity: Quantity, *, real: bool) -> dict[str, Any]:
+    """The quantity's own, and where it has none those of all numbers."""
     bounds = {"gt": quantity.above, "ge": quantity.least, "lt": quantity.below, "le": quantity.most}
-    finite_too = {"allow_inf_nan": quantity.infinite} if finite else {}
-    return {name: bound for name, bound in bounds.items() if bound is not None} | finite_too
+    own = {name: bound for name, bound in bounds.items() if bound is not None}
+    low = {} if own.keys() & {"gt", "ge"} or not real else {"ge": -LARGEST}
+    high = {} if own.keys() & {"lt", "le"} else {"le": LARGEST if real else MOST}
+    return own | low | high | ({"allow_inf_nan": quantity.infinite} if real else {})
 
 
 def _per_axis(number: Any) -> Any:
