@@ -70,7 +70,7 @@ figure: study-buan
 
 lint: $(READY)
 	$(VENV)/bin/ruff check .
-	$(VENV)/bin/ruff format --check pipeline tests/pipeline
+	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/mypy
 	$(VENV)/bin/lint-imports
 

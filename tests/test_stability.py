@@ -250,8 +250,6 @@ def test_default_step_is_stable_for_soft_and_stiff_platforms_and_light_and_heavy
     assert attrs["energy_residual"] < 1e-3 and attrs["repeated"] == ""
 
 
-
-
 def test_interpreted_and_compiled_kernels_agree(coefficients, tmp_path):
     """The same short runs without the compiler, in a process of its own.
 

@@ -286,9 +286,7 @@ def _account_work(problem, drive, sample, state, room):
             inertia += drive.modal[sample + s, m] * stage.dp[s, m]
             structural += 2 * structure.damping[m] * structure.omega[m] * stage.dp[s, m] ** 2
         power[1 + s, FRAME_INERTIA], power[1 + s, STRUCTURAL] = inertia, structural
-        of_floats = powers(
-            problem.bodies, coordinates(stage, s), stage.motion[s], stage.external[s], stage.memory[s]
-        )
+        of_floats = powers(problem.bodies, coordinates(stage, s), stage.motion[s], stage.external[s], stage.memory[s])
         power[1 + s, WAVE], power[1 + s, RADIATION], power[1 + s, PTO], power[1 + s, JOINT_DAMPING] = of_floats
     _copy(state.power, power[0])
     for i in range(state.work.size):

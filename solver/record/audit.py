@@ -27,9 +27,7 @@ MOTIONS = ("rotation", "motion", "top_displacement")
 def probed(scene: Scene, steps: int) -> Scene:
     """A scene whose record is of so many steps from the start, and of nothing but statistics."""
     s = scene.settings
-    return replace(
-        scene, settings=replace(s, discard=0.0, duration=steps * s.time_step, keep_series=False, rao=False)
-    )
+    return replace(scene, settings=replace(s, discard=0.0, duration=steps * s.time_step, keep_series=False, rao=False))
 
 
 class Probe:

@@ -42,9 +42,7 @@ def tube(diameter, thickness):
     require_positive("section.diameter", diameter, "m")
     require_positive("section.thickness", thickness, "m")
     if thickness > diameter / 2:
-        raise InputError(
-            "section.thickness", thickness, f"must be <= diameter / 2 = {diameter / 2:g} m"
-        )
+        raise InputError("section.thickness", thickness, f"must be <= diameter / 2 = {diameter / 2:g} m")
     inner = diameter - 2 * thickness
     bending = np.pi / 64 * (diameter**4 - inner**4)
     return Section(
@@ -108,9 +106,7 @@ def stiffness(E, G, section, L):
         ]
     )
     bend = E * bend / L**3
-    return _blocks(
-        E * section.area * rod, G * section.J * rod, section.Iz * bend, section.Iy * bend
-    )
+    return _blocks(E * section.area * rod, G * section.J * rod, section.Iz * bend, section.Iy * bend)
 
 
 def mass(density, section, L):
@@ -169,16 +165,12 @@ def to_global(R):
 
 def _hermite(s, L):
     """Cubic shape functions of (v1, v1', v2, v2') at station s."""
-    return np.array(
-        [1 - 3 * s**2 + 2 * s**3, L * (s - 2 * s**2 + s**3), 3 * s**2 - 2 * s**3, L * (s**3 - s**2)]
-    )
+    return np.array([1 - 3 * s**2 + 2 * s**3, L * (s - 2 * s**2 + s**3), 3 * s**2 - 2 * s**3, L * (s**3 - s**2)])
 
 
 def _hermite_slope(s, L):
     """Derivative of the cubic shape functions along x [1/m, -]."""
-    return np.array(
-        [6 * (s**2 - s) / L, 1 - 4 * s + 3 * s**2, 6 * (s - s**2) / L, 3 * s**2 - 2 * s]
-    )
+    return np.array([6 * (s**2 - s) / L, 1 - 4 * s + 3 * s**2, 6 * (s - s**2) / L, 3 * s**2 - 2 * s])
 
 
 def displacement_shape(s, L):
@@ -212,6 +204,4 @@ def distributed_load(q, L, span=(0.0, 1.0)):
     s0, s1 = span
     stations = s0 + (s1 - s0) * (GAUSS_2[0] + 1) / 2
     weights = GAUSS_2[1] * (s1 - s0) * L / 2
-    return sum(
-        weight * displacement_shape(s, L).T @ q for s, weight in zip(stations, weights, strict=True)
-    )
+    return sum(weight * displacement_shape(s, L).T @ q for s, weight in zip(stations, weights, strict=True))

@@ -190,9 +190,7 @@ class FrameModel:
 def assemble(frame: Frame) -> FrameModel:
     """Mesh, element matrices, K and M. Named nodes come first, then the members' interior nodes."""
     xyz, node_index, member_nodes = _mesh(frame)
-    elements = np.concatenate(
-        [np.column_stack([nodes[:-1], nodes[1:]]) for nodes in member_nodes.values()]
-    )
+    elements = np.concatenate([np.column_stack([nodes[:-1], nodes[1:]]) for nodes in member_nodes.values()])
     counts = [member.elements for member in frame.members]
     member = np.repeat(np.arange(len(counts)), counts)
     ends = np.cumsum(counts)
@@ -201,9 +199,7 @@ def assemble(frame: Frame) -> FrameModel:
     rotation = np.array([beam.rotation(*xyz[pair]) for pair in elements])
     owner = [frame.members[i] for i in member]
     pairs = list(zip(owner, length, strict=True))
-    stiffness = np.array(
-        [beam.stiffness(m.material.E, m.material.G, m.section, L) for m, L in pairs]
-    )
+    stiffness = np.array([beam.stiffness(m.material.E, m.material.G, m.section, L) for m, L in pairs])
     mass = np.array([beam.mass(m.material.density, m.section, L) for m, L in pairs])
     size = 6 * len(xyz)
     return FrameModel(
@@ -213,9 +209,7 @@ def assemble(frame: Frame) -> FrameModel:
         elements=elements,
         dofs=dofs,
         member=member,
-        member_elements={
-            m.name: range(end - m.elements, end) for m, end in zip(frame.members, ends, strict=True)
-        },
+        member_elements={m.name: range(end - m.elements, end) for m, end in zip(frame.members, ends, strict=True)},
         member_nodes=member_nodes,
         free=_free(frame, node_index, size),
         length=length,

@@ -10,9 +10,7 @@ from solver.errors import InputError
 from solver.structure.frame import FrameModel
 from solver.structure.statics import static
 
-MIRROR_Y = np.array(
-    [1, -1, 1, -1, 1, -1]
-)  # a displacement and an axial vector seen in the plane y = 0
+MIRROR_Y = np.array([1, -1, 1, -1, 1, -1])  # a displacement and an axial vector seen in the plane y = 0
 SAME_PLACE = 1e-6  # share of the frame's size within which a node and a mirror image are the same
 SAME_VALUE = 1e-9  # rounding of K and M, relative to their largest entry
 
@@ -26,9 +24,7 @@ class Modes(NamedTuple):
 
 def modes(K, M, free, count=None):
     """The lowest `count` modes (default: all) of (K - ω²M)φ = 0 on the free degrees of freedom."""
-    return modes_in(
-        _columns(free, np.arange(len(free)), np.ones(len(free)), K.shape[0]), K, M, count
-    )
+    return modes_in(_columns(free, np.arange(len(free)), np.ones(len(free)), K.shape[0]), K, M, count)
 
 
 def modes_in(basis, K, M, count=None):
@@ -41,9 +37,7 @@ def modes_in(basis, K, M, count=None):
     squared, vectors = linalg.eigh(*reduced, subset_by_index=window)
     # A frame softened beyond its Euler load has ω² < 0: not a mode that can be marched.
     if squared[0] <= 0:
-        raise InputError(
-            "frame: lowest omega^2", f"{squared[0]:.3g} (rad/s)^2", "must be > 0: the frame buckles"
-        )
+        raise InputError("frame: lowest omega^2", f"{squared[0]:.3g} (rad/s)^2", "must be > 0: the frame buckles")
     return Modes(np.sqrt(squared), _signed(basis @ vectors))
 
 
@@ -75,9 +69,7 @@ def mirror(model: FrameModel, *others):
     rows = np.arange(6 * len(partner))
     columns = (6 * partner[:, None] + np.arange(6)).ravel()
     image = sparse.csr_array((np.tile(MIRROR_Y, len(partner)).astype(float), (rows, columns)))
-    same = all(
-        abs(image @ A @ image.T - A).max() <= SAME_VALUE * abs(A).max() for A in (model.K, model.M, *others)
-    )
+    same = all(abs(image @ A @ image.T - A).max() <= SAME_VALUE * abs(A).max() for A in (model.K, model.M, *others))
     return image if same and np.isin(columns[model.free], model.free).all() else None
 
 

@@ -55,7 +55,5 @@ def compressive_stress(model: FrameModel, forces):
 def section_properties(model: FrameModel):
     """(A, Iy, Iz, c) at every element end, (2 ne, 4) [m2, m4, m4, m]."""
     sections = [member.section for member in model.frame.members]
-    table = np.array(
-        [(section.area, section.Iy, section.Iz, section.fibre) for section in sections]
-    )
+    table = np.array([(section.area, section.Iy, section.Iz, section.fibre) for section in sections])
     return np.repeat(table[model.member], 2, axis=0)

@@ -78,9 +78,7 @@ def stations(model: FrameModel, points):
 def _shapes(model, element, s):
     shape = np.zeros((len(s), 3, 12))
     for i, (e, station) in enumerate(zip(element, s, strict=True)):
-        shape[i] = beam.in_global(
-            beam.displacement_shape(station, model.length[e]), model.rotation[e]
-        )
+        shape[i] = beam.in_global(beam.displacement_shape(station, model.length[e]), model.rotation[e])
     return shape
 
 

@@ -25,7 +25,8 @@ MAPS = {  # family: (title, x label, y label)
     "step x Hs": ("fixed platform, Tp 7 s", "Hs [m]", "step / shortest wave period"),
     "Hs x Tp": ("elastic platform, sea states", "Tp [s]", "Hs [m]"),
     "mass x stiffness": (
-        "elastic platform, default step; from 2 up the floats sink", "platform stiffness (times)",
+        "elastic platform, default step; from 2 up the floats sink",
+        "platform stiffness (times)",
         "float mass / displacement",
     ),
     "mass x PTO": ("fixed platform, default step", "PTO damping (times optimum)", "float mass / displacement"),

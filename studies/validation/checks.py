@@ -79,6 +79,4 @@ def write(checks: list[Check], path: Path) -> None:
         rows = csv.writer(file)
         rows.writerow(["case", "quantity", "ours", "published", "difference", "allowed", "side", "verdict", "note"])
         for c in checks:
-            rows.writerow(
-                [c.case, c.quantity, c.ours, c.published, c.difference, c.allowed, c.side, c.verdict, c.note]
-            )
+            rows.writerow([c.case, c.quantity, c.ours, c.published, c.difference, c.allowed, c.side, c.verdict, c.note])

@@ -75,5 +75,3 @@ def test_mesh_effect_is_what_the_march_shows(name):
         changes.append(np.abs(b[used, 4] / a[used, 4] - 1).max(initial=0))
     _, told = coefficient_effects(prepare(linear, h), h)
     assert 1 / 3 < max(changes) / told < 3
-
-

@@ -94,11 +94,7 @@ def line(steel, pipe):
         material=steel,
         **given,
     ):
-        water = {
-            key: given.pop(key)
-            for key in ("drag_coefficient", "inertia_coefficient")
-            if key in given
-        }
+        water = {key: given.pop(key) for key in ("drag_coefficient", "inertia_coefficient") if key in given}
         pile = Member(
             name="pile",
             start="start",
@@ -108,8 +104,6 @@ def line(steel, pipe):
             material=material,
             **water,
         )
-        return assemble(
-            Frame(nodes={"start": start, "end": end}, members=(pile,), clamped=clamped, **given)
-        )
+        return assemble(Frame(nodes={"start": start, "end": end}, members=(pile,), clamped=clamped, **given))
 
     return build

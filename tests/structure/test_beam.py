@@ -49,14 +49,8 @@ def test_stiffness_has_six_elastic_motions_and_six_rigid_ones():
 
 
 def test_mass_is_the_integral_of_the_shape_functions():
-    by_shapes = integral(
-        lambda s: RHO * PIPE.area * beam.displacement_shape(s, L).T @ beam.displacement_shape(s, L)
-    )
-    twist = integral(
-        lambda s: (
-            RHO * PIPE.Ip * np.outer(beam.rotation_shape(s, L)[0], beam.rotation_shape(s, L)[0])
-        )
-    )
+    by_shapes = integral(lambda s: RHO * PIPE.area * beam.displacement_shape(s, L).T @ beam.displacement_shape(s, L))
+    twist = integral(lambda s: RHO * PIPE.Ip * np.outer(beam.rotation_shape(s, L)[0], beam.rotation_shape(s, L)[0]))
     M = beam.mass(RHO, PIPE, L)
     assert pytest.approx(M, abs=ROUNDING * M.max()) == by_shapes + twist
 
@@ -95,9 +89,7 @@ def test_shapes_reproduce_rigid_motions_in_any_direction(s, end):
     shape = beam.in_global(beam.displacement_shape(s, np.linalg.norm(end)), beam.rotation(*x))
     at = x[0] + s * np.array(end)
     expected = np.hstack([np.eye(3), np.cross(np.eye(3), at).T])
-    assert shape @ rigid_motions(x) == pytest.approx(
-        expected, abs=1e-12 * 100
-    )  # arms up to 20 m, squared
+    assert shape @ rigid_motions(x) == pytest.approx(expected, abs=1e-12 * 100)  # arms up to 20 m, squared
 
 
 @given(end=st.tuples(*[st.floats(-9, 9)] * 3).filter(lambda p: np.linalg.norm(p) > 1e-3))
@@ -118,9 +110,7 @@ def test_uniform_load_has_the_fixed_end_moments_of_the_handbook():
     w = 1300.0
     load = beam.distributed_load(np.array([0, w, w]), L)
     half, moment = w * L / 2, w * L**2 / 12
-    assert load == pytest.approx(
-        [0, half, half, 0, -moment, moment, 0, half, half, 0, moment, -moment]
-    )
+    assert load == pytest.approx([0, half, half, 0, -moment, moment, 0, half, half, 0, moment, -moment])
 
 
 @given(s0=st.floats(0, 1), s1=st.floats(0, 1))
@@ -147,9 +137,7 @@ def test_second_moments_are_the_integrals_over_the_section():
 
 
 # Timoshenko & Goodier, Theory of Elasticity: J = k1 a b³, printed to three or four digits.
-@pytest.mark.parametrize(
-    ("ratio", "k1"), [(1, 0.1406), (1.5, 0.196), (2, 0.229), (3, 0.263), (10, 0.312)]
-)
+@pytest.mark.parametrize(("ratio", "k1"), [(1, 0.1406), (1.5, 0.196), (2, 0.229), (3, 0.263), (10, 0.312)])
 def test_torsion_of_rectangles_is_timoshenkos(ratio, k1):
     tall = beam.solid_rectangle(width=0.2, height=0.2 * ratio)
     flat = beam.solid_rectangle(width=0.2 * ratio, height=0.2)

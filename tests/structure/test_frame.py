@@ -49,9 +49,7 @@ def test_members_share_named_nodes_and_make_their_own_between(bent):
 
 
 def test_matrices_are_symmetric_and_carry_the_whole_mass(bent, pipe, steel):
-    model = assemble(
-        bent(masses=(PointMass(node="hand", mass=500.0), PointMass(node="hand", mass=20.0)))
-    )
+    model = assemble(bent(masses=(PointMass(node="hand", mass=500.0), PointMass(node="hand", mass=20.0))))
     assert abs(model.K - model.K.T).max() <= 1e-15 * abs(model.K).max()
     assert abs(model.M - model.M.T).max() <= 1e-15 * abs(model.M).max()
     for axis in range(3):

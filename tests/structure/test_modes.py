@@ -49,9 +49,7 @@ def test_cantilever_with_a_tip_mass(line, steel, pipe, ratio, first, second):
     assert omega == pytest.approx(bending([first, second], steel, pipe), rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("clamped", "beta"), [(("start",), 4.694091132974175), (("start", "end"), 4.730040744862704)]
-)
+@pytest.mark.parametrize(("clamped", "beta"), [(("start",), 4.694091132974175), (("start", "end"), 4.730040744862704)])
 def test_bending_frequencies_are_fourth_order_in_the_mesh(line, steel, pipe, clamped, beta):
     meshes = [4, 8, 16]
     index = len(clamped) % 2  # second mode of the cantilever, first between two walls
@@ -75,14 +73,10 @@ def test_rods_are_second_order_in_the_mesh(line, steel, pipe, kind):
     meshes = [4, 8, 16]
     omega = [frequencies(line(n), kind, 1)[0] for n in meshes]
     assert order(meshes, omega, exact) == pytest.approx(2, abs=0.02)
-    assert omega[-1] == pytest.approx(
-        exact, rel=np.pi**2 / 96 / 16**2 * 1.05
-    )  # (π h / 2L)² / 24 is the leading term
+    assert omega[-1] == pytest.approx(exact, rel=np.pi**2 / 96 / 16**2 * 1.05)  # (π h / 2L)² / 24 is the leading term
 
 
-@pytest.mark.parametrize(
-    "end", [(LENGTH, 0, 0), (0, 0, LENGTH), (0, 0, -LENGTH), (4.8, -9.6, 5.3665631459995)]
-)
+@pytest.mark.parametrize("end", [(LENGTH, 0, 0), (0, 0, LENGTH), (0, 0, -LENGTH), (4.8, -9.6, 5.3665631459995)])
 def test_direction_does_not_matter(line, steel, pipe, end):
     model = line(8, end=end)
     omega = modes(model.K, model.M, model.free, 2).omega
@@ -124,10 +118,7 @@ def test_symmetric_modes_are_modes_of_the_whole(platform):
     assert abs(basis.T @ basis - np.eye(354)).max() < 1e-15
     half = modes_in(basis, platform.K, platform.M)
     residual = platform.K @ half.shapes - platform.M @ half.shapes * half.omega**2
-    assert (
-        np.abs(residual[platform.free]).max()
-        < 1e-9 * abs(platform.K).max() * np.abs(half.shapes).max()
-    )
+    assert np.abs(residual[platform.free]).max() < 1e-9 * abs(platform.K).max() * np.abs(half.shapes).max()
     whole = modes(platform.K, platform.M, platform.free).omega
     nearest = np.abs(whole - half.omega[:, None]).min(axis=1)
     assert (nearest / half.omega).max() < 1e-6
@@ -147,10 +138,7 @@ def test_a_lopsided_frame_has_no_mirror(line, steel, pipe):
     assert mirror(line(3, end=(12, 1, 0))) is None
     assert symmetric_basis(line(3, end=(12, 1, 0))) is None
     nodes = {"a": (0, 1, 0), "b": (0, -1, 0), "top": (5, 0, 0)}
-    members = tuple(
-        Member(name=i, start=i, end="top", elements=2, section=pipe, material=steel)
-        for i in ("a", "b")
-    )
+    members = tuple(Member(name=i, start=i, end="top", elements=2, section=pipe, material=steel) for i in ("a", "b"))
     shape = {"nodes": nodes, "members": members}
     assert mirror(assemble(Frame(**shape, clamped=("a", "b")))) is not None
     assert mirror(assemble(Frame(**shape, clamped=("a",)))) is None

@@ -21,9 +21,7 @@ def test_moving_mass_is_what_table_3_needs(platform):
     length = sum(platform.length[list(platform.member_elements[m.name])].sum() for m in deck)
     mass = length * deck[0].section.area * deck[0].material.density
     assert length == pytest.approx(15.6)
-    assert mass + 980e3 / W == pytest.approx(
-        151.3e3, rel=5e-4
-    )  # 99.9 t + 51.4 t, both rounded to 0.1 t
+    assert mass + 980e3 / W == pytest.approx(151.3e3, rel=5e-4)  # 99.9 t + 51.4 t, both rounded to 0.1 t
 
 
 def test_natural_frequencies_are_table_3(platform):
@@ -40,11 +38,7 @@ def test_waves_along_x_see_the_second_sway_and_not_the_twist(platform):
 
 
 def foot_stress(model):
-    load = (
-        statics.gravity_load(model, W)
-        + statics.point_load(model)
-        + water.buoyancy_load(model, RHO, W)
-    )
+    load = statics.gravity_load(model, W) + statics.point_load(model) + water.buoyancy_load(model, RHO, W)
     spread = statics.self_weight(model, W) + water.buoyancy(model, RHO, W)
     forces = recovery.section_forces(model, statics.static(model, load), spread)
     stress = recovery.compressive_stress(model, forces)
@@ -59,25 +53,15 @@ def test_mean_stress_of_the_legs_is_the_papers(platform):
 
 
 def test_foot_force_is_the_weight_that_the_foot_carries(platform):
-    load = (
-        statics.gravity_load(platform, W)
-        + statics.point_load(platform)
-        + water.buoyancy_load(platform, RHO, W)
-    )
+    load = statics.gravity_load(platform, W) + statics.point_load(platform) + water.buoyancy_load(platform, RHO, W)
     reaction = platform.K @ statics.static(platform, load) - load
-    assert reaction.reshape(-1, 6)[:, 2].sum() == pytest.approx(
-        -load.reshape(-1, 6)[:, 2].sum(), rel=1e-9
-    )
+    assert reaction.reshape(-1, 6)[:, 2].sum() == pytest.approx(-load.reshape(-1, 6)[:, 2].sum(), rel=1e-9)
     area = platform.frame.members[0].section.area
     total = W * sum(
-        m.section.area
-        * m.material.density
-        * platform.length[list(platform.member_elements[m.name])].sum()
+        m.section.area * m.material.density * platform.length[list(platform.member_elements[m.name])].sum()
         for m in platform.frame.members
     )
-    assert reaction.reshape(-1, 6)[:, 2].sum() == pytest.approx(
-        2 * 980e3 + total - RHO * W * area * 4 * 50, rel=1e-9
-    )
+    assert reaction.reshape(-1, 6)[:, 2].sum() == pytest.approx(2 * 980e3 + total - RHO * W * area * 4 * 50, rel=1e-9)
 
 
 @pytest.mark.parametrize("twice", [False, True])

@@ -14,9 +14,7 @@ W = 9.81
 
 def weight_forces(model):
     displacement = statics.static(model, statics.gravity_load(model, W))
-    return recovery.section_forces(model, displacement, statics.self_weight(model, W)).reshape(
-        -1, 2, 6
-    )
+    return recovery.section_forces(model, displacement, statics.self_weight(model, W)).reshape(-1, 2, 6)
 
 
 @pytest.mark.parametrize("n", [1, 2, 7])
@@ -73,9 +71,7 @@ def test_stress_of_a_bent_pipe_is_the_closed_form(line, pipe):
     assert recovery.compressive_stress(model, forces) == pytest.approx([expected, expected])
     # and for a record of them, time first
     record = np.stack([forces, 2 * forces, 0 * forces])
-    assert recovery.compressive_stress(model, record)[:, 0] == pytest.approx(
-        [expected, 2 * expected, 0]
-    )
+    assert recovery.compressive_stress(model, record)[:, 0] == pytest.approx([expected, 2 * expected, 0])
 
 
 @given(My=st.floats(-1e5, 1e5), Mz=st.floats(-1e5, 1e5))

@@ -59,9 +59,7 @@ def test_column_shortens_under_its_weight_and_its_top(line, pipe, steel, n):
     model = line(n, end=(0, 0, 12), masses=(PointMass(node="end", mass=4e4),))
     top = statics.static(model, statics.gravity_load(model, W))[model.translations("end")]
     half_own = steel.density * pipe.area * 12 / 2
-    assert top == pytest.approx(
-        [0, 0, -(4e4 + half_own) * W * 12 / (steel.E * pipe.area)], abs=1e-12
-    )
+    assert top == pytest.approx([0, 0, -(4e4 + half_own) * W * 12 / (steel.E * pipe.area)], abs=1e-12)
 
 
 def portal(steel, pipe, turn, meshes=(3, 2, 4)):
@@ -69,10 +67,7 @@ def portal(steel, pipe, turn, meshes=(3, 2, 4)):
     points = {"a": (0, 0, 0), "b": (0, 1, 8), "c": (6, -1, 8), "d": (7, 0, 1)}
     nodes = {name: tuple(turn @ np.array(point, float)) for name, point in points.items()}
     pairs = zip(("a", "b", "c"), ("b", "c", "d"), meshes, strict=True)
-    members = tuple(
-        Member(name=i + j, start=i, end=j, elements=n, section=pipe, material=steel)
-        for i, j, n in pairs
-    )
+    members = tuple(Member(name=i + j, start=i, end=j, elements=n, section=pipe, material=steel) for i, j, n in pairs)
     loads = (PointLoad(node="b", force=tuple(turn @ TIP_LOAD)),)
     return assemble(Frame(nodes=nodes, members=members, clamped=("a", "d"), loads=loads))
 
@@ -81,19 +76,14 @@ def portal(steel, pipe, turn, meshes=(3, 2, 4)):
 def test_a_turned_frame_moves_by_the_turned_displacements(steel, pipe, seed):
     turn = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
     plain, turned = portal(steel, pipe, np.eye(3)), portal(steel, pipe, turn)
-    here, there = (
-        statics.static(m, statics.point_load(m)).reshape(-1, 2, 3) for m in (plain, turned)
-    )
+    here, there = (statics.static(m, statics.point_load(m)).reshape(-1, 2, 3) for m in (plain, turned))
     assert there == pytest.approx(here @ turn.T, abs=ROUNDING * np.abs(here).max())
 
 
 def test_patch_any_mesh_of_the_members_gives_the_same_corner(steel, pipe):
     coarse = portal(steel, pipe, np.eye(3), meshes=(1, 1, 1))
     fine = portal(steel, pipe, np.eye(3), meshes=(13, 5, 8))
-    corner = [
-        statics.static(m, statics.point_load(m)).reshape(-1, 6)[m.node_index["c"]]
-        for m in (coarse, fine)
-    ]
+    corner = [statics.static(m, statics.point_load(m)).reshape(-1, 6)[m.node_index["c"]] for m in (coarse, fine)]
     assert corner[0] == pytest.approx(corner[1], abs=ROUNDING * np.abs(corner[0]).max())
 
 
@@ -113,9 +103,7 @@ def euler_load(steel, pipe):
 
 def test_cantilever_buckles_at_eulers_load_to_fourth_order(line, steel, pipe):
     meshes = np.array([1, 2, 4, 8])
-    column = [
-        line(n, end=(0, 0, 12), loads=(PointLoad(node="end", force=(0, 0, -1e3)),)) for n in meshes
-    ]
+    column = [line(n, end=(0, 0, 12), loads=(PointLoad(node="end", force=(0, 0, -1e3)),)) for n in meshes]
     load = [1e3 * statics.buckling_factor(m, statics.point_load(m)) for m in column]
     error = np.array(load) / euler_load(steel, pipe) - 1
     # Consistent matrices bound the load from above, by (kh)⁴/720.
@@ -134,9 +122,7 @@ def test_own_weight_buckles_a_column_at_greenhills_height(line, steel, pipe):
     w = steel.density * pipe.area * W
     # Greenhill: w L³ / EI = 9/4 j², j = 1.866350859 the first zero of J_{-1/3}. The force is
     # constant in each element (its mean), so second order: 16 elements leave about 1e-3.
-    assert factor * w * 12**3 / (steel.E * pipe.Iy) == pytest.approx(
-        9 / 4 * 1.866350859**2, rel=2e-3
-    )
+    assert factor * w * 12**3 / (steel.E * pipe.Iy) == pytest.approx(9 / 4 * 1.866350859**2, rel=2e-3)
 
 
 def test_compression_softens_and_tension_stiffens(line, steel, pipe):

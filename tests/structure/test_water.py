@@ -55,9 +55,7 @@ def cubic(model):
 def test_added_mass_of_a_bent_pile_is_exact_in_any_mesh(pile, n):
     model = pile(n)
     line = 0.8 * RHO * np.pi * 0.45**2 / 4
-    assert cubic(model) @ water.added_mass(model, RHO) @ cubic(model) == pytest.approx(
-        line * 7.3**7 / 7
-    )
+    assert cubic(model) @ water.added_mass(model, RHO) @ cubic(model) == pytest.approx(line * 7.3**7 / 7)
 
 
 def test_added_mass_of_an_inclined_pile_is_normal_to_it(pile):
@@ -76,9 +74,7 @@ def test_buoyancy_of_a_pile_is_the_water_its_steel_displaces(pile, pipe, n):
     force = RHO * W * pipe.area * 5
     assert load @ shift(model, 2) == pytest.approx(force)
     assert load @ shift(model, 0) == pytest.approx(0, abs=1e-9)
-    assert load @ rigid_turn(model, 1) == pytest.approx(
-        1.5 * force
-    )  # acts at x = -1.5, the middle of the wet part
+    assert load @ rigid_turn(model, 1) == pytest.approx(1.5 * force)  # acts at x = -1.5, the middle of the wet part
 
 
 def test_buoyancy_and_weight_cancel_when_steel_is_water(pile, steel):
@@ -90,9 +86,7 @@ def test_buoyancy_and_weight_cancel_when_steel_is_water(pile, steel):
 def test_stations_stand_for_the_wetted_length_only(pile):
     at = water.stations(pile(5), 3)
     assert at.weight.sum() == pytest.approx(7.3)
-    assert at.weight @ at.position[:, 2] ** 5 == pytest.approx(
-        -(7.3**6) / 6
-    )  # three points: order 5
+    assert at.weight @ at.position[:, 2] ** 5 == pytest.approx(-(7.3**6) / 6)  # three points: order 5
     assert at.position[:, 2].max() < 0
     assert at.tangent == pytest.approx(np.tile([0, 0, 1], (len(at.weight), 1)))
     assert set(at.diameter) == {0.45}
@@ -143,9 +137,7 @@ def test_direction_of_a_member_does_not_matter(pile):
 def test_no_coefficients_no_stations_yet_buoyancy(line, pipe):
     model = line(4, start=(0, 0, -7.3), end=(0, 0, 4.7))
     assert len(water.stations(model, 2).weight) == 0
-    assert water.buoyancy_load(model, RHO, W) @ shift(model, 2) == pytest.approx(
-        RHO * W * pipe.area * 7.3
-    )
+    assert water.buoyancy_load(model, RHO, W) @ shift(model, 2) == pytest.approx(RHO * W * pipe.area * 7.3)
 
 
 def test_no_points_are_refused(pile):

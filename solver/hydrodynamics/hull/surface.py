@@ -201,6 +201,4 @@ def quartered(panels: np.ndarray) -> np.ndarray:
     ca = (c + a) / 2
     thirds = [(a, ab, ca, ca), (ab, b, bc, bc), (ca, bc, c, c), (ab, bc, ca, ca)]
     flat = np.all(c == d, axis=1)
-    return np.concatenate(
-        [np.stack(q, axis=1)[~flat] for q in quads] + [np.stack(t, axis=1)[flat] for t in thirds]
-    )
+    return np.concatenate([np.stack(q, axis=1)[~flat] for q in quads] + [np.stack(t, axis=1)[flat] for t in thirds])
