@@ -105,7 +105,7 @@ def test_half_a_platform_moves_as_the_whole(buan, monkeypatch):
     assert 3 * whole.drag.size == 5 * reduced.drag.size
     half, both = (s.legs.response(p, s.legs.nothing())[0] for s, p in ((reduced, moved), (whole, free)))
     assert np.ptp(half[..., 0]) > 0.03  # [m]
-    assert both == approx(half, abs=1e-8)
+    assert both == approx(half, abs=1e-7)  # where drag was last evaluated differs by Newton's tolerance
 
 
 def test_mirrored_sea_gives_the_mirrored_answer(buan, coefficients):

@@ -13,8 +13,9 @@ from solver.hydrodynamics.radiation.rational import basis, derivative_at_start
 
 GRID = 1500  # points of the search in the mapped frequency, before refinement
 ROUNDS = 40
-NEAR = 1e-5  # grid points this close to zero are always searched between their neighbours
-HIDDEN = 33  # points of a closer look about each point next to zero
+CAUTION = 2.0  # factor on how far the least eigenvalue may fall between two points, from second differences
+HALVINGS = 12  # of an interval in the search for that
+CLOSE = 1e-7  # points of the grid this close to each other are one
 MARGIN = 1e-7  # of the scaled transfer: cuts ask for so much more than zero, so that rounds end
 
 
@@ -59,7 +60,8 @@ class Constraint:
         peaks = np.pi - 2 * np.arctan2(self.middle, np.abs(self.poles.imag))
         width = np.abs(self.poles.real) / np.abs(self.poles)
         near = (peaks + np.multiply.outer(np.linspace(-2, 2, 9), width)).ravel()
-        return np.unique(np.clip(np.concatenate([np.linspace(0, np.pi, GRID), near]), 0, np.pi))
+        every = np.sort(np.clip(np.concatenate([np.linspace(0, np.pi, GRID), near]), 0, np.pi))
+        return every[np.diff(every, prepend=-1.0) > CLOSE]
 
     def lowest(self, solution: np.ndarray, low: float, high: float) -> tuple[float, float]:
         """θ and value of the least eigenvalue's minimum between two angles, by three nested grids."""
@@ -89,7 +91,7 @@ def enforce(columns: np.ndarray, target: np.ndarray, constraint: Constraint) -> 
         x = np.linalg.solve(block, z)
         where, direction = _negative(constraint.matrix(rows @ x))
         if where.size == 0:
-            theta = np.unique(np.concatenate([theta, _between(constraint, x, theta, rows)]))
+            theta = np.sort(np.concatenate([theta, np.setdiff1d(_between(constraint, x, theta, rows), theta)]))
             rows = constraint.rows(theta)
             where, direction = _negative(constraint.matrix(rows @ x))
         if where.size == 0:
@@ -111,20 +113,33 @@ def _negative(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return at, vectors[at, :, k]
 
 
-def _between(constraint: Constraint, x, theta, rows) -> np.ndarray:
-    """Angles between grid points at which the least eigenvalue is negative: the certificate, empty when passive."""
-    least = np.linalg.eigvalsh(constraint.matrix(rows @ x))[:, 0]
-    edged = np.pad(least, 1, constant_values=np.inf)
-    dip = np.maximum(edged[:-2], edged[2:]) - least  # by as much may the true minimum lie lower
-    suspects = np.flatnonzero((least <= edged[:-2]) & (least <= edged[2:]) & (least < np.maximum(dip, NEAR)))
-    ends = [(theta[max(i - 1, 0)], theta[min(i + 1, theta.size - 1)]) for i in suspects]
-    found = [constraint.lowest(x, low, high) for low, high in ends]
-    # Where eigenvalues cross close to zero a kink may hide between two points, neither of them a minimum.
-    close = np.flatnonzero(least < NEAR)
-    low, high = theta[np.maximum(close - 1, 0)], theta[np.minimum(close + 1, theta.size - 1)]
-    inside = np.unique(np.linspace(low, high, HIDDEN))
-    values = np.linalg.eigvalsh(constraint.matrix(constraint.rows(inside) @ x))[:, 0]
-    return np.concatenate([[at for at, value in found if value < 0], inside[values < 0]])
+def _between(constraint: Constraint, x: np.ndarray, theta: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Angles between grid points at which the least eigenvalue is negative: the certificate, empty when passive.
+
+    λ_min is concave in the matrix, so that between two points G falls below both by h²/8 |G''| at most: intervals
+    that may so reach zero are halved until none may, or a negative one is found.
+    """
+    G = constraint.matrix(rows @ x)
+    least, h = np.linalg.eigvalsh(G)[:, 0], np.diff(theta)
+    slope = np.diff(G, axis=0) / h[:, None, None]
+    bend = np.linalg.norm(np.diff(slope, axis=0), axis=(1, 2)) / ((h[1:] + h[:-1]) / 2)
+    bend = np.pad(bend, 1, mode="edge")
+    fall = CAUTION / 8 * h**2 * np.maximum(bend[1:], bend[:-1])
+    low, high, lower = theta[:-1], theta[1:], np.minimum(least[1:], least[:-1])
+    negative = []
+    for _ in range(HALVINGS):
+        open_ = (lower < fall) & (fall > MARGIN / 10)
+        if not open_.any():
+            break
+        low, high, lower, fall = low[open_], high[open_], lower[open_], fall[open_]
+        middle = (low + high) / 2
+        value = np.linalg.eigvalsh(constraint.matrix(constraint.rows(middle) @ x))[:, 0]
+        below = value < 0
+        negative += [constraint.lowest(x, *ends)[0] for ends in zip(low[below], high[below], strict=True)]
+        low, middle, high, lower, fall, value = (v[~below] for v in (low, middle, high, lower, fall, value))
+        low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+        lower, fall = np.tile(np.minimum(lower, value), 2), np.tile(fall / 4, 2)
+    return np.array(negative)
 
 
 def _cuts(block: np.ndarray, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:

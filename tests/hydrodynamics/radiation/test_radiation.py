@@ -98,6 +98,7 @@ def test_units_do_not_matter():
 @given(st.integers(0, 10_000), st.integers(1, 3), st.floats(0.0, 0.05))
 @example(0, 1, 1 / 64)  # terms that cancel at ω = 0 are far larger than B
 @example(7977, 3, 0.05)
+@example(3723, 2, 0.015407671804895032)  # with some roundings both eigenvalues agree at two neighbours of the grid
 def test_the_fit_is_passive_even_if_the_data_are_not_quite(seed, n, spoil):
     # Sums of passive pairs, spoilt by a share that makes the damping negative somewhere, also near ω = 0.
     random = np.random.default_rng(seed)
