@@ -16,7 +16,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 MARCH = "*/march.march-*.nbi"  # numba's index of the time loop, which calls all other kernels and is compiled last
-PACKAGES = ("wecplatform", "numpy", "scipy", "numba", "capytaine")
+PROGRAM = "wecplatform"
+PACKAGES = (PROGRAM, "numpy", "scipy", "numba", "capytaine")
 
 
 def prepare() -> None:
@@ -77,12 +78,15 @@ def provenance() -> dict[str, str]:
         "solver_sources": sources(),
         "commit": commit() or "unknown",
     }
-    for name in PACKAGES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "unknown"
-    return found
+    return found | {name: release(name) for name in PACKAGES}
+
+
+def release(package: str = PROGRAM) -> str:
+    """Version of an installed package; this program's own stands in pyproject.toml alone."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "unknown"
 
 
 @cache

@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from pipeline import environment
+from pipeline.bridge.geometry import BEM_VERSION
 from pipeline.bridge.loading import load
 from pipeline.cli import actions
 from pipeline.cli.console import DONE, FAILED, Tally, finish, looked, say, store_of
@@ -22,6 +23,7 @@ from pipeline.results.store import Store, remove
 from pipeline.study.reading import StudyError
 from pipeline.tasks.select import find, select
 from pipeline.tasks.study import Study
+from pipeline.tasks.task import MODEL_VERSION
 from pipeline.tasks.tasklist import Tasks
 from pipeline.terminal import err
 from solver.errors import InputError
@@ -69,6 +71,24 @@ def main() -> None:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
         say(f"{what}; {KEPT}", err)
         sys.exit(FAILED)
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        say(f"study {environment.release()}, model version {MODEL_VERSION}, BEM version {BEM_VERSION}")
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Of program, model and coefficients")
+]
+
+
+@app.callback()
+def options(
+    version: Version = False,
+) -> None:
+    """Coupled wave energy converters and platforms: what a study file describes, run, kept and reported."""
 
 
 @app.command()
