@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING, Any, Protocol, assert_never
+
+import numpy as np
 
 from pipeline.study import columns
 from pipeline.study.seas import (
@@ -14,6 +16,7 @@ from pipeline.study.seas import (
     MeasuredSpectrum,
     Regular,
     SeaState,
+    Shape,
     Still,
     Waves,
     WhiteNoise,
@@ -23,7 +26,18 @@ from solver.errors import InputError
 
 if TYPE_CHECKING:
     from solver.sea.realization import Realization
-    from solver.sea.spectrum import Jonswap, PiersonMoskowitz, Spectrum
+    from solver.sea.spectrum import Spectrum
+
+
+class Peaked(Protocol):
+    """A spectrum of wind waves: besides its density, where that is largest."""
+
+    @property
+    def peak_frequency(self) -> float:
+        """[rad/s]."""
+
+    def density(self, omega: np.ndarray) -> np.ndarray:
+        """S(ω) [m² s/rad]."""
 
 
 def realize(sea: SeaState, waves: Waves, seed: Sequence[int]) -> Realization:
@@ -73,10 +87,21 @@ def spectrum(sea: Irregular | WhiteNoise | MeasuredSpectrum, waves: Waves) -> Sp
             return shape(sea, waves)
 
 
-def shape(sea: Irregular, waves: Waves) -> Jonswap | PiersonMoskowitz:
-    """The solver's spectrum with a peak."""
+def shape(sea: Irregular, waves: Waves) -> Peaked:
+    """The solver's spectrum with a peak; what the sea state leaves open is as in [waves]."""
+    word = sea.spectrum or waves.spectrum
+    further = {key: getattr(sea, key) or getattr(waves, key) for key in keys_of(word)}
+    made: Peaked = _class(word)(Hs=sea.Hs, Tp=sea.Tp, **further)
+    return made
+
+
+def keys_of(word: Shape) -> list[str]:
+    """Which keys a spectrum with a peak has besides Hs and Tp."""
+    return [field.name for field in dataclasses.fields(_class(word)) if field.name not in ("Hs", "Tp")]
+
+
+def _class(word: Shape) -> Any:
+    """pierson-moskowitz -> PiersonMoskowitz."""
     from solver.sea import spectrum as shapes
 
-    if (sea.spectrum or waves.spectrum) == "jonswap":
-        return shapes.Jonswap(Hs=sea.Hs, Tp=sea.Tp, gamma=sea.gamma or waves.gamma)
-    return shapes.PiersonMoskowitz(Hs=sea.Hs, Tp=sea.Tp, form=sea.form or waves.form)
+    return getattr(shapes, "".join(part.capitalize() for part in word.split("-")))

@@ -6,12 +6,13 @@ import itertools
 import math
 from collections.abc import Iterator
 from functools import partial
+from typing import get_args
 
 from pipeline.bridge import realizations
 from pipeline.bridge.scenes import objections
 from pipeline.study import seas
 from pipeline.study.schema import StudyFile
-from pipeline.study.seas import Components, Elevation, Irregular, Regular, SeaState, Still, Waves, WhiteNoise
+from pipeline.study.seas import Components, Elevation, Irregular, Regular, SeaState, Shape, Still, Waves, WhiteNoise
 from solver.errors import InputError
 
 LARGEST_PERIOD = 60.0  # longer waves are no longer wind waves [s]
@@ -29,8 +30,8 @@ def problems(study: StudyFile) -> Iterator[InputError]:
     if waves.band and (falling := list(objections(partial(require_rising, waves.band)))):
         yield from falling
         return
-    if waves.spectrum == "jonswap" and waves.form == "mean":
-        yield InputError("waves.form", waves.form, "is for pierson-moskowitz: JONSWAP has its peak period")
+    if waves.form != "peak" and "form" not in realizations.keys_of(waves.spectrum):
+        yield _foreign("waves", "form", waves.form, waves.spectrum)
     for label, sea in study.sea_states.items():
         key = f"sea_states.{label}"
         alone = list(_sea(key, sea, study))
@@ -61,10 +62,16 @@ def _sea(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
 
 def _shape(key: str, sea: Irregular, study: StudyFile) -> Iterator[InputError]:
     shape = sea.spectrum or study.waves.spectrum
-    if sea.gamma is not None and shape != "jonswap":
-        yield InputError(f"{key}.gamma", sea.gamma, f'is for spectrum = "jonswap", not "{shape}"')
-    if sea.form == "mean" and shape == "jonswap":
-        yield InputError(f"{key}.form", sea.form, "is for pierson-moskowitz: JONSWAP has its peak period")
+    for name, value in sea:
+        known = name in ("kind", "Hs", "Tp", "spectrum", *realizations.keys_of(shape))
+        if not known and value not in (None, "peak"):  # whose period is the peak's, form = "peak" is true of it
+            yield _foreign(key, name, value, shape)
+
+
+def _foreign(key: str, name: str, value: object, shape: Shape) -> InputError:
+    """The objection to a key that other spectra have."""
+    takers = " or ".join(f'"{each}"' for each in get_args(Shape) if name in realizations.keys_of(each))
+    return InputError(f"{key}.{name}", value, f'is for spectrum = {takers}, not "{shape}"')
 
 
 def _period(key: str, period: float) -> list[InputError]:

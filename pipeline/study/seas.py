@@ -11,6 +11,7 @@ from pipeline.study import columns
 from pipeline.study.attachments import File
 from pipeline.study.tables import Count, Number, Positive, Seed, Table, Unit
 
+# The classes of solver.sea.spectrum that have a peak, in lower case; their fields besides Hs and Tp are keys below.
 Shape = Literal["pierson-moskowitz", "jonswap"]
 Form = Literal["peak", "mean"]  # "mean": Tp holds the mean period T1, as in the Pierson-Moskowitz form of ITTC
 Frequency = Annotated[Positive, Field(le=100)]

@@ -165,7 +165,11 @@ BAD = [
     ('{ kind = "still", Hs = 1.0 }', {}, "sea_states.only.Hs = 1.0: unknown key; known: kind"),
     ("{ Hs = 1.0, Tp = 8.0, gamma = 2.0 }", {}, 'sea_states.only.gamma = 2.0: is for spectrum = "jonswap"'),
     ("{ Hs = 1.0, Tp = 8.0, gamma = 9.0 }", {}, "sea_states.only.gamma = 9.0: must be <= 7"),
-    ('{ Hs = 1.0, Tp = 8.0, spectrum = "jonswap", form = "mean" }', {}, "sea_states.only.form = mean: is for pierson"),
+    (
+        '{ Hs = 1.0, Tp = 8.0, spectrum = "jonswap", form = "mean" }',
+        {},
+        'sea_states.only.form = mean: is for spectrum = "pierson',
+    ),
     ('{ kind = "spectrum", file = "no.csv" }', {}, "sea_states.only.file = 'no.csv': no such file"),
     (
         '{ kind = "spectrum", file = "x.csv" }',
