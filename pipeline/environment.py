@@ -72,17 +72,17 @@ def sources(package: str = "solver") -> str:
 @cache
 def provenance() -> dict[str, str]:
     """Where and with what a task was computed."""
-    found = {
+    facts = {
         "host": platform.node(),
         "python": platform.python_version(),
         "solver_sources": sources(),
         "commit": commit() or "unknown",
     }
-    return found | {name: release(name) for name in PACKAGES}
+    return facts | {name: release(name) for name in PACKAGES}
 
 
 def release(package: str = PROGRAM) -> str:
-    """Version of an installed package; this program's own stands in pyproject.toml alone."""
+    """Version of an installed package; that of this program stands in pyproject.toml alone."""
     try:
         return version(package)
     except PackageNotFoundError:

@@ -97,21 +97,21 @@ def encode(hydrodynamics: Hydrodynamics, key: str = "") -> bytes:
 
 
 def _variables(item: object, table: Table) -> dict[str, Variable]:
-    found = {}
+    variables = {}
     for field, (name, dims, unit, long_name) in table.items():
         values = np.asarray(getattr(item, field))
         if "complex" in dims:
             values = np.stack([values.real, values.imag], axis=-1)
-        found[name] = Variable(dims, values, {"units": unit, "long_name": long_name})
-    return found
+        variables[name] = Variable(dims, values, {"units": unit, "long_name": long_name})
+    return variables
 
 
 def _fields(variables: Mapping[str, Variable], table: Table) -> dict[str, Any]:
-    found = {}
+    fields = {}
     for field, (name, dims, _, _) in table.items():
         values = variables[name].values
-        found[field] = np.ascontiguousarray(values).view(complex)[..., 0] if "complex" in dims else values
-    return found
+        fields[field] = np.ascontiguousarray(values).view(complex)[..., 0] if "complex" in dims else values
+    return fields
 
 
 @lru_cache(maxsize=8)
@@ -170,11 +170,11 @@ class Cache:
         return self.folder / f"{key}.nc"
 
     def damaged(self) -> set[str]:
-        """Keys of the files that are not what their names say; what was found whole is known again by its checksum."""
+        """Keys of the files that are not what their names say; a file read once is known again by its checksum."""
         sums = {path.stem: _checksum(path) for path in self.folder.glob("*.nc")}
         mark = self.folder / ".whole.json"
         known = read_json(mark) or {}
-        whole = {k: found for k, found in sums.items() if found and (known.get(k) == found or self.get(k) is not None)}
+        whole = {k: total for k, total in sums.items() if total and (known.get(k) == total or self.get(k) is not None)}
         if whole != known:
             write_json(mark, whole)
         return sums.keys() - whole.keys()

@@ -1,6 +1,6 @@
 """A study that cannot run, refused before anything does: what a study alone can get wrong, and what the solver says.
 
-What the solver's own inputs refuse is not judged here: they are built, and asked.
+What the solver's inputs refuse is not judged here: they are built, and their objections passed on.
 """
 
 from __future__ import annotations

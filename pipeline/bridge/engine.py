@@ -50,19 +50,19 @@ class Outcome:
 def hydrodynamics(geometry: Geometry) -> Hydrodynamics:
     """Coefficients of the floats of a geometry by the boundary element method, and their memory as scenes use it.
 
-    Not every task fits its own: fitting amplifies rounding, and other machines round otherwise.
+    The fit is made here, once, and not by each task: fitting amplifies rounding, and other machines round otherwise.
     """
     from solver.coupled.system import remembered
     from solver.hydrodynamics.bem import bem
     from solver.scene import Settings
 
-    given, tolerance = bem_arguments(geometry), Settings().memory_tolerance
-    found = bem.solve(**given)
+    arguments, tolerance = bem_arguments(geometry), Settings().memory_tolerance
+    solution = bem.solve(**arguments)
     try:
-        memory = remembered(found, given["hulls"], tolerance)
+        memory = remembered(solution, arguments["hulls"], tolerance)
     except SimulationFailed:  # said by the task that needs it
-        return found
-    return replace(found, memory=memory, memory_tolerance=tolerance)
+        return solution
+    return replace(solution, memory=memory, memory_tolerance=tolerance)
 
 
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
@@ -94,9 +94,9 @@ def check(parameters: Parameters) -> Sequence[str]:
     from solver.hydrodynamics.bem import bem
 
     scene = scenes.scene(parameters)
-    if found := geometry_of(parameters):
-        given = bem_arguments(found)
-        bem.check(*(given[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
+    if geometry := geometry_of(parameters):
+        arguments = bem_arguments(geometry)
+        bem.check(*(arguments[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
     return warnings(scene)
 
 

@@ -1,4 +1,4 @@
-"""The solver's own judgement of a study, before anything runs: its scenes are built once each."""
+"""What the solver says of a study before anything runs: its scenes are built once each."""
 
 from __future__ import annotations
 

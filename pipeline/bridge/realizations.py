@@ -50,8 +50,8 @@ def realize(sea: SeaState, waves: Waves, seed: Sequence[int]) -> Realization:
         case Regular():
             return make.regular(height=sea.height, period=sea.period, phase=sea.phase, heading=waves.heading)
         case Components():
-            given = columns.read(sea.file, ("amplitude", "omega", "phase"))
-            return make.components(**given, heading=waves.heading)
+            lines = columns.read(sea.file, ("amplitude", "omega", "phase"))
+            return make.components(**lines, heading=waves.heading)
         case Elevation():
             record = columns.read(sea.file, ("time", "elevation"))
             return make.measured(**record, band=_needed(waves.band), heading=waves.heading)

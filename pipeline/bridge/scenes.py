@@ -41,7 +41,7 @@ PLACES = {"band": "waves.band", "components": "waves.components"}
 
 
 def scene(parameters: Parameters, waves: Realization | None = None) -> physics.Scene:
-    """Everything that one simulation needs; with other waves than the task's where they are given."""
+    """Everything that one simulation needs; `waves` in place of the task's, if any."""
     from solver import scene as physics
 
     return physics.Scene(
@@ -81,7 +81,7 @@ def _part(place: str, word: str = "") -> Iterator[None]:
 
 
 def settings(parameters: Parameters) -> physics.Settings:
-    """Record and numerics; how the series is thinned is the pipeline's own business."""
+    """Record and numerics; how series are thinned is decided in `results.records`."""
     from solver import scene as physics
 
     knobs = {**dict(parameters.record), **dict(parameters.solver)}

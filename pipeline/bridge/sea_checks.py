@@ -1,4 +1,4 @@
-"""Sea states that cannot be: breaking waves, waves outside their band, files without sense."""
+"""Refusals of sea states: breaking waves, waves outside their band, files that hold no sea."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _breaking(key: str, height: float, period: float, study: StudyFile) -> Itera
 
 
 def _realization(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
-    """What has no period by name is judged by its own: a file, or noise."""
+    """Files and noise have no period in the study file: their realization is judged, by its Hm0 and Tz."""
     try:
         made = realizations.realize(sea, study.waves, (0,))
     except InputError as error:

@@ -20,7 +20,7 @@ REPORTED = 1000  # tasks up to which the report comes by itself: its figures tak
 
 
 def preflight(study: Study, tasks: Tasks) -> None:
-    """The solver's own objections and warnings, before anything runs."""
+    """The solver's objections and warnings, before anything runs."""
     from pipeline.bridge.engine import Engine
     from pipeline.bridge.preflight import check
 

@@ -186,15 +186,15 @@ def show(study_file: File, task: Annotated[str, typer.Argument()], results: Resu
     """One task: labels, state, parameters, warnings, error, and the command that repeats it."""
     study, tasks, store = _open(study_file, results)
     chosen = find(study, [task])
-    for found in tasks.where(lambda one: one.id in chosen):
-        entry = store.look(found, checksums=True)
-        say(f"{found.id} {entry.state} {found}")
+    for match in tasks.where(lambda one: one.id in chosen):
+        entry = store.look(match, checksums=True)
+        say(f"{match.id} {entry.state} {match}")
         for key in SHOWN:
             if key in entry.status.model_fields_set:
                 say(f"{key}: {getattr(entry.status, key)}")
         for line in entry.status.log:
             say(f"log: {line}")
-        say(json.dumps(json.loads(found.parameters.canonical()), indent=1))
+        say(json.dumps(json.loads(match.parameters.canonical()), indent=1))
         if error := entry.status.error:
             say(error.traceback or error.message)
 
@@ -300,10 +300,10 @@ def clean(
     """List, or with --orphans remove, results that belong to no task of the study."""
     _, tasks, store = _open(study_file, results)
     known = {name for task in tasks.passing() for name in (task.id, *task.older_ids)}
-    found = sorted(p for p in store.tasks.iterdir() if p.name not in known) if store.tasks.is_dir() else []
-    for folder in found:
+    strays = sorted(p for p in store.tasks.iterdir() if p.name not in known) if store.tasks.is_dir() else []
+    for folder in strays:
         labels = read_status(folder / "status.json").labels
         say(f"{'removed' if orphans else 'orphan'}: {folder.name} {labels or ''}")
         if orphans:
             remove(folder)
-    say(f"{len(found)} orphans")
+    say(f"{len(strays)} orphans")

@@ -47,11 +47,11 @@ class Estimate:
     def see(self, task: Task, entry: Entry) -> None:
         """One more task of the study."""
         if entry.state in ("missing", "damaged"):
-            given, platform = task.parameters, task.labels["platform"]
+            parameters, platform = task.parameters, task.labels["platform"]
             self.left += 1
-            self.length[platform] += given.record.duration + given.record.discard
-            if found := geometry_of(given):
-                self.geometries.add(found)
+            self.length[platform] += parameters.record.duration + parameters.record.discard
+            if geometry := geometry_of(parameters):
+                self.geometries.add(geometry)
         elif entry.state in ("done", "stale"):
             self._ran(entry.status)
 

@@ -64,7 +64,7 @@ def canvas(width: float, height: float) -> Figure:
 
 
 def svg(figure: Figure) -> str:
-    """A figure as a data URI: an image of its own cannot clash with another one's ids."""
+    """A figure as a data URI: its ids are apart from those of other figures on the page."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None})
     return "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode()

@@ -58,8 +58,8 @@ def profile(results: Results, name: str, platform: str, legs: Sequence[int]) -> 
     rows = part.transpose("leg", "height", ...).values
     rows = rows.reshape(*rows.shape[:2], -1).mean(axis=0)
     rows = rows[:, np.isfinite(rows).any(axis=0)]
-    own = np.isfinite(rows).all(axis=1)  # other legs' nodes are at other heights
-    return results.data["height"].values[own], rows[own]
+    nodes = np.isfinite(rows).all(axis=1)  # other legs' nodes are at other heights
+    return results.data["height"].values[nodes], rows[nodes]
 
 
 def draw(panels: Sequence[Axes], results: Results) -> None:

@@ -92,12 +92,12 @@ class Results:
 
     def numbers(self, *names: str) -> np.ndarray:
         """Of every sea state, from the first of these coordinates that it has; else NaN."""
-        found = np.full(len(self.labels("sea_state")), np.nan)
+        per_sea = np.full(len(self.labels("sea_state")), np.nan)
         for name in reversed(names):
             if name in self.data.coords:
                 values = np.atleast_1d(self.data[name].values)
-                found = np.where(np.isfinite(values), values, found)
-        return found
+                per_sea = np.where(np.isfinite(values), values, per_sea)
+        return per_sea
 
     def supports(self, name: str) -> list[str]:
         """The platforms for which a variable has numbers."""
@@ -107,8 +107,8 @@ class Results:
     def theirs(self, variable: str, statistic: str, **labels: str) -> float | None:
         """The published number with just these labels, SI."""
         wanted = {key: [label] for key, label in labels.items()}
-        found = (r for r in self.published if (r.variable, r.statistic, r.selection) == (variable, statistic, wanted))
-        return next((row.value * row.scale for row in found), None)
+        rows = (r for r in self.published if (r.variable, r.statistic, r.selection) == (variable, statistic, wanted))
+        return next((row.value * row.scale for row in rows), None)
 
     @cached_property
     def sea_names(self) -> list[str]:

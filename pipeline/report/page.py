@@ -27,7 +27,7 @@ MANY = 20  # tasks of a kind that are named
 VERSION = "version_"
 
 
-def results(study: Study, path: Path) -> Results:
+def results_of(study: Study, path: Path) -> Results:
     """A study beside its dataset and the published numbers, if there are any."""
     published = report.published(study.published) if study.published else []
     return Results(study=study, data=dataset.load(path), published=published, tasks=path.parent / "tasks")
@@ -36,43 +36,43 @@ def results(study: Study, path: Path) -> Results:
 def write(study: Study, path: Path) -> Path:
     """The report beside the dataset at `path`."""
     page = path.with_name("report.html")
-    write_atomic(page, html(results(study, path)).encode())
+    write_atomic(page, html(results_of(study, path)).encode())
     return page
 
 
 def write_figure(study: Study, path: Path, figure: Path) -> None:
     """The one-figure summary, PNG."""
-    found = results(study, path)
+    results = results_of(study, path)
     with plain(TEXT):
-        write_atomic(figure, png(overview(found)))
+        write_atomic(figure, png(overview(results)))
 
 
-def html(found: Results) -> str:
+def html(results: Results) -> str:
     """The whole page."""
     from jinja2 import Environment, StrictUndefined
 
     page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     return page.from_string(PAGE).render(
-        title=found.data.attrs.get("title", found.study.name),
-        facts=facts(found),
-        troubles={"Not done": troubles(found), "Asked and not met": unmet(found)},
-        tables=tables(found),
-        verdicts=report.verdicts(found.data, list(found.published)),
-        summary=[] if found.published else list(report.summary_rows(found.data)),
-        figures=list(drawn(found)),
+        title=results.data.attrs.get("title", results.study.name),
+        facts=facts(results),
+        troubles={"Not done": troubles(results), "Asked and not met": unmet(results)},
+        tables=tables(results),
+        verdicts=report.verdicts(results.data, list(results.published)),
+        summary=[] if results.published else list(report.summary_rows(results.data)),
+        figures=list(drawn(results)),
     )
 
 
-def facts(found: Results) -> list[tuple[str, str]]:
+def facts(results: Results) -> list[tuple[str, str]]:
     """What was run, and with what."""
-    attributes = {str(key): str(value) for key, value in found.data.attrs.items()}
-    varied = {name: values for name, values in axes(found.study.content).items() if len(values) > 1}
+    attributes = {str(key): str(value) for key, value in results.data.attrs.items()}
+    varied = {name: values for name, values in axes(results.study.content).items() if len(values) > 1}
     cells = math.prod(len(values) for values in varied.values())
     product = " × ".join(f"{len(values)} {name.replace('_', ' ')}s" for name, values in varied.items())
-    record = found.study.content.record
+    record = results.study.content.record
     rows = [
-        ("Study", found.study.path.name),
-        ("Tasks", f"{_states(found)} of {cells}" + (f" = {product}" if varied else "")),
+        ("Study", results.study.path.name),
+        ("Tasks", f"{_states(results)} of {cells}" + (f" = {product}" if varied else "")),
         ("Record", f"{record.duration:g} s analysed after {record.discard:g} s, every task"),
         ("Source", attributes.get("source", "")),
         ("Signs", attributes.get("sign_conventions", "")),
@@ -82,28 +82,28 @@ def facts(found: Results) -> list[tuple[str, str]]:
     return [row for row in [*rows, ("Versions", ", ".join(versions))] if row[1]]
 
 
-def _states(found: Results) -> str:
-    if "status" not in found.data:
+def _states(results: Results) -> str:
+    if "status" not in results.data:
         return ""
-    states, counts = np.unique(found.data["status"].values.astype(str), return_counts=True)
+    states, counts = np.unique(results.data["status"].values.astype(str), return_counts=True)
     return ", ".join(f"{count} {state}" for state, count in zip(states, counts, strict=True))
 
 
-def troubles(found: Results) -> list[str]:
+def troubles(results: Results) -> list[str]:
     """Tasks that are not done, the first of them by name."""
-    return _named(found, "status", "done")
+    return _named(results, "status", "done")
 
 
-def unmet(found: Results) -> list[str]:
+def unmet(results: Results) -> list[str]:
     """Tasks that did not meet what was asked, the first of them by name."""
-    return _named(found, "unmet", "")
+    return _named(results, "unmet", "")
 
 
-def _named(found: Results, name: str, usual: str) -> list[str]:
+def _named(results: Results, name: str, usual: str) -> list[str]:
     """Cells where a word is not the usual one, and that word."""
-    if name not in found.data:
+    if name not in results.data:
         return []
-    words = found.data[name]
+    words = results.data[name]
     lines = []
     places = np.argwhere(words.values != usual)
     for place in places[:MANY]:
@@ -113,55 +113,55 @@ def _named(found: Results, name: str, usual: str) -> list[str]:
     return lines + ([f"and {len(places) - MANY} more"] if len(places) > MANY else [])
 
 
-def tables(found: Results) -> list[dict[str, Any]]:
+def tables(results: Results) -> list[dict[str, Any]]:
     """The published tables: rows of text, and the sentences about numbers that are far off."""
     made = []
-    for title in dict.fromkeys(row.table for row in found.published):
-        mine = [(row, report.ours(found.data, row)) for row in found.published if row.table == title]
+    for title in dict.fromkeys(row.table for row in results.published):
+        mine = [(row, report.ours(results.data, row)) for row in results.published if row.table == title]
         rows = [(r.label, r.statistic, r.text, *report.cells(r, n), r.unit) for r, n in mine]
         made.append({"title": title, "rows": rows, "sentences": list(report.sentences(mine))})
     return made
 
 
-def drawn(found: Results) -> Iterator[dict[str, str]]:
+def drawn(results: Results) -> Iterator[dict[str, str]]:
     """Every figure that the dataset has the variables for."""
-    for title, caption, make in _list(found):
+    for title, caption, make in _list(results):
         with plain():
-            figure = make(found)
+            figure = make(results)
             if figure is not None:
                 yield {"title": title, "caption": caption, "source": svg(figure)}
 
 
-def _list(found: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:
+def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:
     """Title, caption and maker of each figure, in order."""
-    first = "; ".join(f"{dim.replace('_', ' ')} {value:g}" for dim, value in found.first.items())
-    held = f" Shown at {first}." if found.varied else ""
-    count = len(found.labels("sea_state"))
-    held += f" The first {len(found.seas)} of {count} sea states." if count > len(found.seas) else ""
-    fixed = "Filled: elastic platform; open: fixed." if len(found.labels("platform")) > 1 else ""
-    given = " Crosses: published." if found.published else ""
-    spread = f"Dots: mean over realizations; bars: least and largest. {fixed}{given}"
+    first = "; ".join(f"{dim.replace('_', ' ')} {value:g}" for dim, value in results.first.items())
+    held = f" Shown at {first}." if results.varied else ""
+    count = len(results.labels("sea_state"))
+    held += f" The first {len(results.seas)} of {count} sea states." if count > len(results.seas) else ""
+    fixed = "Filled: elastic platform; open: fixed." if len(results.labels("platform")) > 1 else ""
+    crosses = " Crosses: published." if results.published else ""
+    spread = f"Dots: mean over realizations; bars: least and largest. {fixed}{crosses}"
     return [
         ("Scene", "Side view along y, at rest, to scale.", lambda r: sketch.scene(r.study.content)),
         (
             "Envelopes along the legs",
-            f"Sea state {found.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{held}",
+            f"Sea state {results.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{held}",
             envelopes,
         ),
         ("Power and rotation in each sea state", f"{spread} Sea states with Hs, Tp.{held}", figures.sea_states),
         *[
-            (f"Along {dim.replace('_', ' ')}", f"Sea state {found.sea}, mean over realizations. {fixed}", _along(dim))
-            for dim in found.varied
+            (f"Along {dim.replace('_', ' ')}", f"Sea state {results.sea}, mean over realizations. {fixed}", _along(dim))
+            for dim in results.varied
         ],
         (
             "Extremes of the hinge force",
-            f"Least and largest force in each realization, one dot each. {fixed}{given}{held}",
+            f"Least and largest force in each realization, one dot each. {fixed}{crosses}{held}",
             strips.hinge_forces,
         ),
-        *series.entries(found),
+        *series.entries(results),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
     ]
 
 
 def _along(dim: str) -> Callable[[Results], Figure | None]:
-    return lambda found: figures.along(found, dim)
+    return lambda results: figures.along(results, dim)

@@ -27,7 +27,7 @@ COLUMNS = ("table", "label", "variable", "selection", "statistic", "value", "uni
 
 @dataclass(frozen=True, kw_only=True)
 class Published:
-    """One published number, and where ours is found."""
+    """One published number, and where ours stands in the dataset."""
 
     table: str
     label: str
@@ -41,7 +41,7 @@ class Published:
 
     @property
     def rounding(self) -> float:
-        """Half a unit of the last digit that is given."""
+        """Half a unit of the last printed digit."""
         return 0.5 * 10.0 ** -len(self.text.partition(".")[2])
 
     @property
@@ -98,8 +98,8 @@ def _row(path: Path, number: int, row: dict[str, str]) -> Published:
 
 def ours(data: xr.Dataset, row: Published) -> Ours | None:
     """Our number: extremes are means of each record's extreme; None if it has not been computed."""
-    found = realizations(data, row)
-    if found is None or (numbers := found.values[~_nan(found.values)]).size == 0:
+    each = realizations(data, row)
+    if each is None or (numbers := each.values[~_nan(each.values)]).size == 0:
         return None
     return Ours(mean=float(numbers.mean()), low=float(numbers.min()), high=float(numbers.max()), count=numbers.size)
 
@@ -150,15 +150,15 @@ def show(data: xr.Dataset, rows: list[Published], console: Console) -> None:
 
 def verdicts(data: xr.Dataset, rows: list[Published]) -> str:
     """How many numbers are inside, and how often they would be if they came from the same process."""
-    found = [(row, number) for row in rows if (number := ours(data, row)) is not None and number.verdict(row)]
-    if not found:
+    judged = [(row, number) for row in rows if (number := ours(data, row)) is not None and number.verdict(row)]
+    if not judged:
         return ""
-    inside = sum(number.verdict(row) == "inside" for row, number in found)
-    counts = {number.count for _, number in found}
+    inside = sum(number.verdict(row) == "inside" for row, number in judged)
+    counts = {number.count for _, number in judged}
     # The range of n holds one more of the same with this chance, whatever the distribution.
     chance = "; ".join(f"{(n - 1) / (n + 1):.1%} of {n}" for n in sorted(counts))
     return (
-        f"{inside} of {len(found)} published numbers lie inside [least, largest]; "
+        f"{inside} of {len(judged)} published numbers lie inside [least, largest]; "
         f"one more realization of ours would, with a chance of {chance} realizations."
     )
 

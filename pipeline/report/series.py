@@ -61,8 +61,8 @@ class Series:
         kept = self.results.study.content.record.series != "none"
         if not kept or self.results.tasks is None or "task" not in self.results.data:
             return {}
-        found = ((str(p), self._record(str(p))) for p in self.results.labels("platform"))
-        return {platform: record for platform, record in found if ELAPSED in record}
+        pairs = ((str(p), self._record(str(p))) for p in self.results.labels("platform"))
+        return {platform: record for platform, record in pairs if ELAPSED in record}
 
     def _record(self, platform: str) -> Mapping[str, Variable]:
         cells = self.results.values("task", sea_state=self.results.sea, platform=platform, **self.results.first)
@@ -120,8 +120,8 @@ def response(series: Series) -> list[Row]:
     names = {"elastic": "with floats", "elastic-no-floats": "no floats"}
 
     def both(variable: str, scale: float, **labels: object) -> list[Line]:
-        found = (series.line(names[p], p, variable, scale, leg=leg, **labels) for p in names)
-        return [line for lines in found for line in lines]
+        groups = (series.line(names[p], p, variable, scale, leg=leg, **labels) for p in names)
+        return [line for lines in groups for line in lines]
 
     top = Row(f"x displacement, top of leg {leg} [m]", both("top_displacement", 1.0, direction="x"))
     return [top, Row(f"stress, bottom of leg {leg} [MPa]", both("bottom_stress", 1e6))]
@@ -213,8 +213,8 @@ def _key(figure: Figure, rows: Sequence[Row]) -> None:
 
 def sea(series: Series) -> Figure | None:
     """Fig. 11: the elevation, and the spectrum regenerated from it beside the one that it was drawn from."""
-    found = (series.line("", platform, "wave_elevation") for platform in series.records)
-    line = next((line for lines in found for line in lines), None)
+    groups = (series.line("", platform, "wave_elevation") for platform in series.records)
+    line = next((line for lines in groups for line in lines), None)
     if line is None or not line.values.any():
         return None
     figure = canvas(9.0, 2.9)

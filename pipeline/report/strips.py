@@ -1,4 +1,4 @@
-"""Every task as a dot: how much extremes differ between realizations, and what each run says of its own errors."""
+"""Every task as a dot: how much extremes differ between realizations, and how large each run estimates its errors."""
 
 from __future__ import annotations
 

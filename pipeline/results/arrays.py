@@ -11,13 +11,13 @@ import numpy as np
 
 from pipeline.results.netcdf import Variable
 
-# Dimensions of a record, in the order in which they follow the study's own.
+# Dimensions of a record, in the order in which they follow those of the study.
 INNER = ("float", "axis", "leg", "direction", "height", "statistic", "mode", "component")
 LARGE = 2**25  # an array above this is kept in a file, and the system decides what of it is in memory [bytes]
 
 
 class Arrays:
-    """What nothing fills stays NaN."""
+    """Variables over the cells of a study; NaN where no record has a number."""
 
     def __init__(self, shape: tuple[int, ...], folder: Path):
         self.shape, self.folder = shape, folder
@@ -30,9 +30,10 @@ class Arrays:
         places = {dim: self._places(dim, v.values.tolist()) for dim, v in record.items() if dim in INNER}
         for name, (dims, values, _) in record.items():
             if name not in places and set(dims) <= places.keys() and values.dtype.kind in "fiub":
-                own = tuple(dim for dim in INNER if dim in dims)
-                target = self._array(name, own)
-                target[cell + np.ix_(*(places[dim] for dim in own))] = values.transpose([dims.index(d) for d in own])
+                inner = tuple(dim for dim in INNER if dim in dims)
+                target = self._array(name, inner)
+                order = [dims.index(dim) for dim in inner]
+                target[cell + np.ix_(*(places[dim] for dim in inner))] = values.transpose(order)
 
     def put(self, cell: tuple[int, ...], name: str, value: float) -> None:
         """A single number at a cell."""
@@ -48,9 +49,9 @@ class Arrays:
         index = [known[label] for label in order]
         if index == sorted(index):
             return
-        for name, own in self.dims.items():
-            if dim in own:
-                axis = len(self.shape) + own.index(dim)
+        for name, inner in self.dims.items():
+            if dim in inner:
+                axis = len(self.shape) + inner.index(dim)
                 self.values[name] = self.whole(name).take(index, axis=axis)
         self.labels[dim] = {label: i for i, label in enumerate(order)}
 
@@ -58,13 +59,13 @@ class Arrays:
         known = self.labels.setdefault(dim, {})
         return np.array([known.setdefault(label, len(known)) for label in labels], dtype=int)
 
-    def _array(self, name: str, own: tuple[str, ...]) -> np.ndarray:
+    def _array(self, name: str, inner: tuple[str, ...]) -> np.ndarray:
         """The array of a variable, grown to hold all labels met so far."""
-        full = self.shape + tuple(len(self.labels[dim]) for dim in own)
+        full = self.shape + tuple(len(self.labels[dim]) for dim in inner)
         old = self.values.get(name)
         if old is None or old.shape != full:
             self.values[name] = self._empty(full)
-            self.dims[name] = own
+            self.dims[name] = inner
             if old is not None:
                 self.values[name][tuple(slice(n) for n in old.shape)] = old
         return self.values[name]

@@ -118,13 +118,13 @@ def _dataset(
     variables: dict[str, Variable] = {}
     knobs: dict[str, float] = {}
     for name in sorted(arrays.values):
-        values, own = arrays.whole(name), arrays.dims[name]
+        values, inner = arrays.whole(name), arrays.dims[name]
         if name in KNOBS and (knob := _single(values[..., None], len(table))) is not None:
             knobs[name] = float(knob[0])
         elif name == ALONG_MODE and (single := _single(values, len(table))) is not None:
-            variables[name] = Variable(own, single, meaning(name))
+            variables[name] = Variable(inner, single, meaning(name))
         else:
-            variables[name] = Variable((*outer, *own), values[keep], meaning(name, axes_met))
+            variables[name] = Variable((*outer, *inner), values[keep], meaning(name, axes_met))
     for name, texts in words.items():
         variables[name] = Variable(tuple(outer), np.asarray(texts[keep]), meaning(name))
     coordinates = _coordinates(study, table, outer, arrays)
@@ -144,39 +144,40 @@ def _coordinates(
     study: Study, table: Mapping[str, Sequence[Label]], outer: Sequence[str], arrays: Arrays
 ) -> dict[str, Variable]:
     """Labels along every dimension; an axis with one value is a scalar; heights and periods go with the sea state."""
-    found = {}
+    coords = {}
     for name, values in table.items():
         text = isinstance(values[0], str)
         labels = np.array(list(values), dtype=object if text else None)
-        found[name] = Variable((name,) if name in outer else (), labels if name in outer else labels[0], meaning(name))
-    if "pto_damping" in found and any(set(f.motion) <= SLIDING for f in study.content.floats):
-        dims, labels, attrs = found["pto_damping"]
-        found["pto_damping"] = Variable(dims, labels, {**attrs, "units": "N s m-1", "long_name": "Damping of each PTO"})
+        coords[name] = Variable((name,) if name in outer else (), labels if name in outer else labels[0], meaning(name))
+    if "pto_damping" in coords and any(set(f.motion) <= SLIDING for f in study.content.floats):
+        damping = coords["pto_damping"]
+        sliding = {**damping.attrs, "units": "N s m-1", "long_name": "Damping of each PTO"}
+        coords["pto_damping"] = damping._replace(attrs=sliding)
     known = [seas.labels(study.content.sea_states[str(label)]) for label in table["sea_state"]]
     for name in dict.fromkeys(key for one in known for key in one):
         numbers = np.array([one.get(name, np.nan) for one in known])
         dims = ("sea_state",) if "sea_state" in outer else ()
-        found[name] = Variable(dims, numbers if dims else numbers[0], meaning(name))
-    used = {dim for own in arrays.dims.values() for dim in own}
+        coords[name] = Variable(dims, numbers if dims else numbers[0], meaning(name))
+    used = {dim for inner in arrays.dims.values() for dim in inner}
     for dim in INNER:
         if dim in used:
             labels = np.array(list(arrays.labels[dim]))
-            found[dim] = Variable((dim,), labels, meaning(dim))
+            coords[dim] = Variable((dim,), labels, meaning(dim))
     if "axis" in used:
-        found["axis_unit"] = Variable(("axis",), np.array(axis_units(arrays.labels["axis"])), meaning("axis_unit"))
-    return found
+        coords["axis_unit"] = Variable(("axis",), np.array(axis_units(arrays.labels["axis"])), meaning("axis_unit"))
+    return coords
 
 
 def _with_coordinates(variables: dict[str, Variable], coordinates: Mapping[str, Variable]) -> dict[str, Variable]:
     """Name the coordinates that are not dimensions, as CF asks, and mark what is missing."""
-    found = {}
+    marked = {}
     for name, (dims, values, attrs) in variables.items():
         others = [c for c, v in coordinates.items() if (c,) != v.dims and set(v.dims) <= set(dims)]
         more: dict[str, Any] = {"coordinates": " ".join(others)} if others else {}
         if values.dtype.kind == "f":
             more["_FillValue"] = np.nan
-        found[name] = Variable(dims, values, dict(attrs) | more)
-    return found
+        marked[name] = Variable(dims, values, dict(attrs) | more)
+    return marked
 
 
 def _attributes(study: Study) -> dict[str, Any]:

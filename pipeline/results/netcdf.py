@@ -31,14 +31,14 @@ def to_bytes(variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> byt
 
     buffer = io.BytesIO()
     file = netcdf_file(buffer, "w", version=2)
-    for name, given in variables.items():
-        dims, array, own = _classic(given)
+    for name, plain in variables.items():
+        dims, array, var_attrs = _classic(plain)
         for dim, size in zip(dims, array.shape, strict=True):
             if dim not in file.dimensions:
                 file.createDimension(dim, size)
         variable = file.createVariable(name, array.dtype, dims)
         variable[...] = array
-        for key, value in own.items():
+        for key, value in var_attrs.items():
             setattr(variable, key, _attribute(value))
     for key, value in attrs.items():
         setattr(file, key, _attribute(value))
@@ -46,13 +46,13 @@ def to_bytes(variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> byt
     return buffer.getvalue()
 
 
-def _classic(given: Variable) -> Variable:
+def _classic(variable: Variable) -> Variable:
     """A variable as netCDF-3 can have it: text as characters, whole numbers of 32 bits."""
-    dims, array, own = given.dims, np.asarray(given.values), given.attrs
+    dims, array, attrs = variable.dims, np.asarray(variable.values), variable.attrs
     if array.dtype.kind in "UO":
         letters = _characters(array)
-        return Variable((*dims, f"string{letters.shape[-1]}"), letters, {**own, "_Encoding": "utf-8"})
-    return Variable(dims, array.astype("i4", casting="same_kind") if array.dtype.kind in "iu" else array, own)
+        return Variable((*dims, f"string{letters.shape[-1]}"), letters, {**attrs, "_Encoding": "utf-8"})
+    return Variable(dims, array.astype("i4", casting="same_kind") if array.dtype.kind in "iu" else array, attrs)
 
 
 def _characters(text: np.ndarray) -> np.ndarray:
@@ -77,20 +77,20 @@ def to_file(path: Path, variables: Mapping[str, Variable], attrs: Mapping[str, A
 
 def _write(file: netCDF4.Dataset, variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> None:
     """A dimension is as long as the first variable that has it."""
-    for name, (dims, values, own) in variables.items():
+    for name, (dims, values, var_attrs) in variables.items():
         array = np.asarray(values)
         for dim, size in zip(dims, array.shape, strict=True):
             if dim not in file.dimensions:
                 file.createDimension(dim, size)
         text = array.dtype.kind in "UO"
-        fill = None if text else own.get("_FillValue")  # netCDF takes it at birth or never
+        fill = None if text else var_attrs.get("_FillValue")  # netCDF takes it at birth or never
         variable = file.createVariable(name, str if text else array.dtype, dims, fill_value=fill)
         if dims:
             for slab in _slabs(array):
                 variable[slab] = array[slab].astype(object) if text else array[slab]
         else:
             variable[...] = str(array) if text else array
-        variable.setncatts({key: value for key, value in own.items() if key != "_FillValue"})
+        variable.setncatts({key: value for key, value in var_attrs.items() if key != "_FillValue"})
     file.setncatts(attrs)
 
 
@@ -110,8 +110,8 @@ def from_bytes(data: bytes) -> tuple[dict[str, Variable], dict[str, Any]]:
         raise ValueError(f"no netCDF-3 file: {error}") from None
 
 
-def _variable(given: Any) -> Variable:
-    attrs, dims, array = _attributes(given._attributes), given.dimensions, given.data
+def _variable(stored: Any) -> Variable:
+    attrs, dims, array = _attributes(stored._attributes), stored.dimensions, stored.data
     if attrs.pop("_Encoding", None):
         rows = np.ascontiguousarray(array)
         text = np.char.decode(rows.view(f"S{rows.shape[-1]}")[..., 0], "utf-8")
@@ -119,17 +119,17 @@ def _variable(given: Any) -> Variable:
     return Variable(dims, array.astype(array.dtype.newbyteorder("="), copy=False), attrs)
 
 
-def _attributes(given: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value.decode() if isinstance(value, bytes) else value for key, value in given.items()}
+def _attributes(stored: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value.decode() if isinstance(value, bytes) else value for key, value in stored.items()}
 
 
 def content(variables: Mapping[str, Variable], attrs: Mapping[str, Any] = MappingProxyType({})) -> str:
     """SHA-256 over names, dimensions, types, attributes and every bit of every value."""
     digest = hashlib.sha256(_words(attrs).encode())
-    for name, (dims, values, own) in sorted(variables.items()):
+    for name, (dims, values, var_attrs) in sorted(variables.items()):
         text = values.dtype.kind in "UO"
         body = "\0".join(map(str, values.ravel())).encode() if text else np.ascontiguousarray(values).tobytes()
-        head = f"{name}{dims}{values.shape}{'text' if text else values.dtype.str}{_words(own)}"
+        head = f"{name}{dims}{values.shape}{'text' if text else values.dtype.str}{_words(var_attrs)}"
         digest.update(head.encode() + body)
     return digest.hexdigest()
 

@@ -82,12 +82,13 @@ def _variables(record: Record, kept: slice) -> Iterator[tuple[str, Variable]]:
     if "axis" in used:
         yield "axis_unit", Variable(("axis",), np.array(axis_units(axes)), meaning("axis_unit"))
     for name, (dims, array) in sorted(arrays.items()):
-        own, beside = RENAMED.get(name, name), ALONG_AXES if "axis" in dims else TASK
-        yield own, Variable(tuple(dims), _narrow(array), meaning(own, axes) | ({} if (own,) == tuple(dims) else beside))
+        label, beside = RENAMED.get(name, name), ALONG_AXES if "axis" in dims else TASK
+        attrs = meaning(label, axes) | ({} if (label,) == tuple(dims) else beside)
+        yield label, Variable(tuple(dims), _narrow(array), attrs)
     for name, value in sorted(record.attrs.items()):
         if _is_figure(value) and name not in TIMINGS:
-            own = RENAMED.get(name, name)
-            yield own, Variable((), np.asarray(float(value)), meaning(own) | TASK)
+            label = RENAMED.get(name, name)
+            yield label, Variable((), np.asarray(float(value)), meaning(label) | TASK)
 
 
 def _renamed(dims: Sequence[str]) -> tuple[str, ...]:

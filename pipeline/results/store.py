@@ -1,7 +1,7 @@
 """Results on disk: results/<study>/tasks/<id>/{record.nc, status.json}.
 
 A file appears whole or not at all. status.json is written last and carries the checksum of the
-record and the task's id, so a task is done when its status says so, is its own and not one copied
+record and the task's id, so a task is done when its status says so, has its id and was not copied
 from elsewhere, and its record still has that checksum. Besides, it has the task's parameters, labels
 and provenance; a failed task has it alone.
 """

@@ -139,6 +139,6 @@ def meaning(name: str, axes: Iterable[str] = ()) -> dict[str, str]:
     known = VARIABLES.get(name) or KNOBS.get(name) or COORDINATES.get(name)
     attrs = known.attrs() if known else {"long_name": name.replace("_", " ")}
     if "{axis}" in attrs.get("units", ""):
-        pattern, found = attrs.pop("units"), set(axis_units(axes))
-        attrs |= {"units": pattern.format(axis=found.pop())} if len(found) == 1 else {}
+        pattern, units = attrs.pop("units"), set(axis_units(axes))
+        attrs |= {"units": pattern.format(axis=units.pop())} if len(units) == 1 else {}
     return attrs | {"positive": "up"} if name == "height" else attrs

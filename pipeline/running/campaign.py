@@ -115,8 +115,8 @@ class _Run:
         """Keep as much on offer as keeps the pool busy; the rest stays here, where it costs little."""
         while self.batches and self.out < max(1, AHEAD * self.pool.width):
             batch = self.batches.take(self.pool.width)
-            given = [(task.id, task.parameters) for task in batch.tasks]
-            self.pool.submit(batch, attempt_tasks, self.campaign.engine, given, batch.coefficients)
+            pairs = [(task.id, task.parameters) for task in batch.tasks]
+            self.pool.submit(batch, attempt_tasks, self.campaign.engine, pairs, batch.coefficients)
             self.out += 1
 
     def _arrived(self, key: Hashable, results: list[Outcome] | Lost) -> Iterator[tuple[Task, Outcome]]:
@@ -159,5 +159,5 @@ def unfinished(tasks: Tasks, store: Store) -> Tasks:
 def broken(tasks: Tasks, results: Path) -> list[Geometry]:
     """The geometries whose coefficients are there and damaged; no task is made to find that there are none."""
     damaged = Cache(results).damaged()
-    found = tasks.split(lambda task: geometry_of(task.parameters)) if damaged else {}
-    return [geometry for geometry in found if geometry and geometry.key in damaged]
+    groups = tasks.split(lambda task: geometry_of(task.parameters)) if damaged else {}
+    return [geometry for geometry in groups if geometry and geometry.key in damaged]

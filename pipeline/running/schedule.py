@@ -1,6 +1,6 @@
-"""Where work runs: in this process, on workers of our own, or on somebody's dask cluster.
+"""Where work runs: in this process, on workers started here, or on somebody's dask cluster.
 
-The only import of dask. Both pools take work, hand back what is finished, and may be given more
+The only import of dask. Both pools take work, hand back what is finished, and take more
 meanwhile. A worker that dies costs the work in its hands, which dask gives to another.
 """
 
@@ -54,7 +54,7 @@ LEAST_MEMORY = 100e6  # less than what a worker imports [bytes]
 ADDRESS = r"(tcp|tls|ws|wss)://(\[[0-9A-Fa-f:.]+\]|[^\s:/\[\]]+):[0-9]{1,5}"
 SMALL = 2  # so few pieces of work are done sooner than a cluster starts
 START = "study-start"  # the topic on which workers tell that they begin a piece of work
-GRACE = 2.0  # a worker waits so long to be told that its work is given up before it leaves, or is made to [s]
+GRACE = 2.0  # so long after its timeout a worker that was not told to stop ends itself [s]
 FETCH = 1.0  # after so long without a result, see to the others first [s]
 HEARTBEAT = 5.0  # how often the cluster is looked at while nothing comes back [s]
 
@@ -102,8 +102,8 @@ def _context(tls: tuple[Path, Path, Path] | None) -> Any:
     try:
         return _security(tls).get_connection_args("client")["ssl_context"]
     except OSError as error:
-        given = " ".join(map(str, tls)) if tls else "dask's own settings"
-        raise InputError("--tls", given, f"must be PEM files that belong together: {error}") from None
+        files = " ".join(map(str, tls)) if tls else "dask's own settings"
+        raise InputError("--tls", files, f"must be PEM files that belong together: {error}") from None
 
 
 class Lost(Exception):
@@ -238,7 +238,7 @@ class Dask:
                 job = self._running.get(name)
                 if job and not begun:
                     self._ended.append(name)
-                elif job and not self._late(name):  # or else its worker left before it was given up
+                elif job and not self._late(name):  # or else its worker left before the client cancelled it
                     job.deadline = time.monotonic() + (self._place.timeout or math.inf)
         return heard
 
@@ -347,7 +347,7 @@ def _lost(client: Any) -> ConnectionError:
 
 @contextlib.contextmanager
 def _cluster(workers: int, memory: str) -> Iterator[Any]:
-    """Workers of our own: processes of one thread, on loopback alone, no dashboard.
+    """Workers started here: processes of one thread, on loopback alone, no dashboard.
 
     Whoever may connect runs code as the owner, and every user of the machine reaches loopback: all ports ask for a
     certificate made now and kept in memory. Workers import and unpickle from their scratch folder: it is private, too.
@@ -376,7 +376,7 @@ def _cluster(workers: int, memory: str) -> Iterator[Any]:
 
 
 def _security(tls: tuple[Path, Path, Path] | None) -> Any:
-    """Without files, whatever dask's own configuration says."""
+    """From PEM files; without them, as dask is configured."""
     from distributed import Security
 
     if tls is None:

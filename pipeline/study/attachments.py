@@ -40,20 +40,20 @@ class Attachment:
         return self.name
 
 
-def _attach(given: Any, info: ValidationInfo) -> Any:
+def _attach(value: Any, info: ValidationInfo) -> Any:
     """Read the file of a path, relative to the folder in the context of the validation."""
-    if isinstance(given, Attachment):
-        return given
-    if not isinstance(given, str) or not given:
+    if isinstance(value, Attachment):
+        return value
+    if not isinstance(value, str) or not value:
         raise PydanticCustomError("file", "must be the path of a file, relative to the study file")
-    path = (info.context or {}).get("folder", Path()) / given
+    path = (info.context or {}).get("folder", Path()) / value
     try:
         if not path.is_file():
             raise PydanticCustomError("file", "{limit}", {"limit": f"no such file: {path}"})
         if (size := path.stat().st_size) > LARGEST:
             limit = f"must be at most {LARGEST / 1e6:g} MB, is {size / 1e6:.0f} MB"
             raise PydanticCustomError("file", "{limit}", {"limit": limit})
-        return Attachment.of(given, path.read_bytes())
+        return Attachment.of(value, path.read_bytes())
     except OSError as error:
         raise PydanticCustomError("file", "{limit}", {"limit": f"cannot be read: {error.strerror}"}) from None
 

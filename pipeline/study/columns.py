@@ -20,7 +20,7 @@ from solver.errors import InputError
 
 
 class Quantity(NamedTuple):
-    """What a column may hold: factors of its units to SI, the first unit being meant if none is given."""
+    """What a column may hold: factors of its units to SI, the first being meant where the header names none."""
 
     units: Mapping[str, float]
     least: float = -math.inf
@@ -47,13 +47,13 @@ def read(file: Attachment, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
     rows = _rows(file)
     number, header = next(rows, (1, [""]))
     places = {name: _place(file, number, header, name) for name in wanted}
-    found: dict[str, list[float]] = {name: [] for name in wanted}
+    numbers: dict[str, list[float]] = {name: [] for name in wanted}
     for line, cells in rows:
         for name, (at, title, factor) in places.items():
-            found[name].append(factor * _number(file, line, cells, at, title))
-    if not found[wanted[0]]:
+            numbers[name].append(factor * _number(file, line, cells, at, title))
+    if not numbers[wanted[0]]:
         raise InputError("file", file, "has a header and no numbers")
-    return {name: np.array(values) for name, values in found.items()}
+    return {name: np.array(values) for name, values in numbers.items()}
 
 
 def _rows(file: Attachment) -> Iterator[tuple[int, list[str]]]:

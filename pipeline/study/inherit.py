@@ -9,16 +9,16 @@ Tables = dict[str, Any]
 BASE = "base"
 
 
-def merged(base: Any, own: Any) -> Any:
+def merged(base: Any, upper: Any) -> Any:
     """Tables key by key, lists of named tables name by name; anything else is replaced."""
-    if isinstance(base, dict) and isinstance(own, dict):
-        return base | {key: merged(base[key], value) if key in base else value for key, value in own.items()}
-    if _named(base) and _named(own):
-        mine = {item["name"]: item for item in own}
-        twice = [item for item in own if mine[item["name"]] is not item]  # is not for us to choose from
+    if isinstance(base, dict) and isinstance(upper, dict):
+        return base | {key: merged(base[key], value) if key in base else value for key, value in upper.items()}
+    if _named(base) and _named(upper):
+        mine = {item["name"]: item for item in upper}
+        twice = [item for item in upper if mine[item["name"]] is not item]  # kept, so that the schema refuses them
         both = [merged(item, mine.pop(item["name"], {})) for item in base]
         return both + list(mine.values()) + twice
-    return own
+    return upper
 
 
 def _named(value: Any) -> bool:

@@ -16,7 +16,7 @@ def hinge_nodes(floats: Iterable[Float]) -> dict[str, tuple[float, float, float]
 
 
 def spaced(floats: tuple[Float, ...], spacing: float) -> tuple[Float, ...]:
-    """Two floats with their hinges at x = ±spacing/2 [m], each on its own side; arms are kept."""
+    """Two floats with their hinges at x = ±spacing/2 [m], each on the side where it is; arms are kept."""
     a, b = floats
     side = math.copysign(0.5, a.hinge[0] - b.hinge[0])
     places = (side * spacing, -side * spacing)

@@ -65,7 +65,7 @@ def parsed(path: Path) -> tuple[StudyFile, tuple[Path, ...]]:
 
 
 def _check_name(path: Path) -> None:
-    """results/<name> is a folder of its own, below results, which no command takes for an option."""
+    """results/<name> must be a folder inside results, and no command may take the name for an option."""
     name = path.stem
     if not (re.match(r"\w", name) and name.isprintable() and "\\" not in name):
         limit = "must start with a letter, a digit or _, and go on without control characters or backslashes"
@@ -79,19 +79,19 @@ def stacked(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], t
     tables = read(path)
     if BASE not in tables:
         return tables, ()
-    given = tables.pop(BASE)
-    if not isinstance(given, str) or not given:
-        raise StudyError(path, [f"{BASE} = {_short(given)}: must be the path of a study file, relative to this one"])
-    base = path.parent / given
+    relative = tables.pop(BASE)
+    if not isinstance(relative, str) or not relative:
+        raise StudyError(path, [f"{BASE} = {_short(relative)}: must be the path of a study file, relative to this one"])
+    base = path.parent / relative
     try:
         if not base.is_file():
-            raise StudyError(path, [f"{BASE} = {_short(given)}: {missing_file(base)}"])
+            raise StudyError(path, [f"{BASE} = {_short(relative)}: {missing_file(base)}"])
     except OSError as error:
-        raise StudyError(path, [f"{BASE} = {_short(given)}: cannot be read: {error.strerror}"]) from None
+        raise StudyError(path, [f"{BASE} = {_short(relative)}: cannot be read: {error.strerror}"]) from None
     if base.resolve() in (path.resolve(), *above):
-        raise StudyError(path, [f"{BASE} = {given!r}: must be another study file, which does not stand on this one"])
+        raise StudyError(path, [f"{BASE} = {relative!r}: must be another study file, which does not stand on this one"])
     if len(above) >= MOST_BASES:
-        raise StudyError(path, [f"{BASE} = {given!r}: at most {MOST_BASES} files may stand on each other"])
+        raise StudyError(path, [f"{BASE} = {relative!r}: at most {MOST_BASES} files may stand on each other"])
     below, bases = stacked(base, (*above, path.resolve()))
     return merged(rooted(below, base.parent), tables), (base, *bases)
 
@@ -119,11 +119,11 @@ def read(path: Path) -> dict[str, Any]:
 
 def _content(path: Path) -> bytes:
     """The bytes of a file that is one, and no device or pipe without an end."""
-    found = path.stat()
-    if not stat.S_ISREG(found.st_mode):
+    info = path.stat()
+    if not stat.S_ISREG(info.st_mode):
         raise StudyError(path, ["cannot be read: is no regular file"])
-    if found.st_size > LARGEST:
-        raise StudyError(path, [f"cannot be read: has {found.st_size / 1e6:.0f} MB, {LARGEST / 1e6:g} MB at most"])
+    if info.st_size > LARGEST:
+        raise StudyError(path, [f"cannot be read: has {info.st_size / 1e6:.0f} MB, {LARGEST / 1e6:g} MB at most"])
     return path.read_bytes()
 
 
@@ -146,8 +146,8 @@ def missing_file(path: Path) -> str:
 
 def describe(error: ErrorDetails) -> str:
     """One line for a pydantic error: key = value: limit."""
-    given: dict[str, Any] = error.get("ctx", {})
-    context = {k: f"{v:g}" if isinstance(v, float) else v for k, v in given.items()}
+    details: dict[str, Any] = error.get("ctx", {})
+    context = {k: f"{v:g}" if isinstance(v, float) else v for k, v in details.items()}
     parts = list(error["loc"])
     value: Any = error["input"]
     if error["type"] == "unknown_key":

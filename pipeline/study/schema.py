@@ -175,7 +175,7 @@ class PointLoad(Table):
 
 @fields_of(physics.Platform, ("legs", "damping_ratio", "geometric_stiffness", "wave_inertia"))
 class Platform(Table):
-    """A beam frame. Nodes named hinge:<float> come with the floats; the rest are given here."""
+    """A beam frame. Nodes named hinge:<float> come with the floats; the others stand here."""
 
     nodes: dict[Name, Vector]
     materials: dict[Name, Material]

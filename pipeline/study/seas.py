@@ -86,8 +86,8 @@ class Still(Table):
     kind: Literal["still"]
 
 
-def _kind(given: Any) -> str:
-    return f"<{given.get('kind', 'irregular') if isinstance(given, dict) else getattr(given, 'kind', 'irregular')}>"
+def _kind(table: Any) -> str:
+    return f"<{table.get('kind', 'irregular') if isinstance(table, dict) else getattr(table, 'kind', 'irregular')}>"
 
 
 SeaState = Annotated[

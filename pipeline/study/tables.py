@@ -83,15 +83,15 @@ Label = Annotated[Name, BeforeValidator(lambda v: str(v) if type(v) is int else 
 Seed = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
 
 
-def _shortest(given: float | tuple[float, ...]) -> float | tuple[float, ...]:
-    """One spelling for one meaning: a list of one is its number, a list of zeros is zero."""
-    if isinstance(given, tuple) and (len(given) == 1 or not any(given)):
-        return given[0]
-    return given
+def _shortest(value: float | tuple[float, ...]) -> float | tuple[float, ...]:
+    """A list of one is that number, a list of zeros is zero: one meaning, one identity."""
+    if isinstance(value, tuple) and (len(value) == 1 or not any(value)):
+        return value[0]
+    return value
 
 
-def _one_or_many(given: Any) -> str:
-    return "<many>" if isinstance(given, list | tuple) else "<one>"
+def _one_or_many(value: Any) -> str:
+    return "<many>" if isinstance(value, list | tuple) else "<one>"
 
 
 class Table(BaseModel):
@@ -117,7 +117,7 @@ PER_AXIS = float | tuple[float, ...]  # of a joint: a number for its only axis, 
 def fields_of(inputs: type, names: Collection[str] = ()) -> Callable[[type[T]], type[T]]:
     """Complete a table with the fields of the solver's inputs, all or those named.
 
-    Name, default, unit and range are the solver's. A field that the table declares keeps its own type; one
+    Name, default, unit and range are the solver's. A field that the table declares keeps its type; one
     under TYPE_CHECKING is there for the pipeline's eyes alone.
     """
 
@@ -156,12 +156,12 @@ def _strict(hint: Any, quantity: Quantity) -> Any:
 
 
 def _bounds(quantity: Quantity, *, real: bool) -> dict[str, Any]:
-    """The quantity's own, and where it has none those of all numbers."""
+    """Bounds of the quantity; where it has none, those of all numbers."""
     bounds = {"gt": quantity.above, "ge": quantity.least, "lt": quantity.below, "le": quantity.most}
-    own = {name: bound for name, bound in bounds.items() if bound is not None}
-    low = {} if own.keys() & {"gt", "ge"} or not real else {"ge": -LARGEST}
-    high = {} if own.keys() & {"lt", "le"} else {"le": LARGEST if real else MOST}
-    return own | low | high | ({"allow_inf_nan": quantity.infinite} if real else {})
+    limits = {name: bound for name, bound in bounds.items() if bound is not None}
+    low = {} if limits.keys() & {"gt", "ge"} or not real else {"ge": -LARGEST}
+    high = {} if limits.keys() & {"lt", "le"} else {"le": LARGEST if real else MOST}
+    return limits | low | high | ({"allow_inf_nan": quantity.infinite} if real else {})
 
 
 def _per_axis(number: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Parts of a study: platform=fixed,sea_state=2018,seed=0; a key given twice means either value."""
+"""Parts of a study: platform=fixed,sea_state=2018,seed=0; an axis named twice means either value."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def select(study: Study, text: str) -> Tasks:
 
 def find(study: Study, words: Iterable[str]) -> set[str]:
     """Ids of tasks, from ids, beginnings of ids, or labels."""
-    found: set[str] = set()
+    chosen: set[str] = set()
     for word in words:
         if "=" in word:
             ids = {task.id for task in select(study, word)}
@@ -30,8 +30,8 @@ def find(study: Study, words: Iterable[str]) -> set[str]:
             raise StudyError(study.path, [f"task = {word}: no such task; `study plan {study.path}` lists them"])
         if len(ids) > 1 and "=" not in word:
             raise StudyError(study.path, [f"task = {word}: {len(ids)} tasks begin so; give more digits"])
-        found |= ids
-    return found
+        chosen |= ids
+    return chosen
 
 
 def _wanted(study: Study, text: str) -> dict[str, set[Label]]:

@@ -48,7 +48,7 @@ class Task:
     make: Callable[[], Parameters]  # not the parameters themselves: a million tasks must be small
     version: int = MODEL_VERSION
     varied: tuple[str, ...] = AXES  # the axes worth naming, for people
-    known: str = ""  # its id, where that has been found out before
+    known: str = ""  # its id, if that is known already
 
     @property
     def parameters(self) -> Parameters:
@@ -109,15 +109,15 @@ def wave_seed(parameters: Parameters) -> tuple[int, ...]:
 
 def axes(study: StudyFile) -> dict[str, tuple[Label, ...]]:
     """Values along every axis; an axis that neither the study nor its floats give is left out."""
-    given = study.axes
-    found: dict[str, tuple[Label, ...] | None] = {
-        "sea_state": given.sea_state or tuple(study.sea_states),
+    listed = study.axes
+    values_of: dict[str, tuple[Label, ...] | None] = {
+        "sea_state": listed.sea_state or tuple(study.sea_states),
         "platform": supports(study),
-        "pto_damping": given.pto_damping or _common_damping(study),
-        "hinge_spacing": given.hinge_spacing or _spacing(study),
-        "seed": given.seed or (0,),
+        "pto_damping": listed.pto_damping or _common_damping(study),
+        "hinge_spacing": listed.hinge_spacing or _spacing(study),
+        "seed": listed.seed or (0,),
     }
-    return {name: values for name, values in found.items() if values}
+    return {name: values for name, values in values_of.items() if values}
 
 
 def supports(study: StudyFile) -> tuple[str, ...]:

@@ -64,11 +64,11 @@ class Tasks:
 
     def labels(self, number: int) -> dict[str, Label]:
         """Labels of a cell along every axis."""
-        found = {}
+        label_of = {}
         for name, values in self._backwards:
             number, place = divmod(number, len(values))
-            found[name] = values[place]
-        return {name: found[name] for name in self._table}
+            label_of[name] = values[place]
+        return {name: label_of[name] for name in self._table}
 
     def task(self, number: int, known: str = "") -> Task:
         """The task in a cell."""
@@ -91,7 +91,7 @@ class Tasks:
 
 
 def _cells(table: Mapping[str, Sequence[Label]], wanted: Mapping[str, Set[Label]]) -> np.ndarray:
-    """Numbers of the cells, ascending, found along the axes: what is not wanted is not looked at."""
+    """Numbers (n,) of the cells with a wanted label along every axis, ascending; no other cell is visited."""
     places = [
         np.array([place for place, label in enumerate(values) if name not in wanted or label in wanted[name]], int)
         for name, values in table.items()
