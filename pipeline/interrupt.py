@@ -16,7 +16,7 @@ class Interrupted(BaseException):
 
 
 def heed() -> None:
-    """From now on."""
+    """Handle Ctrl-C in this way from now on."""
     signal.signal(signal.SIGINT, _first)
 
 

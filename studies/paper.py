@@ -15,7 +15,7 @@ import xarray as xr
 
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.loading import load
-from pipeline.bridge.preflight import check
+from pipeline.bridge.preflight import judge
 from pipeline.report import report
 from pipeline.report.report import Published
 from pipeline.results.records import decode
@@ -214,7 +214,7 @@ def refusal() -> str:
     """Geometric stiffness: what the program says."""
     study = load(HERE / "variants" / "refused" / "geometric.toml")
     try:
-        check(study, study.tasks, Engine())
+        judge(study, study.tasks, Engine())
     except (InputError, StudyError) as error:
         return f"- `geometric`, {study.content.title}: refused; {str(error).removeprefix(f'{study.path}: ')}"
     sys.exit("geometric stiffness is no longer refused: move it to the other variants")

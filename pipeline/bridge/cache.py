@@ -22,7 +22,7 @@ from pipeline.study.reading import COEFFICIENTS
 if TYPE_CHECKING:
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 
-Table = Mapping[str, tuple[str, tuple[str, ...], str, str]]
+Naming = Mapping[str, tuple[str, tuple[str, ...], str, str]]
 DOF = ("influenced_dof", "radiating_dof")
 # field of Hydrodynamics: name in the file, dimensions, unit (of translations), meaning
 ARRAYS = {
@@ -96,7 +96,7 @@ def encode(hydrodynamics: Hydrodynamics, key: str = "") -> bytes:
     return to_bytes(variables, attrs | {"content": content(variables, attrs)})
 
 
-def _variables(item: object, table: Table) -> dict[str, Variable]:
+def _variables(item: object, table: Naming) -> dict[str, Variable]:
     variables = {}
     for field, (name, dims, unit, long_name) in table.items():
         values = np.asarray(getattr(item, field))
@@ -106,7 +106,7 @@ def _variables(item: object, table: Table) -> dict[str, Variable]:
     return variables
 
 
-def _fields(variables: Mapping[str, Variable], table: Table) -> dict[str, Any]:
+def _fields(variables: Mapping[str, Variable], table: Naming) -> dict[str, Any]:
     fields = {}
     for field, (name, dims, _, _) in table.items():
         values = variables[name].values
@@ -141,7 +141,7 @@ def _whole(data: bytes) -> tuple[dict[str, Variable], dict[str, Any]]:
     return variables, attrs
 
 
-def check(data: bytes, key: str) -> None:
+def require_whole(data: bytes, key: str) -> None:
     """Raise ValueError unless a file is whole, of the geometry with this key, and has all that is read of it."""
     variables, attrs = _whole(data)
     if attrs.get("geometry") != key:
@@ -161,9 +161,9 @@ def _checksum(path: Path) -> str:
 class Cache:
     """Files of coefficients, one for each geometry, shared by all studies of a results folder."""
 
-    def __init__(self, results: Path, check: Callable[[bytes, str], object] = check):
+    def __init__(self, results: Path, require: Callable[[bytes, str], object] = require_whole):
         self.folder = results / COEFFICIENTS
-        self.check = check
+        self.require = require
 
     def path(self, key: str) -> Path:
         """Where a geometry's file is."""
@@ -183,7 +183,7 @@ class Cache:
         """The file's bytes, None if there is none or it is damaged."""
         try:
             data = self.path(key).read_bytes()
-            self.check(data, key)
+            self.require(data, key)
         except (OSError, ValueError):
             return None
         return data

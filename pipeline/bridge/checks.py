@@ -79,7 +79,7 @@ def _recording(study: StudyFile) -> Iterator[InputError]:
 
 
 def _parts(study: StudyFile) -> Iterator[InputError]:
-    """The solver's objections to floats, sections and members, each by itself; and to more of them than can be."""
+    """The solver's objections to floats, sections and members, each by itself; and to too many of them."""
     if len(study.floats) > MOST_FLOATS:
         yield InputError("floats", f"{len(study.floats)} floats", f"must be <= {MOST_FLOATS}")
         return

@@ -87,7 +87,7 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
     return simulate(scenes.scene(parameters), known)
 
 
-def check(parameters: Parameters) -> Sequence[str]:
+def judge(parameters: Parameters) -> Sequence[str]:
     """Build a task's scene, and the frequencies of its coefficients; what is odd about it. Raises InputError."""
     from pipeline.bridge import scenes
     from solver.balance import warnings
@@ -115,12 +115,12 @@ class Engine:
 
     coefficients: Callable[[Geometry], bytes] = coefficients
     compute: Callable[[Parameters, bytes | None], Record] = compute
-    check: Callable[[Parameters], Sequence[str] | None] = check
+    judge: Callable[[Parameters], Sequence[str] | None] = judge
     reduce: Callable[[Parameters], None] = reduce
 
 
 class _Made(NamedTuple):
-    """What work leaves."""
+    """What a piece of work returns: a file, the digest of its content, what was asked and not met."""
 
     result: bytes | Failure
     content: str = ""

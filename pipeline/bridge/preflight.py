@@ -16,7 +16,7 @@ from pipeline.tasks.task import Parameters, Task
 CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
 
 
-def check(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
+def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
     """Raise StudyError in the solver's words, under the study file's keys; or what is odd and yet no error."""
     distinct, seas = {}, {}
     for task in tasks:
@@ -35,14 +35,14 @@ def check(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
 
 @dataclass(frozen=True)
 class _Listener:
-    """The engine's check of a task, whose warnings are kept under the study file's keys."""
+    """What the engine says of a task; its warnings are kept under the study file's keys."""
 
     engine: Engine
     task: Task
     odd: list[str]
 
     def __call__(self, parameters: Parameters) -> None:
-        for text in self.engine.check(parameters) or ():
+        for text in self.engine.judge(parameters) or ():
             first, colon, rest = text.partition(": ")
             self.odd.append(f"sea_states.{self.task.labels['sea_state']}{colon}{rest}" if first == "sea" else text)
 

@@ -73,7 +73,7 @@ def _key(theirs: str) -> str:
 
 @contextmanager
 def _part(place: str, word: str = "") -> Iterator[None]:
-    """Objections to a part that does not know of what it is one: under its place, instead of the solver's word."""
+    """Pass on objections to a part of a float or platform with `place` before the key, and without the solver's `word`."""
     try:
         yield
     except InputError as first:

@@ -22,11 +22,11 @@ REPORTED = 1000  # tasks up to which the report comes by itself: its figures tak
 def preflight(study: Study, tasks: Tasks) -> None:
     """The solver's objections and warnings, before anything runs."""
     from pipeline.bridge.engine import Engine
-    from pipeline.bridge.preflight import check
+    from pipeline.bridge.preflight import judge
 
     if not environment.compiled():
         say("compiling the solver: a few minutes, once for each state of its sources", err)
-    for text in check(study, tasks.passing(), Engine()):
+    for text in judge(study, tasks.passing(), Engine()):
         say(f"{study.path}: warning: {text}", err)
 
 
@@ -74,7 +74,7 @@ def rerun(study: Study, store: Store, results: Path, tasks: Tasks, place: Place)
         old = {task.id: _record(store, task) for task in tasks}
         run(study, store, results, tasks, place)
         changed = [not compare(task, old[task.id], _record(store, task)) for task in tasks]
-        collect(study, store)
+        refresh(study, store)
     return max(finish(Tally.of(looked(tasks, store)), study), FAILED if any(changed) else DONE)
 
 
@@ -83,7 +83,7 @@ def _record(store: Store, task: Task) -> bytes | None:
     return entry.record.read_bytes() if entry.state == "done" else None
 
 
-def collect(study: Study, store: Store) -> list[Path]:
+def refresh(study: Study, store: Store) -> list[Path]:
     """The dataset and, of a study that is not large, the report; each is written only if its sources are others."""
     from pipeline.results import dataset
 
@@ -115,9 +115,9 @@ def _table(study: Study, path: Path) -> str:
 
     with dataset.opened(path) as data, out.capture() as drawn:
         if study.published:
-            report.show(data, report.published(study.published), out)
+            report.print_tables(data, report.published(study.published), out)
         else:
-            report.summary(data, out)
+            report.print_summary(data, out)
     return drawn.get()
 
 

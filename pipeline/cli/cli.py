@@ -30,8 +30,8 @@ from solver.errors import InputError
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
-File = Annotated[Path, typer.Argument(metavar="STUDY", help="A study file, such as studies/buan.toml")]
-Results = Annotated[Path, typer.Option(help="Folder of results")]
+StudyPath = Annotated[Path, typer.Argument(metavar="STUDY", help="A study file, such as studies/buan.toml")]
+ResultsFolder = Annotated[Path, typer.Option(help="Folder of results")]
 Select = Annotated[str, typer.Option("--select", help="Part of the study: platform=fixed,sea_state=2018,seed=0")]
 Workers = Annotated[int, typer.Option(min=1, max=1024, help="Worker processes")]
 Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="A running dask scheduler's")]
@@ -92,7 +92,7 @@ def options(
 
 
 @app.command()
-def plan(study_file: File, results: Results = RESULTS, select_: Select = "", workers: Workers = 2) -> None:
+def plan(study_file: StudyPath, results: ResultsFolder = RESULTS, select_: Select = "", workers: Workers = 2) -> None:
     """What a run would do, and about how long it would take."""
     from pipeline.cli.plan import Estimate
 
@@ -111,8 +111,8 @@ def plan(study_file: File, results: Results = RESULTS, select_: Select = "", wor
 
 @app.command()
 def run(
-    study_file: File,
-    results: Results = RESULTS,
+    study_file: StudyPath,
+    results: ResultsFolder = RESULTS,
     select_: Select = "",
     workers: Workers = 2,
     scheduler: Scheduler = None,
@@ -123,17 +123,17 @@ def run(
 ) -> None:
     """Run what is missing, collect, print the table, and write the report of up to 1,000 tasks."""
     from pipeline.running.campaign import broken, unfinished
-    from pipeline.running.schedule import Place, check
+    from pipeline.running.schedule import Place, require_place
 
     place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
-    check(place)
+    require_place(place)
     study, tasks, store = _open(study_file, results, select_)
     actions.make_ready(study, tasks, store, place)
     with store.lock(lambda text: say(text, err)):
         todo, again = unfinished(tasks, store), broken(tasks, results)
         if todo or again:
             actions.run(study, store, results, todo, place, keep_going=keep_going, broken=again)
-        paths = actions.collect(study, store)
+        paths = actions.refresh(study, store)
     tally = Tally.of(looked(tasks, store))
     actions.print_table(study, paths[0])
     what = f"{len(todo)} run now" if todo else "nothing to run"
@@ -143,8 +143,8 @@ def run(
 
 @app.command()
 def status(
-    study_file: File,
-    results: Results = RESULTS,
+    study_file: StudyPath,
+    results: ResultsFolder = RESULTS,
     as_json: Annotated[bool, typer.Option("--json", help="For programs")] = False,
     watch: Annotated[bool, typer.Option("--watch", help="Until nothing is missing")] = False,
     every: Annotated[float, typer.Option(min=0.1, metavar="SECONDS", help="Pause of --watch")] = 2.0,
@@ -182,7 +182,7 @@ def _open(study_file: Path, results: Path, selection: str = "") -> tuple[Study, 
 
 
 @app.command()
-def show(study_file: File, task: Annotated[str, typer.Argument()], results: Results = RESULTS) -> None:
+def show(study_file: StudyPath, task: Annotated[str, typer.Argument()], results: ResultsFolder = RESULTS) -> None:
     """One task: labels, state, parameters, warnings, error, and the command that repeats it."""
     study, tasks, store = _open(study_file, results)
     chosen = find(study, [task])
@@ -201,12 +201,12 @@ def show(study_file: File, task: Annotated[str, typer.Argument()], results: Resu
 
 @app.command()
 def rerun(
-    study_file: File,
+    study_file: StudyPath,
     words: Words = None,
     failed: Annotated[bool, typer.Option("--failed", help="All that failed")] = False,
     stale: Annotated[bool, typer.Option("--stale", help="All of an older model version")] = False,
     select_: Select = "",
-    results: Results = RESULTS,
+    results: ResultsFolder = RESULTS,
     workers: Workers = 2,
     scheduler: Scheduler = None,
     timeout: Timeout = None,
@@ -214,10 +214,10 @@ def rerun(
     tls: Tls = None,
 ) -> None:
     """Run tasks again, and compare with the old records bit for bit."""
-    from pipeline.running.schedule import Place, check
+    from pipeline.running.schedule import Place, require_place
 
     place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
-    check(place)
+    require_place(place)
     study, every, store = _open(study_file, results)
     named = find(study, words or []) | ({task.id for task in select(study, select_)} if select_ else set())
     states = {state for state, asked in {"failed": failed, "stale": stale}.items() if asked}
@@ -232,19 +232,19 @@ def rerun(
 
 
 @app.command()
-def collect(study_file: File, results: Results = RESULTS) -> None:
+def collect(study_file: StudyPath, results: ResultsFolder = RESULTS) -> None:
     """Write results/<study>/statistics.nc from whatever is there."""
-    from pipeline.results.dataset import collect as collect_dataset
+    from pipeline.results.dataset import collect as write_dataset
 
     study, _, store = _open(study_file, results)
-    path, counts = collect_dataset(study, store)
+    path, counts = write_dataset(study, store)
     say(f"{path}: " + ", ".join(f"{n} {state}" for state, n in counts.items()))
 
 
 @app.command()
 def report(
-    study_file: File,
-    results: Results = RESULTS,
+    study_file: StudyPath,
+    results: ResultsFolder = RESULTS,
     figure: Annotated[
         Path | None, typer.Option(metavar="PNG", dir_okay=False, help="Write the summary as one figure, too")
     ] = None,
@@ -264,8 +264,8 @@ def report(
 
 @app.command()
 def verify(
-    study_file: File,
-    results: Results = RESULTS,
+    study_file: StudyPath,
+    results: ResultsFolder = RESULTS,
     rerun_: Annotated[int, typer.Option("--rerun", min=0, help="Repeat so many random tasks")] = 0,
 ) -> None:
     """Check every record and its coefficients against their checksums; --rerun: repeat some, compare bit for bit."""
@@ -293,8 +293,8 @@ def verify(
 
 @app.command()
 def clean(
-    study_file: File,
-    results: Results = RESULTS,
+    study_file: StudyPath,
+    results: ResultsFolder = RESULTS,
     orphans: Annotated[bool, typer.Option("--orphans", help="Remove tasks the study no longer has")] = False,
 ) -> None:
     """List, or with --orphans remove, results that belong to no task of the study."""

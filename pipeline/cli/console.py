@@ -51,14 +51,14 @@ class Tally:
 
     @classmethod
     def of(cls, entries: Iterable[tuple[Task, Entry]]) -> Tally:
-        """Of tasks that nobody else looks at."""
+        """A tally of all these entries."""
         tally = cls()
         for task, entry in entries:
             tally.see(task, entry)
         return tally
 
     def see(self, task: Task, entry: Entry) -> None:
-        """One more."""
+        """Count one more task."""
         self.counts[entry.state] += 1
         if entry.state == "done":
             mine = environment.sources()

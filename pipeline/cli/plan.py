@@ -26,12 +26,12 @@ class Rate:
     tasks: int = 0
 
     def add(self, rate: float) -> None:
-        """One more task."""
+        """Take in the rate of one task [-]."""
         self.total, self.tasks = self.total + rate, self.tasks + 1
 
     @property
     def mean(self) -> float:
-        """Over the tasks."""
+        """Mean over the tasks [-]; 0 without any."""
         return self.total / self.tasks if self.tasks else 0.0
 
 

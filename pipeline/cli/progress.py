@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from pipeline.bridge.engine import Failure, Outcome
 from pipeline.bridge.geometry import Geometry
+from pipeline.running.campaign import Watch
 from pipeline.tasks.task import Task
 from pipeline.terminal import about
 
-Watch = Callable[[Task | Geometry, Outcome], None]
 PAUSE = 0.2  # between two lines about tasks that went well [s]
 
 
@@ -54,7 +54,7 @@ class Clock:
         self.spoke = -PAUSE  # when a line was last due
 
     def count(self, what: Task | Geometry) -> None:
-        """One more."""
+        """Count an outcome, if it is that of a task."""
         if isinstance(what, Task):
             self.done += 1
             self.first = self.first or time.monotonic() - self.start

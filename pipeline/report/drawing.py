@@ -52,7 +52,7 @@ def plain(size: float = 9.0) -> Iterator[None]:
 
 
 def colour(index: int) -> str:
-    """The colour of the so-manyth of a kind."""
+    """Colour number `index`; after the last comes the first again."""
     return COLOURS[index % len(COLOURS)]
 
 

@@ -24,7 +24,7 @@ SUPPORT = {"elastic": "elastic", "fixed": "fixed", "elastic-no-floats": "no floa
 ROOM = 24  # sea states in one figure
 
 
-class Quantity(NamedTuple):
+class Measure(NamedTuple):
     """What an axis shows: a variable's statistic in a unit that is so many SI units."""
 
     variable: str
@@ -33,8 +33,8 @@ class Quantity(NamedTuple):
     scale: float
 
 
-POWER = Quantity("absorbed_power", "mean", "mean absorbed power [kW]", 1e3)
-ROTATION = Quantity("rotation", "rms", "RMS rotation [rad]", 1.0)
+POWER = Measure("absorbed_power", "mean", "mean absorbed power [kW]", 1e3)
+ROTATION = Measure("rotation", "rms", "RMS rotation [rad]", 1.0)
 AUDIT = (
     ("energy_residual", "energy residual [share of wave work]"),
     ("discretization_error", "discretization error [relative]"),
@@ -74,7 +74,7 @@ class Results:
 
     @property
     def varied(self) -> list[str]:
-        """Those of these axes that have several labels."""
+        """The axes of `first` that have several labels."""
         return [dim for dim in self.first if len(self.labels(dim)) > 1]
 
     @property
@@ -91,7 +91,7 @@ class Results:
         return str(max(known, key=known.count) if known else self.labels("sea_state")[int(heights.argmax())])
 
     def numbers(self, *names: str) -> np.ndarray:
-        """Of every sea state, from the first of these coordinates that it has; else NaN."""
+        """A number for each sea state, from the first of these coordinates that has one; else NaN."""
         per_sea = np.full(len(self.labels("sea_state")), np.nan)
         for name in reversed(names):
             if name in self.data.coords:
@@ -133,7 +133,7 @@ def series(results: Results, name: str) -> Iterator[tuple[str, str, dict[str, An
             yield item, support, {"color": colour(i), "markerfacecolor": face}
 
 
-def draw_sea_states(axes: Axes, results: Results, quantity: Quantity) -> None:
+def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
     """Mean over realizations with least and largest, and the published number, for each sea state."""
     name, statistic, words, scale = quantity
     values = results.values(name, statistic=statistic, **results.first)

@@ -30,7 +30,7 @@ VERSION = "version_"
 def results_of(study: Study, path: Path) -> Results:
     """A study beside its dataset and the published numbers, if there are any."""
     published = report.published(study.published) if study.published else []
-    return Results(study=study, data=dataset.load(path), published=published, tasks=path.parent / "tasks")
+    return Results(study=study, data=dataset.loaded(path), published=published, tasks=path.parent / "tasks")
 
 
 def write(study: Study, path: Path) -> Path:
@@ -56,7 +56,7 @@ def html(results: Results) -> str:
         title=results.data.attrs.get("title", results.study.name),
         facts=facts(results),
         troubles={"Not done": troubles(results), "Asked and not met": unmet(results)},
-        tables=tables(results),
+        tables=published_tables(results),
         verdicts=report.verdicts(results.data, list(results.published)),
         summary=[] if results.published else list(report.summary_rows(results.data)),
         figures=list(drawn(results)),
@@ -113,7 +113,7 @@ def _named(results: Results, name: str, usual: str) -> list[str]:
     return lines + ([f"and {len(places) - MANY} more"] if len(places) > MANY else [])
 
 
-def tables(results: Results) -> list[dict[str, Any]]:
+def published_tables(results: Results) -> list[dict[str, Any]]:
     """The published tables: rows of text, and the sentences about numbers that are far off."""
     made = []
     for title in dict.fromkeys(row.table for row in results.published):
@@ -142,7 +142,7 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
     crosses = " Crosses: published." if results.published else ""
     spread = f"Dots: mean over realizations; bars: least and largest. {fixed}{crosses}"
     return [
-        ("Scene", "Side view along y, at rest, to scale.", lambda r: sketch.scene(r.study.content)),
+        ("Scene", "Side view along y, at rest, to scale.", lambda r: sketch.side_view(r.study.content)),
         (
             "Envelopes along the legs",
             f"Sea state {results.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{held}",

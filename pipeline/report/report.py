@@ -131,7 +131,7 @@ def _nan(values: Any) -> Any:
     return np.isnan(values)
 
 
-def show(data: xr.Dataset, rows: list[Published], console: Console) -> None:
+def print_tables(data: xr.Dataset, rows: list[Published], console: Console) -> None:
     """Print every table, and a sentence for each number that is far off."""
     for title in dict.fromkeys(row.table for row in rows):
         mine = [(row, ours(data, row)) for row in rows if row.table == title]
@@ -183,7 +183,7 @@ def sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
         yield f"{'; '.join(names)}: {note}"
 
 
-def summary(data: xr.Dataset, console: Console) -> None:
+def print_summary(data: xr.Dataset, console: Console) -> None:
     """For a study without published numbers: mean and range of every variable that has statistics."""
     table = Table(box=None, pad_edge=False)
     for name in ("variable", "statistic", "mean", "least", "largest", "unit"):

@@ -106,7 +106,7 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
     bands = "Left: the whole record, the second over the first; right: the minute about the largest value."
     power = ("absorbed_power", "absorbed power, [kW]", 1e3)
     return [
-        ("Waves", "Elevation of one realization, and its spectrum beside theory.", lambda _: sea(series)),
+        ("Waves", "Elevation of one realization, and its spectrum beside theory.", lambda _: waves(series)),
         ("Response of the platform", f"First leg. {bands}", lambda _: draw(response(series))),
         ("Hinge forces", f"Of the hinge on the float. {bands}", lambda _: draw(forces(series))),
         ("Rotation", bands, lambda _: draw(floats(series, "rotation", "rotation, [rad]", 1.0))),
@@ -177,7 +177,7 @@ def draw(rows: Sequence[Row]) -> Figure | None:
 
 
 def look(number: int) -> dict[str, Any]:
-    """Of the so-manyth line; the second is dashed, so that the first shows where they are nearly the same."""
+    """Style of line number `number`, from 0; the second is dashed, so that the first shows where they are nearly the same."""
     return {"color": colour(number), "linestyle": "-" if number % 2 == 0 else (0, (3, 1))}
 
 
@@ -211,7 +211,7 @@ def _key(figure: Figure, rows: Sequence[Row]) -> None:
         figure.legend(handles=marks, loc="outside upper right", ncols=len(marks), frameon=False)
 
 
-def sea(series: Series) -> Figure | None:
+def waves(series: Series) -> Figure | None:
     """Fig. 11: the elevation, and the spectrum regenerated from it beside the one that it was drawn from."""
     groups = (series.line("", platform, "wave_elevation") for platform in series.records)
     line = next((line for lines in groups for line in lines), None)

@@ -19,7 +19,7 @@ FEW = 1e-9  # m; shorter is seen end on
 
 
 class Box(NamedTuple):
-    """What of the side view is shown [m]."""
+    """Edges of the side view [m]."""
 
     left: float
     right: float
@@ -49,7 +49,7 @@ def _bar(start: Point, end: Point, width: float) -> list[Point]:
     return [(x0 + nx, z0 + nz), (x1 + nx, z1 + nz), (x1 - nx, z1 - nz), (x0 - nx, z0 - nz)]
 
 
-def outline(item: Float) -> list[Point]:
+def float_outline(item: Float) -> list[Point]:
     """The float's hull at rest, seen along y."""
     from pipeline.bridge import scenes
 
@@ -76,7 +76,7 @@ def whole(study: StudyFile) -> Box:
 
 def about_water(study: StudyFile) -> Box:
     """The floats, the hinges and what stands beside them."""
-    points = [p for f in study.floats for p in [*outline(f), (f.hinge[0], f.hinge[2])]]
+    points = [p for f in study.floats for p in [*float_outline(f), (f.hinge[0], f.hinge[2])]]
     deck = [p for bar in members(study) for p in bar if p[1] > -1.0]
     points = points + deck or [(-1.0, 0.0), (1.0, 0.0)]
     xs, zs = [x for x, _ in points], [z for _, z in points]
@@ -97,7 +97,7 @@ def draw(axes: Axes, study: StudyFile, box: Box) -> None:
     for bar in members(study):
         axes.add_patch(Polygon(bar, facecolor=STEEL, edgecolor=INK, linewidth=0.4))
     for index, item in enumerate(study.floats):
-        axes.add_patch(Polygon(outline(item), facecolor=colour(index), edgecolor=INK, linewidth=0.6, alpha=0.85))
+        axes.add_patch(Polygon(float_outline(item), facecolor=colour(index), edgecolor=INK, linewidth=0.6, alpha=0.85))
         (x, _, z), hinge = centre(item), item.hinge
         axes.plot([hinge[0], x], [hinge[2], z], color=INK, linewidth=1.6, solid_capstyle="round")
         if "hinge" in item.motion:
@@ -112,7 +112,7 @@ def draw(axes: Axes, study: StudyFile, box: Box) -> None:
 def label(axes: Axes, study: StudyFile) -> None:
     """Names of the floats, the depth of the water, and the way the waves go."""
     for index, item in enumerate(study.floats):
-        points = outline(item)
+        points = float_outline(item)
         x, low = centre(item)[0], min(z for _, z in points)
         axes.text(x, low - 0.15, item.name, ha="center", va="top", color=colour(index))
     corner: dict[str, Any] = {"transform": axes.transAxes, "fontsize": "small"}
@@ -131,7 +131,7 @@ def _depth(study: StudyFile) -> str:
     return f"water {depth:g} m deep" if math.isfinite(depth) else "deep water"
 
 
-def scene(study: StudyFile) -> Figure | None:
+def side_view(study: StudyFile) -> Figure | None:
     """The whole depth, if there is a platform, and the surroundings of the water line, both to scale."""
     if not study.floats and study.platform is None:
         return None

@@ -199,7 +199,7 @@ def opened(path: Path) -> Any:
     return xr.open_dataset(path, cache=False)
 
 
-def load(path: Path) -> Any:
+def loaded(path: Path) -> Any:
     """The dataset as xarray.Dataset, read whole."""
     with opened(path) as data:
         return data.load()

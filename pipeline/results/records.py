@@ -26,16 +26,20 @@ class Record(Protocol):
     """What the solver hands back: statistics by name, with dimensions, and audit figures."""
 
     @property
-    def variables(self) -> Mapping[str, Labelled]: ...
+    def variables(self) -> Mapping[str, Labelled]:
+        """Name -> dimensions and values of statistics, envelopes and other results."""
 
     @property
-    def coords(self) -> Mapping[str, Any]: ...
+    def coords(self) -> Mapping[str, Any]:
+        """Dimension -> labels."""
 
     @property
-    def attrs(self) -> Mapping[str, Any]: ...
+    def attrs(self) -> Mapping[str, Any]:
+        """Single numbers and words: settings, audit, times."""
 
     @property
-    def series(self) -> Mapping[str, Labelled]: ...
+    def series(self) -> Mapping[str, Labelled]:
+        """Name -> dimensions and values of time series, if they are kept; `time` is one of them."""
 
 
 def encode(record: Record, parameters: Parameters, provenance: Mapping[str, Any]) -> tuple[bytes, str]:
@@ -113,7 +117,7 @@ def differences(old: bytes, new: bytes) -> list[str]:
 
 
 def _changes(old: Variable, new: Variable) -> Iterator[str]:
-    """What is no longer the same of a variable."""
+    """Each way in which a variable differs from the old one."""
     x, y = old.values, new.values
     if x.shape != y.shape or x.dtype != y.dtype:
         yield f"{x.dtype}{x.shape} became {y.dtype}{y.shape}"

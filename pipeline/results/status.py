@@ -1,4 +1,4 @@
-"""status.json of a task, read strictly: what lacks the shape says nothing, as if it were not there."""
+"""status.json of a task, read strictly: a file of another shape counts as absent."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Seconds = Annotated[float, Field(ge=0.0)]
 
 
 class _Shape(BaseModel):
-    """What is known must have its type; other keys may come and go with the versions of the program."""
+    """A key that is known must have its type; others are ignored, for they come and go with the versions."""
 
     model_config = ConfigDict(strict=True, frozen=True, extra="ignore", allow_inf_nan=False)
 
@@ -27,7 +27,7 @@ class Error(_Shape):
 
 
 class Length(_Shape):
-    """Of the simulated time; the defaults are those of a study file."""
+    """Lengths of the simulated time [s]; the defaults are those of a study file."""
 
     duration: Annotated[float, Field(gt=0.0)] = 3600.0
     discard: Seconds = 100.0
@@ -38,14 +38,14 @@ class Length(_Shape):
         return self.duration + self.discard
 
 
-class Parameters(_Shape):
-    """Of all parameters, those that are asked for."""
+class KeptParameters(_Shape):
+    """Those of a task's parameters that estimates of time need."""
 
     record: Length = Length()
 
 
 class Status(_Shape):
-    """What is kept of a task beside its record; nothing at all is a task that is missing."""
+    """What is kept of a task beside its record; the defaults describe a task that is missing."""
 
     id: str = ""
     state: Literal["done", "failed", "missing"] = "missing"
@@ -59,7 +59,7 @@ class Status(_Shape):
     command: str = ""
     log: tuple[str, ...] = ()
     unmet: str = ""  # what was asked for and not met, in a sentence
-    parameters: Parameters = Parameters()
+    parameters: KeptParameters = KeptParameters()
     error: Error | None = None
 
     @model_validator(mode="after")
@@ -70,7 +70,7 @@ class Status(_Shape):
 
 
 def read_status(path: Path) -> Status:
-    """What a status.json says; nothing if it is not there, not whole or not of this shape."""
+    """The content of a status.json; that of a missing task if it is absent, damaged or of another shape."""
     try:
         return Status.model_validate_json(path.read_bytes())
     except (OSError, ValueError):

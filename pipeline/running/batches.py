@@ -48,16 +48,16 @@ class Batches:
         return sum(group.left for group in self._ready)
 
     def add(self, tasks: Tasks, coefficients: bytes | None) -> None:
-        """Tasks, and the file of their coefficients."""
+        """Queue tasks, with the file of their coefficients."""
         if tasks:
             self._ready.append(_Group(iter(tasks), len(tasks), coefficients))
 
     def add_alone(self, lost: Batch) -> None:
-        """The tasks of a lost batch: alone each answers for itself."""
+        """Queue the tasks of a lost batch one by one: only the guilty one fails again."""
         self._alone.extend(Batch((task,), lost.coefficients) for task in lost.tasks)
 
     def heard(self, seconds: float) -> None:
-        """How long a task took."""
+        """Take in how long a task took [s], for the size of the next batches."""
         self._mean = seconds if self._mean is None else self._mean + SHARE * (seconds - self._mean)
 
     def take(self, width: int) -> Batch:

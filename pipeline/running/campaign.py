@@ -69,7 +69,7 @@ class Campaign:
         self.store.keep(kept)
 
     def command(self, task: Task) -> str:
-        """What reproduces a task."""
+        """The command that reproduces a task."""
         where = [] if self.results == Path("results") else ["--results", str(self.results)]
         return shlex.join(["study", "rerun", str(self.study), task.id, *where])
 

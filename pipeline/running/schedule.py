@@ -72,8 +72,8 @@ class Place:
     tls: tuple[Path, Path, Path] | None = None  # authority, certificate and key, for a tls:// scheduler
 
 
-def check(place: Place) -> None:
-    """Whether there can be such a place; raises InputError."""
+def require_place(place: Place) -> None:
+    """Refuse, with InputError, a place that cannot be: bounds, address, certificates."""
     if place.memory != "auto":
         from dask.utils import parse_bytes
 
@@ -98,7 +98,7 @@ def check(place: Place) -> None:
 
 
 def _context(tls: tuple[Path, Path, Path] | None) -> Any:
-    """What OpenSSL makes of the certificates; raises InputError."""
+    """OpenSSL's context of the certificates, None without any; raises InputError."""
     try:
         return _security(tls).get_connection_args("client")["ssl_context"]
     except OSError as error:
@@ -133,9 +133,11 @@ class Here:
         self._queue: deque[tuple[Hashable, Work, tuple[Any, ...]]] = deque()
 
     def submit(self, key: Hashable, function: Work, *args: Any) -> None:
+        """Queue function(*args)."""
         self._queue.append((key, function, args))
 
     def finished(self) -> Iterator[tuple[Hashable, list[Any] | Lost]]:
+        """Run what is queued, in order."""
         while self._queue:
             key, function, args = self._queue.popleft()
             yield key, function(*args)
@@ -168,11 +170,13 @@ class Dask:
         return max(1, sum(self._client.nthreads().values()))
 
     def submit(self, key: Hashable, function: Work, *args: Any) -> None:
+        """Send function(*args) to a worker."""
         future = self._client.submit(_within, self._place.timeout, function, *args, pure=False, **self._where())
         self._running[future.key] = _Job(key, future, function, args)
         future.add_done_callback(lambda done: self._events.put((done.key, False)))
 
     def finished(self) -> Iterator[tuple[Hashable, list[Any] | Lost]]:
+        """Results as they come; late work is cancelled, that of a worker with other sources is sent out again."""
         while self._running:
             name, late = self._next()
             job = self._running[name]

@@ -19,7 +19,7 @@ from pipeline.study.tables import LARGEST
 from solver.errors import InputError
 
 
-class Quantity(NamedTuple):
+class Column(NamedTuple):
     """What a column may hold: factors of its units to SI, the first being meant where the header names none."""
 
     units: Mapping[str, float]
@@ -29,14 +29,14 @@ class Quantity(NamedTuple):
 
 TURN = 2 * math.pi
 QUANTITIES = {
-    "time": Quantity({"s": 1.0}),
-    "elevation": Quantity({"m": 1.0}),
-    "amplitude": Quantity({"m": 1.0}, least=0.0),
-    "phase": Quantity({"rad": 1.0, "deg": math.pi / 180}),
-    "omega": Quantity({"rad/s": 1.0}, least=0.0),
+    "time": Column({"s": 1.0}),
+    "elevation": Column({"m": 1.0}),
+    "amplitude": Column({"m": 1.0}, least=0.0),
+    "phase": Column({"rad": 1.0, "deg": math.pi / 180}),
+    "omega": Column({"rad/s": 1.0}, least=0.0),
     # People mean either by this word, and a factor of 2π is not for us to guess.
-    "frequency": Quantity({"Hz": TURN, "rad/s": 1.0}, least=0.0, implied=False),
-    "S": Quantity({"m2 s/rad": 1.0, "m2/Hz": 1 / TURN}, least=0.0),
+    "frequency": Column({"Hz": TURN, "rad/s": 1.0}, least=0.0, implied=False),
+    "S": Column({"m2 s/rad": 1.0, "m2/Hz": 1 / TURN}, least=0.0),
 }
 ALIASES = {"omega": ("omega", "frequency")}
 
@@ -84,7 +84,7 @@ def _place(file: Attachment, line: int, header: Sequence[str], name: str) -> tup
     )
 
 
-def _factor(file: Attachment, where: str, quantity: Quantity, unit: str) -> float:
+def _factor(file: Attachment, where: str, quantity: Column, unit: str) -> float:
     if unit in quantity.units:
         return quantity.units[unit]
     if not unit and quantity.implied:

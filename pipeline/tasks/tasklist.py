@@ -42,7 +42,7 @@ class Tasks:
         return self._part(np.sort(np.unique(self.ids, return_index=True)[1]))
 
     def where(self, wanted: Callable[[Task], bool]) -> Tasks:
-        """Some of the tasks."""
+        """The tasks for which `wanted` holds."""
         return self._part(np.fromiter((n for n, task in enumerate(self.passing()) if wanted(task)), "i8"))
 
     def split(self, key: Callable[[Task], Key]) -> dict[Key, Tasks]:

@@ -78,7 +78,7 @@ def fake_coefficients(geometry):
     return f"coefficients of {geometry.key}".encode()
 
 
-def fake_check(data, key):
+def fake_require_whole(data, key):
     """These coefficients are no netCDF file."""
     if data != f"coefficients of {key}".encode():
         raise ValueError(key)
@@ -114,10 +114,10 @@ def fake_compute(parameters, coefficients):
 def engine(monkeypatch):
     """The engine without physics, also for the command line."""
     fake = physics.Engine(
-        coefficients=fake_coefficients, compute=fake_compute, check=lambda _: None, reduce=lambda _: None
+        coefficients=fake_coefficients, compute=fake_compute, judge=lambda _: None, reduce=lambda _: None
     )
     monkeypatch.setattr(physics, "Engine", lambda: fake)
-    monkeypatch.setattr(cache.Cache.__init__, "__defaults__", (fake_check,))
+    monkeypatch.setattr(cache.Cache.__init__, "__defaults__", (fake_require_whole,))
     monkeypatch.setattr(actions, "REPORTED", 0)  # figures take longer than all the rest
     return fake
 

@@ -43,7 +43,7 @@ def coefficients(geometry):
     return geometry.key.encode() * 1000
 
 
-def check(data, key):
+def require_whole(data, key):
     """These coefficients are no netCDF file."""
     if data != key.encode() * 1000:
         raise ValueError(key)
@@ -80,7 +80,7 @@ def nothing(parameters):
     """No objection."""
 
 
-ENGINE = engine.Engine(coefficients=coefficients, compute=compute, check=nothing, reduce=nothing)
+ENGINE = engine.Engine(coefficients=coefficients, compute=compute, judge=nothing, reduce=nothing)
 
 
 def main() -> None:
@@ -90,7 +90,7 @@ def main() -> None:
     from pipeline.cli import actions
 
     actions.REPORTED = 0
-    cache.Cache.__init__.__defaults__ = (check,)
+    cache.Cache.__init__.__defaults__ = (require_whole,)
     engine.Engine = lambda: ENGINE
     __main__.main()
 

@@ -190,7 +190,7 @@ def one(path: Path, dice: random.Random, engine: Engine) -> str:
     try:
         study = load(path)
         tasks = list(expand(study.content))
-        preflight.check(study, tasks, engine)
+        preflight.judge(study, tasks, engine)
         assert all(task.id and geometry_of(task.parameters) is not False for task in tasks[:20])
     except StudyError as error:
         for problem in error.problems:

@@ -101,12 +101,12 @@ def test_a_file_counts_under_its_own_name_alone(coefficients, tmp_path):
 def test_workers_write_the_key_into_the_file(coefficients, monkeypatch):
     monkeypatch.setattr(run, "hydrodynamics", lambda _: coefficients)
     geometry = SimpleNamespace(key="0123456789abcdef")
-    cache.check(run.coefficients(geometry), geometry.key)
+    cache.require_whole(run.coefficients(geometry), geometry.key)
 
 
 def test_a_file_found_whole_is_opened_again_only_if_it_is_another(coefficients, tmp_path):
     opened = []
-    store = cache.Cache(tmp_path, lambda data, key: opened.append(key) or cache.check(data, key))
+    store = cache.Cache(tmp_path, lambda data, key: opened.append(key) or cache.require_whole(data, key))
     data = cache.encode(coefficients, "key")
     store.put("key", data)
     assert [store.damaged(), store.damaged()] == [set(), set()]

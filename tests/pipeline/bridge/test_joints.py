@@ -115,10 +115,10 @@ def test_an_axis_of_pto_damping_is_for_floats_with_one_axis(study_with, tmp_path
 
 def test_a_float_out_of_equilibrium_is_told_of_and_not_refused(study_with):
     study = study_with(HINGED)
-    assert preflight.check(study, expand(study.content), Engine()) == []
+    assert preflight.judge(study, expand(study.content), Engine()) == []
     study.path.write_text(study.path.read_text().replace("mass = 2147.0", "mass = 2200.0"))
     heavy = load(study.path)
-    (told,) = preflight.check(heavy, expand(heavy.content), Engine())
+    (told,) = preflight.judge(heavy, expand(heavy.content), Engine())
     assert "floats.only" in told and "2200 kg" in told and "2146.75 kg" in told
 
 

@@ -8,7 +8,7 @@ from pipeline.bridge import scenes
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
-from pipeline.bridge.preflight import check
+from pipeline.bridge.preflight import judge
 from pipeline.study.reading import StudyError
 from pipeline.tasks.tasklist import Tasks
 
@@ -26,7 +26,7 @@ def barge(tmp_path):
 def judged(study):
     """What the solver has to say before anything runs."""
     read = load(study)
-    return check(read, Tasks.of(read.content), Engine())
+    return judge(read, Tasks.of(read.content), Engine())
 
 
 def test_a_task_is_known_by_the_mesh_and_not_by_its_name(barge):

@@ -123,7 +123,7 @@ def test_an_elevation_record_comes_back(study_with):
 
 def test_what_a_record_leaves_out_is_told_under_the_seas_own_name(study_with):
     study = study_with('{ kind = "elevation", file = "elevation.csv" }')
-    told = preflight.check(study, expand(study.content), Engine())
+    told = preflight.judge(study, expand(study.content), Engine())
     assert any(text.startswith("sea_states.only: elevation record: mean level ") for text in told)
 
 

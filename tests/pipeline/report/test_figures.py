@@ -209,14 +209,14 @@ def test_legs_of_unlike_height_are_not_averaged(study_of, buan_tables):
 def test_the_scene_is_to_scale(results):
     """A hemisphere of radius 1 m at (-3.86, 0) m, and a leg of 1 m diameter from the seabed to its hinge."""
     study = results.study.content
-    x, z = np.array(sketch.outline(study.floats[0])).T
+    x, z = np.array(sketch.float_outline(study.floats[0])).T
     assert (x.min(), x.max()) == pytest.approx((-4.86, -2.86), abs=1e-12)
     assert (z.min(), z.max()) == pytest.approx((-1.0, 0.6), abs=1e-12)
     (leg,) = sketch.members(study)
     x, z = np.array(leg).T
     assert (x.min(), x.max(), z.min(), z.max()) == pytest.approx((-2.0, -1.0, -50.0, 2.6), abs=1e-12)
     with plain():
-        figure = sketch.scene(study)
+        figure = sketch.side_view(study)
     assert {axes.get_aspect() for axes in figure.axes} == {1.0}
 
 
@@ -229,13 +229,13 @@ def test_floats_without_a_platform(study_of, buan_tables, hull, heading):
     tables["floats"] = [buan_tables["floats"][0] | {"hull": {"shape": hull, "radius": 1.0} | own}]
     study = study_of(tables).content
     with plain():
-        (axes,) = sketch.scene(study).axes
+        (axes,) = sketch.side_view(study).axes
     assert ("waves" in [text.get_text() for text in axes.texts]) == (heading != 1.5707963)
 
 
 def test_a_scene_of_nothing_is_not_drawn(results):
     nothing = results.study.content.model_copy(update={"floats": (), "platform": None})
-    assert sketch.scene(nothing) is None
+    assert sketch.side_view(nothing) is None
     assert (
         titles(figures.Results(study=Study(path=results.study.path, content=nothing), data=results.data))[0] != "Scene"
     )

@@ -58,7 +58,7 @@ def test_a_number_far_off_gets_its_sentence(data, tmp_path):
         row(tmp_path / "b.csv", "T,other,absorbed_power,float=front,,2.1,kW,never said"),
     ]
     console = Console(record=True, width=120)
-    report.show(data, rows, console)
+    report.print_tables(data, rows, console)
     text = console.export_text()
     assert "* power: the paper's spike" in text
     assert "never said" not in text

@@ -108,7 +108,7 @@ def test_no_extreme_is_lost_in_the_band():
 
 def test_the_spectrum_stands_beside_the_theory_it_was_drawn_from(results):
     with plain():
-        _, axes = series.sea(series.Series(results)).axes
+        _, axes = series.waves(series.Series(results)).axes
     theory = axes.lines[1]
     assert theory.get_xdata()[[0, -1]] == pytest.approx([0.7, 3.4])
     # Pierson-Moskowitz in the peak form, at its peak: S = 5/16 Hs² exp(-5/4) / ωp.

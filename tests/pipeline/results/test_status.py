@@ -37,9 +37,9 @@ def ran(tmp_path_factory):
     folder = tmp_path_factory.mktemp("odd")
     study, results = empty.study(folder, 2), folder / "results"
     with pytest.MonkeyPatch.context() as patch:
-        engine = run.Engine(coefficients=empty.coefficients, compute=compute, check=empty.nothing, reduce=empty.nothing)
+        engine = run.Engine(coefficients=empty.coefficients, compute=compute, judge=empty.nothing, reduce=empty.nothing)
         patch.setattr(run, "Engine", lambda: engine)
-        patch.setattr(cache.Cache.__init__, "__defaults__", (empty.check,))
+        patch.setattr(cache.Cache.__init__, "__defaults__", (empty.require_whole,))
         patch.setattr(actions, "REPORTED", 0)
 
         def call(verb, *words):

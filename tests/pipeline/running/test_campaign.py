@@ -303,7 +303,7 @@ def test_preflight_judges_what_runs_each_task_once(cli, monkeypatch, engine):
     from dataclasses import replace
 
     judged = []
-    watchful = replace(engine, check=judged.append, reduce=lambda _: None)
+    watchful = replace(engine, judge=judged.append, reduce=lambda _: None)
     monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: watchful)
     cli("run", "--workers", "1", "--select", "platform=fixed")
     assert {parameters.platform for parameters in judged} == {None}
@@ -405,7 +405,7 @@ def changed(small, tmp_path, engine):
 
         study, _, store, failed, _ = run(small, tmp_path / "r", replace(engine, compute=compute), workers=1)
         assert not failed
-        return dataset.load(dataset.collect(study, store)[0])
+        return dataset.loaded(dataset.collect(study, store)[0])
 
     return collect
 
@@ -517,7 +517,7 @@ def test_every_sea_and_every_configuration_is_judged_before_anything_runs(three_
 
     three_seas.write_text(three_seas.read_text().replace("[axes]", "[axes]\npto_damping = [1e5, 2e5]"))
     study, judged = load(three_seas), []
-    preflight.check(study, expand(study.content), replace(engine, check=judged.append))
+    preflight.judge(study, expand(study.content), replace(engine, judge=judged.append))
     assert {given.sea_state.Hs for given in judged} == {0.5, 1.0, 2.0}
     assert {(bool(given.platform), *(f.pto_damping for f in given.floats)) for given in judged} == {
         (elastic, damping) for elastic in (True, False) for damping in (1e5, 2e5)
@@ -530,15 +530,15 @@ def test_odd_and_impossible_seas_are_named_whichever_they_are(three_seas, engine
 
     study = load(three_seas)
     for label, height in (("calm", 0.5), ("mild", 1.0), ("rough", 2.0)):
-        odd = replace(engine, check=lambda given, height=height: ["sea: odd"] * (given.sea_state.Hs == height))
-        assert preflight.check(study, expand(study.content), odd) == [f"sea_states.{label}: odd"]
+        odd = replace(engine, judge=lambda given, height=height: ["sea: odd"] * (given.sea_state.Hs == height))
+        assert preflight.judge(study, expand(study.content), odd) == [f"sea_states.{label}: odd"]
 
         def refuse(given, height=height):
             if given.sea_state.Hs == height:
                 raise InputError("sea", height, "must be calm")
 
         with pytest.raises(StudyError, match=f"sea = {height}: must be calm"):
-            preflight.check(study, expand(study.content), replace(engine, check=refuse))
+            preflight.judge(study, expand(study.content), replace(engine, judge=refuse))
 
 
 def test_plan_tells_states_and_time_from_past_runs(small, cli):

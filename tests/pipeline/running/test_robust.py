@@ -200,7 +200,7 @@ def test_a_clock_that_goes_backwards(small_study, results, tmp_path, monkeypatch
     from pipeline.bridge import cache
     from pipeline.running.campaign import Campaign, unfinished
 
-    monkeypatch.setattr(cache.Cache.__init__, "__defaults__", (empty.check,))
+    monkeypatch.setattr(cache.Cache.__init__, "__defaults__", (empty.require_whole,))
     now = iter(range(10**9, 0, -3600))
     monkeypatch.setattr(time, "gmtime", lambda *_: time.struct_time((2000, 1, 1, next(now) % 24, 0, 0, 0, 1, 0)))
     store, tasks = Store(results, "empty"), load(small_study).tasks
