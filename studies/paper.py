@@ -77,10 +77,10 @@ def change(base: xr.Dataset, other: xr.Dataset, row: Published) -> tuple[float, 
 
 def cell(base: xr.Dataset, other: xr.Dataset, row: Published) -> str:
     """The change in percent; bold if our range, changed so, holds the published number."""
-    found = change(base, other, row)
-    if found is None:
+    shift = change(base, other, row)
+    if shift is None:
         return ""
-    share, error = found
+    share, error = shift
     text = f"{100 * share:+.1f}" + (f" ± {100 * error:.1f}" if error > 1e-3 else "")
     ours = report.ours(base, row)
     assert ours is not None
@@ -91,25 +91,25 @@ def cell(base: xr.Dataset, other: xr.Dataset, row: Published) -> str:
 
 def variants(base: xr.Dataset, results: Path, rows: list[Published]) -> Iterator[str]:
     """Change of every steady number in percent by each variant: those of the floats, those of the platform."""
-    found = {path.stem: opened(results, path.stem) for path in sorted((HERE / "variants").glob("*.toml"))}
+    datasets = {path.stem: opened(results, path.stem) for path in sorted((HERE / "variants").glob("*.toml"))}
     steady = [row for row in rows if row.statistic in STEADY and row.table[:7] not in ("Table 3",)]
     steady = [row for row in steady if row.statistic != "rms" or row.variable == "rotation"]
     # The rms of what has a mean of zero is its std, and that of the power follows from its mean and std.
     groups = {
-        "floats": [n for n, d in found.items() if "elastic-no-floats" not in labels(d)],
-        "platform and sea": [n for n, d in found.items() if "elastic-no-floats" in labels(d)],
+        "floats": [n for n, d in datasets.items() if "elastic-no-floats" not in labels(d)],
+        "platform and sea": [n for n, d in datasets.items() if "elastic-no-floats" in labels(d)],
     }
     for words, names in groups.items():
         body = []
         for row in steady:
-            cells = [cell(base, found[name], row) for name in names]
+            cells = [cell(base, datasets[name], row) for name in names]
             ours = report.ours(base, row)
             if ours is not None and any(cells):
                 wanted = 100 * (row.value - ours.mean) / abs(ours.mean)
                 body.append([f"{kind(row)}, {row.label} {row.statistic}", f"{wanted:+.1f}", *cells])
         yield f"**Variants of the {words}: change of our number in percent**\n"
         yield markdown(["", "to the paper", *names], body)
-    for name, data in found.items():
+    for name, data in datasets.items():
         states = zip(*np.unique(data.status.values.astype(str), return_counts=True), strict=True)
         yield f"- `{name}`: {data.attrs['title']} ({', '.join(f'{n} {state}' for state, n in states)})"
 
@@ -118,13 +118,13 @@ def dry_tops(base: xr.Dataset, results: Path, rows: list[Published]) -> str:
     """Every number that the floats' tops change by more than 2 %, wet and dry."""
     dry, body = opened(results, "dry-tops"), []
     for row in rows:
-        found, ours = report.ours(dry, row), report.ours(base, row)
-        if found is None or ours is None or abs(found.mean / ours.mean - 1) < 0.02:
+        dried, ours = report.ours(dry, row), report.ours(base, row)
+        if dried is None or ours is None or abs(dried.mean / ours.mean - 1) < 0.02:
             continue
-        spread = f"[{found.low:.4g}, {found.high:.4g}]"
+        spread = f"[{dried.low:.4g}, {dried.high:.4g}]"
         wet = f"{ours.mean:.4g} ({ours.verdict(row)})"
-        body.append([f"{kind(row)}, {row.label} {row.statistic}", row.text, wet, f"{found.mean:.4g}", spread,
-                     found.verdict(row)])  # fmt: skip
+        body.append([f"{kind(row)}, {row.label} {row.statistic}", row.text, wet, f"{dried.mean:.4g}", spread,
+                     dried.verdict(row)])  # fmt: skip
     return markdown(["", "paper", "ours, wet tops", "dry tops", "least, largest", "verdict"], body)
 
 
@@ -233,9 +233,9 @@ def sections(results: Path) -> dict[str, str]:
     }
 
 
-def renewed(page: str, found: dict[str, str]) -> str:
+def renewed(page: str, text_of: dict[str, str]) -> str:
     """A page with other text between its marks <!-- name --> and <!-- /name -->."""
-    for name, text in found.items():
+    for name, text in text_of.items():
         before, rest = page.split(f"<!-- {name} -->\n", 1)
         _, after = rest.split(f"<!-- /{name} -->", 1)
         page = f"{before}<!-- {name} -->\n{text.strip()}\n<!-- /{name} -->{after}"
@@ -245,10 +245,10 @@ def renewed(page: str, found: dict[str, str]) -> str:
 def main(arguments: list[str]) -> None:
     """Print everything that studies/paper.md quotes; with --write renew its tables, and the prose is for a reader."""
     words = [word for word in arguments if word != "--write"]
-    found = sections(Path(words[0] if words else "results"))
-    print(*found.values(), sep="\n\n")
+    text_of = sections(Path(words[0] if words else "results"))
+    print(*text_of.values(), sep="\n\n")
     if "--write" in arguments:
-        PAGE.write_text(renewed(PAGE.read_text(), found))
+        PAGE.write_text(renewed(PAGE.read_text(), text_of))
 
 
 if __name__ == "__main__":

@@ -53,7 +53,7 @@ def differences() -> Iterator[tuple[str, str, float, bool]]:
 def show(share: float) -> None:
     """Tell someone who waits at a terminal."""
     if sys.stderr.isatty():
-        print(f"\rreference path: {share:.0%}, then its own check", end="\n" * (share >= 1), file=sys.stderr)
+        print(f"\rreference path: {share:.0%}, then its error estimate", end="\n" * (share >= 1), file=sys.stderr)
 
 
 def memories() -> Iterator[tuple[float, int, float, float]]:

@@ -43,14 +43,14 @@ def compare(subject: str) -> tuple[list[Check], float]:
     """A subject's checks, and the time they took [s]."""
     module, function = SUBJECTS[subject].split(".")
     start = time.perf_counter()
-    found = getattr(importlib.import_module(f"studies.validation.{module}"), function)()
-    return found, time.perf_counter() - start
+    checked = getattr(importlib.import_module(f"studies.validation.{module}"), function)()
+    return checked, time.perf_counter() - start
 
 
 def run(subjects: list[str]) -> tuple[list[Check], dict[str, BaseException]]:
     """Checks of all subjects in the order of the table, and what went wrong with the others."""
     order = sorted(subjects, key=lambda s: DEAREST.index(s) if s in DEAREST else len(DEAREST))
-    found, failed = {}, {}
+    checks_of, failed = {}, {}
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     console = Console(stderr=True)
     # Fresh processes: a fork would copy what libraries keep of this one.
@@ -63,22 +63,22 @@ def run(subjects: list[str]) -> tuple[list[Check], dict[str, BaseException]]:
             if error := job.exception():
                 failed[subject] = error
             else:
-                found[subject], seconds = job.result()
-                console.print(f"{subject}: {len(found[subject])} numbers in {seconds:.0f} s", highlight=False)
+                checks_of[subject], seconds = job.result()
+                console.print(f"{subject}: {len(checks_of[subject])} numbers in {seconds:.0f} s", highlight=False)
             bar.advance(total)
-    return [c for s in subjects if s in found for c in found[s]], failed
+    return [c for s in subjects if s in checks_of for c in checks_of[s]], failed
 
 
-def report(found: list[Check], failed: dict[str, BaseException]) -> int:
+def report(numbers: list[Check], failed: dict[str, BaseException]) -> int:
     """Print the table, write it; 1 if a number is outside or a subject failed."""
     OUT.mkdir(parents=True, exist_ok=True)
-    if found:
-        print(checks.text(found))
-        checks.write(found, OUT / "validate.csv")
+    if numbers:
+        print(checks.text(numbers))
+        checks.write(numbers, OUT / "validate.csv")
     for subject, error in failed.items():
         print(f"{subject} FAILED: {type(error).__name__}: {error}")
-    outside = sum(not c.passed for c in found)
-    print(f"{len(found)} numbers, {outside} outside, {len(failed)} subjects failed; figures in {OUT}/")
+    outside = sum(not c.passed for c in numbers)
+    print(f"{len(numbers)} numbers, {outside} outside, {len(failed)} subjects failed; figures in {OUT}/")
     return int(outside > 0 or bool(failed))
 
 

@@ -73,7 +73,7 @@ def _key(theirs: str) -> str:
 
 @contextmanager
 def _part(place: str, word: str = "") -> Iterator[None]:
-    """Pass on objections to a part of a float or platform with `place` before the key, and without the solver's `word`."""
+    """Pass on objections to a part, with `place` before the key and without the word that the solver has there."""
     try:
         yield
     except InputError as first:

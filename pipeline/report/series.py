@@ -177,7 +177,7 @@ def draw(rows: Sequence[Row]) -> Figure | None:
 
 
 def look(number: int) -> dict[str, Any]:
-    """Style of line number `number`, from 0; the second is dashed, so that the first shows where they are nearly the same."""
+    """Style of a line by its number, from 0: the second is dashed, so that the first shows where they nearly agree."""
     return {"color": colour(number), "linestyle": "-" if number % 2 == 0 else (0, (3, 1))}
 
 

@@ -40,14 +40,14 @@ def coefficients(name: str = "default", **changed) -> tuple[Hydrodynamics, float
     OUT.mkdir(parents=True, exist_ok=True)
     file = OUT / f"bem-{name}.nc"
     if file.exists():
-        found = cache.decode(file.read_bytes())
-        return found, float(file.with_suffix(".seconds").read_text())
+        solution = cache.decode(file.read_bytes())
+        return solution, float(file.with_suffix(".seconds").read_text())
     start = time.perf_counter()
-    found = bem.solve(**(bem_arguments(geometry_of(task("elastic").parameters)) | changed))
+    solution = bem.solve(**(bem_arguments(geometry_of(task("elastic").parameters)) | changed))
     seconds = time.perf_counter() - start
-    file.write_bytes(cache.encode(found))
+    file.write_bytes(cache.encode(solution))
     file.with_suffix(".seconds").write_text(f"{seconds}")
-    return found, seconds
+    return solution, seconds
 
 
 def with_settings(item: Scene, **changed) -> Scene:
@@ -83,11 +83,11 @@ def _pairs(record: Record, exact: Record):
 
 def worst(record: Record, exact: Record) -> tuple[float, str]:
     """Worst error of any mean, rms (of the rms) and std (of the std), and which it is."""
-    found = []
+    shares = []
     for name, a, b in _pairs(record, exact):
         share = np.abs(a - b)[:, 2:] / b[:, [3, 3, 4]]
-        found.append((float(share.max()), f"{name} {('mean', 'rms', 'std')[share.max(axis=0).argmax()]}"))
-    return max(found)
+        shares.append((float(share.max()), f"{name} {('mean', 'rms', 'std')[share.max(axis=0).argmax()]}"))
+    return max(shares)
 
 
 def errors(record: Record, exact: Record) -> tuple[float, float]:

@@ -1,6 +1,6 @@
 """What a record says of its error beside the true one, on Buan and on scenes unlike it.
 
-True: against the same coefficients with every knob refined. The boundary elements' own share, which needs
+True: against the same coefficients with every knob refined. The share of the boundary elements, which needs
 other coefficients, is told by `make validate` and tests/coupled/test_linear.py.
 """
 

@@ -51,7 +51,7 @@ class Row(NamedTuple):
     run_time: float  # [s]
     error: float  # worst of any mean, rms, std
     error_of_extremes: float
-    estimate: float  # the record's own
+    estimate: float  # of the worst error, by the record
 
     def __str__(self) -> str:
         return (
@@ -105,15 +105,15 @@ def steps(platform: str) -> None:
     """Print each step's error over realizations: median and extremes, the record's estimate, the worst number."""
     usual, _ = coefficients()
     print(f"{'time_step':>10s}{'median':>10s}{'least':>10s}{'largest':>10s}{'estimate':>10s}  worst, {platform}")
-    found: dict[float, list] = {step: [] for step in STEPS}
+    errors_of: dict[float, list] = {step: [] for step in STEPS}
     for seed in range(REALIZATIONS):
         item = with_settings(scene(platform, seed), duration=SECONDS)
         finest = {"time_step": min(STEPS) / 2, "newton_tolerance": FINE["newton_tolerance"]}
         exact, _ = timed(with_settings(item, **finest), usual, 1)
         for step in STEPS:
             record, _ = timed(with_settings(item, time_step=step), usual, 1)
-            found[step].append((*worst(record, exact), record.attrs["discretization_error"]))
-    for step, rows in found.items():
+            errors_of[step].append((*worst(record, exact), record.attrs["discretization_error"]))
+    for step, rows in errors_of.items():
         error, names, told = zip(*rows, strict=True)
         common = ", ".join(f"{name} {n} times" for name, n in Counter(names).most_common(2))
         numbers = (statistics.median(error), min(error), max(error), statistics.median(told))

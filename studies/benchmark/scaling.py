@@ -82,17 +82,17 @@ def measure() -> dict[str, tuple[list[float], list[float]]]:
     known, _ = coefficients()
     elastic = scene("elastic")
     short = with_settings(elastic, duration=SECONDS)
-    found = {
+    times_of = {
         "record length [s]": (LENGTHS, marches([(with_settings(elastic, duration=float(t)), known) for t in LENGTHS])),
         "wave components": (COMPONENTS, marches([(replace(short, sea=_sea(n)), known) for n in COMPONENTS])),
         "floats (fixed platform)": ([2 * n for n in PAIRS], marches([pairs(n) for n in PAIRS])),
         "modes kept": (MODES, marches([(with_settings(short, modes=m), known) for m in MODES])),
     }
-    for name, (sizes, times) in found.items():
+    for name, (sizes, times) in times_of.items():
         order = np.polyfit(np.log(sizes), np.log(times), 1)[0]
         print(f"{name:26s}" + "".join(f"{n:>8g}: {t:6.2f} s" for n, t in zip(sizes, times, strict=True)))
         print(f"{'':26s}grows as size^{order:.2f}")
-    return found
+    return times_of
 
 
 def memory_of_three_hours() -> float:
@@ -101,10 +101,10 @@ def memory_of_three_hours() -> float:
     return float(done.stdout)
 
 
-def picture(found: dict[str, tuple[list[float], list[float]]]) -> None:
+def picture(times_of: dict[str, tuple[list[float], list[float]]]) -> None:
     """One panel a quantity, with a line of linear growth."""
-    figure, panels = plt.subplots(1, len(found), figsize=(12, 3.2), sharey=True)
-    for axes, (name, (sizes, times)) in zip(panels, found.items(), strict=True):
+    figure, panels = plt.subplots(1, len(times_of), figsize=(12, 3.2), sharey=True)
+    for axes, (name, (sizes, times)) in zip(panels, times_of.items(), strict=True):
         axes.loglog(sizes, times, "o-", label="measured")
         axes.loglog(sizes, times[0] * np.array(sizes) / sizes[0], "--", color="0.6", label="linear")
         axes.set_xticks(sizes, [f"{size:g}" for size in sizes])

@@ -41,13 +41,13 @@ def line(number: int) -> dict[str, object]:
 
 def rows(cases: list[Case]) -> list[dict[str, object]]:
     """All results in the order of the cases; a lost process is a hang."""
-    found: list[dict[str, object]] = [{}] * len(cases)
+    results: list[dict[str, object]] = [{}] * len(cases)
     for number, result in pool.run(line, range(len(cases)), [c.limit for c in cases]):
         case = cases[number]
         lost = {"outcome": "HANG", "message": f"no answer in {case.limit:g} s", "wall_time": case.limit}
-        found[number] = result or {"family": case.family, "x": case.x, "y": case.y, **lost}
-        show(case, found[number])
-    return found
+        results[number] = result or {"family": case.family, "x": case.x, "y": case.y, **lost}
+        show(case, results[number])
+    return results
 
 
 def show(case: Case, row: dict[str, object]) -> None:
@@ -58,22 +58,22 @@ def show(case: Case, row: dict[str, object]) -> None:
     print(f"{case.name:42s}{row['outcome']:10s}{energy:9.1e}{step:9.1e}{wall:8.2f} s  {message}", flush=True)
 
 
-def dataset(found: list[dict[str, object]]) -> xr.Dataset:
+def dataset(results: list[dict[str, object]]) -> xr.Dataset:
     """One variable for each figure, along `case`."""
-    data = xr.Dataset(coords={k: ("case", [str(r[k]) for r in found]) for k in ("family", "x", "y")})
+    data = xr.Dataset(coords={k: ("case", [str(r[k]) for r in results]) for k in ("family", "x", "y")})
     for name in ("outcome", "message"):
-        data[name] = ("case", [str(r[name]) for r in found])
+        data[name] = ("case", [str(r[name]) for r in results])
     for name, (units, meaning) in UNITS.items():
-        data[name] = ("case", [float(r.get(name, np.nan)) for r in found], {"units": units, "long_name": meaning})
+        data[name] = ("case", [float(r.get(name, np.nan)) for r in results], {"units": units, "long_name": meaning})
     return data.assign_attrs(title="Stability of the coupled solver: outcome of each scene of `make stress`")
 
 
-def failures(found: list[dict[str, object]], compared: list[tuple[str, float, float]]) -> list[str]:
+def failures(results: list[dict[str, object]], compared: list[tuple[str, float, float]]) -> list[str]:
     """What makes the exit status 1."""
-    bad = [f"{_name(r)}: {r['outcome']}: {r['message']}" for r in found if r["outcome"] in BAD]
+    bad = [f"{_name(r)}: {r['outcome']}: {r['message']}" for r in results if r["outcome"] in BAD]
     bad += [
         f"{_name(r)}: energy balance open by {r['energy_residual']:.1e}"
-        for r in found
+        for r in results
         if r["outcome"] in ("ok", "repeated") and not r.get("energy_residual", 0.0) <= BALANCE
     ]
     for name, value, bound in compared:
@@ -124,16 +124,16 @@ def main() -> int:
         print("boundary elements did not finish")
         return 1
     cases = matrix()
-    found = rows(cases)
-    data = dataset(found)
+    results = rows(cases)
+    data = dataset(results)
     data.to_netcdf(OUT / "stress.nc", engine="netcdf4")
     picture(data, OUT / "stress.png")
-    compared = comparisons({(r["family"], r["x"], r["y"]): r for r in found})
-    bad = failures(found, compared)
+    compared = comparisons({(r["family"], r["x"], r["y"]): r for r in results})
+    bad = failures(results, compared)
     (OUT / "report.html").write_text(page(data, compared, bad))
     outcomes = {o: int((data.outcome == o).sum()) for o in np.unique(data.outcome.values)}
     counts = ", ".join(f"{n} {o}" for o, n in outcomes.items())
-    print(f"{len(found)} scenes in {time.perf_counter() - start:.0f} s: {counts}")
+    print(f"{len(results)} scenes in {time.perf_counter() - start:.0f} s: {counts}")
     print("\n".join(bad) if bad else f"all as it should be; {OUT}/stress.nc, {OUT}/report.html")
     return 1 if bad else 0
 

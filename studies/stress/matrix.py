@@ -77,7 +77,7 @@ def _set(table: Any, path: list[str], value: Any) -> None:
 
 
 def sea_state(Hs: float, Tp: float) -> dict[str, Any]:
-    """A sea of its own band, 0.6 to 3 times the peak frequency, with at least 12 steps in its shortest wave."""
+    """A sea in the band from 0.6 to 3 times the peak frequency, with at least 12 steps in its shortest wave."""
     peak = 2 * np.pi / Tp
     step = min(STEP, 2 * np.pi / (3 * peak) / 12)
     return {
@@ -149,10 +149,10 @@ def matrix() -> list[Case]:
 
 
 def geometries() -> list[int]:
-    """Numbers of cases that have every geometry of the floats among them, the study's own once."""
+    """Numbers of cases that have every geometry of the floats among them, that of the study once."""
     cases = matrix()
-    own = next(i for i, case in enumerate(cases) if case.name == "record: 80 s, fixed")
-    return [own, *(i for i, case in enumerate(cases) if case.family in ("gap", "geometry"))]
+    first = next(i for i, case in enumerate(cases) if case.name == "record: 80 s, fixed")
+    return [first, *(i for i, case in enumerate(cases) if case.family in ("gap", "geometry"))]
 
 
 def _long() -> Iterator[Case]:

@@ -104,17 +104,17 @@ def reference(case: Case) -> dict[str, object]:
     fine = replace(settings, time_step=settings.time_step / 16)
     exact = simulate(replace(scene, settings=fine), known).series["rotation"][1][15::16]
     kernel = prepare(scene, known).fit
-    found = simulate_reference(
+    record = simulate_reference(
         replace(scene, settings=settings), known, kernel=kernel, surface="quadrature", stages=case.scheme
     )
-    rotation = found.series["rotation"][1]
+    rotation = record.series["rotation"][1]
     # Three stages leave samples half a step apart, two a whole one.
     every = 2 if case.scheme == 2 else 1
     n = min(len(rotation), len(exact[every - 1 :: every]))
     error = rotation[:n] - exact[every - 1 :: every][:n]
     return {
         "discretization_error": float(np.sqrt(np.mean(error**2) / np.mean(exact**2))),
-        "constraint_drift": found.attrs["constraint_drift"], "time_step": settings.time_step,
+        "constraint_drift": record.attrs["constraint_drift"], "time_step": settings.time_step,
         "largest_rotation": float(np.abs(rotation).max()),
     }  # fmt: skip
 

@@ -27,13 +27,13 @@ TABLE_3 = (0.4026, 0.4059, 3.1132, 6.3066, 6.3739)  # Heo, Koo and Kim (2022) [r
 UNIT = np.sqrt(STEEL.E * PIPE.Iy / (STEEL.density * PIPE.area)) / LENGTH**2
 
 
-def beam(tip: float = 0.0, elements: int = ELEMENTS, clamped=("start",), **given) -> FrameModel:
-    """A level pipe along x; tip: mass at its end over its own."""
+def beam(tip: float = 0.0, elements: int = ELEMENTS, clamped=("start",), **more) -> FrameModel:
+    """A level pipe along x; tip: mass at its end over that of the pipe."""
     member = Member(name="pipe", start="start", end="end", elements=elements, section=PIPE, material=STEEL)
-    own = STEEL.density * PIPE.area * LENGTH
-    masses = (PointMass(node="end", mass=tip * own),) if tip else ()
+    pipe_mass = STEEL.density * PIPE.area * LENGTH
+    masses = (PointMass(node="end", mass=tip * pipe_mass),) if tip else ()
     nodes = {"start": (0.0, 0.0, 0.0), "end": (LENGTH, 0.0, 0.0)}
-    return assemble(Frame(nodes=nodes, members=(member,), clamped=clamped, masses=masses, **given))
+    return assemble(Frame(nodes=nodes, members=(member,), clamped=clamped, masses=masses, **more))
 
 
 def along(model: FrameModel, axes: tuple[int, ...], count: int, held: tuple[int, ...] = ()) -> np.ndarray:
@@ -51,21 +51,21 @@ def closed_forms() -> list[Check]:
     # Hermite elements: (b/n)⁴/1440 of ω, 2e-6 at b = 4.7 and n = 20; 1e-5 for b.
     checks = []
     for tip, published in TIP_MASS.items():
-        found = np.sqrt(along(beam(tip), (2, 4), 2) / UNIT)
+        roots = np.sqrt(along(beam(tip), (2, 4), 2) / UNIT)
         checks += [
             Check(
                 case="cantilever with tip mass", quantity=f"b{i}, tip mass / beam mass {tip:g}", ours=b,
                 published=other, allowed=1e-5 * other,
             )
-            for i, (b, other) in enumerate(zip(found, published, strict=True), 1)
+            for i, (b, other) in enumerate(zip(roots, published, strict=True), 1)
         ]  # fmt: skip
     fine = {"elements": 2 * ELEMENTS}  # higher modes
     both = along(beam(clamped=("start", "end"), **fine), (2, 4), 3)
     sliding = along(beam(**fine), (2, 4), 2, held=(4,))
     checks += [
         Check(case=case, quantity=f"b{i}", ours=b, published=other, allowed=1e-5 * other)
-        for case, omega, roots in (("clamped at both ends", both, CLAMPED), ("clamped and sliding", sliding, SLIDING))
-        for i, (b, other) in enumerate(zip(np.sqrt(omega / UNIT), roots, strict=True), 1)
+        for case, omega, exact_b in (("clamped at both ends", both, CLAMPED), ("clamped and sliding", sliding, SLIDING))
+        for i, (b, other) in enumerate(zip(np.sqrt(omega / UNIT), exact_b, strict=True), 1)
     ]
     rod = np.sqrt(STEEL.E / STEEL.density) * np.pi / 2 / LENGTH
     shaft = np.sqrt(STEEL.G * PIPE.J / (STEEL.density * PIPE.Ip)) * np.pi / 2 / LENGTH
@@ -93,9 +93,9 @@ def closed_forms() -> list[Check]:
 def table_3() -> list[Check]:
     """The five lowest modes of the platform in air."""
     model = assemble(buan("elastic-no-floats").platform.frame)
-    found = modes(model.K, model.M, model.free, 5).omega
+    omega = modes(model.K, model.M, model.free, 5).omega
     checks = []
-    for i, (ours, published) in enumerate(zip(found, TABLE_3, strict=True), 1):
+    for i, (ours, published) in enumerate(zip(omega, TABLE_3, strict=True), 1):
         twist = i == 3
         # The paper gives neither the deck's sections nor where its mass sits, on which the twist hangs.
         checks.append(
@@ -113,7 +113,7 @@ def table_3() -> list[Check]:
         left.plot(list(TIP_MASS), [b[i] for b in TIP_MASS.values()], "o", color=colour, label="closed form", **MARK)
     left.set(xlabel="tip mass over beam mass [-]", ylabel="b of ω = b²√(EI/mL⁴) [-]", title="Cantilever with tip mass")
     number = np.arange(1, 6)
-    right.vlines(number, 0, found, color=BLUE, lw=6, alpha=0.6, label="ours")
+    right.vlines(number, 0, omega, color=BLUE, lw=6, alpha=0.6, label="ours")
     right.plot(number, TABLE_3, "o", color=ORANGE, label="Heo et al. 2022, Table 3", **MARK)
     right.set(xlabel="mode", ylabel="natural frequency [rad/s]", title="Buan platform", ylim=(0, None), xticks=number)
     drawing.save(figure, "beams")

@@ -11,8 +11,8 @@ from solver.scene import Scene
 def scene(name: str, **labels) -> Scene:
     """The first task of studies/NAME.toml with these labels."""
     content = load(Path(__file__).parents[1] / f"{name}.toml").content
-    found = next(t for t in expand(content) if all(t.labels[k] == v for k, v in labels.items()))
-    return scenes.scene(found.parameters)
+    task = next(t for t in expand(content) if all(t.labels[k] == v for k, v in labels.items()))
+    return scenes.scene(task.parameters)
 
 
 def buan(platform: str) -> Scene:

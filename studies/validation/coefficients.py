@@ -33,8 +33,8 @@ def hulme() -> list[Check]:
     published = columns("hulme-1982-hemisphere.csv")
     used = published["Ka"] <= 3
     Ka = published["Ka"][used]
-    found = {n: hemisphere(Ka, n) for n in MESHES}
-    mine = normalised(found[DEFAULT])
+    solutions = {n: hemisphere(Ka, n) for n in MESHES}
+    mine = normalised(solutions[DEFAULT])
     checks = []
     for name in CURVES:
         exact = published[name][used]
@@ -46,8 +46,8 @@ def hulme() -> list[Check]:
                 allowed=5e-3 * exact.max(),
             )
         )  # fmt: skip
-    errors = {n: _errors(normalised(h), published, used) for n, h in found.items()}
-    for n, h in found.items():
+    errors = {n: _errors(normalised(h), published, used) for n, h in solutions.items()}
+    for n, h in solutions.items():
         checks.append(
             Check(
                 case="hemisphere, convergence", quantity=f"worst error [% of largest], {h.settings['panels']} panels",
@@ -55,8 +55,8 @@ def hulme() -> list[Check]:
                 note="Each is extrapolated from that mesh and one of 4/9 the panels; Hulme's four digits are 0.01 %.",
             )
         )  # fmt: skip
-    _figure(found, errors, published, used)
-    return checks + haskind(found[DEFAULT])
+    _figure(solutions, errors, published, used)
+    return checks + haskind(solutions[DEFAULT])
 
 
 def _errors(mine, published, used) -> dict[str, float]:
@@ -66,18 +66,18 @@ def _errors(mine, published, used) -> dict[str, float]:
     }
 
 
-def _figure(found, errors, published, used) -> None:
+def _figure(solutions, errors, published, used) -> None:
     figure, (left, right) = drawing.axes(2)
-    Ka, fine = published["Ka"][used], normalised(found[DEFAULT])
+    Ka, fine = published["Ka"][used], normalised(solutions[DEFAULT])
     colours = dict(zip(CURVES, (BLUE, GREEN, ORANGE, RED), strict=True))
     for name in CURVES:
         left.plot(Ka, fine[name], lw=1.3, color=colours[name], label=f"{name.replace('_', ' ')}′")
         left.plot(Ka, published[name][used], "o", color=colours[name], **MARK)
-        panels = [h.settings["panels"] for h in found.values()]
+        panels = [h.settings["panels"] for h in solutions.values()]
         right.plot(panels, [100 * e[name] for e in errors.values()], "-", lw=1.2, color=colours[name])
     left.set(xlabel="Ka = ω²a/g [-]", ylabel="A′, B′ [-]", title="Hemisphere: ours (lines), Hulme 1982 (circles)")
     right.axhline(0.5, color=GREY, lw=0.8, ls="--")
-    right.axvline(found[DEFAULT].settings["panels"], color=GREY, lw=0.8, ls=":")
+    right.axvline(solutions[DEFAULT].settings["panels"], color=GREY, lw=0.8, ls=":")
     right.set(
         xscale="log", yscale="log", xlabel="panels on the hemisphere", ylabel="worst error [% of curve's largest]",
         title="Mesh convergence (dotted: default; dashed: allowed)",

@@ -55,15 +55,15 @@ def decays() -> list[Check]:
     """The first five extrema within 0.2 % in time and 0.2 % of the offset in value."""
     fine = np.arange(0, 14, 0.02)
     theory = np.column_stack([fine, exact(fine)])
-    own = extrema(*theory.T)[:5]
+    peaks = extrema(*theory.T)[:5]
     t, z = run(1.0, "linear")
     checks = []
-    for i, ((when, value), (at, height)) in enumerate(zip(extrema(t, z)[:5], own, strict=True), 1):
-        given = EXTREMA[i - 1] if i <= len(EXTREMA) else (at, height)
+    for i, ((when, value), (at, height)) in enumerate(zip(extrema(t, z)[:5], peaks, strict=True), 1):
+        reference = EXTREMA[i - 1] if i <= len(EXTREMA) else (at, height)
         known = "multipoles" if i <= len(EXTREMA) else "Hulme's A, B"
         for quantity, mine, other, allowed in (
-            (f"extremum {i}, time [s]", when, given[0], 2e-3 * given[0]),
-            (f"extremum {i}, heave [m]", value, given[1], 2e-3),
+            (f"extremum {i}, time [s]", when, reference[0], 2e-3 * reference[0]),
+            (f"extremum {i}, heave [m]", value, reference[1], 2e-3),
         ):
             checks.append(
                 Check(
@@ -74,7 +74,7 @@ def decays() -> list[Check]:
     # What makes Hulme's four digits fit to stand in for the fifth: a tenth of what is allowed there.
     last = f"Hulme's A, B themselves: extremum {len(EXTREMA)}, heave [m]"
     checks.append(
-        Check(case="sphere, decay, linear", quantity=last, ours=own[3][1], published=EXTREMA[3][1], allowed=2e-4)
+        Check(case="sphere, decay, linear", quantity=last, ours=peaks[3][1], published=EXTREMA[3][1], allowed=2e-4)
     )
     return checks + _large(t, z)
 

@@ -92,7 +92,7 @@ def modal_against_direct() -> list[Check]:
         other = history[1:][2::3, top][: len(ours)]  # its step is a third of the record's samples
         curves[name] = ours
         apart = np.sqrt(np.mean((ours - other) ** 2) / np.mean(other**2))
-        # Newmark's own error at this step, (ω dt)²/12 with ω up to 3.4 rad/s: 6e-4.
+        # Newmark's error at this step, (ω dt)²/12 with ω up to 3.4 rad/s: 6e-4.
         checks.append(
             Check(
                 case="frame, modal against direct", quantity=f"top of leg 1, x: rms difference over rms, {name}",

@@ -21,7 +21,7 @@ def axes(count: int = 1, *, width: float = 4.6, height: float = 3.6, **options):
 
 
 def save(figure, name: str, *, legend=None) -> None:
-    """One PNG; a legend in every axes, or in those given."""
+    """One PNG; a legend in every axes, or in those of `legend`."""
     for each in figure.axes:
         each.spines[["top", "right"]].set_visible(False)
         each.grid(lw=0.4, color="0.88")

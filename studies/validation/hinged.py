@@ -1,6 +1,6 @@
 """Hinged sphere of Heo, Koo and Kim (2022), Figs. 5-6: pitch RAO, linear and body-nonlinear.
 
-Their curves are not given as numbers, nor is the arm: what is judged is the linear run against the
+Neither their curves nor the arm are printed as numbers: what is judged is the linear run against the
 frequency-domain solution of the same scene, and what the text says of the curves.
 """
 
@@ -20,7 +20,7 @@ BAND, COMPONENTS = (0.1, 2.6), 126  # [rad/s]
 HEIGHT = 1.0  # Hs of the white noise of body-nonlinear runs; assumed, as the paper does not say [m]
 HIGH = 2.0  # height of the regular waves in which body-nonlinear and linear part [m]
 OMEGA = np.array([0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.5, 1.7, 1.9, 2.1, 2.3, 2.5])  # of regular waves [rad/s]
-LOW = 0.6  # below it, the paper's own two runs part and ours are quasi-static [rad/s]
+LOW = 0.6  # below it, the two runs of the paper part and ours are quasi-static [rad/s]
 CASE = "hinged sphere"
 LARGE = (
     "The paper finds smaller, and gives no wave height. Judged in regular waves of 2 m, high beside the sphere,"
@@ -74,8 +74,8 @@ def pitch() -> list[Check]:
                 published=float(other), allowed=0.03 * exact.max(),
             )
         )  # fmt: skip
-    for height, found in regular.items():
-        ratio = np.mean((found / CubicSpline(omega, exact)(OMEGA))[OMEGA > LOW])
+    for height, amplitude in regular.items():
+        ratio = np.mean((amplitude / CubicSpline(omega, exact)(OMEGA))[OMEGA > LOW])
         quantity = f"regular, {height:.2g} m, above {LOW:g} rad/s: nonlinear over linear (smaller)"
         allowed = 0.0 if height == HIGH else np.inf
         checks.append(

@@ -1,4 +1,4 @@
-"""Published coefficients against hulls that are given as panel meshes: error against the number of panels.
+"""Published coefficients against hulls that are panel meshes: error against the number of panels.
 
 Errors are shares of each curve's largest value. `published` are columns of the files in tests/reference.
 """
@@ -32,23 +32,23 @@ def _normalised(hull: PanelHull, omega: np.ndarray, depth: float, mass: float) -
 def hemisphere_errors(published: Columns, along: tuple[int, ...] = (12, 16, 24)) -> dict[int, dict[str, float]]:
     """Hulme's curves up to Ka = 3: worst error of each, by panels below water."""
     used = published["Ka"] <= 3
-    omega, found = np.sqrt(G * published["Ka"][used]), {}
+    omega, errors = np.sqrt(G * published["Ka"][used]), {}
     for n in along:
         hull = meshed(Revolution.sphere(radius=1.0, draft=1.0), n)
         A, B = _normalised(hull, omega, np.inf, RHO * 2 / 3 * np.pi)
         ours = {"surge_A": A[:, 0], "surge_B": B[:, 0], "heave_A": A[:, 1], "heave_B": B[:, 1]}
-        found[len(hull.wetted)] = {name: _worst(values, published[name][used]) for name, values in ours.items()}
-    return found
+        errors[len(hull.wetted)] = {name: _worst(values, published[name][used]) for name, values in ours.items()}
+    return errors
 
 
 def cylinder_errors(published: Columns, along: tuple[int, ...] = (12, 16, 24)) -> dict[int, dict[str, float]]:
     """Truncated cylinder, radius 1 m, draft 0.5 m, depth 10 m, heave: worst errors by panels below water."""
-    omega, found = np.sqrt(G * published["K"]), {}
+    omega, errors = np.sqrt(G * published["K"]), {}
     for n in along:
         hull = meshed(Revolution.vertical_cylinder(radius=1.0, draft=0.5, freeboard=0.5), n)
         A, B = _normalised(hull, omega, 10.0, RHO * np.pi * 0.5)
-        found[len(hull.wetted)] = {"A33": _worst(A[:, 1], published["A33"]), "B33": _worst(B[:, 1], published["B33"])}
-    return found
+        errors[len(hull.wetted)] = {"A33": _worst(A[:, 1], published["A33"]), "B33": _worst(B[:, 1], published["B33"])}
+    return errors
 
 
 def _worst(values: np.ndarray, exact: np.ndarray) -> float:

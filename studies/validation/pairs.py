@@ -34,7 +34,7 @@ REVERSED = (
     "The paper gives no wave height. Judged in lower waves; in white noise of the representative sea's height our"
     " front float is the other way round. Not scatter: other seeds agree. Not explained."
 )
-NOTE = "Fig. 9 is not given as numbers: the linear run is held against the exact solution, the text against ours."
+NOTE = "Fig. 9 is not printed as numbers: the linear run is held against the exact solution, the text against ours."
 
 
 def floats(shape: str, sides: tuple[str, ...]) -> tuple[Float, ...]:
@@ -83,10 +83,10 @@ def pitch() -> list[Check]:
                     allowed=5e-3 * exact[name].max(), note=NOTE,
                 )
             )  # fmt: skip
-    found = {name: response.smooth(omega, rao(name, HEIGHT)[1]) for name in RUNS}
+    smoothed = {name: response.smooth(omega, rao(name, HEIGHT)[1]) for name in RUNS}
     waves = {name: regular(name) for name in RUNS}
-    checks += _findings(found, waves) + _high(omega)
-    _figure(omega, exact, linear, found, waves)
+    checks += _findings(smoothed, waves) + _high(omega)
+    _figure(omega, exact, linear, smoothed, waves)
     return checks
 
 
@@ -99,7 +99,7 @@ def regular(name: str) -> np.ndarray:
     return np.abs(response.regular_waves(scene, coefficients(sides), heights, cycles=10))
 
 
-def _findings(found, waves) -> list[Check]:
+def _findings(smoothed, waves) -> list[Check]:
     """What the text says of Fig. 9, in regular waves; the interaction of the two floats in irregular ones too."""
     at = {"case": f"{CASE}, body-nonlinear", "note": NOTE}
     checks = []
@@ -107,7 +107,7 @@ def _findings(found, waves) -> list[Check]:
         ratio = np.mean(waves[f"present, {side}"] / waves[f"sphere, {side}"])
         quantity = f"{side}: present body over sphere, 0.6 to 2.4 rad/s (larger)"
         checks.append(Check(quantity=quantity, ours=float(ratio), published=1.0, allowed=0.0, side="above", **at))
-        dual, single = found["present, dual"][:, i], found[f"present, {side}"][:, 0]
+        dual, single = smoothed["present, dual"][:, i], smoothed[f"present, {side}"][:, 0]
         apart = np.sqrt(np.mean((dual - single) ** 2) / np.mean(single**2))
         # "Small", "insignificant": a tenth.
         quantity = f"{side}: dual less single, irregular, rms over rms (small)"
@@ -139,7 +139,7 @@ def _high(omega: np.ndarray) -> list[Check]:
     return checks
 
 
-def _figure(omega, exact, linear, found, waves) -> None:
+def _figure(omega, exact, linear, smoothed, waves) -> None:
     figure, (left, right) = drawing.axes(2, width=5.2, sharey=True)
     for name, i, colour, label in (
         ("present, front", 0, BLUE, "single front"),
@@ -159,7 +159,7 @@ def _figure(omega, exact, linear, found, waves) -> None:
         ("present, dual", 1, ORANGE, "--", "D"),
     ):
         label = f"dual present, {BOTH[i]}" if "dual" in name else f"single {name}"
-        right.plot(omega, found[name][:, i], style, color=colour, lw=1.2, label=label)
+        right.plot(omega, smoothed[name][:, i], style, color=colour, lw=1.2, label=label)
         right.plot(OMEGA, waves[name][:, i], mark, color=colour, ms=4, mfc="none")
     left.set(xlabel="ω [rad/s]", ylabel="pitch RAO [rad/m]", title="Linear, present body")
     right.set(xlabel="ω [rad/s]", title=f"Body-nonlinear, Hs {HEIGHT:g} m (markers: regular waves)")

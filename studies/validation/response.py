@@ -29,10 +29,10 @@ def frequency_domain(floats: tuple[Float, ...], h: Hydrodynamics, omega: np.ndar
     J, rigid, C = np.zeros((nr * len(floats), nj)), np.zeros_like(h.added_mass_inf), h.hydrostatic_stiffness.copy()
     first = 0
     for b, item in enumerate(floats):
-        own = slice(nr * b, nr * (b + 1))
-        J[own, first : first + len(item.motion)] = np.array([_unit(item, name) for name in item.motion]).T[index]
-        rigid[own, own] = _rigid(item)[np.ix_(index, index)]
-        C[own, own] -= item.mass * h.gravity * item.cog[2] * np.diag([d in ("roll", "pitch") for d in h.dofs])
+        block = slice(nr * b, nr * (b + 1))
+        J[block, first : first + len(item.motion)] = np.array([_unit(item, name) for name in item.motion]).T[index]
+        rigid[block, block] = _rigid(item)[np.ix_(index, index)]
+        C[block, block] -= item.mass * h.gravity * item.cog[2] * np.diag([d in ("roll", "pitch") for d in h.dofs])
         first += len(item.motion)
     pto = np.diag(np.concatenate([f.per_axis("pto_damping") + f.per_axis("damping") for f in floats]))
     A, B = (CubicSpline(h.omega, x)(omega) for x in (h.added_mass, h.radiation_damping))
@@ -77,15 +77,15 @@ def irregular(scene: Scene, h: Hydrodynamics) -> np.ndarray:
 
 def regular_waves(scene: Scene, h: Hydrodynamics, waves: list[tuple[float, float]], *, cycles: int = 20) -> np.ndarray:
     """RAO (n, nj) of the first harmonic in each regular wave (height [m], period [s]), after `cycles` periods."""
-    found = []
+    rows = []
     for height, period in waves:
         sea = regular(height=height, period=period)
         settings = replace(
             scene.settings, duration=20 * period, discard=cycles * period, ramp=5 * period,
             time_step=min(0.15, period / 40),
         )  # fmt: skip
-        found.append(irregular(replace(scene, sea=sea, settings=settings), h)[0])
-    return np.array(found)
+        rows.append(irregular(replace(scene, sea=sea, settings=settings), h)[0])
+    return np.array(rows)
 
 
 def settings(**changes) -> Settings:

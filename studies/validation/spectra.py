@@ -35,7 +35,7 @@ def spectrum() -> list[Check]:
         # Lines at random distances, ± 40 % of 0.02 rad/s, within a window of 0.05: some 5 % of scatter.
         Check(quantity="smoothed density less theory: rms over rms", ours=float(apart), published=0.0,
               allowed=0.1, **at),
-        # The smoothing's own width.
+        # The width of the smoothing.
         Check(quantity="peak frequency [rad/s]", ours=float(peak), published=2 * np.pi / 5.46, allowed=0.05, **at),
     ]  # fmt: skip
     figure, (left, right) = drawing.axes(2)

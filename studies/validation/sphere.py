@@ -39,7 +39,7 @@ def coefficients() -> bem.Hydrodynamics:
 
 
 def scene(sea=None, **changes) -> Scene:
-    """The sphere in a sea; `pto_damping` [N s/m] or settings may be given."""
+    """The sphere in a sea; keywords: `pto_damping` [N s/m] and settings."""
     pto = changes.pop("pto_damping", 0.0)
     sea = sea or response.white_noise(height=0.2, band=BAND, components=COMPONENTS)
     return Scene(water=DEEP, sea=sea, floats=(sphere(pto_damping=pto),), settings=response.settings(**changes))
@@ -174,8 +174,8 @@ def with_pto() -> list[Check]:
         exact.append(abs(response.frequency_domain(item.floats, h, np.array([2 * np.pi / T]))[0, 0]))
         for S in (0.002, 0.01):
             # A damper of the best size leaves nothing of the start after ten periods.
-            found = response.regular_waves(item, h, [(S * G * T**2, T)], cycles=10)
-            ratio.setdefault(S, []).append(abs(found[0, 0]) / exact[-1])
+            amplitudes = response.regular_waves(item, h, [(S * G * T**2, T)], cycles=10)
+            ratio.setdefault(S, []).append(abs(amplitudes[0, 0]) / exact[-1])
     checks = [
         Check(
             case="OES sphere, PTO, S = 0.002", quantity=f"body-nonlinear over linear, T = {T:g} s", ours=r,
