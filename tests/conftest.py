@@ -45,7 +45,7 @@ def pytest_collection_modifyitems(config, items):
         for item in items:
             files.setdefault(item.path, []).append(item)
         mixed = dice.sample(list(files.values()), len(files))
-        items[:] = [item for own in mixed for item in dice.sample(own, len(own))]
+        items[:] = [item for group in mixed for item in dice.sample(group, len(group))]
 
 
 @pytest.fixture(scope="session", autouse=True)

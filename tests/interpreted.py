@@ -27,13 +27,13 @@ def motions(coefficients: Hydrodynamics) -> dict[str, np.ndarray]:
         "linear": scene("fixed", **linear, **SHORT),
         "no floats": scene("elastic-no-floats", **SHORT),
     }
-    found = {}
+    series = {}
     for name, item in scenes.items():
         system = prepare(item, coefficients if item.floats else None)
         parts = [out for _, out, _ in blocks(system, system.start(), round(SECONDS / system.dt))]
         for field in ("z", "p", "wrench"):
-            found[f"{name}, {field}"] = np.concatenate([getattr(out, field) for out in parts])
-    return found
+            series[f"{name}, {field}"] = np.concatenate([getattr(out, field) for out in parts])
+    return series
 
 
 if __name__ == "__main__":

@@ -59,7 +59,7 @@ def mutations() -> list[Mutation]:
 
 
 class Copy:
-    """A copy of the tree in which tests are run, with its own compiled kernels."""
+    """A copy of the tree in which tests are run, with compiled kernels apart."""
 
     def __init__(self, folder: Path):
         self.tree, self.cache = folder / "tree", folder / f"kernels-{sources()}"
@@ -102,8 +102,8 @@ class Copy:
         kernels.mkdir(parents=True, exist_ok=True)
         compiler = {"NUMBA_CACHE_DIR": str(kernels), "NUMBA_DISABLE_JIT": str(int(interpreted))}
         threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-        given = {**os.environ, **threads, **compiler, "PYTHONPATH": str(self.tree), "PYTHONDONTWRITEBYTECODE": "1"}
-        code, said = _ended(command, self.tree, given)
+        env = {**os.environ, **threads, **compiler, "PYTHONPATH": str(self.tree), "PYTHONDONTWRITEBYTECODE": "1"}
+        code, said = _ended(command, self.tree, env)
         if code > 1:
             raise RuntimeError(f"pytest ended with {code}:\n{said}")
         return said if code else ""
@@ -116,13 +116,13 @@ class Copy:
 
     def _users(self, file: str) -> set[str]:
         """A file and all that import it, directly or not; it alone if nothing in it is compiled."""
-        found: set[str] = {file}
+        users: set[str] = {file}
         while "solver/kernels.py" in self._imports[file]:
-            more = {name for name, used in self._imports.items() if used & found} - found
+            more = {name for name, used in self._imports.items() if used & users} - users
             if not more:
                 break
-            found |= more
-        return found
+            users |= more
+        return users
 
     @cached_property
     def _imports(self) -> dict[str, set[str]]:
@@ -140,10 +140,10 @@ def _imported(tree: ast.Module) -> Iterator[str]:
                 yield name.replace(".", "/") + ".py"
 
 
-def _ended(command: list[str], folder: Path, given: dict[str, str]) -> tuple[int, str]:
+def _ended(command: list[str], folder: Path, env: dict[str, str]) -> tuple[int, str]:
     """Exit status and output; 1 for what takes too long, and for what is killed by a signal."""
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-    with subprocess.Popen(command, cwd=folder, env=given, start_new_session=True, **pipes) as process:
+    with subprocess.Popen(command, cwd=folder, env=env, start_new_session=True, **pipes) as process:
         try:
             said, _ = process.communicate(timeout=LONGEST)
         except subprocess.TimeoutExpired:
@@ -165,12 +165,12 @@ def main() -> int:
     parser.add_argument("words", nargs="*", metavar="WORD")
     parser.add_argument("--named", action="store_true", help="no other tests than those named")
     parser.add_argument("--folder", type=Path, default=ROOT / ".jit" / "mutations", help="of the copy")
-    given = parser.parse_args()
-    chosen = [m for m in mutations() if any(word in m.file or word in m.new for word in given.words or [""])]
-    copy, caught = Copy(given.folder.resolve()), 0
+    options = parser.parse_args()
+    chosen = [m for m in mutations() if any(word in m.file or word in m.new for word in options.words or [""])]
+    copy, caught = Copy(options.folder.resolve()), 0
     for number, mutation in enumerate(chosen, 1):
         start = time.monotonic()
-        word = judged(copy, mutation, given.named)
+        word = judged(copy, mutation, options.named)
         caught += word.startswith("killed")
         print(f"{number:3}/{len(chosen)} {word:16} {time.monotonic() - start:5.0f} s  {mutation}", flush=True)
     print(f"{caught} of {len(chosen)} mutations killed ({caught / max(len(chosen), 1):.0%})")

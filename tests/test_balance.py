@@ -16,16 +16,16 @@ DISPLACED = 1000 * 2 / 3 * np.pi * 125
 
 
 def ball(**changes):
-    given = {"mass": DISPLACED, "hinge": (0, 0, 0), "arm": (0, 0, 0), "motion": ("heave",)} | changes
-    return Float(name="ball", hull=SPHERE, inertia=(2.6e6,) * 3, **given)
+    fields = {"mass": DISPLACED, "hinge": (0, 0, 0), "arm": (0, 0, 0), "motion": ("heave",)} | changes
+    return Float(name="ball", hull=SPHERE, inertia=(2.6e6,) * 3, **fields)
 
 
 @pytest.mark.parametrize(("share", "count"), [(0.991, 0), (1.009, 0), (0.988, 1), (1.012, 1)])
 @pytest.mark.parametrize("joint", [{}, {"motion": ("hinge",), "hinge": (-20, 0, 3), "arm": (20, 0, -3)}])
 def test_one_percent_of_the_weight_is_the_limit(share, count, joint):
-    found = imbalance(ball(mass=share * DISPLACED, **joint), DEEP)
-    assert len(found) == count
-    assert all(f"mass {share * DISPLACED:g} kg, displaced {DISPLACED:g} kg" in text for text in found)
+    odd = imbalance(ball(mass=share * DISPLACED, **joint), DEEP)
+    assert len(odd) == count
+    assert all(f"mass {share * DISPLACED:g} kg, displaced {DISPLACED:g} kg" in text for text in odd)
 
 
 @pytest.mark.parametrize(("motion", "arm"), [("surge", 0), ("pitch", 0), ("yaw surge", 0), ("hinge", 20)])

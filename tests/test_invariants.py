@@ -49,7 +49,7 @@ def test_energy_balance_closes_and_the_memory_is_passive(buan, coefficients, sea
     scene = buan.scene(support, sea=buan.sea(sea[2], *sea[:2]), floats=floats(buan, mass, front, rear), **SHORT)
     attrs = simulate(scene, coefficients).attrs
     assert attrs["energy_residual"] < 1e-3
-    # From rest, whatever the motion: what the memory holds can only be what it was given.
+    # From rest, whatever the motion: the memory holds no more than flowed into it.
     assert attrs["work_radiation"] >= 0
     assert attrs["work_pto"] > 0 and attrs["work_structural"] >= 0
     assert attrs["constraint_drift"] < 1e-12
@@ -121,7 +121,7 @@ def _similar_coefficients(h, scale, density):
 
 @pytest.mark.parametrize("scale", [1 / 20, 20.0])
 def test_models_rest_too(buan, coefficients, scale):
-    """Weights differ by 20⁸ between the two; neither is alarmed by its own rounding."""
+    """Weights differ by 20⁸ between the two; in neither is rounding taken for an error."""
     calm = replace(buan.sea(), amplitude=np.zeros(130, complex))
     scene = _similar(buan.scene("fixed", sea=calm, newton_tolerance=1e-11, **SHORT), scale, 1.0)
     record = simulate(scene, _similar_coefficients(coefficients, scale, 1.0))
@@ -131,9 +131,9 @@ def test_models_rest_too(buan, coefficients, scale):
 @pytest.fixture(scope="module")
 def apart(coefficients):
     """Coefficients of two floats that do not feel each other, and of either alone."""
-    own = np.kron(np.eye(2), np.ones((3, 3)))
+    blocks = np.kron(np.eye(2), np.ones((3, 3)))
     matrices = ("added_mass", "radiation_damping", "added_mass_inf")
-    h = replace(coefficients, **{name: own * getattr(coefficients, name) for name in matrices})
+    h = replace(coefficients, **{name: blocks * getattr(coefficients, name) for name in matrices})
     return h, [alone(h, b) for b in (0, 1)]
 
 
@@ -150,11 +150,11 @@ def test_floats_that_do_not_feel_each_other_move_as_ifalone(buan, apart, sea, fr
 
 
 def alone(h, b):
-    own = slice(3 * b, 3 * b + 3)
-    matrices = {n: getattr(h, n)[..., own, own] for n in ("added_mass", "radiation_damping", "added_mass_inf")}
+    block = slice(3 * b, 3 * b + 3)
+    matrices = {n: getattr(h, n)[..., block, block] for n in ("added_mass", "radiation_damping", "added_mass_inf")}
     return replace(
-        h, **matrices, error=None, diffraction=h.diffraction[:, own], froude_krylov=h.froude_krylov[:, own],
-        hydrostatic_stiffness=h.hydrostatic_stiffness[own, own], displaced_mass=h.displaced_mass[b : b + 1],
+        h, **matrices, error=None, diffraction=h.diffraction[:, block], froude_krylov=h.froude_krylov[:, block],
+        hydrostatic_stiffness=h.hydrostatic_stiffness[block, block], displaced_mass=h.displaced_mass[b : b + 1],
         buoyancy_centre=h.buoyancy_centre[b : b + 1], centres=h.centres[b : b + 1],
     )  # fmt: skip
 

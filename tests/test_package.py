@@ -16,8 +16,8 @@ ROOT = Path(__file__).parents[1]
 
 def ball(**changes):
     hull = solver.Revolution.sphere(radius=5.0, draft=5.0)
-    given = {"mass": 261.8e3, "inertia": (2.6e6,) * 3, "hinge": (0, 0, 0), "motion": ("heave",)} | changes
-    return solver.Float(name="ball", hull=hull, **given)
+    fields = {"mass": 261.8e3, "inertia": (2.6e6,) * 3, "hinge": (0, 0, 0), "motion": ("heave",)} | changes
+    return solver.Float(name="ball", hull=hull, **fields)
 
 
 def test_importing_the_package_loads_nothing_heavy():

@@ -64,7 +64,7 @@ def test_dropped_and_drowned_floats_come_back(buan, coefficients, angle):
     record = simulate(turned(buan, angle), coefficients)
     assert record.attrs["energy_residual"] < 1e-3 and record.attrs["repeated"] == ""
     last = record.variables["rotation"][1][:, 3]
-    # Rest is the quadrature's own, 4e-5 rad off for the default points.
+    # Rest is that of the quadrature, 4e-5 rad off for the default points.
     assert np.abs(last).max() < 1e-2 * abs(angle)
 
 
@@ -251,7 +251,7 @@ def test_default_step_is_stable_for_soft_and_stiff_platforms_and_light_and_heavy
 
 
 def test_interpreted_and_compiled_kernels_agree(coefficients, tmp_path):
-    """The same short runs without the compiler, in a process of its own.
+    """The same short runs without the compiler, in another process.
 
     1e-9 of the largest value: the compiler reorders sums, and the weight that cancels buoyancy is
     up to 1e4 times what moves the float, so rounding (1e-16) may come to 1e-12 a step.

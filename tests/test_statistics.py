@@ -14,12 +14,12 @@ def test_blocks_give_what_the_whole_gives(seed, cuts, offset):
     statistics = Statistics()
     for block in np.split(x, sorted(cuts)):
         statistics.add(block)
-    found = statistics.table().T
+    table = statistics.table().T
     expected = [x.mean(0), np.sqrt((x**2).mean(0)), x.std(0)]
-    assert approx(np.array(expected), rel=1e-9, abs=1e-9) == found[2:]
-    assert np.array_equal(found[:2], whole(x)[:2])
+    assert approx(np.array(expected), rel=1e-9, abs=1e-9) == table[2:]
+    assert np.array_equal(table[:2], whole(x)[:2])
     if abs(offset) > 10:  # nearer to zero a parabola may be cut off there
-        assert found[0] == approx([parabolas(c) for c in x.T]) and found[1] == approx([-parabolas(-c) for c in x.T])
+        assert table[0] == approx([parabolas(c) for c in x.T]) and table[1] == approx([-parabolas(-c) for c in x.T])
 
 
 def parabolas(x):

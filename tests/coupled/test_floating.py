@@ -57,11 +57,11 @@ def test_fast_and_reference_path_agree(coefficients, joint):
 
 
 def test_mooring_alone_holds_what_floats(coefficients):
-    """All that the platform's own joint bears is its springs: -k x in surge, nothing in heave."""
-    found = {name: values for name, (_, values) in simulate(scene(), coefficients).series.items()}
-    surge, force = found["motion"][:, 0, 0], found["hinge_force"][:, 0]
+    """The joint of the platform bears its springs alone: -k x in surge, nothing in heave."""
+    series = {name: values for name, (_, values) in simulate(scene(), coefficients).series.items()}
+    surge, force = series["motion"][:, 0, 0], series["hinge_force"][:, 0]
     assert force[:, 0] == approx(-MOORED[0] * surge, abs=1e-6 * np.abs(force[:, 0]).max() + 1e-3)
-    assert np.abs(force[:, 2]).max() < 1e-6 * np.abs(found["hinge_force"][:, 1, 2]).max() + 1e-2
+    assert np.abs(force[:, 2]).max() < 1e-6 * np.abs(series["hinge_force"][:, 1, 2]).max() + 1e-2
 
 
 def test_held_fast_it_is_a_fixed_support(coefficients):
@@ -96,8 +96,8 @@ STILL = {
 
 def shaken(h, size, seed):
     """Coefficients whose last bits are others, as another processor would have them."""
-    random, own = np.random.default_rng(seed), ("added_mass", "added_mass_inf", "radiation_damping")
-    matrices = {name: getattr(h, name) for name in (*own, "hydrostatic_stiffness")}
+    random, names = np.random.default_rng(seed), ("added_mass", "added_mass_inf", "radiation_damping")
+    matrices = {name: getattr(h, name) for name in (*names, "hydrostatic_stiffness")}
     return replace(h, **{name: x * (1 + size * random.normal(size=x.shape)) for name, x in matrices.items()})
 
 
@@ -137,7 +137,7 @@ def test_rounding_of_the_stored_energy_is_never_an_open_balance(coefficients):
 
 
 def test_mooring_is_in_newtons_matrix_without_coefficients_too():
-    """A spring and a mass: fourth order leaves 1e-9 of the energy, where a frozen spring would be found out."""
+    """A spring and a mass: fourth order leaves 1e-9 of the energy, where a frozen spring would show."""
     item = scene(base(motion=("surge",), stiffness=2e5, offset=0.01), sea=CALM, radiation=False, diffraction=False)
     coarse = replace(item, settings=replace(item.settings, newton_tolerance=1e-5, time_step=0.2, duration=200.0))
     attrs = simulate(coarse).attrs

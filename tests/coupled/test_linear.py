@@ -21,7 +21,7 @@ def hinged_by_hand(scene, h):
     """J (n, nb), M without added mass, and C (nb, nb) of hinges about y: from the potential of weight and buoyancy.
 
     A point at r from the hinge has z'' = -r_z: weight at the c.o.g. gives -m g r_z, buoyancy at the reference point
-    +ρgV r_z, and what the hull's own motion changes of it are the coefficients.
+    +ρgV r_z, and what the motion of the hull changes of it are the coefficients.
     """
     nr, nb, g = len(h.dofs), len(scene.floats), h.gravity
     J, M, C = np.zeros((nr * nb, nb)), np.zeros((nb, nb)), np.zeros((nb, nb))

@@ -58,7 +58,7 @@ def test_published_pile(waves):
 
 
 def test_drag_of_the_reduced_platform_is_the_published_piles(waves):
-    """At the crest, on a platform that does not move, from the coefficients and velocities that the march is given."""
+    """At the crest, on a platform that does not move, from the coefficients and velocities that enter the march."""
     s = reduced(waves)
     u = s.station_rows[:, 0, 0].real
     assert s.drag @ (np.abs(u) * u) == approx(205_475, rel=1e-5)

@@ -26,7 +26,7 @@ def task(number: int) -> float:
 
 
 def ours(tasks: int) -> dict[str, int]:
-    """Every verb on its own, start-up included; the largest memory of each client [kB]."""
+    """Every verb by itself, start-up included; the largest memory of each client [kB]."""
     with tempfile.TemporaryDirectory() as folder:
         return _ours(Path(folder), tasks)
 
@@ -75,7 +75,7 @@ def dask_map(tasks: int) -> None:
 
 
 def joblib_parallel(tasks: int) -> None:
-    """joblib.Parallel, batches of its own choice."""
+    """joblib.Parallel, batches as it chooses them."""
     from joblib import Parallel, delayed
 
     Parallel(n_jobs=2)(delayed(task)(n) for n in range(tasks))

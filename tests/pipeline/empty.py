@@ -59,20 +59,20 @@ def compute(parameters, data):
     if log := os.environ.get("EMPTY_LOG"):
         with open(log, "a") as file:
             file.write(f"{parameters.seed}\n")
-    given, slow = os.environ, os.environ.get("EMPTY_SLOW_SEED")
+    env, slow = os.environ, os.environ.get("EMPTY_SLOW_SEED")
     hard = slow is None or int(slow) == parameters.seed
-    space = np.ones(int(float(given.get("EMPTY_MEGABYTES", "0")) * 2**17) if hard else 0)
-    pause = float(given.get("EMPTY_SECONDS", "0")) if hard else 0.0
-    if given.get("EMPTY_COMPILED"):
+    space = np.ones(int(float(env.get("EMPTY_MEGABYTES", "0")) * 2**17) if hard else 0)
+    pause = float(env.get("EMPTY_SECONDS", "0")) if hard else 0.0
+    if env.get("EMPTY_COMPILED"):
         ctypes.PyDLL(None).sleep(int(pause))  # and nothing else runs in this process, as in a compiled kernel
     else:
         time.sleep(pause)
-    while (gate := given.get("EMPTY_GATE")) and not os.path.exists(gate):
+    while (gate := env.get("EMPTY_GATE")) and not os.path.exists(gate):
         time.sleep(0.01)
     rng = np.random.default_rng([*wave_seed(parameters), len(data)])
     variables = {"wave_elevation": (("statistic",), rng.normal(size=5) * space[:1].sum(initial=1.0))}
     coords = {"statistic": np.array(["max", "min", "mean", "rms", "std"])}
-    attrs = {"energy_residual": rng.random(), "unmet": given.get("EMPTY_UNMET", "") if parameters.seed % 2 else ""}
+    attrs = {"energy_residual": rng.random(), "unmet": env.get("EMPTY_UNMET", "") if parameters.seed % 2 else ""}
     return SimpleNamespace(variables=variables, coords=coords, attrs=attrs, series={})
 
 
@@ -96,7 +96,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    # Workers import the engine by this file's own name.
+    # Workers import the engine by the name of this file.
     import empty
 
     empty.main()

@@ -41,7 +41,7 @@ def told(stderr: str) -> str:
 
 @contextlib.contextmanager
 def at_work(folder: Path, *words, tasks: int = 12, begun: int = 2, **env) -> Iterator[subprocess.Popen]:
-    """A run in a session of its own that has begun so many tasks; what is left of it in the end is killed."""
+    """A run in a new session that has begun so many tasks; what is left of it in the end is killed."""
     from empty import study
 
     log = folder / "log"
@@ -105,7 +105,7 @@ def strike(study: Path, results: Path, dice: random.Random, env: dict[str, str],
     if target.startswith("worker"):
         time.sleep(dice.uniform(0, 1.0))  # the run goes on without the worker for a while
     try:
-        os.killpg(client.pid, signal.SIGKILL)  # whatever is left of this run, its own session alone
+        os.killpg(client.pid, signal.SIGKILL)  # whatever is left of this run: nothing else is in its session
     except ProcessLookupError:
         target += " (over)"
     client.wait()

@@ -14,7 +14,7 @@ import pytest
 
 from pipeline import environment
 
-# Prints what answers: a dask port spoken to in the clear or with a certificate of one's own, a page, a local socket.
+# Prints what answers: a dask port spoken to in the clear or with a stranger's certificate, a page, a local socket.
 STRANGER = """
 import asyncio, os, socket, sys, urllib.request
 from concurrent.futures import ThreadPoolExecutor
@@ -79,8 +79,8 @@ def test_no_port_of_a_run_answers_a_stranger(running, temporary):
     sockets = {link.laddr for process in running for link in process.net_connections("unix") if link.laddr}
     assert len(ports) >= 5 and sockets  # a scheduler, two workers with a nanny each, the fork server
     words = [sys.executable, "-c", STRANGER, ",".join(ports), *sockets]
-    found = subprocess.run(words, env=kills.environment(), capture_output=True, text=True, timeout=300, check=True)
-    assert found.stdout == f"{6 * len(ports) + (len(sockets) if os.getuid() == 0 else 0)}\n", found.stderr
+    stranger = subprocess.run(words, env=kills.environment(), capture_output=True, text=True, timeout=300, check=True)
+    assert stranger.stdout == f"{6 * len(ports) + (len(sockets) if os.getuid() == 0 else 0)}\n", stranger.stderr
     for path in temporary.iterdir():
         assert not path.stat().st_mode & (stat.S_IRWXG | stat.S_IRWXO), path
 
@@ -92,9 +92,9 @@ def test_no_key_of_a_run_is_in_a_file(running, temporary):
 
 
 def test_a_folder_of_code_is_made_for_its_owner_alone(tmp_path):
-    found = environment.private(tmp_path / "new" / "cache")
-    assert stat.S_IMODE(found.stat().st_mode) == 0o700
-    assert environment.private(found) == found
+    folder = environment.private(tmp_path / "new" / "cache")
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    assert environment.private(folder) == folder
 
 
 @pytest.mark.parametrize("whose", ["another's", "everybody's", "another's link"])
@@ -116,8 +116,8 @@ def test_a_folder_of_code_that_others_have_a_hand_in_is_refused(tmp_path, monkey
 def test_without_a_cache_of_ones_own_none_is_shared(temporary, tmp_path):
     """A home that cannot be written to leaves the temporary folder, where anybody may have been before."""
     (tmp_path / "file").write_text("")
-    given = {"NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "TMPDIR"}
-    env = {k: v for k, v in kills.environment().items() if k not in given}
+    places = {"NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "TMPDIR"}
+    env = {k: v for k, v in kills.environment().items() if k not in places}
     env |= {"XDG_CACHE_HOME": str(tmp_path / "file"), "TMPDIR": str(temporary)}
     code = "import pipeline.__main__ as it, os, sys; sys.argv = ['study', '--help']; it.main()"
     code = f"import os\ntry:\n {code}\nfinally:\n print('cache:', os.environ.get('NUMBA_CACHE_DIR'))"

@@ -56,7 +56,7 @@ def test_run_goes_on_where_its_start_meets_the_tolerance(buan, coefficients, mon
 
 
 def test_what_cannot_be_met_is_said(buan, coefficients):
-    """Coefficients that are given cannot be bought with settings."""
+    """The error of coefficients from outside is not one that settings can reduce."""
     rough = replace(coefficients, error=MeshError(*(30 * x for x in coefficients.error)))
     attrs = simulate(buan.scene("fixed", tolerance=2e-3), rough).attrs
     assert attrs["unmet"].startswith(f"tolerance = 0.002: the estimated error is {attrs['estimated_error']:.2g}")

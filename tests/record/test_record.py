@@ -38,7 +38,7 @@ def test_every_sample_stands_at_its_time(buan, coefficients, formulation):
 
 
 def test_power_and_motion_per_wave_are_those_of_the_frequency_domain(buan, coefficients):
-    """Unlike floats in two small waves: each its own X of a wave, in phase with it, and ½ c Σ|ωX|² of power."""
+    """Unlike floats in two small waves: each with its X of a wave, in phase with it, and ½ c Σ|ωX|² of power."""
     front, rear = buan.floats(pto_damping=1e5)
     items = (front, replace(rear, pto_damping=2e4))
     sea = components(amplitude=[2e-3, 1e-3], omega=[1.0, 2.0], phase=[0.4, -1.0])
@@ -46,12 +46,12 @@ def test_power_and_motion_per_wave_are_those_of_the_frequency_domain(buan, coeff
         "fixed", sea=sea, floats=items, froude_krylov="linear", rao=True, memory_tolerance=1e-3,
         time_step=2 * np.pi / 60, discard=100.0, duration=32 * np.pi,
     )  # fmt: skip
-    found, exact = simulate(scene, coefficients).variables, frequency_domain(items, coefficients, sea.omega)
-    motion = found["rao"][1][:, 0] * np.exp(1j * found["rao_phase"][1][:, 0])
+    variables, exact = simulate(scene, coefficients).variables, frequency_domain(items, coefficients, sea.omega)
+    motion = variables["rao"][1][:, 0] * np.exp(1j * variables["rao_phase"][1][:, 0])
     # 5e-3 of the largest: splines through 36 coarse frequencies and a memory fitted to 1e-3.
     assert motion == approx(exact.T, abs=5e-3 * np.abs(exact).max())
     rates = np.abs(sea.omega[:, None] * exact * sea.amplitude[:, None]) ** 2
-    mean = found["absorbed_power"][1][:, STATISTICS.index("mean")]
+    mean = variables["absorbed_power"][1][:, STATISTICS.index("mean")]
     assert mean == approx(np.array([1e5, 2e4]) * rates.sum(axis=0) / 2, rel=1e-2)
 
 

@@ -26,8 +26,8 @@ def test_harmonics_of_blocks_are_those_of_the_whole():
 def test_transfer_of_a_known_filter():
     H = 1 / (1.2 - SEA.omega**2 - 0.3j * SEA.omega)
     response = (H * SEA.amplitude * np.exp(-1j * np.outer(TIME, SEA.omega))).sum(axis=1).real
-    found = transfer(TIME, WAVE, np.stack([response, 2 * response], axis=1), SEA.omega)
-    assert found[:, 0] == approx(H, rel=1e-6) and found[:, 1] == approx(2 * H, rel=1e-6)
+    ratio = transfer(TIME, WAVE, np.stack([response, 2 * response], axis=1), SEA.omega)
+    assert ratio[:, 0] == approx(H, rel=1e-6) and ratio[:, 1] == approx(2 * H, rel=1e-6)
 
 
 def test_density_integrates_to_the_variance():

@@ -228,11 +228,11 @@ def test_moving_support_drives_a_hinged_body_as_the_minimal_chain_has_it():
     M = np.diag([mass] * 3 + [1.0, inertia, 1.0])
 
     def swing(t, y):
-        given, dgiven, ddgiven = node(t)
+        node_at, node_rate, node_acceleration = node(t)
         out = np.empty(3), np.empty((3, 3)), np.empty((6, 4)), np.empty(6), np.empty(6)
-        kinematics(chain, hinge + arm, np.append(given, y[0]), np.append(dgiven, y[1]), *out)
+        kinematics(chain, hinge + arm, np.append(node_at, y[0]), np.append(node_rate, y[1]), *out)
         J, bias = out[2], out[4]
-        free = M @ (J[:, :3] @ ddgiven + bias) + [0, 0, 9.81 * mass, 0, 0, 0]
+        free = M @ (J[:, :3] @ node_acceleration + bias) + [0, 0, 9.81 * mass, 0, 0, 0]
         return [y[1], -(J[:, 3] @ free) / (J[:, 3] @ M @ J[:, 3])]
 
     start_rate = node(0.0)[1]

@@ -1,4 +1,4 @@
-"""Fast and reference path side by side: same force model to rounding, the paper's own terms to a thousandth."""
+"""Fast and reference path side by side: same force model to rounding, the paper's terms to a thousandth."""
 
 from dataclasses import replace
 

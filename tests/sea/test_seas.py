@@ -64,11 +64,11 @@ def test_a_regular_wave_has_its_height_period_and_phase(height, period, phase):
 
 
 def test_periods_are_those_of_the_moments():
-    """Te = 2π m₋₁/m₀ and Tz = 2π (m₀/m₂)^½ of two waves, by hand; of one both are its own."""
-    found = components(amplitude=[3.0, 1.0], omega=[0.5, 2.0], phase=[0.1, 0.2]).parameters()
+    """Te = 2π m₋₁/m₀ and Tz = 2π (m₀/m₂)^½ of two waves, by hand; of one wave both are its period."""
+    figures = components(amplitude=[3.0, 1.0], omega=[0.5, 2.0], phase=[0.1, 0.2]).parameters()
     m = {n: (9 * 0.5**n + 2.0**n) / 2 for n in (-1, 0, 2)}
-    assert found["Te"] == approx(2 * np.pi * m[-1] / m[0], rel=1e-12)
-    assert found["Tz"] == approx(2 * np.pi * np.sqrt(m[0] / m[2]), rel=1e-12)
+    assert figures["Te"] == approx(2 * np.pi * m[-1] / m[0], rel=1e-12)
+    assert figures["Tz"] == approx(2 * np.pi * np.sqrt(m[0] / m[2]), rel=1e-12)
     one = regular(height=1.0, period=7.0).parameters()
     assert (one["Te"], one["Tz"]) == approx((7.0, 7.0))
 

@@ -92,9 +92,9 @@ def line(steel, pipe):
         clamped=("start",),
         section=pipe,
         material=steel,
-        **given,
+        **fields,
     ):
-        water = {key: given.pop(key) for key in ("drag_coefficient", "inertia_coefficient") if key in given}
+        water = {key: fields.pop(key) for key in ("drag_coefficient", "inertia_coefficient") if key in fields}
         pile = Member(
             name="pile",
             start="start",
@@ -104,6 +104,6 @@ def line(steel, pipe):
             material=material,
             **water,
         )
-        return assemble(Frame(nodes={"start": start, "end": end}, members=(pile,), clamped=clamped, **given))
+        return assemble(Frame(nodes={"start": start, "end": end}, members=(pile,), clamped=clamped, **fields))
 
     return build

@@ -12,13 +12,13 @@ NODES = {"foot": (0, 0, -9), "knee": (0, 0, 0), "hand": (4, 0, 0)}
 
 @pytest.fixture
 def member(steel, pipe):
-    def build(name, start, end, elements=3, **given):
+    def build(name, start, end, elements=3, **fields):
         return Member(
             name=name,
             start=start,
             end=end,
             elements=elements,
-            **{"section": pipe, "material": steel} | given,
+            **{"section": pipe, "material": steel} | fields,
         )
 
     return build
@@ -26,9 +26,9 @@ def member(steel, pipe):
 
 @pytest.fixture
 def bent(member):
-    def build(**given):
+    def build(**fields):
         members = (member("leg", "foot", "knee"), member("arm", "knee", "hand", 2))
-        return Frame(**{"nodes": NODES, "members": members, "clamped": ("foot",)} | given)
+        return Frame(**{"nodes": NODES, "members": members, "clamped": ("foot",)} | fields)
 
     return build
 
@@ -114,7 +114,7 @@ def test_an_unknown_end_is_refused(member, bent):
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("fields", "message"),
     [
         ({"elements": 0}, r"members.leg.elements = 0: must be a whole number >= 1"),
         ({"elements": 2.5}, r"members.leg.elements = 2.5"),
@@ -127,9 +127,9 @@ def test_an_unknown_end_is_refused(member, bent):
         ),
     ],
 )
-def test_bad_members_are_refused(member, given, message):
+def test_bad_members_are_refused(member, fields, message):
     with pytest.raises(InputError, match=message):
-        member(**{"name": "leg", "start": "foot", "end": "knee"} | given)
+        member(**{"name": "leg", "start": "foot", "end": "knee"} | fields)
 
 
 @pytest.mark.parametrize(

@@ -77,17 +77,17 @@ def test_tops_feet_and_envelopes_are_those_of_the_whole_frame(buan, make):
     A, Iy, Iz, c = np.moveaxis(recovery.section_properties(model).reshape(-1, 2, 4), -1, 0)
     sigma = force[..., 0] / A - c * np.hypot(force[..., 1] / Iy, force[..., 2] / Iz)
     for leg, name in enumerate(platform.legs):
-        nodes, found = model.member_nodes[name], sigma[:, model.member_elements[name]]
+        nodes, fibres = model.member_nodes[name], sigma[:, model.member_elements[name]]
         if model.xyz[nodes[0], 2] > model.xyz[nodes[-1], 2]:
-            nodes, found = nodes[::-1], found[:, ::-1, ::-1]
+            nodes, fibres = nodes[::-1], fibres[:, ::-1, ::-1]
         u = moved.reshape(len(p), -1, 6)[:, nodes, :3]
         assert tops[:, leg] == approx(u[:, -1], rel=1e-9, abs=1e-9 * np.abs(u).max())
-        assert feet[:, leg] == approx(found[:, 0, 0], rel=1e-9)
+        assert feet[:, leg] == approx(fibres[:, 0, 0], rel=1e-9)
         here = ~np.isnan(displacement[leg])
         assert s.legs.height[here] == approx(model.xyz[nodes, 2] - model.xyz[nodes[0], 2], abs=1e-9)
         assert displacement[leg, here] ** 2 == approx(highest(np.sum(u**2, axis=2)), rel=1e-9)
         assert displacement[leg, 0] == 0 < displacement[leg, here][-1]  # clamped at the foot
-        most = at_nodes(highest(np.abs(found).reshape(len(p), -1)).reshape(found.shape[1:]))
+        most = at_nodes(highest(np.abs(fibres).reshape(len(p), -1)).reshape(fibres.shape[1:]))
         assert stress[leg, here] == approx(most, rel=1e-9) and np.isnan(stress[leg, ~here]).all()
 
 

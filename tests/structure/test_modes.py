@@ -16,7 +16,7 @@ SPREAD = 1e-6
 
 
 def frequencies(model, kind, count):
-    """Lowest frequencies of a line along x, each node free in the given kinds of motion only."""
+    """Lowest frequencies of a line along x, each node free in some kinds of motion only."""
     free = model.free[np.isin(model.free % 6, kind)]
     return modes(model.K, model.M, free, count).omega
 
@@ -42,8 +42,8 @@ TIP_MASS = [
 
 @pytest.mark.parametrize(("ratio", "first", "second"), TIP_MASS)
 def test_cantilever_with_a_tip_mass(line, steel, pipe, ratio, first, second):
-    own = steel.density * pipe.area * LENGTH
-    tip = (PointMass(node="end", mass=ratio * own),) if ratio else ()
+    beam_mass = steel.density * pipe.area * LENGTH
+    tip = (PointMass(node="end", mass=ratio * beam_mass),) if ratio else ()
     omega = frequencies(line(16, masses=tip), BENDING, 2)
     # Error of the second mode: (βh)⁴/1440 = 5e-6.
     assert omega == pytest.approx(bending([first, second], steel, pipe), rel=1e-5)
@@ -84,16 +84,16 @@ def test_direction_does_not_matter(line, steel, pipe, end):
 
 
 def test_modes_are_mass_normalised_and_of_fixed_sign(platform):
-    found = modes(platform.K, platform.M, platform.free)
-    assert found.shapes.shape == (732, 708)
-    generalized = [found.shapes.T @ matrix @ found.shapes for matrix in (platform.M, platform.K)]
+    normal = modes(platform.K, platform.M, platform.free)
+    assert normal.shapes.shape == (732, 708)
+    generalized = [normal.shapes.T @ matrix @ normal.shapes for matrix in (platform.M, platform.K)]
     # Plain differences: pytest.approx needs seconds for half a million numbers.
     assert np.abs(generalized[0] - np.eye(708)).max() < 1e-9
-    stiffness = np.diag(found.omega**2)
+    stiffness = np.diag(normal.omega**2)
     assert np.abs(generalized[1] - stiffness).max() < 1e-9 * stiffness.max()
     clamped = np.setdiff1d(np.arange(732), platform.free)
-    assert not found.shapes[clamped].any()
-    leading = found.shapes.max(axis=0) / -found.shapes.min(axis=0)
+    assert not normal.shapes[clamped].any()
+    leading = normal.shapes.max(axis=0) / -normal.shapes.min(axis=0)
     assert leading.min() > 1 - 1e-6
 
 

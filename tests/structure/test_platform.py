@@ -47,7 +47,7 @@ def foot_stress(model):
 
 def test_mean_stress_of_the_legs_is_the_papers(platform):
     stress = foot_stress(platform)
-    # The paper's no-float means are about -41.8 MPa; 3 %: its deck sections and mass are not given.
+    # The paper's no-float means are about -41.8 MPa; 3 %: its deck sections and mass are not printed.
     assert stress == pytest.approx(-41.8e6, rel=3e-2)
     assert np.ptp(stress) < 1e-6 * abs(stress[0])  # four legs, two planes of symmetry
 

@@ -32,8 +32,8 @@ def test_own_weight_of_a_cantilever(line, pipe, steel, n):
 @pytest.mark.parametrize("n", [1, 3])
 def test_column_carries_its_top_and_itself(line, pipe, steel, n):
     forces = weight_forces(line(n, end=(0, 0, 12), masses=(PointMass(node="end", mass=4e4),)))
-    own = steel.density * pipe.area * 12
-    assert forces[0, 0, 0] == pytest.approx(-(4e4 + own) * W)
+    column_mass = steel.density * pipe.area * 12
+    assert forces[0, 0, 0] == pytest.approx(-(4e4 + column_mass) * W)
     assert forces[-1, 1, 0] == pytest.approx(-4e4 * W)
 
 
@@ -78,8 +78,8 @@ def test_stress_of_a_bent_pipe_is_the_closed_form(line, pipe):
 def test_rectangles_are_on_the_safe_side_of_their_corner(line, My, Mz):
     b, h = 0.3, 0.2
     model = line(1, section=solid_rectangle(width=b, height=h))
-    found = recovery.compressive_stress(model, np.tile([0, 0, 0, 0, My, Mz], (2, 1)))[0]
+    stress = recovery.compressive_stress(model, np.tile([0, 0, 0, 0, My, Mz], (2, 1)))[0]
     corner = -(abs(My) * h / 2 / (b * h**3 / 12) + abs(Mz) * b / 2 / (h * b**3 / 12))
-    assert found <= corner * (1 - 1e-12) + 1e-6
+    assert stress <= corner * (1 - 1e-12) + 1e-6
     # Never more than the whole diagonal in the place of the shorter half side.
-    assert abs(found) <= abs(corner) * np.hypot(b, h) / min(b, h) * (1 + 1e-12) + 1e-6
+    assert abs(stress) <= abs(corner) * np.hypot(b, h) / min(b, h) * (1 + 1e-12) + 1e-6

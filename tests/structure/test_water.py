@@ -14,8 +14,8 @@ COEFFICIENTS = {"drag_coefficient": 1.0, "inertia_coefficient": 1.8}
 def pile(line):
     """From 7.3 m under water to 4.7 m above: no mesh below has a node at the surface."""
 
-    def build(n, start=(0.0, 0.0, -7.3), end=(0.0, 0.0, 4.7), **given):
-        return line(n, start=start, end=end, **COEFFICIENTS | given)
+    def build(n, start=(0.0, 0.0, -7.3), end=(0.0, 0.0, 4.7), **fields):
+        return line(n, start=start, end=end, **COEFFICIENTS | fields)
 
     return build
 

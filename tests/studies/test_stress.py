@@ -37,8 +37,8 @@ def job(number):
 
 
 def test_a_hung_or_dead_process_is_replaced_and_the_others_go_on():
-    found = dict(pool.run(job, range(6), [300.0, 0.5, 300.0, 300.0, 300.0, 300.0]))
-    assert found == {0: 0, 1: None, 2: None, 3: 3, 4: 4, 5: 5}
+    results = dict(pool.run(job, range(6), [300.0, 0.5, 300.0, 300.0, 300.0, 300.0]))
+    assert results == {0: 0, 1: None, 2: None, 3: 3, 4: 4, 5: 5}
 
 
 def test_every_outcome_has_its_colour(tmp_path):

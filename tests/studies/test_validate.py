@@ -72,8 +72,8 @@ def test_every_subject_is_a_function():
 
 @pytest.mark.parametrize("subject", ["beams", "buan-modes", "pile"])
 def test_cheap_subjects_pass_and_leave_their_figures(subject, elsewhere):
-    found, _ = validate.compare(subject)
-    assert found and all(c.passed for c in found)
+    checks, _ = validate.compare(subject)
+    assert checks and all(c.passed for c in checks)
     # Closed forms of beams share the figure of the platform's modes.
     assert subject == "beams" or list(elsewhere.glob("*.png"))
 
@@ -81,8 +81,8 @@ def test_cheap_subjects_pass_and_leave_their_figures(subject, elsewhere):
 def test_decay_from_published_coefficients_meets_the_published_extrema():
     """Hulme's four digits and a spline between 28 rows leave 1e-4 of the offset and 2e-4 s."""
     t = np.arange(0, 10, 0.02)
-    found = np.array(decay.extrema(t, decay.exact(t))[:4])
-    assert found == approx(np.array(decay.EXTREMA), abs=2e-4)
+    extrema = np.array(decay.extrema(t, decay.exact(t))[:4])
+    assert extrema == approx(np.array(decay.EXTREMA), abs=2e-4)
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +106,7 @@ def test_long_waves_lift_a_float_by_their_amplitude(coarse):
 
 
 def test_a_hinge_far_away_is_a_guide(coarse):
-    """An arm of L = 1 km turns by heave over L, and its float's own inertia and surge are of order 1/L."""
+    """An arm of L = 1 km turns by heave over L, and the inertia and surge of its float are of order 1/L."""
     far = 1000.0
     omega = np.array([0.5, 1.0, 1.4])
     item = sphere.sphere()

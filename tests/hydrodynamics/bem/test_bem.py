@@ -64,7 +64,7 @@ def test_hemisphere_is_hulmes():
 
 
 def test_truncated_cylinder_in_finite_depth():
-    # The table's own check, by another panel code, is 0.5 %; the edge costs us 0.6 % at the default mesh.
+    # The table's check, by another panel code, is 0.5 %; the edge costs us 0.6 % at the default mesh.
     K, A, B = table("finite-depth-cylinder-heave.csv")[:, ::3]
     ours = normalised(solve((CYLINDER,), [[0, 0, 0]], depth=10.0, omega=np.sqrt(G * K)), 1)
     assert [largest_share(a, b) for a, b in zip(ours, (A, B), strict=True)] == pytest.approx([0, 0], abs=0.007)

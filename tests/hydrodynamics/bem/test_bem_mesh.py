@@ -32,7 +32,7 @@ def test_meshed_sphere_approaches_the_sphere_at_second_order():
     exact = solve((SPHERE,), [[0, 0, 0]], omega=OMEGA[:2])
     along = np.array([10, 20])
     error = [share(solve((meshed(SPHERE, n),), [[0, 0, 0]], omega=OMEGA[:2]), exact) for n in along]
-    # The sphere's own error, 1.5e-3, and the collocation's bend the line between two meshes.
+    # The sphere's error, 1.5e-3, and the collocation's bend the line between two meshes.
     assert np.log(error[0] / error[1]) / np.log(2) == approx(2, abs=0.2)
     assert error[1] < 0.01
 
@@ -107,9 +107,9 @@ def test_mixed_scenes_and_far_apart_bodies():
     run = partial(solve, planar=False, panels=108, omega=OMEGA[1:2])
     far = run((SPHERE, BARGE), [[-200, 0, 0], [200, 0, 0]])
     for i, hull in enumerate((SPHERE, BARGE)):
-        own, alone = slice(6 * i, 6 * i + 6), run((hull,), [[0, 0, 0]])
+        block, alone = slice(6 * i, 6 * i + 6), run((hull,), [[0, 0, 0]])
         # A scattered wave falls as 1/sqrt(kL), there and back: measured 8e-4.
-        assert np.abs(far.added_mass[:, own, own] - alone.added_mass).max() < 2e-3 * np.abs(alone.added_mass).max()
+        assert np.abs(far.added_mass[:, block, block] - alone.added_mass).max() < 2e-3 * np.abs(alone.added_mass).max()
 
 
 def test_a_pair_of_equal_barges_is_its_own_mirror_image():

@@ -30,13 +30,13 @@ def coefficients(hulls, centres, planar=True):
 
 
 def hinged(hull, name="front", side=-1, **changes):
-    given = {"mass": 1025 * hull.volume, "inertia": (859.0,) * 3, "pto_damping": 1e5} | changes
-    return Float(name=name, hull=hull, hinge=(side * 1.5, 0, 2.6), arm=(side * 2.36, 0, -2.6), **given)
+    fields = {"mass": 1025 * hull.volume, "inertia": (859.0,) * 3, "pto_damping": 1e5} | changes
+    return Float(name=name, hull=hull, hinge=(side * 1.5, 0, 2.6), arm=(side * 2.36, 0, -2.6), **fields)
 
 
 def scene(*floats, sea=CALM, **settings):
-    given = {"duration": 30.0, "discard": 10.0, "ramp": 10.0, "keep_series": True} | settings
-    return Scene(water=WATER, sea=sea, floats=floats, settings=Settings(**given))
+    fields = {"duration": 30.0, "discard": 10.0, "ramp": 10.0, "keep_series": True} | settings
+    return Scene(water=WATER, sea=sea, floats=floats, settings=Settings(**fields))
 
 
 def series(record, name="rotation"):
@@ -59,9 +59,9 @@ def test_decay_of_a_barge_as_on_the_reference_path(motion):
     """Panel-wise pressure of the paper and augmented coordinates, from 0.3 m or 0.2 rad."""
     item = hinged(BARGE, motion=motion, offset=0.3 if motion == ("heave",) else 0.2, pto_damping=0.0)
     known = coefficients((BARGE,), (tuple(item.centre),))
-    given = scene(item, duration=4.0, discard=0.0, ramp=0.0, time_step=0.05, newton_tolerance=1e-9)
-    ours = simulate(given, known)
-    slow = simulate_reference(given, known, kernel=prepare(given, known).fit, surface="panels")
+    decay = scene(item, duration=4.0, discard=0.0, ramp=0.0, time_step=0.05, newton_tolerance=1e-9)
+    ours = simulate(decay, known)
+    slow = simulate_reference(decay, known, kernel=prepare(decay, known).fit, surface="panels")
     name = "motion" if motion == ("heave",) else "rotation"
     # Hydrostatics are exact on both sides, and so is the collocation: iterations end at 1e-9, measured 1e-8.
     assert np.abs(series(ours, name) - series(slow, name)).max() < 1e-7
@@ -103,9 +103,9 @@ def test_linear_barge_off_its_reference_point_rests_level():
 def test_linear_lopsided_hulls_move_alike_on_both_paths(centre, cog, joint, sea):
     """Buoyancy and weight, both off the reference point, balance at the same attitude: calm water leaves it there."""
     hull = PanelHull.of(*box((2.0, 3.0, 1.5), centre))
-    given = {"arm": (0, 0, 0), **joint}
+    fields = {"arm": (0, 0, 0), **joint}
     item = Float(name="box", hull=hull, mass=1025 * 3.0, inertia=(2e3, 1e3, 3e3), cog=cog,
-                 hinge=tuple(-np.array(given["arm"])), **given)  # fmt: skip
+                 hinge=tuple(-np.array(fields["arm"])), **fields)  # fmt: skip
     known = coefficients((hull,), ((0.0, 0.0, 0.0),), planar=False)
     linear = scene(item, sea=sea, duration=3.0, discard=0.0, ramp=0.0, froude_krylov="linear", time_step=0.05,
                    newton_tolerance=1e-11)  # fmt: skip

@@ -1,4 +1,4 @@
-"""The wetted-surface quadrature against closed forms, its own refinement and invariances."""
+"""The wetted-surface quadrature against closed forms, finer rules and invariances."""
 
 import numpy as np
 import pytest

@@ -99,7 +99,7 @@ def test_agrees_with_the_papers_panels_on_the_same_box(wheeler):
 
 
 def test_default_side_against_a_fine_one():
-    """Within 1e-3 of the wave's own load, over states and for a hull small and one large for its waves."""
+    """Within 1e-3 of the load of the wave, over states and for a hull small and one large for its waves."""
     for size in ((3.0, 2.0, 2.0), (12.0, 6.0, 2.0)):
         hull = PanelHull.of(*box(size))
         side = longest_side(hull, 0.5, sea()[1])

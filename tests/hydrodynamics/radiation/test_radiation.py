@@ -1,4 +1,4 @@
-"""The radiation memory: recovery of known kernels, passivity, causality, and the hemisphere's own."""
+"""The radiation memory: recovery of known kernels, passivity, causality, and the memory of a hemisphere."""
 
 from pathlib import Path
 
@@ -44,7 +44,7 @@ def least_damping(memory):
 def rounding(memory, omega):
     """What is left of Y where its terms cancel (nw,): some bits of |r| |1/(s - β)|, each a norm over all poles.
 
-    Not of the terms' sum: residues with Y(0) = 0 are found to the last bit of the largest among them.
+    Not of the terms' sum: residues with Y(0) = 0 are right to the last bit of the largest among them.
     """
     s = -1j * omega[:, None]
     poles = np.concatenate([1 / (s - memory.beta), 1 / (s - memory.beta.conj())], axis=1)
@@ -76,13 +76,13 @@ def test_frequency_is_the_transform_of_the_impulse():
 
 def test_a_known_kernel_is_recovered_exactly():
     memory = known()
-    found = fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, 1e-6)
-    assert len(found.beta) == 2
-    # A margin of 1e-7 keeps the damping from being negative where the kernel's own is just zero.
-    assert np.sort_complex(found.beta) == pytest.approx(np.sort_complex(memory.beta), rel=1e-6)
+    fitted = fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, 1e-6)
+    assert len(fitted.beta) == 2
+    # A margin of 1e-7 keeps the damping from being negative where that of the kernel is just zero.
+    assert np.sort_complex(fitted.beta) == pytest.approx(np.sort_complex(memory.beta), rel=1e-6)
     t = np.linspace(0, 10, 50)
-    assert found.impulse(t) == pytest.approx(memory.impulse(t), abs=1e-5)
-    assert found.added_mass_inf == pytest.approx(memory.added_mass_inf, abs=1e-5)
+    assert fitted.impulse(t) == pytest.approx(memory.impulse(t), abs=1e-5)
+    assert fitted.added_mass_inf == pytest.approx(memory.added_mass_inf, abs=1e-5)
 
 
 def test_units_do_not_matter():
@@ -108,12 +108,12 @@ def test_the_fit_is_passive_even_if_the_data_are_not_quite(seed, n, spoil):
     turned = np.exp(1j * spoil * random.normal(size=3))
     residue = (2 * beta / (beta - beta.conj()) * turned)[:, None, None] * weights
     data = RadiationMemory(beta=beta, residue=residue, added_mass_inf=np.eye(n), error=0.0)
-    found = fit(OMEGA, *coefficients(data, OMEGA), data.added_mass_inf, 1e-2)
-    assert is_passive(found)
-    assert np.all(found.beta.real < 0)
-    assert found.residue == pytest.approx(np.swapaxes(found.residue, 1, 2))
+    fitted = fit(OMEGA, *coefficients(data, OMEGA), data.added_mass_inf, 1e-2)
+    assert is_passive(fitted)
+    assert np.all(fitted.beta.real < 0)
+    assert fitted.residue == pytest.approx(np.swapaxes(fitted.residue, 1, 2))
     zero = np.zeros(1)
-    assert np.abs(found.frequency(zero)).max() < rounding(found, zero)[0]
+    assert np.abs(fitted.frequency(zero)).max() < rounding(fitted, zero)[0]
 
 
 def test_enforcement_repairs_what_least_squares_leaves():
@@ -139,8 +139,8 @@ def test_enforcement_repairs_what_least_squares_leaves():
 
 def test_passive_data_are_left_alone():
     memory = known()
-    found = fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, 1e-4)
-    assert found.error < 1e-6
+    fitted = fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, 1e-4)
+    assert fitted.error < 1e-6
 
 
 def test_added_mass_follows_from_the_impulse():
@@ -179,7 +179,7 @@ def test_two_floats_to_a_thousandth(coefficients):
         share = 1 / (1 + (h.omega / 3.4) ** 6)  # of a misfit that counts; the diagonal peaks near 3.4 rad/s
         y = h.radiation_damping - 1j * h.omega[:, None, None] * (h.added_mass - memory.added_mass_inf)
         misfit = share[:, None, None] * np.abs(memory.frequency(h.omega) - y)
-        # Against the largest of all entries, which is not less than that of the entry's own motions.
+        # Against the largest of all entries, which is not less than that of the two motions of the entry.
         assert misfit.max() < 1.2 * tolerance * np.abs(y).max()
 
 
@@ -198,9 +198,9 @@ def test_retardation_of_a_closed_form():
 def test_retardation_carries_the_tail(power, end, kernel):
     """B = ω² / (1 + ω²)ⁿ: tails as ω^-2 and ω^-4, of which 3 % and 0.3 % of K(0) lie beyond the grid."""
     omega, t = np.linspace(0.1, end, 200), np.linspace(0, 6, 13)
-    found, exact = retardation(omega, omega**2 / (1 + omega**2) ** power, t), kernel(t)
+    numeric, exact = retardation(omega, omega**2 / (1 + omega**2) ** power, t), kernel(t)
     # What is left is how far the last quarter of the grid is from a pure power: a thirtieth of the tail, a tenth.
-    assert found == pytest.approx(exact, abs={2: 1e-3, 3: 3e-4}[power] * exact[0])
+    assert numeric == pytest.approx(exact, abs={2: 1e-3, 3: 3e-4}[power] * exact[0])
 
 
 def test_a_motion_that_radiates_nothing_has_no_memory():
@@ -210,9 +210,9 @@ def test_a_motion_that_radiates_nothing_has_no_memory():
     A3, B3, infinite = np.zeros((50, 3, 3)), np.zeros((50, 3, 3)), np.zeros((3, 3))
     A3[:, :2, :2], B3[:, :2, :2], infinite[:2, :2] = A, B, memory.added_mass_inf
     A3[:, 2, 2] = B3[:, 2, 2] = noise
-    found = fit(OMEGA, A3, B3, infinite, 1e-4)
-    assert len(found.beta) == 2
-    assert np.abs(found.residue[:, 2]).max() < 1e-4 * np.abs(found.residue).max()
+    fitted = fit(OMEGA, A3, B3, infinite, 1e-4)
+    assert len(fitted.beta) == 2
+    assert np.abs(fitted.residue[:, 2]).max() < 1e-4 * np.abs(fitted.residue).max()
 
 
 def test_a_tolerance_must_be_positive():

@@ -64,8 +64,8 @@ def test_coefficients_without_memory_have_none(coefficients):
 def same(one, other):
     """All fields, bit for bit."""
     for field in fields(one):
-        given, found = getattr(one, field.name), getattr(other, field.name)
-        pairs = zip(given, found, strict=True) if isinstance(given, MeshError) else [(given, found)]
+        mine, theirs = getattr(one, field.name), getattr(other, field.name)
+        pairs = zip(mine, theirs, strict=True) if isinstance(mine, MeshError) else [(mine, theirs)]
         for a, b in pairs:
             if isinstance(a, np.ndarray):
                 assert (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes()), field.name

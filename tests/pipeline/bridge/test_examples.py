@@ -28,11 +28,11 @@ def test_sphere_has_the_exact_heave_rao_in_one_run_of_white_noise(tmp_path):
     assert CliRunner().invoke(app, words).exit_code == 0
     with xr.open_dataset(tmp_path / "r" / "sphere-waves" / "statistics.nc") as data:
         one = data.sel(sea_state="noise", axis="heave", float="sphere")
-        omega, found = one.wave_frequency.values, one.rao.values * np.exp(1j * one.rao_phase.values)
+        omega, ratio = one.wave_frequency.values, one.rao.values * np.exp(1j * one.rao_phase.values)
     lines = (STUDIES.parent / "tests" / "published" / "oes-task10-sphere-rao.csv").read_text().splitlines()
     rows = [line.split(",") for line in lines if not line.startswith("#")]
     T, exact = np.array([[float(row[rows[0].index(name)]) for row in rows[1:]] for name in ("T", "exact_linear")])
-    mine = np.abs(np.interp(2 * np.pi / T, omega, found.real) + 1j * np.interp(2 * np.pi / T, omega, found.imag))
+    mine = np.abs(np.interp(2 * np.pi / T, omega, ratio.real) + 1j * np.interp(2 * np.pi / T, omega, ratio.imag))
     # At 4.4 s, on the peak, a straight line between waves 0.02 rad/s apart cuts off 0.7 %.
     away = T >= 5
     assert mine[away] == pytest.approx(exact[away], rel=5e-3)

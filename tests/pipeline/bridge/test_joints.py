@@ -55,8 +55,8 @@ def test_all_that_belongs_to_a_joint_reaches_the_solver(study_with):
     )
     (item,) = scenes.scene(task(study_with(keys)).parameters).floats
     assert item.motion == ("surge", "heave", "pitch")
-    found = {name: item.per_axis(name).tolist() for name in PER_AXIS}
-    assert found == {
+    values = {name: item.per_axis(name).tolist() for name in PER_AXIS}
+    assert values == {
         "pto_damping": [1, 2, 3],
         "damping": [0, 5, 0],
         "quadratic_damping": [7, 0, 8],
@@ -100,8 +100,8 @@ def test_two_spellings_of_one_joint_are_one_task(study_with, one, other):
 )
 def test_pipeline_and_solver_agree_on_what_is_planar(study_with, keys, waves, planar):
     """Else a scene would get coefficients without the motions that it needs."""
-    found = task(study_with(keys, waves))
-    assert geometry_of(found.parameters).planar == scenes.scene(found.parameters).planar == planar
+    first = task(study_with(keys, waves))
+    assert geometry_of(first.parameters).planar == scenes.scene(first.parameters).planar == planar
 
 
 def test_an_axis_of_pto_damping_is_for_floats_with_one_axis(study_with, tmp_path):

@@ -33,8 +33,8 @@ def test_all_of_a_platforms_table_reaches_the_solver(buan_tables, study_of):
     assert (platform.legs, platform.damping_ratio) == (("leg3", "leg1"), 0.03)
     assert (platform.wave_inertia, platform.geometric_stiffness) == ("relative", True)
     assert {m.section for m in platform.frame.members} == {tube(0.45, 0.012), solid_rectangle(0.9, 0.4)}
-    leg, given = platform.frame.members[0], table["members"][0]
-    assert (leg.name, leg.start, leg.end) == (given["name"], given["start"], given["end"])
+    leg, row = platform.frame.members[0], table["members"][0]
+    assert (leg.name, leg.start, leg.end) == (row["name"], row["start"], row["end"])
     assert (leg.drag_coefficient, leg.inertia_coefficient) == (1.0, 2.0)
     assert (leg.material.E, leg.material.G, leg.material.density) == (2.1e11, 8.33e10, 8012.23)
 
@@ -66,7 +66,7 @@ def test_coefficients_are_those_of_the_tasks_water_direction_and_accuracy(buan_t
     buan_tables["water"] = {"depth": 40.0, "density": 1000.0, "gravity": 9.8}
     buan_tables["waves"]["heading"] = 0.5
     buan_tables["solver"]["tolerance"] = 1e-4
-    given = bem_arguments(geometry_of(task(study_of(buan_tables), platform="fixed").parameters))
-    assert [given[name] for name in ("depth", "density", "gravity", "heading")] == [40.0, 1000.0, 9.8, 0.5]
-    assert given["panels"] == panels_for(1e-4) != panels_for(None) and not given["planar"]
-    assert given["centres"].tolist() == [[-3.86, 0.0, 0.0], [3.86, 0.0, 0.0]]
+    arguments = bem_arguments(geometry_of(task(study_of(buan_tables), platform="fixed").parameters))
+    assert [arguments[name] for name in ("depth", "density", "gravity", "heading")] == [40.0, 1000.0, 9.8, 0.5]
+    assert arguments["panels"] == panels_for(1e-4) != panels_for(None) and not arguments["planar"]
+    assert arguments["centres"].tolist() == [[-3.86, 0.0, 0.0], [3.86, 0.0, 0.0]]

@@ -83,11 +83,11 @@ def test_white_noise_fills_the_band(study_with):
 
 @pytest.mark.parametrize("where", ["waves", "row"])
 def test_jonswap_for_the_study_or_for_one_row(study_with, where):
-    given = 'spectrum = "jonswap"{} gamma = 5.0'
+    keys = 'spectrum = "jonswap"{} gamma = 5.0'
     if where == "waves":
-        study = study_with("{ Hs = 1.0, Tp = 8.0 }", waves=BAND + "\n" + given.format("\n"))
+        study = study_with("{ Hs = 1.0, Tp = 8.0 }", waves=BAND + "\n" + keys.format("\n"))
     else:
-        study = study_with("{ Hs = 1.0, Tp = 8.0, " + given.format(",") + " }")
+        study = study_with("{ Hs = 1.0, Tp = 8.0, " + keys.format(",") + " }")
     from solver.sea.realization import realize
     from solver.sea.spectrum import Jonswap
 

@@ -25,10 +25,10 @@ def dataset():
     cells, dims = (2, 3, 2), ("sea_state", "platform", "seed")
     statistics = ["max", "min", "mean", "rms", "std"]
 
-    def values(*own):
-        found = 1 + rng.random((*cells, *own))
-        found[1, 0, 1] = np.nan
-        return found
+    def values(*sizes):
+        numbers = 1 + rng.random((*cells, *sizes))
+        numbers[1, 0, 1] = np.nan
+        return numbers
 
     data = xr.Dataset(
         {
@@ -131,12 +131,12 @@ def test_the_page_names_what_was_asked_and_not_met(results):
     words = results.data["status"].astype(object).copy()
     words[...] = ""
     words[0, 0, 0] = "tolerance 1e-3 asked, 2.1e-3 estimated"
-    found = figures.Results(study=results.study, data=results.data.assign(unmet=words))
-    (line,) = page.unmet(found)
+    marked = figures.Results(study=results.study, data=results.data.assign(unmet=words))
+    (line,) = page.unmet(marked)
     assert line.endswith("seed 0: tolerance 1e-3 asked, 2.1e-3 estimated")
-    bare = figures.Results(study=results.study, data=found.data[["status", "unmet"]])
+    bare = figures.Results(study=results.study, data=marked.data[["status", "unmet"]])
     assert f"<h2>Asked and not met</h2>\n<ul>\n<li>{line}</li>" in page.html(bare)
-    assert "Asked and not met" not in page.html(figures.Results(study=results.study, data=found.data[["status"]]))
+    assert "Asked and not met" not in page.html(figures.Results(study=results.study, data=marked.data[["status"]]))
 
 
 def test_an_axis_of_numbers_has_its_own_figure(results):
@@ -161,9 +161,9 @@ def test_a_leg_is_drawn_at_its_own_heights(results):
     both = xr.merge([results.data, other], join="outer", compat="no_conflicts")
     uneven = figures.Results(study=results.study, data=both)
     assert both.height.size == 5
-    for leg, own in ((1, HEIGHTS), (2, [0.0, 16.3, 32.6])):
+    for leg, expected in ((1, HEIGHTS), (2, [0.0, 16.3, 32.6])):
         heights, rows = envelopes.profile(uneven, "stress_envelope", "elastic", [leg])
-        assert heights.tolist() == list(own) and np.isfinite(rows).all() and rows.shape == (3, 1)
+        assert heights.tolist() == list(expected) and np.isfinite(rows).all() and rows.shape == (3, 1)
     assert "Envelopes along the legs" in titles(uneven)
 
 
@@ -223,10 +223,10 @@ def test_the_scene_is_to_scale(results):
 @pytest.mark.parametrize("hull", ["sphere", "vertical-cylinder"])
 @pytest.mark.parametrize("heading", [0.0, 1.5707963, 3.14])
 def test_floats_without_a_platform(study_of, buan_tables, hull, heading):
-    own = {"draft": 0.8} | ({"freeboard": 0.4} if hull == "vertical-cylinder" else {})
+    sizes = {"draft": 0.8} | ({"freeboard": 0.4} if hull == "vertical-cylinder" else {})
     tables = {key: buan_tables[key] for key in ("water", "waves", "sea_states")}
     tables["waves"]["heading"] = heading
-    tables["floats"] = [buan_tables["floats"][0] | {"hull": {"shape": hull, "radius": 1.0} | own}]
+    tables["floats"] = [buan_tables["floats"][0] | {"hull": {"shape": hull, "radius": 1.0} | sizes}]
     study = study_of(tables).content
     with plain():
         (axes,) = sketch.side_view(study).axes

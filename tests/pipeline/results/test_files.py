@@ -96,7 +96,7 @@ def ran(small, tmp_path, engine):
 def complaints(path, tmp_path):
     """What compliance-checker says against CF-1.11."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the checker's own
+        warnings.simplefilter("ignore")  # warnings of the checker
         from compliance_checker.runner import CheckSuite, ComplianceChecker
 
         CheckSuite.load_all_available_checkers()
@@ -104,8 +104,8 @@ def complaints(path, tmp_path):
         ComplianceChecker.run_checker(
             str(path), ["cf:1.11"], 0, "normal", output_filename=str(told), output_format="json"
         )
-    found = json.loads(told.read_text())["cf:1.11"]
-    return [m for level in ("high", "medium", "low") for r in found[f"{level}_priorities"] for m in r["msgs"]]
+    told_of = json.loads(told.read_text())["cf:1.11"]
+    return [m for level in ("high", "medium", "low") for r in told_of[f"{level}_priorities"] for m in r["msgs"]]
 
 
 def test_dataset_and_records_are_clean_under_cf(ran, tmp_path):
@@ -122,16 +122,16 @@ def variables(path):
 
 def test_the_one_table_names_all_that_runs_leave_and_nothing_else(real):
     """Elastic, fixed, no floats, guided, floating, decay, RAO, series, tolerance, the paper's way: all have units."""
-    found = {}
+    left = {}
     for path in real.glob("**/*.nc"):
         if path.parent.name != "hydrodynamics":
-            found |= {(path, name): told for name, told in variables(path).items()}
-    for (path, name), (dims, kind, attrs) in found.items():
+            left |= {(path, name): told for name, told in variables(path).items()}
+    for (path, name), (dims, kind, attrs) in left.items():
         assert attrs.get("long_name"), (path, name)
         mixed = path.is_relative_to(real / "floating") and "axis" in dims
         assert "units" in attrs or kind in "OSU" or mixed, (path, name)
     listed = VARIABLES.keys() | KNOBS.keys() | COORDINATES.keys()
-    assert {name.removesuffix(SERIES) for _, name in found} == listed
+    assert {name.removesuffix(SERIES) for _, name in left} == listed
 
 
 def test_motion_along_an_axis_has_its_unit(real):
@@ -153,7 +153,7 @@ def test_what_the_solver_itself_leaves_is_clean_under_cf(real, tmp_path):
 
 
 def test_records_of_different_platforms_open_together(real):
-    """xarray's own default, coords="different", wants every coordinate in every file."""
+    """The default of xarray, coords="different", wants every coordinate in every file."""
     paths = sorted((real / "elastic" / "tasks").glob("*/record.nc"))
     with xr.open_mfdataset(paths, combine="nested", concat_dim="task", coords="minimal") as data:
         assert data.task.values.tolist() == [path.parent.name for path in paths]

@@ -76,7 +76,7 @@ def test_coefficients_are_not_solved_again(small, tmp_path, engine):
     assert heard == ["task"] * 6
 
 
-@pytest.mark.filterwarnings("default")  # dask's own shutdown is not ours to judge
+@pytest.mark.filterwarnings("default")  # dask warns while it shuts down
 def test_serial_and_two_workers_agree_bit_for_bit(small, tmp_path, engine):
     _, tasks, one, _, _ = run(small, tmp_path / "one", engine, workers=1)
     _, _, two, failed, _ = run(small, tmp_path / "two", engine, workers=2)
@@ -207,13 +207,13 @@ def test_folders_where_files_should_be_stop_nothing(cli, tmp_path):
     cli("run", "--workers", "1")
     root, (bem,) = tmp_path / "r" / "small", (tmp_path / "r" / "hydrodynamics").glob("*.nc")
     one, other, third = list((root / "tasks").iterdir())[:3]
-    found = [one / "record.nc", other / "status.json", third, root / "statistics.nc", root / ".lock", bem]
-    for path in [*found, root / ".lock.json", root / ".statistics.json"]:
+    files = [one / "record.nc", other / "status.json", third, root / "statistics.nc", root / ".lock", bem]
+    for path in [*files, root / ".lock.json", root / ".statistics.json"]:
         remove(path)
         (path / "inside").mkdir(parents=True)
     assert "12 tasks: 9 done, 2 missing, 1 damaged" in cli("status", code=2)
     assert "12 done; 3 run now" in cli("run", "--workers", "1")
-    assert all(path.is_file() for path in found if path != third)
+    assert all(path.is_file() for path in files if path != third)
     cli("verify")
 
 
@@ -411,7 +411,9 @@ def changed(small, tmp_path, engine):
 
 
 def test_a_knob_is_an_attribute_unless_tasks_differ(changed):
-    data = changed(lambda given, record: record.attrs.update(time_step=0.2, newton_tolerance=1e-5 / (1 + given.seed)))
+    data = changed(
+        lambda parameters, record: record.attrs.update(time_step=0.2, newton_tolerance=1e-5 / (1 + parameters.seed))
+    )
     assert data.attrs["time_step"] == 0.2 and "time_step" not in data
     assert data.newton_tolerance.sel(seed=1, sea_state="calm", platform="fixed") == 5e-6
     assert data.newton_tolerance.dims == ("sea_state", "platform", "seed")
@@ -420,8 +422,8 @@ def test_a_knob_is_an_attribute_unless_tasks_differ(changed):
 
 
 def test_frequencies_that_differ_are_not_shown_as_one(changed):
-    def soften(given, record):
-        if given.platform and given.seed:
+    def soften(parameters, record):
+        if parameters.platform and parameters.seed:
             record.variables["natural_frequency"] = (("mode",), np.array([0.4, 3.1 * (1 - 1e-6)]))
 
     data = changed(soften)
@@ -435,8 +437,8 @@ def test_frequencies_that_differ_are_not_shown_as_one(changed):
 def test_a_table_of_the_dataset_has_room_for_the_lowest_modes_alone(changed, tmp_path):
     """A row for every combination of labels, of which a platform may have 708; the record has them all."""
 
-    def refine(given, record):
-        if given.platform:
+    def refine(parameters, record):
+        if parameters.platform:
             record.coords["mode"] = np.arange(1, 709)
             record.variables["natural_frequency"] = (("mode",), np.sqrt(np.arange(1.0, 709.0)))
 
@@ -518,8 +520,8 @@ def test_every_sea_and_every_configuration_is_judged_before_anything_runs(three_
     three_seas.write_text(three_seas.read_text().replace("[axes]", "[axes]\npto_damping = [1e5, 2e5]"))
     study, judged = load(three_seas), []
     preflight.judge(study, expand(study.content), replace(engine, judge=judged.append))
-    assert {given.sea_state.Hs for given in judged} == {0.5, 1.0, 2.0}
-    assert {(bool(given.platform), *(f.pto_damping for f in given.floats)) for given in judged} == {
+    assert {parameters.sea_state.Hs for parameters in judged} == {0.5, 1.0, 2.0}
+    assert {(bool(parameters.platform), *(f.pto_damping for f in parameters.floats)) for parameters in judged} == {
         (elastic, damping) for elastic in (True, False) for damping in (1e5, 2e5)
     } | {(True,)}
     assert len(judged) < len(study.tasks)
@@ -530,11 +532,13 @@ def test_odd_and_impossible_seas_are_named_whichever_they_are(three_seas, engine
 
     study = load(three_seas)
     for label, height in (("calm", 0.5), ("mild", 1.0), ("rough", 2.0)):
-        odd = replace(engine, judge=lambda given, height=height: ["sea: odd"] * (given.sea_state.Hs == height))
+        odd = replace(
+            engine, judge=lambda parameters, height=height: ["sea: odd"] * (parameters.sea_state.Hs == height)
+        )
         assert preflight.judge(study, expand(study.content), odd) == [f"sea_states.{label}: odd"]
 
-        def refuse(given, height=height):
-            if given.sea_state.Hs == height:
+        def refuse(parameters, height=height):
+            if parameters.sea_state.Hs == height:
                 raise InputError("sea", height, "must be calm")
 
         with pytest.raises(StudyError, match=f"sea = {height}: must be calm"):

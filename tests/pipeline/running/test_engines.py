@@ -73,7 +73,7 @@ def cluster(folder, *security, workers=2, strangers=0):
             process.wait()
 
 
-def found(results):
+def computed(results):
     """All that a study has computed: digests of the records, coefficients, the dataset."""
     (root,) = (path.parent for path in results.glob("*/tasks"))
     records = {p.parent.name: json.loads(p.read_bytes())["content"] for p in root.glob("tasks/*/status.json")}
@@ -95,12 +95,12 @@ def test_bitwise_the_same_wherever_it_runs(tmp_path, small_study, small, solver)
         done = study("run", path, "--results", tmp_path / "far", "--scheduler", address, solver=solver)
     assert done.returncode == 0, done.stderr
     assert not list((tmp_path / "away").rglob("*.nc"))
-    first = found(tmp_path / "serial")
+    first = computed(tmp_path / "serial")
     assert len(first[0]) == 12 and len(first[1]) == 1
-    assert all(found(tmp_path / name) == first for name in ("one", "two", "far"))
+    assert all(computed(tmp_path / name) == first for name in ("one", "two", "far"))
     again = study("rerun", path, tasks, "--results", tmp_path / "far", "--workers", 1, solver=solver)
     assert again.stdout.count("bitwise the same as the old record") == (2 if solver else 1), again.stderr
-    assert found(tmp_path / "far") == first
+    assert computed(tmp_path / "far") == first
 
 
 @pytest.mark.skipif(not shutil.which("openssl"), reason="needs openssl")

@@ -189,8 +189,8 @@ def test_damaged_results_are_named_and_made_again(whole, tmp_path, damage):
         status.write_bytes(status.read_bytes()[:50])
     else:
         record.write_bytes({"cut": data[:100], "flip": data, "empty": b""}[damage])
-    found = study("verify", small_study, "--results", results)
-    assert ("1 missing" if damage == "status" else "1 damaged") in found.stdout
+    verified = study("verify", small_study, "--results", results)
+    assert ("1 missing" if damage == "status" else "1 damaged") in verified.stdout
     again = study("run", small_study, "--results", results, "--workers", 1)
     assert "12 done; 1 run now" in again.stdout
     assert contents(results) == before

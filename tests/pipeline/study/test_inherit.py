@@ -14,8 +14,8 @@ STUDIES = Path(__file__).parents[3] / "studies"
 
 def test_tables_merge_by_key_and_named_lists_by_name():
     base = {"a": {"x": 1, "y": 2}, "floats": [{"name": "f", "mass": 1.0}, {"name": "r", "mass": 1.0}], "v": [1, 2]}
-    own = {"a": {"y": 3}, "floats": [{"name": "r", "mass": 2.0}, {"name": "new"}], "v": [4]}
-    assert merged(base, own) == {
+    upper = {"a": {"y": 3}, "floats": [{"name": "r", "mass": 2.0}, {"name": "new"}], "v": [4]}
+    assert merged(base, upper) == {
         "a": {"x": 1, "y": 3},
         "floats": [{"name": "f", "mass": 1.0}, {"name": "r", "mass": 2.0}, {"name": "new"}],
         "v": [4],
@@ -68,9 +68,9 @@ def test_bad_bases_are_named(small, tmp_path, text, words):
 
 def test_files_are_found_beside_the_base():
     tables = {"floats": [{"hull": {"shape": "mesh", "file": "barge.gdf"}}], "file": 3}
-    found = rooted(tables, STUDIES)
-    assert found["floats"][0]["hull"]["file"] == str(STUDIES / "barge.gdf")
-    assert found["file"] == 3
+    absolute = rooted(tables, STUDIES)
+    assert absolute["floats"][0]["hull"]["file"] == str(STUDIES / "barge.gdf")
+    assert absolute["file"] == 3
 
 
 @pytest.mark.parametrize("path", sorted((STUDIES / "variants").glob("*.toml")), ids=lambda path: path.stem)

@@ -15,11 +15,11 @@ def study(small):
 
 
 def test_the_same_tasks_in_the_same_order(study):
-    found, direct = list(study.tasks), list(expand(study.content))
-    assert [task.id for task in found] == [task.id for task in direct]
-    assert [dict(task.labels) for task in found] == [dict(task.labels) for task in direct]
-    assert [task.parameters for task in found] == [task.parameters for task in direct]
-    assert [str(task) for task in found] == [str(task) for task in direct]
+    lazy, direct = list(study.tasks), list(expand(study.content))
+    assert [task.id for task in lazy] == [task.id for task in direct]
+    assert [dict(task.labels) for task in lazy] == [dict(task.labels) for task in direct]
+    assert [task.parameters for task in lazy] == [task.parameters for task in direct]
+    assert [str(task) for task in lazy] == [str(task) for task in direct]
 
 
 def test_cells_that_share_a_task_are_one_where_it_stands_first(small):
@@ -75,6 +75,6 @@ def test_selecting_makes_the_tasks_selected_and_no_others(million, monkeypatch):
     monkeypatch.setattr(tasklist, "cell", lambda study, *rest: made.append(rest) or cell(study, *rest))
     chosen = select(million, "seed=5,sea_state=s7,sea_state=s3,pto_damping=1000,pto_damping=99000")
     assert len(made) == 4
-    found = [(t.labels["sea_state"], t.labels["pto_damping"], t.labels["seed"]) for t in chosen]
-    assert found == [("s3", 1e3, 5), ("s3", 99e3, 5), ("s7", 1e3, 5), ("s7", 99e3, 5)]
+    labels = [(t.labels["sea_state"], t.labels["pto_damping"], t.labels["seed"]) for t in chosen]
+    assert labels == [("s3", 1e3, 5), ("s3", 99e3, 5), ("s7", 1e3, 5), ("s7", 99e3, 5)]
     assert [task.id for task in chosen] == [cell(million.content, task.labels, task.varied).id for task in chosen]

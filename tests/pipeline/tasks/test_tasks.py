@@ -83,8 +83,8 @@ def test_whatever_changes_the_physics_changes_the_id(buan_tables, table, key, va
 @pytest.mark.parametrize("key", ["mass", "cog", "hinge", "pto_damping"])
 def test_whatever_changes_a_float_changes_the_id(buan_tables, key):
     before = one(buan_tables, sea_state="2019", platform="fixed", seed=1).id
-    given = buan_tables["floats"][0].get(key, [0.0, 0.0, 0.0])
-    buan_tables["floats"][0][key] = [given[0], given[1] + 0.1, given[2]] if isinstance(given, list) else given + 1.0
+    value = buan_tables["floats"][0].get(key, [0.0, 0.0, 0.0])
+    buan_tables["floats"][0][key] = [value[0], value[1] + 0.1, value[2]] if isinstance(value, list) else value + 1.0
     assert one(buan_tables, sea_state="2019", platform="fixed", seed=1).id != before
 
 
@@ -120,8 +120,8 @@ def test_platforms_and_dampings_meet_the_same_waves(buan_tables):
     for task in expand(StudyFile.model_validate(buan_tables)):
         cell = (task.labels["sea_state"], task.labels["seed"])
         seeds.setdefault(cell, set()).add(wave_seed(task.parameters))
-    assert all(len(found) == 1 for found in seeds.values())
-    assert len({next(iter(found)) for found in seeds.values()}) == len(seeds)
+    assert all(len(each) == 1 for each in seeds.values())
+    assert len({next(iter(each)) for each in seeds.values()}) == len(seeds)
 
 
 def test_waves_do_not_depend_on_the_place_in_the_list(buan_tables):
