@@ -63,8 +63,7 @@ faults: $(READY)
 	$(VENV)/bin/python -m pytest -q tests/pipeline/running/test_robust.py
 
 fuzz: $(READY)
-	EXAMPLES=2000 $(VENV)/bin/python -m pytest -q -W ignore tests/pipeline/running/test_robust.py -k random_study \
-		--hypothesis-profile=random
+	PYTHONPATH=. $(VENV)/bin/python -W ignore tests/pipeline/fuzz.py 2000
 
 figure: study-buan
 	$(VENV)/bin/study report studies/buan.toml --figure studies/buan.png
