@@ -1,5 +1,7 @@
 """What is odd about a scene and yet no error: floats out of equilibrium, mended hulls, records cut short."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from solver.scene import DOFS, Float, Scene, Water
@@ -36,7 +38,7 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list
     return found
 
 
-def _loads(item: Float, displaced: float, gravity: float):
+def _loads(item: Float, displaced: float, gravity: float) -> Iterator[tuple[np.ndarray, float]]:
     """Point and vertical force of weight and of buoyancy, at rest."""
     yield item.centre + item.cog, -item.mass * gravity
     yield item.centre + item.hull.buoyancy_point, displaced * gravity

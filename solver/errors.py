@@ -10,12 +10,12 @@ class InputError(ValueError):
     ``studies/buan.toml: floats.front.mass = -1: must be > 0 kg``.
     """
 
-    def __init__(self, key: str, value: object, limit: str, others: "tuple[InputError, ...]" = ()):
+    def __init__(self, key: str, value: object, limit: str, others: "tuple[InputError, ...]" = ()) -> None:
         super().__init__(f"{key} = {value}: {limit}")
         self.key, self.value, self.limit = key, value, limit
         self.others = others  # what else the same input has wrong
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[type["InputError"], tuple[object, ...]]:
         return type(self), (self.key, self.value, self.limit, self.others)
 
 

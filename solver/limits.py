@@ -23,7 +23,7 @@ def excursions(scene: Scene, field: WaveField, terms: int, carrier_axes: np.ndar
     bounds = [(-row, row) for row in rows]
     for item in scene.floats:
         away = field.radius_for(terms, ROUGH) - item.hull.size
-        bounds += [_joint(item, name, away) for name in item.motion]
+        bounds += [_joint_bounds(item, name, away) for name in item.motion]
     return np.array(bounds, float).reshape(-1, 2)
 
 
@@ -57,7 +57,7 @@ def slides(name: str) -> bool:
     return name in DOFS[:3]
 
 
-def _joint(item: Float, name: str, away: float) -> tuple[float, float]:
+def _joint_bounds(item: Float, name: str, away: float) -> tuple[float, float]:
     if name != "hinge":
         bound = away if slides(name) else FALLEN_OVER
         return -bound, bound

@@ -178,7 +178,7 @@ def _padded(rows: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate([rows, np.zeros((count - len(rows), *rows.shape[1:]))])
 
 
-def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None):
+def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness (nb, 6, 6) of buoyancy and buoyancy at rest (nb, 6), for linear floats."""
     nb = len(scene.floats)
     stiffness, buoyancy = np.zeros((nb, 6, 6)), np.zeros((nb, 6))

@@ -20,7 +20,7 @@ class Structure(NamedTuple):
 
 
 @fast_lean_kernel
-def drag(structure, water, dp, force, flow):
+def drag(structure: Structure, water: np.ndarray, dp: np.ndarray, force: np.ndarray, flow: np.ndarray) -> float:
     """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame.
 
     water, flow (nd, ns): particle velocity, and room for the frame's own. Stations are
@@ -52,7 +52,7 @@ def drag(structure, water, dp, force, flow):
 
 
 @kernel
-def flexibility(structure, dt):
+def flexibility(structure: Structure, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """D⁻¹ (nm, 2, 2) of each mode's stages and H (2, nc, 2, nc) of the carriers.
 
     D = I + 2ζω dt A + ω² dt² AA maps a mode's stage accelerations to its stage loads.
@@ -75,7 +75,7 @@ def flexibility(structure, dt):
 
 
 @lean_kernel
-def carry(structure, amplitude, out):
+def carry(structure: Structure, amplitude: np.ndarray, out: np.ndarray) -> None:
     """out[:nc] = carrier coordinates of modal amplitudes (nm,)."""
     nc, nm = structure.carrier.shape
     for i in range(nc):

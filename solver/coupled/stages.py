@@ -4,10 +4,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.memory import memory_loads
+from solver.coupled.memory import Memory, memory_loads
+from solver.coupled.modal import Structure
 from solver.coupled.scheme import A0, AA, AA0, A, C
 from solver.kernels import kernel, lean_kernel
-from solver.multibody.minimal import Coordinates, Loads, WaterLoads, loads, move, new_motion
+from solver.multibody.minimal import Bodies, Coordinates, Loads, WaterLoads, loads, move, new_motion
+
+
+class State(NamedTuple):
+    """What one step hands to the next; arrays are updated in place."""
+
+    z: np.ndarray  # (nj,) joint coordinates
+    dz: np.ndarray  # (nj,)
+    ddz: np.ndarray  # (3, nj) at the last three samples, newest last
+    p: np.ndarray  # (nm,) modal amplitudes
+    dp: np.ndarray  # (nm,)
+    ddp: np.ndarray  # (nm,)
+    force: np.ndarray  # (3, nm) drag and hinge part of the modal load, last three samples
+    memory: np.ndarray  # (p, na) complex
+    power: np.ndarray  # (len(WORKS),) at the last sample [W]
+    work: np.ndarray  # (len(WORKS),) [J] since the start
+    energy: np.ndarray  # (3,) [J], see solver.coupled.energy
 
 
 class Start(NamedTuple):
@@ -42,7 +59,7 @@ class Stages(NamedTuple):
     external: np.ndarray  # (2, nb, 6)
 
 
-def new_stages(bodies, modes: int) -> Stages:
+def new_stages(bodies: Bodies, modes: int) -> Stages:
     nb, nz = bodies.axes.size, bodies.mechanism.size
     return Stages(
         motion=(new_motion(bodies), new_motion(bodies)),
@@ -54,13 +71,13 @@ def new_stages(bodies, modes: int) -> Stages:
 
 
 @kernel(inline="always")
-def coordinates(stage, s):
+def coordinates(stage: Stages, s: int) -> Coordinates:
     """Coordinates of stage s."""
     return Coordinates(stage.z[s], stage.dz[s], stage.ddz[s])
 
 
 @lean_kernel
-def predict(structure, dt, modal, state, stage):
+def predict(structure: Structure, dt: float, modal: np.ndarray, state: State, stage: Stages) -> None:
     """What is known of the stages' modal loads, and the rest extrapolated from the last step; modal (2, nm).
 
     Loads, not accelerations, of the modes are extrapolated: stiff modes ring in the latter.
@@ -78,7 +95,7 @@ def predict(structure, dt, modal, state, stage):
 
 
 @lean_kernel
-def collocate(structure, inverse, dt, state, start, stage):
+def collocate(structure: Structure, inverse: np.ndarray, dt: float, state: State, start: Start, stage: Stages) -> float:
     """Stage values of modes, carriers and joints from modal loads and joint accelerations.
 
     Returns the largest change of a modal displacement [m] since the last call.
@@ -112,7 +129,7 @@ def collocate(structure, inverse, dt, state, start, stage):
 
 
 @kernel(inline="always")
-def follow(bodies, memory, stage):
+def follow(bodies: Bodies, memory: Memory, stage: Stages) -> None:
     """Bodies at the stages, and the memory's load of their velocities."""
     for s in range(2):
         move(bodies, stage.z[s], stage.dz[s], stage.motion[s])
@@ -123,7 +140,7 @@ def follow(bodies, memory, stage):
 
 
 @kernel(inline="always")
-def moved(stage):
+def moved(stage: Stages) -> float:
     """Farthest that a coordinate is from where pressure and drag were evaluated [m or rad]."""
     most = 0.0
     for s in range(2):
@@ -133,7 +150,7 @@ def moved(stage):
 
 
 @kernel(inline="always")
-def load_bodies(bodies, excitation, stage):
+def load_bodies(bodies: Bodies, excitation: np.ndarray, stage: Stages) -> None:
     """Residuals and loads of the bodies at both stages; excitation (2, nb, 6)."""
     for s in range(2):
         for i in range(stage.z.shape[1]):

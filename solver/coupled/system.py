@@ -1,5 +1,6 @@
 """A scene as arrays: what does not change during a run, where it starts, and the march block by block."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -19,11 +20,11 @@ from solver.coupled.march import (
     Drive,
     Output,
     Problem,
-    State,
     march,
     new_problem,
     new_workspace,
 )
+from solver.coupled.stages import State
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.hull.mesh import Hull
@@ -151,7 +152,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     waves = WaveField(scene.sea, water.depth, water.gravity)
     support = None
     if scene.platform is not None:
-        support = platform.prepare(
+        support = platform.reduce_platform(
             scene.platform,
             waves,
             water,
@@ -232,7 +233,9 @@ def _way(item: Float, point: np.ndarray, angle: float, height: float) -> float:
     return max(abs(x) + 2 * height if slides(name) else turned for name, x in start)
 
 
-def _initial_acceleration(system: System, z, p, first: Drive):
+def _initial_acceleration(
+    system: System, z: np.ndarray, p: np.ndarray, first: Drive
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Modal and joint accelerations at t = 0, and the modal load of the hinges, from all loads at rest."""
     body, frame = system.bodies, system.structure
     nz, (nc, nm) = body.mechanism.size, frame.carrier.shape
@@ -250,7 +253,7 @@ def _initial_acceleration(system: System, z, p, first: Drive):
     return ddp, ddz, ddp + frame.omega**2 * p - first.modal[0]
 
 
-def blocks(system: System, state: State, steps: int, done: int = 0):
+def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[tuple[np.ndarray, Output, np.ndarray]]:
     """March from step `done` to step `steps`, yielding (wave samples, output, times) block by block.
 
     `state` is that after `done` steps, and all that a run needs to go on: to the last bit where `done` is a

@@ -104,7 +104,7 @@ def pressure_room(bodies: Bodies) -> PressureRoom:
 
 
 @kernel
-def new_motion(bodies):
+def new_motion(bodies: Bodies) -> Motion:
     nb, n = bodies.kind.shape
     return Motion(
         np.zeros((nb, 3)),
@@ -118,7 +118,7 @@ def new_motion(bodies):
 
 
 @lean_kernel
-def move(bodies, z, dz, motion):
+def move(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> None:
     """Positions, Jacobians and velocities of all bodies from z, dz (nz,)."""
     nr = bodies.active.size
     for b in range(bodies.axes.size):
@@ -140,7 +140,7 @@ def move(bodies, z, dz, motion):
 
 
 @lean_kernel
-def _spatial_inertia(bodies, b, rotation, M, lever):
+def _spatial_inertia(bodies: Bodies, b: int, rotation: np.ndarray, M: np.ndarray, lever: np.ndarray) -> None:
     """M (6, 6) about the reference point in world axes; lever (3,) to the c.o.g."""
     m, own = bodies.mass[b], bodies.inertia[b]
     for r in range(3):
@@ -164,7 +164,7 @@ def _spatial_inertia(bodies, b, rotation, M, lever):
 
 
 @kernel(inline="always")
-def _rule_of(bodies, b):
+def _rule_of(bodies: Bodies, b: int) -> WettedQuadrature:
     """The quadrature of one body."""
     rule = bodies.rule
     return WettedQuadrature(
@@ -182,7 +182,7 @@ def _rule_of(bodies, b):
 
 
 @kernel(inline="always")
-def _linear_hydrostatics(bodies, b, motion, load):
+def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarray) -> None:
     """Buoyancy at rest, less stiffness times displacement."""
     x, x0, R = motion.position[b], bodies.reference[b], motion.rotation[b]
     shift = (x[0] - x0[0], x[1] - x0[1], x[2] - x0[2], R[2, 1], R[0, 2], R[1, 0])
@@ -193,7 +193,7 @@ def _linear_hydrostatics(bodies, b, motion, load):
 
 
 @fast_lean_kernel
-def pressures(bodies, motion, field, room, out):
+def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureRoom, out: np.ndarray) -> None:
     """Hydrostatic load, and the incident wave's where it is body-nonlinear: out (nb, 6)."""
     out[:] = 0.0
     for b in range(bodies.axes.size):
@@ -211,7 +211,7 @@ def pressures(bodies, motion, field, room, out):
 
 
 @lean_kernel
-def loads(bodies, at, motion, water, out):
+def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, out: Loads) -> None:
     """Fill out (Loads) with the equations of motion at coordinates `at`, moved there as `motion`, under WaterLoads."""
     nb, nr = bodies.axes.size, bodies.active.size
     for b in range(nb):
@@ -243,7 +243,7 @@ def loads(bodies, at, motion, water, out):
 
 
 @kernel(inline="always")
-def _wave_wrench(bodies, b, motion, water, W):
+def _wave_wrench(bodies: Bodies, b: int, motion: Motion, water: WaterLoads, W: np.ndarray) -> None:
     """W <- excitation and pressure, carried on by the hydrostatic stiffness."""
     for r in range(6):
         W[r] = water.excitation[b, r] + water.pressure[b, r]
@@ -256,7 +256,9 @@ def _wave_wrench(bodies, b, motion, water, W):
 
 
 @lean_kernel
-def powers(bodies, at, motion, external, memory):
+def powers(
+    bodies: Bodies, at: Coordinates, motion: Motion, external: np.ndarray, memory: np.ndarray
+) -> tuple[float, float, float, float]:
     """Powers [W] of pressure and excitation; of radiation memory, PTO and the joints' other losses as dissipated.
 
     Of the step's final velocities: with others, weight and buoyancy, far larger than what varies, would not balance.
@@ -276,7 +278,7 @@ def powers(bodies, at, motion, external, memory):
 
 
 @lean_kernel
-def _weight_and_inertia(bodies, b, motion, W):
+def _weight_and_inertia(bodies: Bodies, b: int, motion: Motion, W: np.ndarray) -> None:
     """W += weight and d'Alembert's loads about the reference point, by Newton and Euler at the c.o.g."""
     R, own, a = motion.rotation[b], bodies.inertia[b], motion.acceleration[b]
     x, y, z = rotated(R, bodies.cog[b])
@@ -303,7 +305,7 @@ def _weight_and_inertia(bodies, b, motion, W):
 
 
 @kernel(inline="always")
-def _into_body(R, x, y, z):
+def _into_body(R: np.ndarray, x: float, y: float, z: float) -> tuple[float, float, float]:
     return (
         R[0, 0] * x + R[1, 0] * y + R[2, 0] * z,
         R[0, 1] * x + R[1, 1] * y + R[2, 1] * z,
@@ -312,7 +314,7 @@ def _into_body(R, x, y, z):
 
 
 @kernel
-def mass_matrix(bodies, motion, M):
+def mass_matrix(bodies: Bodies, motion: Motion, M: np.ndarray) -> None:
     """M (nz, nz) of the floats with the added mass at infinite frequency."""
     nb, nr = bodies.axes.size, bodies.active.size
     M[:] = 0.0
@@ -332,7 +334,7 @@ def mass_matrix(bodies, motion, M):
 
 
 @kernel
-def _project(bodies, motion, b, c, X, M):
+def _project(bodies: Bodies, motion: Motion, b: int, c: int, X: np.ndarray, M: np.ndarray) -> None:
     """M += J_bᵀ X J_c for X (6, 6)."""
     for j in range(bodies.axes[c]):
         column = np.zeros(6)
@@ -347,7 +349,7 @@ def _project(bodies, motion, b, c, X, M):
 
 
 @kernel
-def project_active(bodies, motion, X, M):
+def project_active(bodies: Bodies, motion: Motion, X: np.ndarray, M: np.ndarray) -> None:
     """M (nz, nz) = Jᵀ X J for X (nb nr, nb nr) over the active DOF of all bodies."""
     nr = bodies.active.size
     M[:] = 0.0
@@ -361,7 +363,7 @@ def project_active(bodies, motion, X, M):
 
 
 @lean_kernel
-def stored_energy(bodies, z, dz, motion):
+def stored_energy(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> float:
     """Kinetic (added mass included), gravitational and spring energy [J]."""
     energy = 0.0
     for b in range(bodies.axes.size):

@@ -9,10 +9,12 @@ The hinge of the paper is one POINT and two SQUAREs. Rows are differentiated wit
 velocity and angular velocity (world axes), not to Euler angles: C_u is then short and never singular.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.kernels import kernel
@@ -72,7 +74,7 @@ class Guide:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Axes:
+class AxesJoint:
     """The second frame slides along `slides` and turns about `turns`, in that order, through a shared point.
 
     Directions in space at the start; slides are fixed in the first frame, or move with the second one
@@ -87,7 +89,8 @@ class Axes:
     inner: bool = False
 
 
-Joint = Ball | Hinge | Guide | Axes
+Part = tuple[int, np.ndarray, np.ndarray, bool]  # see _parts
+Joint = Ball | Hinge | Guide | AxesJoint
 
 
 def equations(joints: tuple[Joint, ...], frames: Frames) -> Equations:
@@ -120,7 +123,7 @@ def row_count(e: Equations) -> int:
     return int(np.sum(np.where(e.kind == POINT, 3, 1)))
 
 
-def _parts(joint: Joint):
+def _parts(joint: Joint) -> list[Part]:
     """(kind, direction in the first, direction in the second frame, frames swapped) of a joint's equations."""
     if type(joint) is Ball:
         return [(POINT, np.zeros(3), np.zeros(3), False)]
@@ -132,14 +135,14 @@ def _parts(joint: Joint):
     return _held_points(slides, joint.inner) + _held_turns(turns)
 
 
-def _unit(axis) -> np.ndarray:
+def _unit(axis: ArrayLike) -> np.ndarray:
     length = np.linalg.norm(axis)
     if not length > 0:
         raise InputError("joint.axis", axis, "must not have zero length")
     return np.divide(axis, length)
 
 
-def _held_points(slides, inner: bool):
+def _held_points(slides: Sequence[np.ndarray], inner: bool) -> list[Part]:
     """What keeps the points together but for the slides."""
     if not slides:
         return [(POINT, np.zeros(3), np.zeros(3), False)]
@@ -147,7 +150,7 @@ def _held_points(slides, inner: bool):
     return [(PLANE, normal, normal, inner) for normal in normals[len(slides)]]
 
 
-def _held_turns(turns):
+def _held_turns(turns: Sequence[np.ndarray]) -> list[Part]:
     """What keeps the directions but for the turns."""
     if len(turns) == 0:
         x, y, z = np.eye(3)
@@ -170,17 +173,17 @@ def across(axis: np.ndarray) -> np.ndarray:
 
 
 @kernel(inline="always")
-def _cross(a, b):
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 @kernel(inline="always")
-def _dot(a, b):
+def _dot(a: np.ndarray, b: np.ndarray) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
-def _point_rows(J, row, column, sign, lever):
+def _point_rows(J: np.ndarray, row: int, column: int, sign: float, lever: np.ndarray) -> None:
     """± [I, -s̃] of x + s."""
     x, y, z = sign * lever[0], sign * lever[1], sign * lever[2]
     for r in range(3):
@@ -194,7 +197,7 @@ def _point_rows(J, row, column, sign, lever):
 
 
 @kernel
-def constraints(e, frames, C, J, bias):
+def constraints(e: Equations, frames: Frames, C: np.ndarray, J: np.ndarray, bias: np.ndarray) -> None:
     """Fill C (m,), its Jacobian J (m, 6 nf) over all frames, and bias (m,) = J̇ v.
 
     Then Ċ = J v and C̈ = J a + bias; for the bodies' columns C_u, and the supports' part J_s:
@@ -236,7 +239,7 @@ def constraints(e, frames, C, J, bias):
 
 
 @kernel
-def joint_loads(e, frames, J, multiplier, load):
+def constraint_loads(e: Equations, frames: Frames, J: np.ndarray, multiplier: np.ndarray, load: np.ndarray) -> None:
     """Fill load (nj, 6) of each joint on its second frame, moment about the joint's point there: eq. 3."""
     load[:] = 0.0
     for n in range(e.kind.size):

@@ -1,5 +1,6 @@
 """Loads on the floats of the reference path: pressure, linear wave loads, memory, and the joints' own."""
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Literal
 
@@ -10,6 +11,7 @@ from solver.coupled.energy import JOINT_DAMPING, PTO, RADIATION, WAVE, WORKS
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.surface import split
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature, quadrature_room
 from solver.hydrodynamics.pressure.wetted_panels import (
@@ -21,14 +23,18 @@ from solver.hydrodynamics.pressure.wetted_panels import (
 )
 from solver.multibody.joint_law import joint_loads
 from solver.reference import axes as joint_axes
+from solver.reference.augmented import MechanismState
 from solver.reference.axes import Axes, Node
 from solver.reference.convolution import Convolution, Kernel
+from solver.reference.elastic import ElasticSupport, FixedSupport
 from solver.reference.joints import GROUND, Frames
 from solver.reference.panels import Mesh, calm, half, panel_load, revolution_mesh, waves_at
 from solver.scene import Float, Scene
 from solver.sea.field import WaveField
 from solver.sea.realization import ramp
 
+# Load (6,) of float b with its reference point at a position (3,) and in a rotation (3, 3).
+PressureOf = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
 TERMS = 32  # of the local wave field, for pressure by quadrature: rounding for every hull that is small for its waves
 Surface = Literal["panels", "quadrature"]
 IN_PLANE = np.array([2.0, 0.0, 2.0, 0.0, 2.0, 0.0])  # load of a hull from that of its half
@@ -37,7 +43,9 @@ IN_PLANE = np.array([2.0, 0.0, 2.0, 0.0, 2.0, 0.0])  # load of a hull from that 
 class PressureForce:
     """Hydrostatic and Froude-Krylov load on all floats, by panels, by quadrature, or linear hydrostatics."""
 
-    def __init__(self, scene: Scene, field: WaveField, kind: Surface, panels: tuple[int, int], coefficients):
+    def __init__(
+        self, scene: Scene, field: WaveField, kind: Surface, panels: tuple[int, int], coefficients: Hydrodynamics | None
+    ) -> None:
         self.scene, self.field, self.kind = scene, field, kind
         self.linear = scene.settings.froude_krylov != "body-nonlinear"
         self.coefficients = coefficients
@@ -66,13 +74,13 @@ class PressureForce:
         panels = split(item.hull.panels, self._side(item))
         return Mesh(panels.reshape(-1, 3), np.arange(4 * len(panels)).reshape(-1, 4))
 
-    def at(self, t: float, factor: float):
+    def at(self, t: float, factor: float) -> PressureOf:
         """Load (6,) of float b at a position and rotation, at time t under a ramp's factor."""
         if self.linear:
             return self._linear
         return self._by_panels(t, factor) if self.kind == "panels" else self._by_quadrature(t, factor)
 
-    def _by_panels(self, t: float, factor: float):
+    def _by_panels(self, t: float, factor: float) -> PressureOf:
         scene, sea, water = self.scene, self.scene.sea, self.scene.water
         rho_g, wheeler = water.density * water.gravity, scene.settings.pressure == "wheeler"
         waves = calm(self.field.direction[:2], water.depth)
@@ -81,7 +89,7 @@ class PressureForce:
                 self.field.k, sea.omega, sea.amplitude, depth=water.depth, heading=sea.heading, t=t, factor=factor
             )
 
-        def load(b, position, rotation):
+        def load(b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
             mesh, share = self.meshes[b]
             out = np.zeros(6)
             panel_load(position, rotation, mesh, waves, rho_g, wheeler, out)
@@ -89,13 +97,13 @@ class PressureForce:
 
         return load
 
-    def _by_quadrature(self, t: float, factor: float):
+    def _by_quadrature(self, t: float, factor: float) -> PressureOf:
         scene, sea, water = self.scene, self.scene.sea, self.scene.water
         rho_g, wheeler = water.density * water.gravity, scene.settings.pressure == "wheeler"
         turn, direction = factor * np.exp(-1j * sea.omega * t), self.field.direction[:2].copy()
         local = [np.ascontiguousarray((rows * turn).sum(axis=-1).real) for rows in self.rows]
 
-        def load(b, position, rotation):
+        def load(b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
             out, rule, room = np.zeros(6), self.rules[b], self.rooms[b]
             waves = Incident(local[b], scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
             if isinstance(rule, WettedPanels):
@@ -106,7 +114,7 @@ class PressureForce:
 
         return load
 
-    def _linear(self, b, position, rotation):
+    def _linear(self, b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """Buoyancy ρgV at (x_b, y_b) at rest, with its moment, less stiffness times displacement."""
         h, index = self.coefficients, _index(self.coefficients)
         own = slice(b * len(index), (b + 1) * len(index))
@@ -119,7 +127,7 @@ class PressureForce:
 
 
 @lru_cache(maxsize=8)
-def _mesh(hull, panels: tuple[int, int], planar: bool) -> tuple[Mesh, np.ndarray]:
+def _mesh(hull: Revolution, panels: tuple[int, int], planar: bool) -> tuple[Mesh, np.ndarray]:
     """The hull's panels and the factors of their load: of a hull symmetric in y = 0 one half, where nothing crosses."""
     whole = revolution_mesh(hull, along=panels[0], around=panels[1])
     part = half(whole) if planar else None
@@ -168,7 +176,18 @@ def _keeps(turn: np.ndarray, slides: np.ndarray) -> bool:
 class Floats:
     """All that loads the floats: see `augmented.Surroundings`. Keeps what the record is made of."""
 
-    def __init__(self, scene: Scene, h: Hydrodynamics | None, kernel: Kernel | None, force, support, *, dt, A, steps):
+    def __init__(
+        self,
+        scene: Scene,
+        h: Hydrodynamics | None,
+        kernel: Kernel | None,
+        force: PressureForce,
+        support: FixedSupport | ElasticSupport,
+        *,
+        dt: float,
+        A: np.ndarray,
+        steps: int,
+    ) -> None:
         self.scene, self.pressure, self.support = scene, force, support
         self.axes, self.carriers = [axes_of(f) for f in scene.floats], scene.carriers
         for f in scene.floats:
@@ -192,7 +211,7 @@ class Floats:
         self.force = np.zeros((stages, nb, 6))
         self.power, self.work = np.zeros((stages, len(WORKS))), np.zeros(len(WORKS))
 
-    def begin(self, t, dt, state):
+    def begin(self, t: float, dt: float, state: MechanismState) -> None:
         self.velocity[:] = state.velocity.ravel()[self.active]
         s = self.scene.settings
         times = t + self.c * dt
@@ -202,10 +221,10 @@ class Floats:
         self.excitation = (self.rows @ turn).real.T
         self.support.begin(times, turn)
 
-    def iterate(self):
+    def iterate(self) -> float:
         return self.support.iterate()
 
-    def supports(self, stage, _t):
+    def supports(self, stage: int, _t: float) -> Frames:
         return self.support.frames(stage)
 
     def node(self, b: int, frames: Frames) -> Node:
@@ -213,17 +232,17 @@ class Floats:
         hinge, s = np.array(self.scene.floats[b].hinge, float), self.carriers[b]
         if s >= 0:
             return joint_axes.on_body(hinge - self.scene.floats[s].centre, *(x[s] for x in frames))
-        s = self.support.number(b)
+        s = self.support.frame_number(b)
         position = hinge if s == GROUND else frames.position[s]
         return Node(position, frames.rotation[s], frames.velocity[s], frames.acceleration[s])
 
-    def look(self, stage, frames):
+    def mechanism_inertia(self, stage: int, frames: Frames) -> np.ndarray | None:
         """Ways and rates of all joints, and the inertia (6 nb, 6 nb) of their mechanisms; None without any."""
         extra = None
         for b, axes in enumerate(self.axes):
             position, rotation, velocity = frames.position[b], frames.rotation[b], frames.velocity[b]
             start = self.way[stage][b]
-            y, dy, P, c = joint_axes.state(axes, self.node(b, frames), position, rotation, velocity, start)
+            y, dy, P, c = joint_axes.joint_motion(axes, self.node(b, frames), position, rotation, velocity, start)
             self.way[stage][b], self.rate[stage][b] = y, dy
             inertia = self.inertia[b]
             M = (P.T * inertia) @ P
@@ -233,7 +252,7 @@ class Floats:
                 extra[6 * b : 6 * b + 6, 6 * b : 6 * b + 6] = M
         return extra
 
-    def loads(self, stage, _t, frames):
+    def loads(self, stage: int, _t: float, frames: Frames) -> np.ndarray:
         nb = len(self.axes)
         v = frames.velocity[:nb]
         self.velocity[stage] = v.ravel()[self.active]
@@ -258,7 +277,7 @@ class Floats:
                 self.force[stage, carrier] += back
         return load
 
-    def _joint_load(self, b, stage, power):
+    def _joint_load(self, b: int, stage: int, power: np.ndarray) -> np.ndarray:
         """PTO, damping and springs of the axes as a load (6,) on the float."""
         dy = self.rate[stage][b]
         pto, loss, spring = (load[0] for load in joint_loads(self.law[b], self.way[stage][b][None], dy[None]))
@@ -266,7 +285,7 @@ class Floats:
         power[JOINT_DAMPING] += loss @ dy
         return -self.joint[stage][b][0].T @ (pto + loss + spring)
 
-    def carried(self, stage, frames, held, load):
+    def carried(self, stage: int, frames: Frames, held: np.ndarray, load: np.ndarray) -> None:
         """All that the joints carry, from the constraints' loads on floats, `held` (nb, 6), and on nodes, `load`."""
         reaction = np.zeros_like(held)
         for b in range(len(self.axes)):
@@ -276,7 +295,7 @@ class Floats:
             self.force[stage, b] = held[b] + force
         self.support.carried(stage, load, reaction)
 
-    def finish(self):
+    def finish(self) -> None:
         """Work by the collocation's own weights; the step's end becomes the next one's start."""
         self.work += self.dt * self.weight @ self.power
         if self.convolution:

@@ -5,12 +5,14 @@ particle velocity, a diffraction force) is y(t) = Re Σᵢ Wᵢ exp(-iωᵢt) wi
 row W. Rows are stacked and evaluated together, block by block, as one real matrix product.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import factorial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.sea.dispersion import wavenumber
@@ -39,15 +41,15 @@ class WaveField:
         """Unit vector of propagation (3,)."""
         return np.array([np.cos(self.sea.heading), np.sin(self.sea.heading), 0.0])
 
-    def _phase(self, points) -> np.ndarray:
+    def _phase(self, points: ArrayLike) -> np.ndarray:
         s = np.asarray(points, float) @ self.direction
         return self.sea.amplitude * np.exp(1j * self.k * s[..., None])
 
-    def elevation(self, points) -> np.ndarray:
+    def elevation(self, points: ArrayLike) -> np.ndarray:
         """η [m]: rows (…, n)."""
         return self._phase(points)
 
-    def velocity(self, points) -> np.ndarray:
+    def velocity(self, points: ArrayLike) -> np.ndarray:
         """Particle velocity [m/s]: rows (…, 3, n); zero above z = 0 is not implied.
 
         along the heading: ω cosh k(z+h)/sinh kh, upward: -iω sinh k(z+h)/sinh kh.
@@ -60,11 +62,11 @@ class WaveField:
         along, up = common * (rise + image), -1j * common * (rise - image)
         return self.direction[:, None] * along[..., None, :] + np.array([0, 0, 1.0])[:, None] * up[..., None, :]
 
-    def acceleration(self, points) -> np.ndarray:
+    def acceleration(self, points: ArrayLike) -> np.ndarray:
         """∂u/∂t [m/s²]: rows (…, 3, n)."""
         return -1j * self.sea.omega * self.velocity(points)
 
-    def local_pressure(self, centre, terms: int) -> np.ndarray:
+    def local_pressure(self, centre: np.ndarray, terms: int) -> np.ndarray:
         """Rows (2, terms, n) of Re Cₙ, Im Cₙ [m^(1-n)]: dynamic head p/ρg = Re Σ Cₙ ζⁿ.
 
         ζ = (z - z₀) + i(s - s₀). cosh k(z+h)/cosh kh e^{iks} splits into e^{kζ} and
@@ -142,7 +144,9 @@ class WaveSeries:
     basis are both factored into what is independent to rounding, and only that is summed over the waves.
     """
 
-    def __init__(self, rows: Factored, omega: np.ndarray, step: float, block: int, ramp):
+    def __init__(
+        self, rows: Factored, omega: np.ndarray, step: float, block: int, ramp: Callable[[np.ndarray], np.ndarray]
+    ) -> None:
         """ramp(t) -> factor (…,); blocks of `block` samples."""
         self.rows, self.omega, self.step, self.ramp = rows, omega, step, ramp
         self.samples, self.basis = _instants(tuple(omega.tolist()), step, block)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.quantities import require_positive
@@ -93,7 +94,7 @@ def regular(*, height: float, period: float, phase: float = 0.0, heading: float 
     return components(amplitude=[height / 2], omega=[2 * np.pi / period], phase=[phase], heading=heading)
 
 
-def components(*, amplitude, omega, phase, heading: float = 0.0) -> Realization:
+def components(*, amplitude: ArrayLike, omega: ArrayLike, phase: ArrayLike, heading: float = 0.0) -> Realization:
     """Waves given one by one: η = Σ Aᵢ cos(kᵢs - ωᵢt + εᵢ), A (n,) [m], ω (n,) [rad/s], ε (n,) [rad]."""
     A, w, e = (np.asarray(x, float) for x in (amplitude, omega, phase))
     if not A.shape == w.shape == e.shape or A.size == 0:
@@ -110,7 +111,7 @@ def components(*, amplitude, omega, phase, heading: float = 0.0) -> Realization:
     )
 
 
-def measured(*, time, elevation, band: tuple[float, float], heading: float = 0.0) -> Realization:
+def measured(*, time: ArrayLike, elevation: ArrayLike, band: tuple[float, float], heading: float = 0.0) -> Realization:
     """A record of η [m] at the origin, at even times [s], as its Fourier components in `band` [rad/s].
 
     With all of them it comes back exactly at its samples, and repeats after n Δt. The mean level and

@@ -32,7 +32,7 @@ class PiersonMoskowitz:
     Tp: float  # peak (or mean) period [s]
     form: Literal["peak", "mean"] = "peak"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_positive("Hs", self.Hs, "m")
         require_positive("Tp", self.Tp, "s")
 
@@ -41,7 +41,7 @@ class PiersonMoskowitz:
         """Where S is largest [rad/s]; in the mean form (4/5 692)^(1/4) / T."""
         return 2 * np.pi / self.Tp if self.form == "peak" else (0.8 * 692) ** 0.25 / self.Tp
 
-    def density(self, omega):
+    def density(self, omega: np.ndarray) -> np.ndarray:
         if self.form == "peak":
             wp = 2 * np.pi / self.Tp
             return 5 / 16 * self.Hs**2 * wp**4 * omega**-5.0 * np.exp(-1.25 * (wp / omega) ** 4)
@@ -56,10 +56,10 @@ class WhiteNoise:
     Hs: float
     band: tuple[float, float]  # [rad/s]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_positive("Hs", self.Hs, "m")
 
-    def density(self, omega):
+    def density(self, omega: np.ndarray) -> np.ndarray:
         low, high = self.band
         return np.full_like(omega, self.Hs**2 / 16 / (high - low))
 
@@ -76,7 +76,7 @@ class Jonswap:
     Tp: float  # peak period [s]
     gamma: float = 3.3  # peak enhancement [-]; 1 is Pierson-Moskowitz
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_positive("Hs", self.Hs, "m")
         require_positive("Tp", self.Tp, "s")
         if not 1 <= self.gamma <= 7:
@@ -87,7 +87,7 @@ class Jonswap:
         """Where S is largest [rad/s]."""
         return 2 * np.pi / self.Tp
 
-    def density(self, omega):
+    def density(self, omega: np.ndarray) -> np.ndarray:
         wp = 2 * np.pi / self.Tp
         base = PiersonMoskowitz(Hs=self.Hs, Tp=self.Tp).density(omega)
         y = np.linspace(1e-9, 40.0, 40_001)  # e^-40 is below rounding
@@ -107,13 +107,13 @@ class Tabulated:
     omega: np.ndarray  # (n,) [rad/s], increasing
     S: np.ndarray  # (n,) [m² s/rad]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if len(self.omega) < 2 or not np.all(np.diff(self.omega) > 0):
             raise InputError("omega", _brief(self.omega), "needs at least two increasing frequencies [rad/s]")
         if not (np.all(self.S >= 0) and np.any(self.S > 0)):
             raise InputError("S", _brief(self.S), "must be >= 0, and somewhere > 0")
 
-    def density(self, omega):
+    def density(self, omega: np.ndarray) -> np.ndarray:
         return np.interp(omega, self.omega, self.S, left=0.0, right=0.0)
 
 

@@ -1,5 +1,6 @@
 """What is put out along the legs: displacements and fibre stresses as linear maps of modal amplitudes."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -79,7 +80,17 @@ class Legs:
 
 
 @fast_lean_kernel
-def _respond(u, fibre, static, first, feet, square, stress, last_square, last_stress):
+def _respond(
+    u: np.ndarray,
+    fibre: np.ndarray,
+    static: np.ndarray,
+    first: np.ndarray,
+    feet: np.ndarray,
+    square: np.ndarray,
+    stress: np.ndarray,
+    last_square: np.ndarray,
+    last_stress: np.ndarray,
+) -> None:
     """Stress at the feet (m, no) and largest values, from displacements and fibres, sample by sample in place.
 
     first (no,): the feet among the elements' ends.
@@ -96,7 +107,7 @@ def _respond(u, fibre, static, first, feet, square, stress, last_square, last_st
 
 
 @fast_lean_kernel(inline="always")
-def _take(new, j, largest, last):
+def _take(new: float, j: int, largest: np.ndarray, last: np.ndarray) -> None:
     """A value >= 0, and the parabola through it and the two before: it rises above them by an eighth at most."""
     older, old = last[0, j], last[1, j]
     last[0, j], last[1, j] = old, new
@@ -111,10 +122,12 @@ def at_nodes(ends: np.ndarray) -> np.ndarray:
     return np.concatenate([first, np.maximum(ends[..., 1:, 0], ends[..., :-1, 1]), last], axis=-1)
 
 
-def outputs(names, model: FrameModel, sea, at_rest: np.ndarray, shapes: np.ndarray) -> Legs:
+def outputs(
+    names: Iterable[str], model: FrameModel, density: float, gravity: float, at_rest: np.ndarray, shapes: np.ndarray
+) -> Legs:
     """Maps for the named members from the basis shapes (6n, nm), with the static forces of rest."""
     nm = shapes.shape[1]
-    loads = statics.self_weight(model, sea.gravity) + water.buoyancy(model, sea.density, sea.gravity)
+    loads = statics.self_weight(model, gravity) + water.buoyancy(model, density, gravity)
     still = recovery.section_forces(model, at_rest, loads).reshape(-1, 2, 6)[..., BENDING]
     moving = (recovery.section_force_matrix(model) @ shapes).reshape(-1, 2, 6, nm)[:, :, BENDING]
     A, Iy, Iz, c = np.moveaxis(recovery.section_properties(model).reshape(-1, 2, 4), -1, 0)

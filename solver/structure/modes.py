@@ -22,12 +22,12 @@ class Modes(NamedTuple):
     shapes: np.ndarray  # (6n, nm), zero on clamped degrees of freedom
 
 
-def modes(K, M, free, count=None):
+def modes(K: sparse.csr_array, M: sparse.csr_array, free: np.ndarray, count: int | None = None) -> Modes:
     """The lowest `count` modes (default: all) of (K - ω²M)φ = 0 on the free degrees of freedom."""
     return modes_in(_columns(free, np.arange(len(free)), np.ones(len(free)), K.shape[0]), K, M, count)
 
 
-def modes_in(basis, K, M, count=None):
+def modes_in(basis: sparse.csr_array, K: sparse.csr_array, M: sparse.csr_array, count: int | None = None) -> Modes:
     """The lowest modes within the span of an orthonormal basis, sparse (6n, nb).
 
     Dense LAPACK: 0.2 s for all 708 modes of a platform, and no convergence to worry about.
@@ -41,7 +41,7 @@ def modes_in(basis, K, M, count=None):
     return Modes(np.sqrt(squared), _signed(basis @ vectors))
 
 
-def static_remainder(model: FrameModel, kept: Modes, load):
+def static_remainder(model: FrameModel, kept: Modes, load: np.ndarray) -> np.ndarray:
     """What the left-out modes add quasi-statically: K⁻¹f - Σ φ (φᵀf)/ω² over the kept ones.
 
     Load and answer are (6n,), or (6n, nl) for several loads.
@@ -49,14 +49,14 @@ def static_remainder(model: FrameModel, kept: Modes, load):
     return static(model, load) - kept.shapes @ ((kept.shapes / kept.omega**2).T @ load)
 
 
-def _signed(shapes):
+def _signed(shapes: np.ndarray) -> np.ndarray:
     """Largest component positive; the first of equals, or rounding would choose the sign."""
     size = np.abs(shapes)
     leading = np.argmax(size > (1 - 1e-6) * size.max(axis=0), axis=0)
     return shapes * np.sign(shapes[leading, np.arange(shapes.shape[1])])
 
 
-def mirror(model: FrameModel, *others):
+def mirror(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_array | None:
     """Mirror image about the plane y = 0 of every displacement, sparse (6n, 6n).
 
     None if the frame is not symmetric: nodes must pair up, and K, M, the supports and other matrices (6n, 6n),
@@ -73,7 +73,7 @@ def mirror(model: FrameModel, *others):
     return image if same and np.isin(columns[model.free], model.free).all() else None
 
 
-def symmetric_basis(model: FrameModel, *others):
+def symmetric_basis(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_array | None:
     """Orthonormal basis of the displacements that are their own mirror image, sparse (6n, nb).
 
     Waves along x load a symmetric platform only through these. None if the frame is not symmetric, see mirror.
@@ -92,5 +92,5 @@ def symmetric_basis(model: FrameModel, *others):
     return sparse.csr_array(sparse.hstack([both, own]))
 
 
-def _columns(rows, columns, values, size):
+def _columns(rows: np.ndarray, columns: np.ndarray, values: np.ndarray, size: int) -> sparse.csr_array:
     return sparse.csr_array((values, (rows, columns)), shape=(size, len(columns)))

@@ -4,7 +4,9 @@ The mirror planes, the systems and the forces are ours, so that every right-hand
 shares one factorization, and parts that a symmetry makes zero are never solved. Conventions: see `coefficients`.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -20,7 +22,7 @@ from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.sea.dispersion import SHALLOWEST, too_shallow, wavenumber
 
-__all__ = ["DOFS", "PLANAR", "Hydrodynamics", "check", "frequency_grid", "solve"]
+__all__ = ["DOFS", "PLANAR", "Hydrodynamics", "frequency_grid", "require_solvable", "solve"]
 
 DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see _Sea.seabed_share
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
@@ -31,6 +33,10 @@ NEXT_SMOOTH, NEXT_EDGED = 4, 3
 TWO_MESHES = 0.5  # of the h² error, that is left of it at edges: measured on cylinders of draft 0.5 and 2 radii
 ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved as given
+
+
+# A + iB/ω (nw, n, n), A∞ (n, n), diffraction force (nw, n), and the number of panels on hulls.
+Solution = tuple[np.ndarray, np.ndarray, np.ndarray, int]
 
 
 def frequency_grid(
@@ -82,7 +88,7 @@ def solve(
     """
     centres = np.asarray(centres, float).reshape(-1, 3)
     omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
-    check(hulls, centres, depth, omega, gravity, panels)
+    require_solvable(hulls, centres, depth, omega, gravity, panels)
     dofs = PLANAR if planar else DOFS
     sea = _Sea(depth=depth, density=density, gravity=gravity, heading=heading)
     divisions = _divisions(hulls, centres, panels)
@@ -95,8 +101,8 @@ def solve(
         radiation_damping=impedance.imag * omega[:, None, None],
         added_mass_inf=impedance_inf,
         diffraction=diffraction,
-        froude_krylov=np.array([froude_krylov(hulls, centres, dofs, sea, w) for w in omega]),
-        hydrostatic_stiffness=hydrostatic_stiffness(hulls, dofs, sea),
+        froude_krylov=np.array([froude_krylov(hulls, centres, dofs, partial(sea.pressure, omega=w)) for w in omega]),
+        hydrostatic_stiffness=hydrostatic_stiffness(hulls, dofs, density, gravity),
         displaced_mass=np.array([density * h.volume for h in hulls]),
         buoyancy_centre=np.array([h.centre_of_buoyancy for h in hulls]),
         centres=centres,
@@ -111,7 +117,7 @@ def solve(
                 "panels_coarse": solutions[-1][-1],
                 "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
                 "green_function": "Delhommeau",
-                "seabed_error": sea.left_out(omega, max(h.largest_radius for h in hulls)),
+                "seabed_error": sea.seabed_error(omega, max(h.largest_radius for h in hulls)),
             }
         ),
         error=MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2]),
@@ -120,12 +126,15 @@ def solve(
 
 @dataclass(frozen=True, kw_only=True)
 class _Sea:
+    """Water of constant depth [m, may be inf] and the unit wave that travels towards `heading` [rad]."""
+
     depth: float
     density: float
     gravity: float
     heading: float
 
     def wavenumber(self, omega: float) -> float:
+        """k [1/m] of ω [rad/s]."""
         return float(wavenumber(omega, self.depth, self.gravity))
 
     def seabed(self, k: float, radius: float) -> float:
@@ -141,10 +150,14 @@ class _Sea:
         slender = radius / self.depth
         return float(slender * (k * self.depth) ** -2.5 + 0.7 * slender**3)
 
-    def left_out(self, omega: np.ndarray, radius: float) -> float:
+    def seabed_error(self, omega: np.ndarray, radius: float) -> float:
         """The largest such share where it is left out."""
         shares = [self.seabed_share(k, radius) for k in (*map(self.wavenumber, omega), np.inf)]
         return max([share for share in shares if share < DEEP], default=0.0)
+
+    def pressure(self, points: np.ndarray, omega: float) -> np.ndarray:
+        """Pressure (np,) [Pa/m] of the unit incident wave."""
+        return self.wave(points, omega)[0]
 
     def wave(self, points: np.ndarray, omega: float) -> tuple[np.ndarray, np.ndarray]:
         """Pressure (np,) [Pa/m] and velocity (np, 3) [1/s] of the unit incident wave."""
@@ -171,7 +184,10 @@ class _Mesh:
     motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
 
     @classmethod
-    def build(cls, hulls, centres, dofs, count: int, refine: int, *, lids: bool) -> "_Mesh":
+    def build(
+        cls, hulls: tuple[Hull, ...], centres: np.ndarray, dofs: tuple[str, ...], count: int, refine: int, *, lids: bool
+    ) -> "_Mesh":
+        """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count, refine: see mesh.panels."""
         origin, mirrors = meshes.mirror_planes(hulls, centres)
         # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
         makers = [(meshes.panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
@@ -218,7 +234,15 @@ class _Mesh:
         return total
 
 
-def _coefficients(hulls, centres, dofs, sea: _Sea, omega: np.ndarray, count: int, refine: int):
+def _coefficients(
+    hulls: tuple[Hull, ...],
+    centres: np.ndarray,
+    dofs: tuple[str, ...],
+    sea: _Sea,
+    omega: np.ndarray,
+    count: int,
+    refine: int,
+) -> Solution:
     """A + iB/ω (nw, n, n), A(inf) (n, n), diffraction force (nw, n), and the number of panels on hulls."""
     bare = _Mesh.build(hulls, centres, dofs, count, refine, lids=False)  # no irregular frequency at infinity
     mesh = _Mesh.build(hulls, centres, dofs, count, refine, lids=True)
@@ -238,7 +262,7 @@ def _symmetric(matrix: np.ndarray) -> np.ndarray:
     return (matrix + matrix.T) / 2
 
 
-def _divisions(hulls, centres, panels: int) -> tuple[int, ...]:
+def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, panels: int) -> tuple[int, ...]:
     """Divisions of the base mesh to solve for, the finer first; only one where the finer costs too much."""
     if not any(isinstance(h, PanelHull) for h in hulls):
         return DIVISIONS
@@ -247,7 +271,9 @@ def _divisions(hulls, centres, panels: int) -> tuple[int, ...]:
     return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
 
 
-def _extrapolated(solutions, divisions, edged: bool):
+def _extrapolated(
+    solutions: list[Solution], divisions: tuple[int, ...], edged: bool
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
@@ -264,12 +290,14 @@ def _extrapolated(solutions, divisions, edged: bool):
     return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
 
 
-def _limits(pair, divisions):
+def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.ndarray]:
     fine, coarse = (n**2 for n in divisions)
     return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-1] for s in pair), strict=True)]
 
 
-def check(hulls, centres, depth, omega, gravity, panels) -> None:
+def require_solvable(
+    hulls: tuple[Hull, ...], centres: np.ndarray, depth: float, omega: np.ndarray, gravity: float, panels: int
+) -> None:
     """Refuse what `solve` cannot solve."""
     if len(hulls) != len(centres) or not len(hulls):
         raise InputError("centres", len(centres), f"must be one for each of the {len(hulls)} hulls")

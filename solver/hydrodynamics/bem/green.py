@@ -1,7 +1,9 @@
 """Capytaine's Green function of a source under waves, and its meshes; imported when first used, being slow to."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +15,7 @@ FITTED = 1e-8, 1e-6, 1e-4
 
 
 @cache
-def _capytaine():
+def _capytaine() -> Any:
     import capytaine
 
     capytaine.set_logging("ERROR")  # panels of a sphere are not plane: nothing to warn of
@@ -21,14 +23,16 @@ def _capytaine():
 
 
 @cache
-def green_function():
+def green_function() -> Any:
     """Delhommeau's, with the finite-depth function as close as exponentials get to it."""
     module = _capytaine().green_functions.delhommeau
     module.find_best_exponential_decomposition = _exponentials
     return module.Delhommeau()
 
 
-def _exponentials(function, *, tol, **domain):
+def _exponentials(
+    function: Callable[[np.ndarray], np.ndarray], *, tol: float, **domain: Any
+) -> tuple[np.ndarray, np.ndarray]:
     """In place of capytaine's: amplitudes and growth rates for the first of FITTED that is met; tol: its own."""
     prony = _capytaine().tools.prony_decomposition
     for closest in FITTED:
@@ -39,7 +43,7 @@ def _exponentials(function, *, tol, **domain):
     raise prony.PronyDecompositionFailure(f"no sum of exponentials within {tol:g} of the finite-depth function")
 
 
-def joined(pieces):
+def joined(pieces: list[tuple[np.ndarray, np.ndarray]]) -> Any:
     """Pieces of vertices and faces as one capytaine mesh."""
     vertices, faces = merged(pieces)
     # Cleaning would take panels away that we count on; nor is there anything to clean.

@@ -109,7 +109,7 @@ def _triangles_last(corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return faces[np.arange(len(faces))[:, None], (np.arange(4) + shift[:, None]) % 4]
 
 
-def _unfolded(vertices, faces, x: int, y: int) -> tuple[np.ndarray, np.ndarray]:
+def _unfolded(vertices: np.ndarray, faces: np.ndarray, x: int, y: int) -> tuple[np.ndarray, np.ndarray]:
     """The surface with its images in the planes x = 0 and y = 0."""
     whole = (vertices, faces)
     for given, sign in ((x, [-1, 1, 1]), (y, [1, -1, 1])):

@@ -66,7 +66,7 @@ class PanelHull:
             raise InputError(key, f"{name}, displaced volume {hull.volume:g} m3", "must be > 0")
         return hull
 
-    def __eq__(self, other) -> bool:
+    def __eq__(self, other: object) -> bool:
         return (
             type(other) is PanelHull
             and np.array_equal(self.vertices, other.vertices)

@@ -82,7 +82,7 @@ def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tu
     _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
     if count.max() > 2:
         point = vertices[pairs[np.argmax(count[place] > 2), 0]]
-        raise InputError(key, name, f"{count.max()} panels meet at an edge near {_text(point)}: two may")
+        raise InputError(key, name, f"{count.max()} panels meet at an edge near {_point_text(point)}: two may")
     order = np.argsort(place, kind="stable")
     shared = order[count[place[order]] == 2].reshape(-1, 2)
     turned, part = _consistent(len(faces), owner[shared], pairs[shared[:, 0], 0] == pairs[shared[:, 1], 0])
@@ -97,7 +97,7 @@ def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tu
     return faces, pairs[count[place] == 1], notes
 
 
-def _text(point: np.ndarray) -> str:
+def _point_text(point: np.ndarray) -> str:
     return "(" + ", ".join(f"{x:.4g}" for x in point) + ") m"
 
 
@@ -113,7 +113,7 @@ def _column_volume(panels: np.ndarray) -> np.ndarray:
     return total
 
 
-def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray):
+def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
     """Which of `count` faces to turn so that neighbours (n, 2) agree, None if none do; and each one's part."""
     a, b = neighbours.T if len(neighbours) else np.zeros((2, 0), int)
     graph = scipy.sparse.coo_array((np.ones(len(a)), (a, b)), shape=(count, count)).tocsr()

@@ -109,7 +109,14 @@ class _Data:
     given: np.ndarray  # (N, N) A∞ of all
 
     @classmethod
-    def of(cls, omega, added_mass, damping, infinite, lengths=None) -> "_Data":
+    def of(
+        cls,
+        omega: np.ndarray,
+        added_mass: np.ndarray,
+        damping: np.ndarray,
+        infinite: np.ndarray,
+        lengths: np.ndarray | None = None,
+    ) -> "_Data":
         lengths = np.ones(len(infinite)) if lengths is None else np.asarray(lengths, float)
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
         diagonal = np.abs(np.einsum("wii->wi", transfer))
