@@ -4,7 +4,7 @@ import numpy as np
 
 from solver.multibody.chain import PRISMATIC
 from solver.multibody.minimal import Bodies
-from solver.scene import DOFS, Float, Scene
+from solver.scene import DOFS, Float, Platform, Scene
 from solver.sea.field import WaveField
 
 FALLEN_OVER = np.pi / 2  # diffraction and radiation at rest say nothing of a float that has turned so far [rad]
@@ -16,9 +16,9 @@ ROUGH = 1e-2
 
 def excursions(scene: Scene, field: WaveField, terms: int, carrier_axes: np.ndarray) -> np.ndarray:
     """Least and largest value (nz, 2) [m or rad] of each coordinate, carriers first."""
-    rows = []
-    if carrier_axes.size:
-        size = _extent(scene)
+    rows: list[float] = []
+    if scene.platform is not None:
+        size = _extent(scene.platform)
         rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
     bounds = [(-row, row) for row in rows]
     for item in scene.floats:
@@ -27,9 +27,9 @@ def excursions(scene: Scene, field: WaveField, terms: int, carrier_axes: np.ndar
     return np.array(bounds, float).reshape(-1, 2)
 
 
-def _extent(scene: Scene) -> float:
+def _extent(platform: Platform) -> float:
     """Diagonal of the frame's nodes [m]: displaced by as much, it is no small displacement of a frame."""
-    xyz = np.array(list(scene.platform.frame.nodes.values()))
+    xyz = np.array(list(platform.frame.nodes.values()))
     return float(np.linalg.norm(np.ptp(xyz, axis=0)))
 
 

@@ -45,7 +45,8 @@ def quantities(inputs: type) -> dict[str, Quantity]:
 
 def out_of_range(inputs: Any, key: str) -> Iterator[InputError]:
     """Every field of inputs that is outside its range; None and words have none."""
-    for name, quantity in quantities(type(inputs)).items():
+    marked = quantities(type(inputs))  # type: ignore[arg-type]  # mypy takes the class's __hash__ for its instances'
+    for name, quantity in marked.items():
         value = getattr(inputs, name)
         if value is not None and not isinstance(value, str) and (limit := quantity.limit(np.asarray(value, float))):
             yield InputError(f"{key}.{name}", value, limit)

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -47,6 +48,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
         if isinstance(record, Record):
             break
         scene = replace(scene, settings=record)
+    assert isinstance(record, Record)  # the last attempt is content with whatever a run tells
     asked = {} if scene.settings.tolerance is None else {"tolerance": scene.settings.tolerance}
     attrs = {**record.attrs, **asked, "repeated": repeated, "wall_time": time.perf_counter() - clock}
     return replace(record, attrs=attrs)
@@ -56,7 +58,7 @@ def _content(_settings: Settings, _told: Mapping[str, float]) -> None:
     """With whatever a run tells of its errors."""
 
 
-def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record:
+def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record | Settings:
     """With a quarter of the step: 4⁴ times less error, so Newton's tolerance falls as much, 4² of it with the step."""
     s = scene.settings
     finer = replace(s, time_step=s.time_step / 4, newton_tolerance=s.newton_tolerance / 4**2)
@@ -93,7 +95,7 @@ def _run(
     if not residual <= BALANCE:
         raise unbalanced(residual, BALANCE, times[-1], system)
     marched = time.perf_counter()
-    attrs = {
+    attrs: dict[str, Any] = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
         "stored_energy_change": float(stored - state.energy[AT_START]),

@@ -96,7 +96,7 @@ def check(parameters: Parameters) -> Sequence[str]:
     scene = scenes.scene(parameters)
     if found := geometry_of(parameters):
         given = bem_arguments(found)
-        bem.check(*(given[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
+        bem.require_solvable(*(given[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
     return warnings(scene)
 
 

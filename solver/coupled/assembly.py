@@ -1,7 +1,7 @@
 """The seam between objects and kernels: a scene becomes the arrays that the march reads."""
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from solver.coupled.modal import Structure
 from solver.coupled.support import PLANAR, Support
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadrature
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
@@ -20,6 +21,7 @@ from solver.multibody.minimal import Bodies
 from solver.scene import DOFS, Float, Scene
 from solver.sea.field import WaveField
 
+Axis = tuple[bool, np.ndarray, tuple[float, float, float], int]  # see _chains
 SPIN = 3  # number of the first rotation among the six DOF
 
 
@@ -89,12 +91,12 @@ def bodies(
     )
 
 
-def _chains(scene: Scene, own: np.ndarray) -> list[list[tuple]]:
+def _chains(scene: Scene, own: np.ndarray) -> list[list[Axis]]:
     """Of each float its axes from the support on: whether one turns, direction, point, coordinate.
 
     First the axes `own` of the support's node, or all those of the float that carries it, which so share coordinates.
     """
-    chains: list[list[tuple]] = []
+    chains: list[list[Axis]] = []
     first = len(scene.floats) * own.size
     for b, (item, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
         node = [(d >= SPIN, np.eye(3)[d % 3], item.hinge, b * own.size + i) for i, d in enumerate(own)]
@@ -123,21 +125,21 @@ def _per_axis(floats: Iterable[Float], name: str, carriers: int) -> np.ndarray:
     return np.concatenate([np.zeros(carriers), *(f.per_axis(name) for f in floats)])
 
 
-def _rule(item: Float, scene: Scene, field: WaveField) -> WettedQuadrature:
+def _rule(hull: Revolution, scene: Scene, field: WaveField) -> WettedQuadrature:
     s = scene.settings
     return quadrature(
-        item.hull,
+        hull,
         azimuths=s.azimuths,
         arc_points=s.arc_points,
         line_points=s.line_points,
         half=scene.planar,
-        surface_terms=field.terms_for(item.hull.size, s.field_tolerance),
+        surface_terms=field.terms_for(hull.size, s.field_tolerance),
     )
 
 
-def rules(scene: Scene, field: WaveField) -> dict:
+def rules(scene: Scene, field: WaveField) -> dict[str, Any]:
     """How the pressure on each float is integrated: those fields of Bodies."""
-    own = [None if isinstance(f.hull, PanelHull) else _rule(f, scene, field) for f in scene.floats]
+    own = [None if isinstance(f.hull, PanelHull) else _rule(f.hull, scene, field) for f in scene.floats]
     return {
         "meshed": np.array([r is None for r in own], bool),
         "rule": _stacked(own),
@@ -163,9 +165,9 @@ def _stacked(own: list[WettedQuadrature | None]) -> WettedQuadrature:
     """One rule for all floats, patches padded to the longest meridian; meshes have none."""
     given = [r for r in own if r]
     if not given:
-        empty = np.zeros(0)
-        nothing = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2)), 0.0
-        return WettedQuadrature(*nothing, *[empty] * 4, False, 1)
+        none = np.zeros(0)
+        patch, whole, azimuth = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2))
+        return WettedQuadrature(patch, whole, azimuth, 0.0, none, none, none, none, False, 1)
     most = max(len(r.patch) for r in given)
     return given[0]._replace(
         patch=np.stack([_padded(r.patch if r else given[0].patch[:0], most) for r in own]),

@@ -38,7 +38,7 @@ class Start(NamedTuple):
 class Stages(NamedTuple):
     """Two rows, one for each stage."""
 
-    motion: tuple  # of Motion
+    motion: tuple[Motion, Motion]
     z: np.ndarray  # (2, nz)
     dz: np.ndarray  # (2, nz)
     ddz: np.ndarray  # (2, nz)

@@ -24,6 +24,8 @@ from solver.coupled.march import (
     new_problem,
     new_workspace,
 )
+from solver.coupled.memory import Memory
+from solver.coupled.modal import Structure
 from solver.coupled.stages import State
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
@@ -49,9 +51,9 @@ class System:
     scene: Scene
     bodies: Bodies
     support: platform.Support | None
-    structure: assembly.Structure
+    structure: Structure
     fit: radiation.RadiationMemory | None
-    memory: assembly.Memory
+    memory: Memory
     rows: np.ndarray
     factored: Factored
     layout: assembly.Layout

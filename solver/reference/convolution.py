@@ -20,9 +20,14 @@ FRESH, DENSE = 4, 32  # but fitted kernels may have a fast, short-lived part: in
 class Kernel(Protocol):
     """A retardation function (nt, n, n) and the added mass that goes with it; RadiationMemory is one."""
 
-    added_mass_inf: np.ndarray
+    @property
+    def added_mass_inf(self) -> np.ndarray:
+        """A∞ (n, n)."""
+        ...
 
-    def impulse(self, t: np.ndarray) -> np.ndarray: ...
+    def impulse(self, t: np.ndarray) -> np.ndarray:
+        """K (nt, n, n) at times t >= 0 (nt,) [s]."""
+        ...
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

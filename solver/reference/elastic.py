@@ -58,7 +58,9 @@ class ElasticSupport:
         # Stage values, [0] the step's start.
         self.p, self.dp, self.ddp = np.zeros((3, s, nm))
         self.node = np.zeros((s, len(support.carrier)))  # loads of the joints on the nodes
-        self.answer, self.tried = self.node.copy(), []  # the floats' loads for those assumed; all of this step
+        # The floats' loads for those assumed, and all of this step with what they were off.
+        self.answer: np.ndarray | None = None
+        self.tried: list[tuple[np.ndarray, np.ndarray]] = []
         self.scale = np.abs(support.shapes.reshape(-1, 6, nm)[:, :3]).max(axis=(0, 1))  # [m] a mode moves at most
         # Works of the wave's inertia load, of structural damping and of drag: audit figures.
         self.work, self.power = np.zeros(3), np.zeros((s, 3))

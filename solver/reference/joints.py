@@ -105,16 +105,16 @@ def equations(joints: tuple[Joint, ...], frames: Frames) -> Equations:
             directions = np.einsum("nji,nj->ni", R, np.array([a, b], float))
             table.append((kind, pair, row, points, directions, number, 0 if inner else 1))
             row += 3 if kind == POINT else 1
-    kind, pairs, rows, points, directions, number, second = zip(*table, strict=True) if table else [()] * 7
+    kinds, pairs, rows, points, directions, owners, seconds = zip(*table, strict=True) if table else [()] * 7
     n = len(table)
     return Equations(
-        kind=np.array(kind, np.int64),
+        kind=np.array(kinds, np.int64),
         frame=np.array(pairs, np.int64).reshape(n, 2),
         row=np.array(rows, np.int64),
         point=np.array(points, float).reshape(n, 2, 3),
         direction=np.array(directions, float).reshape(n, 2, 3),
-        joint=np.array(number, np.int64),
-        second=np.array(second, np.int64),
+        joint=np.array(owners, np.int64),
+        second=np.array(seconds, np.int64),
     )
 
 
@@ -125,11 +125,11 @@ def row_count(e: Equations) -> int:
 
 def _parts(joint: Joint) -> list[Part]:
     """(kind, direction in the first, direction in the second frame, frames swapped) of a joint's equations."""
-    if type(joint) is Ball:
+    if isinstance(joint, Ball):
         return [(POINT, np.zeros(3), np.zeros(3), False)]
-    if type(joint) is Hinge:
+    if isinstance(joint, Hinge):
         return _held_points((), False) + _held_turns((_unit(joint.axis),))
-    if type(joint) is Guide:
+    if isinstance(joint, Guide):
         return _held_points((_unit(joint.axis),), False) + _held_turns(())
     slides, turns = (tuple(_unit(a) for a in axes) for axes in (joint.slides, joint.turns))
     return _held_points(slides, joint.inner) + _held_turns(turns)

@@ -10,12 +10,12 @@ from solver.coupled.assembly import joint_law
 from solver.coupled.energy import JOINT_DAMPING, PTO, RADIATION, WAVE, WORKS
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
+from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.surface import split
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature, quadrature_room
 from solver.hydrodynamics.pressure.wetted_panels import (
-    WettedPanels,
     longest_side,
     panels_pressure,
     panels_room,
@@ -35,6 +35,8 @@ from solver.sea.realization import ramp
 
 # Load (6,) of float b with its reference point at a position (3,) and in a rotation (3, 3).
 PressureOf = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
+# Adds the pressure load of a hull with its reference point at a position (3,), in a rotation (3, 3), to (6,).
+Quadrature = Callable[[np.ndarray, np.ndarray, Incident, np.ndarray], None]
 TERMS = 32  # of the local wave field, for pressure by quadrature: rounding for every hull that is small for its waves
 Surface = Literal["panels", "quadrature"]
 IN_PLANE = np.array([2.0, 0.0, 2.0, 0.0, 2.0, 0.0])  # load of a hull from that of its half
@@ -51,27 +53,32 @@ class PressureForce:
         self.coefficients = coefficients
         if kind == "panels" and not self.linear:
             self.meshes = [
-                (self._split(f), np.ones(6)) if isinstance(f.hull, PanelHull) else _mesh(f.hull, panels, scene.planar)
+                (self._split(f.hull), np.ones(6))
+                if isinstance(f.hull, PanelHull)
+                else _mesh(f.hull, panels, scene.planar)
                 for f in scene.floats
             ]
         elif not self.linear:
-            s = scene.settings
-            sizes = {"azimuths": s.azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
-            self.rules = [
-                wetted_panels([f.hull], [self._side(f)], half=False, surface_terms=TERMS)
-                if isinstance(f.hull, PanelHull)
-                else quadrature(f.hull, **sizes, half=scene.planar)
-                for f in scene.floats
-            ]
-            self.rooms = [panels_room(r) if isinstance(r, WettedPanels) else quadrature_room(r) for r in self.rules]
+            self.quadratures = [self._quadrature(f.hull) for f in scene.floats]
             self.rows = [field.local_pressure(f.centre, TERMS) for f in scene.floats]
 
-    def _side(self, item: Float) -> float:
-        # Half the production path's: a reference is finer.
-        return longest_side(item.hull, self.scene.settings.panel_size / 2, self.field)
+    def _quadrature(self, hull: Hull) -> Quadrature:
+        s = self.scene.settings
+        if isinstance(hull, PanelHull):
+            panels = wetted_panels([hull], [self._side(hull)], half=False, surface_terms=TERMS)
+            pieces = panels_room(panels)
+            return lambda x, R, waves, load: panels_pressure(0, x, R, panels, waves, pieces, load)
+        points = {"azimuths": s.azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
+        rule = quadrature(hull, **points, half=self.scene.planar)
+        room = quadrature_room(rule)
+        return lambda x, R, waves, load: pressure_load(x, R, rule, waves, room, load)
 
-    def _split(self, item: Float) -> Mesh:
-        panels = split(item.hull.panels, self._side(item))
+    def _side(self, hull: PanelHull) -> float:
+        # Half the production path's: a reference is finer.
+        return longest_side(hull, self.scene.settings.panel_size / 2, self.field)
+
+    def _split(self, hull: PanelHull) -> Mesh:
+        panels = split(hull.panels, self._side(hull))
         return Mesh(panels.reshape(-1, 3), np.arange(4 * len(panels)).reshape(-1, 4))
 
     def at(self, t: float, factor: float) -> PressureOf:
@@ -104,25 +111,23 @@ class PressureForce:
         local = [np.ascontiguousarray((rows * turn).sum(axis=-1).real) for rows in self.rows]
 
         def load(b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-            out, rule, room = np.zeros(6), self.rules[b], self.rooms[b]
+            out = np.zeros(6)
             waves = Incident(local[b], scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
-            if isinstance(rule, WettedPanels):
-                panels_pressure(0, position, rotation, rule, waves, room, out)
-            else:
-                pressure_load(position, rotation, rule, waves, room, out)
+            self.quadratures[b](position, rotation, waves, out)
             return out
 
         return load
 
     def _linear(self, b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """Buoyancy ρgV at (x_b, y_b) at rest, with its moment, less stiffness times displacement."""
+        assert self.coefficients is not None  # linear hydrostatics are among them
         h, index = self.coefficients, _index(self.coefficients)
-        own = slice(b * len(index), (b + 1) * len(index))
+        block = slice(b * len(index), (b + 1) * len(index))
         shift = np.array([*(position - self.scene.floats[b].centre), rotation[2, 1], rotation[0, 2], rotation[1, 0]])
         out = np.zeros(6)
         x, y, _ = self.scene.floats[b].hull.buoyancy_point
         out[2:5] = h.displaced_mass[b] * self.scene.water.gravity * np.array([1.0, y, -x])
-        out[index] -= h.hydrostatic_stiffness[own, own] @ shift[index]
+        out[index] -= h.hydrostatic_stiffness[block, block] @ shift[index]
         return out
 
 
@@ -207,7 +212,8 @@ class Floats:
         # Of each stage, [0] the step's start: ways and rates of the joints, forces on the floats, powers.
         self.way = [[np.zeros(len(a.turns)) for a in self.axes] for _ in range(stages)]
         self.rate = [[np.zeros(len(a.turns)) for a in self.axes] for _ in range(stages)]
-        self.joint = [[None] * nb for _ in range(stages)]
+        # P (n, 6), mechanism's inertia (6, 6) and c (6,), see axes.joint_motion
+        self.joint = [[(np.zeros((0, 6)), np.zeros((6, 6)), np.zeros(6))] * nb for _ in range(stages)]
         self.force = np.zeros((stages, nb, 6))
         self.power, self.work = np.zeros((stages, len(WORKS))), np.zeros(len(WORKS))
 
@@ -301,8 +307,7 @@ class Floats:
         if self.convolution:
             self.convolution.remember(self.velocity)
         self.support.finish()
-        for kept in (self.way, self.rate, self.joint):
-            kept[0] = list(kept[-1])
+        self.way[0], self.rate[0], self.joint[0] = list(self.way[-1]), list(self.rate[-1]), list(self.joint[-1])
         for rows in (self.force, self.power):
             rows[0] = rows[-1]
 

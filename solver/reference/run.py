@@ -80,7 +80,7 @@ def simulate_reference(
     progress: told the share of the record that is done, some hundred steps apart.
     """
     clock = time.perf_counter()
-    options = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
+    options: dict[str, Any] = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
     case = _case(scene, hydrodynamics, **options)
     prepared = time.perf_counter()
     recorder = Recorder(scene, case.system.support, layout=case.system.layout)
@@ -145,8 +145,8 @@ def _case(
         kernel = CosineTransform.of(h) if s.memory == "convolution" else system.fit
     steps = int(np.ceil((s.discard + s.duration) / s.time_step - 1e-9))
     _, A = lobatto(stages)
-    support = FixedSupport()
-    if scene.platform is not None:
+    support: FixedSupport | ElasticSupport = FixedSupport()
+    if scene.platform is not None and system.support is not None:
         nodes = np.array([f.hinge for f in scene.floats], float).reshape(-1, 3)
         support = ElasticSupport(system.support, scene.platform.damping_ratio, nodes, A.sum(axis=1), A, s.time_step)
     force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
@@ -166,10 +166,12 @@ def _at_rest(
     for stage in floats.way:
         stage[:] = np.split(start.z, ends[:-1]) if nb else []
     supports = NO_SUPPORTS
-    if scene.platform is not None:
+    if isinstance(support, ElasticSupport):
         support.start(start.p, start.ddp)
         supports = support.frames(0)
-    drawn, bodies, joints, still = [], [], [], np.zeros(6)
+    drawn: list[Body] = []
+    bodies: list[Body] = []
+    joints, still = [], np.zeros(6)
     for b, (item, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
         way = floats.way[0][b]
         for poses, y in ((bodies, way), (drawn, 0 * way)):
@@ -187,7 +189,7 @@ def _at_rest(
     if kernel is not None:
         A = np.zeros((6 * nb, 6 * nb))
         A[np.ix_(floats.active, floats.active)] = kernel.added_mass_inf
-    world = {"gravity": (0, 0, -scene.water.gravity), "added_mass": A}
+    world: dict[str, Any] = {"gravity": (0, 0, -scene.water.gravity), "added_mass": A}
     # The joints are closed where the floats are drawn; from there they let the axes move.
     return mechanism(drawn, joints, supports, **world)[0], mechanism(bodies, joints, supports, **world)[1]
 
@@ -211,7 +213,7 @@ def _march(case: Case, tolerance: float) -> Iterator[Sample]:
     """The start's sample, then two of every step."""
     dt, stages = case.scene.settings.time_step, len(case.floats.weight)
     still = min(STILL, case.scene.settings.newton_tolerance)
-    options = {"dt": dt, "stages": stages, "tolerance": tolerance, "still": still}
+    options: dict[str, Any] = {"dt": dt, "stages": stages, "tolerance": tolerance, "still": still}
     return integrate(case.mechanism, case.state, case.floats, t_end=case.steps * dt, **options)
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import StepTooLong
 from solver.reference.augmented import (
@@ -171,9 +172,9 @@ def _step(
     """Outer loop: accelerations of the stages, until they stand still."""
     (c, A), (tolerance, still, stuck) = tableau, limits
     a[0] = start.acceleration
-    chain, samples = [start] * len(c), [None] * len(c)
+    chain = [start] * len(c)
     for n in range(OUTER):
-        change = surroundings.iterate()
+        change, samples = surroundings.iterate(), []
         v = start.velocity + dt * np.einsum("sj,jbk->sbk", A, a)
         x = start.position + dt * np.einsum("sj,jbk->sbk", A, v[..., :3])
         dq = np.array([spin(v[j, :, 3:], chain[j].quaternion) / 2 for j in range(len(c))])
@@ -181,14 +182,15 @@ def _step(
         q /= np.linalg.norm(q, axis=-1, keepdims=True)
         for s in range(1, len(c)):
             guess = MechanismState(x[s], q[s], v[s], a[s], chain[s].multiplier)
-            new, samples[s] = _evaluated(system, guess, s, (t + c[s] * dt, dt), surroundings, tolerance)
+            new, sample = _evaluated(system, guess, s, (t + c[s] * dt, dt), surroundings, tolerance)
             turned = new.quaternion - chain[s].quaternion
             change = _largest(change, dt * dt * (new.acceleration - a[s]), turned)
             a[s], chain[s] = new.acceleration, new
+            samples.append(sample)
         if not change < LOST:
             break
         if change < (still if n < OUTER // 2 else max(still, stuck)):
-            return chain, samples[1:]
+            return chain, samples
     raise _lost(change, t + dt, dt)
 
 
@@ -225,7 +227,7 @@ def _lost(change: float, t: float, dt: float) -> StepTooLong:
 
 
 Loads = Callable[[float, Frames], np.ndarray]  # (nb, 6) at a time, with the frames there
-Motion = Callable[[float], tuple]  # (position, rotation, velocity (6,), acceleration (6,)) of a support
+Motion = Callable[[float], tuple[ArrayLike, ...]]  # (position, rotation, velocity (6,), acceleration (6,)) of a support
 
 
 class PrescribedSurroundings:
@@ -265,7 +267,7 @@ def simulate_mechanism(
     t_end: float,
     dt: float,
     *,
-    supports: tuple[Callable[[float], tuple], ...] = (),
+    supports: tuple[Motion, ...] = (),
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81),
     added_mass: np.ndarray | None = None,
     stages: int = 3,

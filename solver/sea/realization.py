@@ -160,7 +160,7 @@ def _even_step(t: np.ndarray, eta: np.ndarray) -> float:
     return step
 
 
-def ramp(t: np.ndarray, duration: float, form: Literal["paper", "cosine"] = "paper") -> np.ndarray:
+def ramp(t: np.ndarray | float, duration: float, form: Literal["paper", "cosine"] = "paper") -> np.ndarray:
     """Factor 0 -> 1 on every wave-driven quantity during the first `duration` seconds.
 
     "paper": 1 - cos(πt/2T) (Heo et al. 2022, eq. 21; its slope jumps at T);

@@ -109,10 +109,10 @@ class Frame:
             if np.shape(xyz) != (3,) or not np.all(np.isfinite(xyz)):
                 yield InputError(f"nodes.{name}", xyz, "must be three finite coordinates [m]")
                 return
-        names, xyz = list(self.nodes), np.array(list(self.nodes.values()), float).reshape(-1, 3)
-        size = np.ptp(xyz, axis=0).max(initial=0.0)
+        names, places = list(self.nodes), np.array(list(self.nodes.values()), float).reshape(-1, 3)
+        size = np.ptp(places, axis=0).max(initial=0.0)
         for i, name in enumerate(names[1:], start=1):
-            gap = np.linalg.norm(xyz[:i] - xyz[i], axis=1)
+            gap = np.linalg.norm(places[:i] - places[i], axis=1)
             if gap.min() <= COINCIDENT * size:
                 yield InputError(f"nodes.{name}", self.nodes[name], f"must not coincide with {names[gap.argmin()]}")
 
@@ -135,19 +135,20 @@ class Frame:
             yield f"members.{member.name}.start", member.start
             yield f"members.{member.name}.end", member.end
         yield from ((f"clamped[{i}]", node) for i, node in enumerate(self.clamped))
-        for key, items in (("masses", self.masses), ("loads", self.loads)):
-            yield from ((f"{key}[{i}].node", item.node) for i, item in enumerate(items))
+        yield from ((f"masses[{i}].node", mass.node) for i, mass in enumerate(self.masses))
+        yield from ((f"loads[{i}].node", load.node) for i, load in enumerate(self.loads))
 
     def _support_problems(self) -> Iterator[InputError]:
         """Every node hangs on a clamped one, or the stiffness is singular."""
-        neighbours = {name: set() for name in self.nodes}
+        neighbours: dict[str, set[str]] = {name: set() for name in self.nodes}
         for member in self.members:
             neighbours[member.start].add(member.end)
             neighbours[member.end].add(member.start)
-        held, reached = set(), set(self.clamped)
+        held: set[str] = set()
+        reached = set(self.clamped)
         while reached:
             held |= reached
-            reached = set().union(*(neighbours[name] for name in reached)) - held
+            reached = {other for name in reached for other in neighbours[name]} - held
         floating = [name for name in self.nodes if name not in held]
         if floating:
             yield InputError("nodes", ", ".join(floating), "must be joined to a clamped node by members")

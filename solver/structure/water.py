@@ -62,7 +62,7 @@ def stations(model: FrameModel, points: int) -> Stations:
     size = np.diff(span[wet], axis=1)
     s = (span[wet, :1] + size * (node + 1) / 2).ravel()
     start, end = model.xyz[model.elements[element]].transpose(1, 0, 2)
-    owner = [model.member_of(e) for e in element]
+    owner = [model.member_of(e) for e in element.tolist()]
     return Stations(
         position=start + s[:, None] * (end - start),
         weight=(size * gauss / 2 * model.length[wet, None]).ravel(),

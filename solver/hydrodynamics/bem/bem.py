@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
@@ -20,6 +21,7 @@ from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.clearance import touching
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.surface import mirrored
 from solver.sea.dispersion import SHALLOWEST, too_shallow, wavenumber
 
 __all__ = ["DOFS", "PLANAR", "Hydrodynamics", "frequency_grid", "require_solvable", "solve"]
@@ -178,8 +180,8 @@ class _Mesh:
 
     mirrors: np.ndarray  # (ng, 3) of signs, the identity first
     origin: np.ndarray  # (3,) where the mirror planes cross [m]
-    part: object  # nf panels
-    whole: object  # ng nf panels, mirror by mirror
+    part: Any  # nf panels
+    whole: Any  # ng nf panels, mirror by mirror
     wet: np.ndarray  # (nf,) True on hulls, False on lids
     motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
 
@@ -191,16 +193,16 @@ class _Mesh:
         origin, mirrors = meshes.mirror_planes(hulls, centres)
         # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
         makers = [(meshes.panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
-        pieces, body, wet = [], [], []
+        pieces, owners, hulled = [], [], []
         for b, (hull, at) in enumerate(zip(hulls, centres - origin, strict=True)):
             share = meshes.quarters(at, len(mirrors))
             for make, times in makers if share else ():
                 vertices, faces = make(hull, count, refine=times, quarters=share)
                 pieces.append((vertices + at, faces))
-                body.append(np.full(len(faces), b))
-                wet.append(np.full(len(faces), make is meshes.panels))
-        part, whole = joined(pieces), joined([meshes.mirrored(p, m) for m in mirrors for p in pieces])
-        wet, body = np.concatenate(wet), np.concatenate(body)
+                owners.append(np.full(len(faces), b))
+                hulled.append(np.full(len(faces), make is meshes.panels))
+        part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])
+        wet, body = np.concatenate(hulled), np.concatenate(owners)
         bodies = np.concatenate([meshes.partner(centres - origin, m)[body] for m in mirrors])
         motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
         motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]

@@ -6,7 +6,7 @@ Harmonics are Re{X exp(-iωt)}; the incident wave of unit amplitude is
 
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -50,7 +50,7 @@ class Hydrodynamics:
     gravity: float  # [m/s²]
     heading: float  # direction the waves travel to, from +x towards +y [rad]
     dofs: tuple[str, ...]  # of one body
-    settings: MappingProxyType = field(default_factory=lambda: MappingProxyType({}))
+    settings: MappingProxyType[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     error: MeshError | None = None  # what the panels leave, as far as is known
     memory: RadiationMemory | None = None  # fitted to these, for scenes that ask for
     memory_tolerance: float = np.nan  # this tolerance

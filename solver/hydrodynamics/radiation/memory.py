@@ -146,7 +146,8 @@ class _Data:
         (Lawson 1961), and the best of these fits is kept.
         """
         poles, even = starting_poles(self.omega, pairs), np.ones(self.omega.size)
-        strictly, best = self.samples - 1j * self.omega[:, None] * self.infinite, None
+        best: _Candidate | None = None
+        strictly = self.samples - 1j * self.omega[:, None] * self.infinite
         for n in range(SETTLE + EQUALIZE):
             poles = relocated(poles, self.omega, strictly, self.weight * even)
             if n < SETTLE:
@@ -158,6 +159,7 @@ class _Data:
                 break
             even = even * np.sqrt(np.maximum(misfit / misfit.max(), 1e-2))
             even /= np.sqrt(np.mean(even**2))
+        assert best is not None  # EQUALIZE > 0
         return best
 
     def _solved(self, poles: np.ndarray, even: np.ndarray) -> tuple[_Candidate, np.ndarray]:

@@ -55,7 +55,7 @@ def relocated(poles: np.ndarray, omega: np.ndarray, samples: np.ndarray, weight:
     reduced, right = [], np.column_stack([columns, np.ones(omega.size)])
     for f in samples.T:
         rows = np.column_stack([left, _stacked(-(weight * f)[:, None] * right)])
-        reduced.append(np.linalg.qr(rows, mode="r")[q + 1 :, q + 1 :])
+        reduced.append(np.asarray(np.linalg.qr(rows, mode="r"))[q + 1 :, q + 1 :])
     # σ = 1 on average: keeps the trivial solution away without fixing σ at infinity.
     size = np.linalg.norm(weight[:, None] * samples) / omega.size
     matrix = np.vstack([*reduced, size * right.real.sum(axis=0)])
