@@ -58,9 +58,9 @@ def bodies(
     kind, coordinate = np.zeros((nb, n), np.int64), np.zeros((nb, n), np.int64)
     direction, point = np.zeros((nb, n, 3)), np.zeros((nb, n, 3))
     for b, chain in enumerate(chains):
-        for i, (turns, *axis) in enumerate(chain):
+        for i, (turns, along, through, number) in enumerate(chain):
             kind[b, i] = REVOLUTE if turns else PRISMATIC
-            direction[b, i], point[b, i], coordinate[b, i] = axis
+            direction[b, i], point[b, i], coordinate[b, i] = along, through, number
     dofs = hydrodynamics.dofs if hydrodynamics else ()
     stiffness, buoyancy = _hydrostatics(scene, hydrodynamics)
     return Bodies(

@@ -8,7 +8,7 @@ from solver.coupled.memory import Memory, memory_loads
 from solver.coupled.modal import Structure
 from solver.coupled.scheme import A0, AA, AA0, A, C
 from solver.kernels import kernel, lean_kernel
-from solver.multibody.minimal import Bodies, Coordinates, Loads, WaterLoads, loads, move, new_motion
+from solver.multibody.minimal import Bodies, Coordinates, Loads, Motion, WaterLoads, loads, move, new_motion
 
 
 class State(NamedTuple):
