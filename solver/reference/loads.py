@@ -52,12 +52,7 @@ class PressureForce:
         self.linear = scene.settings.froude_krylov != "body-nonlinear"
         self.coefficients = coefficients
         if kind == "panels" and not self.linear:
-            self.meshes = [
-                (self._split(f.hull), np.ones(6))
-                if isinstance(f.hull, PanelHull)
-                else _mesh(f.hull, panels, scene.planar)
-                for f in scene.floats
-            ]
+            self.meshes = [self._mesh(f.hull, panels) for f in scene.floats]
         elif not self.linear:
             self.quadratures = [self._quadrature(f.hull) for f in scene.floats]
             self.rows = [field.local_pressure(f.centre, TERMS) for f in scene.floats]
@@ -77,9 +72,12 @@ class PressureForce:
         # Half the production path's: a reference is finer.
         return longest_side(hull, self.scene.settings.panel_size / 2, self.field)
 
-    def _split(self, hull: PanelHull) -> Mesh:
-        panels = split(hull.panels, self._side(hull))
-        return Mesh(panels.reshape(-1, 3), np.arange(4 * len(panels)).reshape(-1, 4))
+    def _mesh(self, hull: Hull, panels: tuple[int, int]) -> tuple[Mesh, np.ndarray]:
+        """Panels of a hull, and the factors (6,) of their load."""
+        if not isinstance(hull, PanelHull):
+            return _revolved(hull, panels, self.scene.planar)
+        pieces = split(hull.panels, self._side(hull))
+        return Mesh(pieces.reshape(-1, 3), np.arange(4 * len(pieces)).reshape(-1, 4)), np.ones(6)
 
     def at(self, t: float, factor: float) -> PressureOf:
         """Load (6,) of float b at a position and rotation, at time t under a ramp's factor."""
@@ -132,7 +130,7 @@ class PressureForce:
 
 
 @lru_cache(maxsize=8)
-def _mesh(hull: Revolution, panels: tuple[int, int], planar: bool) -> tuple[Mesh, np.ndarray]:
+def _revolved(hull: Revolution, panels: tuple[int, int], planar: bool) -> tuple[Mesh, np.ndarray]:
     """The hull's panels and the factors of their load: of a hull symmetric in y = 0 one half, where nothing crosses."""
     whole = revolution_mesh(hull, along=panels[0], around=panels[1])
     part = half(whole) if planar else None
