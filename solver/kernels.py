@@ -24,6 +24,6 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 kernel: Compiler = partial(njit, cache=True, error_model="numpy", _nrt=True)
 fast_kernel: Compiler = partial(njit, cache=True, error_model="numpy", _nrt=True, fastmath=FAST)
 # Kernels that allocate nothing need not count who refers to their arrays, 25 ns at every call and view: an eighth of a
-# march. numba's own, private option; what a counting kernel returns must not be handed to such a one, it would leak.
+# march. numba's private option; what a counting kernel returns must not be handed to such a one, it would leak.
 lean_kernel: Compiler = partial(njit, cache=True, error_model="numpy", _nrt=False)
 fast_lean_kernel: Compiler = partial(njit, cache=True, error_model="numpy", _nrt=False, fastmath=FAST)

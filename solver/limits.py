@@ -43,7 +43,7 @@ def field_error(scene: Scene, bodies: Bodies, field: WaveField, terms: int, furt
 
 
 def _way(bodies: Bodies, b: int, furthest: np.ndarray) -> float:
-    """How far from rest a float's reference point may get [m]: axis by axis from its own to the support's."""
+    """How far from rest a float's reference point may get [m]: axis by axis, from the joint's last."""
     way = 0.0
     for i in reversed(range(bodies.axes[b])):
         size = furthest[bodies.coordinate[b, i]]

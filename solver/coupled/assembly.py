@@ -51,9 +51,9 @@ def bodies(
     """Arrays of all floats; carrier coordinates only with an elastic support; terms of the local wave field."""
     floats, water = scene.floats, scene.water
     nb = len(floats)
-    own = carrier_axes(scene.planar) if support is not None else np.zeros(0, int)
-    nc = nb * own.size
-    chains = _chains(scene, own)
+    carrier = carrier_axes(scene.planar) if support is not None else np.zeros(0, int)
+    nc = nb * carrier.size
+    chains = _chains(scene, carrier)
     n = max(map(len, chains), default=0)
     kind, coordinate = np.zeros((nb, n), np.int64), np.zeros((nb, n), np.int64)
     direction, point = np.zeros((nb, n, 3)), np.zeros((nb, n, 3))
@@ -87,19 +87,19 @@ def bodies(
         added_mass=added_mass,
         law=joint_law(floats, nc),
         mechanism=_per_axis(floats, "mechanism_inertia", nc),
-        limit=limits.excursions(scene, field, terms, own),
+        limit=limits.excursions(scene, field, terms, carrier),
     )
 
 
-def _chains(scene: Scene, own: np.ndarray) -> list[list[Axis]]:
+def _chains(scene: Scene, freedoms: np.ndarray) -> list[list[Axis]]:
     """Of each float its axes from the support on: whether one turns, direction, point, coordinate.
 
-    First the axes `own` of the support's node, or all those of the float that carries it, which so share coordinates.
+    First the axes `freedoms` of the support's node, or all those of the float that carries it: both share coordinates.
     """
     chains: list[list[Axis]] = []
-    first = len(scene.floats) * own.size
+    first = len(scene.floats) * freedoms.size
     for b, (item, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
-        node = [(d >= SPIN, np.eye(3)[d % 3], item.hinge, b * own.size + i) for i, d in enumerate(own)]
+        node = [(d >= SPIN, np.eye(3)[d % 3], item.hinge, b * freedoms.size + i) for i, d in enumerate(freedoms)]
         joint = [(*_axis(item, name), item.hinge, first + i) for i, name in enumerate(item.motion)]
         chains.append((node if carrier < 0 else chains[carrier]) + joint)
         first += len(item.motion)
@@ -139,11 +139,11 @@ def _rule(hull: Revolution, scene: Scene, field: WaveField) -> WettedQuadrature:
 
 def rules(scene: Scene, field: WaveField) -> dict[str, Any]:
     """How the pressure on each float is integrated: those fields of Bodies."""
-    own = [None if isinstance(f.hull, PanelHull) else _rule(f.hull, scene, field) for f in scene.floats]
+    quadratures = [None if isinstance(f.hull, PanelHull) else _rule(f.hull, scene, field) for f in scene.floats]
     return {
-        "meshed": np.array([r is None for r in own], bool),
-        "rule": _stacked(own),
-        "patches": np.array([len(r.patch) if r else 0 for r in own], np.int64),
+        "meshed": np.array([r is None for r in quadratures], bool),
+        "rule": _stacked(quadratures),
+        "patches": np.array([len(r.patch) if r else 0 for r in quadratures], np.int64),
         "panels": _panels(scene, field),
     }
 
@@ -161,18 +161,18 @@ def _panels(scene: Scene, field: WaveField) -> WettedPanels:
     )
 
 
-def _stacked(own: list[WettedQuadrature | None]) -> WettedQuadrature:
+def _stacked(quadratures: list[WettedQuadrature | None]) -> WettedQuadrature:
     """One rule for all floats, patches padded to the longest meridian; meshes have none."""
-    given = [r for r in own if r]
-    if not given:
+    present = [r for r in quadratures if r]
+    if not present:
         none = np.zeros(0)
         patch, whole, azimuth = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2))
         return WettedQuadrature(patch, whole, azimuth, 0.0, none, none, none, none, False, 1)
-    most = max(len(r.patch) for r in given)
-    return given[0]._replace(
-        patch=np.stack([_padded(r.patch if r else given[0].patch[:0], most) for r in own]),
-        whole=np.stack([_padded(r.whole if r else given[0].whole[:0], most) for r in own]),
-        surface_terms=max(r.surface_terms for r in given),
+    most = max(len(r.patch) for r in present)
+    return present[0]._replace(
+        patch=np.stack([_padded(r.patch if r else present[0].patch[:0], most) for r in quadratures]),
+        whole=np.stack([_padded(r.whole if r else present[0].whole[:0], most) for r in quadratures]),
+        surface_terms=max(r.surface_terms for r in present),
     )
 
 
@@ -189,8 +189,8 @@ def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None) -> tuple[np
     nr = len(hydrodynamics.dofs)
     index = [DOFS.index(d) for d in hydrodynamics.dofs]
     for b in range(nb):
-        own = slice(b * nr, (b + 1) * nr)
-        stiffness[b][np.ix_(index, index)] = hydrodynamics.hydrostatic_stiffness[own, own]
+        block = slice(b * nr, (b + 1) * nr)
+        stiffness[b][np.ix_(index, index)] = hydrodynamics.hydrostatic_stiffness[block, block]
         x, y, _ = scene.floats[b].hull.buoyancy_point
         buoyancy[b, 2:5] = hydrodynamics.displaced_mass[b] * scene.water.gravity * np.array([1.0, y, -x])
     return stiffness, buoyancy

@@ -114,6 +114,7 @@ def new_problem(
 
 
 def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
+    """Scratch for marches of these bodies and modes."""
     nz = bodies.mechanism.size
     return Workspace(
         start=Start(np.empty(nz), np.empty(nz), np.empty(bodies.axes.size * bodies.active.size)),
@@ -127,7 +128,7 @@ def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
 
 @lean_kernel(inline="always")
 def _copy(source: np.ndarray, target: np.ndarray) -> None:
-    """target <- source (n,); numba's own assignment allocates, should the two overlap."""
+    """target <- source (n,); numba's assignment allocates, should the two overlap."""
     for i in range(target.size):
         target[i] = source[i]
 

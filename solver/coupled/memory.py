@@ -18,7 +18,7 @@ class Memory(NamedTuple):
 
 @lean_kernel
 def memory_loads(memory: Memory, history: np.ndarray, velocity: np.ndarray, out: np.ndarray) -> None:
-    """Memory load (2, na) at both stages: history plus the stages' own velocities (2, na)."""
+    """Memory load (2, na) at both stages: history plus that of the stages' velocities (2, na)."""
     for s in range(2):
         for i in range(out.shape[1]):
             total = history[s, i]

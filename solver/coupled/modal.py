@@ -23,7 +23,7 @@ class Structure(NamedTuple):
 def drag(structure: Structure, water: np.ndarray, dp: np.ndarray, force: np.ndarray, flow: np.ndarray) -> float:
     """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame.
 
-    water, flow (nd, ns): particle velocity, and room for the frame's own. Stations are
+    water, flow (nd, ns): particle velocity, and room for the frame's. Stations are
     innermost, so that both products with the modal shapes run along memory.
     """
     nm, nd, ns = structure.station.shape
@@ -39,9 +39,9 @@ def drag(structure: Structure, water: np.ndarray, dp: np.ndarray, force: np.ndar
             square += (water[d, i] - flow[d, i]) ** 2
         size = structure.drag[i] * np.sqrt(square)
         for d in range(nd):
-            own = flow[d, i]
-            flow[d, i] = size * (water[d, i] - own)
-            power += flow[d, i] * own
+            speed = flow[d, i]
+            flow[d, i] = size * (water[d, i] - speed)
+            power += flow[d, i] * speed
     for m in range(nm):
         total = 0.0
         for d in range(nd):

@@ -24,6 +24,7 @@ class Newton(NamedTuple):
 
 
 def new_newton(nz: int) -> Newton:
+    """Room for nz coordinates at both stages."""
     return Newton(
         mass=np.empty((nz, nz)),
         Z=np.empty((2 * nz, 2 * nz)),
@@ -35,7 +36,7 @@ def new_newton(nz: int) -> Newton:
 
 @lean_kernel
 def factorize(K: np.ndarray, pivot: np.ndarray) -> bool:
-    """LU factors of K in place, rows exchanged; False when singular."""
+    """LU factors of K (n, n) in place; pivot (n,): the row exchanged with each. False when singular."""
     n = K.shape[0]
     for k in range(n):
         best = k
@@ -59,7 +60,7 @@ def factorize(K: np.ndarray, pivot: np.ndarray) -> bool:
 
 @lean_kernel
 def substitute(K: np.ndarray, pivot: np.ndarray, b: np.ndarray) -> None:
-    """b <- K⁻¹ b with the factors of `factorize`."""
+    """b (n,) <- K⁻¹ b with the factors of `factorize`."""
     n = K.shape[0]
     for k in range(n):
         best = pivot[k]

@@ -50,7 +50,7 @@ class Stages(NamedTuple):
     drag: np.ndarray  # (2, nm)
     velocity: np.ndarray  # (2, na) of what radiates
     history: np.ndarray  # (2, na) memory's load from before the step
-    memory: np.ndarray  # (2, na) and with the step's own velocities
+    memory: np.ndarray  # (2, na) and with the stages' velocities
     anchor: np.ndarray  # (2, nz) coordinates at which pressure and drag were evaluated
     since: np.ndarray  # (2, nz) what has been moved from there
     pressure: np.ndarray  # (2, nb, 6)
@@ -60,6 +60,7 @@ class Stages(NamedTuple):
 
 
 def new_stages(bodies: Bodies, modes: int) -> Stages:
+    """Zeros for these bodies and so many modes."""
     nb, nz = bodies.axes.size, bodies.mechanism.size
     return Stages(
         motion=(new_motion(bodies), new_motion(bodies)),
@@ -78,7 +79,10 @@ def coordinates(stage: Stages, s: int) -> Coordinates:
 
 @lean_kernel
 def predict(structure: Structure, dt: float, modal: np.ndarray, state: State, stage: Stages) -> None:
-    """What is known of the stages' modal loads, and the rest extrapolated from the last step; modal (2, nm).
+    """Fill stage.known with what the step's start says of the modal loads, and extrapolate the others.
+
+    modal (2, nm): the wave's loads at the stages. Loads and joint accelerations go on as parabolas through the
+    last three samples.
 
     Loads, not accelerations, of the modes are extrapolated: stiff modes ring in the latter.
     """

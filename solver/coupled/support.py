@@ -1,4 +1,4 @@
-"""An elastic platform as the march sees it: few Ritz modes, drag stations, wave-load rows.
+"""An elastic platform as the march sees it: few Ritz modes (eq. 17), drag stations, wave-load rows (eq. 16).
 
 The basis is the lowest modes plus the static shapes of what loads the frame (unit loads at the
 hinge nodes, the principal shapes of the wave load), made orthogonal again by Rayleigh-Ritz.
@@ -71,7 +71,8 @@ def _dry_frequencies(model: FrameModel) -> np.ndarray:
 def _kept_modes(
     model: FrameModel, density: float, planar: bool, count: int | None
 ) -> tuple[sparse.csr_array, natural.Modes, sparse.csr_array | None]:
-    """Mass with the water's, and the lowest modes; in a planar scene the symmetric ones and the basis of all such."""
+    """Mass with the water's, and the lowest modes; in a planar scene the symmetric ones and the basis of all
+    symmetric displacements, else None."""
     added = water.added_mass(model, density)
     M = model.M + added
     if not planar:
@@ -102,11 +103,15 @@ def reduce_platform(
     modes: int | Literal["all"],
     stations: int,
 ) -> Support:
-    """Reduce a platform for one sea. hinge_nodes: node names in the order of the floats."""
+    """Reduce a platform for one sea.
+
+    hinge_nodes: names of nodes in the order of the floats; modes: lowest ones kept, or "all"; stations: Gauss points
+    of the drag on each wetted element. InputError for a planar scene on a frame that is not symmetric.
+    """
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
-    at = water.stations(model, water.EXACT)  # once a task, so exact is free
+    at = water.stations(model, water.EXACT)  # once a task, so the exact rule costs nothing
     inertia_rows = _inertia_rows(platform, at, field, sea)
     nodal = _nodal_load(model, at, inertia_rows)
     omega, shapes = kept if modes == "all" else _basis(model, M, kept, symmetric, dof.ravel(), nodal)

@@ -118,7 +118,7 @@ class System:
         return state
 
     def problem(self) -> Problem:
-        """What the march is given of the scene."""
+        """The arrays and tolerances of a march."""
         return new_problem(
             self.bodies,
             self.structure,
@@ -197,9 +197,9 @@ def _check_same(scene: Scene, h: Hydrodynamics) -> None:
         "water.density": (water.density, h.density),
         "water.gravity": (water.gravity, h.gravity),
     }
-    for key, (own, given) in pairs.items():
-        if own != given:
-            raise InputError(key, own, f"must be {given:g}, that of the coefficients")
+    for key, (value, limit) in pairs.items():
+        if value != limit:
+            raise InputError(key, value, f"must be {limit:g}, that of the coefficients")
     if not np.allclose(places, h.centres, rtol=0, atol=1e-6):
         raise InputError("floats", places.tolist(), f"must be where the coefficients' floats are, {h.centres.tolist()}")
     waves = scene.sea.amplitude.any() and (scene.settings.diffraction or scene.settings.froude_krylov == "linear")

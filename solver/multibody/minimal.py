@@ -1,10 +1,10 @@
 """Equations of motion of the floats in minimal coordinates z = [carrier, joint].
 
 Carrier coordinates are the motion of the support's node under each float (modal shapes times
-modal amplitudes), joint coordinates the float's own axes. The load W on each body, inertia
+modal amplitudes), joint coordinates those of the float's joint. The load W on each body, inertia
 included (d'Alembert), is projected on the axes: JᵀW = 0 for a joint, and for a carrier JᵀW is
 the load that the float puts on its support. -W is the load of all its joints on the float. A float
-that hangs on another one has that one's coordinates before its own.
+that hangs on another one has that one's coordinates first.
 """
 
 from typing import NamedTuple
@@ -52,7 +52,7 @@ class Bodies(NamedTuple):
     added_mass: np.ndarray  # (nb nr, nb nr) at infinite frequency
     law: JointLaw  # of the nz axes; nothing on carriers
     mechanism: np.ndarray  # (nz,) inertia on the axes besides the floats'
-    limit: np.ndarray  # (nz, 2) excursions beyond which the run is given up, see solver.limits
+    limit: np.ndarray  # (nz, 2) excursions beyond which the run stops, see solver.limits
 
 
 class Motion(NamedTuple):
@@ -76,7 +76,7 @@ class Coordinates(NamedTuple):
 
 
 class WaterLoads(NamedTuple):
-    """What the water does to the bodies, but for added mass."""
+    """Loads of the water on the bodies, without added mass."""
 
     pressure: np.ndarray  # (nb, 6) as it was at coordinates smaller by `since`
     since: np.ndarray  # (nz,) the hydrostatic stiffness stands for that change
@@ -100,11 +100,13 @@ class PressureRoom(NamedTuple):
 
 
 def pressure_room(bodies: Bodies) -> PressureRoom:
+    """Scratch for the hulls of these bodies."""
     return PressureRoom(quadrature_room(bodies.rule), panels_room(bodies.panels))
 
 
 @kernel
 def new_motion(bodies: Bodies) -> Motion:
+    """Zeros for these bodies, to be filled by `move`."""
     nb, n = bodies.kind.shape
     return Motion(
         np.zeros((nb, 3)),
@@ -142,7 +144,7 @@ def move(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> None:
 @lean_kernel
 def _spatial_inertia(bodies: Bodies, b: int, rotation: np.ndarray, M: np.ndarray, lever: np.ndarray) -> None:
     """M (6, 6) about the reference point in world axes; lever (3,) to the c.o.g."""
-    m, own = bodies.mass[b], bodies.inertia[b]
+    m, inertia = bodies.mass[b], bodies.inertia[b]
     for r in range(3):
         lever[r] = (
             rotation[r, 0] * bodies.cog[b, 0] + rotation[r, 1] * bodies.cog[b, 1] + rotation[r, 2] * bodies.cog[b, 2]
@@ -158,7 +160,7 @@ def _spatial_inertia(bodies: Bodies, b: int, rotation: np.ndarray, M: np.ndarray
             total = -m * lever[i] * lever[j]
             for k in range(3):
                 for n in range(3):
-                    total += rotation[i, k] * own[k, n] * rotation[j, n]
+                    total += rotation[i, k] * inertia[k, n] * rotation[j, n]
             M[3 + i, 3 + j] = total
         M[3 + i, 3 + i] += m * square
 
@@ -238,8 +240,8 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
             for r in range(6):
                 out.residual[bodies.coordinate[b, i]] += motion.jacobian[b, r, i] * W[r]
     for i in range(at.z.size):
-        own = axis_load(bodies.law, i, at.z[i], at.dz[i])
-        out.residual[i] -= own.pto + own.loss + own.spring + bodies.mechanism[i] * at.ddz[i]
+        load = axis_load(bodies.law, i, at.z[i], at.dz[i])
+        out.residual[i] -= load.pto + load.loss + load.spring + bodies.mechanism[i] * at.ddz[i]
 
 
 @kernel(inline="always")
@@ -271,16 +273,16 @@ def powers(
         for r in range(nr):
             radiation += memory[b * nr + r] * motion.velocity[b, bodies.active[r]]
     for i in range(at.dz.size):
-        own = axis_load(bodies.law, i, at.z[i], at.dz[i])
-        pto += own.pto * at.dz[i]
-        loss += own.loss * at.dz[i]
+        load = axis_load(bodies.law, i, at.z[i], at.dz[i])
+        pto += load.pto * at.dz[i]
+        loss += load.loss * at.dz[i]
     return waves, radiation, pto, loss
 
 
 @lean_kernel
 def _weight_and_inertia(bodies: Bodies, b: int, motion: Motion, W: np.ndarray) -> None:
     """W += weight and d'Alembert's loads about the reference point, by Newton and Euler at the c.o.g."""
-    R, own, a = motion.rotation[b], bodies.inertia[b], motion.acceleration[b]
+    R, inertia, a = motion.rotation[b], bodies.inertia[b], motion.acceleration[b]
     x, y, z = rotated(R, bodies.cog[b])
     wx, wy, wz = motion.velocity[b, 3], motion.velocity[b, 4], motion.velocity[b, 5]
     ux, uy, uz = cross(wx, wy, wz, x, y, z)
@@ -291,9 +293,9 @@ def _weight_and_inertia(bodies: Bodies, b: int, motion: Motion, W: np.ndarray) -
     # Spin and its rate in the body's frame, where the inertia is constant.
     px, py, pz = _into_body(R, wx, wy, wz)
     qx, qy, qz = _into_body(R, a[3], a[4], a[5])
-    hx, hy, hz = rotated(own, (px, py, pz))
+    hx, hy, hz = rotated(inertia, (px, py, pz))
     gx, gy, gz = cross(px, py, pz, hx, hy, hz)
-    dx, dy, dz = rotated(own, (qx, qy, qz))
+    dx, dy, dz = rotated(inertia, (qx, qy, qz))
     lx, ly, lz = rotated(R, (dx + gx, dy + gy, dz + gz))
     mx, my, mz = cross(x, y, z, fx, fy, fz)
     W[0] += fx

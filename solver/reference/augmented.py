@@ -69,18 +69,30 @@ class MechanismState(NamedTuple):
 class Surroundings(Protocol):
     """What moves and loads the bodies; stage 0 is the step's start.
 
-    A step is begin, then iterations of iterate (the supports' change since the last one [m]) and, for each
-    stage, supports, mechanism_inertia (besides the bodies' own, (6 nb, 6 nb) or None), loads and carried (the
-    constraints' loads on bodies and supports), then finish. Before the first step stage 0 alone is iterated.
+    A step is begin, then iterations of iterate and, for each stage, supports, mechanism_inertia, loads and
+    carried, then finish. Before the first step stage 0 alone is iterated.
     """
 
-    def begin(self, t: float, dt: float, state: MechanismState) -> None: ...
-    def iterate(self) -> float: ...
-    def supports(self, stage: int, t: float) -> Frames: ...
-    def mechanism_inertia(self, stage: int, frames: Frames) -> np.ndarray | None: ...
-    def loads(self, stage: int, t: float, frames: Frames) -> np.ndarray: ...
-    def carried(self, stage: int, frames: Frames, held: np.ndarray, load: np.ndarray) -> None: ...
-    def finish(self) -> None: ...
+    def begin(self, t: float, dt: float, state: MechanismState) -> None:
+        """Prepare the step from t to t + dt [s], which starts from `state`."""
+
+    def iterate(self) -> float:
+        """Move the supports under the loads known so far; their largest change since the last call [m]."""
+
+    def supports(self, stage: int, t: float) -> Frames:
+        """Poses and motions of the supports."""
+
+    def mechanism_inertia(self, stage: int, frames: Frames) -> np.ndarray | None:
+        """Inertia (6 nb, 6 nb) besides the bodies', None if there is none."""
+
+    def loads(self, stage: int, t: float, frames: Frames) -> np.ndarray:
+        """Loads (nb, 6) about the bodies' origins, world axes, besides gravity [N, N m]."""
+
+    def carried(self, stage: int, frames: Frames, held: np.ndarray, load: np.ndarray) -> None:
+        """Take in the constraints' loads on bodies, held (nb, 6), and on supports, load (ns, 6) [N, N m]."""
+
+    def finish(self) -> None:
+        """Make the step's end the next one's start."""
 
 
 class Errors(NamedTuple):
@@ -156,8 +168,8 @@ def spin(w: np.ndarray, q: np.ndarray) -> np.ndarray:
 def all_frames(state: MechanismState, supports: Frames) -> Frames:
     """Bodies, supports, ground."""
     ground = (np.zeros((1, 3)), np.eye(3)[None], np.zeros((1, 6)), np.zeros((1, 6)))
-    own = (state.position, rotation_of(state.quaternion), state.velocity, state.acceleration)
-    return Frames(*(np.concatenate(parts) for parts in zip(own, supports, ground, strict=True)))
+    of_bodies = (state.position, rotation_of(state.quaternion), state.velocity, state.acceleration)
+    return Frames(*(np.concatenate(parts) for parts in zip(of_bodies, supports, ground, strict=True)))
 
 
 NO_SUPPORTS = Frames(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 6)), np.zeros((0, 6)))
@@ -198,6 +210,7 @@ class Augmented:
 
     @property
     def Cu(self) -> np.ndarray:
+        """The bodies' part (m, 6 nb) of the constraints' Jacobian."""
         return self.J[:, : self.n]
 
     def evaluate(self, frames: Frames) -> None:

@@ -1,6 +1,6 @@
 """The axes that a joint leaves free, seen from the poses and motions of its two frames.
 
-A float has six coordinates of its own in the augmented path; what springs, dampers and inertia of the
+A float has six coordinates in the augmented path; what springs, dampers and inertia of the
 mechanism act on are the joint's ways y along or about its axes. Each axis is fixed in the frame that the
 axes before it have moved, and all pass through the hinge point.
 """
@@ -34,7 +34,7 @@ class Node(NamedTuple):
 def on_body(
     arm: np.ndarray, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
 ) -> Node:
-    """A point of a rigid body at `arm` (3,) from its origin, in its own axes."""
+    """A point of a rigid body at `arm` (3,) from its origin, in body axes."""
     r, w, dw = rotation @ arm, velocity[3:], acceleration[3:]
     moved = velocity[:3] + np.cross(w, r)
     pushed = acceleration[:3] + np.cross(dw, r) + np.cross(w, np.cross(w, r))

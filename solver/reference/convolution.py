@@ -40,9 +40,11 @@ class CosineTransform:
 
     @classmethod
     def of(cls, h: Hydrodynamics) -> "CosineTransform":
+        """That of a set of coefficients."""
         return cls(omega=h.omega, radiation_damping=h.radiation_damping, added_mass_inf=h.added_mass_inf)
 
     def impulse(self, t: np.ndarray) -> np.ndarray:
+        """K (nt, n, n) at times t >= 0 (nt,) [s]."""
         return retardation(self.omega, self.radiation_damping, t)
 
 

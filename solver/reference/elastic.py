@@ -13,7 +13,7 @@ from solver.reference.joints import GROUND, Frames
 
 
 class FixedSupport:
-    """Nothing moves."""
+    """A support without coordinates."""
 
     work = np.zeros(3)
     energy = 0.0
@@ -23,22 +23,25 @@ class FixedSupport:
         return np.zeros((stages, 0))
 
     def frame_number(self, _b: int) -> int:
+        """The ground carries every float."""
         return GROUND
 
     def begin(self, _times: np.ndarray, _turn: np.ndarray) -> None:
-        pass
+        """Nothing to prepare."""
 
     def iterate(self) -> float:
+        """0: nothing moves."""
         return 0.0
 
     def frames(self, _stage: int) -> Frames:
+        """None besides the ground."""
         return NO_SUPPORTS
 
     def carried(self, _stage: int, _load: np.ndarray, _reaction: np.ndarray) -> None:
-        pass
+        """The ground takes every load."""
 
     def finish(self) -> None:
-        pass
+        """Nothing to carry on."""
 
 
 class ElasticSupport:
@@ -71,10 +74,11 @@ class ElasticSupport:
         self.node[:] = np.linalg.lstsq(self.support.carrier.T, self.omega**2 * p, rcond=None)[0]
 
     def frame_number(self, b: int) -> int:
+        """Number among the frames of the node that carries float b."""
         return len(self.nodes) + b
 
     def begin(self, _times: np.ndarray, turn: np.ndarray) -> None:
-        """turn (n, s): exp(-iωt) times the ramp at the stages."""
+        """Waves of the step's stages; turn (n, s): exp(-iωt) times the ramp there."""
         self.wave = (self.support.wave_rows @ turn).real.T
         self.flow = (self.station_rows @ turn).real.T
         self.node[1:] = self.node[0]

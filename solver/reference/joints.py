@@ -1,6 +1,6 @@
 """Holonomic constraints between frames, their Jacobian C_u and Q_d: eqs. 4-7 of Heo et al. (2022).
 
-A frame is a rigid body, or a support whose motion is given. Every joint is made of three kinds
+A frame is a rigid body, or a support that moves in a prescribed way. Every joint is made of three kinds
 of equations; with s = R u the lever of a point and a, b directions fixed in frames i, j:
     POINT  x_i + s_i - x_j - s_j = 0          (3 rows: two points coincide)
     SQUARE a·b = 0                            (1 row: two directions stay perpendicular)
@@ -46,7 +46,7 @@ class Equations(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ball:
-    """Frames share a point, given in space at the start."""
+    """Frames share a point; its place in space at the start."""
 
     first: int
     second: int
@@ -55,7 +55,7 @@ class Ball:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hinge:
-    """Frames share a point and an axis, given in space at the start: five constraints."""
+    """Frames share a point and an axis, in space at the start: five constraints."""
 
     first: int
     second: int

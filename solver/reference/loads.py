@@ -1,4 +1,4 @@
-"""Loads on the floats of the reference path: pressure, linear wave loads, memory, and the joints' own."""
+"""Loads on the floats of the reference path: pressure, linear wave loads, memory, and the joints' loads."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -216,6 +216,7 @@ class Floats:
         self.power, self.work = np.zeros((stages, len(WORKS))), np.zeros(len(WORKS))
 
     def begin(self, t: float, dt: float, state: MechanismState) -> None:
+        """Fields and excitation at the step's stages, and the support's share of them; see `Surroundings.begin`."""
         self.velocity[:] = state.velocity.ravel()[self.active]
         s = self.scene.settings
         times = t + self.c * dt
@@ -226,9 +227,11 @@ class Floats:
         self.support.begin(times, turn)
 
     def iterate(self) -> float:
+        """The support's iteration; see `Surroundings.iterate`."""
         return self.support.iterate()
 
     def supports(self, stage: int, _t: float) -> Frames:
+        """Frames of the nodes that carry hinges."""
         return self.support.frames(stage)
 
     def node(self, b: int, frames: Frames) -> Node:
@@ -257,6 +260,7 @@ class Floats:
         return extra
 
     def loads(self, stage: int, _t: float, frames: Frames) -> np.ndarray:
+        """Loads (nb, 6) [N, N m] of water and joints, powers on the way; see `Surroundings.loads`."""
         nb = len(self.axes)
         v = frames.velocity[:nb]
         self.velocity[stage] = v.ravel()[self.active]
@@ -300,7 +304,7 @@ class Floats:
         self.support.carried(stage, load, reaction)
 
     def finish(self) -> None:
-        """Work by the collocation's own weights; the step's end becomes the next one's start."""
+        """Work by the collocation's weights; the step's end becomes the next one's start."""
         self.work += self.dt * self.weight @ self.power
         if self.convolution:
             self.convolution.remember(self.velocity)

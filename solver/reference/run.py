@@ -1,4 +1,4 @@
-"""A scene by the paper's own method: the slow, independent twin of `simulate`, and its record.
+"""A scene by the paper's method: the slow, independent twin of `simulate`, and its record.
 
 Augmented floats, panel-wise pressure, direct convolution, all modes, every coupling iterated to
 convergence. It shares with `simulate` the scene, the BEM's coefficients and the structure's modes,
@@ -72,7 +72,7 @@ def simulate_reference(
     tolerance: float = CONSTRAINTS,
     progress: Callable[[float], None] = lambda _share: None,
 ) -> Record:
-    """The record of `scene` by the augmented formulation; what is not given follows `scene.settings`.
+    """The record of `scene` by the augmented formulation; defaults follow `scene.settings`.
 
     kernel: retardation function, by default eq. 14's of the BEM's damping, or the fitted one where the
     settings keep the state space. surface: how pressure is integrated. panels: along the meridian and around.

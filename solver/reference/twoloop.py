@@ -85,8 +85,8 @@ def evaluate(
         kkt.evaluate(frames)
     surroundings.mechanism_inertia(stage, frames)
     load = surroundings.loads(stage, t, frames)
-    given = kkt.J[:, 6 * nb :] @ frames.acceleration[nb:].ravel()
-    acceleration, multiplier, error = kkt.accelerations(np.ravel(load), -kkt.bias - given, tolerance)
+    of_supports = kkt.J[:, 6 * nb :] @ frames.acceleration[nb:].ravel()
+    acceleration, multiplier, error = kkt.accelerations(np.ravel(load), -kkt.bias - of_supports, tolerance)
     state = state._replace(acceleration=acceleration, multiplier=multiplier)
     carried = -(kkt.J[:, 6 * nb :].T @ multiplier).reshape(-1, 6)[:-1]
     frames = frames._replace(acceleration=_with(frames, acceleration))
@@ -237,27 +237,31 @@ class PrescribedSurroundings:
         self.forces, self.motions = forces, supports
 
     def begin(self, _t: float, _dt: float, _state: MechanismState) -> None:
-        pass
+        """Nothing to prepare."""
 
     def iterate(self) -> float:
+        """0: supports do not depend on loads."""
         return 0.0
 
     def mechanism_inertia(self, _stage: int, _frames: Frames) -> np.ndarray | None:
+        """None: the bodies have no mechanisms."""
         return None
 
     def supports(self, _stage: int, t: float) -> Frames:
+        """Poses and motions (position, rotation, velocity, acceleration) of the supports at time t [s]."""
         if not self.motions:
             return NO_SUPPORTS
         return Frames(*(np.array(x, float) for x in zip(*(motion(t) for motion in self.motions), strict=True)))
 
     def loads(self, _stage: int, t: float, frames: Frames) -> np.ndarray:
+        """The prescribed loads (nb, 6) at time t [s]."""
         return self.forces(t, frames)
 
     def carried(self, _stage: int, _frames: Frames, _held: np.ndarray, _load: np.ndarray) -> None:
-        pass
+        """Nothing asks for it."""
 
     def finish(self) -> None:
-        pass
+        """Nothing to carry on."""
 
 
 def simulate_mechanism(
@@ -281,9 +285,11 @@ def simulate_mechanism(
     GROUND is frame -1. tolerance: of the constraints [m, m/s, m/s2]; stuck: see `integrate`.
     """
     none = np.zeros((len(bodies), 6))
-    given = PrescribedSurroundings(forces or (lambda *_: none), supports)
-    system, state = mechanism(bodies, joints, given.supports(0, 0.0), gravity=gravity, added_mass=added_mass)
-    samples = list(integrate(system, state, given, t_end=t_end, dt=dt, stages=stages, tolerance=tolerance, stuck=stuck))
+    prescribed = PrescribedSurroundings(forces or (lambda *_: none), supports)
+    system, state = mechanism(bodies, joints, prescribed.supports(0, 0.0), gravity=gravity, added_mass=added_mass)
+    samples = list(
+        integrate(system, state, prescribed, t_end=t_end, dt=dt, stages=stages, tolerance=tolerance, stuck=stuck)
+    )
     nb = len(bodies)
     return Trajectory(
         time=np.array([s.time for s in samples]),
@@ -304,7 +310,7 @@ def mechanical_energy(
         R, v = trajectory.rotation[:, b], trajectory.velocity[:, b]
         lever = R @ np.array(body.cog, float)
         at_cog = v[:, :3] + np.cross(v[:, 3:], lever)
-        own = np.einsum("tij,ti->tj", R, v[:, 3:])
-        total += 0.5 * body.mass * np.sum(at_cog**2, axis=1) + 0.5 * np.sum(own**2 * body.inertia, axis=1)
+        spin_in_body = np.einsum("tij,ti->tj", R, v[:, 3:])
+        total += 0.5 * body.mass * np.sum(at_cog**2, axis=1) + 0.5 * np.sum(spin_in_body**2 * body.inertia, axis=1)
         total -= body.mass * (trajectory.position[:, b] + lever) @ np.array(gravity)
     return total

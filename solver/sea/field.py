@@ -1,8 +1,8 @@
 """Everything that the incident wave drives, as rows of one matrix.
 
 Each linear quantity of the sea (elevation, a coefficient of the local pressure field, a
-particle velocity, a diffraction force) is y(t) = Re Σᵢ Wᵢ exp(-iωᵢt) with its own complex
-row W. Rows are stacked and evaluated together, block by block, as one real matrix product.
+particle velocity, a diffraction force) is y(t) = Re Σᵢ Wᵢ exp(-iωᵢt) with a complex
+row W each. Rows are stacked and evaluated together, block by block, as one real matrix product.
 """
 
 from collections.abc import Callable
@@ -25,7 +25,7 @@ LOST = 1e-4  # share of the amplitudes that rounding may take from that series
 
 @dataclass(frozen=True)
 class WaveField:
-    """A realization over a given depth: rows of its kinematics at points (…, 3) [m]."""
+    """A realization in water of one depth: rows of its kinematics at points (…, 3) [m]."""
 
     sea: Realization
     depth: float
@@ -124,17 +124,17 @@ class WaveField:
 
 
 class Factored(NamedTuple):
-    """Rows (m, n) = spread (m, r) @ own (r, n), to rounding."""
+    """Rows (m, n) = spread (m, r) @ basis (r, n), to rounding."""
 
     spread: np.ndarray
-    own: np.ndarray
+    basis: np.ndarray
 
 
 def factored(rows: np.ndarray) -> Factored:
     """Complex rows (m, n) by what is independent among them with real factors."""
-    spread, own = _factors(np.concatenate([rows.real, rows.imag], axis=1))
+    spread, basis = _factors(np.concatenate([rows.real, rows.imag], axis=1))
     n = rows.shape[1]
-    return Factored(spread, own[:, :n] + 1j * own[:, n:])
+    return Factored(spread, basis[:, :n] + 1j * basis[:, n:])
 
 
 class WaveSeries:
@@ -155,7 +155,7 @@ class WaveSeries:
         """y (count, m) at samples first … first + count - 1, C-contiguous."""
         # Re{W e^{-iω(t₀+τ)}} = Re(W e^{-iωt₀}) cos ωτ + Im(W e^{-iωt₀}) sin ωτ, t₀ = first·step
         # exactly, so that nothing drifts over long records.
-        turned = self.rows.own * np.exp(-1j * self.omega * (first * self.step))
+        turned = self.rows.basis * np.exp(-1j * self.omega * (first * self.step))
         y = self.samples[:count] @ (self.basis @ np.concatenate([turned.real, turned.imag], axis=1).T)
         y *= self.ramp((first + np.arange(count)) * self.step)[:, None]
         return y @ self.rows.spread.T

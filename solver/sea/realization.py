@@ -95,7 +95,7 @@ def regular(*, height: float, period: float, phase: float = 0.0, heading: float 
 
 
 def components(*, amplitude: ArrayLike, omega: ArrayLike, phase: ArrayLike, heading: float = 0.0) -> Realization:
-    """Waves given one by one: η = Σ Aᵢ cos(kᵢs - ωᵢt + εᵢ), A (n,) [m], ω (n,) [rad/s], ε (n,) [rad]."""
+    """Waves listed one by one: η = Σ Aᵢ cos(kᵢs - ωᵢt + εᵢ), A (n,) [m], ω (n,) [rad/s], ε (n,) [rad]."""
     A, w, e = (np.asarray(x, float) for x in (amplitude, omega, phase))
     if not A.shape == w.shape == e.shape or A.size == 0:
         raise InputError("amplitude", f"{A.size} values", f"needs as many as omega ({w.size}) and phase ({e.size})")

@@ -42,6 +42,7 @@ class PiersonMoskowitz:
         return 2 * np.pi / self.Tp if self.form == "peak" else (0.8 * 692) ** 0.25 / self.Tp
 
     def density(self, omega: np.ndarray) -> np.ndarray:
+        """S(ω) [m² s/rad] in the form chosen, for ω > 0 [rad/s]: eq. 18 in the mean form."""
         if self.form == "peak":
             wp = 2 * np.pi / self.Tp
             return 5 / 16 * self.Hs**2 * wp**4 * omega**-5.0 * np.exp(-1.25 * (wp / omega) ** 4)
@@ -60,6 +61,7 @@ class WhiteNoise:
         require_positive("Hs", self.Hs, "m")
 
     def density(self, omega: np.ndarray) -> np.ndarray:
+        """S(ω) [m² s/rad], the same everywhere."""
         low, high = self.band
         return np.full_like(omega, self.Hs**2 / 16 / (high - low))
 
@@ -88,6 +90,7 @@ class Jonswap:
         return 2 * np.pi / self.Tp
 
     def density(self, omega: np.ndarray) -> np.ndarray:
+        """S(ω) [m² s/rad] for ω > 0 [rad/s]."""
         wp = 2 * np.pi / self.Tp
         base = PiersonMoskowitz(Hs=self.Hs, Tp=self.Tp).density(omega)
         y = np.linspace(1e-9, 40.0, 40_001)  # e^-40 is below rounding
@@ -102,7 +105,7 @@ class Jonswap:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Tabulated:
-    """A spectrum given by numbers: linear between them, zero outside."""
+    """A spectrum as a table: linear between them, zero outside."""
 
     omega: np.ndarray  # (n,) [rad/s], increasing
     S: np.ndarray  # (n,) [m² s/rad]
@@ -114,6 +117,7 @@ class Tabulated:
             raise InputError("S", _brief(self.S), "must be >= 0, and somewhere > 0")
 
     def density(self, omega: np.ndarray) -> np.ndarray:
+        """S(ω) [m² s/rad] for ω [rad/s]."""
         return np.interp(omega, self.omega, self.S, left=0.0, right=0.0)
 
 

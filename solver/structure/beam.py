@@ -1,4 +1,7 @@
-"""One straight Euler-Bernoulli beam element in its own axes.
+"""One straight Euler-Bernoulli beam element in local axes, the M_s and K_s of the paper's eq. 15.
+
+Matrices as in Przemieniecki, Theory of Matrix Structural Analysis (1968): chapters 5 (stiffness, here without
+shear), 11 (consistent mass) and 15 (geometric stiffness).
 
 Local x runs along the element; local y and z are the principal axes of the section. The 12
 degrees of freedom are (u, v, w, θx, θy, θz) at s = 0 and again at s = 1: displacements [m] and
@@ -85,7 +88,7 @@ def _rectangle_torsion(a: float, b: float) -> float:
     return a * b**3 / 3 * (1 - 192 / np.pi**5 * b / a * series)
 
 
-def _blocks(axial: ArrayLike, torsion: ArrayLike, xy: np.ndarray, xz: np.ndarray) -> np.ndarray:
+def _from_planes(axial: ArrayLike, torsion: ArrayLike, xy: np.ndarray, xz: np.ndarray) -> np.ndarray:
     """12x12 of the four uncoupled motions; xy and xz are in (deflection, slope) pairs."""
     matrix = np.zeros((12, 12))
     matrix[np.ix_(AXIAL, AXIAL)] = axial
@@ -96,7 +99,10 @@ def _blocks(axial: ArrayLike, torsion: ArrayLike, xy: np.ndarray, xz: np.ndarray
 
 
 def stiffness(E: float, G: float, section: Section, L: float) -> np.ndarray:
-    """Element stiffness [N/m, N, N m], (12, 12): EA/L, GJ/L and EI/L³ [12 6L; 6L 4L²] blocks."""
+    """Element stiffness [N/m, N, N m], (12, 12): EA/L [1 -1; -1 1], GJ/L the same, and in each plane
+
+    EI/L³ [12 6L -12 6L; 6L 4L² -6L 2L²; -12 -6L 12 -6L; 6L 2L² -6L 4L²].
+    """
     rod = np.array([[1, -1], [-1, 1]]) / L
     bend = np.array(
         [
@@ -107,11 +113,13 @@ def stiffness(E: float, G: float, section: Section, L: float) -> np.ndarray:
         ]
     )
     bend = E * bend / L**3
-    return _blocks(E * section.area * rod, G * section.J * rod, section.Iz * bend, section.Iy * bend)
+    return _from_planes(E * section.area * rod, G * section.J * rod, section.Iz * bend, section.Iy * bend)
 
 
 def mass(density: float, section: Section, L: float) -> np.ndarray:
-    """Consistent mass [kg, kg m, kg m2], (12, 12): ∫ρA NᵀN dx, and ρIp for torsion.
+    """Consistent mass [kg, kg m, kg m2], (12, 12): ∫ρA NᵀN dx, and ρIp for torsion. In each plane
+
+    ρAL/420 [156 22L 54 -13L; 22L 4L² 13L -3L²; 54 13L 156 -22L; -13L -3L² -22L 4L²].
 
     The transverse rotary inertia ρI (dv/dx)² is left out, as Euler-Bernoulli theory does.
     """
@@ -125,11 +133,13 @@ def mass(density: float, section: Section, L: float) -> np.ndarray:
         ]
     )
     bend = density * section.area * L / 420 * bend
-    return _blocks(density * section.area * rod, density * section.Ip * rod, bend, bend)
+    return _from_planes(density * section.area * rod, density * section.Ip * rod, bend, bend)
 
 
 def geometric_stiffness(N: float, L: float) -> np.ndarray:
-    """Consistent geometric stiffness [N/m, N, N m], (12, 12): ∫N v'² dx, tension N > 0.
+    """Consistent geometric stiffness [N/m, N, N m], (12, 12): twice the work ½∫N v'² dx, tension N > 0. In each plane
+
+    N/30L [36 3L -36 3L; 3L 4L² -3L -L²; -36 -3L 36 -3L; 3L -L² -3L 4L²].
 
     Bending only: the twist of a compressed bar (N Ip/A) does not govern tubes and solid sections.
     """
@@ -142,13 +152,13 @@ def geometric_stiffness(N: float, L: float) -> np.ndarray:
         ]
     )
     bend = N / (30 * L) * bend
-    return _blocks(0, 0, bend, bend)
+    return _from_planes(0, 0, bend, bend)
 
 
 def rotation(start: ArrayLike, end: ArrayLike) -> np.ndarray:
-    """R (3, 3), rows = local axes: x along the member, y horizontal, z as upright as can be.
+    """R (3, 3) of a member from `start` to `end` (3,) [m], rows = local axes: x along it, y horizontal, z upwards.
 
-    A vertical member keeps y along global y, so that a rectangle's width is never left to rounding.
+    A vertical member keeps y along global y, or rounding would choose which way a rectangle's width points.
     """
     x = np.subtract(end, start)
     x = x / np.linalg.norm(x)

@@ -18,7 +18,7 @@ COINCIDENT = 1e-9  # two nodes closer than this share of the frame's size are on
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
-    """Linear elastic."""
+    """A linear elastic material."""
 
     E: Annotated[float, Quantity("Pa", above=0)]  # Young's modulus
     G: Annotated[float, Quantity("Pa", above=0)]  # shear modulus
@@ -174,6 +174,7 @@ class FrameModel:
     M: "scipy.sparse.csr_array"  # (6n, 6n), consistent and lumped
 
     def member_of(self, element: int) -> Member:
+        """The member that an element is part of."""
         return self.frame.members[self.member[element]]
 
     def translations(self, node: str) -> np.ndarray:
@@ -189,7 +190,10 @@ class FrameModel:
 
 
 def assemble(frame: Frame) -> FrameModel:
-    """Mesh, element matrices, K and M. Named nodes come first, then the members' interior nodes."""
+    """Mesh, element matrices, K and M of the paper's eq. 15, supports not yet removed.
+
+    Named nodes come first, then the members' interior nodes.
+    """
     xyz, node_index, member_nodes = _mesh(frame)
     elements = np.concatenate([np.column_stack([nodes[:-1], nodes[1:]]) for nodes in member_nodes.values()])
     counts = [member.elements for member in frame.members]

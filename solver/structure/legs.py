@@ -29,7 +29,7 @@ class Largest(NamedTuple):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Legs:
-    """Maps for nl legs, of which no respond each in their own way (mirror images do not).
+    """Maps for nl legs, of which no respond differently: mirror images in y = 0 respond alike.
 
     One after another and foot first they have nn nodes, at nh different heights, and ne elements.
     """
@@ -144,17 +144,17 @@ def outputs(
             raise InputError("platform.legs", name, "must rise: what it does is put out by height")
         shape = shapes.reshape(-1, 6, nm)[nodes, :3]
         legs.append(_Leg(height, shape, moving[elements][:, end], still[elements][:, end]))
-    own, twin, mirrored = _alike(legs)
-    height = _grid(own)
+    distinct, twin, mirrored = _alike(legs)
+    height = _grid(distinct)
     return Legs(
         height=height,
-        place=np.concatenate([np.abs(leg.height[:, None] - height).argmin(axis=1) for leg in own]),
-        ends=np.cumsum([leg.height.size for leg in own]),
+        place=np.concatenate([np.abs(leg.height[:, None] - height).argmin(axis=1) for leg in distinct]),
+        ends=np.cumsum([leg.height.size for leg in distinct]),
         twin=twin,
         mirrored=mirrored,
-        displacement=_innermost(np.concatenate([leg.displacement for leg in own]).transpose(2, 1, 0), 2),
-        fibre=_innermost(np.concatenate([leg.fibre for leg in own]).transpose(3, 2, 0, 1), 2),
-        static_fibre=_innermost(np.concatenate([leg.static for leg in own]).transpose(2, 0, 1), 1),
+        displacement=_innermost(np.concatenate([leg.displacement for leg in distinct]).transpose(2, 1, 0), 2),
+        fibre=_innermost(np.concatenate([leg.fibre for leg in distinct]).transpose(3, 2, 0, 1), 2),
+        static_fibre=_innermost(np.concatenate([leg.static for leg in distinct]).transpose(2, 0, 1), 1),
     )
 
 
@@ -174,12 +174,12 @@ def _grid(legs: list[_Leg]) -> np.ndarray:
 
 
 def _alike(legs: list[_Leg]) -> tuple[list[_Leg], np.ndarray, np.ndarray]:
-    """The legs whose response is their own; which of them each leg follows; which legs are mirrored."""
-    own: list[_Leg] = []
+    """The legs that respond differently; which of them each leg responds like; which legs are mirrored."""
+    distinct: list[_Leg] = []
     twin, mirrored = np.zeros(len(legs), int), np.zeros(len(legs), bool)
     close = SAME * max(np.abs(leg.displacement).max() for leg in legs)
     for i, leg in enumerate(legs):
-        for place, other in enumerate(own):
+        for place, other in enumerate(distinct):
             if not _same_make(leg, other):
                 continue
             same = np.allclose(leg.displacement, other.displacement, rtol=0, atol=close)
@@ -187,9 +187,9 @@ def _alike(legs: list[_Leg]) -> tuple[list[_Leg], np.ndarray, np.ndarray]:
                 twin[i], mirrored[i] = place, not same
                 break
         else:
-            twin[i] = len(own)
-            own.append(leg)
-    return own, twin, mirrored
+            twin[i] = len(distinct)
+            distinct.append(leg)
+    return distinct, twin, mirrored
 
 
 def _same_make(leg: _Leg, other: _Leg) -> bool:

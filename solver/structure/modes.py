@@ -23,14 +23,18 @@ class Modes(NamedTuple):
 
 
 def modes(K: sparse.csr_array, M: sparse.csr_array, free: np.ndarray, count: int | None = None) -> Modes:
-    """The lowest `count` modes (default: all) of (K - ω²M)φ = 0 on the free degrees of freedom."""
+    """The lowest `count` modes (default: all) of (K - ω²M)φ = 0 on the free degrees of freedom: those of eq. 17.
+
+    K, M: sparse (6n, 6n); free: numbers of the degrees of freedom that are not clamped.
+    """
     return modes_in(_columns(free, np.arange(len(free)), np.ones(len(free)), K.shape[0]), K, M, count)
 
 
 def modes_in(basis: sparse.csr_array, K: sparse.csr_array, M: sparse.csr_array, count: int | None = None) -> Modes:
     """The lowest modes within the span of an orthonormal basis, sparse (6n, nb).
 
-    Dense LAPACK: 0.2 s for all 708 modes of a platform, and no convergence to worry about.
+    Dense LAPACK: 0.2 s for all 708 modes of a platform. InputError where the lowest ω² is not above zero: under its
+    weight the frame buckles.
     """
     reduced = [(basis.T @ matrix @ basis).toarray() for matrix in (K, M)]
     window = None if count is None else [0, min(count, basis.shape[1]) - 1]
@@ -42,7 +46,7 @@ def modes_in(basis: sparse.csr_array, K: sparse.csr_array, M: sparse.csr_array, 
 
 
 def static_remainder(model: FrameModel, kept: Modes, load: np.ndarray) -> np.ndarray:
-    """What the left-out modes add quasi-statically: K⁻¹f - Σ φ (φᵀf)/ω² over the kept ones.
+    """What the left-out modes add quasi-statically: K⁻¹f - Σ φ (φᵀf)/ω² over the kept ones (mode acceleration).
 
     Load and answer are (6n,), or (6n, nl) for several loads.
     """
@@ -60,7 +64,7 @@ def mirror(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_array | N
     """Mirror image about the plane y = 0 of every displacement, sparse (6n, 6n).
 
     None if the frame is not symmetric: nodes must pair up, and K, M, the supports and other matrices (6n, 6n),
-    such as the water's, must be their own mirror images.
+    such as the water's, must not change in the mirror.
     """
     size = np.ptp(model.xyz, axis=0).max()
     gap, partner = cKDTree(model.xyz).query(model.xyz * [1, -1, 1])
@@ -74,7 +78,7 @@ def mirror(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_array | N
 
 
 def symmetric_basis(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_array | None:
-    """Orthonormal basis of the displacements that are their own mirror image, sparse (6n, nb).
+    """Orthonormal basis of the displacements symmetric in y = 0, sparse (6n, nb).
 
     Waves along x load a symmetric platform only through these. None if the frame is not symmetric, see mirror.
     """
@@ -88,8 +92,8 @@ def symmetric_basis(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_
     order = np.arange(pair.sum())
     both = _columns(here[pair], order, np.sqrt(0.5) * np.ones(len(order)), len(image.data))
     both = both + _columns(there[pair], order, np.sqrt(0.5) * sign[pair], len(image.data))
-    own = _columns(here[alone], np.arange(alone.sum()), np.ones(alone.sum()), len(image.data))
-    return sparse.csr_array(sparse.hstack([both, own]))
+    in_plane = _columns(here[alone], np.arange(alone.sum()), np.ones(alone.sum()), len(image.data))
+    return sparse.csr_array(sparse.hstack([both, in_plane]))
 
 
 def _columns(rows: np.ndarray, columns: np.ndarray, values: np.ndarray, size: int) -> sparse.csr_array:

@@ -41,7 +41,7 @@ def point_load(model: FrameModel) -> np.ndarray:
 def static(model: FrameModel, load: np.ndarray) -> np.ndarray:
     """Displacement [m, rad] under a load: K d = f on the free degrees of freedom, else zero.
 
-    Load and answer are (6n,), or (6n, nl) for several loads.
+    Load and answer are (6n,), or (6n, nl) for several loads. K without its clamped rows and columns: eq. 15 at rest.
     """
     displacement = np.zeros(np.shape(load))
     K = model.K[model.free][:, model.free].tocsc()

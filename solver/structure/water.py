@@ -1,4 +1,11 @@
-"""The part of a frame below still water (z = 0): stations for wave loads, added mass, buoyancy."""
+"""The part of a frame below still water (z = 0): stations for wave loads, added mass, buoyancy.
+
+Morison's load per length normal to a member, eq. 16, fluid u, member v:
+
+    f = ½ρ C_D D|u - v|(u - v) + ρπD²/4 [C_M ∂u/∂t - (C_M - 1) ∂v/∂t]
+
+Its last term is the added mass here; `solver.coupled.support` has the others.
+"""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -98,7 +105,7 @@ def drag_matrix(model: FrameModel) -> sparse.csr_array:
 
 
 def _normal_matrix(model: FrameModel, per_length: np.ndarray) -> sparse.csr_array:
-    """∫ c Nᵀ(I - ttᵀ)N dx of c (ns,) at the EXACT stations: normal to the member only."""
+    """∫ c Nᵀ(I - ttᵀ)N dx, sparse (6n, 6n), of c (ns,) at the EXACT stations: normal to the member only."""
     at = stations(model, EXACT)
     normal = np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
     matrices = (per_length * at.weight)[:, None, None] * (at.shape.transpose(0, 2, 1) @ normal @ at.shape)
@@ -107,7 +114,7 @@ def _normal_matrix(model: FrameModel, per_length: np.ndarray) -> sparse.csr_arra
 
 @lru_cache(maxsize=8)
 def buoyancy(model: FrameModel, density: float, g: float) -> np.ndarray:
-    """Buoyancy ρgA of each element's own material below z = 0, local axes [N, N m], (ne, 12).
+    """Buoyancy ρgA of each element's material below z = 0, local axes [N, N m], (ne, 12).
 
     Every member below still water displaces water, with or without water coefficients; a tube is
     flooded.

@@ -60,13 +60,13 @@ def benchmarks() -> list[Check]:
         quantity = "energy gained or lost [J]"
         checks.append(Check(case=case, quantity=quantity, ours=drift, published=0.0, allowed=9.81e-3))
     figure, (left, right) = drawing.axes(2, width=5)
-    for axes, (t, x, y), at in (
+    for axes, (t, x, y), printed in (
         (left, (swing.time, *swing.position[:, 0, :2].T), [(t, *xy) for t, xy in PENDULUM.items()]),
         (right, (run.time, *tip(run)[:, :2].T), [(10.0, *FOUR_BAR)]),
     ):
         axes.plot(t, x, color=BLUE, lw=1.2, label="ours, x")
         axes.plot(t, y, color=ORANGE, lw=1.2, label="ours, y")
-        when, ex, why = np.array(at).T
+        when, ex, why = np.array(printed).T
         axes.plot(when, ex, "o", color=RED, label="library", **MARK)
         axes.plot(when, why, "o", color=RED, **MARK)
         axes.set(xlabel="time [s]", ylim=(-1.15, 1.4))

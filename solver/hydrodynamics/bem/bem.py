@@ -34,7 +34,7 @@ METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-
 NEXT_SMOOTH, NEXT_EDGED = 4, 3
 TWO_MESHES = 0.5  # of the h² error, that is left of it at edges: measured on cylinders of draft 0.5 and 2 radii
 ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
-AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved as given
+AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
 
 
 # A + iB/ω (nw, n, n), A∞ (n, n), diffraction force (nw, n), and the number of panels on hulls.
@@ -86,7 +86,7 @@ def solve(
     """Coefficients of `hulls` at `centres` (nb, 3) [m] in water of `depth` [m, may be inf].
 
     Each is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many. A hull
-    that is a mesh is solved as given, or halved until it has panels / 4, and with all sides halved once more.
+    that is a mesh is solved as it is, or halved until it has panels / 4, and with all sides halved once more.
     """
     centres = np.asarray(centres, float).reshape(-1, 3)
     omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
@@ -260,7 +260,7 @@ def _coefficients(
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:
-    # Reciprocity holds for the exact potential; collocation misses it by a part of its own error.
+    # Reciprocity holds for the exact potential; collocation misses it by a part of its error.
     return (matrix + matrix.T) / 2
 
 
@@ -279,7 +279,7 @@ def _extrapolated(
     """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
-    solution is its own limit, and how far off follows from its panels alone.
+    solution counts as its limit, and how far off follows from its panels alone.
     """
     *finest, count = solutions[0]
     if len(solutions) == 1:

@@ -9,7 +9,7 @@ import numpy as np
 
 from solver.hydrodynamics.hull.surface import merged
 
-# Mean square of what the exponentials in the finite-depth function may miss, the least that they meet: capytaine's own
+# Mean square of what the exponentials in the finite-depth function may miss, the least that they meet: capytaine's
 # 1e-4 is noise of 1 % and more in the coefficients of bodies a few radii above the seabed.
 FITTED = 1e-8, 1e-6, 1e-4
 
@@ -33,7 +33,9 @@ def green_function() -> Any:
 def _exponentials(
     function: Callable[[np.ndarray], np.ndarray], *, tol: float, **domain: Any
 ) -> tuple[np.ndarray, np.ndarray]:
-    """In place of capytaine's: amplitudes and growth rates for the first of FITTED that is met; tol: its own."""
+    """In place of capytaine's: amplitudes and growth rates for the first of FITTED that is met;
+    tol: capytaine's, not used.
+    """
     prony = _capytaine().tools.prony_decomposition
     for closest in FITTED:
         # It draws the points of its fit at random: the same numbers for each fit, on every machine.

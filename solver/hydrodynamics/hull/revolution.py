@@ -216,7 +216,7 @@ class Revolution:
 
     @property
     def symmetry(self) -> tuple[bool, bool]:
-        """Whether the hull is its own mirror image in x = 0, and in y = 0."""
+        """Whether the hull is symmetric in x = 0, and in y = 0."""
         return True, True
 
     @property

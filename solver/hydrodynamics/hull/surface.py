@@ -1,6 +1,6 @@
 """Surfaces of triangles and quadrilaterals: mending, clipping, splitting.
 
-Indexed: vertices (nv, 3) [m], faces (nf, 4); loose: panels (n, 4, 3) [m], each with its own corners.
+Indexed: vertices (nv, 3) [m], faces (nf, 4); loose: panels (n, 4, 3) [m], corners not shared.
 Corners run counter-clockwise seen from the water; a triangle gives its last corner twice.
 """
 
@@ -41,7 +41,7 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
 
 
 def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Coinciding points made one, panels without area or given twice left out; and what was done."""
+    """Coinciding points made one, panels without area and duplicates left out; and what was done."""
     extent = np.ptp(vertices[faces.ravel()], axis=0).max()
     near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
     links = scipy.sparse.coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(vertices),) * 2)

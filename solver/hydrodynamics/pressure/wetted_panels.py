@@ -43,6 +43,7 @@ class PanelsRoom(NamedTuple):
 
 
 def panels_room(rule: WettedPanels) -> PanelsRoom:
+    """Scratch for these triangles, all of them cut."""
     vertices, triangles = len(rule.vertices), len(rule.corners)
     return PanelsRoom(np.empty((3, vertices)), np.empty((7, 6 * triangles)), np.empty((2, 2 * triangles)))
 
