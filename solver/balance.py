@@ -1,4 +1,4 @@
-"""What is odd about a scene and yet no error: floats out of equilibrium, mended hulls, records cut short."""
+"""Warnings about a scene: floats out of equilibrium, mended hulls, records cut short."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What can go wrong, as types: bad input, and a simulation that cannot go on."""
+"""Types of errors: bad input, and a simulation that cannot go on."""
 
 from collections.abc import Iterable
 
@@ -20,15 +20,15 @@ class InputError(ValueError):
 
 
 def refuse(problems: Iterable[InputError]) -> None:
-    """Raise the first of the problems, which knows the others; nothing if there are none."""
+    """Raise the first of the problems, with the others in its `others`; return if there are none."""
     if problems := tuple(problems):
         problems[0].others = problems[1:]
         raise problems[0]
 
 
 class SimulationFailed(RuntimeError):
-    """The time loop stopped early: what, when, and what would help."""
+    """The time loop stopped early; the message names the quantity, the time and a remedy."""
 
 
 class StepTooLong(SimulationFailed):
-    """Among these, the one that a smaller step may help."""
+    """A failed simulation that may succeed with a smaller step."""

@@ -10,7 +10,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Compiler(Protocol):
-    """numba's decorator, bare or with options: what it compiles is called as before."""
+    """numba's decorator, bare or with options; the compiled function keeps its signature."""
 
     @overload
     def __call__(self, function: Function) -> Function: ...

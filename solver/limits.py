@@ -1,4 +1,4 @@
-"""How far a scene's model holds: bounds on every coordinate, and what a run that passes one is told."""
+"""Bounds on every coordinate, within which a scene's model holds, and the message of a run that passes one."""
 
 import numpy as np
 
@@ -34,9 +34,9 @@ def _extent(platform: Platform) -> float:
 
 
 def field_error(scene: Scene, bodies: Bodies, field: WaveField, terms: int, furthest: np.ndarray) -> float:
-    """What a series of so many terms leaves out of the waves at a hull at most, of the sum of amplitudes.
+    """Largest error of the local wave field on a hull, as a share of the sum of amplitudes, for `terms` of its series.
 
-    Where the coordinates have been within ± furthest (nz,) [m or rad].
+    furthest (nz,): largest magnitude of each coordinate so far [m or rad].
     """
     reached = [f.hull.size + _way(bodies, b, furthest) for b, f in enumerate(scene.floats) if bodies.nonlinear[b]]
     return max((field.left_out(terms, radius) for radius in reached), default=0.0)
@@ -82,7 +82,7 @@ def straight_down(item: Float) -> float:
 
 
 def explain(scene: Scene, joints: np.ndarray, bounds: np.ndarray, when: str) -> str:
-    """What passed its bound; joints (nj,) where the run stopped, bounds (nz, 2)."""
+    """The message that names the coordinate beyond its bound; joints (nj,) where the run stopped, bounds (nz, 2)."""
     names = [f"{f.name} {axis}" for f in scene.floats for axis in f.motion]
     for name, value, (low, high) in zip(names, joints, bounds[len(bounds) - len(names) :], strict=True):
         if not low < value < high:

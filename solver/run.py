@@ -55,11 +55,11 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
 
 
 def _content(_settings: Settings, _told: Mapping[str, float]) -> None:
-    """With whatever a run tells of its errors."""
+    """No other settings, whatever the estimated errors are."""
 
 
 def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record | Settings:
-    """With a quarter of the step: 4⁴ times less error, so Newton's tolerance falls as much, 4² of it with the step."""
+    """The record with a quarter of the step; of Newton's tolerance, to fall by 4⁴ as the error does, 4² come with it."""
     s = scene.settings
     finer = replace(s, time_step=s.time_step / 4, newton_tolerance=s.newton_tolerance / 4**2)
     try:
@@ -71,7 +71,7 @@ def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Rec
 def _run(
     scene: Scene, hydrodynamics: Hydrodynamics | None, better: Callable[..., Settings | None] = _content
 ) -> Record | Settings:
-    """The record; or other settings, where `better` has some once the run's start has told its errors."""
+    """The record; or other settings, where `better` chooses some by the errors estimated from the run's start."""
     if scene.settings.paths.formulation == "augmented":
         from solver.reference.run import simulate_reference  # rarely asked for, and 40 ms to import
 

@@ -5,7 +5,7 @@ import numpy as np
 from solver.kernels import lean_kernel
 
 STATISTICS = ("max", "min", "mean", "rms", "std")
-FAINT = 1e-3  # share of the largest of its kind below which a channel is nothing of interest
+FAINT = 1e-3  # share of the largest of its kind below which a channel counts as zero
 
 
 class Statistics:

@@ -115,7 +115,7 @@ def _axis(item: Float, name: str) -> tuple[bool, np.ndarray]:
 
 
 def joint_law(floats: Iterable[Float], carriers: int = 0) -> JointLaw:
-    """Of all axes of the floats' joints, after so many coordinates of carriers, which no law holds."""
+    """The law of all joints' axes; on the `carriers` coordinates before them it is zero."""
     names = {"pto": "pto_damping", "damping": "damping", "quadratic": "quadratic_damping", "spring": "stiffness"}
     return JointLaw(**{part: _per_axis(floats, name, carriers) for part, name in names.items()})
 
@@ -138,7 +138,7 @@ def _rule(hull: Revolution, scene: Scene, field: WaveField) -> WettedQuadrature:
 
 
 def rules(scene: Scene, field: WaveField) -> dict[str, Any]:
-    """How the pressure on each float is integrated: those fields of Bodies."""
+    """Fields of Bodies by which the pressure on each float is integrated."""
     quadratures = [None if isinstance(f.hull, PanelHull) else _rule(f.hull, scene, field) for f in scene.floats]
     return {
         "meshed": np.array([r is None for r in quadratures], bool),
@@ -213,7 +213,7 @@ def structure(support: Support | None, damping_ratio: float) -> Structure:
 def memory(fit: RadiationMemory | None, dt: float, directions: int) -> Memory:
     """Exact propagation of ṙ = βr + v over half and whole steps for v quadratic in time.
 
-    Without a fit nothing is remembered of the `directions` that could radiate.
+    Without a fit the memory of all `directions` is zero.
     """
     if fit is None:
         none, still = np.zeros((0, directions, directions), complex), np.zeros((2, 2, directions, directions))

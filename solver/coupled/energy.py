@@ -1,4 +1,4 @@
-"""Where a run's energy goes: works by name, what is stored, and by how much the balance of both is open."""
+"""Energy balance of a run: works by name, stored energy, and the gap between them."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ AT_START, SCALE, GAP = range(3)
 
 @lean_kernel
 def stored(bodies: Bodies, structure: Structure, state: State, z: np.ndarray, dz: np.ndarray, motion: Motion) -> float:
-    """In floats and modes [J], radiation memory excluded; z, dz (nz,) and motion are the state's."""
+    """Energy stored in floats and modes [J], radiation memory excluded; z, dz (nz,) and motion are the state's."""
     total = stored_energy(bodies, z, dz, motion)
     for m in range(structure.omega.size):
         total += 0.5 * (state.dp[m] ** 2 + (structure.omega[m] * state.p[m]) ** 2)

@@ -71,7 +71,7 @@ class Output(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """A system, and steps of one length: what does not change while it marches."""
+    """Constants of a march: the arrays of a system, and steps of one length."""
 
     bodies: Bodies
     structure: Structure
@@ -105,7 +105,7 @@ def new_problem(
     tolerance: float,
     iterations: int,
 ) -> Problem:
-    """Of steps of dt; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
+    """Constants for steps of dt [s]; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
     nz = bodies.mechanism.size
     inverse, H = flexibility(structure, dt)
     constant = np.empty((2 * nz, 2 * nz))
@@ -139,8 +139,8 @@ def march(
 ) -> tuple[int, int, int]:
     """Advance `state` through all samples of `drive`; return (outcome, sample, iterations used).
 
-    room: see new_workspace. Every WATCH steps the energy balance is looked at: what opened up to step `quiet`, under
-    the jolt of the start, it may keep. On an outcome other than OK, `sample` is where the run stopped; a state is
+    room: see new_workspace. Every WATCH steps the energy balance is checked; a gap from before step `quiet`, by
+    the jolt of the start, is not counted. On an outcome other than OK, `sample` is where the run stopped; a state is
     never left with NaN unnoticed.
     """
     used = spent = 0
@@ -183,7 +183,7 @@ def _begin(problem: Problem, state: State, room: Workspace) -> None:
 
 @kernel(inline="always")
 def _balanced(problem: Problem, state: State, room: Workspace, settling: bool) -> bool:
-    """Whether the energy balance is open by no more than it may be; what it is open by while `settling` it may keep."""
+    """Whether the gap of the energy balance has not grown by more than GROSSLY since the end of `settling`."""
     start, motion = room.start, room.stage.motion[1]
     now = stored(problem.bodies, problem.structure, state, start.z, start.dz, motion)
     gap = open_by(state.work, now, state.energy)
@@ -223,7 +223,7 @@ def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: W
 
 @kernel(inline="always")
 def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> None:
-    """What is dear and varies slowly, pressure and drag, where the stages are."""
+    """Pressure and drag where the stages are: expensive, and slowly varying."""
     stage = room.stage
     stage.drag[:] = 0.0
     for s in range(2):
@@ -266,7 +266,7 @@ def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
 
 @kernel(inline="always")
 def _within(limit: np.ndarray, z: np.ndarray) -> bool:
-    """Whether all coordinates are within their limits, and numbers."""
+    """Whether all coordinates are within their limits, and none is NaN."""
     within = True
     for i in range(z.size):
         within = within and limit[i, 0] < z[i] < limit[i, 1]

@@ -12,7 +12,7 @@ from solver.multibody.minimal import Bodies, Coordinates, Loads, Motion, WaterLo
 
 
 class State(NamedTuple):
-    """What one step hands to the next; arrays are updated in place."""
+    """Coordinates, rates, loads and works at the end of a step, where the next one starts; updated in place."""
 
     z: np.ndarray  # (nj,) joint coordinates
     dz: np.ndarray  # (nj,)
@@ -36,7 +36,7 @@ class Start(NamedTuple):
 
 
 class Stages(NamedTuple):
-    """Two rows, one for each stage."""
+    """Unknowns and loads at the two stages, one row each."""
 
     motion: tuple[Motion, Motion]
     z: np.ndarray  # (2, nz)
@@ -134,7 +134,7 @@ def collocate(structure: Structure, inverse: np.ndarray, dt: float, state: State
 
 @kernel(inline="always")
 def follow(bodies: Bodies, memory: Memory, stage: Stages) -> None:
-    """Bodies at the stages, and the memory's load of their velocities."""
+    """Move the bodies to the stages, and evaluate the memory's load of their velocities."""
     for s in range(2):
         move(bodies, stage.z[s], stage.dz[s], stage.motion[s])
         velocity = stage.motion[s].active_velocity

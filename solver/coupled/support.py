@@ -46,7 +46,7 @@ class Support:
 
 @lru_cache(maxsize=KNOWN)
 def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarray, float]:
-    """Frame (softened by gravity if asked), its static displacement, and the buckling factor."""
+    """Frame (softened by gravity if the platform asks for it), its static displacement, and the buckling factor."""
     model = assemble(platform.frame)
     load = static_load(model, sea)
     at_rest = statics.static(model, load)

@@ -1,4 +1,4 @@
-"""A scene as arrays: what does not change during a run, where it starts, and the march block by block."""
+"""A scene as arrays: constants of a run, its initial state, and the march block by block."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -78,13 +78,13 @@ class System:
 
     @property
     def terms(self) -> int:
-        """Of the local wave field around each float."""
+        """Number of terms of the local wave field around each float."""
         at = self.layout.field
         return (at.stop - at.start) // max(2 * len(self.scene.floats), 1)
 
     @property
     def least_energy(self) -> float:
-        """What the balance is judged against where less is exchanged [J]: BALANCE of it is open in any case.
+        """Least scale of the energy balance [J]: rounding and Newton's tolerance open it by BALANCE of that.
 
         Newton's tolerance τ leaves open τ² Σ|Kᵢᵢ| (the signs: what rests on springs alone may be unstable beside),
         and rounding a share of the weights' energy, which buoyancy's work cancels.
@@ -147,7 +147,7 @@ class System:
 
 
 def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
-    """Everything that does not change during the run."""
+    """The scene as arrays; InputError for coefficients of another scene."""
     settings, water = scene.settings, scene.water
     if hydrodynamics is not None and scene.floats:
         _check_same(scene, hydrodynamics)
@@ -189,7 +189,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
 
 
 def _check_same(scene: Scene, h: Hydrodynamics) -> None:
-    """Coefficients of other floats, other water or other waves would go unnoticed."""
+    """Refuse coefficients of other floats, other water or other waves than the scene's."""
     water, places = scene.water, np.array([f.centre for f in scene.floats])
     pairs = {
         "floats": (len(places), len(h.centres)),
@@ -299,7 +299,7 @@ def energy_residual(work: np.ndarray, stored: float, exchanged: np.ndarray, allo
 
 
 def unbalanced(gap: float, limit: float, t: float, system: System) -> StepTooLong:
-    """What a run is told whose energy balance is open by too large a share of the wave's work."""
+    """The error of a run whose energy balance is open by too large a share of the wave's work."""
     return StepTooLong(
         f"energy balance at t = {t:.1f} s open by {gap:.1e} of the wave's work, > {limit:g}: reduce time_step ="
         f" {system.dt:g} s and newton_tolerance = {system.scene.settings.newton_tolerance:g}"

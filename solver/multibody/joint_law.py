@@ -15,7 +15,7 @@ from solver.kernels import kernel
 
 
 class JointLaw(NamedTuple):
-    """Of n axes; per m/s and m of those that slide, per rad/s and rad of those that turn."""
+    """Coefficients of n axes: [N s/m], [N s²/m²] and [N/m] of those that slide, [N m s/rad] ... of those that turn."""
 
     pto: np.ndarray  # (n,) linear damping that is absorbed power
     damping: np.ndarray  # (n,) other linear damping
@@ -48,7 +48,7 @@ def axis_load(law: JointLaw, i: int, y: float, dy: float) -> AxisLoad:
 
 @kernel(inline="always")
 def axis_energy(law: JointLaw, i: int, y: float) -> float:
-    """Stored in axis i at position y [J]."""
+    """Energy stored in axis i at position y [J]."""
     return 0.5 * law.spring[i] * y * y
 
 
@@ -71,7 +71,7 @@ def joint_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> JointLoads:
 
 @kernel
 def joint_energy(law: JointLaw, y: np.ndarray) -> float:
-    """Stored in all axes at positions y (n,) [J]."""
+    """Energy stored in all axes at positions y (n,) [J]."""
     energy = 0.0
     for i in range(y.size):
         energy += axis_energy(law, i, y[i])

@@ -23,7 +23,7 @@ class Axes(NamedTuple):
 
 
 class Node(NamedTuple):
-    """What carries the hinge, there: position (3,), rotation (3, 3), velocity and acceleration (6,)."""
+    """The frame that carries a hinge, at the hinge: position (3,), rotation (3, 3), velocity and acceleration (6,)."""
 
     position: np.ndarray
     rotation: np.ndarray

@@ -145,7 +145,7 @@ class ElasticSupport:
         return Frames(self.nodes + six[0, :, :3], rotation, velocity, acceleration)
 
     def carried(self, stage: int, load: np.ndarray, reaction: np.ndarray) -> None:
-        """Take in the constraints' loads (nb, 6) on the nodes and the reaction of what acts on the axes."""
+        """Take in the constraints' loads (nb, 6) on the nodes and the reaction (nb, 6) of springs and dampers."""
         nb, total = len(self.nodes), load + reaction
         coordinates = np.zeros((nb, 6))
         angles = np.zeros((nb, 6))

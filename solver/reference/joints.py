@@ -143,7 +143,7 @@ def _unit(axis: ArrayLike) -> np.ndarray:
 
 
 def _held_points(slides: Sequence[np.ndarray], inner: bool) -> list[Part]:
-    """What keeps the points together but for the slides."""
+    """Equations that keep the points together, except along the slides."""
     if not slides:
         return [(POINT, np.zeros(3), np.zeros(3), False)]
     normals = {1: across(slides[0]), 2: [_unit(np.cross(slides[0], slides[-1]))] if len(slides) == 2 else (), 3: ()}
@@ -151,7 +151,7 @@ def _held_points(slides: Sequence[np.ndarray], inner: bool) -> list[Part]:
 
 
 def _held_turns(turns: Sequence[np.ndarray]) -> list[Part]:
-    """What keeps the directions but for the turns."""
+    """Equations that keep the directions, except about the turns."""
     if len(turns) == 0:
         x, y, z = np.eye(3)
         return [(SQUARE, x, y, False), (SQUARE, x, z, False), (SQUARE, y, z, False)]

@@ -131,7 +131,7 @@ class PressureForce:
 
 @lru_cache(maxsize=8)
 def _revolved(hull: Revolution, panels: tuple[int, int], planar: bool) -> tuple[Mesh, np.ndarray]:
-    """The hull's panels and the factors of their load: of a hull symmetric in y = 0 one half, where nothing crosses."""
+    """A hull's panels and the factors (6,) of their load; in a planar scene one half, if no panel crosses y = 0."""
     whole = revolution_mesh(hull, along=panels[0], around=panels[1])
     part = half(whole) if planar else None
     return (whole, np.ones(6)) if part is None else (part, IN_PLANE)
@@ -177,7 +177,7 @@ def _keeps(turn: np.ndarray, slides: np.ndarray) -> bool:
 
 
 class Floats:
-    """All that loads the floats: see `augmented.Surroundings`. Keeps what the record is made of."""
+    """Surroundings of the floats: water, joints and support, and the samples that the record needs."""
 
     def __init__(
         self,
@@ -235,7 +235,7 @@ class Floats:
         return self.support.frames(stage)
 
     def node(self, b: int, frames: Frames) -> Node:
-        """What carries float b, at its hinge."""
+        """The frame that carries float b, at the hinge."""
         hinge, s = np.array(self.scene.floats[b].hinge, float), self.carriers[b]
         if s >= 0:
             return joint_axes.on_body(hinge - self.scene.floats[s].centre, *(x[s] for x in frames))

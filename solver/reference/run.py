@@ -252,7 +252,7 @@ def _elevation(case: Case, times: np.ndarray) -> np.ndarray:
 
 
 def _works(case: Case) -> np.ndarray:
-    """As WORKS [J]."""
+    """Works (len(WORKS),) in the order of WORKS [J]."""
     work = case.floats.work.copy()
     work[[FRAME_INERTIA, STRUCTURAL, FRAME_DRAG]] = case.support.work
     return work
@@ -282,7 +282,7 @@ def _probe_steps(case: Case) -> int:
 def _errors(
     case: Case, h: Hydrodynamics | None, probe: Recorder, options: dict[str, Any], tolerance: float
 ) -> dict[str, float]:
-    """Of the step, by a run with half of it; and of the BEM."""
+    """Estimated errors of the step, by a run with half of it, and of the BEM."""
     s, order = case.scene.settings, 2 * options["stages"] - 2
     short = replace(probed(case.scene, _probe_steps(case)).settings, time_step=s.time_step / 2)
     half = _case(replace(case.scene, settings=short), h, **options)

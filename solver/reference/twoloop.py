@@ -202,7 +202,7 @@ def _evaluated(
     surroundings: Surroundings,
     tolerance: float,
 ) -> tuple[MechanismState, Sample]:
-    """As `evaluate` at when = (t, dt); a pose that its equations cannot be solved for is an outcome."""
+    """As `evaluate` at when = (t, dt); StepTooLong where its equations are singular."""
     try:
         return evaluate(system, state, stage, when[0], surroundings, tolerance)
     except np.linalg.LinAlgError as error:
@@ -216,7 +216,7 @@ def _largest(*changes: np.ndarray | float) -> float:
 
 
 def _lost(change: float, t: float, dt: float) -> StepTooLong:
-    """What a run is told whose outer loop does not settle."""
+    """The error of a run whose outer loop does not settle."""
     trouble = "runs away" if np.isfinite(change) else "is not finite"
     if change < LOST:
         trouble = f"does not settle in {OUTER} iterations"
@@ -258,7 +258,7 @@ class PrescribedSurroundings:
         return self.forces(t, frames)
 
     def carried(self, _stage: int, _frames: Frames, _held: np.ndarray, _load: np.ndarray) -> None:
-        """Nothing asks for it."""
+        """Not used."""
 
     def finish(self) -> None:
         """Nothing to carry on."""

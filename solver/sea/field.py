@@ -1,4 +1,4 @@
-"""Everything that the incident wave drives, as rows of one matrix.
+"""Quantities that the incident wave drives, as rows of one matrix.
 
 Each linear quantity of the sea (elevation, a coefficient of the local pressure field, a
 particle velocity, a diffraction force) is y(t) = Re Σᵢ Wᵢ exp(-iωᵢt) with a complex
@@ -111,7 +111,7 @@ class WaveField:
         return low
 
     def left_out(self, terms: int, radius: float) -> float:
-        """What `terms` leave out within `radius` [m] at most, of Σ|aᵢ|; nothing without waves."""
+        """Bound on the tail after `terms` within `radius` [m], as a share of Σ|aᵢ|; 0 without waves."""
         return self._tail(terms, radius) if self.sea.amplitude.any() else 0.0
 
     def _tail(self, n: int, radius: float) -> float:

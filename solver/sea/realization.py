@@ -18,7 +18,7 @@ class Realization:
 
     omega (n,) [rad/s], amplitude (n,) complex a = A e^{iε} [m], heading β [rad].
     repeat_period [s]: after this time the record repeats (inf for random intervals).
-    notes: what a user should know of how the components came about.
+    notes: sentences for the user on how the components came about.
     """
 
     omega: np.ndarray
@@ -82,7 +82,7 @@ def realize(
 
 
 def require_rising(band: tuple[float, float]) -> None:
-    """Refuse a band that is none."""
+    """Refuse a band [rad/s] that does not rise from above 0."""
     if not 0 < band[0] < band[1]:
         raise InputError("band", list(band), "must rise: 0 < low < high [rad/s]")
 

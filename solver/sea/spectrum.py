@@ -10,7 +10,7 @@ from solver.quantities import require_positive
 
 
 class Spectrum(Protocol):
-    """What a realization needs of a spectrum."""
+    """A spectrum, as realizations ask for it."""
 
     def density(self, omega: np.ndarray) -> np.ndarray:
         """S(ω) [m² s/rad], one-sided, for ω [rad/s]."""

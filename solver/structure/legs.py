@@ -1,4 +1,4 @@
-"""What is put out along the legs: displacements and fibre stresses as linear maps of modal amplitudes."""
+"""Output along the legs: displacements and fibre stresses as linear maps of modal amplitudes."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -45,12 +45,12 @@ class Legs:
 
     @property
     def nodes(self) -> list[slice]:
-        """Of each of the no legs."""
+        """Each of the no legs' nodes among the nn."""
         return [slice(*pair) for pair in pairwise([0, *self.ends])]
 
     @property
     def element_ends(self) -> list[slice]:
-        """Of each of the no legs, with one element less than nodes."""
+        """Each of the no legs' element ends, two of every element; a leg has one element less than nodes."""
         return [slice(2 * (at.start - leg), 2 * (at.stop - leg - 1)) for leg, at in enumerate(self.nodes)]
 
     def nothing(self) -> Largest:
@@ -108,7 +108,10 @@ def _respond(
 
 @fast_lean_kernel(inline="always")
 def _take(new: float, j: int, largest: np.ndarray, last: np.ndarray) -> None:
-    """A value >= 0, and the parabola through it and the two before: it rises above them by an eighth at most."""
+    """Raise largest[j] to a sample >= 0, or to the vertex of the parabola through it and the two before.
+
+    The vertex lies above the middle sample by an eighth at most.
+    """
     older, old = last[0, j], last[1, j]
     last[0, j], last[1, j] = old, new
     largest[j] = max(largest[j], new)
@@ -117,7 +120,7 @@ def _take(new: float, j: int, largest: np.ndarray, last: np.ndarray) -> None:
 
 
 def at_nodes(ends: np.ndarray) -> np.ndarray:
-    """Of the values (…, ne, 2) at the elements' ends, the larger of those that meet at each node, (…, ne + 1)."""
+    """The larger of the two values that meet at each node (…, ne + 1), from values (…, ne, 2) at element ends."""
     first, last = ends[..., :1, 0], ends[..., -1:, 1]
     return np.concatenate([first, np.maximum(ends[..., 1:, 0], ends[..., :-1, 1]), last], axis=-1)
 
@@ -201,7 +204,7 @@ def _same_make(leg: _Leg, other: _Leg) -> bool:
 
 
 def _stress(fibre: np.ndarray) -> np.ndarray:
-    """Of the most compressive fibre, of N/A, c My/Iy and c Mz/Iz (…, 3) [Pa]."""
+    """Stress [Pa] of the most compressive fibre, from N/A, c My/Iy and c Mz/Iz (…, 3) [Pa]."""
     return fibre[..., 0] - np.hypot(fibre[..., 1], fibre[..., 2])
 
 

@@ -144,7 +144,7 @@ class _Sea:
         return np.inf if self.seabed_share(k, radius) < DEEP else self.depth
 
     def seabed_share(self, k: float, radius: float) -> float:
-        """What the seabed changes of a coefficient, relatively: (a/h) (kh)^-2.5 + 0.7 (a/h)³.
+        """Relative change of a coefficient by the seabed: (a/h) (kh)^-2.5 + 0.7 (a/h)³.
 
         Its waves fade as exp(-2kh), its images do not: both terms are measured, on hemispheres; the second is
         that of a heaving one's added mass at infinite frequency.
@@ -153,7 +153,7 @@ class _Sea:
         return float(slender * (k * self.depth) ** -2.5 + 0.7 * slender**3)
 
     def seabed_error(self, omega: np.ndarray, radius: float) -> float:
-        """The largest such share where it is left out."""
+        """Largest share of a coefficient that the seabed has at frequencies (nw,) where it is left out."""
         shares = [self.seabed_share(k, radius) for k in (*map(self.wavenumber, omega), np.inf)]
         return max([share for share in shares if share < DEEP], default=0.0)
 
@@ -300,7 +300,7 @@ def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.nda
 def require_solvable(
     hulls: tuple[Hull, ...], centres: np.ndarray, depth: float, omega: np.ndarray, gravity: float, panels: int
 ) -> None:
-    """Refuse what `solve` cannot solve."""
+    """Refuse hulls, places, depth and frequencies that `solve` cannot handle; arguments as there."""
     if len(hulls) != len(centres) or not len(hulls):
         raise InputError("centres", len(centres), f"must be one for each of the {len(hulls)} hulls")
     if np.any(centres[:, 2] != 0):

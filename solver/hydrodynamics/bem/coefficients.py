@@ -57,7 +57,7 @@ class Hydrodynamics:
 
     @property
     def shifted(self) -> "Hydrodynamics":
-        """With coefficients off by their estimated error."""
+        """The same coefficients plus their estimated errors."""
         if self.error is None:
             return self
         return replace(self, **{name: getattr(self, name) + off for name, off in self.error._asdict().items()})
@@ -96,5 +96,5 @@ class Hydrodynamics:
 
 
 def seabed_error(h: Hydrodynamics | None) -> float:
-    """Share of a coefficient that the seabed has at most where the boundary elements left it out."""
+    """Largest share of a coefficient that the seabed has where the boundary elements left it out."""
     return float(h.settings.get("seabed_error", 0.0)) if h is not None else 0.0

@@ -1,4 +1,4 @@
-"""What follows from the exact hull at its mean position, without solving for any potential."""
+"""Froude-Krylov force and hydrostatic stiffness of the exact hull at its mean position: no potential is solved for."""
 
 from collections.abc import Callable, Sequence
 

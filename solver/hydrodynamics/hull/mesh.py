@@ -203,7 +203,7 @@ def mirror_planes(hulls: tuple[Hull, ...], centres: np.ndarray) -> tuple[np.ndar
 
 
 def partner(at: np.ndarray, mirror: np.ndarray) -> np.ndarray:
-    """The body in whose place each body's mirror image lies, (nb,), -1 where there is none."""
+    """Number of the body that lies where each body's mirror image does, (nb,); -1 where none does."""
     gap = np.linalg.norm((at * mirror)[:, None] - at[None], axis=-1)
     return np.where(gap.min(axis=1) < 1e-9 * (1 + np.abs(at).max()), gap.argmin(axis=1), -1)
 

@@ -41,7 +41,7 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
 
 
 def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Coinciding points made one, panels without area and duplicates left out; and what was done."""
+    """Coinciding points made one, panels without area and duplicates left out; and notes of both."""
     extent = np.ptp(vertices[faces.ravel()], axis=0).max()
     near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
     links = scipy.sparse.coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(vertices),) * 2)
@@ -74,7 +74,7 @@ def edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Faces wound alike with normals out of the body, the open edges (ne, 2), and what was done.
+    """Faces wound alike with normals out of the body, the open edges (ne, 2), and notes of what was turned.
 
     A part's volume is ∫ z n_z dS, which a rim at z = 0 leaves unchanged: inside out where it is negative.
     """
@@ -114,7 +114,7 @@ def _column_volume(panels: np.ndarray) -> np.ndarray:
 
 
 def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
-    """Which of `count` faces to turn so that neighbours (n, 2) agree, None if none do; and each one's part."""
+    """Faces to turn (count,) so that neighbours (n, 2) agree, None where no choice does; and each one's part."""
     a, b = neighbours.T if len(neighbours) else np.zeros((2, 0), int)
     graph = scipy.sparse.coo_array((np.ones(len(a)), (a, b)), shape=(count, count)).tocsr()
     parts, part = scipy.sparse.csgraph.connected_components(graph, directed=False)

@@ -89,7 +89,7 @@ def _zeros(poles: np.ndarray, residue: np.ndarray, constant: float) -> np.ndarra
 
 
 def _stable(zeros: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """One of each pair, mirrored to the left, none ringing beyond the data's resolution or faster than they show."""
+    """One zero of each pair, mirrored to Re < 0, with least damping and largest modulus that the data resolve."""
     zeros = zeros[zeros.imag >= 0]
     zeros = zeros * np.minimum(1.0, FASTEST * omega[-1] / np.maximum(np.abs(zeros), 1e-300))
     damping = np.maximum(np.abs(zeros.real), 1e-3 * omega[-1] / omega.size)
