@@ -51,7 +51,7 @@ class CosineTransform:
 class Convolution:
     """History of velocities and the weights of the past for steps of length dt and points c (s,)."""
 
-    def __init__(self, kernel: Kernel, *, dt: float, c: np.ndarray, steps: int):
+    def __init__(self, kernel: Kernel, *, dt: float, c: np.ndarray, steps: int) -> None:
         steps = max(steps, FRESH)
         back = np.arange(steps + 1.0)
         recent, old = (_weights(kernel, dt, c, part, n) for part, n in ((back[:FRESH], DENSE), (back[FRESH:], GAUSS)))
