@@ -5,6 +5,7 @@ importing the package costs nothing.
 """
 
 from importlib import import_module
+from typing import Any
 
 _HOMES = {
     "errors": ("InputError", "SimulationFailed"),
@@ -24,11 +25,11 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = sorted(_HOME)  # noqa: PLE0605
 
 
-def __getattr__(name: str):
+def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module {__name__} has no attribute {name}")
     return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
 
 
-def __dir__():
+def __dir__() -> list[str]:
     return [*globals(), *__all__]

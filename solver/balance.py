@@ -1,4 +1,6 @@
-"""What is odd about a scene and yet no error: floats out of equilibrium, mended hulls, records cut short."""
+"""Warnings about a scene: floats out of equilibrium, mended hulls, records cut short."""
+
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -9,9 +11,9 @@ ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 
 def warnings(scene: Scene) -> tuple[str, ...]:
     """Sentences for the user, the key first."""
-    found = [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
-    found += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
-    return (*found, *(f"sea: {note}" for note in scene.sea.notes))
+    sentences = [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
+    sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
+    return (*sentences, *(f"sea: {note}" for note in scene.sea.notes))
 
 
 def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list[str]:
@@ -21,7 +23,7 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list
     """
     displaced = water.density * item.hull.volume
     told = f"mass {item.mass:g} kg, displaced {displaced:g} kg ({item.mass / displaced - 1:+.2%})"
-    found = []
+    sentences = []
     for name in item.motion:
         weight, buoyancy = (_work(item, name, *load) for load in _loads(item, displaced, water.gravity))
         carried = [f for f in floats if f.on == item.name]
@@ -29,14 +31,14 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list
         excess = abs(weight + buoyancy)
         if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
             moments = f"; {name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
-            found.append(
+            sentences.append(
                 f"floats.{item.name} is out of equilibrium: {told}{'' if name == 'heave' else moments}."
                 " It settles before the run begins"
             )
-    return found
+    return sentences
 
 
-def _loads(item: Float, displaced: float, gravity: float):
+def _loads(item: Float, displaced: float, gravity: float) -> Iterator[tuple[np.ndarray, float]]:
     """Point and vertical force of weight and of buoyancy, at rest."""
     yield item.centre + item.cog, -item.mass * gravity
     yield item.centre + item.hull.buoyancy_point, displaced * gravity
@@ -44,8 +46,8 @@ def _loads(item: Float, displaced: float, gravity: float):
 
 def _lift(item: Float, water: Water, floats: tuple[Float, ...]) -> float:
     """Buoyancy less weight of a float and of all that it carries [N]."""
-    own = (water.density * item.hull.volume - item.mass) * water.gravity
-    return own + sum(_lift(f, water, floats) for f in floats if f.on == item.name)
+    excess = (water.density * item.hull.volume - item.mass) * water.gravity
+    return excess + sum(_lift(f, water, floats) for f in floats if f.on == item.name)
 
 
 def _work(item: Float, name: str, point: np.ndarray, force: float) -> float:

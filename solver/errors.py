@@ -1,4 +1,4 @@
-"""What can go wrong, as types: bad input, and a simulation that cannot go on."""
+"""Types of errors: bad input, and a simulation that cannot go on."""
 
 from collections.abc import Iterable
 
@@ -10,25 +10,25 @@ class InputError(ValueError):
     ``studies/buan.toml: floats.front.mass = -1: must be > 0 kg``.
     """
 
-    def __init__(self, key: str, value: object, limit: str, others: "tuple[InputError, ...]" = ()):
+    def __init__(self, key: str, value: object, limit: str, others: "tuple[InputError, ...]" = ()) -> None:
         super().__init__(f"{key} = {value}: {limit}")
         self.key, self.value, self.limit = key, value, limit
         self.others = others  # what else the same input has wrong
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[type["InputError"], tuple[object, ...]]:
         return type(self), (self.key, self.value, self.limit, self.others)
 
 
 def refuse(problems: Iterable[InputError]) -> None:
-    """Raise the first of the problems, which knows the others; nothing if there are none."""
+    """Raise the first of the problems, with the others in its `others`; return if there are none."""
     if problems := tuple(problems):
         problems[0].others = problems[1:]
         raise problems[0]
 
 
 class SimulationFailed(RuntimeError):
-    """The time loop stopped early: what, when, and what would help."""
+    """The time loop stopped early; the message names the quantity, the time and a remedy."""
 
 
 class StepTooLong(SimulationFailed):
-    """Among these, the one that a smaller step may help."""
+    """A failed simulation that may succeed with a smaller step."""

@@ -1,10 +1,10 @@
-"""How far a scene's model holds: bounds on every coordinate, and what a run that passes one is told."""
+"""Bounds on every coordinate, within which a scene's model holds, and the message of a run that passes one."""
 
 import numpy as np
 
 from solver.multibody.chain import PRISMATIC
 from solver.multibody.minimal import Bodies
-from solver.scene import DOFS, Float, Scene
+from solver.scene import DOFS, Float, Platform, Scene
 from solver.sea.field import WaveField
 
 FALLEN_OVER = np.pi / 2  # diffraction and radiation at rest say nothing of a float that has turned so far [rad]
@@ -16,34 +16,34 @@ ROUGH = 1e-2
 
 def excursions(scene: Scene, field: WaveField, terms: int, carrier_axes: np.ndarray) -> np.ndarray:
     """Least and largest value (nz, 2) [m or rad] of each coordinate, carriers first."""
-    rows = []
-    if carrier_axes.size:
-        size = _extent(scene)
+    rows: list[float] = []
+    if scene.platform is not None:
+        size = _extent(scene.platform)
         rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
     bounds = [(-row, row) for row in rows]
     for item in scene.floats:
         away = field.radius_for(terms, ROUGH) - item.hull.size
-        bounds += [_joint(item, name, away) for name in item.motion]
+        bounds += [_joint_bounds(item, name, away) for name in item.motion]
     return np.array(bounds, float).reshape(-1, 2)
 
 
-def _extent(scene: Scene) -> float:
+def _extent(platform: Platform) -> float:
     """Diagonal of the frame's nodes [m]: displaced by as much, it is no small displacement of a frame."""
-    xyz = np.array(list(scene.platform.frame.nodes.values()))
+    xyz = np.array(list(platform.frame.nodes.values()))
     return float(np.linalg.norm(np.ptp(xyz, axis=0)))
 
 
 def field_error(scene: Scene, bodies: Bodies, field: WaveField, terms: int, furthest: np.ndarray) -> float:
-    """What a series of so many terms leaves out of the waves at a hull at most, of the sum of amplitudes.
+    """Largest error of the local wave field on a hull, as a share of the sum of amplitudes, for `terms` of its series.
 
-    Where the coordinates have been within ± furthest (nz,) [m or rad].
+    furthest (nz,): largest magnitude of each coordinate so far [m or rad].
     """
     reached = [f.hull.size + _way(bodies, b, furthest) for b, f in enumerate(scene.floats) if bodies.nonlinear[b]]
     return max((field.left_out(terms, radius) for radius in reached), default=0.0)
 
 
 def _way(bodies: Bodies, b: int, furthest: np.ndarray) -> float:
-    """How far from rest a float's reference point may get [m]: axis by axis from its own to the support's."""
+    """How far from rest a float's reference point may get [m]: axis by axis, from the joint's last."""
     way = 0.0
     for i in reversed(range(bodies.axes[b])):
         size = furthest[bodies.coordinate[b, i]]
@@ -57,7 +57,7 @@ def slides(name: str) -> bool:
     return name in DOFS[:3]
 
 
-def _joint(item: Float, name: str, away: float) -> tuple[float, float]:
+def _joint_bounds(item: Float, name: str, away: float) -> tuple[float, float]:
     if name != "hinge":
         bound = away if slides(name) else FALLEN_OVER
         return -bound, bound
@@ -82,7 +82,7 @@ def straight_down(item: Float) -> float:
 
 
 def explain(scene: Scene, joints: np.ndarray, bounds: np.ndarray, when: str) -> str:
-    """What passed its bound; joints (nj,) where the run stopped, bounds (nz, 2)."""
+    """The message that names the coordinate beyond its bound; joints (nj,) where the run stopped, bounds (nz, 2)."""
     names = [f"{f.name} {axis}" for f in scene.floats for axis in f.motion]
     for name, value, (low, high) in zip(names, joints, bounds[len(bounds) - len(names) :], strict=True):
         if not low < value < high:

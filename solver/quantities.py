@@ -12,7 +12,7 @@ from solver.errors import InputError, refuse
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """Of a number, or of every number of several: what may follow it in an annotation."""
+    """Unit and range of an input, a number or several: metadata of its annotation."""
 
     unit: str = "-"
     above: float | None = None  # must be >
@@ -22,7 +22,7 @@ class Quantity:
     infinite: bool = False  # may be
 
     def limit(self, values: Any) -> str:
-        """What numbers that are outside the range must be; empty if they are inside."""
+        """The limit that numbers outside the range break, as text; empty if all are inside."""
         bounds = {
             ">": (self.above, np.greater), ">=": (self.least, np.greater_equal),
             "<": (self.below, np.less), "<=": (self.most, np.less_equal),
@@ -37,15 +37,16 @@ class Quantity:
 
 @lru_cache
 def quantities(inputs: type) -> dict[str, Quantity]:
-    """Of the fields of a class of inputs."""
+    """Unit and range of each field of a class of inputs that has them."""
     hints = get_type_hints(inputs, include_extras=True)
     marks = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
     return {name: mark for name, of in marks.items() for mark in of if isinstance(mark, Quantity)}
 
 
 def out_of_range(inputs: Any, key: str) -> Iterator[InputError]:
-    """Every field of inputs that is outside its range; None and words have none."""
-    for name, quantity in quantities(type(inputs)).items():
+    """An error for every field of inputs that is outside its range; None and words are skipped."""
+    marked = quantities(type(inputs))  # type: ignore[arg-type]  # mypy takes the class's __hash__ for its instances'
+    for name, quantity in marked.items():
         value = getattr(inputs, name)
         if value is not None and not isinstance(value, str) and (limit := quantity.limit(np.asarray(value, float))):
             yield InputError(f"{key}.{name}", value, limit)

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -47,17 +48,18 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
         if isinstance(record, Record):
             break
         scene = replace(scene, settings=record)
+    assert isinstance(record, Record)  # the last attempt is content with whatever a run tells
     asked = {} if scene.settings.tolerance is None else {"tolerance": scene.settings.tolerance}
     attrs = {**record.attrs, **asked, "repeated": repeated, "wall_time": time.perf_counter() - clock}
     return replace(record, attrs=attrs)
 
 
 def _content(_settings: Settings, _told: Mapping[str, float]) -> None:
-    """With whatever a run tells of its errors."""
+    """No other settings, whatever the estimated errors are."""
 
 
-def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record:
-    """With a quarter of the step: 4⁴ times less error, so Newton's tolerance falls as much, 4² of it with the step."""
+def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record | Settings:
+    """The record with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone."""
     s = scene.settings
     finer = replace(s, time_step=s.time_step / 4, newton_tolerance=s.newton_tolerance / 4**2)
     try:
@@ -69,7 +71,7 @@ def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Rec
 def _run(
     scene: Scene, hydrodynamics: Hydrodynamics | None, better: Callable[..., Settings | None] = _content
 ) -> Record | Settings:
-    """The record; or other settings, where `better` has some once the run's start has told its errors."""
+    """The record; or other settings, where `better` chooses some by the errors estimated from the run's start."""
     if scene.settings.paths.formulation == "augmented":
         from solver.reference.run import simulate_reference  # rarely asked for, and 40 ms to import
 
@@ -93,7 +95,7 @@ def _run(
     if not residual <= BALANCE:
         raise unbalanced(residual, BALANCE, times[-1], system)
     marched = time.perf_counter()
-    attrs = {
+    attrs: dict[str, Any] = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
         "stored_energy_change": float(stored - state.energy[AT_START]),

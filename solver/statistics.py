@@ -5,7 +5,7 @@ import numpy as np
 from solver.kernels import lean_kernel
 
 STATISTICS = ("max", "min", "mean", "rms", "std")
-FAINT = 1e-3  # share of the largest of its kind below which a channel is nothing of interest
+FAINT = 1e-3  # share of the largest of its kind below which a channel counts as zero
 
 
 class Statistics:
@@ -61,7 +61,7 @@ def apart(table: np.ndarray, exact: np.ndarray, least: float = 0.0) -> float:
 
 
 @lean_kernel(inline="always")
-def vertex(older, old, new):
+def vertex(older: float, old: float, new: float) -> float:
     """Extreme of the parabola through three samples where it lies nearest to the middle one, else that sample.
 
     It does not pass zero where the middle sample does not, so that power stays positive; no channel misses much.
@@ -74,7 +74,7 @@ def vertex(older, old, new):
 
 
 @lean_kernel
-def _extremes(block, last, high, low):
+def _extremes(block: np.ndarray, last: np.ndarray, high: np.ndarray, low: np.ndarray) -> None:
     """Update high and low (n,) with the next samples; `last` (2, n) holds the two before them."""
     for i in range(block.shape[0]):
         for c in range(block.shape[1]):

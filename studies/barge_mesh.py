@@ -9,11 +9,11 @@ LENGTH, WIDTH, HEIGHT, SIDE = 4.0, 3.0, 1.2, 0.25  # m; longest side of a panel
 
 def face(corner: tuple[float, ...], along: tuple[float, ...], up: tuple[float, ...]) -> np.ndarray:
     """Panels (n, 4, 3) of a rectangle; along x up points into the water."""
-    corner, along, up = (np.array(v, float) for v in (corner, along, up))
-    n, m = (int(np.ceil(np.linalg.norm(v) / SIDE)) for v in (along, up))
+    start, side, rise = (np.array(v, float) for v in (corner, along, up))
+    n, m = (int(np.ceil(np.linalg.norm(v) / SIDE)) for v in (side, rise))
     cells = [(i, j) for i in range(n) for j in range(m)]
     steps = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
-    return np.array([[corner + (i + a) / n * along + (j + b) / m * up for a, b in steps] for i, j in cells])
+    return np.array([[start + (i + a) / n * side + (j + b) / m * rise for a, b in steps] for i, j in cells])
 
 
 def quarter() -> np.ndarray:

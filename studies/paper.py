@@ -68,8 +68,8 @@ def change(base: xr.Dataset, other: xr.Dataset, row: Published) -> tuple[float, 
         return None
     new = new.squeeze().isel(seed=kept.values)
     old = old.squeeze().sel(seed=new.seed)
-    seas = [data.Hm0.min("platform").squeeze().sel(seed=new.seed).values for data in (base, other)]
-    same = np.allclose(*seas, rtol=1e-12)
+    first, second = (data.Hm0.min("platform").squeeze().sel(seed=new.seed).values for data in (base, other))
+    same = np.allclose(first, second, rtol=1e-12)
     scatter = (new - old).std(ddof=1) if same else np.hypot(new.std(ddof=1), old.std(ddof=1))
     size = abs(float(old.mean()))
     return float((new.mean() - old.mean()) / size), float(scatter) / size / new.size**0.5

@@ -96,7 +96,7 @@ def judge(parameters: Parameters) -> Sequence[str]:
     scene = scenes.scene(parameters)
     if geometry := geometry_of(parameters):
         arguments = bem_arguments(geometry)
-        bem.check(*(arguments[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
+        bem.require_solvable(*(arguments[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
     return warnings(scene)
 
 

@@ -1,7 +1,7 @@
 """The seam between objects and kernels: a scene becomes the arrays that the march reads."""
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from solver.coupled.modal import Structure
 from solver.coupled.support import PLANAR, Support
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadrature
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
@@ -20,6 +21,7 @@ from solver.multibody.minimal import Bodies
 from solver.scene import DOFS, Float, Scene
 from solver.sea.field import WaveField
 
+Axis = tuple[bool, np.ndarray, tuple[float, float, float], int]  # see _chains
 SPIN = 3  # number of the first rotation among the six DOF
 
 
@@ -49,16 +51,16 @@ def bodies(
     """Arrays of all floats; carrier coordinates only with an elastic support; terms of the local wave field."""
     floats, water = scene.floats, scene.water
     nb = len(floats)
-    own = carrier_axes(scene.planar) if support is not None else np.zeros(0, int)
-    nc = nb * own.size
-    chains = _chains(scene, own)
+    carrier = carrier_axes(scene.planar) if support is not None else np.zeros(0, int)
+    nc = nb * carrier.size
+    chains = _chains(scene, carrier)
     n = max(map(len, chains), default=0)
     kind, coordinate = np.zeros((nb, n), np.int64), np.zeros((nb, n), np.int64)
     direction, point = np.zeros((nb, n, 3)), np.zeros((nb, n, 3))
     for b, chain in enumerate(chains):
-        for i, (turns, *axis) in enumerate(chain):
+        for i, (turns, along, through, number) in enumerate(chain):
             kind[b, i] = REVOLUTE if turns else PRISMATIC
-            direction[b, i], point[b, i], coordinate[b, i] = axis
+            direction[b, i], point[b, i], coordinate[b, i] = along, through, number
     dofs = hydrodynamics.dofs if hydrodynamics else ()
     stiffness, buoyancy = _hydrostatics(scene, hydrodynamics)
     return Bodies(
@@ -85,19 +87,19 @@ def bodies(
         added_mass=added_mass,
         law=joint_law(floats, nc),
         mechanism=_per_axis(floats, "mechanism_inertia", nc),
-        limit=limits.excursions(scene, field, terms, own),
+        limit=limits.excursions(scene, field, terms, carrier),
     )
 
 
-def _chains(scene: Scene, own: np.ndarray) -> list[list[tuple]]:
+def _chains(scene: Scene, freedoms: np.ndarray) -> list[list[Axis]]:
     """Of each float its axes from the support on: whether one turns, direction, point, coordinate.
 
-    First the axes `own` of the support's node, or all those of the float that carries it, which so share coordinates.
+    First the axes `freedoms` of the support's node, or all those of the float that carries it: both share coordinates.
     """
-    chains: list[list[tuple]] = []
-    first = len(scene.floats) * own.size
+    chains: list[list[Axis]] = []
+    first = len(scene.floats) * freedoms.size
     for b, (item, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
-        node = [(d >= SPIN, np.eye(3)[d % 3], item.hinge, b * own.size + i) for i, d in enumerate(own)]
+        node = [(d >= SPIN, np.eye(3)[d % 3], item.hinge, b * freedoms.size + i) for i, d in enumerate(freedoms)]
         joint = [(*_axis(item, name), item.hinge, first + i) for i, name in enumerate(item.motion)]
         chains.append((node if carrier < 0 else chains[carrier]) + joint)
         first += len(item.motion)
@@ -113,7 +115,7 @@ def _axis(item: Float, name: str) -> tuple[bool, np.ndarray]:
 
 
 def joint_law(floats: Iterable[Float], carriers: int = 0) -> JointLaw:
-    """Of all axes of the floats' joints, after so many coordinates of carriers, which no law holds."""
+    """The law of all joints' axes; on the `carriers` coordinates before them it is zero."""
     names = {"pto": "pto_damping", "damping": "damping", "quadratic": "quadratic_damping", "spring": "stiffness"}
     return JointLaw(**{part: _per_axis(floats, name, carriers) for part, name in names.items()})
 
@@ -123,25 +125,25 @@ def _per_axis(floats: Iterable[Float], name: str, carriers: int) -> np.ndarray:
     return np.concatenate([np.zeros(carriers), *(f.per_axis(name) for f in floats)])
 
 
-def _rule(item: Float, scene: Scene, field: WaveField) -> WettedQuadrature:
+def _rule(hull: Revolution, scene: Scene, field: WaveField) -> WettedQuadrature:
     s = scene.settings
     return quadrature(
-        item.hull,
+        hull,
         azimuths=s.azimuths,
         arc_points=s.arc_points,
         line_points=s.line_points,
         half=scene.planar,
-        surface_terms=field.terms_for(item.hull.size, s.field_tolerance),
+        surface_terms=field.terms_for(hull.size, s.field_tolerance),
     )
 
 
-def rules(scene: Scene, field: WaveField) -> dict:
-    """How the pressure on each float is integrated: those fields of Bodies."""
-    own = [None if isinstance(f.hull, PanelHull) else _rule(f, scene, field) for f in scene.floats]
+def rules(scene: Scene, field: WaveField) -> dict[str, Any]:
+    """Fields of Bodies by which the pressure on each float is integrated."""
+    quadratures = [None if isinstance(f.hull, PanelHull) else _rule(f.hull, scene, field) for f in scene.floats]
     return {
-        "meshed": np.array([r is None for r in own], bool),
-        "rule": _stacked(own),
-        "patches": np.array([len(r.patch) if r else 0 for r in own], np.int64),
+        "meshed": np.array([r is None for r in quadratures], bool),
+        "rule": _stacked(quadratures),
+        "patches": np.array([len(r.patch) if r else 0 for r in quadratures], np.int64),
         "panels": _panels(scene, field),
     }
 
@@ -159,18 +161,18 @@ def _panels(scene: Scene, field: WaveField) -> WettedPanels:
     )
 
 
-def _stacked(own: list[WettedQuadrature | None]) -> WettedQuadrature:
+def _stacked(quadratures: list[WettedQuadrature | None]) -> WettedQuadrature:
     """One rule for all floats, patches padded to the longest meridian; meshes have none."""
-    given = [r for r in own if r]
-    if not given:
-        empty = np.zeros(0)
-        nothing = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2)), 0.0
-        return WettedQuadrature(*nothing, *[empty] * 4, False, 1)
-    most = max(len(r.patch) for r in given)
-    return given[0]._replace(
-        patch=np.stack([_padded(r.patch if r else given[0].patch[:0], most) for r in own]),
-        whole=np.stack([_padded(r.whole if r else given[0].whole[:0], most) for r in own]),
-        surface_terms=max(r.surface_terms for r in given),
+    present = [r for r in quadratures if r]
+    if not present:
+        none = np.zeros(0)
+        patch, whole, azimuth = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2))
+        return WettedQuadrature(patch, whole, azimuth, 0.0, none, none, none, none, False, 1)
+    most = max(len(r.patch) for r in present)
+    return present[0]._replace(
+        patch=np.stack([_padded(r.patch if r else present[0].patch[:0], most) for r in quadratures]),
+        whole=np.stack([_padded(r.whole if r else present[0].whole[:0], most) for r in quadratures]),
+        surface_terms=max(r.surface_terms for r in present),
     )
 
 
@@ -178,7 +180,7 @@ def _padded(rows: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate([rows, np.zeros((count - len(rows), *rows.shape[1:]))])
 
 
-def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None):
+def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness (nb, 6, 6) of buoyancy and buoyancy at rest (nb, 6), for linear floats."""
     nb = len(scene.floats)
     stiffness, buoyancy = np.zeros((nb, 6, 6)), np.zeros((nb, 6))
@@ -187,8 +189,8 @@ def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None):
     nr = len(hydrodynamics.dofs)
     index = [DOFS.index(d) for d in hydrodynamics.dofs]
     for b in range(nb):
-        own = slice(b * nr, (b + 1) * nr)
-        stiffness[b][np.ix_(index, index)] = hydrodynamics.hydrostatic_stiffness[own, own]
+        block = slice(b * nr, (b + 1) * nr)
+        stiffness[b][np.ix_(index, index)] = hydrodynamics.hydrostatic_stiffness[block, block]
         x, y, _ = scene.floats[b].hull.buoyancy_point
         buoyancy[b, 2:5] = hydrodynamics.displaced_mass[b] * scene.water.gravity * np.array([1.0, y, -x])
     return stiffness, buoyancy
@@ -211,7 +213,7 @@ def structure(support: Support | None, damping_ratio: float) -> Structure:
 def memory(fit: RadiationMemory | None, dt: float, directions: int) -> Memory:
     """Exact propagation of ṙ = βr + v over half and whole steps for v quadratic in time.
 
-    Without a fit nothing is remembered of the `directions` that could radiate.
+    Without a fit the memory of all `directions` is zero.
     """
     if fit is None:
         none, still = np.zeros((0, directions, directions), complex), np.zeros((2, 2, directions, directions))

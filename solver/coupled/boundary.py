@@ -15,17 +15,17 @@ def needed(scene: Scene) -> bool:
 def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.Hydrodynamics | None:
     """Coefficients of the floats at rest, good for other waves in `band` [rad/s] too; None without floats.
 
-    The frequencies cover the scene's own waves and what the radiation memory needs; a scene that is its
-    own mirror image is solved in its plane alone.
+    The frequencies cover the scene's waves and what the radiation memory needs; a planar scene
+    is solved for surge, heave and pitch alone.
     """
     if not scene.floats:
         return None
     hulls, water = tuple(f.hull for f in scene.floats), scene.water
     centres = np.array([f.centre for f in scene.floats])
-    given = [band] if band else []
+    bands = [band] if band else []
     if scene.sea.amplitude.any():
-        given.append((scene.sea.omega.min(), scene.sea.omega.max()))
-    whole = (float(np.min(given)), float(np.max(given))) if given else None
+        bands.append((scene.sea.omega.min(), scene.sea.omega.max()))
+    whole = (float(np.min(bands)), float(np.max(bands))) if bands else None
     return bem.solve(
         hulls,
         centres,

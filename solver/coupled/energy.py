@@ -1,10 +1,11 @@
-"""Where a run's energy goes: works by name, what is stored, and by how much the balance of both is open."""
+"""Energy balance of a run: works by name, stored energy, and the gap between them."""
 
 import numpy as np
 
-from solver.coupled.modal import carry
+from solver.coupled.modal import Structure, carry
+from solver.coupled.stages import State
 from solver.kernels import kernel, lean_kernel
-from solver.multibody.minimal import move, new_motion, stored_energy
+from solver.multibody.minimal import Bodies, Motion, move, new_motion, stored_energy
 
 # Work [J] of: pressure and excitation, radiation memory, PTO, other losses of the joints,
 # wave inertia on the frame, drag on the frame, structural damping.
@@ -16,8 +17,8 @@ AT_START, SCALE, GAP = range(3)
 
 
 @lean_kernel
-def stored(bodies, structure, state, z, dz, motion):
-    """In floats and modes [J], radiation memory excluded; z, dz (nz,) and motion are the state's."""
+def stored(bodies: Bodies, structure: Structure, state: State, z: np.ndarray, dz: np.ndarray, motion: Motion) -> float:
+    """Energy stored in floats and modes [J], radiation memory excluded; z, dz (nz,) and motion are the state's."""
     total = stored_energy(bodies, z, dz, motion)
     for m in range(structure.omega.size):
         total += 0.5 * (state.dp[m] ** 2 + (structure.omega[m] * state.p[m]) ** 2)
@@ -25,7 +26,7 @@ def stored(bodies, structure, state, z, dz, motion):
 
 
 @kernel
-def energy(bodies, structure, state):
+def energy(bodies: Bodies, structure: Structure, state: State) -> float:
     """Stored energy [J] of floats and modes, radiation memory excluded."""
     nc, nz = structure.carrier.shape[0], bodies.mechanism.size
     z, dz, motion = np.zeros(nz), np.zeros(nz), new_motion(bodies)
@@ -37,7 +38,7 @@ def energy(bodies, structure, state):
 
 
 @lean_kernel
-def open_by(work, now, energy):
+def open_by(work: np.ndarray, now: float, energy: np.ndarray) -> float:
     """Gap [J] of the balance, wave work - (PTO + radiation + drag + structural + change of stored energy).
 
     work (len(WORKS),) since the start and what is stored `now` [J]; energy: see State. Its scale, the largest of

@@ -30,6 +30,7 @@ from solver.coupled.scheme import SIMPSON
 from solver.coupled.stages import (
     Stages,
     Start,
+    State,
     collocate,
     coordinates,
     follow,
@@ -60,22 +61,6 @@ class Drive(NamedTuple):
     station: np.ndarray  # (m, nd, ns) particle velocity normal to the members
 
 
-class State(NamedTuple):
-    """What one step hands to the next; arrays are updated in place."""
-
-    z: np.ndarray  # (nj,) joint coordinates
-    dz: np.ndarray  # (nj,)
-    ddz: np.ndarray  # (3, nj) at the last three samples, newest last
-    p: np.ndarray  # (nm,) modal amplitudes
-    dp: np.ndarray  # (nm,)
-    ddp: np.ndarray  # (nm,)
-    force: np.ndarray  # (3, nm) drag and hinge part of the modal load, last three samples
-    memory: np.ndarray  # (p, na) complex
-    power: np.ndarray  # (len(WORKS),) at the last sample
-    work: np.ndarray  # (len(WORKS),) [J] since the start
-    energy: np.ndarray  # (3,) [J], see AT_START, SCALE, GAP
-
-
 class Output(NamedTuple):
     """Samples after the first: row i belongs to sample i + 1 of the drive."""
 
@@ -86,7 +71,7 @@ class Output(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """A system, and steps of one length: what does not change while it marches."""
+    """Constants of a march: the arrays of a system, and steps of one length."""
 
     bodies: Bodies
     structure: Structure
@@ -110,8 +95,17 @@ class Workspace(NamedTuple):
     pressure: PressureRoom
 
 
-def new_problem(bodies, structure, memory, stiffness, *, dt, tolerance, iterations) -> Problem:
-    """Of steps of dt; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
+def new_problem(
+    bodies: Bodies,
+    structure: Structure,
+    memory: Memory,
+    stiffness: np.ndarray,
+    *,
+    dt: float,
+    tolerance: float,
+    iterations: int,
+) -> Problem:
+    """Constants for steps of dt [s]; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
     nz = bodies.mechanism.size
     inverse, H = flexibility(structure, dt)
     constant = np.empty((2 * nz, 2 * nz))
@@ -120,6 +114,7 @@ def new_problem(bodies, structure, memory, stiffness, *, dt, tolerance, iteratio
 
 
 def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
+    """Scratch for marches of these bodies and modes."""
     nz = bodies.mechanism.size
     return Workspace(
         start=Start(np.empty(nz), np.empty(nz), np.empty(bodies.axes.size * bodies.active.size)),
@@ -132,18 +127,20 @@ def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
 
 
 @lean_kernel(inline="always")
-def _copy(source, target):
-    """target <- source (n,); numba's own assignment allocates, should the two overlap."""
+def _copy(source: np.ndarray, target: np.ndarray) -> None:
+    """target <- source (n,); numba's assignment allocates, should the two overlap."""
     for i in range(target.size):
         target[i] = source[i]
 
 
 @lean_kernel
-def march(problem, drive, state, room, quiet, output):
+def march(
+    problem: Problem, drive: Drive, state: State, room: Workspace, quiet: int, output: Output
+) -> tuple[int, int, int]:
     """Advance `state` through all samples of `drive`; return (outcome, sample, iterations used).
 
-    room: see new_workspace. Every WATCH steps the energy balance is looked at: what opened up to step `quiet`, under
-    the jolt of the start, it may keep. On an outcome other than OK, `sample` is where the run stopped; a state is
+    room: see new_workspace. Every WATCH steps the energy balance is checked; a gap from before step `quiet`, by
+    the jolt of the start, is not counted. On an outcome other than OK, `sample` is where the run stopped; a state is
     never left with NaN unnoticed.
     """
     used = spent = 0
@@ -172,7 +169,7 @@ def march(problem, drive, state, room, quiet, output):
 
 
 @kernel(inline="always")
-def _begin(problem, state, room):
+def _begin(problem: Problem, state: State, room: Workspace) -> None:
     """The first step's start."""
     structure, start, motion = problem.structure, room.start, room.stage.motion[1]
     nc = structure.carrier.shape[0]
@@ -185,8 +182,8 @@ def _begin(problem, state, room):
 
 
 @kernel(inline="always")
-def _balanced(problem, state, room, settling):
-    """Whether the energy balance is open by no more than it may be; what it is open by while `settling` it may keep."""
+def _balanced(problem: Problem, state: State, room: Workspace, settling: bool) -> bool:
+    """Whether the gap of the energy balance has not grown by more than GROSSLY since the end of `settling`."""
     start, motion = room.start, room.stage.motion[1]
     now = stored(problem.bodies, problem.structure, state, start.z, start.dz, motion)
     gap = open_by(state.work, now, state.energy)
@@ -196,7 +193,7 @@ def _balanced(problem, state, room, settling):
 
 
 @kernel(inline="always")
-def _refresh(problem, room):
+def _refresh(problem: Problem, room: Workspace) -> bool:
     """Newton's matrix of the step's start, factored; False when singular."""
     newton = room.newton
     newton_matrix(problem.bodies, room.stage.motion[1], problem.H, problem.constant, newton)
@@ -204,7 +201,7 @@ def _refresh(problem, room):
 
 
 @kernel(inline="always")
-def _converge(problem, drive, sample, state, room):
+def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
     """Newton's method on the stages, of which ½ is at `sample`; (outcome, iterations)."""
     stage, newton, tolerance = room.stage, room.newton, problem.tolerance
     stage.p[:] = np.inf
@@ -225,8 +222,8 @@ def _converge(problem, drive, sample, state, room):
 
 
 @kernel(inline="always")
-def _evaluate(problem, drive, sample, room):
-    """What is dear and varies slowly, pressure and drag, where the stages are."""
+def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> None:
+    """Pressure and drag where the stages are: expensive, and slowly varying."""
     stage = room.stage
     stage.drag[:] = 0.0
     for s in range(2):
@@ -237,7 +234,7 @@ def _evaluate(problem, drive, sample, room):
 
 
 @kernel(inline="always")
-def _update(problem, stage, newton):
+def _update(problem: Problem, stage: Stages, newton: Newton) -> float:
     """Joint accelerations and modal loads by Newton's update; the largest change of a position [m or rad]."""
     nz, (nc, nm) = stage.z.shape[1], problem.structure.carrier.shape
     change = 0.0
@@ -257,7 +254,7 @@ def _update(problem, stage, newton):
 
 
 @kernel(inline="always")
-def _finish(problem, drive, sample, state, room):
+def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
     """Carry the last update, free accuracy, into the stage values and the joints' forces.
 
     Of the accelerations before, those forces are off by mass times the update.
@@ -268,8 +265,8 @@ def _finish(problem, drive, sample, state, room):
 
 
 @kernel(inline="always")
-def _within(limit, z):
-    """Whether all coordinates are within their limits, and numbers."""
+def _within(limit: np.ndarray, z: np.ndarray) -> bool:
+    """Whether all coordinates are within their limits, and none is NaN."""
     within = True
     for i in range(z.size):
         within = within and limit[i, 0] < z[i] < limit[i, 1]
@@ -277,7 +274,7 @@ def _within(limit, z):
 
 
 @kernel(inline="always")
-def _account_work(problem, drive, sample, state, room):
+def _account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
     """Works by Simpson's rule over the step's three points."""
     structure, stage, power = problem.structure, room.stage, room.power
     for s in range(2):
@@ -295,7 +292,7 @@ def _account_work(problem, drive, sample, state, room):
 
 
 @kernel(inline="always")
-def _put_out(stage, output, row):
+def _put_out(stage: Stages, output: Output, row: int) -> None:
     """Both stages as rows of the output."""
     for s in range(2):
         _copy(stage.z[s], output.z[row + s])
@@ -306,7 +303,7 @@ def _put_out(stage, output, row):
 
 
 @kernel(inline="always")
-def _advance(problem, state, room):
+def _advance(problem: Problem, state: State, room: Workspace) -> None:
     """The step's end becomes the next one's start."""
     start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]
     remember(problem.memory, state.memory, start.velocity, stage.velocity)

@@ -17,8 +17,8 @@ class Memory(NamedTuple):
 
 
 @lean_kernel
-def memory_loads(memory, history, velocity, out):
-    """Memory load (2, na) at both stages: history plus the stages' own velocities (2, na)."""
+def memory_loads(memory: Memory, history: np.ndarray, velocity: np.ndarray, out: np.ndarray) -> None:
+    """Memory load (2, na) at both stages: history plus that of the stages' velocities (2, na)."""
     for s in range(2):
         for i in range(out.shape[1]):
             total = history[s, i]
@@ -29,7 +29,7 @@ def memory_loads(memory, history, velocity, out):
 
 
 @lean_kernel
-def memory_history(memory, past, velocity, history):
+def memory_history(memory: Memory, past: np.ndarray, velocity: np.ndarray, history: np.ndarray) -> None:
     """Load (2, na) at the stages from the memory so far, past (p, na), and the velocity at the step's start."""
     history[:] = 0.0
     for q in range(memory.residue.shape[0]):
@@ -41,7 +41,7 @@ def memory_history(memory, past, velocity, history):
 
 
 @lean_kernel
-def remember(memory, past, start, stages):
+def remember(memory: Memory, past: np.ndarray, start: np.ndarray, stages: np.ndarray) -> None:
     """past (p, na) at the step's end from velocities at its three points."""
     for q in range(memory.residue.shape[0]):
         for k in range(start.size):

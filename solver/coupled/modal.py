@@ -20,10 +20,10 @@ class Structure(NamedTuple):
 
 
 @fast_lean_kernel
-def drag(structure, water, dp, force, flow):
+def drag(structure: Structure, water: np.ndarray, dp: np.ndarray, force: np.ndarray, flow: np.ndarray) -> float:
     """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame.
 
-    water, flow (nd, ns): particle velocity, and room for the frame's own. Stations are
+    water, flow (nd, ns): particle velocity, and room for the frame's. Stations are
     innermost, so that both products with the modal shapes run along memory.
     """
     nm, nd, ns = structure.station.shape
@@ -39,9 +39,9 @@ def drag(structure, water, dp, force, flow):
             square += (water[d, i] - flow[d, i]) ** 2
         size = structure.drag[i] * np.sqrt(square)
         for d in range(nd):
-            own = flow[d, i]
-            flow[d, i] = size * (water[d, i] - own)
-            power += flow[d, i] * own
+            speed = flow[d, i]
+            flow[d, i] = size * (water[d, i] - speed)
+            power += flow[d, i] * speed
     for m in range(nm):
         total = 0.0
         for d in range(nd):
@@ -52,7 +52,7 @@ def drag(structure, water, dp, force, flow):
 
 
 @kernel
-def flexibility(structure, dt):
+def flexibility(structure: Structure, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """D⁻¹ (nm, 2, 2) of each mode's stages and H (2, nc, 2, nc) of the carriers.
 
     D = I + 2ζω dt A + ω² dt² AA maps a mode's stage accelerations to its stage loads.
@@ -75,7 +75,7 @@ def flexibility(structure, dt):
 
 
 @lean_kernel
-def carry(structure, amplitude, out):
+def carry(structure: Structure, amplitude: np.ndarray, out: np.ndarray) -> None:
     """out[:nc] = carrier coordinates of modal amplitudes (nm,)."""
     nc, nm = structure.carrier.shape
     for i in range(nc):

@@ -4,10 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.coupled.memory import Memory
+from solver.coupled.modal import Structure
 from solver.coupled.scheme import AA, A
+from solver.coupled.stages import Stages
 from solver.kernels import kernel, lean_kernel
 from solver.multibody.joint_law import axis_damping
-from solver.multibody.minimal import mass_matrix, move, new_motion, project_active
+from solver.multibody.minimal import Bodies, Motion, mass_matrix, move, new_motion, project_active
 
 
 class Newton(NamedTuple):
@@ -21,6 +24,7 @@ class Newton(NamedTuple):
 
 
 def new_newton(nz: int) -> Newton:
+    """Room for nz coordinates at both stages."""
     return Newton(
         mass=np.empty((nz, nz)),
         Z=np.empty((2 * nz, 2 * nz)),
@@ -31,8 +35,8 @@ def new_newton(nz: int) -> Newton:
 
 
 @lean_kernel
-def factorize(K, pivot):
-    """LU factors of K in place, rows exchanged; False when singular."""
+def factorize(K: np.ndarray, pivot: np.ndarray) -> bool:
+    """LU factors of K (n, n) in place; pivot (n,): the row exchanged with each. False when singular."""
     n = K.shape[0]
     for k in range(n):
         best = k
@@ -55,8 +59,8 @@ def factorize(K, pivot):
 
 
 @lean_kernel
-def substitute(K, pivot, b):
-    """b <- K⁻¹ b with the factors of `factorize`."""
+def substitute(K: np.ndarray, pivot: np.ndarray, b: np.ndarray) -> None:
+    """b (n,) <- K⁻¹ b with the factors of `factorize`."""
     n = K.shape[0]
     for k in range(n):
         best = pivot[k]
@@ -72,7 +76,7 @@ def substitute(K, pivot, b):
 
 
 @kernel
-def constant_part(bodies, memory, stiffness, dt, constant):
+def constant_part(bodies: Bodies, memory: Memory, stiffness: np.ndarray, dt: float, constant: np.ndarray) -> None:
     """Stage loads from stage accelerations (2nz, 2nz) of all but the mass, at rest.
 
     Newton's matrix need only be near the true one: the mass follows the motion, the small rest does not.
@@ -97,7 +101,7 @@ def constant_part(bodies, memory, stiffness, dt, constant):
 
 
 @kernel
-def newton_matrix(bodies, motion, H, constant, newton):
+def newton_matrix(bodies: Bodies, motion: Motion, H: np.ndarray, constant: np.ndarray, newton: Newton) -> None:
     """Fill newton.Z, and newton.K from it; H (2, nc, 2, nc): see modal.flexibility; constant: see constant_part."""
     mass, Z, K = newton.mass, newton.Z, newton.K
     nz, nc = bodies.mechanism.size, H.shape[1]
@@ -121,7 +125,7 @@ def newton_matrix(bodies, motion, H, constant, newton):
 
 
 @lean_kernel
-def newton_side(structure, inverse, stage, side):
+def newton_side(structure: Structure, inverse: np.ndarray, stage: Stages, side: np.ndarray) -> None:
     """Newton's right-hand side (2nz,) from the stages' residuals.
 
     For a carrier its acceleration under all loads less the present one, for a joint its residual.

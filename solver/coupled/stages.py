@@ -4,10 +4,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.memory import memory_loads
+from solver.coupled.memory import Memory, memory_loads
+from solver.coupled.modal import Structure
 from solver.coupled.scheme import A0, AA, AA0, A, C
 from solver.kernels import kernel, lean_kernel
-from solver.multibody.minimal import Coordinates, Loads, WaterLoads, loads, move, new_motion
+from solver.multibody.minimal import Bodies, Coordinates, Loads, Motion, WaterLoads, loads, move, new_motion
+
+
+class State(NamedTuple):
+    """Coordinates, rates, loads and works at the end of a step, where the next one starts; updated in place."""
+
+    z: np.ndarray  # (nj,) joint coordinates
+    dz: np.ndarray  # (nj,)
+    ddz: np.ndarray  # (3, nj) at the last three samples, newest last
+    p: np.ndarray  # (nm,) modal amplitudes
+    dp: np.ndarray  # (nm,)
+    ddp: np.ndarray  # (nm,)
+    force: np.ndarray  # (3, nm) drag and hinge part of the modal load, last three samples
+    memory: np.ndarray  # (p, na) complex
+    power: np.ndarray  # (len(WORKS),) at the last sample [W]
+    work: np.ndarray  # (len(WORKS),) [J] since the start
+    energy: np.ndarray  # (3,) [J], see solver.coupled.energy
 
 
 class Start(NamedTuple):
@@ -19,9 +36,9 @@ class Start(NamedTuple):
 
 
 class Stages(NamedTuple):
-    """Two rows, one for each stage."""
+    """Unknowns and loads at the two stages, one row each."""
 
-    motion: tuple  # of Motion
+    motion: tuple[Motion, Motion]
     z: np.ndarray  # (2, nz)
     dz: np.ndarray  # (2, nz)
     ddz: np.ndarray  # (2, nz)
@@ -33,7 +50,7 @@ class Stages(NamedTuple):
     drag: np.ndarray  # (2, nm)
     velocity: np.ndarray  # (2, na) of what radiates
     history: np.ndarray  # (2, na) memory's load from before the step
-    memory: np.ndarray  # (2, na) and with the step's own velocities
+    memory: np.ndarray  # (2, na) and with the stages' velocities
     anchor: np.ndarray  # (2, nz) coordinates at which pressure and drag were evaluated
     since: np.ndarray  # (2, nz) what has been moved from there
     pressure: np.ndarray  # (2, nb, 6)
@@ -42,7 +59,8 @@ class Stages(NamedTuple):
     external: np.ndarray  # (2, nb, 6)
 
 
-def new_stages(bodies, modes: int) -> Stages:
+def new_stages(bodies: Bodies, modes: int) -> Stages:
+    """Zeros for these bodies and so many modes."""
     nb, nz = bodies.axes.size, bodies.mechanism.size
     return Stages(
         motion=(new_motion(bodies), new_motion(bodies)),
@@ -54,14 +72,17 @@ def new_stages(bodies, modes: int) -> Stages:
 
 
 @kernel(inline="always")
-def coordinates(stage, s):
+def coordinates(stage: Stages, s: int) -> Coordinates:
     """Coordinates of stage s."""
     return Coordinates(stage.z[s], stage.dz[s], stage.ddz[s])
 
 
 @lean_kernel
-def predict(structure, dt, modal, state, stage):
-    """What is known of the stages' modal loads, and the rest extrapolated from the last step; modal (2, nm).
+def predict(structure: Structure, dt: float, modal: np.ndarray, state: State, stage: Stages) -> None:
+    """Fill stage.known with what the step's start says of the modal loads, and extrapolate the others.
+
+    modal (2, nm): the wave's loads at the stages. Loads and joint accelerations go on as parabolas through the
+    last three samples.
 
     Loads, not accelerations, of the modes are extrapolated: stiff modes ring in the latter.
     """
@@ -78,7 +99,7 @@ def predict(structure, dt, modal, state, stage):
 
 
 @lean_kernel
-def collocate(structure, inverse, dt, state, start, stage):
+def collocate(structure: Structure, inverse: np.ndarray, dt: float, state: State, start: Start, stage: Stages) -> float:
     """Stage values of modes, carriers and joints from modal loads and joint accelerations.
 
     Returns the largest change of a modal displacement [m] since the last call.
@@ -112,8 +133,8 @@ def collocate(structure, inverse, dt, state, start, stage):
 
 
 @kernel(inline="always")
-def follow(bodies, memory, stage):
-    """Bodies at the stages, and the memory's load of their velocities."""
+def follow(bodies: Bodies, memory: Memory, stage: Stages) -> None:
+    """Move the bodies to the stages, and evaluate the memory's load of their velocities."""
     for s in range(2):
         move(bodies, stage.z[s], stage.dz[s], stage.motion[s])
         velocity = stage.motion[s].active_velocity
@@ -123,7 +144,7 @@ def follow(bodies, memory, stage):
 
 
 @kernel(inline="always")
-def moved(stage):
+def moved(stage: Stages) -> float:
     """Farthest that a coordinate is from where pressure and drag were evaluated [m or rad]."""
     most = 0.0
     for s in range(2):
@@ -133,7 +154,7 @@ def moved(stage):
 
 
 @kernel(inline="always")
-def load_bodies(bodies, excitation, stage):
+def load_bodies(bodies: Bodies, excitation: np.ndarray, stage: Stages) -> None:
     """Residuals and loads of the bodies at both stages; excitation (2, nb, 6)."""
     for s in range(2):
         for i in range(stage.z.shape[1]):

@@ -1,4 +1,4 @@
-"""An elastic platform as the march sees it: few Ritz modes, drag stations, wave-load rows.
+"""An elastic platform as the march sees it: few Ritz modes (eq. 17), drag stations, wave-load rows (eq. 16).
 
 The basis is the lowest modes plus the static shapes of what loads the frame (unit loads at the
 hinge nodes, the principal shapes of the wave load), made orthogonal again by Rayleigh-Ritz.
@@ -6,11 +6,13 @@ The static shapes carry what the left-out modes would have added quasi-staticall
 includes the added mass of the wetted members, because that is the mass that moves.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
-from scipy import linalg
+from scipy import linalg, sparse
 
 from solver.errors import InputError
 from solver.scene import Platform, Water
@@ -44,7 +46,7 @@ class Support:
 
 @lru_cache(maxsize=KNOWN)
 def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarray, float]:
-    """Frame (softened by gravity if asked), its static displacement, and the buckling factor."""
+    """Frame (softened by gravity if the platform asks for it), its static displacement, and the buckling factor."""
     model = assemble(platform.frame)
     load = static_load(model, sea)
     at_rest = statics.static(model, load)
@@ -66,13 +68,16 @@ def _dry_frequencies(model: FrameModel) -> np.ndarray:
 
 
 @lru_cache(maxsize=KNOWN)
-def _kept_modes(model: FrameModel, density: float, planar: bool, count: int | None):
-    """Mass with the water's, and the lowest modes; in a planar scene the symmetric ones and the basis of all such."""
+def _kept_modes(
+    model: FrameModel, density: float, planar: bool, count: int | None
+) -> tuple[sparse.csr_array, natural.Modes, sparse.csr_array | None]:
+    """Mass with the water's, and the lowest modes; in a planar scene the symmetric ones and the basis of all
+    symmetric displacements, else None."""
     added = water.added_mass(model, density)
     M = model.M + added
     if not planar:
         return M, natural.modes(model.K, M, model.free, count), None
-    symmetric = natural.symmetric_basis(model, added, water.drag(model))
+    symmetric = natural.symmetric_basis(model, added, water.drag_matrix(model))
     if symmetric is None:
         limit = "a planar scene needs a symmetric frame, its coefficients of drag and inertia included"
         raise InputError("platform.frame", "not symmetric in y = 0", limit)
@@ -88,21 +93,25 @@ def static_load(model: FrameModel, sea: Water) -> np.ndarray:
     )
 
 
-def prepare(
+def reduce_platform(
     platform: Platform,
     field: WaveField,
     sea: Water,
-    hinge_nodes,
+    hinge_nodes: Iterable[str],
     *,
     planar: bool,
-    modes,
+    modes: int | Literal["all"],
     stations: int,
 ) -> Support:
-    """Reduce a platform for one sea. hinge_nodes: node names in the order of the floats."""
+    """Reduce a platform for one sea.
+
+    hinge_nodes: names of nodes in the order of the floats; modes: lowest ones kept, or "all"; stations: Gauss points
+    of the drag on each wetted element. InputError for a planar scene on a frame that is not symmetric.
+    """
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
-    at = water.stations(model, water.EXACT)  # once a task, so exact is free
+    at = water.stations(model, water.EXACT)  # once a task, so the exact rule costs nothing
     inertia_rows = _inertia_rows(platform, at, field, sea)
     nodal = _nodal_load(model, at, inertia_rows)
     omega, shapes = kept if modes == "all" else _basis(model, M, kept, symmetric, dof.ravel(), nodal)
@@ -116,31 +125,38 @@ def prepare(
         station_shape=station_shape,
         station_rows=station_rows,
         drag=drag,
-        legs=legs.outputs(platform.legs, model, sea, at_rest, shapes) if platform.legs else None,
+        legs=legs.outputs(platform.legs, model, sea.density, sea.gravity, at_rest, shapes) if platform.legs else None,
         buckling_factor=factor,
     )
 
 
-def _normal(at) -> np.ndarray:
+def _normal(at: water.Stations) -> np.ndarray:
     """Projection on the plane normal to the member at each station (ns, 3, 3)."""
     return np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
 
 
-def _inertia_rows(platform, at, field, sea):
+def _inertia_rows(platform: Platform, at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
     """Wave inertia load on each station [N]: C_M ρ πD²/4 w (I - ttᵀ) du/dt, (ns, 3, n)."""
     coefficient = at.inertia - (1 if platform.wave_inertia == "relative" else 0)
     size = coefficient * sea.density * np.pi / 4 * at.diameter**2 * at.weight
     return size[:, None, None] * (_normal(at) @ field.acceleration(at.position))
 
 
-def _nodal_load(model, at, rows):
+def _nodal_load(model: FrameModel, at: water.Stations, rows: np.ndarray) -> np.ndarray:
     """Nodal loads (6n, n) of point loads (ns, 3, n) at the stations."""
     load = np.zeros((6 * len(model.xyz), rows.shape[2]), complex)
     np.add.at(load, at.dofs, np.einsum("ska,skn->san", at.shape, rows))
     return load
 
 
-def _basis(model, M, kept, symmetric, hinge_dof, nodal):
+def _basis(
+    model: FrameModel,
+    M: sparse.csr_array,
+    kept: natural.Modes,
+    symmetric: sparse.csr_array | None,
+    hinge_dof: np.ndarray,
+    nodal: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
     """Ritz frequencies and shapes (6n, nm), mass-normalised with M."""
     unit = np.zeros((len(nodal), hinge_dof.size))
     unit[hinge_dof, np.arange(hinge_dof.size)] = 1.0
@@ -161,7 +177,9 @@ def _basis(model, M, kept, symmetric, hinge_dof, nodal):
     return np.sqrt(squared), basis @ mix
 
 
-def _drag(model, field, sea, shapes, points, planar):
+def _drag(
+    model: FrameModel, field: WaveField, sea: Water, shapes: np.ndarray, points: int, planar: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Normal shapes, velocity rows and coefficients of the drag stations.
 
     In a planar scene a station and its mirror image in y = 0 are loaded alike: one counts twice.

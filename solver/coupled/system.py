@@ -1,5 +1,6 @@
-"""A scene as arrays: what does not change during a run, where it starts, and the march block by block."""
+"""A scene as arrays: constants of a run, its initial state, and the march block by block."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -19,11 +20,13 @@ from solver.coupled.march import (
     Drive,
     Output,
     Problem,
-    State,
     march,
     new_problem,
     new_workspace,
 )
+from solver.coupled.memory import Memory
+from solver.coupled.modal import Structure
+from solver.coupled.stages import State
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.hull.mesh import Hull
@@ -48,9 +51,9 @@ class System:
     scene: Scene
     bodies: Bodies
     support: platform.Support | None
-    structure: assembly.Structure
+    structure: Structure
     fit: radiation.RadiationMemory | None
-    memory: assembly.Memory
+    memory: Memory
     rows: np.ndarray
     factored: Factored
     layout: assembly.Layout
@@ -75,13 +78,13 @@ class System:
 
     @property
     def terms(self) -> int:
-        """Of the local wave field around each float."""
+        """Number of terms of the local wave field around each float."""
         at = self.layout.field
         return (at.stop - at.start) // max(2 * len(self.scene.floats), 1)
 
     @property
     def least_energy(self) -> float:
-        """What the balance is judged against where less is exchanged [J]: BALANCE of it is open in any case.
+        """Least scale of the energy balance [J]: rounding and Newton's tolerance open it by BALANCE of that.
 
         Newton's tolerance τ leaves open τ² Σ|Kᵢᵢ| (the signs: what rests on springs alone may be unstable beside),
         and rounding a share of the weights' energy, which buoyancy's work cancels.
@@ -115,7 +118,7 @@ class System:
         return state
 
     def problem(self) -> Problem:
-        """What the march is given of the scene."""
+        """The arrays and tolerances of a march."""
         return new_problem(
             self.bodies,
             self.structure,
@@ -144,14 +147,14 @@ class System:
 
 
 def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
-    """Everything that does not change during the run."""
+    """The scene as arrays; InputError for coefficients of another scene."""
     settings, water = scene.settings, scene.water
     if hydrodynamics is not None and scene.floats:
         _check_same(scene, hydrodynamics)
     waves = WaveField(scene.sea, water.depth, water.gravity)
     support = None
     if scene.platform is not None:
-        support = platform.prepare(
+        support = platform.reduce_platform(
             scene.platform,
             waves,
             water,
@@ -186,7 +189,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
 
 
 def _check_same(scene: Scene, h: Hydrodynamics) -> None:
-    """Coefficients of other floats, other water or other waves would go unnoticed."""
+    """Refuse coefficients of other floats, other water or other waves than the scene's."""
     water, places = scene.water, np.array([f.centre for f in scene.floats])
     pairs = {
         "floats": (len(places), len(h.centres)),
@@ -194,9 +197,9 @@ def _check_same(scene: Scene, h: Hydrodynamics) -> None:
         "water.density": (water.density, h.density),
         "water.gravity": (water.gravity, h.gravity),
     }
-    for key, (own, given) in pairs.items():
-        if own != given:
-            raise InputError(key, own, f"must be {given:g}, that of the coefficients")
+    for key, (value, limit) in pairs.items():
+        if value != limit:
+            raise InputError(key, value, f"must be {limit:g}, that of the coefficients")
     if not np.allclose(places, h.centres, rtol=0, atol=1e-6):
         raise InputError("floats", places.tolist(), f"must be where the coefficients' floats are, {h.centres.tolist()}")
     waves = scene.sea.amplitude.any() and (scene.settings.diffraction or scene.settings.froude_krylov == "linear")
@@ -232,7 +235,9 @@ def _way(item: Float, point: np.ndarray, angle: float, height: float) -> float:
     return max(abs(x) + 2 * height if slides(name) else turned for name, x in start)
 
 
-def _initial_acceleration(system: System, z, p, first: Drive):
+def _initial_acceleration(
+    system: System, z: np.ndarray, p: np.ndarray, first: Drive
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Modal and joint accelerations at t = 0, and the modal load of the hinges, from all loads at rest."""
     body, frame = system.bodies, system.structure
     nz, (nc, nm) = body.mechanism.size, frame.carrier.shape
@@ -250,7 +255,7 @@ def _initial_acceleration(system: System, z, p, first: Drive):
     return ddp, ddz, ddp + frame.omega**2 * p - first.modal[0]
 
 
-def blocks(system: System, state: State, steps: int, done: int = 0):
+def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[tuple[np.ndarray, Output, np.ndarray]]:
     """March from step `done` to step `steps`, yielding (wave samples, output, times) block by block.
 
     `state` is that after `done` steps, and all that a run needs to go on: to the last bit where `done` is a
@@ -294,7 +299,7 @@ def energy_residual(work: np.ndarray, stored: float, exchanged: np.ndarray, allo
 
 
 def unbalanced(gap: float, limit: float, t: float, system: System) -> StepTooLong:
-    """What a run is told whose energy balance is open by too large a share of the wave's work."""
+    """The error of a run whose energy balance is open by too large a share of the wave's work."""
     return StepTooLong(
         f"energy balance at t = {t:.1f} s open by {gap:.1e} of the wave's work, > {limit:g}: reduce time_step ="
         f" {system.dt:g} s and newton_tolerance = {system.scene.settings.newton_tolerance:g}"

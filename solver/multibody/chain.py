@@ -25,13 +25,13 @@ class Chain(NamedTuple):
 
 
 @kernel(inline="always")
-def cross(ax, ay, az, bx, by, bz):
+def cross(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> tuple[float, float, float]:
     """a × b."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 @kernel(inline="always")
-def rotated(R, v):
+def rotated(R: np.ndarray, v: np.ndarray | tuple[float, float, float]) -> tuple[float, float, float]:
     """R v."""
     return (
         R[0, 0] * v[0] + R[0, 1] * v[1] + R[0, 2] * v[2],
@@ -41,7 +41,7 @@ def rotated(R, v):
 
 
 @kernel(inline="always")
-def _turn(x, y, z, angle, R):
+def _turn(x: float, y: float, z: float, angle: float, R: np.ndarray) -> None:
     """R <- exp(angle [axis]×) R, by Rodrigues' formula."""
     s, c = np.sin(angle), np.cos(angle)
     for j in range(3):
@@ -53,7 +53,17 @@ def _turn(x, y, z, angle, R):
 
 
 @kernel(inline="always")
-def kinematics(chain, reference, y, dy, position, R, J, velocity, bias):
+def kinematics(
+    chain: Chain,
+    reference: np.ndarray,
+    y: np.ndarray,
+    dy: np.ndarray,
+    position: np.ndarray,
+    R: np.ndarray,
+    J: np.ndarray,
+    velocity: np.ndarray,
+    bias: np.ndarray,
+) -> None:
     """Fill position (3,), R (3, 3), J (6, n), velocity (6,) and bias J̇ẏ (6,) of a body.
 
     reference (3,): the body's reference point at rest; y, dy: coordinates and rates, of which the chain

@@ -15,7 +15,7 @@ from solver.kernels import kernel
 
 
 class JointLaw(NamedTuple):
-    """Of n axes; per m/s and m of those that slide, per rad/s and rad of those that turn."""
+    """Coefficients of n axes: [N s/m], [N s²/m²] and [N/m] of those that slide, [N m s/rad] ... of those that turn."""
 
     pto: np.ndarray  # (n,) linear damping that is absorbed power
     damping: np.ndarray  # (n,) other linear damping
@@ -31,39 +31,47 @@ class AxisLoad(NamedTuple):
     spring: float
 
 
+class JointLoads(NamedTuple):
+    """AxisLoad of n axes at m samples, each part (m, n)."""
+
+    pto: np.ndarray
+    loss: np.ndarray
+    spring: np.ndarray
+
+
 @kernel(inline="always")
-def axis_load(law, i, y, dy):
+def axis_load(law: JointLaw, i: int, y: float, dy: float) -> AxisLoad:
     """AxisLoad of axis i at position y and rate dy."""
     loss = (law.damping[i] + law.quadratic[i] * abs(dy)) * dy
     return AxisLoad(law.pto[i] * dy, loss, law.spring[i] * y)
 
 
 @kernel(inline="always")
-def axis_energy(law, i, y):
-    """Stored in axis i at position y [J]."""
+def axis_energy(law: JointLaw, i: int, y: float) -> float:
+    """Energy stored in axis i at position y [J]."""
     return 0.5 * law.spring[i] * y * y
 
 
 @kernel(inline="always")
-def axis_damping(law, i):
+def axis_damping(law: JointLaw, i: int) -> float:
     """∂f/∂ẏ of axis i at rest, for Newton's matrix."""
     return law.pto[i] + law.damping[i]
 
 
 @kernel
-def joint_loads(law, y, dy):
-    """AxisLoad of all axes at m samples, each part (m, n), from positions and rates (m, n)."""
+def joint_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> JointLoads:
+    """Loads of all axes from positions and rates (m, n)."""
     pto, loss, spring = np.empty(y.shape), np.empty(y.shape), np.empty(y.shape)
     for s in range(y.shape[0]):
         for i in range(y.shape[1]):
             load = axis_load(law, i, y[s, i], dy[s, i])
             pto[s, i], loss[s, i], spring[s, i] = load.pto, load.loss, load.spring
-    return AxisLoad(pto, loss, spring)
+    return JointLoads(pto, loss, spring)
 
 
 @kernel
-def joint_energy(law, y):
-    """Stored in all axes at positions y (n,) [J]."""
+def joint_energy(law: JointLaw, y: np.ndarray) -> float:
+    """Energy stored in all axes at positions y (n,) [J]."""
     energy = 0.0
     for i in range(y.size):
         energy += axis_energy(law, i, y[i])

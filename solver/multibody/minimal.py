@@ -1,10 +1,10 @@
 """Equations of motion of the floats in minimal coordinates z = [carrier, joint].
 
 Carrier coordinates are the motion of the support's node under each float (modal shapes times
-modal amplitudes), joint coordinates the float's own axes. The load W on each body, inertia
+modal amplitudes), joint coordinates those of the float's joint. The load W on each body, inertia
 included (d'Alembert), is projected on the axes: JᵀW = 0 for a joint, and for a carrier JᵀW is
 the load that the float puts on its support. -W is the load of all its joints on the float. A float
-that hangs on another one has that one's coordinates before its own.
+that hangs on another one has that one's coordinates first.
 """
 
 from typing import NamedTuple
@@ -52,7 +52,7 @@ class Bodies(NamedTuple):
     added_mass: np.ndarray  # (nb nr, nb nr) at infinite frequency
     law: JointLaw  # of the nz axes; nothing on carriers
     mechanism: np.ndarray  # (nz,) inertia on the axes besides the floats'
-    limit: np.ndarray  # (nz, 2) excursions beyond which the run is given up, see solver.limits
+    limit: np.ndarray  # (nz, 2) excursions beyond which the run stops, see solver.limits
 
 
 class Motion(NamedTuple):
@@ -76,7 +76,7 @@ class Coordinates(NamedTuple):
 
 
 class WaterLoads(NamedTuple):
-    """What the water does to the bodies, but for added mass."""
+    """Loads of the water on the bodies, without added mass."""
 
     pressure: np.ndarray  # (nb, 6) as it was at coordinates smaller by `since`
     since: np.ndarray  # (nz,) the hydrostatic stiffness stands for that change
@@ -100,11 +100,13 @@ class PressureRoom(NamedTuple):
 
 
 def pressure_room(bodies: Bodies) -> PressureRoom:
+    """Scratch for the hulls of these bodies."""
     return PressureRoom(quadrature_room(bodies.rule), panels_room(bodies.panels))
 
 
 @kernel
-def new_motion(bodies):
+def new_motion(bodies: Bodies) -> Motion:
+    """Zeros for these bodies, to be filled by `move`."""
     nb, n = bodies.kind.shape
     return Motion(
         np.zeros((nb, 3)),
@@ -118,7 +120,7 @@ def new_motion(bodies):
 
 
 @lean_kernel
-def move(bodies, z, dz, motion):
+def move(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> None:
     """Positions, Jacobians and velocities of all bodies from z, dz (nz,)."""
     nr = bodies.active.size
     for b in range(bodies.axes.size):
@@ -140,9 +142,9 @@ def move(bodies, z, dz, motion):
 
 
 @lean_kernel
-def _spatial_inertia(bodies, b, rotation, M, lever):
+def _spatial_inertia(bodies: Bodies, b: int, rotation: np.ndarray, M: np.ndarray, lever: np.ndarray) -> None:
     """M (6, 6) about the reference point in world axes; lever (3,) to the c.o.g."""
-    m, own = bodies.mass[b], bodies.inertia[b]
+    m, inertia = bodies.mass[b], bodies.inertia[b]
     for r in range(3):
         lever[r] = (
             rotation[r, 0] * bodies.cog[b, 0] + rotation[r, 1] * bodies.cog[b, 1] + rotation[r, 2] * bodies.cog[b, 2]
@@ -158,13 +160,13 @@ def _spatial_inertia(bodies, b, rotation, M, lever):
             total = -m * lever[i] * lever[j]
             for k in range(3):
                 for n in range(3):
-                    total += rotation[i, k] * own[k, n] * rotation[j, n]
+                    total += rotation[i, k] * inertia[k, n] * rotation[j, n]
             M[3 + i, 3 + j] = total
         M[3 + i, 3 + i] += m * square
 
 
 @kernel(inline="always")
-def _rule_of(bodies, b):
+def _rule_of(bodies: Bodies, b: int) -> WettedQuadrature:
     """The quadrature of one body."""
     rule = bodies.rule
     return WettedQuadrature(
@@ -182,7 +184,7 @@ def _rule_of(bodies, b):
 
 
 @kernel(inline="always")
-def _linear_hydrostatics(bodies, b, motion, load):
+def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarray) -> None:
     """Buoyancy at rest, less stiffness times displacement."""
     x, x0, R = motion.position[b], bodies.reference[b], motion.rotation[b]
     shift = (x[0] - x0[0], x[1] - x0[1], x[2] - x0[2], R[2, 1], R[0, 2], R[1, 0])
@@ -193,7 +195,7 @@ def _linear_hydrostatics(bodies, b, motion, load):
 
 
 @fast_lean_kernel
-def pressures(bodies, motion, field, room, out):
+def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureRoom, out: np.ndarray) -> None:
     """Hydrostatic load, and the incident wave's where it is body-nonlinear: out (nb, 6)."""
     out[:] = 0.0
     for b in range(bodies.axes.size):
@@ -211,7 +213,7 @@ def pressures(bodies, motion, field, room, out):
 
 
 @lean_kernel
-def loads(bodies, at, motion, water, out):
+def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, out: Loads) -> None:
     """Fill out (Loads) with the equations of motion at coordinates `at`, moved there as `motion`, under WaterLoads."""
     nb, nr = bodies.axes.size, bodies.active.size
     for b in range(nb):
@@ -238,12 +240,12 @@ def loads(bodies, at, motion, water, out):
             for r in range(6):
                 out.residual[bodies.coordinate[b, i]] += motion.jacobian[b, r, i] * W[r]
     for i in range(at.z.size):
-        own = axis_load(bodies.law, i, at.z[i], at.dz[i])
-        out.residual[i] -= own.pto + own.loss + own.spring + bodies.mechanism[i] * at.ddz[i]
+        load = axis_load(bodies.law, i, at.z[i], at.dz[i])
+        out.residual[i] -= load.pto + load.loss + load.spring + bodies.mechanism[i] * at.ddz[i]
 
 
 @kernel(inline="always")
-def _wave_wrench(bodies, b, motion, water, W):
+def _wave_wrench(bodies: Bodies, b: int, motion: Motion, water: WaterLoads, W: np.ndarray) -> None:
     """W <- excitation and pressure, carried on by the hydrostatic stiffness."""
     for r in range(6):
         W[r] = water.excitation[b, r] + water.pressure[b, r]
@@ -256,7 +258,9 @@ def _wave_wrench(bodies, b, motion, water, W):
 
 
 @lean_kernel
-def powers(bodies, at, motion, external, memory):
+def powers(
+    bodies: Bodies, at: Coordinates, motion: Motion, external: np.ndarray, memory: np.ndarray
+) -> tuple[float, float, float, float]:
     """Powers [W] of pressure and excitation; of radiation memory, PTO and the joints' other losses as dissipated.
 
     Of the step's final velocities: with others, weight and buoyancy, far larger than what varies, would not balance.
@@ -269,16 +273,16 @@ def powers(bodies, at, motion, external, memory):
         for r in range(nr):
             radiation += memory[b * nr + r] * motion.velocity[b, bodies.active[r]]
     for i in range(at.dz.size):
-        own = axis_load(bodies.law, i, at.z[i], at.dz[i])
-        pto += own.pto * at.dz[i]
-        loss += own.loss * at.dz[i]
+        load = axis_load(bodies.law, i, at.z[i], at.dz[i])
+        pto += load.pto * at.dz[i]
+        loss += load.loss * at.dz[i]
     return waves, radiation, pto, loss
 
 
 @lean_kernel
-def _weight_and_inertia(bodies, b, motion, W):
+def _weight_and_inertia(bodies: Bodies, b: int, motion: Motion, W: np.ndarray) -> None:
     """W += weight and d'Alembert's loads about the reference point, by Newton and Euler at the c.o.g."""
-    R, own, a = motion.rotation[b], bodies.inertia[b], motion.acceleration[b]
+    R, inertia, a = motion.rotation[b], bodies.inertia[b], motion.acceleration[b]
     x, y, z = rotated(R, bodies.cog[b])
     wx, wy, wz = motion.velocity[b, 3], motion.velocity[b, 4], motion.velocity[b, 5]
     ux, uy, uz = cross(wx, wy, wz, x, y, z)
@@ -289,9 +293,9 @@ def _weight_and_inertia(bodies, b, motion, W):
     # Spin and its rate in the body's frame, where the inertia is constant.
     px, py, pz = _into_body(R, wx, wy, wz)
     qx, qy, qz = _into_body(R, a[3], a[4], a[5])
-    hx, hy, hz = rotated(own, (px, py, pz))
+    hx, hy, hz = rotated(inertia, (px, py, pz))
     gx, gy, gz = cross(px, py, pz, hx, hy, hz)
-    dx, dy, dz = rotated(own, (qx, qy, qz))
+    dx, dy, dz = rotated(inertia, (qx, qy, qz))
     lx, ly, lz = rotated(R, (dx + gx, dy + gy, dz + gz))
     mx, my, mz = cross(x, y, z, fx, fy, fz)
     W[0] += fx
@@ -303,7 +307,7 @@ def _weight_and_inertia(bodies, b, motion, W):
 
 
 @kernel(inline="always")
-def _into_body(R, x, y, z):
+def _into_body(R: np.ndarray, x: float, y: float, z: float) -> tuple[float, float, float]:
     return (
         R[0, 0] * x + R[1, 0] * y + R[2, 0] * z,
         R[0, 1] * x + R[1, 1] * y + R[2, 1] * z,
@@ -312,7 +316,7 @@ def _into_body(R, x, y, z):
 
 
 @kernel
-def mass_matrix(bodies, motion, M):
+def mass_matrix(bodies: Bodies, motion: Motion, M: np.ndarray) -> None:
     """M (nz, nz) of the floats with the added mass at infinite frequency."""
     nb, nr = bodies.axes.size, bodies.active.size
     M[:] = 0.0
@@ -332,7 +336,7 @@ def mass_matrix(bodies, motion, M):
 
 
 @kernel
-def _project(bodies, motion, b, c, X, M):
+def _project(bodies: Bodies, motion: Motion, b: int, c: int, X: np.ndarray, M: np.ndarray) -> None:
     """M += J_bᵀ X J_c for X (6, 6)."""
     for j in range(bodies.axes[c]):
         column = np.zeros(6)
@@ -347,7 +351,7 @@ def _project(bodies, motion, b, c, X, M):
 
 
 @kernel
-def project_active(bodies, motion, X, M):
+def project_active(bodies: Bodies, motion: Motion, X: np.ndarray, M: np.ndarray) -> None:
     """M (nz, nz) = Jᵀ X J for X (nb nr, nb nr) over the active DOF of all bodies."""
     nr = bodies.active.size
     M[:] = 0.0
@@ -361,7 +365,7 @@ def project_active(bodies, motion, X, M):
 
 
 @lean_kernel
-def stored_energy(bodies, z, dz, motion):
+def stored_energy(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> float:
     """Kinetic (added mass included), gravitational and spring energy [J]."""
     energy = 0.0
     for b in range(bodies.axes.size):

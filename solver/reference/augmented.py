@@ -8,6 +8,7 @@ outer loop finds the accelerations of all stages, inner loops hold the constrain
 velocity and acceleration at each stage. The independent twin of `minimal`.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -18,7 +19,7 @@ from scipy.sparse.linalg import splu
 
 from solver.errors import InputError
 from solver.kernels import kernel
-from solver.reference.joints import Equations, Frames, constraints, equations, row_count
+from solver.reference.joints import Equations, Frames, Joint, constraints, equations, row_count
 
 SPARSE = 250  # unknowns from which a sparse factorization is faster
 INNER = 20  # iterations of an inner loop; two or three suffice
@@ -39,7 +40,7 @@ class Body:
     cog: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from the origin, body axes [m]
     velocity: tuple[float, float, float, float, float, float] = (0.0,) * 6
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not self.mass > 0:
             raise InputError("body.mass", self.mass, "must be > 0 kg")
 
@@ -55,7 +56,7 @@ class Mechanism(NamedTuple):
     added_mass: np.ndarray
 
 
-class State(NamedTuple):
+class MechanismState(NamedTuple):
     """position (nb, 3), quaternion (nb, 4), velocity and acceleration (nb, 6), multiplier (m,)."""
 
     position: np.ndarray
@@ -68,18 +69,30 @@ class State(NamedTuple):
 class Surroundings(Protocol):
     """What moves and loads the bodies; stage 0 is the step's start.
 
-    A step is begin, then iterations of iterate (the supports' change since the last one [m]) and, for each
-    stage, supports, look (inertia besides the bodies' own, (6 nb, 6 nb) or None), loads and carried (the
-    constraints' loads on bodies and supports), then finish. Before the first step stage 0 alone is iterated.
+    A step is begin, then iterations of iterate and, for each stage, supports, mechanism_inertia, loads and
+    carried, then finish. Before the first step stage 0 alone is iterated.
     """
 
-    def begin(self, t: float, dt: float, state: State) -> None: ...
-    def iterate(self) -> float: ...
-    def supports(self, stage: int, t: float) -> Frames: ...
-    def look(self, stage: int, frames: Frames) -> np.ndarray | None: ...
-    def loads(self, stage: int, t: float, frames: Frames) -> np.ndarray: ...
-    def carried(self, stage: int, frames: Frames, held: np.ndarray, load: np.ndarray) -> None: ...
-    def finish(self) -> None: ...
+    def begin(self, t: float, dt: float, state: MechanismState) -> None:
+        """Prepare the step from t to t + dt [s], which starts from `state`."""
+
+    def iterate(self) -> float:
+        """Move the supports under the loads known so far; their largest change since the last call [m]."""
+
+    def supports(self, stage: int, t: float) -> Frames:
+        """Poses and motions of the supports."""
+
+    def mechanism_inertia(self, stage: int, frames: Frames) -> np.ndarray | None:
+        """Inertia (6 nb, 6 nb) besides the bodies', None if there is none."""
+
+    def loads(self, stage: int, t: float, frames: Frames) -> np.ndarray:
+        """Loads (nb, 6) about the bodies' origins, world axes, besides gravity [N, N m]."""
+
+    def carried(self, stage: int, frames: Frames, held: np.ndarray, load: np.ndarray) -> None:
+        """Take in the constraints' loads on bodies, held (nb, 6), and on supports, load (ns, 6) [N, N m]."""
+
+    def finish(self) -> None:
+        """Make the step's end the next one's start."""
 
 
 class Errors(NamedTuple):
@@ -100,10 +113,17 @@ def lobatto(stages: int) -> tuple[np.ndarray, np.ndarray]:
     return c, integral @ np.linalg.inv(np.vander(c, increasing=True))
 
 
-def mechanism(bodies, joints, supports: Frames, *, gravity, added_mass=None) -> tuple[Mechanism, State]:
+def mechanism(
+    bodies: Sequence[Body],
+    joints: Sequence[Joint],
+    supports: Frames,
+    *,
+    gravity: Sequence[float],
+    added_mass: np.ndarray | None = None,
+) -> tuple[Mechanism, MechanismState]:
     """Arrays and initial state; supports are further frames, joints[...].first or second = nb, nb + 1, …"""
     nb = len(bodies)
-    start = State(
+    start = MechanismState(
         position=np.array([b.position for b in bodies], float).reshape(nb, 3),
         quaternion=np.array([np.divide(b.rotation, np.linalg.norm(b.rotation)) for b in bodies], float).reshape(nb, 4),
         velocity=np.array([b.velocity for b in bodies], float).reshape(nb, 6),
@@ -123,7 +143,7 @@ def mechanism(bodies, joints, supports: Frames, *, gravity, added_mass=None) -> 
 
 
 @kernel
-def rotation_of(q):
+def rotation_of(q: np.ndarray) -> np.ndarray:
     """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
     R = np.empty((len(q), 3, 3))
     for n in range(len(q)):
@@ -135,7 +155,7 @@ def rotation_of(q):
 
 
 @kernel
-def spin(w, q):
+def spin(w: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Quaternion product (0, w) q (n, 4) of vectors (n, 3) in world axes; half of it is q̇."""
     out = np.empty_like(q)
     for n in range(len(q)):
@@ -145,18 +165,18 @@ def spin(w, q):
     return out
 
 
-def all_frames(state: State, supports: Frames) -> Frames:
+def all_frames(state: MechanismState, supports: Frames) -> Frames:
     """Bodies, supports, ground."""
     ground = (np.zeros((1, 3)), np.eye(3)[None], np.zeros((1, 6)), np.zeros((1, 6)))
-    own = (state.position, rotation_of(state.quaternion), state.velocity, state.acceleration)
-    return Frames(*(np.concatenate(parts) for parts in zip(own, supports, ground, strict=True)))
+    of_bodies = (state.position, rotation_of(state.quaternion), state.velocity, state.acceleration)
+    return Frames(*(np.concatenate(parts) for parts in zip(of_bodies, supports, ground, strict=True)))
 
 
 NO_SUPPORTS = Frames(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 6)), np.zeros((0, 6)))
 
 
 @kernel
-def inertia_and_bias(system, frames, M, Q):
+def inertia_and_bias(system: Mechanism, frames: Frames, M: np.ndarray, Q: np.ndarray) -> None:
     """M (6 nb, 6 nb) about the origins in world axes, and gravity less gyroscopic load Q (6 nb,)."""
     M[:] = system.added_mass
     for b in range(system.mass.size):
@@ -176,12 +196,12 @@ def inertia_and_bias(system, frames, M, Q):
 class Augmented:
     """The matrix of eq. 1 at one pose, factored once and used for all three constraint levels."""
 
-    def __init__(self, system: Mechanism, frames: Frames):
+    def __init__(self, system: Mechanism, frames: Frames) -> None:
         self.system, self.n, self.m = system, 6 * system.mass.size, row_count(system.equations)
         self.M, self.Q = np.empty((self.n, self.n)), np.empty(self.n)
         self.C, self.J = np.empty(self.m), np.empty((self.m, 6 * len(frames.position)))
         self.bias = np.empty(self.m)
-        self.look(frames)
+        self.evaluate(frames)
         K = np.zeros((self.n + self.m,) * 2)
         K[: self.n, : self.n], K[: self.n, self.n :], K[self.n :, : self.n] = self.M, self.Cu.T, self.Cu
         size = np.mean(np.sum(self.Cu**2, axis=1)) / np.mean(np.diag(self.M)) if self.m else 0.0
@@ -190,9 +210,10 @@ class Augmented:
 
     @property
     def Cu(self) -> np.ndarray:
+        """The bodies' part (m, 6 nb) of the constraints' Jacobian."""
         return self.J[:, : self.n]
 
-    def look(self, frames: Frames) -> None:
+    def evaluate(self, frames: Frames) -> None:
         """Evaluate mass, constraints and their derivatives at frames."""
         inertia_and_bias(self.system, frames, self.M, self.Q)
         constraints(self.system.equations, frames, self.C, self.J, self.bias)
@@ -201,8 +222,8 @@ class Augmented:
         """Least motion (nb, 6), in the norm of M, that takes away `gap` (m,) of the constraints."""
         return self._solve(np.concatenate([np.zeros(self.n), -gap]))[: self.n].reshape(-1, 6)
 
-    def accelerations(self, load: np.ndarray, Qd: np.ndarray, tolerance: float):
-        """u̇ (nb, 6), λ (m,) and the constraint error, by refinement on the pose looked at last."""
+    def accelerations(self, load: np.ndarray, Qd: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray, float]:
+        """u̇ (nb, 6), λ (m,) and the constraint error, by refinement on the pose evaluated last."""
         x, top = np.zeros(self.n + self.m), self.Q + load
         for _ in range(INNER):
             u, multiplier = x[: self.n], x[self.n :]
@@ -216,6 +237,6 @@ class Augmented:
         return x[: self.n].reshape(-1, 6), x[self.n :], error
 
 
-def _dense(K):
+def _dense(K: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     factors = lu_factor(K, check_finite=False)
     return lambda b: lu_solve(factors, b, check_finite=False)

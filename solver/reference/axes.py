@@ -1,6 +1,6 @@
 """The axes that a joint leaves free, seen from the poses and motions of its two frames.
 
-A float has six coordinates of its own in the augmented path; what springs, dampers and inertia of the
+A float has six coordinates in the augmented path; what springs, dampers and inertia of the
 mechanism act on are the joint's ways y along or about its axes. Each axis is fixed in the frame that the
 axes before it have moved, and all pass through the hinge point.
 """
@@ -23,7 +23,7 @@ class Axes(NamedTuple):
 
 
 class Node(NamedTuple):
-    """What carries the hinge, there: position (3,), rotation (3, 3), velocity and acceleration (6,)."""
+    """The frame that carries a hinge, at the hinge: position (3,), rotation (3, 3), velocity and acceleration (6,)."""
 
     position: np.ndarray
     rotation: np.ndarray
@@ -31,8 +31,10 @@ class Node(NamedTuple):
     acceleration: np.ndarray
 
 
-def on_body(arm, position, rotation, velocity, acceleration) -> Node:
-    """A point of a rigid body at `arm` (3,) from its origin, in its own axes."""
+def on_body(
+    arm: np.ndarray, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
+) -> Node:
+    """A point of a rigid body at `arm` (3,) from its origin, in body axes."""
     r, w, dw = rotation @ arm, velocity[3:], acceleration[3:]
     moved = velocity[:3] + np.cross(w, r)
     pushed = acceleration[:3] + np.cross(dw, r) + np.cross(w, np.cross(w, r))
@@ -40,7 +42,7 @@ def on_body(arm, position, rotation, velocity, acceleration) -> Node:
 
 
 @kernel
-def _turned(axis, angle):
+def _rotation_about(axis: np.ndarray, angle: float) -> np.ndarray:
     """Rotation by an angle about a unit axis: Rodrigues' formula."""
     x, y, z = axis
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -48,7 +50,9 @@ def _turned(axis, angle):
 
 
 @kernel
-def follow(axes, node, y, dy):
+def body_at(
+    axes: Axes, node: Node, y: np.ndarray, dy: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Position (3,) and rotation (3, 3) of the body at ways y (n,) and rates dy, its motion (6, n) for
     unit rates, and its acceleration (6,) for steady ones: a = J ÿ + c.
     """
@@ -63,7 +67,7 @@ def follow(axes, node, y, dy):
             J[3:, i] = d
             dw += np.cross(w, d) * dy[i]
             w += d * dy[i]
-            R = R @ _turned(axes.direction[i], y[i])
+            R = R @ _rotation_about(axes.direction[i], y[i])
         else:
             J[:3, i] = d
             step = d * y[i]
@@ -78,11 +82,11 @@ def follow(axes, node, y, dy):
 
 
 @kernel
-def ways(axes, node, position, rotation, start):
+def ways(axes: Axes, node: Node, position: np.ndarray, rotation: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Ways y (n,) at which the body stands at `position` and `rotation`, from a guess nearby."""
     y, zero = start.copy(), np.zeros(len(start))
     for _ in range(ITERATIONS):
-        x, R, J, _c = follow(axes, node, y, zero)
+        x, R, J, _c = body_at(axes, node, y, zero)
         E = rotation @ R.T
         gap = np.empty(6)
         gap[:3] = position - x
@@ -95,21 +99,23 @@ def ways(axes, node, position, rotation, start):
 
 
 @kernel
-def carried(node, position):
+def support_velocity(node: Node, position: np.ndarray) -> np.ndarray:
     """Velocity (6,) of a point that moves with the support."""
     w = node.velocity[3:]
     return np.concatenate((node.velocity[:3] + np.cross(w, position - node.position), w))
 
 
 @kernel
-def state(axes, node, position, rotation, velocity, start):
+def joint_motion(
+    axes: Axes, node: Node, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, start: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Ways and rates (n,), P (n, 6) = (JᵀJ)⁻¹Jᵀ and c (6,).
 
     Then ÿ = P (a - c), and a load Q on the axes is PᵀQ on the body.
     """
     y = ways(axes, node, position, rotation, start)
-    _x, _R, J, _c = follow(axes, node, y, np.zeros(len(y)))
+    _x, _R, J, _c = body_at(axes, node, y, np.zeros(len(y)))
     P = np.linalg.solve(J.T @ J, np.ascontiguousarray(J.T))
-    rate = P @ (velocity - carried(node, position))
-    _x, _R, _J, c = follow(axes, node, y, rate)
+    rate = P @ (velocity - support_velocity(node, position))
+    _x, _R, _J, c = body_at(axes, node, y, rate)
     return y, rate, P, c

@@ -20,9 +20,14 @@ FRESH, DENSE = 4, 32  # but fitted kernels may have a fast, short-lived part: in
 class Kernel(Protocol):
     """A retardation function (nt, n, n) and the added mass that goes with it; RadiationMemory is one."""
 
-    added_mass_inf: np.ndarray
+    @property
+    def added_mass_inf(self) -> np.ndarray:
+        """A∞ (n, n)."""
+        ...
 
-    def impulse(self, t: np.ndarray) -> np.ndarray: ...
+    def impulse(self, t: np.ndarray) -> np.ndarray:
+        """K (nt, n, n) at times t >= 0 (nt,) [s]."""
+        ...
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -35,16 +40,18 @@ class CosineTransform:
 
     @classmethod
     def of(cls, h: Hydrodynamics) -> "CosineTransform":
+        """That of a set of coefficients."""
         return cls(omega=h.omega, radiation_damping=h.radiation_damping, added_mass_inf=h.added_mass_inf)
 
     def impulse(self, t: np.ndarray) -> np.ndarray:
+        """K (nt, n, n) at times t >= 0 (nt,) [s]."""
         return retardation(self.omega, self.radiation_damping, t)
 
 
 class Convolution:
     """History of velocities and the weights of the past for steps of length dt and points c (s,)."""
 
-    def __init__(self, kernel: Kernel, *, dt: float, c: np.ndarray, steps: int):
+    def __init__(self, kernel: Kernel, *, dt: float, c: np.ndarray, steps: int) -> None:
         steps = max(steps, FRESH)
         back = np.arange(steps + 1.0)
         recent, old = (_weights(kernel, dt, c, part, n) for part, n in ((back[:FRESH], DENSE), (back[FRESH:], GAUSS)))

@@ -13,7 +13,7 @@ from solver.reference.joints import GROUND, Frames
 
 
 class FixedSupport:
-    """Nothing moves."""
+    """A support without coordinates."""
 
     work = np.zeros(3)
     energy = 0.0
@@ -22,29 +22,34 @@ class FixedSupport:
         """No modes."""
         return np.zeros((stages, 0))
 
-    def number(self, _b):
+    def frame_number(self, _b: int) -> int:
+        """The ground carries every float."""
         return GROUND
 
-    def begin(self, _times, _turn):
-        pass
+    def begin(self, _times: np.ndarray, _turn: np.ndarray) -> None:
+        """Nothing to prepare."""
 
-    def iterate(self):
+    def iterate(self) -> float:
+        """0: nothing moves."""
         return 0.0
 
-    def frames(self, _stage):
+    def frames(self, _stage: int) -> Frames:
+        """None besides the ground."""
         return NO_SUPPORTS
 
-    def carried(self, _stage, _load, _reaction):
-        pass
+    def carried(self, _stage: int, _load: np.ndarray, _reaction: np.ndarray) -> None:
+        """The ground takes every load."""
 
-    def finish(self):
-        pass
+    def finish(self) -> None:
+        """Nothing to carry on."""
 
 
 class ElasticSupport:
     """Modes of a frame that carries one float at each of `nodes` (nb, 3) [m]."""
 
-    def __init__(self, support: Support, damping_ratio: float, nodes: np.ndarray, c, A, dt: float):
+    def __init__(
+        self, support: Support, damping_ratio: float, nodes: np.ndarray, c: np.ndarray, A: np.ndarray, dt: float
+    ) -> None:
         self.support, self.nodes, self.dt, self.A = support, nodes, dt, A
         nm, s = support.omega.size, len(c)
         self.omega, self.damping = support.omega, 2 * damping_ratio * support.omega
@@ -56,7 +61,9 @@ class ElasticSupport:
         # Stage values, [0] the step's start.
         self.p, self.dp, self.ddp = np.zeros((3, s, nm))
         self.node = np.zeros((s, len(support.carrier)))  # loads of the joints on the nodes
-        self.answer, self.tried = self.node.copy(), []  # the floats' loads for those assumed; all of this step
+        # The floats' loads for those assumed, and all of this step with what they were off.
+        self.answer: np.ndarray | None = None
+        self.tried: list[tuple[np.ndarray, np.ndarray]] = []
         self.scale = np.abs(support.shapes.reshape(-1, 6, nm)[:, :3]).max(axis=(0, 1))  # [m] a mode moves at most
         # Works of the wave's inertia load, of structural damping and of drag: audit figures.
         self.work, self.power = np.zeros(3), np.zeros((s, 3))
@@ -66,17 +73,18 @@ class ElasticSupport:
         self.p[:], self.ddp[:] = p, ddp
         self.node[:] = np.linalg.lstsq(self.support.carrier.T, self.omega**2 * p, rcond=None)[0]
 
-    def number(self, b):
+    def frame_number(self, b: int) -> int:
+        """Number among the frames of the node that carries float b."""
         return len(self.nodes) + b
 
-    def begin(self, _times, turn):
-        """turn (n, s): exp(-iωt) times the ramp at the stages."""
+    def begin(self, _times: np.ndarray, turn: np.ndarray) -> None:
+        """Waves of the step's stages; turn (n, s): exp(-iωt) times the ramp there."""
         self.wave = (self.support.wave_rows @ turn).real.T
         self.flow = (self.station_rows @ turn).real.T
         self.node[1:] = self.node[0]
         self.answer, self.tried = None, []
 
-    def _couple(self):
+    def _couple(self) -> None:
         """The next loads of the joints to try, by Anderson's extrapolation from all tried in this step.
 
         A heavy float on a light node answers each acceleration with a larger one: taking the answer as the
@@ -93,7 +101,7 @@ class ElasticSupport:
             new = new - (dX + dR) @ np.linalg.lstsq(dR, r, rcond=1e-9)[0]
         self.node[:] = new.reshape(self.node.shape)
 
-    def iterate(self):
+    def iterate(self) -> float:
         """Stage values of all modes from the loads known so far."""
         A, dt = self.A, self.dt
         self._couple()
@@ -109,7 +117,7 @@ class ElasticSupport:
         self.power[:] = np.stack([np.sum(self.wave * self.dp, axis=1), dissipated, np.sum(drag * self.dp, axis=1)], 1)
         return float((np.abs(self.p - before) * self.scale).max())
 
-    def _drag(self):
+    def _drag(self) -> np.ndarray:
         """Modal drag (s, nm), ½ρC_D D|u - v|(u - v) at every station."""
         shape = (len(self.dp), *self.support.station_shape.shape[:2])
         relative = (self.flow - self.dp @ self.station.T).reshape(shape)
@@ -117,7 +125,7 @@ class ElasticSupport:
         load = self.support.drag[:, None] * size * relative
         return load.reshape(len(self.dp), -1) @ self.station
 
-    def frames(self, stage):
+    def frames(self, stage: int) -> Frames:
         """Pose, velocity and acceleration of every node."""
         carrier, nb = self.support.carrier, len(self.nodes)
         if not nb:
@@ -127,7 +135,7 @@ class ElasticSupport:
             six[level][:, self.axes] = (carrier @ x[stage]).reshape(nb, -1)
         rotation, velocity, acceleration = np.empty((nb, 3, 3)), six[1].copy(), six[2].copy()
         for b in range(nb):
-            rotation[b], axes = _turned(six[0, b, 3:])
+            rotation[b], axes = _rotations(six[0, b, 3:])
             rate, twice = six[1, b, 3:], six[2, b, 3:]
             w, dw = np.zeros(3), axes @ twice
             for i in range(3):  # each axis is carried round by the rotations before it
@@ -136,14 +144,14 @@ class ElasticSupport:
             velocity[b, 3:], acceleration[b, 3:] = w, dw
         return Frames(self.nodes + six[0, :, :3], rotation, velocity, acceleration)
 
-    def carried(self, stage, load, reaction):
-        """Take in the constraints' loads (nb, 6) on the nodes and the reaction of what acts on the axes."""
+    def carried(self, stage: int, load: np.ndarray, reaction: np.ndarray) -> None:
+        """Take in the constraints' loads (nb, 6) on the nodes and the reaction (nb, 6) of springs and dampers."""
         nb, total = len(self.nodes), load + reaction
         coordinates = np.zeros((nb, 6))
         angles = np.zeros((nb, 6))
         angles[:, self.axes] = (self.support.carrier @ self.p[stage]).reshape(nb, -1)
         for b in range(nb):
-            _, axes = _turned(angles[b, 3:])
+            _, axes = _rotations(angles[b, 3:])
             coordinates[b] = [*total[b, :3], *(axes.T @ total[b, 3:])]
         if self.answer is None:
             self.answer = self.node.copy()
@@ -158,14 +166,14 @@ class ElasticSupport:
         """Stored in the modes at the step's start [J]."""
         return float(np.sum(self.dp[0] ** 2 + (self.omega * self.p[0]) ** 2) / 2)
 
-    def finish(self):
+    def finish(self) -> None:
         """Begin the next step where this one ended."""
         self.work += self.dt * self.A[-1] @ self.power
         for x in (self.p, self.dp, self.ddp, self.node, self.power):
             x[0] = x[-1]
 
 
-def _turned(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _rotations(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rotation Rx Ry Rz (3, 3) by angles about moved axes, and those axes as columns (3, 3)."""
     R, axes = np.eye(3), np.empty((3, 3))
     for i, angle in enumerate(angles):

@@ -1,6 +1,6 @@
 """Holonomic constraints between frames, their Jacobian C_u and Q_d: eqs. 4-7 of Heo et al. (2022).
 
-A frame is a rigid body, or a support whose motion is given. Every joint is made of three kinds
+A frame is a rigid body, or a support that moves in a prescribed way. Every joint is made of three kinds
 of equations; with s = R u the lever of a point and a, b directions fixed in frames i, j:
     POINT  x_i + s_i - x_j - s_j = 0          (3 rows: two points coincide)
     SQUARE a·b = 0                            (1 row: two directions stay perpendicular)
@@ -9,10 +9,12 @@ The hinge of the paper is one POINT and two SQUAREs. Rows are differentiated wit
 velocity and angular velocity (world axes), not to Euler angles: C_u is then short and never singular.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.kernels import kernel
@@ -44,7 +46,7 @@ class Equations(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ball:
-    """Frames share a point, given in space at the start."""
+    """Frames share a point; its place in space at the start."""
 
     first: int
     second: int
@@ -53,7 +55,7 @@ class Ball:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hinge:
-    """Frames share a point and an axis, given in space at the start: five constraints."""
+    """Frames share a point and an axis, in space at the start: five constraints."""
 
     first: int
     second: int
@@ -72,7 +74,7 @@ class Guide:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Axes:
+class AxesJoint:
     """The second frame slides along `slides` and turns about `turns`, in that order, through a shared point.
 
     Directions in space at the start; slides are fixed in the first frame, or move with the second one
@@ -87,7 +89,8 @@ class Axes:
     inner: bool = False
 
 
-Joint = Ball | Hinge | Guide | Axes
+Part = tuple[int, np.ndarray, np.ndarray, bool]  # see _parts
+Joint = Ball | Hinge | Guide | AxesJoint
 
 
 def equations(joints: tuple[Joint, ...], frames: Frames) -> Equations:
@@ -102,16 +105,16 @@ def equations(joints: tuple[Joint, ...], frames: Frames) -> Equations:
             directions = np.einsum("nji,nj->ni", R, np.array([a, b], float))
             table.append((kind, pair, row, points, directions, number, 0 if inner else 1))
             row += 3 if kind == POINT else 1
-    kind, pairs, rows, points, directions, number, second = zip(*table, strict=True) if table else [()] * 7
+    kinds, pairs, rows, points, directions, owners, seconds = zip(*table, strict=True) if table else [()] * 7
     n = len(table)
     return Equations(
-        kind=np.array(kind, np.int64),
+        kind=np.array(kinds, np.int64),
         frame=np.array(pairs, np.int64).reshape(n, 2),
         row=np.array(rows, np.int64),
         point=np.array(points, float).reshape(n, 2, 3),
         direction=np.array(directions, float).reshape(n, 2, 3),
-        joint=np.array(number, np.int64),
-        second=np.array(second, np.int64),
+        joint=np.array(owners, np.int64),
+        second=np.array(seconds, np.int64),
     )
 
 
@@ -120,35 +123,35 @@ def row_count(e: Equations) -> int:
     return int(np.sum(np.where(e.kind == POINT, 3, 1)))
 
 
-def _parts(joint: Joint):
+def _parts(joint: Joint) -> list[Part]:
     """(kind, direction in the first, direction in the second frame, frames swapped) of a joint's equations."""
-    if type(joint) is Ball:
+    if isinstance(joint, Ball):
         return [(POINT, np.zeros(3), np.zeros(3), False)]
-    if type(joint) is Hinge:
+    if isinstance(joint, Hinge):
         return _held_points((), False) + _held_turns((_unit(joint.axis),))
-    if type(joint) is Guide:
+    if isinstance(joint, Guide):
         return _held_points((_unit(joint.axis),), False) + _held_turns(())
     slides, turns = (tuple(_unit(a) for a in axes) for axes in (joint.slides, joint.turns))
     return _held_points(slides, joint.inner) + _held_turns(turns)
 
 
-def _unit(axis) -> np.ndarray:
+def _unit(axis: ArrayLike) -> np.ndarray:
     length = np.linalg.norm(axis)
     if not length > 0:
         raise InputError("joint.axis", axis, "must not have zero length")
     return np.divide(axis, length)
 
 
-def _held_points(slides, inner: bool):
-    """What keeps the points together but for the slides."""
+def _held_points(slides: Sequence[np.ndarray], inner: bool) -> list[Part]:
+    """Equations that keep the points together, except along the slides."""
     if not slides:
         return [(POINT, np.zeros(3), np.zeros(3), False)]
     normals = {1: across(slides[0]), 2: [_unit(np.cross(slides[0], slides[-1]))] if len(slides) == 2 else (), 3: ()}
     return [(PLANE, normal, normal, inner) for normal in normals[len(slides)]]
 
 
-def _held_turns(turns):
-    """What keeps the directions but for the turns."""
+def _held_turns(turns: Sequence[np.ndarray]) -> list[Part]:
+    """Equations that keep the directions, except about the turns."""
     if len(turns) == 0:
         x, y, z = np.eye(3)
         return [(SQUARE, x, y, False), (SQUARE, x, z, False), (SQUARE, y, z, False)]
@@ -170,17 +173,17 @@ def across(axis: np.ndarray) -> np.ndarray:
 
 
 @kernel(inline="always")
-def _cross(a, b):
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 @kernel(inline="always")
-def _dot(a, b):
+def _dot(a: np.ndarray, b: np.ndarray) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
-def _point_rows(J, row, column, sign, lever):
+def _point_rows(J: np.ndarray, row: int, column: int, sign: float, lever: np.ndarray) -> None:
     """± [I, -s̃] of x + s."""
     x, y, z = sign * lever[0], sign * lever[1], sign * lever[2]
     for r in range(3):
@@ -194,7 +197,7 @@ def _point_rows(J, row, column, sign, lever):
 
 
 @kernel
-def constraints(e, frames, C, J, bias):
+def constraints(e: Equations, frames: Frames, C: np.ndarray, J: np.ndarray, bias: np.ndarray) -> None:
     """Fill C (m,), its Jacobian J (m, 6 nf) over all frames, and bias (m,) = J̇ v.
 
     Then Ċ = J v and C̈ = J a + bias; for the bodies' columns C_u, and the supports' part J_s:
@@ -236,7 +239,7 @@ def constraints(e, frames, C, J, bias):
 
 
 @kernel
-def joint_loads(e, frames, J, multiplier, load):
+def constraint_loads(e: Equations, frames: Frames, J: np.ndarray, multiplier: np.ndarray, load: np.ndarray) -> None:
     """Fill load (nj, 6) of each joint on its second frame, moment about the joint's point there: eq. 3."""
     load[:] = 0.0
     for n in range(e.kind.size):

@@ -1,5 +1,6 @@
-"""Loads on the floats of the reference path: pressure, linear wave loads, memory, and the joints' own."""
+"""Loads on the floats of the reference path: pressure, linear wave loads, memory, and the joints' loads."""
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Literal
 
@@ -9,11 +10,12 @@ from solver.coupled.assembly import joint_law
 from solver.coupled.energy import JOINT_DAMPING, PTO, RADIATION, WAVE, WORKS
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
+from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.surface import split
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature, quadrature_room
 from solver.hydrodynamics.pressure.wetted_panels import (
-    WettedPanels,
     longest_side,
     panels_pressure,
     panels_room,
@@ -21,14 +23,20 @@ from solver.hydrodynamics.pressure.wetted_panels import (
 )
 from solver.multibody.joint_law import joint_loads
 from solver.reference import axes as joint_axes
+from solver.reference.augmented import MechanismState
 from solver.reference.axes import Axes, Node
 from solver.reference.convolution import Convolution, Kernel
+from solver.reference.elastic import ElasticSupport, FixedSupport
 from solver.reference.joints import GROUND, Frames
 from solver.reference.panels import Mesh, calm, half, panel_load, revolution_mesh, waves_at
 from solver.scene import Float, Scene
 from solver.sea.field import WaveField
 from solver.sea.realization import ramp
 
+# Load (6,) of float b with its reference point at a position (3,) and in a rotation (3, 3).
+PressureOf = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
+# Adds the pressure load of a hull with its reference point at a position (3,), in a rotation (3, 3), to (6,).
+Quadrature = Callable[[np.ndarray, np.ndarray, Incident, np.ndarray], None]
 TERMS = 32  # of the local wave field, for pressure by quadrature: rounding for every hull that is small for its waves
 Surface = Literal["panels", "quadrature"]
 IN_PLANE = np.array([2.0, 0.0, 2.0, 0.0, 2.0, 0.0])  # load of a hull from that of its half
@@ -37,42 +45,47 @@ IN_PLANE = np.array([2.0, 0.0, 2.0, 0.0, 2.0, 0.0])  # load of a hull from that 
 class PressureForce:
     """Hydrostatic and Froude-Krylov load on all floats, by panels, by quadrature, or linear hydrostatics."""
 
-    def __init__(self, scene: Scene, field: WaveField, kind: Surface, panels: tuple[int, int], coefficients):
+    def __init__(
+        self, scene: Scene, field: WaveField, kind: Surface, panels: tuple[int, int], coefficients: Hydrodynamics | None
+    ) -> None:
         self.scene, self.field, self.kind = scene, field, kind
         self.linear = scene.settings.froude_krylov != "body-nonlinear"
         self.coefficients = coefficients
         if kind == "panels" and not self.linear:
-            self.meshes = [
-                (self._split(f), np.ones(6)) if isinstance(f.hull, PanelHull) else _mesh(f.hull, panels, scene.planar)
-                for f in scene.floats
-            ]
+            self.meshes = [self._mesh(f.hull, panels) for f in scene.floats]
         elif not self.linear:
-            s = scene.settings
-            sizes = {"azimuths": s.azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
-            self.rules = [
-                wetted_panels([f.hull], [self._side(f)], half=False, surface_terms=TERMS)
-                if isinstance(f.hull, PanelHull)
-                else quadrature(f.hull, **sizes, half=scene.planar)
-                for f in scene.floats
-            ]
-            self.rooms = [panels_room(r) if isinstance(r, WettedPanels) else quadrature_room(r) for r in self.rules]
+            self.quadratures = [self._quadrature(f.hull) for f in scene.floats]
             self.rows = [field.local_pressure(f.centre, TERMS) for f in scene.floats]
 
-    def _side(self, item: Float) -> float:
+    def _quadrature(self, hull: Hull) -> Quadrature:
+        s = self.scene.settings
+        if isinstance(hull, PanelHull):
+            panels = wetted_panels([hull], [self._side(hull)], half=False, surface_terms=TERMS)
+            pieces = panels_room(panels)
+            return lambda x, R, waves, load: panels_pressure(0, x, R, panels, waves, pieces, load)
+        points = {"azimuths": s.azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
+        rule = quadrature(hull, **points, half=self.scene.planar)
+        room = quadrature_room(rule)
+        return lambda x, R, waves, load: pressure_load(x, R, rule, waves, room, load)
+
+    def _side(self, hull: PanelHull) -> float:
         # Half the production path's: a reference is finer.
-        return longest_side(item.hull, self.scene.settings.panel_size / 2, self.field)
+        return longest_side(hull, self.scene.settings.panel_size / 2, self.field)
 
-    def _split(self, item: Float) -> Mesh:
-        panels = split(item.hull.panels, self._side(item))
-        return Mesh(panels.reshape(-1, 3), np.arange(4 * len(panels)).reshape(-1, 4))
+    def _mesh(self, hull: Hull, panels: tuple[int, int]) -> tuple[Mesh, np.ndarray]:
+        """Panels of a hull, and the factors (6,) of their load."""
+        if not isinstance(hull, PanelHull):
+            return _revolved(hull, panels, self.scene.planar)
+        pieces = split(hull.panels, self._side(hull))
+        return Mesh(pieces.reshape(-1, 3), np.arange(4 * len(pieces)).reshape(-1, 4)), np.ones(6)
 
-    def at(self, t: float, factor: float):
+    def at(self, t: float, factor: float) -> PressureOf:
         """Load (6,) of float b at a position and rotation, at time t under a ramp's factor."""
         if self.linear:
             return self._linear
         return self._by_panels(t, factor) if self.kind == "panels" else self._by_quadrature(t, factor)
 
-    def _by_panels(self, t: float, factor: float):
+    def _by_panels(self, t: float, factor: float) -> PressureOf:
         scene, sea, water = self.scene, self.scene.sea, self.scene.water
         rho_g, wheeler = water.density * water.gravity, scene.settings.pressure == "wheeler"
         waves = calm(self.field.direction[:2], water.depth)
@@ -81,7 +94,7 @@ class PressureForce:
                 self.field.k, sea.omega, sea.amplitude, depth=water.depth, heading=sea.heading, t=t, factor=factor
             )
 
-        def load(b, position, rotation):
+        def load(b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
             mesh, share = self.meshes[b]
             out = np.zeros(6)
             panel_load(position, rotation, mesh, waves, rho_g, wheeler, out)
@@ -89,38 +102,36 @@ class PressureForce:
 
         return load
 
-    def _by_quadrature(self, t: float, factor: float):
+    def _by_quadrature(self, t: float, factor: float) -> PressureOf:
         scene, sea, water = self.scene, self.scene.sea, self.scene.water
         rho_g, wheeler = water.density * water.gravity, scene.settings.pressure == "wheeler"
         turn, direction = factor * np.exp(-1j * sea.omega * t), self.field.direction[:2].copy()
         local = [np.ascontiguousarray((rows * turn).sum(axis=-1).real) for rows in self.rows]
 
-        def load(b, position, rotation):
-            out, rule, room = np.zeros(6), self.rules[b], self.rooms[b]
+        def load(b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+            out = np.zeros(6)
             waves = Incident(local[b], scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
-            if isinstance(rule, WettedPanels):
-                panels_pressure(0, position, rotation, rule, waves, room, out)
-            else:
-                pressure_load(position, rotation, rule, waves, room, out)
+            self.quadratures[b](position, rotation, waves, out)
             return out
 
         return load
 
-    def _linear(self, b, position, rotation):
+    def _linear(self, b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """Buoyancy ρgV at (x_b, y_b) at rest, with its moment, less stiffness times displacement."""
+        assert self.coefficients is not None  # linear hydrostatics are among them
         h, index = self.coefficients, _index(self.coefficients)
-        own = slice(b * len(index), (b + 1) * len(index))
+        block = slice(b * len(index), (b + 1) * len(index))
         shift = np.array([*(position - self.scene.floats[b].centre), rotation[2, 1], rotation[0, 2], rotation[1, 0]])
         out = np.zeros(6)
         x, y, _ = self.scene.floats[b].hull.buoyancy_point
         out[2:5] = h.displaced_mass[b] * self.scene.water.gravity * np.array([1.0, y, -x])
-        out[index] -= h.hydrostatic_stiffness[own, own] @ shift[index]
+        out[index] -= h.hydrostatic_stiffness[block, block] @ shift[index]
         return out
 
 
 @lru_cache(maxsize=8)
-def _mesh(hull, panels: tuple[int, int], planar: bool) -> tuple[Mesh, np.ndarray]:
-    """The hull's panels and the factors of their load: of a hull symmetric in y = 0 one half, where nothing crosses."""
+def _revolved(hull: Revolution, panels: tuple[int, int], planar: bool) -> tuple[Mesh, np.ndarray]:
+    """A hull's panels and the factors (6,) of their load; in a planar scene one half, if no panel crosses y = 0."""
     whole = revolution_mesh(hull, along=panels[0], around=panels[1])
     part = half(whole) if planar else None
     return (whole, np.ones(6)) if part is None else (part, IN_PLANE)
@@ -166,9 +177,20 @@ def _keeps(turn: np.ndarray, slides: np.ndarray) -> bool:
 
 
 class Floats:
-    """All that loads the floats: see `augmented.Surroundings`. Keeps what the record is made of."""
+    """Surroundings of the floats: water, joints and support, and the samples that the record needs."""
 
-    def __init__(self, scene: Scene, h: Hydrodynamics | None, kernel: Kernel | None, force, support, *, dt, A, steps):
+    def __init__(
+        self,
+        scene: Scene,
+        h: Hydrodynamics | None,
+        kernel: Kernel | None,
+        force: PressureForce,
+        support: FixedSupport | ElasticSupport,
+        *,
+        dt: float,
+        A: np.ndarray,
+        steps: int,
+    ) -> None:
         self.scene, self.pressure, self.support = scene, force, support
         self.axes, self.carriers = [axes_of(f) for f in scene.floats], scene.carriers
         for f in scene.floats:
@@ -188,11 +210,13 @@ class Floats:
         # Of each stage, [0] the step's start: ways and rates of the joints, forces on the floats, powers.
         self.way = [[np.zeros(len(a.turns)) for a in self.axes] for _ in range(stages)]
         self.rate = [[np.zeros(len(a.turns)) for a in self.axes] for _ in range(stages)]
-        self.joint = [[None] * nb for _ in range(stages)]
+        # P (n, 6), mechanism's inertia (6, 6) and c (6,), see axes.joint_motion
+        self.joint = [[(np.zeros((0, 6)), np.zeros((6, 6)), np.zeros(6))] * nb for _ in range(stages)]
         self.force = np.zeros((stages, nb, 6))
         self.power, self.work = np.zeros((stages, len(WORKS))), np.zeros(len(WORKS))
 
-    def begin(self, t, dt, state):
+    def begin(self, t: float, dt: float, state: MechanismState) -> None:
+        """Fields and excitation at the step's stages, and the support's share of them; see `Surroundings.begin`."""
         self.velocity[:] = state.velocity.ravel()[self.active]
         s = self.scene.settings
         times = t + self.c * dt
@@ -202,28 +226,30 @@ class Floats:
         self.excitation = (self.rows @ turn).real.T
         self.support.begin(times, turn)
 
-    def iterate(self):
+    def iterate(self) -> float:
+        """The support's iteration; see `Surroundings.iterate`."""
         return self.support.iterate()
 
-    def supports(self, stage, _t):
+    def supports(self, stage: int, _t: float) -> Frames:
+        """Frames of the nodes that carry hinges."""
         return self.support.frames(stage)
 
     def node(self, b: int, frames: Frames) -> Node:
-        """What carries float b, at its hinge."""
+        """The frame that carries float b, at the hinge."""
         hinge, s = np.array(self.scene.floats[b].hinge, float), self.carriers[b]
         if s >= 0:
             return joint_axes.on_body(hinge - self.scene.floats[s].centre, *(x[s] for x in frames))
-        s = self.support.number(b)
+        s = self.support.frame_number(b)
         position = hinge if s == GROUND else frames.position[s]
         return Node(position, frames.rotation[s], frames.velocity[s], frames.acceleration[s])
 
-    def look(self, stage, frames):
+    def mechanism_inertia(self, stage: int, frames: Frames) -> np.ndarray | None:
         """Ways and rates of all joints, and the inertia (6 nb, 6 nb) of their mechanisms; None without any."""
         extra = None
         for b, axes in enumerate(self.axes):
             position, rotation, velocity = frames.position[b], frames.rotation[b], frames.velocity[b]
             start = self.way[stage][b]
-            y, dy, P, c = joint_axes.state(axes, self.node(b, frames), position, rotation, velocity, start)
+            y, dy, P, c = joint_axes.joint_motion(axes, self.node(b, frames), position, rotation, velocity, start)
             self.way[stage][b], self.rate[stage][b] = y, dy
             inertia = self.inertia[b]
             M = (P.T * inertia) @ P
@@ -233,7 +259,8 @@ class Floats:
                 extra[6 * b : 6 * b + 6, 6 * b : 6 * b + 6] = M
         return extra
 
-    def loads(self, stage, _t, frames):
+    def loads(self, stage: int, _t: float, frames: Frames) -> np.ndarray:
+        """Loads (nb, 6) [N, N m] of water and joints, powers on the way; see `Surroundings.loads`."""
         nb = len(self.axes)
         v = frames.velocity[:nb]
         self.velocity[stage] = v.ravel()[self.active]
@@ -258,7 +285,7 @@ class Floats:
                 self.force[stage, carrier] += back
         return load
 
-    def _joint_load(self, b, stage, power):
+    def _joint_load(self, b: int, stage: int, power: np.ndarray) -> np.ndarray:
         """PTO, damping and springs of the axes as a load (6,) on the float."""
         dy = self.rate[stage][b]
         pto, loss, spring = (load[0] for load in joint_loads(self.law[b], self.way[stage][b][None], dy[None]))
@@ -266,7 +293,7 @@ class Floats:
         power[JOINT_DAMPING] += loss @ dy
         return -self.joint[stage][b][0].T @ (pto + loss + spring)
 
-    def carried(self, stage, frames, held, load):
+    def carried(self, stage: int, frames: Frames, held: np.ndarray, load: np.ndarray) -> None:
         """All that the joints carry, from the constraints' loads on floats, `held` (nb, 6), and on nodes, `load`."""
         reaction = np.zeros_like(held)
         for b in range(len(self.axes)):
@@ -276,14 +303,13 @@ class Floats:
             self.force[stage, b] = held[b] + force
         self.support.carried(stage, load, reaction)
 
-    def finish(self):
-        """Work by the collocation's own weights; the step's end becomes the next one's start."""
+    def finish(self) -> None:
+        """Work by the collocation's weights; the step's end becomes the next one's start."""
         self.work += self.dt * self.weight @ self.power
         if self.convolution:
             self.convolution.remember(self.velocity)
         self.support.finish()
-        for kept in (self.way, self.rate, self.joint):
-            kept[0] = list(kept[-1])
+        self.way[0], self.rate[0], self.joint[0] = list(self.way[-1]), list(self.rate[-1]), list(self.joint[-1])
         for rows in (self.force, self.power):
             rows[0] = rows[-1]
 

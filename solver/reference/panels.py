@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -39,7 +40,9 @@ class Waves(NamedTuple):
     depth: float
 
 
-def waves_at(k, omega, amplitude, *, depth: float, heading: float, t: float, factor: float = 1.0) -> Waves:
+def waves_at(
+    k: ArrayLike, omega: ArrayLike, amplitude: ArrayLike, *, depth: float, heading: float, t: float, factor: float = 1.0
+) -> Waves:
     """Components of complex amplitude (n,) [m] at time t [s], times a ramp's factor."""
     direction, k = np.array([np.cos(heading), np.sin(heading)]), np.asarray(k, float)
     turned = np.asarray(amplitude, complex) * np.exp(-1j * np.asarray(omega) * t) * factor
@@ -48,7 +51,7 @@ def waves_at(k, omega, amplitude, *, depth: float, heading: float, t: float, fac
     return Waves(k, np.stack([turned.real, turned.imag]), share, direction, float(depth))
 
 
-def calm(direction=(1.0, 0.0), depth: float = np.inf) -> Waves:
+def calm(direction: ArrayLike = (1.0, 0.0), depth: float = np.inf) -> Waves:
     """Still water."""
     return Waves(np.zeros(0), np.zeros((2, 0)), np.zeros((2, 0)), np.array(direction, float), float(depth))
 
@@ -139,7 +142,7 @@ def half(mesh: Mesh) -> Mesh | None:
 # Sines and exponentials without branches or calls, so that the sum over components runs four wide: as
 # accurate as the library's to 1e-14 of the sum of amplitudes, and several times faster.
 @fast_kernel
-def _turn(x):
+def _cosine_sine(x: float) -> tuple[float, float]:
     """cos x, sin x: a quarter of x mod 2π by Taylor's series, its angle doubled twice."""
     r = (x - 2 * np.pi * np.floor(x * (0.5 / np.pi) + 0.5)) / 4
     q = r * r
@@ -152,7 +155,7 @@ def _turn(x):
 
 
 @fast_kernel
-def _rise(x):
+def _exponential(x: float) -> float:
     """exp x for x < 64, and at least e^-64: a 64th of x by Taylor's series, squared six times."""
     x = max(x, -64.0) / 64
     p = 1 + x / 8 * (1 + x / 9 * (1 + x / 10 * (1 + x / 11 * (1 + x / 12))))
@@ -166,27 +169,27 @@ def _rise(x):
 
 
 @fast_kernel
-def _elevation(waves, s):
+def _elevation(waves: Waves, s: float) -> float:
     total, k, real, imag = 0.0, waves.k, waves.a[0], waves.a[1]
     for i in range(k.size):
-        c, d = _turn(k[i] * s)
+        c, d = _cosine_sine(k[i] * s)
         total += real[i] * c - imag[i] * d
     return total
 
 
 @fast_kernel
-def _head(waves, s, z):
+def _head(waves: Waves, s: float, z: float) -> float:
     """Dynamic head p/ρg [m] of all components: Re Σ a cosh k(z+h)/cosh kh exp(iks), eq. 11."""
     total, k, real, imag, share, image = 0.0, waves.k, waves.a[0], waves.a[1], waves.share[0], waves.share[1]
     for i in range(k.size):
-        c, d = _turn(k[i] * s)
-        rise = _rise(k[i] * z)
+        c, d = _cosine_sine(k[i] * s)
+        rise = _exponential(k[i] * z)
         total += (share[i] * rise + image[i] / rise) * (real[i] * c - imag[i] * d)
     return total
 
 
 @kernel
-def _clip(corners, height, polygon):
+def _clip(corners: np.ndarray, height: np.ndarray, polygon: np.ndarray) -> int:
     """The part of a face (4, 3) whose heights (4,) above the surface are below 0; number of its corners."""
     count = 0
     for i in range(4):
@@ -202,7 +205,7 @@ def _clip(corners, height, polygon):
 
 
 @kernel
-def _add_force(point, origin, fx, fy, fz, load):
+def _add_force(point: np.ndarray, origin: np.ndarray, fx: float, fy: float, fz: float, load: np.ndarray) -> None:
     x, y, z = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
     load[0] += fx
     load[1] += fy
@@ -213,7 +216,9 @@ def _add_force(point, origin, fx, fy, fz, load):
 
 
 @kernel
-def _hydrostatic(a, b, c, origin, rho_g, area, load):
+def _hydrostatic(
+    a: np.ndarray, b: np.ndarray, c: np.ndarray, origin: np.ndarray, rho_g: float, area: np.ndarray, load: np.ndarray
+) -> None:
     """-∫ p n dS, p = -ρgz, on a triangle of outward area (3,): edge midpoints are exact for z times lever."""
     middle = np.empty(3)
     for e in range(3):
@@ -225,7 +230,9 @@ def _hydrostatic(a, b, c, origin, rho_g, area, load):
 
 
 @kernel
-def _panel(polygon, count, origin, rho_g, waves, wheeler, load):
+def _panel(
+    polygon: np.ndarray, count: int, origin: np.ndarray, rho_g: float, waves: Waves, wheeler: bool, load: np.ndarray
+) -> None:
     """Load of one wetted polygon: hydrostatic by triangles, the wave's head at the centroid."""
     total, centroid, size = np.zeros(3), np.zeros(3), 0.0
     area = np.empty(3)
@@ -255,7 +262,9 @@ def _panel(polygon, count, origin, rho_g, waves, wheeler, load):
 
 
 @kernel
-def panel_load(position, rotation, mesh, waves, rho_g, wheeler, load):
+def panel_load(
+    position: np.ndarray, rotation: np.ndarray, mesh: Mesh, waves: Waves, rho_g: float, wheeler: bool, load: np.ndarray
+) -> None:
     """Load (6,) [N, N m] about the reference point at `position` (3,), added to `load`.
 
     rotation (3, 3) of the body; pressure above still water as Airy's formula goes on, or wheeler:

@@ -1,4 +1,4 @@
-"""A scene by the paper's own method: the slow, independent twin of `simulate`, and its record.
+"""A scene by the paper's method: the slow, independent twin of `simulate`, and its record.
 
 Augmented floats, panel-wise pressure, direct convolution, all modes, every coupling iterated to
 convergence. It shares with `simulate` the scene, the BEM's coefficients and the structure's modes,
@@ -6,8 +6,9 @@ and nothing of the floats' mechanics, the memory, the pressure integral or the t
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -23,12 +24,21 @@ from solver.multibody.joint_law import joint_energy
 from solver.record.audit import MARGIN, PROBE, coefficient_effects, probed, statistics_error, unmet
 from solver.record.recorder import Record, Recorder
 from solver.reference import axes as joint_axes
-from solver.reference.augmented import NO_SUPPORTS, Body, Mechanism, State, inertia_and_bias, lobatto, mechanism
+from solver.reference.augmented import (
+    NO_SUPPORTS,
+    Body,
+    Errors,
+    Mechanism,
+    MechanismState,
+    inertia_and_bias,
+    lobatto,
+    mechanism,
+)
 from solver.reference.convolution import CosineTransform, Kernel
 from solver.reference.elastic import ElasticSupport, FixedSupport
-from solver.reference.joints import Axes, Frames, Hinge
+from solver.reference.joints import AxesJoint, Frames, Hinge
 from solver.reference.loads import Floats, PressureForce, Surface, held
-from solver.reference.twoloop import march
+from solver.reference.twoloop import Sample, integrate
 from solver.scene import Float, Scene
 from solver.sea.realization import ramp
 
@@ -45,7 +55,7 @@ class Case:
     scene: Scene
     system: System  # the fast path's: wave rows, modes and what the audit needs
     mechanism: Mechanism
-    state: State
+    state: MechanismState
     floats: Floats
     support: FixedSupport | ElasticSupport
     steps: int
@@ -62,7 +72,7 @@ def simulate_reference(
     tolerance: float = CONSTRAINTS,
     progress: Callable[[float], None] = lambda _share: None,
 ) -> Record:
-    """The record of `scene` by the augmented formulation; what is not given follows `scene.settings`.
+    """The record of `scene` by the augmented formulation; defaults follow `scene.settings`.
 
     kernel: retardation function, by default eq. 14's of the BEM's damping, or the fitted one where the
     settings keep the state space. surface: how pressure is integrated. panels: along the meridian and around.
@@ -70,7 +80,7 @@ def simulate_reference(
     progress: told the share of the record that is done, some hundred steps apart.
     """
     clock = time.perf_counter()
-    options = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
+    options: dict[str, Any] = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
     case = _case(scene, hydrodynamics, **options)
     prepared = time.perf_counter()
     recorder = Recorder(scene, case.system.support, layout=case.system.layout)
@@ -118,7 +128,15 @@ def _told(scene: Scene) -> dict[str, float | str]:
     return {name: getattr(s.paths, name) for name in names}
 
 
-def _case(scene: Scene, h: Hydrodynamics | None, *, kernel, surface, panels, stages) -> Case:
+def _case(
+    scene: Scene,
+    h: Hydrodynamics | None,
+    *,
+    kernel: Kernel | None,
+    surface: Surface | None,
+    panels: tuple[int, int],
+    stages: int,
+) -> Case:
     scene = replace(scene, settings=scene.settings.paths)
     s, system, h = scene.settings, prepare(scene, h), h if scene.floats else None
     if not s.radiation or h is None:
@@ -127,8 +145,8 @@ def _case(scene: Scene, h: Hydrodynamics | None, *, kernel, surface, panels, sta
         kernel = CosineTransform.of(h) if s.memory == "convolution" else system.fit
     steps = int(np.ceil((s.discard + s.duration) / s.time_step - 1e-9))
     _, A = lobatto(stages)
-    support = FixedSupport()
-    if scene.platform is not None:
+    support: FixedSupport | ElasticSupport = FixedSupport()
+    if scene.platform is not None and system.support is not None:
         nodes = np.array([f.hinge for f in scene.floats], float).reshape(-1, 3)
         support = ElasticSupport(system.support, scene.platform.damping_ratio, nodes, A.sum(axis=1), A, s.time_step)
     force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
@@ -139,17 +157,21 @@ def _case(scene: Scene, h: Hydrodynamics | None, *, kernel, surface, panels, sta
     )  # fmt: skip
 
 
-def _at_rest(scene: Scene, system: System, floats: Floats, support, kernel):
+def _at_rest(
+    scene: Scene, system: System, floats: Floats, support: FixedSupport | ElasticSupport, kernel: Kernel | None
+) -> tuple[Mechanism, MechanismState]:
     """Mechanism and state where the fast path lets go: equilibrium in still water plus offsets, modes at rest."""
     start, nb = system.start(), len(scene.floats)
     ends = np.cumsum([len(a.turns) for a in floats.axes])
     for stage in floats.way:
         stage[:] = np.split(start.z, ends[:-1]) if nb else []
     supports = NO_SUPPORTS
-    if scene.platform is not None:
+    if isinstance(support, ElasticSupport):
         support.start(start.p, start.ddp)
         supports = support.frames(0)
-    drawn, bodies, joints, still = [], [], [], np.zeros(6)
+    drawn: list[Body] = []
+    bodies: list[Body] = []
+    joints, still = [], np.zeros(6)
     for b, (item, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
         way = floats.way[0][b]
         for poses, y in ((bodies, way), (drawn, 0 * way)):
@@ -160,42 +182,44 @@ def _at_rest(scene: Scene, system: System, floats: Floats, support, kernel):
                 arm, pose = item.hinge - scene.floats[carrier].centre, poses[carrier]
                 turned = Rotation.from_quat(pose.rotation, scalar_first=True).as_matrix()
                 node = joint_axes.on_body(arm, np.array(pose.position), turned, still, still)
-            poses.append(_body(item, *joint_axes.follow(floats.axes[b], node, y, 0 * way)[:2]))
+            poses.append(_body(item, *joint_axes.body_at(floats.axes[b], node, y, 0 * way)[:2]))
         # Its node, the last, is where the floats are drawn.
-        joints.append(_joint(item, carrier if carrier >= 0 else support.number(b), b, node))
+        joints.append(_joint(item, carrier if carrier >= 0 else support.frame_number(b), b, node))
     A = None
     if kernel is not None:
         A = np.zeros((6 * nb, 6 * nb))
         A[np.ix_(floats.active, floats.active)] = kernel.added_mass_inf
-    world = {"gravity": (0, 0, -scene.water.gravity), "added_mass": A}
+    world: dict[str, Any] = {"gravity": (0, 0, -scene.water.gravity), "added_mass": A}
     # The joints are closed where the floats are drawn; from there they let the axes move.
     return mechanism(drawn, joints, supports, **world)[0], mechanism(bodies, joints, supports, **world)[1]
 
 
-def _body(item: Float, position, rotation) -> Body:
+def _body(item: Float, position: np.ndarray, rotation: np.ndarray) -> Body:
     turned = tuple(Rotation.from_matrix(rotation).as_quat(scalar_first=True))
     return Body(mass=item.mass, inertia=item.inertia, cog=item.cog, position=tuple(position), rotation=turned)
 
 
-def _joint(item: Float, first: int, second: int, node) -> Hinge | Axes:
+def _joint(item: Float, first: int, second: int, node: joint_axes.Node) -> Hinge | AxesJoint:
     """The paper's hinge, or what keeps the axes of another joint."""
     slides, turns, inner = held(item)
     to_space = [tuple(tuple(node.rotation @ d) for d in axes) for axes in (slides, turns)]
     point = tuple(node.position)
     if not slides and len(turns) == 1:
         return Hinge(first=first, second=second, point=point, axis=to_space[1][0])
-    return Axes(first=first, second=second, point=point, slides=to_space[0], turns=to_space[1], inner=inner)
+    return AxesJoint(first=first, second=second, point=point, slides=to_space[0], turns=to_space[1], inner=inner)
 
 
-def _march(case: Case, tolerance: float):
+def _march(case: Case, tolerance: float) -> Iterator[Sample]:
     """The start's sample, then two of every step."""
     dt, stages = case.scene.settings.time_step, len(case.floats.weight)
     still = min(STILL, case.scene.settings.newton_tolerance)
-    options = {"dt": dt, "stages": stages, "tolerance": tolerance, "still": still}
-    return march(case.mechanism, case.state, case.floats, t_end=case.steps * dt, **options)
+    options: dict[str, Any] = {"dt": dt, "stages": stages, "tolerance": tolerance, "still": still}
+    return integrate(case.mechanism, case.state, case.floats, t_end=case.steps * dt, **options)
 
 
-def _blocks(case: Case, samples):
+def _blocks(
+    case: Case, samples: Iterable[Sample]
+) -> Iterator[tuple[np.ndarray, Output, np.ndarray, np.ndarray, Frames]]:
     """(times, samples as the fast march puts them out, wave rows' samples, constraint errors, frames at the end)."""
     rows, stages = [], len(case.floats.weight)
     for n, sample in enumerate(samples, 1):
@@ -206,7 +230,9 @@ def _blocks(case: Case, samples):
             rows = []
 
 
-def _row(case: Case, stage: int, sample):
+def _row(
+    case: Case, stage: int, sample: Sample
+) -> tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray, Errors]:
     floats, none = case.floats, np.zeros(0)
     z, dz = (np.concatenate([none, *values[stage]]) for values in (floats.way, floats.rate))
     limit = case.system.bodies.limit[len(case.system.bodies.limit) - len(z) :]
@@ -226,7 +252,7 @@ def _elevation(case: Case, times: np.ndarray) -> np.ndarray:
 
 
 def _works(case: Case) -> np.ndarray:
-    """As WORKS [J]."""
+    """Works (len(WORKS),) in the order of WORKS [J]."""
     work = case.floats.work.copy()
     work[[FRAME_INERTIA, STRUCTURAL, FRAME_DRAG]] = case.support.work
     return work
@@ -253,8 +279,10 @@ def _probe_steps(case: Case) -> int:
     return max(1, int(min(PROBE / case.scene.settings.time_step, case.steps / 4)))
 
 
-def _errors(case: Case, h: Hydrodynamics | None, probe: Recorder, options, tolerance: float) -> dict[str, float]:
-    """Of the step, by a run with half of it; and of the BEM."""
+def _errors(
+    case: Case, h: Hydrodynamics | None, probe: Recorder, options: dict[str, Any], tolerance: float
+) -> dict[str, float]:
+    """Estimated errors of the step, by a run with half of it, and of the BEM."""
     s, order = case.scene.settings, 2 * options["stages"] - 2
     short = replace(probed(case.scene, _probe_steps(case)).settings, time_step=s.time_step / 2)
     half = _case(replace(case.scene, settings=short), h, **options)

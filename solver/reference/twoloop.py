@@ -1,10 +1,11 @@
 """Two-loop time integration of a constrained mechanism: see `augmented`."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import StepTooLong
 from solver.reference.augmented import (
@@ -14,14 +15,14 @@ from solver.reference.augmented import (
     Body,
     Errors,
     Mechanism,
-    State,
+    MechanismState,
     Surroundings,
     all_frames,
     lobatto,
     mechanism,
     spin,
 )
-from solver.reference.joints import Frames, Joint, joint_loads
+from solver.reference.joints import Frames, Joint, constraint_loads
 
 # Of the constraints. Where C_u loses rank a gap ε leaves √ε undecided, so it is kept at a hundred times rounding.
 TOLERANCE = 1e-12
@@ -51,7 +52,9 @@ class Trajectory:
     errors: Errors  # largest over the run
 
 
-def evaluate(system, state, stage, t, surroundings, tolerance):
+def evaluate(
+    system: Mechanism, state: MechanismState, stage: int, t: float, surroundings: Surroundings, tolerance: float
+) -> tuple[MechanismState, Sample]:
     """Inner loops at one stage: constraints of position, velocity and acceleration in turn.
 
     Returns the state with its accelerations and multipliers, its frames, loads at joints, errors.
@@ -61,7 +64,7 @@ def evaluate(system, state, stage, t, surroundings, tolerance):
     nb = len(state.position)
     if not nb:
         return state, Sample(t, frames, np.zeros((0, 6)), Errors(0.0, 0.0, 0.0))
-    extra = surroundings.look(stage, frames)
+    extra = surroundings.mechanism_inertia(stage, frames)
     kkt = Augmented(system if extra is None else system._replace(added_mass=system.added_mass + extra), frames)
     for _ in range(INNER):
         gap = np.abs(kkt.C).max(initial=0.0)
@@ -72,25 +75,25 @@ def evaluate(system, state, stage, t, surroundings, tolerance):
         q /= np.linalg.norm(q, axis=1, keepdims=True)
         state = state._replace(position=state.position + move[:, :3], quaternion=q)
         frames = all_frames(state, supports)
-        kkt.look(frames)
+        kkt.evaluate(frames)
     for _ in range(INNER):
         slip = kkt.J @ frames.velocity.ravel()
         if np.abs(slip).max(initial=0.0) <= tolerance:
             break
         state = state._replace(velocity=state.velocity + kkt.correction(slip))
         frames = all_frames(state, supports)
-        kkt.look(frames)
-    surroundings.look(stage, frames)
+        kkt.evaluate(frames)
+    surroundings.mechanism_inertia(stage, frames)
     load = surroundings.loads(stage, t, frames)
-    given = kkt.J[:, 6 * nb :] @ frames.acceleration[nb:].ravel()
-    acceleration, multiplier, error = kkt.accelerations(np.ravel(load), -kkt.bias - given, tolerance)
+    of_supports = kkt.J[:, 6 * nb :] @ frames.acceleration[nb:].ravel()
+    acceleration, multiplier, error = kkt.accelerations(np.ravel(load), -kkt.bias - of_supports, tolerance)
     state = state._replace(acceleration=acceleration, multiplier=multiplier)
     carried = -(kkt.J[:, 6 * nb :].T @ multiplier).reshape(-1, 6)[:-1]
     frames = frames._replace(acceleration=_with(frames, acceleration))
     held = -(kkt.Cu.T @ multiplier).reshape(-1, 6)
     surroundings.carried(stage, frames, held, carried)
     joints = np.empty((system.equations.joint.max(initial=-1) + 1, 6))
-    joint_loads(system.equations, frames, kkt.J, multiplier, joints)
+    constraint_loads(system.equations, frames, kkt.J, multiplier, joints)
     errors = Errors(gap, float(np.abs(slip).max(initial=0.0)), float(error))
     return state, Sample(t, frames, joints, errors)
 
@@ -101,9 +104,9 @@ def _with(frames: Frames, acceleration: np.ndarray) -> np.ndarray:
     return out
 
 
-def march(
+def integrate(
     system: Mechanism,
-    state: State,
+    state: MechanismState,
     surroundings: Surroundings,
     *,
     t_end: float,
@@ -133,7 +136,9 @@ def march(
         yield from samples
 
 
-def _first(system, state, dt, surroundings, tolerance):
+def _first(
+    system: Mechanism, state: MechanismState, dt: float, surroundings: Surroundings, tolerance: float
+) -> tuple[MechanismState, Sample]:
     """Accelerations at t = 0, of bodies and supports together."""
     surroundings.begin(0.0, dt, state)
     for _ in range(OUTER):
@@ -154,33 +159,50 @@ def _extrapolation(c: np.ndarray) -> np.ndarray:
     return np.vander(c + 1, increasing=True) @ np.linalg.inv(basis)
 
 
-def _step(system, start, a, t, dt, tableau, surroundings, limits):
+def _step(
+    system: Mechanism,
+    start: MechanismState,
+    a: np.ndarray,
+    t: float,
+    dt: float,
+    tableau: tuple[np.ndarray, np.ndarray],
+    surroundings: Surroundings,
+    limits: tuple[float, float, float],
+) -> tuple[list[MechanismState], list[Sample]]:
     """Outer loop: accelerations of the stages, until they stand still."""
     (c, A), (tolerance, still, stuck) = tableau, limits
     a[0] = start.acceleration
-    chain, samples = [start] * len(c), [None] * len(c)
+    chain = [start] * len(c)
     for n in range(OUTER):
-        change = surroundings.iterate()
+        change, samples = surroundings.iterate(), []
         v = start.velocity + dt * np.einsum("sj,jbk->sbk", A, a)
         x = start.position + dt * np.einsum("sj,jbk->sbk", A, v[..., :3])
         dq = np.array([spin(v[j, :, 3:], chain[j].quaternion) / 2 for j in range(len(c))])
         q = start.quaternion + dt * np.einsum("sj,jbk->sbk", A, dq)
         q /= np.linalg.norm(q, axis=-1, keepdims=True)
         for s in range(1, len(c)):
-            guess = State(x[s], q[s], v[s], a[s], chain[s].multiplier)
-            new, samples[s] = _evaluated(system, guess, s, (t + c[s] * dt, dt), surroundings, tolerance)
+            guess = MechanismState(x[s], q[s], v[s], a[s], chain[s].multiplier)
+            new, sample = _evaluated(system, guess, s, (t + c[s] * dt, dt), surroundings, tolerance)
             turned = new.quaternion - chain[s].quaternion
             change = _largest(change, dt * dt * (new.acceleration - a[s]), turned)
             a[s], chain[s] = new.acceleration, new
+            samples.append(sample)
         if not change < LOST:
             break
         if change < (still if n < OUTER // 2 else max(still, stuck)):
-            return chain, samples[1:]
+            return chain, samples
     raise _lost(change, t + dt, dt)
 
 
-def _evaluated(system, state, stage, when, surroundings, tolerance):
-    """As `evaluate` at when = (t, dt); a pose that its equations cannot be solved for is an outcome."""
+def _evaluated(
+    system: Mechanism,
+    state: MechanismState,
+    stage: int,
+    when: tuple[float, float],
+    surroundings: Surroundings,
+    tolerance: float,
+) -> tuple[MechanismState, Sample]:
+    """As `evaluate` at when = (t, dt); StepTooLong where its equations are singular."""
     try:
         return evaluate(system, state, stage, when[0], surroundings, tolerance)
     except np.linalg.LinAlgError as error:
@@ -188,13 +210,13 @@ def _evaluated(system, state, stage, when, surroundings, tolerance):
         raise StepTooLong(f"joints lost at t = {t:.3f} s ({error}): reduce time_step = {dt:g} s") from None
 
 
-def _largest(*changes) -> float:
+def _largest(*changes: np.ndarray | float) -> float:
     """Magnitude of the largest, NaN if any is: Python's max would drop it."""
     return float(np.max([np.abs(change).max(initial=0.0) for change in changes]))
 
 
 def _lost(change: float, t: float, dt: float) -> StepTooLong:
-    """What a run is told whose outer loop does not settle."""
+    """The error of a run whose outer loop does not settle."""
     trouble = "runs away" if np.isfinite(change) else "is not finite"
     if change < LOST:
         trouble = f"does not settle in {OUTER} iterations"
@@ -204,34 +226,42 @@ def _lost(change: float, t: float, dt: float) -> StepTooLong:
     )
 
 
-class Given:
+Loads = Callable[[float, Frames], np.ndarray]  # (nb, 6) at a time, with the frames there
+Motion = Callable[[float], tuple[ArrayLike, ...]]  # (position, rotation, velocity (6,), acceleration (6,)) of a support
+
+
+class PrescribedSurroundings:
     """Surroundings of which the motion of supports and the loads are known functions."""
 
-    def __init__(self, forces, supports):
+    def __init__(self, forces: Loads, supports: tuple[Motion, ...]) -> None:
         self.forces, self.motions = forces, supports
 
-    def begin(self, _t, _dt, _state):
-        pass
+    def begin(self, _t: float, _dt: float, _state: MechanismState) -> None:
+        """Nothing to prepare."""
 
-    def iterate(self):
+    def iterate(self) -> float:
+        """0: supports do not depend on loads."""
         return 0.0
 
-    def look(self, _stage, _frames):
+    def mechanism_inertia(self, _stage: int, _frames: Frames) -> np.ndarray | None:
+        """None: the bodies have no mechanisms."""
         return None
 
-    def supports(self, _stage, t):
+    def supports(self, _stage: int, t: float) -> Frames:
+        """Poses and motions (position, rotation, velocity, acceleration) of the supports at time t [s]."""
         if not self.motions:
             return NO_SUPPORTS
         return Frames(*(np.array(x, float) for x in zip(*(motion(t) for motion in self.motions), strict=True)))
 
-    def loads(self, _stage, t, frames):
+    def loads(self, _stage: int, t: float, frames: Frames) -> np.ndarray:
+        """The prescribed loads (nb, 6) at time t [s]."""
         return self.forces(t, frames)
 
-    def carried(self, _stage, _frames, _held, _load):
-        pass
+    def carried(self, _stage: int, _frames: Frames, _held: np.ndarray, _load: np.ndarray) -> None:
+        """Not used."""
 
-    def finish(self):
-        pass
+    def finish(self) -> None:
+        """Nothing to carry on."""
 
 
 def simulate_mechanism(
@@ -241,7 +271,7 @@ def simulate_mechanism(
     t_end: float,
     dt: float,
     *,
-    supports: tuple[Callable[[float], tuple], ...] = (),
+    supports: tuple[Motion, ...] = (),
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81),
     added_mass: np.ndarray | None = None,
     stages: int = 3,
@@ -252,12 +282,14 @@ def simulate_mechanism(
 
     forces(t, frames): loads (nb, 6) about the bodies' origins, world axes, besides gravity;
     supports: t -> (position, rotation, velocity (6,), acceleration (6,)), frames nb, nb + 1, …;
-    GROUND is frame -1. tolerance: of the constraints [m, m/s, m/s2]; stuck: see `march`.
+    GROUND is frame -1. tolerance: of the constraints [m, m/s, m/s2]; stuck: see `integrate`.
     """
     none = np.zeros((len(bodies), 6))
-    given = Given(forces or (lambda *_: none), supports)
-    system, state = mechanism(bodies, joints, given.supports(0, 0.0), gravity=gravity, added_mass=added_mass)
-    samples = list(march(system, state, given, t_end=t_end, dt=dt, stages=stages, tolerance=tolerance, stuck=stuck))
+    prescribed = PrescribedSurroundings(forces or (lambda *_: none), supports)
+    system, state = mechanism(bodies, joints, prescribed.supports(0, 0.0), gravity=gravity, added_mass=added_mass)
+    samples = list(
+        integrate(system, state, prescribed, t_end=t_end, dt=dt, stages=stages, tolerance=tolerance, stuck=stuck)
+    )
     nb = len(bodies)
     return Trajectory(
         time=np.array([s.time for s in samples]),
@@ -269,14 +301,16 @@ def simulate_mechanism(
     )
 
 
-def energy(bodies: tuple[Body, ...], trajectory: Trajectory, gravity=(0.0, 0.0, -9.81)) -> np.ndarray:
+def mechanical_energy(
+    bodies: tuple[Body, ...], trajectory: Trajectory, gravity: Sequence[float] = (0.0, 0.0, -9.81)
+) -> np.ndarray:
     """Kinetic and potential energy of gravity (nt,) [J]."""
     total = np.zeros(len(trajectory.time))
     for b, body in enumerate(bodies):
         R, v = trajectory.rotation[:, b], trajectory.velocity[:, b]
         lever = R @ np.array(body.cog, float)
         at_cog = v[:, :3] + np.cross(v[:, 3:], lever)
-        own = np.einsum("tij,ti->tj", R, v[:, 3:])
-        total += 0.5 * body.mass * np.sum(at_cog**2, axis=1) + 0.5 * np.sum(own**2 * body.inertia, axis=1)
+        spin_in_body = np.einsum("tij,ti->tj", R, v[:, 3:])
+        total += 0.5 * body.mass * np.sum(at_cog**2, axis=1) + 0.5 * np.sum(spin_in_body**2 * body.inertia, axis=1)
         total -= body.mass * (trajectory.position[:, b] + lever) @ np.array(gravity)
     return total

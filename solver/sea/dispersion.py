@@ -1,11 +1,12 @@
 """Linear dispersion of gravity waves."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 SHALLOWEST = 0.1  # kh; longer waves have no coefficients
 
 
-def wavenumber(omega, depth: float, gravity: float = 9.81) -> np.ndarray:
+def wavenumber(omega: ArrayLike, depth: float, gravity: float = 9.81) -> np.ndarray:
     """Wavenumber k [1/m] of ω² = g k tanh(kh) for ω [rad/s] of any shape, depth h [m].
 
     Newton on y tanh y = ω²h/g from a start within 10 %; deep water (h = inf) is ω²/g.

@@ -1,16 +1,18 @@
-"""Everything that the incident wave drives, as rows of one matrix.
+"""Quantities that the incident wave drives, as rows of one matrix.
 
 Each linear quantity of the sea (elevation, a coefficient of the local pressure field, a
-particle velocity, a diffraction force) is y(t) = Re Σᵢ Wᵢ exp(-iωᵢt) with its own complex
-row W. Rows are stacked and evaluated together, block by block, as one real matrix product.
+particle velocity, a diffraction force) is y(t) = Re Σᵢ Wᵢ exp(-iωᵢt) with a complex
+row W each. Rows are stacked and evaluated together, block by block, as one real matrix product.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import factorial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.sea.dispersion import wavenumber
@@ -23,7 +25,7 @@ LOST = 1e-4  # share of the amplitudes that rounding may take from that series
 
 @dataclass(frozen=True)
 class WaveField:
-    """A realization over a given depth: rows of its kinematics at points (…, 3) [m]."""
+    """A realization in water of one depth: rows of its kinematics at points (…, 3) [m]."""
 
     sea: Realization
     depth: float
@@ -39,15 +41,15 @@ class WaveField:
         """Unit vector of propagation (3,)."""
         return np.array([np.cos(self.sea.heading), np.sin(self.sea.heading), 0.0])
 
-    def _phase(self, points) -> np.ndarray:
+    def _phase(self, points: ArrayLike) -> np.ndarray:
         s = np.asarray(points, float) @ self.direction
         return self.sea.amplitude * np.exp(1j * self.k * s[..., None])
 
-    def elevation(self, points) -> np.ndarray:
+    def elevation(self, points: ArrayLike) -> np.ndarray:
         """η [m]: rows (…, n)."""
         return self._phase(points)
 
-    def velocity(self, points) -> np.ndarray:
+    def velocity(self, points: ArrayLike) -> np.ndarray:
         """Particle velocity [m/s]: rows (…, 3, n); zero above z = 0 is not implied.
 
         along the heading: ω cosh k(z+h)/sinh kh, upward: -iω sinh k(z+h)/sinh kh.
@@ -60,11 +62,11 @@ class WaveField:
         along, up = common * (rise + image), -1j * common * (rise - image)
         return self.direction[:, None] * along[..., None, :] + np.array([0, 0, 1.0])[:, None] * up[..., None, :]
 
-    def acceleration(self, points) -> np.ndarray:
+    def acceleration(self, points: ArrayLike) -> np.ndarray:
         """∂u/∂t [m/s²]: rows (…, 3, n)."""
         return -1j * self.sea.omega * self.velocity(points)
 
-    def local_pressure(self, centre, terms: int) -> np.ndarray:
+    def local_pressure(self, centre: np.ndarray, terms: int) -> np.ndarray:
         """Rows (2, terms, n) of Re Cₙ, Im Cₙ [m^(1-n)]: dynamic head p/ρg = Re Σ Cₙ ζⁿ.
 
         ζ = (z - z₀) + i(s - s₀). cosh k(z+h)/cosh kh e^{iks} splits into e^{kζ} and
@@ -109,7 +111,7 @@ class WaveField:
         return low
 
     def left_out(self, terms: int, radius: float) -> float:
-        """What `terms` leave out within `radius` [m] at most, of Σ|aᵢ|; nothing without waves."""
+        """Bound on the tail after `terms` within `radius` [m], as a share of Σ|aᵢ|; 0 without waves."""
         return self._tail(terms, radius) if self.sea.amplitude.any() else 0.0
 
     def _tail(self, n: int, radius: float) -> float:
@@ -122,17 +124,17 @@ class WaveField:
 
 
 class Factored(NamedTuple):
-    """Rows (m, n) = spread (m, r) @ own (r, n), to rounding."""
+    """Rows (m, n) = spread (m, r) @ basis (r, n), to rounding."""
 
     spread: np.ndarray
-    own: np.ndarray
+    basis: np.ndarray
 
 
 def factored(rows: np.ndarray) -> Factored:
     """Complex rows (m, n) by what is independent among them with real factors."""
-    spread, own = _factors(np.concatenate([rows.real, rows.imag], axis=1))
+    spread, basis = _factors(np.concatenate([rows.real, rows.imag], axis=1))
     n = rows.shape[1]
-    return Factored(spread, own[:, :n] + 1j * own[:, n:])
+    return Factored(spread, basis[:, :n] + 1j * basis[:, n:])
 
 
 class WaveSeries:
@@ -142,7 +144,9 @@ class WaveSeries:
     basis are both factored into what is independent to rounding, and only that is summed over the waves.
     """
 
-    def __init__(self, rows: Factored, omega: np.ndarray, step: float, block: int, ramp):
+    def __init__(
+        self, rows: Factored, omega: np.ndarray, step: float, block: int, ramp: Callable[[np.ndarray], np.ndarray]
+    ) -> None:
         """ramp(t) -> factor (…,); blocks of `block` samples."""
         self.rows, self.omega, self.step, self.ramp = rows, omega, step, ramp
         self.samples, self.basis = _instants(tuple(omega.tolist()), step, block)
@@ -151,7 +155,7 @@ class WaveSeries:
         """y (count, m) at samples first … first + count - 1, C-contiguous."""
         # Re{W e^{-iω(t₀+τ)}} = Re(W e^{-iωt₀}) cos ωτ + Im(W e^{-iωt₀}) sin ωτ, t₀ = first·step
         # exactly, so that nothing drifts over long records.
-        turned = self.rows.own * np.exp(-1j * self.omega * (first * self.step))
+        turned = self.rows.basis * np.exp(-1j * self.omega * (first * self.step))
         y = self.samples[:count] @ (self.basis @ np.concatenate([turned.real, turned.imag], axis=1).T)
         y *= self.ramp((first + np.arange(count)) * self.step)[:, None]
         return y @ self.rows.spread.T

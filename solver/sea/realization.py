@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.quantities import require_positive
@@ -17,7 +18,7 @@ class Realization:
 
     omega (n,) [rad/s], amplitude (n,) complex a = A e^{iε} [m], heading β [rad].
     repeat_period [s]: after this time the record repeats (inf for random intervals).
-    notes: what a user should know of how the components came about.
+    notes: sentences for the user on how the components came about.
     """
 
     omega: np.ndarray
@@ -81,7 +82,7 @@ def realize(
 
 
 def require_rising(band: tuple[float, float]) -> None:
-    """Refuse a band that is none."""
+    """Refuse a band [rad/s] that does not rise from above 0."""
     if not 0 < band[0] < band[1]:
         raise InputError("band", list(band), "must rise: 0 < low < high [rad/s]")
 
@@ -93,8 +94,8 @@ def regular(*, height: float, period: float, phase: float = 0.0, heading: float 
     return components(amplitude=[height / 2], omega=[2 * np.pi / period], phase=[phase], heading=heading)
 
 
-def components(*, amplitude, omega, phase, heading: float = 0.0) -> Realization:
-    """Waves given one by one: η = Σ Aᵢ cos(kᵢs - ωᵢt + εᵢ), A (n,) [m], ω (n,) [rad/s], ε (n,) [rad]."""
+def components(*, amplitude: ArrayLike, omega: ArrayLike, phase: ArrayLike, heading: float = 0.0) -> Realization:
+    """Waves listed one by one: η = Σ Aᵢ cos(kᵢs - ωᵢt + εᵢ), A (n,) [m], ω (n,) [rad/s], ε (n,) [rad]."""
     A, w, e = (np.asarray(x, float) for x in (amplitude, omega, phase))
     if not A.shape == w.shape == e.shape or A.size == 0:
         raise InputError("amplitude", f"{A.size} values", f"needs as many as omega ({w.size}) and phase ({e.size})")
@@ -110,7 +111,7 @@ def components(*, amplitude, omega, phase, heading: float = 0.0) -> Realization:
     )
 
 
-def measured(*, time, elevation, band: tuple[float, float], heading: float = 0.0) -> Realization:
+def measured(*, time: ArrayLike, elevation: ArrayLike, band: tuple[float, float], heading: float = 0.0) -> Realization:
     """A record of η [m] at the origin, at even times [s], as its Fourier components in `band` [rad/s].
 
     With all of them it comes back exactly at its samples, and repeats after n Δt. The mean level and
@@ -159,7 +160,7 @@ def _even_step(t: np.ndarray, eta: np.ndarray) -> float:
     return step
 
 
-def ramp(t: np.ndarray, duration: float, form: Literal["paper", "cosine"] = "paper") -> np.ndarray:
+def ramp(t: np.ndarray | float, duration: float, form: Literal["paper", "cosine"] = "paper") -> np.ndarray:
     """Factor 0 -> 1 on every wave-driven quantity during the first `duration` seconds.
 
     "paper": 1 - cos(πt/2T) (Heo et al. 2022, eq. 21; its slope jumps at T);

@@ -10,7 +10,7 @@ from solver.quantities import require_positive
 
 
 class Spectrum(Protocol):
-    """What a realization needs of a spectrum."""
+    """A spectrum, as realizations ask for it."""
 
     def density(self, omega: np.ndarray) -> np.ndarray:
         """S(ω) [m² s/rad], one-sided, for ω [rad/s]."""
@@ -32,7 +32,7 @@ class PiersonMoskowitz:
     Tp: float  # peak (or mean) period [s]
     form: Literal["peak", "mean"] = "peak"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_positive("Hs", self.Hs, "m")
         require_positive("Tp", self.Tp, "s")
 
@@ -41,7 +41,8 @@ class PiersonMoskowitz:
         """Where S is largest [rad/s]; in the mean form (4/5 692)^(1/4) / T."""
         return 2 * np.pi / self.Tp if self.form == "peak" else (0.8 * 692) ** 0.25 / self.Tp
 
-    def density(self, omega):
+    def density(self, omega: np.ndarray) -> np.ndarray:
+        """S(ω) [m² s/rad] in the form chosen, for ω > 0 [rad/s]: eq. 18 in the mean form."""
         if self.form == "peak":
             wp = 2 * np.pi / self.Tp
             return 5 / 16 * self.Hs**2 * wp**4 * omega**-5.0 * np.exp(-1.25 * (wp / omega) ** 4)
@@ -56,10 +57,11 @@ class WhiteNoise:
     Hs: float
     band: tuple[float, float]  # [rad/s]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_positive("Hs", self.Hs, "m")
 
-    def density(self, omega):
+    def density(self, omega: np.ndarray) -> np.ndarray:
+        """S(ω) [m² s/rad], the same everywhere."""
         low, high = self.band
         return np.full_like(omega, self.Hs**2 / 16 / (high - low))
 
@@ -76,7 +78,7 @@ class Jonswap:
     Tp: float  # peak period [s]
     gamma: float = 3.3  # peak enhancement [-]; 1 is Pierson-Moskowitz
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_positive("Hs", self.Hs, "m")
         require_positive("Tp", self.Tp, "s")
         if not 1 <= self.gamma <= 7:
@@ -87,7 +89,8 @@ class Jonswap:
         """Where S is largest [rad/s]."""
         return 2 * np.pi / self.Tp
 
-    def density(self, omega):
+    def density(self, omega: np.ndarray) -> np.ndarray:
+        """S(ω) [m² s/rad] for ω > 0 [rad/s]."""
         wp = 2 * np.pi / self.Tp
         base = PiersonMoskowitz(Hs=self.Hs, Tp=self.Tp).density(omega)
         y = np.linspace(1e-9, 40.0, 40_001)  # e^-40 is below rounding
@@ -102,18 +105,19 @@ class Jonswap:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Tabulated:
-    """A spectrum given by numbers: linear between them, zero outside."""
+    """A spectrum as a table: linear between them, zero outside."""
 
     omega: np.ndarray  # (n,) [rad/s], increasing
     S: np.ndarray  # (n,) [m² s/rad]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if len(self.omega) < 2 or not np.all(np.diff(self.omega) > 0):
             raise InputError("omega", _brief(self.omega), "needs at least two increasing frequencies [rad/s]")
         if not (np.all(self.S >= 0) and np.any(self.S > 0)):
             raise InputError("S", _brief(self.S), "must be >= 0, and somewhere > 0")
 
-    def density(self, omega):
+    def density(self, omega: np.ndarray) -> np.ndarray:
+        """S(ω) [m² s/rad] for ω [rad/s]."""
         return np.interp(omega, self.omega, self.S, left=0.0, right=0.0)
 
 

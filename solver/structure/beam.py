@@ -1,4 +1,7 @@
-"""One straight Euler-Bernoulli beam element in its own axes.
+"""One straight Euler-Bernoulli beam element in local axes, the M_s and K_s of the paper's eq. 15.
+
+Matrices as in Przemieniecki, Theory of Matrix Structural Analysis (1968): chapters 5 (stiffness, here without
+shear), 11 (consistent mass) and 15 (geometric stiffness).
 
 Local x runs along the element; local y and z are the principal axes of the section. The 12
 degrees of freedom are (u, v, w, θx, θy, θz) at s = 0 and again at s = 1: displacements [m] and
@@ -10,6 +13,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.quantities import Quantity, require_positive, require_ranges
@@ -33,11 +37,11 @@ class Section:
     fibre: Annotated[float, Quantity("m", above=0)]  # distance c of the extreme fibre from the axis
     diameter: Annotated[float, Quantity("m", least=0)] = 0.0  # outer, as the water sees it; 0 takes no water load
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_ranges(self, "section")
 
 
-def tube(diameter, thickness):
+def tube(diameter: float, thickness: float) -> Section:
     """Circular tube of outer diameter D and wall t [m]; t = D/2 is a solid rod."""
     require_positive("section.diameter", diameter, "m")
     require_positive("section.thickness", thickness, "m")
@@ -56,7 +60,7 @@ def tube(diameter, thickness):
     )
 
 
-def solid_rectangle(width, height):
+def solid_rectangle(width: float, height: float) -> Section:
     """Solid rectangle, width b along local y, height h along local z [m]; takes no water load.
 
     The extreme fibre is the corner, half a diagonal away.
@@ -74,7 +78,7 @@ def solid_rectangle(width, height):
     )
 
 
-def _rectangle_torsion(a, b):
+def _rectangle_torsion(a: float, b: float) -> float:
     """Saint-Venant's series, sides a >= b: J = ab³/3 [1 - 192/π⁵ (b/a) Σ_odd tanh(nπa/2b)/n⁵] [m4].
 
     Ten terms leave 1e-7 (the first one left out is 21⁻⁵).
@@ -84,7 +88,7 @@ def _rectangle_torsion(a, b):
     return a * b**3 / 3 * (1 - 192 / np.pi**5 * b / a * series)
 
 
-def _blocks(axial, torsion, xy, xz):
+def _from_planes(axial: ArrayLike, torsion: ArrayLike, xy: np.ndarray, xz: np.ndarray) -> np.ndarray:
     """12x12 of the four uncoupled motions; xy and xz are in (deflection, slope) pairs."""
     matrix = np.zeros((12, 12))
     matrix[np.ix_(AXIAL, AXIAL)] = axial
@@ -94,8 +98,11 @@ def _blocks(axial, torsion, xy, xz):
     return matrix
 
 
-def stiffness(E, G, section, L):
-    """Element stiffness [N/m, N, N m], (12, 12): EA/L, GJ/L and EI/L³ [12 6L; 6L 4L²] blocks."""
+def stiffness(E: float, G: float, section: Section, L: float) -> np.ndarray:
+    """Element stiffness [N/m, N, N m], (12, 12): EA/L [1 -1; -1 1], GJ/L the same, and in each plane
+
+    EI/L³ [12 6L -12 6L; 6L 4L² -6L 2L²; -12 -6L 12 -6L; 6L 2L² -6L 4L²].
+    """
     rod = np.array([[1, -1], [-1, 1]]) / L
     bend = np.array(
         [
@@ -106,11 +113,13 @@ def stiffness(E, G, section, L):
         ]
     )
     bend = E * bend / L**3
-    return _blocks(E * section.area * rod, G * section.J * rod, section.Iz * bend, section.Iy * bend)
+    return _from_planes(E * section.area * rod, G * section.J * rod, section.Iz * bend, section.Iy * bend)
 
 
-def mass(density, section, L):
-    """Consistent mass [kg, kg m, kg m2], (12, 12): ∫ρA NᵀN dx, and ρIp for torsion.
+def mass(density: float, section: Section, L: float) -> np.ndarray:
+    """Consistent mass [kg, kg m, kg m2], (12, 12): ∫ρA NᵀN dx, and ρIp for torsion. In each plane
+
+    ρAL/420 [156 22L 54 -13L; 22L 4L² 13L -3L²; 54 13L 156 -22L; -13L -3L² -22L 4L²].
 
     The transverse rotary inertia ρI (dv/dx)² is left out, as Euler-Bernoulli theory does.
     """
@@ -124,11 +133,13 @@ def mass(density, section, L):
         ]
     )
     bend = density * section.area * L / 420 * bend
-    return _blocks(density * section.area * rod, density * section.Ip * rod, bend, bend)
+    return _from_planes(density * section.area * rod, density * section.Ip * rod, bend, bend)
 
 
-def geometric_stiffness(N, L):
-    """Consistent geometric stiffness [N/m, N, N m], (12, 12): ∫N v'² dx, tension N > 0.
+def geometric_stiffness(N: float, L: float) -> np.ndarray:
+    """Consistent geometric stiffness [N/m, N, N m], (12, 12): twice the work ½∫N v'² dx, tension N > 0. In each plane
+
+    N/30L [36 3L -36 3L; 3L 4L² -3L -L²; -36 -3L 36 -3L; 3L -L² -3L 4L²].
 
     Bending only: the twist of a compressed bar (N Ip/A) does not govern tubes and solid sections.
     """
@@ -141,13 +152,13 @@ def geometric_stiffness(N, L):
         ]
     )
     bend = N / (30 * L) * bend
-    return _blocks(0, 0, bend, bend)
+    return _from_planes(0, 0, bend, bend)
 
 
-def rotation(start, end):
-    """R (3, 3), rows = local axes: x along the member, y horizontal, z as upright as can be.
+def rotation(start: ArrayLike, end: ArrayLike) -> np.ndarray:
+    """R (3, 3) of a member from `start` to `end` (3,) [m], rows = local axes: x along it, y horizontal, z upwards.
 
-    A vertical member keeps y along global y, so that a rectangle's width is never left to rounding.
+    A vertical member keeps y along global y, or rounding would choose which way a rectangle's width points.
     """
     x = np.subtract(end, start)
     x = x / np.linalg.norm(x)
@@ -158,22 +169,22 @@ def rotation(start, end):
     return np.array([x, y, np.cross(x, y)])
 
 
-def to_global(R):
+def to_global(R: np.ndarray) -> np.ndarray:
     """T (12, 12): local degrees of freedom = T global ones."""
     return np.kron(np.eye(4), R)
 
 
-def _hermite(s, L):
+def _hermite(s: float, L: float) -> np.ndarray:
     """Cubic shape functions of (v1, v1', v2, v2') at station s."""
     return np.array([1 - 3 * s**2 + 2 * s**3, L * (s - 2 * s**2 + s**3), 3 * s**2 - 2 * s**3, L * (s**3 - s**2)])
 
 
-def _hermite_slope(s, L):
+def _hermite_slope(s: float, L: float) -> np.ndarray:
     """Derivative of the cubic shape functions along x [1/m, -]."""
     return np.array([6 * (s**2 - s) / L, 1 - 4 * s + 3 * s**2, 6 * (s - s**2) / L, 3 * s**2 - 2 * s])
 
 
-def displacement_shape(s, L):
+def displacement_shape(s: float, L: float) -> np.ndarray:
     """N (3, 12): local displacement (u, v, w) at station s in [0, 1]; u linear, v and w cubic."""
     N = np.zeros((3, 12))
     N[0, AXIAL] = 1 - s, s
@@ -182,7 +193,7 @@ def displacement_shape(s, L):
     return N
 
 
-def rotation_shape(s, L):
+def rotation_shape(s: float, L: float) -> np.ndarray:
     """(3, 12): local rotation at station s in [0, 1]; θx linear, θy = -dw/dx, θz = dv/dx."""
     N = np.zeros((3, 12))
     N[0, TORSION] = 1 - s, s
@@ -191,12 +202,12 @@ def rotation_shape(s, L):
     return N
 
 
-def in_global(shape, R):
+def in_global(shape: np.ndarray, R: np.ndarray) -> np.ndarray:
     """A (3, 12) shape matrix turned to global axes on both sides: Rᵀ N T."""
     return R.T @ shape @ to_global(R)
 
 
-def distributed_load(q, L, span=(0.0, 1.0)):
+def distributed_load(q: np.ndarray, L: float, span: tuple[float, float] = (0.0, 1.0)) -> np.ndarray:
     """Consistent nodal load [N, N m], (12,), of a uniform q (3,) [N/m], local axes, over a span.
 
     f = ∫ Nᵀ q L ds: two Gauss points integrate the cubics exactly.

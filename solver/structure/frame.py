@@ -1,7 +1,7 @@
 """Frozen inputs of a frame of beams, and their assembly into arrays."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -18,13 +18,13 @@ COINCIDENT = 1e-9  # two nodes closer than this share of the frame's size are on
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
-    """Linear elastic."""
+    """A linear elastic material."""
 
     E: Annotated[float, Quantity("Pa", above=0)]  # Young's modulus
     G: Annotated[float, Quantity("Pa", above=0)]  # shear modulus
     density: Annotated[float, Quantity("kg/m3", above=0)]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_ranges(self, "material")
 
 
@@ -44,10 +44,10 @@ class Member:
     drag_coefficient: Annotated[float, Quantity("-", least=0)] = 0.0  # C_D
     inertia_coefficient: Annotated[float, Quantity("-", least=1)] = 1.0  # C_M = 1 + C_a
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         refuse(self._problems(f"members.{self.name}"))
 
-    def _problems(self, key):
+    def _problems(self, key: str) -> Iterator[InputError]:
         yield from out_of_range(self, key)
         if self.elements < 1 or int(self.elements) != self.elements:
             yield InputError(f"{key}.elements", self.elements, "must be a whole number >= 1")
@@ -57,7 +57,7 @@ class Member:
             yield InputError(f"{key}.section.diameter", 0.0, "must be > 0 m for a member with water coefficients")
 
     @property
-    def in_water(self):
+    def in_water(self) -> bool:
         """Whether wave loads act on the part below still water."""
         return self.drag_coefficient > 0 or self.inertia_coefficient > 1
 
@@ -69,7 +69,7 @@ class PointMass:
     node: str
     mass: Annotated[float, Quantity("kg", above=0)]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_ranges(self, f"masses.{self.node}")
 
 
@@ -80,7 +80,7 @@ class PointLoad:
     node: str
     force: Annotated[tuple[float, float, float], Quantity("N")]  # global axes
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if np.shape(self.force) != (3,) or not np.all(np.isfinite(self.force)):
             raise InputError(f"loads.{self.node}", self.force, "must be three finite forces [N]")
 
@@ -95,28 +95,28 @@ class Frame:
     masses: tuple[PointMass, ...] = ()
     loads: tuple[PointLoad, ...] = ()
 
-    def __hash__(self):
+    def __hash__(self) -> int:
         """Equal frames have equal text; a mapping alone would have no hash."""
         return hash(repr(self))
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         refuse(self._coordinate_problems())
         refuse(self._name_problems())
         refuse(self._support_problems())
 
-    def _coordinate_problems(self):
+    def _coordinate_problems(self) -> Iterator[InputError]:
         for name, xyz in self.nodes.items():
             if np.shape(xyz) != (3,) or not np.all(np.isfinite(xyz)):
                 yield InputError(f"nodes.{name}", xyz, "must be three finite coordinates [m]")
                 return
-        names, xyz = list(self.nodes), np.array(list(self.nodes.values()), float).reshape(-1, 3)
-        size = np.ptp(xyz, axis=0).max(initial=0.0)
+        names, places = list(self.nodes), np.array(list(self.nodes.values()), float).reshape(-1, 3)
+        size = np.ptp(places, axis=0).max(initial=0.0)
         for i, name in enumerate(names[1:], start=1):
-            gap = np.linalg.norm(xyz[:i] - xyz[i], axis=1)
+            gap = np.linalg.norm(places[:i] - places[i], axis=1)
             if gap.min() <= COINCIDENT * size:
                 yield InputError(f"nodes.{name}", self.nodes[name], f"must not coincide with {names[gap.argmin()]}")
 
-    def _name_problems(self):
+    def _name_problems(self) -> Iterator[InputError]:
         if not self.members:
             yield InputError("members", "[]", "needs at least one member")
         if not self.clamped:
@@ -129,25 +129,26 @@ class Frame:
             if node not in self.nodes:
                 yield InputError(key, node, f"must be one of {', '.join(self.nodes)}")
 
-    def _mentioned(self):
+    def _mentioned(self) -> Iterator[tuple[str, str]]:
         """Keys under which nodes are mentioned, and those nodes."""
         for member in self.members:
             yield f"members.{member.name}.start", member.start
             yield f"members.{member.name}.end", member.end
         yield from ((f"clamped[{i}]", node) for i, node in enumerate(self.clamped))
-        for key, items in (("masses", self.masses), ("loads", self.loads)):
-            yield from ((f"{key}[{i}].node", item.node) for i, item in enumerate(items))
+        yield from ((f"masses[{i}].node", mass.node) for i, mass in enumerate(self.masses))
+        yield from ((f"loads[{i}].node", load.node) for i, load in enumerate(self.loads))
 
-    def _support_problems(self):
+    def _support_problems(self) -> Iterator[InputError]:
         """Every node hangs on a clamped one, or the stiffness is singular."""
-        neighbours = {name: set() for name in self.nodes}
+        neighbours: dict[str, set[str]] = {name: set() for name in self.nodes}
         for member in self.members:
             neighbours[member.start].add(member.end)
             neighbours[member.end].add(member.start)
-        held, reached = set(), set(self.clamped)
+        held: set[str] = set()
+        reached = set(self.clamped)
         while reached:
             held |= reached
-            reached = set().union(*(neighbours[name] for name in reached)) - held
+            reached = {other for name in reached for other in neighbours[name]} - held
         floating = [name for name in self.nodes if name not in held]
         if floating:
             yield InputError("nodes", ", ".join(floating), "must be joined to a clamped node by members")
@@ -172,14 +173,15 @@ class FrameModel:
     K: "scipy.sparse.csr_array"  # (6n, 6n), supports not yet removed
     M: "scipy.sparse.csr_array"  # (6n, 6n), consistent and lumped
 
-    def member_of(self, element):
+    def member_of(self, element: int) -> Member:
+        """The member that an element is part of."""
         return self.frame.members[self.member[element]]
 
-    def translations(self, node):
+    def translations(self, node: str) -> np.ndarray:
         """Numbers of the three translations of a named node."""
         return 6 * self.node_index[node] + np.arange(3)
 
-    def total(self, loads):
+    def total(self, loads: np.ndarray) -> np.ndarray:
         """Element loads (ne, 12) in local axes, summed as one vector (6n,) in global axes."""
         in_global = np.einsum("ekj,eak->eaj", self.rotation, loads.reshape(-1, 4, 3))
         vector = np.zeros(6 * len(self.xyz))
@@ -188,7 +190,10 @@ class FrameModel:
 
 
 def assemble(frame: Frame) -> FrameModel:
-    """Mesh, element matrices, K and M. Named nodes come first, then the members' interior nodes."""
+    """Mesh, element matrices, K and M of the paper's eq. 15, supports not yet removed.
+
+    Named nodes come first, then the members' interior nodes.
+    """
     xyz, node_index, member_nodes = _mesh(frame)
     elements = np.concatenate([np.column_stack([nodes[:-1], nodes[1:]]) for nodes in member_nodes.values()])
     counts = [member.elements for member in frame.members]
@@ -220,7 +225,7 @@ def assemble(frame: Frame) -> FrameModel:
     )
 
 
-def _mesh(frame):
+def _mesh(frame: Frame) -> tuple[np.ndarray, dict[str, int], dict[str, np.ndarray]]:
     """Coordinates, named node numbers, and the nodes along each member."""
     xyz = [np.asarray(point, float) for point in frame.nodes.values()]
     node_index = {name: i for i, name in enumerate(frame.nodes)}
@@ -234,26 +239,28 @@ def _mesh(frame):
     return np.array(xyz), node_index, member_nodes
 
 
-def scatter(matrices, rotation, dofs, size):
+def scatter(matrices: np.ndarray, rotation: np.ndarray, dofs: np.ndarray, size: int) -> "scipy.sparse.csr_array":
     """Element matrices (ne, 12, 12) in local axes, summed as one sparse matrix in global axes."""
     T = np.array([beam.to_global(R) for R in rotation])
     return sparse_sum(T.transpose(0, 2, 1) @ matrices @ T, dofs, dofs, (size, size))
 
 
-def sparse_sum(blocks, rows, columns, shape):
+def sparse_sum(
+    blocks: np.ndarray, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]
+) -> "scipy.sparse.csr_array":
     """Sparse sum of dense blocks (nb, r, c) placed at rows (nb, r) and columns (nb, c)."""
     i = np.broadcast_to(rows[:, :, None], blocks.shape).ravel()
     j = np.broadcast_to(columns[:, None, :], blocks.shape).ravel()
     return scipy.sparse.csr_array(scipy.sparse.coo_array((blocks.ravel(), (i, j)), shape=shape))
 
 
-def _lumped(frame, node_index, size):
+def _lumped(frame: Frame, node_index: Mapping[str, int], size: int) -> "scipy.sparse.csr_array":
     diagonal = np.zeros(size)
     for item in frame.masses:
         diagonal[6 * node_index[item.node] + np.arange(3)] += item.mass
     return scipy.sparse.csr_array(scipy.sparse.diags_array(diagonal))
 
 
-def _free(frame, node_index, size):
+def _free(frame: Frame, node_index: Mapping[str, int], size: int) -> np.ndarray:
     clamped = [6 * node_index[name] + np.arange(6) for name in frame.clamped]
     return np.setdiff1d(np.arange(size), np.concatenate(clamped))

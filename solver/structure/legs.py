@@ -1,5 +1,6 @@
-"""What is put out along the legs: displacements and fibre stresses as linear maps of modal amplitudes."""
+"""Output along the legs: displacements and fibre stresses as linear maps of modal amplitudes."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -28,7 +29,7 @@ class Largest(NamedTuple):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Legs:
-    """Maps for nl legs, of which no respond each in their own way (mirror images do not).
+    """Maps for nl legs, of which no respond differently: mirror images in y = 0 respond alike.
 
     One after another and foot first they have nn nodes, at nh different heights, and ne elements.
     """
@@ -44,12 +45,12 @@ class Legs:
 
     @property
     def nodes(self) -> list[slice]:
-        """Of each of the no legs."""
+        """Each of the no legs' nodes among the nn."""
         return [slice(*pair) for pair in pairwise([0, *self.ends])]
 
     @property
     def element_ends(self) -> list[slice]:
-        """Of each of the no legs, with one element less than nodes."""
+        """Each of the no legs' element ends, two of every element; a leg has one element less than nodes."""
         return [slice(2 * (at.start - leg), 2 * (at.stop - leg - 1)) for leg, at in enumerate(self.nodes)]
 
     def nothing(self) -> Largest:
@@ -79,7 +80,17 @@ class Legs:
 
 
 @fast_lean_kernel
-def _respond(u, fibre, static, first, feet, square, stress, last_square, last_stress):
+def _respond(
+    u: np.ndarray,
+    fibre: np.ndarray,
+    static: np.ndarray,
+    first: np.ndarray,
+    feet: np.ndarray,
+    square: np.ndarray,
+    stress: np.ndarray,
+    last_square: np.ndarray,
+    last_stress: np.ndarray,
+) -> None:
     """Stress at the feet (m, no) and largest values, from displacements and fibres, sample by sample in place.
 
     first (no,): the feet among the elements' ends.
@@ -96,8 +107,11 @@ def _respond(u, fibre, static, first, feet, square, stress, last_square, last_st
 
 
 @fast_lean_kernel(inline="always")
-def _take(new, j, largest, last):
-    """A value >= 0, and the parabola through it and the two before: it rises above them by an eighth at most."""
+def _take(new: float, j: int, largest: np.ndarray, last: np.ndarray) -> None:
+    """Raise largest[j] to a sample >= 0, or to the vertex of the parabola through it and the two before.
+
+    The vertex lies above the middle sample by an eighth at most.
+    """
     older, old = last[0, j], last[1, j]
     last[0, j], last[1, j] = old, new
     largest[j] = max(largest[j], new)
@@ -106,15 +120,17 @@ def _take(new, j, largest, last):
 
 
 def at_nodes(ends: np.ndarray) -> np.ndarray:
-    """Of the values (…, ne, 2) at the elements' ends, the larger of those that meet at each node, (…, ne + 1)."""
+    """The larger of the two values that meet at each node (…, ne + 1), from values (…, ne, 2) at element ends."""
     first, last = ends[..., :1, 0], ends[..., -1:, 1]
     return np.concatenate([first, np.maximum(ends[..., 1:, 0], ends[..., :-1, 1]), last], axis=-1)
 
 
-def outputs(names, model: FrameModel, sea, at_rest: np.ndarray, shapes: np.ndarray) -> Legs:
+def outputs(
+    names: Iterable[str], model: FrameModel, density: float, gravity: float, at_rest: np.ndarray, shapes: np.ndarray
+) -> Legs:
     """Maps for the named members from the basis shapes (6n, nm), with the static forces of rest."""
     nm = shapes.shape[1]
-    loads = statics.self_weight(model, sea.gravity) + water.buoyancy(model, sea.density, sea.gravity)
+    loads = statics.self_weight(model, gravity) + water.buoyancy(model, density, gravity)
     still = recovery.section_forces(model, at_rest, loads).reshape(-1, 2, 6)[..., BENDING]
     moving = (recovery.section_force_matrix(model) @ shapes).reshape(-1, 2, 6, nm)[:, :, BENDING]
     A, Iy, Iz, c = np.moveaxis(recovery.section_properties(model).reshape(-1, 2, 4), -1, 0)
@@ -131,17 +147,17 @@ def outputs(names, model: FrameModel, sea, at_rest: np.ndarray, shapes: np.ndarr
             raise InputError("platform.legs", name, "must rise: what it does is put out by height")
         shape = shapes.reshape(-1, 6, nm)[nodes, :3]
         legs.append(_Leg(height, shape, moving[elements][:, end], still[elements][:, end]))
-    own, twin, mirrored = _alike(legs)
-    height = _grid(own)
+    distinct, twin, mirrored = _alike(legs)
+    height = _grid(distinct)
     return Legs(
         height=height,
-        place=np.concatenate([np.abs(leg.height[:, None] - height).argmin(axis=1) for leg in own]),
-        ends=np.cumsum([leg.height.size for leg in own]),
+        place=np.concatenate([np.abs(leg.height[:, None] - height).argmin(axis=1) for leg in distinct]),
+        ends=np.cumsum([leg.height.size for leg in distinct]),
         twin=twin,
         mirrored=mirrored,
-        displacement=_innermost(np.concatenate([leg.displacement for leg in own]).transpose(2, 1, 0), 2),
-        fibre=_innermost(np.concatenate([leg.fibre for leg in own]).transpose(3, 2, 0, 1), 2),
-        static_fibre=_innermost(np.concatenate([leg.static for leg in own]).transpose(2, 0, 1), 1),
+        displacement=_innermost(np.concatenate([leg.displacement for leg in distinct]).transpose(2, 1, 0), 2),
+        fibre=_innermost(np.concatenate([leg.fibre for leg in distinct]).transpose(3, 2, 0, 1), 2),
+        static_fibre=_innermost(np.concatenate([leg.static for leg in distinct]).transpose(2, 0, 1), 1),
     )
 
 
@@ -161,12 +177,12 @@ def _grid(legs: list[_Leg]) -> np.ndarray:
 
 
 def _alike(legs: list[_Leg]) -> tuple[list[_Leg], np.ndarray, np.ndarray]:
-    """The legs whose response is their own; which of them each leg follows; which legs are mirrored."""
-    own: list[_Leg] = []
+    """The legs that respond differently; which of them each leg responds like; which legs are mirrored."""
+    distinct: list[_Leg] = []
     twin, mirrored = np.zeros(len(legs), int), np.zeros(len(legs), bool)
     close = SAME * max(np.abs(leg.displacement).max() for leg in legs)
     for i, leg in enumerate(legs):
-        for place, other in enumerate(own):
+        for place, other in enumerate(distinct):
             if not _same_make(leg, other):
                 continue
             same = np.allclose(leg.displacement, other.displacement, rtol=0, atol=close)
@@ -174,9 +190,9 @@ def _alike(legs: list[_Leg]) -> tuple[list[_Leg], np.ndarray, np.ndarray]:
                 twin[i], mirrored[i] = place, not same
                 break
         else:
-            twin[i] = len(own)
-            own.append(leg)
-    return own, twin, mirrored
+            twin[i] = len(distinct)
+            distinct.append(leg)
+    return distinct, twin, mirrored
 
 
 def _same_make(leg: _Leg, other: _Leg) -> bool:
@@ -188,7 +204,7 @@ def _same_make(leg: _Leg, other: _Leg) -> bool:
 
 
 def _stress(fibre: np.ndarray) -> np.ndarray:
-    """Of the most compressive fibre, of N/A, c My/Iy and c Mz/Iz (…, 3) [Pa]."""
+    """Stress [Pa] of the most compressive fibre, from N/A, c My/Iy and c Mz/Iz (…, 3) [Pa]."""
     return fibre[..., 0] - np.hypot(fibre[..., 1], fibre[..., 2])
 
 

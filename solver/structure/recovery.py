@@ -7,6 +7,7 @@ tension is positive. Element ends are numbered 2 e (start) and 2 e + 1 (end).
 from functools import lru_cache
 
 import numpy as np
+from scipy import sparse
 
 from solver.structure import beam
 from solver.structure.frame import FrameModel, sparse_sum
@@ -15,7 +16,7 @@ FACE = np.repeat([-1.0, 1.0], 6)  # nodal forces at the start act on the face -x
 
 
 @lru_cache(maxsize=8)
-def section_force_matrix(model: FrameModel):
+def section_force_matrix(model: FrameModel) -> sparse.csr_array:
     """S, sparse (12 ne, 6n): (S @ d).reshape(2 ne, 6) are the section forces of d (6n,) [N, N m].
 
     Of the nodal displacements alone; what a load spread within an element adds is in
@@ -27,7 +28,7 @@ def section_force_matrix(model: FrameModel):
     return sparse_sum(blocks, rows, model.dofs, (model.dofs.size, model.K.shape[0]))
 
 
-def section_forces(model: FrameModel, displacement, element_loads):
+def section_forces(model: FrameModel, displacement: np.ndarray, element_loads: np.ndarray) -> np.ndarray:
     """Static section forces at every element end, (2 ne, 6) [N, N m]: ± (k d - f).
 
     `element_loads` f (ne, 12), local axes, are the consistent loads within the elements (self
@@ -37,7 +38,7 @@ def section_forces(model: FrameModel, displacement, element_loads):
     return (of_nodes - np.tile(FACE, len(model.elements)) * element_loads.ravel()).reshape(-1, 6)
 
 
-def fibre_stress(N, My, Mz, properties):
+def fibre_stress(N: np.ndarray, My: np.ndarray, Mz: np.ndarray, properties: np.ndarray) -> np.ndarray:
     """Stress of the most compressive fibre [Pa], tension positive; properties (..., 4) are A, Iy, Iz, c.
 
     σ = N/A - c hypot(My/Iy, Mz/Iz): N/A - |M| c/I for a circular section, and exact. For a
@@ -47,12 +48,12 @@ def fibre_stress(N, My, Mz, properties):
     return N / A - c * np.hypot(My / Iy, Mz / Iz)
 
 
-def compressive_stress(model: FrameModel, forces):
+def compressive_stress(model: FrameModel, forces: np.ndarray) -> np.ndarray:
     """Stress of the most compressive fibre [Pa] at every element end; forces are (..., 2 ne, 6)."""
     return fibre_stress(forces[..., 0], forces[..., 4], forces[..., 5], section_properties(model))
 
 
-def section_properties(model: FrameModel):
+def section_properties(model: FrameModel) -> np.ndarray:
     """(A, Iy, Iz, c) at every element end, (2 ne, 4) [m2, m4, m4, m]."""
     sections = [member.section for member in model.frame.members]
     table = np.array([(section.area, section.Iy, section.Iz, section.fibre) for section in sections])

@@ -1,9 +1,17 @@
-"""The part of a frame below still water (z = 0): stations for wave loads, added mass, buoyancy."""
+"""The part of a frame below still water (z = 0): stations for wave loads, added mass, buoyancy.
+
+Morison's load per length normal to a member, eq. 16, fluid u, member v:
+
+    f = ½ρ C_D D|u - v|(u - v) + ρπD²/4 [C_M ∂u/∂t - (C_M - 1) ∂v/∂t]
+
+Its last term is the added mass here; `solver.coupled.support` has the others.
+"""
 
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy import sparse
 
 from solver.errors import InputError
 from solver.structure import beam
@@ -12,7 +20,7 @@ from solver.structure.frame import FrameModel, sparse_sum
 EXACT = 4  # stations for the product of two cubics (order 6), however deep the water reaches into an element
 
 
-def wetted_span(model: FrameModel):
+def wetted_span(model: FrameModel) -> np.ndarray:
     """Part (s0, s1) of each element below z = 0, (ne, 2); s0 = s1 for a dry one."""
     z = model.xyz[model.elements, 2]
     rise = z[:, 1] - z[:, 0]
@@ -37,11 +45,11 @@ class Stations:
     dofs: np.ndarray  # (ns, 12) degrees of freedom of that element
     shape: np.ndarray  # (ns, 3, 12) displacement there = shape @ displacement[dofs], global axes
 
-    def project(self, shapes):
+    def project(self, shapes: np.ndarray) -> np.ndarray:
         """Displacement of the stations in each column of a modal matrix (6n, nm): (ns, 3, nm)."""
         return self.shape @ shapes[self.dofs]
 
-    def total(self, load, size):
+    def total(self, load: np.ndarray, size: int) -> np.ndarray:
         """Nodal load Σ w Nᵀ f (size, ...) [N, N m] of loads per length f (ns, 3, ...) [N/m]."""
         vector = np.zeros((size, *load.shape[2:]), load.dtype)
         np.add.at(vector, self.dofs, np.einsum("s,ska,sk...->sa...", self.weight, self.shape, load))
@@ -49,7 +57,7 @@ class Stations:
 
 
 @lru_cache(maxsize=8)
-def stations(model: FrameModel, points):
+def stations(model: FrameModel, points: int) -> Stations:
     """Gauss points, `points` on each wetted element: exact to order 2 points - 1."""
     if points < 1:
         raise InputError("stations.points", points, "must be >= 1")
@@ -61,7 +69,7 @@ def stations(model: FrameModel, points):
     size = np.diff(span[wet], axis=1)
     s = (span[wet, :1] + size * (node + 1) / 2).ravel()
     start, end = model.xyz[model.elements[element]].transpose(1, 0, 2)
-    owner = [model.member_of(e) for e in element]
+    owner = [model.member_of(e) for e in element.tolist()]
     return Stations(
         position=start + s[:, None] * (end - start),
         weight=(size * gauss / 2 * model.length[wet, None]).ravel(),
@@ -75,7 +83,7 @@ def stations(model: FrameModel, points):
     )
 
 
-def _shapes(model, element, s):
+def _shapes(model: FrameModel, element: np.ndarray, s: np.ndarray) -> np.ndarray:
     shape = np.zeros((len(s), 3, 12))
     for i, (e, station) in enumerate(zip(element, s, strict=True)):
         shape[i] = beam.in_global(beam.displacement_shape(station, model.length[e]), model.rotation[e])
@@ -83,21 +91,21 @@ def _shapes(model, element, s):
 
 
 @lru_cache(maxsize=8)
-def added_mass(model: FrameModel, density):
+def added_mass(model: FrameModel, density: float) -> sparse.csr_array:
     """Consistent added mass, sparse (6n, 6n): ∫ (C_M - 1) ρπD²/4 Nᵀ(I - ttᵀ)N dx, wetted part."""
     at = stations(model, EXACT)
-    return _normal(model, (at.inertia - 1) * density * np.pi * at.diameter**2 / 4)
+    return _normal_matrix(model, (at.inertia - 1) * density * np.pi * at.diameter**2 / 4)
 
 
 @lru_cache(maxsize=8)
-def drag(model: FrameModel):
-    """What drag is proportional to, spread as added mass is, sparse (6n, 6n): ∫ C_D D Nᵀ(I - ttᵀ)N dx, wetted part."""
+def drag_matrix(model: FrameModel) -> sparse.csr_array:
+    """∫ C_D D Nᵀ(I - ttᵀ)N dx over the wetted part, sparse (6n, 6n): how drag is spread over the frame."""
     at = stations(model, EXACT)
-    return _normal(model, at.drag * at.diameter)
+    return _normal_matrix(model, at.drag * at.diameter)
 
 
-def _normal(model: FrameModel, per_length):
-    """∫ c Nᵀ(I - ttᵀ)N dx of c (ns,) at the EXACT stations: normal to the member only."""
+def _normal_matrix(model: FrameModel, per_length: np.ndarray) -> sparse.csr_array:
+    """∫ c Nᵀ(I - ttᵀ)N dx, sparse (6n, 6n), of c (ns,) at the EXACT stations: normal to the member only."""
     at = stations(model, EXACT)
     normal = np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
     matrices = (per_length * at.weight)[:, None, None] * (at.shape.transpose(0, 2, 1) @ normal @ at.shape)
@@ -105,8 +113,8 @@ def _normal(model: FrameModel, per_length):
 
 
 @lru_cache(maxsize=8)
-def buoyancy(model: FrameModel, density, g):
-    """Buoyancy ρgA of each element's own material below z = 0, local axes [N, N m], (ne, 12).
+def buoyancy(model: FrameModel, density: float, g: float) -> np.ndarray:
+    """Buoyancy ρgA of each element's material below z = 0, local axes [N, N m], (ne, 12).
 
     Every member below still water displaces water, with or without water coefficients; a tube is
     flooded.
@@ -117,6 +125,6 @@ def buoyancy(model: FrameModel, density, g):
     return np.array([beam.distributed_load(q, L, span) for q, L, span in parts])
 
 
-def buoyancy_load(model: FrameModel, density, g):
+def buoyancy_load(model: FrameModel, density: float, g: float) -> np.ndarray:
     """Buoyancy of the material below still water [N, N m], (6n,)."""
     return model.total(buoyancy(model, density, g))

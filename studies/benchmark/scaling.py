@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 
 import matplotlib.pyplot as plt
@@ -77,12 +78,12 @@ def marches(cases: list[tuple[Scene, Hydrodynamics]]) -> list[float]:
     return np.median(times[1:], axis=0).tolist()
 
 
-def measure() -> dict[str, tuple[list[float], list[float]]]:
+def measure() -> dict[str, tuple[Sequence[float], list[float]]]:
     """Quantity -> (sizes, times of the march [s])."""
     known, _ = coefficients()
     elastic = scene("elastic")
     short = with_settings(elastic, duration=SECONDS)
-    times_of = {
+    times_of: dict[str, tuple[Sequence[float], list[float]]] = {
         "record length [s]": (LENGTHS, marches([(with_settings(elastic, duration=float(t)), known) for t in LENGTHS])),
         "wave components": (COMPONENTS, marches([(replace(short, sea=_sea(n)), known) for n in COMPONENTS])),
         "floats (fixed platform)": ([2 * n for n in PAIRS], marches([pairs(n) for n in PAIRS])),
@@ -101,7 +102,7 @@ def memory_of_three_hours() -> float:
     return float(done.stdout)
 
 
-def picture(times_of: dict[str, tuple[list[float], list[float]]]) -> None:
+def picture(times_of: dict[str, tuple[Sequence[float], list[float]]]) -> None:
     """One panel a quantity, with a line of linear growth."""
     figure, panels = plt.subplots(1, len(times_of), figsize=(12, 3.2), sharey=True)
     for axes, (name, (sizes, times)) in zip(panels, times_of.items(), strict=True):

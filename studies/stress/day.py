@@ -14,7 +14,7 @@ import numpy as np
 from solver.reference.augmented import Body, mechanism
 from solver.reference.joints import GROUND, Frames, Hinge
 from solver.reference.run import CONSTRAINTS, STILL
-from solver.reference.twoloop import Given, march
+from solver.reference.twoloop import PrescribedSurroundings, integrate
 from solver.scene import Scene
 from solver.sea.field import WaveField
 from studies.benchmark.case import scene
@@ -47,11 +47,11 @@ def main(hours: float) -> int:
     joints = tuple(
         Hinge(first=GROUND, second=b, point=f.hinge, axis=(0, 1, 0)) for b, f in enumerate(case.floats)
     )  # fmt: skip
-    inputs = Given(loads(case), ())
-    system, state = mechanism(bodies, joints, inputs.supports(0, 0.0), gravity=(0, 0, -case.water.gravity))
+    prescribed = PrescribedSurroundings(loads(case), ())
+    system, state = mechanism(bodies, joints, prescribed.supports(0, 0.0), gravity=(0, 0, -case.water.gravity))
     start, largest, reported = time.perf_counter(), np.zeros(3), 0
     way = {"dt": case.settings.time_step, "stages": 2, "tolerance": CONSTRAINTS, "still": STILL}
-    for sample in march(system, state, inputs, t_end=hours * HOUR, **way):
+    for sample in integrate(system, state, prescribed, t_end=hours * HOUR, **way):
         largest = np.maximum(largest, sample.errors)
         if sample.time >= (reported + 1) * HOUR - 1e-6:
             reported += 1

@@ -4,7 +4,7 @@ import numpy as np
 
 from solver.reference.augmented import Body
 from solver.reference.joints import GROUND, Hinge
-from solver.reference.twoloop import Trajectory, energy, simulate_mechanism
+from solver.reference.twoloop import Trajectory, mechanical_energy, simulate_mechanism
 from studies.validation import drawing
 from studies.validation.checks import Check
 from studies.validation.drawing import BLUE, MARK, ORANGE, RED
@@ -55,18 +55,18 @@ def benchmarks() -> list[Check]:
         for i, axis in enumerate("xy")
     ]  # fmt: skip
     for case, parts, path in (("pendulum, A01", bodies, swing), ("four-bar, A02, N = 2", bars, run)):
-        drift = float(np.ptp(energy(parts, path, DOWN)))
+        drift = float(np.ptp(mechanical_energy(parts, path, DOWN)))
         # 1e-3 of the energy of one link raised by its length.
         quantity = "energy gained or lost [J]"
         checks.append(Check(case=case, quantity=quantity, ours=drift, published=0.0, allowed=9.81e-3))
     figure, (left, right) = drawing.axes(2, width=5)
-    for axes, (t, x, y), at in (
+    for axes, (t, x, y), printed in (
         (left, (swing.time, *swing.position[:, 0, :2].T), [(t, *xy) for t, xy in PENDULUM.items()]),
         (right, (run.time, *tip(run)[:, :2].T), [(10.0, *FOUR_BAR)]),
     ):
         axes.plot(t, x, color=BLUE, lw=1.2, label="ours, x")
         axes.plot(t, y, color=ORANGE, lw=1.2, label="ours, y")
-        when, ex, why = np.array(at).T
+        when, ex, why = np.array(printed).T
         axes.plot(when, ex, "o", color=RED, label="library", **MARK)
         axes.plot(when, why, "o", color=RED, **MARK)
         axes.set(xlabel="time [s]", ylim=(-1.15, 1.4))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled.march import State
+from solver.coupled.stages import State
 from solver.coupled.support import dynamic_model
 from solver.coupled.system import BLOCK_STEPS, blocks, prepare
 from solver.errors import InputError, SimulationFailed

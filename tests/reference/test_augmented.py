@@ -11,7 +11,7 @@ from solver.errors import InputError, StepTooLong
 from solver.multibody.chain import PRISMATIC, REVOLUTE, Chain, kinematics
 from solver.reference.augmented import Body, mechanism, rotation_of, spin
 from solver.reference.joints import GROUND, Ball, Frames, Guide, Hinge, constraints, equations, row_count
-from solver.reference.twoloop import energy, simulate_mechanism
+from solver.reference.twoloop import mechanical_energy, simulate_mechanism
 from studies.validation.mechanisms import DOWN, FOUR_BAR, LIGHT, PENDULUM, four_bars, pendulum, tip
 
 H = 1e-6
@@ -68,7 +68,7 @@ def test_four_bar_passes_its_singular_positions():
     """A02, N = 2, through the flat position several times; three rotations share one DOF."""
     bodies, run = four_bars(2, 10.0, 0.01)
     assert tip(run)[-1] == approx([*FOUR_BAR, 0], abs=1e-5)  # fourth order: 1e-7 at half the step
-    E = energy(bodies, run, DOWN)
+    E = mechanical_energy(bodies, run, DOWN)
     assert np.ptp(E) < 1e-4 * 9.81
 
 
@@ -163,7 +163,7 @@ def test_energy_is_kept_to_the_order_of_the_scheme():
         Body(mass=1.0, inertia=(0.1, 0.1, 0.05), position=(1.0, 0, -0.5)),
     )
     joints = (Hinge(first=GROUND, second=0, point=(0, 0, 0)), Ball(first=0, second=1, point=(1.0, 0, 0)))
-    lost = [np.ptp(energy(bodies, simulate_mechanism(bodies, joints, None, 2.0, h))) for h in (0.02, 0.01)]
+    lost = [np.ptp(mechanical_energy(bodies, simulate_mechanism(bodies, joints, None, 2.0, h))) for h in (0.02, 0.01)]
     assert np.log2(lost[0] / lost[1]) == approx(4, abs=0.3)
 
 

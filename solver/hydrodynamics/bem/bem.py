@@ -4,8 +4,11 @@ The mirror planes, the systems and the forces are ours, so that every right-hand
 shares one factorization, and parts that a symmetry makes zero are never solved. Conventions: see `coefficients`.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
@@ -18,9 +21,10 @@ from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.clearance import touching
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.surface import mirrored
 from solver.sea.dispersion import SHALLOWEST, too_shallow, wavenumber
 
-__all__ = ["DOFS", "PLANAR", "Hydrodynamics", "check", "frequency_grid", "solve"]
+__all__ = ["DOFS", "PLANAR", "Hydrodynamics", "frequency_grid", "require_solvable", "solve"]
 
 DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see _Sea.seabed_share
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
@@ -30,7 +34,11 @@ METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-
 NEXT_SMOOTH, NEXT_EDGED = 4, 3
 TWO_MESHES = 0.5  # of the h² error, that is left of it at edges: measured on cylinders of draft 0.5 and 2 radii
 ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
-AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved as given
+AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
+
+
+# A + iB/ω (nw, n, n), A∞ (n, n), diffraction force (nw, n), and the number of panels on hulls.
+Solution = tuple[np.ndarray, np.ndarray, np.ndarray, int]
 
 
 def frequency_grid(
@@ -78,11 +86,11 @@ def solve(
     """Coefficients of `hulls` at `centres` (nb, 3) [m] in water of `depth` [m, may be inf].
 
     Each is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many. A hull
-    that is a mesh is solved as given, or halved until it has panels / 4, and with all sides halved once more.
+    that is a mesh is solved as it is, or halved until it has panels / 4, and with all sides halved once more.
     """
     centres = np.asarray(centres, float).reshape(-1, 3)
     omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
-    check(hulls, centres, depth, omega, gravity, panels)
+    require_solvable(hulls, centres, depth, omega, gravity, panels)
     dofs = PLANAR if planar else DOFS
     sea = _Sea(depth=depth, density=density, gravity=gravity, heading=heading)
     divisions = _divisions(hulls, centres, panels)
@@ -95,8 +103,8 @@ def solve(
         radiation_damping=impedance.imag * omega[:, None, None],
         added_mass_inf=impedance_inf,
         diffraction=diffraction,
-        froude_krylov=np.array([froude_krylov(hulls, centres, dofs, sea, w) for w in omega]),
-        hydrostatic_stiffness=hydrostatic_stiffness(hulls, dofs, sea),
+        froude_krylov=np.array([froude_krylov(hulls, centres, dofs, partial(sea.pressure, omega=w)) for w in omega]),
+        hydrostatic_stiffness=hydrostatic_stiffness(hulls, dofs, density, gravity),
         displaced_mass=np.array([density * h.volume for h in hulls]),
         buoyancy_centre=np.array([h.centre_of_buoyancy for h in hulls]),
         centres=centres,
@@ -111,7 +119,7 @@ def solve(
                 "panels_coarse": solutions[-1][-1],
                 "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
                 "green_function": "Delhommeau",
-                "seabed_error": sea.left_out(omega, max(h.largest_radius for h in hulls)),
+                "seabed_error": sea.seabed_error(omega, max(h.largest_radius for h in hulls)),
             }
         ),
         error=MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2]),
@@ -120,12 +128,15 @@ def solve(
 
 @dataclass(frozen=True, kw_only=True)
 class _Sea:
+    """Water of constant depth [m, may be inf] and the unit wave that travels towards `heading` [rad]."""
+
     depth: float
     density: float
     gravity: float
     heading: float
 
     def wavenumber(self, omega: float) -> float:
+        """k [1/m] of ω [rad/s]."""
         return float(wavenumber(omega, self.depth, self.gravity))
 
     def seabed(self, k: float, radius: float) -> float:
@@ -133,7 +144,7 @@ class _Sea:
         return np.inf if self.seabed_share(k, radius) < DEEP else self.depth
 
     def seabed_share(self, k: float, radius: float) -> float:
-        """What the seabed changes of a coefficient, relatively: (a/h) (kh)^-2.5 + 0.7 (a/h)³.
+        """Relative change of a coefficient by the seabed: (a/h) (kh)^-2.5 + 0.7 (a/h)³.
 
         Its waves fade as exp(-2kh), its images do not: both terms are measured, on hemispheres; the second is
         that of a heaving one's added mass at infinite frequency.
@@ -141,10 +152,14 @@ class _Sea:
         slender = radius / self.depth
         return float(slender * (k * self.depth) ** -2.5 + 0.7 * slender**3)
 
-    def left_out(self, omega: np.ndarray, radius: float) -> float:
-        """The largest such share where it is left out."""
+    def seabed_error(self, omega: np.ndarray, radius: float) -> float:
+        """Largest share of a coefficient that the seabed has at frequencies (nw,) where it is left out."""
         shares = [self.seabed_share(k, radius) for k in (*map(self.wavenumber, omega), np.inf)]
         return max([share for share in shares if share < DEEP], default=0.0)
+
+    def pressure(self, points: np.ndarray, omega: float) -> np.ndarray:
+        """Pressure (np,) [Pa/m] of the unit incident wave."""
+        return self.wave(points, omega)[0]
 
     def wave(self, points: np.ndarray, omega: float) -> tuple[np.ndarray, np.ndarray]:
         """Pressure (np,) [Pa/m] and velocity (np, 3) [1/s] of the unit incident wave."""
@@ -165,26 +180,29 @@ class _Mesh:
 
     mirrors: np.ndarray  # (ng, 3) of signs, the identity first
     origin: np.ndarray  # (3,) where the mirror planes cross [m]
-    part: object  # nf panels
-    whole: object  # ng nf panels, mirror by mirror
+    part: Any  # nf panels
+    whole: Any  # ng nf panels, mirror by mirror
     wet: np.ndarray  # (nf,) True on hulls, False on lids
     motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
 
     @classmethod
-    def build(cls, hulls, centres, dofs, count: int, refine: int, *, lids: bool) -> "_Mesh":
+    def build(
+        cls, hulls: tuple[Hull, ...], centres: np.ndarray, dofs: tuple[str, ...], count: int, refine: int, *, lids: bool
+    ) -> "_Mesh":
+        """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count, refine: see mesh.panels."""
         origin, mirrors = meshes.mirror_planes(hulls, centres)
         # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
         makers = [(meshes.panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
-        pieces, body, wet = [], [], []
+        pieces, owners, hulled = [], [], []
         for b, (hull, at) in enumerate(zip(hulls, centres - origin, strict=True)):
             share = meshes.quarters(at, len(mirrors))
             for make, times in makers if share else ():
                 vertices, faces = make(hull, count, refine=times, quarters=share)
                 pieces.append((vertices + at, faces))
-                body.append(np.full(len(faces), b))
-                wet.append(np.full(len(faces), make is meshes.panels))
-        part, whole = joined(pieces), joined([meshes.mirrored(p, m) for m in mirrors for p in pieces])
-        wet, body = np.concatenate(wet), np.concatenate(body)
+                owners.append(np.full(len(faces), b))
+                hulled.append(np.full(len(faces), make is meshes.panels))
+        part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])
+        wet, body = np.concatenate(hulled), np.concatenate(owners)
         bodies = np.concatenate([meshes.partner(centres - origin, m)[body] for m in mirrors])
         motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
         motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
@@ -218,7 +236,15 @@ class _Mesh:
         return total
 
 
-def _coefficients(hulls, centres, dofs, sea: _Sea, omega: np.ndarray, count: int, refine: int):
+def _coefficients(
+    hulls: tuple[Hull, ...],
+    centres: np.ndarray,
+    dofs: tuple[str, ...],
+    sea: _Sea,
+    omega: np.ndarray,
+    count: int,
+    refine: int,
+) -> Solution:
     """A + iB/ω (nw, n, n), A(inf) (n, n), diffraction force (nw, n), and the number of panels on hulls."""
     bare = _Mesh.build(hulls, centres, dofs, count, refine, lids=False)  # no irregular frequency at infinity
     mesh = _Mesh.build(hulls, centres, dofs, count, refine, lids=True)
@@ -234,11 +260,11 @@ def _coefficients(hulls, centres, dofs, sea: _Sea, omega: np.ndarray, count: int
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:
-    # Reciprocity holds for the exact potential; collocation misses it by a part of its own error.
+    # Reciprocity holds for the exact potential; collocation misses it by a part of its error.
     return (matrix + matrix.T) / 2
 
 
-def _divisions(hulls, centres, panels: int) -> tuple[int, ...]:
+def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, panels: int) -> tuple[int, ...]:
     """Divisions of the base mesh to solve for, the finer first; only one where the finer costs too much."""
     if not any(isinstance(h, PanelHull) for h in hulls):
         return DIVISIONS
@@ -247,11 +273,13 @@ def _divisions(hulls, centres, panels: int) -> tuple[int, ...]:
     return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
 
 
-def _extrapolated(solutions, divisions, edged: bool):
+def _extrapolated(
+    solutions: list[Solution], divisions: tuple[int, ...], edged: bool
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
-    solution is its own limit, and how far off follows from its panels alone.
+    solution counts as its limit, and how far off follows from its panels alone.
     """
     *finest, count = solutions[0]
     if len(solutions) == 1:
@@ -264,13 +292,15 @@ def _extrapolated(solutions, divisions, edged: bool):
     return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
 
 
-def _limits(pair, divisions):
+def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.ndarray]:
     fine, coarse = (n**2 for n in divisions)
     return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-1] for s in pair), strict=True)]
 
 
-def check(hulls, centres, depth, omega, gravity, panels) -> None:
-    """Refuse what `solve` cannot solve."""
+def require_solvable(
+    hulls: tuple[Hull, ...], centres: np.ndarray, depth: float, omega: np.ndarray, gravity: float, panels: int
+) -> None:
+    """Refuse hulls, places, depth and frequencies that `solve` cannot handle; arguments as there."""
     if len(hulls) != len(centres) or not len(hulls):
         raise InputError("centres", len(centres), f"must be one for each of the {len(hulls)} hulls")
     if np.any(centres[:, 2] != 0):

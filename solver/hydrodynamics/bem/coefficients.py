@@ -6,7 +6,7 @@ Harmonics are Re{X exp(-iωt)}; the incident wave of unit amplitude is
 
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -50,14 +50,14 @@ class Hydrodynamics:
     gravity: float  # [m/s²]
     heading: float  # direction the waves travel to, from +x towards +y [rad]
     dofs: tuple[str, ...]  # of one body
-    settings: MappingProxyType = field(default_factory=lambda: MappingProxyType({}))
+    settings: MappingProxyType[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     error: MeshError | None = None  # what the panels leave, as far as is known
     memory: RadiationMemory | None = None  # fitted to these, for scenes that ask for
     memory_tolerance: float = np.nan  # this tolerance
 
     @property
     def shifted(self) -> "Hydrodynamics":
-        """With coefficients off by their estimated error."""
+        """The same coefficients plus their estimated errors."""
         if self.error is None:
             return self
         return replace(self, **{name: getattr(self, name) + off for name, off in self.error._asdict().items()})
@@ -96,5 +96,5 @@ class Hydrodynamics:
 
 
 def seabed_error(h: Hydrodynamics | None) -> float:
-    """Share of a coefficient that the seabed has at most where the boundary elements left it out."""
+    """Largest share of a coefficient that the seabed has where the boundary elements left it out."""
     return float(h.settings.get("seabed_error", 0.0)) if h is not None else 0.0

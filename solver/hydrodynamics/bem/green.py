@@ -1,19 +1,21 @@
 """Capytaine's Green function of a source under waves, and its meshes; imported when first used, being slow to."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from typing import Any
 
 import numpy as np
 
 from solver.hydrodynamics.hull.surface import merged
 
-# Mean square of what the exponentials in the finite-depth function may miss, the least that they meet: capytaine's own
+# Mean square of what the exponentials in the finite-depth function may miss, the least that they meet: capytaine's
 # 1e-4 is noise of 1 % and more in the coefficients of bodies a few radii above the seabed.
 FITTED = 1e-8, 1e-6, 1e-4
 
 
 @cache
-def _capytaine():
+def _capytaine() -> Any:
     import capytaine
 
     capytaine.set_logging("ERROR")  # panels of a sphere are not plane: nothing to warn of
@@ -21,15 +23,19 @@ def _capytaine():
 
 
 @cache
-def green_function():
+def green_function() -> Any:
     """Delhommeau's, with the finite-depth function as close as exponentials get to it."""
     module = _capytaine().green_functions.delhommeau
     module.find_best_exponential_decomposition = _exponentials
     return module.Delhommeau()
 
 
-def _exponentials(function, *, tol, **domain):
-    """In place of capytaine's: amplitudes and growth rates for the first of FITTED that is met; tol: its own."""
+def _exponentials(
+    function: Callable[[np.ndarray], np.ndarray], *, tol: float, **domain: Any
+) -> tuple[np.ndarray, np.ndarray]:
+    """In place of capytaine's: amplitudes and growth rates for the first of FITTED that is met;
+    tol: capytaine's, not used.
+    """
     prony = _capytaine().tools.prony_decomposition
     for closest in FITTED:
         # It draws the points of its fit at random: the same numbers for each fit, on every machine.
@@ -39,7 +45,7 @@ def _exponentials(function, *, tol, **domain):
     raise prony.PronyDecompositionFailure(f"no sum of exponentials within {tol:g} of the finite-depth function")
 
 
-def joined(pieces):
+def joined(pieces: list[tuple[np.ndarray, np.ndarray]]) -> Any:
     """Pieces of vertices and faces as one capytaine mesh."""
     vertices, faces = merged(pieces)
     # Cleaning would take panels away that we count on; nor is there anything to clean.

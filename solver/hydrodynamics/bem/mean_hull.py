@@ -1,12 +1,17 @@
-"""What follows from the exact hull at its mean position, without solving for any potential."""
+"""Froude-Krylov force and hydrostatic stiffness of the exact hull at its mean position: no potential is solved for."""
+
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from solver.hydrodynamics.bem.coefficients import DOFS
+from solver.hydrodynamics.hull.mesh import Hull
 
 
-def unit_motions(points, normals, body, centres, dofs) -> np.ndarray:
+def unit_motions(
+    points: np.ndarray, normals: np.ndarray, body: np.ndarray, centres: np.ndarray, dofs: Sequence[str]
+) -> np.ndarray:
     """n · e and n · (e × r) of each body's unit motions, (np, n), r from the body's centre."""
     turning = np.cross(points - centres[body], normals)
     six = np.concatenate([normals, turning], axis=1)[:, [DOFS.index(d) for d in dofs]]
@@ -15,18 +20,22 @@ def unit_motions(points, normals, body, centres, dofs) -> np.ndarray:
     return each.reshape(len(points), -1)
 
 
-def froude_krylov(hulls, centres, dofs, sea, omega: float) -> np.ndarray:
-    """-∫ p n dS over the exact mean wetted surface, (n,)."""
+def froude_krylov(
+    hulls: Sequence[Hull], centres: np.ndarray, dofs: Sequence[str], pressure: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """-∫ p n dS over the exact mean wetted surface, (n,) [N/m, N].
+
+    pressure: of the incident wave of unit amplitude at points (np, 3) [Pa/m].
+    """
     force = []
     for hull, centre in zip(hulls, centres, strict=True):
         points, areas = hull.surface_points()
-        pressure, _ = sea.wave(points + centre, omega)
         motions = unit_motions(points, areas, np.zeros(len(points), int), np.zeros((1, 3)), dofs)
-        force.append(-pressure @ motions)
+        force.append(-pressure(points + centre) @ motions)
     return np.concatenate(force)
 
 
-def hydrostatic_stiffness(hulls, dofs, sea) -> np.ndarray:
+def hydrostatic_stiffness(hulls: Sequence[Hull], dofs: Sequence[str], density: float, gravity: float) -> np.ndarray:
     """Stiffness (n, n) of buoyancy about each centre, moments of the waterplane S, displaced V at (xb, yb, zb):
 
     heave ρgS; heave-roll ρgS_y, heave-pitch -ρgS_x; roll ρg(S_yy + V zb), pitch ρg(S_xx + V zb), roll-pitch
@@ -38,6 +47,6 @@ def hydrostatic_stiffness(hulls, dofs, sea) -> np.ndarray:
         xb, yb, zb = hull.volume * hull.buoyancy_point
         six = np.zeros((6, 6))
         six[2:5, 2:] = [[S, Sy, -Sx, 0], [Sy, Syy + zb, -Sxy, -xb], [-Sx, -Sxy, Sxx + zb, -yb]]
-        own = [DOFS.index(d) for d in dofs]
-        blocks.append(sea.density * sea.gravity * six[np.ix_(own, own)])
+        index = [DOFS.index(d) for d in dofs]
+        blocks.append(density * gravity * six[np.ix_(index, index)])
     return block_diag(*blocks)

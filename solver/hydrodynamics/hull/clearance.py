@@ -9,7 +9,7 @@ SQUARE = np.array([[-1.0, -1.0], [1.0, 1.0]])
 
 
 def touching(a: Hull, at: np.ndarray, b: Hull, other: np.ndarray) -> bool:
-    """Whether neither the circles nor the rectangles about two hulls at those points (3,) [m] are clear."""
+    """Whether both the circles and the rectangles about two hulls at points `at` and `other` (3,) [m] overlap."""
     box, other_box = _rectangle(a) + at[:2], _rectangle(b) + other[:2]
     gap = np.maximum(box[0] - other_box[1], other_box[0] - box[1])
     return bool(np.linalg.norm(at - other) <= reach(a) + reach(b) and np.all(gap <= 0))

@@ -1,7 +1,5 @@
 """Panels on hulls below still water, lids inside them, and the mirror planes of a scene."""
 
-from functools import singledispatch
-
 import numpy as np
 
 from solver.errors import InputError
@@ -15,15 +13,23 @@ Hull = Revolution | PanelHull
 IMAGES = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], float)  # of a quarter at x > 0, y > 0
 
 
-@singledispatch
-def panels(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
+def panels(hull: Hull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Quadrilaterals on the wetted hull, about `count` on all of it: vertices (nv, 3) [m], faces (nf, 4).
 
     `refine` divides each panel's sides: meshes that differ in it alone are one family, and may be
     extrapolated. `quarters` from azimuth 0: 1 is x >= 0, y >= 0; 2 is y >= 0; 4 the whole. Normals
-    point into the water. Vertices are pushed outwards, horizontally until the waterplane area is
-    exact, then vertically until the displaced volume is: coefficients do not inherit an
-    inscribed, too small, body.
+    point into the water.
+    """
+    if isinstance(hull, PanelHull):
+        return _halved_panels(hull, count, refine, quarters)
+    return _revolved_panels(hull, count, refine, quarters)
+
+
+def _revolved_panels(hull: Revolution, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
+    """Panels in rings about the axis, see `panels`.
+
+    Vertices are pushed outwards, horizontally until the waterplane area is exact, then vertically
+    until the displaced volume is: coefficients do not inherit an inscribed, too small, body.
     """
     half, divisions = _lattice(hull, count)
     half *= refine
@@ -36,9 +42,8 @@ def panels(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) 
     return _copied(points, faces, quarters)
 
 
-@panels.register
-def _(hull: PanelHull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
-    """The hull's own panels, halved until there are about `count`, then each into refine², a power of 4."""
+def _halved_panels(hull: PanelHull, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
+    """The panels of a mesh, halved until there are about `count`, then each into refine², a power of 4."""
     pieces = hull.wetted
     for axis in (1, 0)[: {4: 0, 2: 1, 1: 2}[quarters]]:
         pieces = surface.below(pieces, axis, sign=-1)
@@ -54,9 +59,15 @@ def _indexed(pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return pieces.reshape(-1, 3), faces
 
 
-@singledispatch
-def lid(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
+def lid(hull: Hull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Quadrilaterals on the waterplane inside the hull, as large as those of `panels`; normals point down."""
+    if isinstance(hull, PanelHull):
+        return _lattice_lid(hull, count, refine, quarters)
+    return _disc_lid(hull, count, refine, quarters)
+
+
+def _disc_lid(hull: Revolution, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
+    """Quadrilaterals in rings on the waterplane's disc."""
     half = refine * _lattice(hull, count)[0]
     radius = hull.waterplane_radius
     arc, azimuth, faces = _quarter(np.linspace(radius / 2, radius, 1 + (half + 1) // 2), half)
@@ -64,9 +75,8 @@ def lid(hull: Revolution, count: int, *, refine: int = 1, quarters: int = 4) -> 
     return _copied(points * _polygon_scale(half), faces, quarters)
 
 
-@lid.register
-def _(hull: PanelHull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
-    """Rectangles of a lattice over the waterplane, those that lie inside it; normals point down.
+def _lattice_lid(hull: PanelHull, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
+    """Rectangles of a lattice over the waterplane, those that lie inside it.
 
     What is left free along the waterline is narrower than a panel: its eigenfrequencies are beyond
     those that the panels resolve.
@@ -193,7 +203,7 @@ def mirror_planes(hulls: tuple[Hull, ...], centres: np.ndarray) -> tuple[np.ndar
 
 
 def partner(at: np.ndarray, mirror: np.ndarray) -> np.ndarray:
-    """The body in whose place each body's mirror image lies, (nb,), -1 where there is none."""
+    """Number of the body that lies where each body's mirror image does, (nb,); -1 where none does."""
     gap = np.linalg.norm((at * mirror)[:, None] - at[None], axis=-1)
     return np.where(gap.min(axis=1) < 1e-9 * (1 + np.abs(at).max()), gap.argmin(axis=1), -1)
 

@@ -15,7 +15,7 @@ from solver.hydrodynamics.hull.surface import merged, mirrored
 
 FOOT = 0.3048  # [m]
 FEET = (31.0, 33.0)  # gravity [ft/s²] of a GDF file whose lengths are feet
-WORDS = ("hst", "pnl", "hydrostar", "hams", "nemoh", "mar")  # capytaine's own formats, text
+WORDS = ("hst", "pnl", "hydrostar", "hams", "nemoh", "mar")  # formats that capytaine reads, text
 KEY = "hull.file"
 FARTHEST = 1e5  # [m]
 
@@ -48,10 +48,10 @@ def _stl(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
         corners = np.frombuffer(data, record, count, 84)["corners"].astype(float)
     else:
         number = r"\s+([-+0-9.eE]+)"
-        found = re.findall(r"vertex" + 3 * number, _text(data))
-        if not found or len(found) % 3:
-            raise ValueError(f"{len(found)} corners, three for each triangle are needed")
-        corners = np.array(found, float).reshape(-1, 3, 3)
+        numbers = re.findall(r"vertex" + 3 * number, _text(data))
+        if not numbers or len(numbers) % 3:
+            raise ValueError(f"{len(numbers)} corners, three for each triangle are needed")
+        corners = np.array(numbers, float).reshape(-1, 3, 3)
     faces = np.arange(corners.size // 3).reshape(-1, 3)
     return corners.reshape(-1, 3), faces[:, [0, 1, 2, 2]]
 
@@ -103,16 +103,16 @@ def _text(data: bytes) -> str:
 
 
 def _triangles_last(corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Faces (nf, 4) in which a corner given twice is the last: triangles may repeat any neighbour."""
+    """Faces (nf, 4) in which a repeated corner is the last: triangles may repeat any neighbour."""
     same = np.all(corners == np.roll(corners, -1, axis=1), axis=2)  # corner i and the next
     shift = np.where(same.any(axis=1), same.argmax(axis=1) - 2, 0)
     return faces[np.arange(len(faces))[:, None], (np.arange(4) + shift[:, None]) % 4]
 
 
-def _unfolded(vertices, faces, x: int, y: int) -> tuple[np.ndarray, np.ndarray]:
+def _unfolded(vertices: np.ndarray, faces: np.ndarray, x: int, y: int) -> tuple[np.ndarray, np.ndarray]:
     """The surface with its images in the planes x = 0 and y = 0."""
     whole = (vertices, faces)
-    for given, sign in ((x, [-1, 1, 1]), (y, [1, -1, 1])):
-        if given:
+    for unfold, sign in ((x, [-1, 1, 1]), (y, [1, -1, 1])):
+        if unfold:
             whole = merged([whole, mirrored(whole, np.array(sign, float))])
     return whole

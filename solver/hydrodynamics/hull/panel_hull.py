@@ -66,7 +66,7 @@ class PanelHull:
             raise InputError(key, f"{name}, displaced volume {hull.volume:g} m3", "must be > 0")
         return hull
 
-    def __eq__(self, other) -> bool:
+    def __eq__(self, other: object) -> bool:
         return (
             type(other) is PanelHull
             and np.array_equal(self.vertices, other.vertices)
@@ -78,7 +78,7 @@ class PanelHull:
 
     @cached_property
     def panels(self) -> np.ndarray:
-        """All panels (n, 4, 3) [m], each with its own corners."""
+        """All panels (n, 4, 3) [m], four corners each."""
         return self.vertices[self.faces]
 
     @cached_property
@@ -172,7 +172,7 @@ class PanelHull:
 
     @cached_property
     def symmetry(self) -> tuple[bool, bool]:
-        """Whether the hull is its own mirror image in x = 0, and in y = 0."""
+        """Whether the hull is symmetric in x = 0, and in y = 0."""
         return self._mirrored(0), self._mirrored(1)
 
     def _mirrored(self, axis: int) -> bool:

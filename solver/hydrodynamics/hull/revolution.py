@@ -8,6 +8,7 @@ r = R sin(phi), z = zc - R cos(phi).
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.quantities import require_positive
@@ -31,6 +32,7 @@ class Segment:
     @property
     def angles(self) -> tuple[float, float]:
         """Polar angles (phi0, phi1) [rad] of the ends of an arc."""
+        assert self.centre is not None  # lines have none
         (r0, z0), (r1, z1) = self.start, self.end
         return float(np.arctan2(r0, self.centre - z0)), float(np.arctan2(r1, self.centre - z1))
 
@@ -67,7 +69,7 @@ class Segment:
         primitive = (np.pi * self.squared_radius * z**order).integ()
         return float(primitive(z1) - primitive(z0))
 
-    def at(self, fraction: np.ndarray) -> np.ndarray:
+    def at(self, fraction: ArrayLike) -> np.ndarray:
         """Points (r, z) at fractions of the length, (..., 2) [m]."""
         t = np.asarray(fraction)[..., None]
         if self.centre is None:
@@ -76,7 +78,7 @@ class Segment:
         phi = phi0 + t * (phi1 - phi0)
         return np.concatenate([np.sin(phi) * self.radius, self.centre - np.cos(phi) * self.radius], axis=-1)
 
-    def normal(self, fraction: np.ndarray) -> np.ndarray:
+    def normal(self, fraction: ArrayLike) -> np.ndarray:
         """Outward unit normals (n_r, n_z) at fractions of the length, (..., 2)."""
         if self.centre is not None:
             return (self.at(fraction) - np.array([0.0, self.centre])) / self.radius
@@ -100,7 +102,7 @@ class Revolution:
 
     meridian: tuple[Segment, ...]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for before, after in zip(self.meridian[:-1], self.meridian[1:], strict=True):
             if before.end != after.start:
                 raise InputError("hull.meridian", after.start, f"must start where the last ended, {before.end} m")
@@ -214,7 +216,7 @@ class Revolution:
 
     @property
     def symmetry(self) -> tuple[bool, bool]:
-        """Whether the hull is its own mirror image in x = 0, and in y = 0."""
+        """Whether the hull is symmetric in x = 0, and in y = 0."""
         return True, True
 
     @property

@@ -1,6 +1,6 @@
 """Surfaces of triangles and quadrilaterals: mending, clipping, splitting.
 
-Indexed: vertices (nv, 3) [m], faces (nf, 4); loose: panels (n, 4, 3) [m], each with its own corners.
+Indexed: vertices (nv, 3) [m], faces (nf, 4); loose: panels (n, 4, 3) [m], corners not shared.
 Corners run counter-clockwise seen from the water; a triangle gives its last corner twice.
 """
 
@@ -41,7 +41,7 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
 
 
 def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Coinciding points made one, panels without area or given twice left out; and what was done."""
+    """Coinciding points made one, panels without area and duplicates left out; and notes of both."""
     extent = np.ptp(vertices[faces.ravel()], axis=0).max()
     near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
     links = scipy.sparse.coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(vertices),) * 2)
@@ -74,7 +74,7 @@ def edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Faces wound alike with normals out of the body, the open edges (ne, 2), and what was done.
+    """Faces wound alike with normals out of the body, the open edges (ne, 2), and notes of what was turned.
 
     A part's volume is ∫ z n_z dS, which a rim at z = 0 leaves unchanged: inside out where it is negative.
     """
@@ -82,7 +82,7 @@ def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tu
     _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
     if count.max() > 2:
         point = vertices[pairs[np.argmax(count[place] > 2), 0]]
-        raise InputError(key, name, f"{count.max()} panels meet at an edge near {_text(point)}: two may")
+        raise InputError(key, name, f"{count.max()} panels meet at an edge near {_point_text(point)}: two may")
     order = np.argsort(place, kind="stable")
     shared = order[count[place[order]] == 2].reshape(-1, 2)
     turned, part = _consistent(len(faces), owner[shared], pairs[shared[:, 0], 0] == pairs[shared[:, 1], 0])
@@ -97,7 +97,7 @@ def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tu
     return faces, pairs[count[place] == 1], notes
 
 
-def _text(point: np.ndarray) -> str:
+def _point_text(point: np.ndarray) -> str:
     return "(" + ", ".join(f"{x:.4g}" for x in point) + ") m"
 
 
@@ -113,8 +113,8 @@ def _column_volume(panels: np.ndarray) -> np.ndarray:
     return total
 
 
-def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray):
-    """Which of `count` faces to turn so that neighbours (n, 2) agree, None if none do; and each one's part."""
+def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
+    """Faces to turn (count,) so that neighbours (n, 2) agree, None where no choice does; and each one's part."""
     a, b = neighbours.T if len(neighbours) else np.zeros((2, 0), int)
     graph = scipy.sparse.coo_array((np.ones(len(a)), (a, b)), shape=(count, count)).tocsr()
     parts, part = scipy.sparse.csgraph.connected_components(graph, directed=False)

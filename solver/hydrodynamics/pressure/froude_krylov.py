@@ -140,7 +140,9 @@ def quadrature(
     )
 
 
-def _whole(patch, arc, line, dpsi):
+def _whole(
+    patch: np.ndarray, arc: tuple[np.ndarray, np.ndarray], line: tuple[np.ndarray, np.ndarray], dpsi: float
+) -> np.ndarray:
     table = np.zeros((len(patch), max(len(arc[0]), len(line[0])), 5))
     for row, points in zip(patch, table, strict=True):
         for point, u, w in zip(points, *(line if row[0] == 0 else arc), strict=False):
@@ -150,7 +152,7 @@ def _whole(patch, arc, line, dpsi):
 
 
 @kernel(inline="always")
-def _meridian(patch, u):
+def _meridian(patch: np.ndarray, u: float) -> tuple[float, float, float, float, float]:
     """(r, z, n_r, n_z, ds/du) of a patch at u."""
     if patch[0] == 0:
         rd, zd = patch[2], patch[4]
@@ -165,7 +167,7 @@ def _meridian(patch, u):
 
 
 @kernel(inline="always")
-def polynomial(coefficient, x):
+def polynomial(coefficient: np.ndarray, x: float) -> float:
     """Σ cₙ xⁿ."""
     y = 0.0
     for n in range(coefficient.size - 1, -1, -1):
@@ -174,7 +176,7 @@ def polynomial(coefficient, x):
 
 
 @kernel(inline="always")
-def _height(patch, u, meridian, surface):
+def _height(patch: np.ndarray, u: float, meridian: Meridian, surface: np.ndarray) -> float:
     """Height of a meridian point above the instantaneous surface."""
     r, z, _, _, _ = _meridian(patch, u)
     out, axis = meridian.out, meridian.axis
@@ -182,7 +184,9 @@ def _height(patch, u, meridian, surface):
 
 
 @kernel(inline="always")
-def _crossing(patch, a, fa, b, fb, meridian, surface):
+def _crossing(
+    patch: np.ndarray, a: float, fa: float, b: float, fb: float, meridian: Meridian, surface: np.ndarray
+) -> float:
     """u in [a, b] where the meridian meets the surface: false position as Anderson and Björck weigh it."""
     for _ in range(50):
         u = (a * fb - b * fa) / (fb - fa)
@@ -199,7 +203,7 @@ def _crossing(patch, a, fa, b, fb, meridian, surface):
 
 
 @fast_kernel(inline="always")
-def _rays(rule, rotation, direction, rays):
+def _rays(rule: WettedQuadrature, rotation: np.ndarray, direction: np.ndarray, rays: np.ndarray) -> None:
     """Of each azimuth: the radial direction's x, y, z and its part along the waves, rays (4, na)."""
     for j in range(rule.azimuth.shape[0]):
         for r in range(3):
@@ -208,7 +212,7 @@ def _rays(rule, rotation, direction, rays):
 
 
 @fast_kernel(inline="always")
-def _heights(rule, axis, z0, surface, room):
+def _heights(rule: WettedQuadrature, axis: Direction, z0: float, surface: np.ndarray, room: QuadratureRoom) -> None:
     """Heights above the surface where patches begin, at their middles and at the end, room.height.
 
     All azimuths of a point innermost (SIMD). axis: the hull's.
@@ -230,7 +234,7 @@ def _heights(rule, axis, z0, surface, room):
 
 
 @fast_kernel(inline="always")
-def surface_series(c, s0, terms, eta):
+def surface_series(c: np.ndarray, s0: float, terms: int, eta: np.ndarray) -> np.ndarray:
     """Coefficients of η about s0, from η(s) = Re Σ Cₙ (is)ⁿ: a Taylor shift in eta, of which `terms` are kept."""
     n = c.shape[1]
     for i in range(n):
@@ -246,7 +250,7 @@ def surface_series(c, s0, terms, eta):
 
 
 @fast_kernel(inline="always")
-def heads(c, s, z, head, imag):
+def heads(c: np.ndarray, s: np.ndarray, z: np.ndarray, head: np.ndarray, imag: np.ndarray) -> None:
     """head = Re Σ Cₙ (z + is)ⁿ at all points, Horner with the points innermost (SIMD); imag is scratch."""
     n, count = c.shape[1], s.size
     for i in range(count):
@@ -260,13 +264,20 @@ def heads(c, s, z, head, imag):
 
 
 @fast_kernel(inline="always")
-def stretched(z, eta, depth):
+def stretched(z: float, eta: float, depth: float) -> float:
     """Wheeler's height: the surface at 0, the seabed where it is."""
     return (z - eta) / (1.0 + eta / depth)
 
 
 @fast_kernel(inline="always")
-def pressure_load(position, rotation, rule, waves, room, load):
+def pressure_load(
+    position: np.ndarray,
+    rotation: np.ndarray,
+    rule: WettedQuadrature,
+    waves: Incident,
+    room: QuadratureRoom,
+    load: np.ndarray,
+) -> None:
     """Load (6,) [N, N m] about the hull's reference point, added to `load`.
 
     position (3,), rotation (3, 3) of the hull; waves: Incident; room: see quadrature_room.
@@ -292,7 +303,15 @@ def pressure_load(position, rotation, rule, waves, room, load):
 
 
 @fast_kernel(inline="always")
-def _wet_points(rule, i, heights, meridian, surface, room, count):
+def _wet_points(
+    rule: WettedQuadrature,
+    i: int,
+    heights: tuple[float, float, float],
+    meridian: Meridian,
+    surface: np.ndarray,
+    room: QuadratureRoom,
+    count: int,
+) -> int:
     """Put Gauss points on what is wet of a patch, after `count` others; their number with these.
 
     One wet interval about the middle, or one at each end where the middle is dry.
@@ -317,7 +336,9 @@ def _wet_points(rule, i, heights, meridian, surface, room, count):
 
 
 @fast_kernel(inline="always")
-def _gauss_points(rule, i, a, b, meridian, room, count):
+def _gauss_points(
+    rule: WettedQuadrature, i: int, a: float, b: float, meridian: Meridian, room: QuadratureRoom, count: int
+) -> int:
     """Put a Gauss rule on a patch between u = a and b, after `count` points; their number with these."""
     patch, out, axis = rule.patch[i], meridian.out, meridian.axis
     points, weights = (rule.line_u, rule.line_w) if patch[0] == 0 else (rule.arc_u, rule.arc_w)
@@ -343,7 +364,7 @@ def _gauss_points(rule, i, a, b, meridian, room, count):
 
 
 @fast_kernel(inline="always")
-def _evaluate_heads(waves, s0, surface, room, count):
+def _evaluate_heads(waves: Incident, s0: float, surface: np.ndarray, room: QuadratureRoom, count: int) -> None:
     """Dynamic heads at the first `count` points, room.head."""
     s, z, level = room.s[:count], room.z, room.level[:count]
     for i in range(count):
@@ -355,7 +376,7 @@ def _evaluate_heads(waves, s0, surface, room, count):
 
 
 @fast_kernel(inline="always")
-def _add_load(rule, rho_g, room, count, load):
+def _add_load(rule: WettedQuadrature, rho_g: float, room: QuadratureRoom, count: int, load: np.ndarray) -> None:
     """load += Σ pressure times n dS and its moment about the reference point."""
     z, head, lever, normal = room.z, room.head[0], room.lever, room.normal
     fx_ = fy_ = fz_ = mx_ = my_ = mz_ = 0.0

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.pressure.froude_krylov import heads, polynomial, stretched, surface_series
+from solver.hydrodynamics.pressure.froude_krylov import Incident, heads, polynomial, stretched, surface_series
 from solver.kernels import fast_kernel
 from solver.sea.field import WaveField
 
@@ -42,11 +43,12 @@ class PanelsRoom(NamedTuple):
 
 
 def panels_room(rule: WettedPanels) -> PanelsRoom:
+    """Scratch for these triangles, all of them cut."""
     vertices, triangles = len(rule.vertices), len(rule.corners)
     return PanelsRoom(np.empty((3, vertices)), np.empty((7, 6 * triangles)), np.empty((2, 2 * triangles)))
 
 
-def longest_side(hull, share: float, field: WaveField) -> float:
+def longest_side(hull: Hull, share: float, field: WaveField) -> float:
     """Longest side of a mesh's triangles [m]: a share of the hull's size, and of 1/k of the mean wave."""
     return share * min(hull.size, 1 / max(field.mean_wavenumber, 1e-9))
 
@@ -82,7 +84,9 @@ def _triangles(hull: PanelHull, size: float, half: bool) -> tuple[np.ndarray, np
 
 
 @fast_kernel
-def _levels(rule, b, along, up, z0, series, room):
+def _levels(
+    rule: WettedPanels, b: int, along: np.ndarray, up: np.ndarray, z0: float, series: np.ndarray, room: PanelsRoom
+) -> None:
     """Fill room.nodes: s from the reference point, z, and height above the surface, of hull b's vertices."""
     first, last = rule.first_vertex[b], rule.first_vertex[b + 1]
     s, z, height = room.nodes[0], room.nodes[1], room.nodes[2]
@@ -99,7 +103,9 @@ def _levels(rule, b, along, up, z0, series, room):
 
 
 @fast_kernel
-def _add_piece(room, count, triangle, share, p, q, r):
+def _add_piece(
+    room: PanelsRoom, count: int, triangle: int, share: float, p: np.ndarray, q: np.ndarray, r: np.ndarray
+) -> None:
     """One wet piece with corners p, q, r (5,): body coordinates, s and z."""
     room.pieces[0, count], room.pieces[1, count] = triangle, share
     for k in range(5):
@@ -109,7 +115,7 @@ def _add_piece(room, count, triangle, share, p, q, r):
 
 
 @fast_kernel
-def _between(p, hp, q, hq, out):
+def _between(p: np.ndarray, hp: float, q: np.ndarray, hq: float, out: np.ndarray) -> float:
     """Where the side from p to q meets the surface, heights of either sign; its share of the side."""
     share = hp / (hp - hq)
     for k in range(5):
@@ -118,7 +124,7 @@ def _between(p, hp, q, hq, out):
 
 
 @fast_kernel
-def _wet_pieces(rule, b, room):
+def _wet_pieces(rule: WettedPanels, b: int, room: PanelsRoom) -> int:
     """Fill room.points and room.pieces with the wet parts of hull b's triangles; their number."""
     height = room.nodes[2]
     corner, cut = np.empty((3, 5)), np.empty((2, 5))
@@ -154,7 +160,7 @@ def _wet_pieces(rule, b, room):
 
 
 @fast_kernel
-def _summed(rule, count, room, total):
+def _summed(rule: WettedPanels, count: int, room: PanelsRoom, total: np.ndarray) -> None:
     """Force and moment (6,) per ρg in body coordinates: pressure heads at the points times n dS / 3."""
     x, y, z = room.points[0], room.points[1], room.points[2]
     height, head = room.points[4], room.points[5]
@@ -177,7 +183,15 @@ def _summed(rule, count, room, total):
 
 
 @fast_kernel
-def panels_pressure(b, position, rotation, rule, waves, room, load):
+def panels_pressure(
+    b: int,
+    position: np.ndarray,
+    rotation: np.ndarray,
+    rule: WettedPanels,
+    waves: Incident,
+    room: PanelsRoom,
+    load: np.ndarray,
+) -> None:
     """Load (6,) [N, N m] about the reference point of hull b, added to `load`; see froude_krylov.pressure_load."""
     direction, c = waves.direction, waves.c
     s0 = (position[0] - waves.centre[0]) * direction[0] + (position[1] - waves.centre[1]) * direction[1]
@@ -203,7 +217,7 @@ def panels_pressure(b, position, rotation, rule, waves, room, load):
 
 
 @fast_kernel(inline="always")
-def _add_turned(rotation, scale, total, half, load):
+def _add_turned(rotation: np.ndarray, scale: float, total: np.ndarray, half: bool, load: np.ndarray) -> None:
     """load += scale times `total` (6,) from body to space; the mirror half cancels sway, roll and yaw."""
     for r in range(3):
         if r == 1 and half:

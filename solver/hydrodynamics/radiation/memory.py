@@ -60,7 +60,7 @@ def fit(
     the BEM's has an error too.
     Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell motions that
     radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size
-    for rotations; ones if not given.
+    for rotations; ones by default.
     """
     if not tolerance > 0:
         raise InputError("memory_tolerance", tolerance, "must be > 0")
@@ -106,10 +106,18 @@ class _Data:
     scale: np.ndarray  # (n,) sqrt(y_i)
     peak: float  # ω_p [rad/s]
     heard: np.ndarray  # (n,) numbers of the motions
-    given: np.ndarray  # (N, N) A∞ of all
+    whole_infinite: np.ndarray  # (N, N) [kg, ...] A∞ of all motions
 
     @classmethod
-    def of(cls, omega, added_mass, damping, infinite, lengths=None) -> "_Data":
+    def of(
+        cls,
+        omega: np.ndarray,
+        added_mass: np.ndarray,
+        damping: np.ndarray,
+        infinite: np.ndarray,
+        lengths: np.ndarray | None = None,
+    ) -> "_Data":
+        """Samples of the motions that radiate; arguments as of `fit`."""
         lengths = np.ones(len(infinite)) if lengths is None else np.asarray(lengths, float)
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
         diagonal = np.abs(np.einsum("wii->wi", transfer))
@@ -118,17 +126,17 @@ class _Data:
         scale = (lengths * np.sqrt(largest))[heard]
         upper, both = np.triu_indices(len(scale)), np.multiply.outer(scale, scale)
         peak = omega[np.argmax(diagonal.sum(axis=1))]
-        given, own = (infinite + infinite.T) / 2, np.ix_(heard, heard)
+        whole_infinite, block = (infinite + infinite.T) / 2, np.ix_(heard, heard)
         total = (transfer + 1j * omega[:, None, None] * infinite)[:, heard[:, None], heard] / both
         return cls(
             omega=omega,
             samples=(total[:, upper[0], upper[1]] + np.swapaxes(total, 1, 2)[:, upper[0], upper[1]]) / 2,
             weight=1 / (1 + (omega / peak) ** FALL),
-            infinite=(given[own] / both)[upper],
+            infinite=(whole_infinite[block] / both)[upper],
             scale=scale,
             peak=float(peak),
             heard=heard,
-            given=given,
+            whole_infinite=whole_infinite,
         )
 
     def unconstrained(self, pairs: int, tolerance: float) -> _Candidate:
@@ -139,7 +147,8 @@ class _Data:
         (Lawson 1961), and the best of these fits is kept.
         """
         poles, even = starting_poles(self.omega, pairs), np.ones(self.omega.size)
-        strictly, best = self.samples - 1j * self.omega[:, None] * self.infinite, None
+        best: _Candidate | None = None
+        strictly = self.samples - 1j * self.omega[:, None] * self.infinite
         for n in range(SETTLE + EQUALIZE):
             poles = relocated(poles, self.omega, strictly, self.weight * even)
             if n < SETTLE:
@@ -151,10 +160,11 @@ class _Data:
                 break
             even = even * np.sqrt(np.maximum(misfit / misfit.max(), 1e-2))
             even /= np.sqrt(np.mean(even**2))
+        assert best is not None  # EQUALIZE > 0
         return best
 
     def _solved(self, poles: np.ndarray, even: np.ndarray) -> tuple[_Candidate, np.ndarray]:
-        """Least squares with given poles, and the largest misfit at each frequency (nw,)."""
+        """Least squares with fixed poles, and the largest misfit at each frequency (nw,)."""
         span = np.linalg.svd(basis(poles, np.zeros(1)).real)[2][1:].T
         weight = (self.weight * even)[:, None]
         columns = weight * np.column_stack([basis(poles, self.omega) @ span, 1j * self.omega])
@@ -164,8 +174,10 @@ class _Data:
         columns = np.vstack([columns.real, columns.imag, anchor])
         target = np.vstack([target.real, target.imag, self.peak / 2 * self.infinite])
         misfit = self._misfit(columns @ np.linalg.lstsq(columns, target, rcond=None)[0] - target, even)
-        found = _Candidate(poles=poles, span=span, columns=columns, target=target, error=float(misfit.max()), even=even)
-        return found, misfit
+        fitted = _Candidate(
+            poles=poles, span=span, columns=columns, target=target, error=float(misfit.max()), even=even
+        )
+        return fitted, misfit
 
     def nearest(self, tried: list[_Candidate]) -> RadiationMemory:
         """The passive fit of the best candidate; of equally good ones the smallest, poles to spare condition badly."""
@@ -181,11 +193,11 @@ class _Data:
         solution = enforce(candidate.columns, candidate.target, Constraint(poles=poles, span=span, n=n))
         if solution is None:
             return None
-        own, both = np.ix_(self.heard, self.heard), np.multiply.outer(self.scale, self.scale)
-        residue, infinite = np.zeros((len(poles), *self.given.shape), complex), self.given.copy()
+        block, both = np.ix_(self.heard, self.heard), np.multiply.outer(self.scale, self.scale)
+        residue, infinite = np.zeros((len(poles), *self.whole_infinite.shape), complex), self.whole_infinite.copy()
         for r, entries in zip(residue, complex_residues(poles, span @ solution[:-1]), strict=True):
-            r[own] = _full(entries, n) * both
-        infinite[own] = _full(solution[-1], n) * both
+            r[block] = _full(entries, n) * both
+        infinite[block] = _full(solution[-1], n) * both
         misfit = self._misfit(candidate.columns @ solution - candidate.target, candidate.even)
         return RadiationMemory(beta=poles, residue=residue, added_mass_inf=infinite, error=float(misfit.max()))
 

@@ -75,7 +75,7 @@ class Constraint:
 
 
 def enforce(columns: np.ndarray, target: np.ndarray, constraint: Constraint) -> np.ndarray | None:
-    """Solution (free + others, m) of least squares columns x = target with G(ω) >= 0 at all ω; None if not found.
+    """Solution (free + others, m) of least squares columns x = target with G(ω) >= 0 at all ω, else None.
 
     The first columns of `columns` are the constraint's free residues; those after are not constrained.
     """
@@ -91,7 +91,7 @@ def enforce(columns: np.ndarray, target: np.ndarray, constraint: Constraint) -> 
         x = np.linalg.solve(block, z)
         where, direction = _negative(constraint.matrix(rows @ x))
         if where.size == 0:
-            theta = np.sort(np.concatenate([theta, np.setdiff1d(_between(constraint, x, theta, rows), theta)]))
+            theta = np.sort(np.concatenate([theta, np.setdiff1d(_negative_between(constraint, x, theta, rows), theta)]))
             rows = constraint.rows(theta)
             where, direction = _negative(constraint.matrix(rows @ x))
         if where.size == 0:
@@ -113,11 +113,11 @@ def _negative(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return at, vectors[at, :, k]
 
 
-def _between(constraint: Constraint, x: np.ndarray, theta: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def _negative_between(constraint: Constraint, x: np.ndarray, theta: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Angles between grid points at which the least eigenvalue is negative: the certificate, empty when passive.
 
     λ_min is concave in the matrix, so that between two points G falls below both by h²/8 |G''| at most: intervals
-    that may so reach zero are halved until none may, or a negative one is found.
+    that may so reach zero are halved until none may, or one is negative.
     """
     G = constraint.matrix(rows @ x)
     least, h = np.linalg.eigvalsh(G)[:, 0], np.diff(theta)

@@ -55,7 +55,7 @@ def relocated(poles: np.ndarray, omega: np.ndarray, samples: np.ndarray, weight:
     reduced, right = [], np.column_stack([columns, np.ones(omega.size)])
     for f in samples.T:
         rows = np.column_stack([left, _stacked(-(weight * f)[:, None] * right)])
-        reduced.append(np.linalg.qr(rows, mode="r")[q + 1 :, q + 1 :])
+        reduced.append(np.asarray(np.linalg.qr(rows, mode="r"))[q + 1 :, q + 1 :])
     # σ = 1 on average: keeps the trivial solution away without fixing σ at infinity.
     size = np.linalg.norm(weight[:, None] * samples) / omega.size
     matrix = np.vstack([*reduced, size * right.real.sum(axis=0)])
@@ -89,7 +89,7 @@ def _zeros(poles: np.ndarray, residue: np.ndarray, constant: float) -> np.ndarra
 
 
 def _stable(zeros: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """One of each pair, mirrored to the left, none ringing beyond the data's resolution or faster than they show."""
+    """One zero of each pair, mirrored to Re < 0, with least damping and largest modulus that the data resolve."""
     zeros = zeros[zeros.imag >= 0]
     zeros = zeros * np.minimum(1.0, FASTEST * omega[-1] / np.maximum(np.abs(zeros), 1e-300))
     damping = np.maximum(np.abs(zeros.real), 1e-3 * omega[-1] / omega.size)

@@ -69,8 +69,14 @@ def cluster(folder, *security, workers=2, strangers=0):
     finally:
         for process in reversed(processes):
             process.terminate()
+        # A worker whose scheduler was killed may wait for it for ever, whatever it is told.
         for process in processes:
-            process.wait()
+            try:
+                process.wait(timeout=20)
+            except subprocess.TimeoutExpired:
+                for child in (*psutil.Process(process.pid).children(recursive=True), process):
+                    child.kill()
+                process.wait()
 
 
 def computed(results):
