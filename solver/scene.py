@@ -158,6 +158,8 @@ class Settings:
     radiation: bool = True
     # Newton's last update of a position [m or rad] in a step of STEP; in less as their square: forces are as exact.
     newton_tolerance: Annotated[float, Quantity(least=1e-14, most=1)] = 1e-5
+    # "frequency": statistics of the linear model's stationary response, drag linearised; no series, no envelopes.
+    method: Literal["time", "frequency"] = "time"
     keep_series: bool = False
     rao: bool = False  # motion per wave amplitude, wave by wave
     # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.
@@ -173,6 +175,20 @@ class Settings:
         require_ranges(self, "settings")
         if self.tolerance is not None and self.paths.formulation == "augmented":
             raise InputError("settings.tolerance", self.tolerance, "chooses the knobs of the standard paths only")
+        if self.method == "frequency":
+            refuse(self._frequency_problems())
+
+    def _frequency_problems(self) -> Iterator[InputError]:
+        """What no linear response to waves can give."""
+        needs = 'must be {} with method = "frequency"'
+        if self.froude_krylov == "body-nonlinear":
+            yield InputError("settings.froude_krylov", self.froude_krylov, needs.format('"linear" or "none"'))
+        if self.keep_series:
+            yield InputError("settings.keep_series", self.keep_series, needs.format("false: it has no series"))
+        if self.paths.formulation == "augmented":
+            yield InputError("settings.formulation", "augmented", needs.format('"minimal", and accuracy "standard"'))
+        if self.tolerance is not None:
+            yield InputError("settings.tolerance", self.tolerance, needs.format("left out: it has no step to choose"))
 
     @property
     def paths(self) -> "Settings":
@@ -226,7 +242,7 @@ class Scene:
                 limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
                 yield InputError(f"platform.nodes.{name}", place, limit)
         step, longest = self.settings.time_step, self.longest_step
-        if self.settings.tolerance is None and step > longest:
+        if self.settings.tolerance is None and self.settings.method == "time" and step > longest:
             limit = f"must be <= {longest:.3g} s, a sixth of the shortest wave's period, {6 * longest:.3g} s"
             yield InputError("settings.time_step", step, limit)
 

@@ -9,7 +9,14 @@ from solver import limits
 from solver.coupled import assembly
 from solver.coupled import support as platform
 from solver.coupled.energy import AT_START, GAP, SCALE, WORKS, energy, open_by
-from solver.coupled.equilibrium import balance, equilibrium, tangent, weights
+from solver.coupled.equilibrium import (
+    Differences,
+    balance,
+    differences,
+    equilibrium,
+    symmetric_stiffness,
+    weights,
+)
 from solver.coupled.march import (
     EXCURSION,
     GROSSLY,
@@ -64,9 +71,14 @@ class System:
         return equilibrium(self.bodies, self.structure, stride)
 
     @cached_property
+    def differences(self) -> Differences:
+        """Of the floats' loads there."""
+        return differences(self.bodies, self.equilibrium[0])
+
+    @property
     def stiffness(self) -> np.ndarray:
         """Tangent stiffness (nz, nz) of the floats there: buoyancy, weight, springs and their levers."""
-        return tangent(self.bodies, self.equilibrium[0])
+        return symmetric_stiffness(self.differences.residual[0])
 
     @property
     def newton_tolerance(self) -> float:
@@ -161,10 +173,12 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
             stations=settings.stations_per_element,
         )
     fit = None
-    if scene.floats and settings.radiation:
+    if scene.floats and settings.radiation and settings.method == "time":
         fit = remembered(hydrodynamics, tuple(f.hull for f in scene.floats), settings.memory_tolerance)
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
-    added_mass = fit.added_mass_inf if fit else np.zeros((na, na))
+    added_mass = np.zeros((na, na))
+    if hydrodynamics is not None and settings.radiation:
+        added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
     height = scene.sea.parameters()["Hm0"]
     reach = max((_reach(scene, b, height) for b in range(len(scene.floats))), default=0.0)
     terms = waves.terms_for(reach, settings.field_tolerance)

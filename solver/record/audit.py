@@ -3,10 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from solver.coupled import assembly
-from solver.coupled.linear import LinearModel, linear_model, wave_force
+from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.march import Output, State
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
@@ -186,26 +185,19 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     def response(known: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
         return _waves(system, model, known, Y) if waves else _decay(system, model, omega, Y)
 
-    exact = response(h, _impedance(system, h, omega))
+    exact = response(h, impedance(system, h, omega))
     fitted = response(h, system.fit.frequency(omega)) if system.fit else exact
-    shifted = response(h.shifted, _impedance(system, h.shifted, omega))
+    shifted = response(h.shifted, impedance(system, h.shifted, omega))
     return tuple(_response_error(system, model, omega, X, exact) for X in (fitted, shifted))
 
 
-def _impedance(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
-    """B - iω(A - A∞) (nw, na, na), A∞ the system's; zero where the scene leaves radiation out."""
-    if system.fit is None:
-        return np.zeros((omega.size, *h.added_mass_inf.shape))
-    w = h.omega[:, None, None]
-    return CubicSpline(h.omega, h.radiation_damping - 1j * w * (h.added_mass - system.fit.added_mass_inf))(omega)
-
-
 def _waves(system: System, model: LinearModel, h: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
-    """X (nw, n) in the scene's sea."""
+    """X (nw, n) in the scene's sea, with linear pressure."""
     s, sea = system.scene.settings, system.scene.sea
     kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
     excitation = sum((h.excitation(sea.omega, kind) for kind in kinds), np.zeros((sea.omega.size, len(model.active))))
-    return model.response(sea.omega, Y, wave_force(system, model, excitation))
+    force = wave_force(model, excitation * sea.amplitude[:, None], system.rows[system.layout.modal])
+    return model.response(sea.omega, Y, force)
 
 
 def _decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
