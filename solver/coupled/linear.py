@@ -60,7 +60,7 @@ def linear_model(system: System) -> LinearModel:
     reach = np.linalg.norm(J[:, :3], axis=1) + _sizes(system)[:, None] * np.linalg.norm(J[:, 3:], axis=1)
     return LinearModel(
         shape=T,
-        active=J[:, system.bodies.active].reshape(-1, nz) @ T,
+        active=J[:, system.bodies.active].reshape(len(J) * system.bodies.active.size, nz) @ T,
         mass=mass,
         damping=damping,
         stiffness=stiffness,

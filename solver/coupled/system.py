@@ -1,6 +1,6 @@
 """A scene as arrays: what does not change during a run, where it starts, and the march block by block."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -59,7 +59,6 @@ class System:
     fit: radiation.RadiationMemory | None
     memory: assembly.Memory
     rows: np.ndarray
-    factored: Factored
     layout: assembly.Layout
     waves: WaveField
     dt: float
@@ -79,6 +78,18 @@ class System:
     def stiffness(self) -> np.ndarray:
         """Tangent stiffness (nz, nz) of the floats there: buoyancy, weight, springs and their levers."""
         return symmetric_stiffness(self.differences.residual[0])
+
+    @cached_property
+    def factored(self) -> Factored:
+        """The rows in fewer, for the march."""
+        return factored(self.rows)
+
+    def with_step(self, dt: float) -> "System":
+        """The same scene at another step; what does not depend on it is not computed again."""
+        other = replace(self, dt=dt, memory=assembly.memory(self.fit, dt, self.bodies.added_mass.shape[0]))
+        kept = ("equilibrium", "differences", "factored")
+        vars(other).update({name: value for name, value in vars(self).items() if name in kept})
+        return other
 
     @property
     def newton_tolerance(self) -> float:
@@ -192,7 +203,6 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         fit=fit,
         memory=assembly.memory(fit, settings.time_step, na),
         rows=rows,
-        factored=factored(rows),
         layout=layout,
         waves=waves,
         dt=settings.time_step,

@@ -11,7 +11,9 @@ from scipy.special import erf
 from solver.statistics import moments
 
 EULER = 0.5772156649015329
-PHASES = 360  # at which a harmonic is looked at, and directions of a fibre
+PHASES = 360  # at which a harmonic is looked at, and directions of an integral all round
+FIBRES = 36  # whose extremes are looked at
+FAR = 8.0  # times its std: how far from zero a mean must be for the length of its vector to be nearly linear
 
 
 def covariance(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
@@ -58,28 +60,52 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
 
 
 def compression_table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
-    """(5,) of σ = a - (b² + c²)^½, the most compressive fibre, for means (3,) and lines (nw, 3) of a, b, c.
+    """(5,) of σ = a - |v|, v = (b, c), the most compressive fibre, for means (3,) and lines (nw, 3) of a, b, c.
 
-    σ is the least of all fibres s(φ) = a - v·e(φ), v = (b, c), and |v| = ¼∮|v·e| dφ: its mean is that of folded normal
-    distributions; ⟨|v|²⟩ is known, and cov(a, |v|) = cov(a, v)·⟨v/|v|⟩ (Stein), ⟨v/|v|⟩ = ¼∮ e ⟨sign v·e⟩ dφ.
-    The least σ is the least that any fibre is expected to see; the largest is not above any fibre's largest.
+    σ is the least of all fibres a - v·e(φ): the least σ is the least that any of them is expected to see, and
+    the largest is not above any one's largest.
     """
     if len(X) == 1:
         a, b, c = (mean + _sampled(X)).T
         return moments((a - np.hypot(b, c))[:, None])[0]
-    angle = 2 * np.pi * np.arange(PHASES) / PHASES
-    e = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    S, quarter = covariance(X, X), 2 * np.pi / PHASES / 4
-    m, s = e @ mean[1:], np.sqrt(np.einsum("pi,ij,pj->p", e, S[1:, 1:], e).clip(min=0.0))
-    sign = np.where(s > 0, erf(np.divide(m, np.sqrt(2) * s, out=np.zeros_like(m), where=s > 0)), np.sign(m))
-    density = np.exp(-0.5 * np.divide(m, s, out=np.full_like(m, np.inf), where=s > 0) ** 2)
-    size = quarter * np.sum(m * sign + np.sqrt(2 / np.pi) * s * density)
-    square = mean[1:] @ mean[1:] + np.trace(S[1:, 1:])
-    variance = S[0, 0] + square - size**2 - 2 * S[0, 1:] @ (quarter * (sign @ e))
-    level, std = mean[0] - size, np.sqrt(max(variance, 0.0))
-    fibre = X[:, :1] - X[:, 1:] @ e.T
-    top = rise(fibre, omega, duration)
-    return np.array([min(mean[0] - m + top), min(mean[0] - m - top), level, np.hypot(level, std), std])
+    m, S = mean[1:], covariance(X, X)
+    far = np.linalg.norm(m)
+    if far > FAR * np.sqrt(np.trace(S[1:, 1:])):
+        return _nearly_linear(mean, X, omega, duration)
+    size, variance, slope = _length(m, S[1:, 1:])
+    level, std = mean[0] - size, np.sqrt(max(S[0, 0] + variance - 2 * S[0, 1:] @ slope, 0.0))
+    e = _directions(FIBRES)
+    fibre, top = mean[0] - e @ m, rise(X[:, :1] - X[:, 1:] @ e.T, omega, duration)
+    return np.array([min(fibre + top), min(fibre - top), level, np.hypot(level, std), std])
+
+
+def _nearly_linear(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """(5,) where v is far from zero: |v| = |m| + v∥ + v⊥²/2|m|."""
+    far = np.linalg.norm(mean[1:])
+    along = mean[1:] / far
+    sideways = covariance(X[:, 1:], X[:, 1:])
+    across = np.trace(sideways) - along @ sideways @ along
+    return table(mean[0] - far - across / (2 * far), X[:, 0] - X[:, 1:] @ along, omega, duration)
+
+
+def _length(m: np.ndarray, S: np.ndarray) -> tuple[float, float, np.ndarray]:
+    """Mean and variance of |v|, and ⟨v/|v|⟩ (2,), of a Gaussian v with mean m (2,) and covariance S (2, 2).
+
+    cov(a, |v|) = cov(a, v)·⟨v/|v|⟩ (Stein's lemma). |v| = ¼∮ |v·e| dφ, so that the means are those of folded normal
+    distributions.
+    """
+    e, quarter = _directions(PHASES), 2 * np.pi / PHASES / 4
+    m_e, s = e @ m, np.sqrt(np.einsum("pi,ij,pj->p", e, S, e).clip(min=0.0))
+    ratio = np.divide(m_e, s, out=np.copysign(np.inf, m_e), where=s > 0)
+    sign = erf(ratio / np.sqrt(2))
+    size = quarter * np.sum(m_e * sign + np.sqrt(2 / np.pi) * s * np.exp(-0.5 * ratio**2))
+    return size, m @ m + np.trace(S) - size**2, quarter * (sign @ e)
+
+
+def _directions(count: int) -> np.ndarray:
+    """(count, 2), all round."""
+    angle = 2 * np.pi * np.arange(count) / count
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
 def _sampled(X: np.ndarray) -> np.ndarray:

@@ -36,9 +36,11 @@ def respond(system: System, h: Hydrodynamics | None) -> Response:
     Y = impedance(system, h, omega) if h is not None else np.zeros((omega.size, *2 * (len(model.active),)))
     X, rounds = _agreed(system, model, omega, Y, rows)
     w = omega[:, None]
-    excitation = rows[system.layout.excitation].T.reshape(omega.size, -1, 6).copy()
+    excitation = rows[system.layout.excitation].T.reshape(omega.size, len(system.scene.floats), 6).copy()
     radiated = np.einsum("kij,kj->ki", Y, -1j * w * (X @ model.active.T))
-    excitation[..., system.bodies.active] -= radiated.reshape(omega.size, len(system.scene.floats), -1)
+    excitation[..., system.bodies.active] -= radiated.reshape(
+        omega.size, len(system.scene.floats), system.bodies.active.size
+    )
     by_motion = sum(np.tensordot((-1j * w) ** k * X, part, axes=(1, 2)) for k, part in enumerate(model.wrench))
     return Response(omega=omega, X=X, Z=X @ model.shape.T, wrench=excitation + by_motion, rounds=rounds)
 
@@ -48,8 +50,10 @@ def _agreed(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray
     frame, law = system.structure, system.bodies.law
     nm, (_, nd, ns), nc = frame.omega.size, frame.station.shape, frame.carrier.shape[0]
     water = rows[system.layout.station].T.reshape(omega.size, nd, ns)
-    excitation = rows[system.layout.excitation].reshape(-1, 6, omega.size)[:, system.bodies.active]
-    force = wave_force(model, excitation.reshape(-1, omega.size).T, rows[system.layout.modal])
+    excitation = rows[system.layout.excitation].reshape(len(system.scene.floats), 6, omega.size)[
+        :, system.bodies.active
+    ]
+    force = wave_force(model, excitation.reshape(len(model.active), omega.size).T, rows[system.layout.modal])
     quadratic, height = law.quadratic[nc:], float(np.abs(system.scene.sea.amplitude).sum())
     rate = np.zeros((omega.size, len(model.mass)), complex)
     std = np.zeros(len(model.mass))
