@@ -72,6 +72,10 @@ def _run(
     scene: Scene, hydrodynamics: Hydrodynamics | None, better: Callable[..., Settings | None] = _content
 ) -> Record | Settings:
     """The record; or other settings, where `better` chooses some by the errors estimated from the run's start."""
+    if scene.settings.method == "frequency":
+        from solver.frequency.run import simulate_frequency  # with what it imports
+
+        return simulate_frequency(scene, hydrodynamics)
     if scene.settings.paths.formulation == "augmented":
         from solver.reference.run import simulate_reference  # rarely asked for, and 40 ms to import
 

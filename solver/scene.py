@@ -6,7 +6,7 @@ Frame: x along the waves for heading 0, z upwards from still water, rotations ri
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -30,7 +30,7 @@ class Water:
     density: Annotated[float, Quantity("kg/m3", above=0)] = 1025.0
     gravity: Annotated[float, Quantity("m/s2", above=0)] = 9.81
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_ranges(self, "water")
 
 
@@ -70,7 +70,7 @@ class Float:
     mechanism_inertia: Annotated[PerAxis, Quantity("kg m2 or kg", least=0)] = 0.0
     offset: Annotated[PerAxis, Quantity("rad or m")] = 0.0  # from equilibrium, where the float is let go at t = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         key = f"floats.{self.name}"
         refuse([*out_of_range(self, key), *self._joint_problems(key), *self._body_problems(key)])
 
@@ -118,13 +118,13 @@ class Platform:
     # printed): (C_M - 1) rho V (du/dt - a), which leaves out the undisturbed wave's pressure.
     wave_inertia: Literal["standard", "relative"] = "standard"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         members = [member.name for member in self.frame.members]
         strange = [(i, leg) for i, leg in enumerate(self.legs) if leg not in members]
         unknown = [InputError(f"platform.legs[{i}]", leg, f"must be one of {', '.join(members)}") for i, leg in strange]
         refuse([*out_of_range(self, "platform"), *unknown])
 
-    def __hash__(self):
+    def __hash__(self) -> int:
         """Equal platforms have equal text; what no wave changes is kept for the next task with this one."""
         return hash(repr(self))
 
@@ -158,6 +158,8 @@ class Settings:
     radiation: bool = True
     # Newton's last update of a position [m or rad] in a step of STEP; in less as their square: forces are as exact.
     newton_tolerance: Annotated[float, Quantity(least=1e-14, most=1)] = 1e-5
+    # "frequency": statistics of the linear model's stationary response, drag linearised; no series, no envelopes.
+    method: Literal["time", "frequency"] = "time"
     keep_series: bool = False
     rao: bool = False  # motion per wave amplitude, wave by wave
     # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.
@@ -169,16 +171,35 @@ class Settings:
     # Relative error of every mean, rms and std; where given, it chooses the knobs above from time_step on.
     tolerance: Annotated[float | None, Quantity(least=1e-6, most=0.1)] = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         require_ranges(self, "settings")
         if self.tolerance is not None and self.paths.formulation == "augmented":
             raise InputError("settings.tolerance", self.tolerance, "chooses the knobs of the standard paths only")
+        if self.method == "frequency":
+            refuse(self._frequency_problems())
+
+    def _frequency_problems(self) -> Iterator[InputError]:
+        """What no linear response to waves can give."""
+        needs = 'must be {} with method = "frequency"'
+        if self.froude_krylov == "body-nonlinear":
+            yield InputError("settings.froude_krylov", self.froude_krylov, needs.format('"linear" or "none"'))
+        if self.keep_series:
+            yield InputError("settings.keep_series", self.keep_series, needs.format("false: it has no series"))
+        if self.paths.formulation == "augmented":
+            yield InputError("settings.formulation", "augmented", needs.format('"minimal", and accuracy "standard"'))
+        if self.tolerance is not None:
+            yield InputError("settings.tolerance", self.tolerance, needs.format("left out: it has no step to choose"))
 
     @property
     def paths(self) -> "Settings":
         """With every path that `accuracy` and the others imply."""
         if self.accuracy == "reference":
-            whole = {"formulation": "augmented", "memory": "convolution", "surface": "panels", "modes": "all"}
+            whole: dict[str, Any] = {
+                "formulation": "augmented",
+                "memory": "convolution",
+                "surface": "panels",
+                "modes": "all",
+            }
             return self if all(getattr(self, k) == v for k, v in whole.items()) else replace(self, **whole)
         slow = self.memory == "convolution" or self.surface == "panels"
         return replace(self, formulation="augmented") if slow and self.formulation == "minimal" else self
@@ -203,7 +224,7 @@ class Scene:
     platform: Platform | None = None
     settings: Settings = Settings()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         refuse(self._problems())
 
     def _problems(self) -> Iterator[InputError]:
@@ -226,7 +247,7 @@ class Scene:
                 limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
                 yield InputError(f"platform.nodes.{name}", place, limit)
         step, longest = self.settings.time_step, self.longest_step
-        if self.settings.tolerance is None and step > longest:
+        if self.settings.tolerance is None and self.settings.method == "time" and step > longest:
             limit = f"must be <= {longest:.3g} s, a sixth of the shortest wave's period, {6 * longest:.3g} s"
             yield InputError("settings.time_step", step, limit)
 

@@ -75,6 +75,7 @@ VARIABLES = {
     "mesh_effect": Meaning("1", "Relative error that the boundary elements' mesh makes in the linear response"),
     "memory_error": Meaning("1", "Largest relative misfit of the radiation memory"),
     "memory_poles": Meaning("1", "Number of exponentials of the radiation memory"),
+    "drag_rounds": Meaning("1", "Rounds until the linearised drag agreed with its own result"),
     "wall_time": Meaning("s", "Time that the task took to compute"),
     "status": Meaning(None, "Outcome of the task: done, failed, missing, stale (older model) or damaged"),
     "task": Meaning(None, "Identity of the task"),

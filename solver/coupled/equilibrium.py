@@ -1,5 +1,7 @@
 """Statics: the floats' loads anywhere, where a scene rests in still water, and how stiffly it is held there."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from solver.coupled.modal import Structure
@@ -17,14 +19,22 @@ from solver.multibody.minimal import (
 )
 
 STEP = 1e-5  # of differences [m or rad]: what curvature and rounding leave is below 1e-8
+SLOW = 1e-6  # of differences by rates [m/s or rad/s]: quadratic damping is nothing there, rounding 1e-9
 SETTLED = 1e-12  # last change of a coordinate [m or rad]
 UNHELD = 1e-6  # of the weights [N m], that may be left out of balance
 STRIDES = 500  # of the search for the floats' rest, in the water or out of it
 ROUNDS = 100  # of floats and structure in turn; a float on a platform as soft as itself needs some twenty
 
 
-def balance(body: Bodies, z, dz=None, ddz=None, field=None, excitation=None) -> tuple[np.ndarray, np.ndarray]:
-    """JᵀW (nz,) of the floats and W (nb, 6), all loads on each, at z, ż, z̈ (nz,), rest and still water if not given."""
+def balance(
+    body: Bodies,
+    z: np.ndarray,
+    dz: np.ndarray | None = None,
+    ddz: np.ndarray | None = None,
+    field: np.ndarray | None = None,
+    excitation: np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """JᵀW (nz,) of the floats and W (nb, 6), all loads on each, at z, ż, z̈ (nz,), rest and still water by default."""
     nz, nb, na = body.mechanism.size, body.axes.size, body.axes.size * body.active.size
     still, motion = np.zeros(nz), new_motion(body)
     dz, ddz = (still if x is None else x for x in (dz, ddz))
@@ -38,13 +48,39 @@ def balance(body: Bodies, z, dz=None, ddz=None, field=None, excitation=None) -> 
     return out.residual, out.wrench
 
 
+class Differences(NamedTuple):
+    """Of the loads on the floats, by coordinates, rates and accelerations."""
+
+    residual: np.ndarray  # (3, nz, nz) ∂JᵀW/∂(z, ż, z̈)
+    wrench: np.ndarray  # (3, nb, 6, nz) ∂W/∂(z, ż, z̈)
+
+
+def differences(body: Bodies, z: np.ndarray) -> Differences:
+    """To either side of z, at rest in still water."""
+    nz, nb = z.size, body.axes.size
+    out = Differences(np.empty((3, nz, nz)), np.empty((3, nb, 6, nz)))
+    for k, size in enumerate((STEP, SLOW, 1.0)):  # linear in accelerations: any will do
+        for j in range(nz):
+            sides = []
+            for sign in (-1, 1):
+                at = np.zeros((3, nz))
+                at[k, j] = sign * size
+                sides.append(balance(body, z + at[0], at[1], at[2]))
+            for part, low, high in zip(out, *sides, strict=True):
+                part[k, ..., j] = (high - low) / (2 * size)
+    return out
+
+
+def symmetric_stiffness(residual: np.ndarray) -> np.ndarray:
+    """-∂JᵀW/∂z (nz, nz). Weight, buoyancy and springs have a potential: what is not symmetric is rounding."""
+    return -(residual + residual.T) / 2
+
+
 def tangent(body: Bodies, z: np.ndarray) -> np.ndarray:
-    """-∂JᵀW/∂z (nz, nz) at z, at rest in still water."""
-    K = np.empty((z.size, z.size))
-    for j, step in enumerate(STEP * np.eye(z.size)):
-        K[:, j] = (balance(body, z - step)[0] - balance(body, z + step)[0]) / (2 * STEP)
-    # Weight, buoyancy and springs have a potential: what is not symmetric is the differences' rounding.
-    return (K + K.T) / 2
+    """Stiffness (nz, nz) at z, at rest in still water."""
+    sides = [[balance(body, z + sign * step)[0] for step in STEP * np.eye(z.size)] for sign in (-1, 1)]
+    low, high = (np.reshape(side, (z.size, z.size)) for side in sides)
+    return symmetric_stiffness((high - low) / (2 * STEP))
 
 
 def weights(body: Bodies) -> float:

@@ -8,18 +8,21 @@ load JᵀW(z, ż, z̈) of the march's own kernel, at the equilibrium that static
 (C: buoyancy, weight, springs, and the levers of all of them), seen from x, plus 1, 2ζω and ω² of the modes. For
 harmonics Re{X exp(-iωt)} of what radiates E x:
 
-    [-ω²M - iω(D + EᵀY(ω)E) + C] X = F(ω),   Y = B - iω(A - A∞).
+    [-ω²M - iω(D + EᵀY(ω)E) + C] X = F(ω),   Y = B - iω(A - A∞),
+
+and all loads on the floats, whose negative their joints bear, are by the same differences
+
+    W = Σ (-iω)ᵏ Wₖ x, k = 0, 1, 2,   plus excitation, less iω-rates' radiation Y E x on what radiates.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
-from solver.coupled.equilibrium import balance
 from solver.coupled.system import System
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody.minimal import move, new_motion
-
-SLOW = 1e-6  # of differences by rates [m/s or rad/s]: quadratic damping is nothing there, rounding 1e-9
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,6 +35,7 @@ class LinearModel:
     damping: np.ndarray  # D (n, n)
     stiffness: np.ndarray  # C (n, n)
     length: np.ndarray  # (n,) [m]: how far the structure or a hull moves, at most, for one unit
+    wrench: np.ndarray  # W (3, nb, 6, n): ∂W/∂x, ∂W/∂ẋ, ∂W/∂ẍ [N, N m, ...]
 
     def response(self, omega: np.ndarray, Y: np.ndarray, force: np.ndarray) -> np.ndarray:
         """X (nw, n) for radiation impedance Y (nw, na, na) and wave force F (nw, n)."""
@@ -47,24 +51,21 @@ def linear_model(system: System) -> LinearModel:
     (nc, nm), nz = frame.carrier.shape, z.size
     T = np.zeros((nz, nm + nz - nc))
     T[:nc, :nm], T[nc:, nm:] = frame.carrier, np.eye(nz - nc)
-    still, at_rest = np.zeros(nz), balance(system.bodies, z)[0]
-    # Linear in accelerations, so that any will do; rates to either side, for there is no other damping at rest.
-    M = np.array([at_rest - balance(system.bodies, z, still, one)[0] for one in np.eye(nz)]).reshape(nz, nz).T
-    sides = [[balance(system.bodies, z, sign * SLOW * one)[0] for one in np.eye(nz)] for sign in (-1, 1)]
-    D = np.subtract(*sides).reshape(nz, nz).T / (2 * SLOW)
+    loads = system.differences
     modal = np.zeros((3, nm + nz - nc))
-    modal[:, :nm] = np.ones(nm), 2 * frame.damping * frame.omega, frame.omega**2
-    parts = zip((M, D, system.stiffness), modal, strict=True)
-    mass, damping, stiffness = (T.T @ of_floats @ T + np.diag(of_modes) for of_floats, of_modes in parts)
+    modal[:, :nm] = frame.omega**2, 2 * frame.damping * frame.omega, np.ones(nm)
+    parts = zip((system.stiffness, *(-loads.residual[1:])), modal, strict=True)
+    stiffness, damping, mass = (T.T @ of_floats @ T + np.diag(of_modes) for of_floats, of_modes in parts)
     J = _jacobian(system, z)
     reach = np.linalg.norm(J[:, :3], axis=1) + _sizes(system)[:, None] * np.linalg.norm(J[:, 3:], axis=1)
     return LinearModel(
         shape=T,
-        active=J[:, system.bodies.active].reshape(-1, nz) @ T,
+        active=J[:, system.bodies.active].reshape(len(J) * system.bodies.active.size, nz) @ T,
         mass=mass,
         damping=damping,
         stiffness=stiffness,
         length=np.concatenate([frame.scale, reach.max(axis=0, initial=0.0)[nc:]]),
+        wrench=loads.wrench @ T,
     )
 
 
@@ -82,8 +83,16 @@ def _jacobian(system: System, z: np.ndarray) -> np.ndarray:
     return J
 
 
-def wave_force(system: System, model: LinearModel, excitation: np.ndarray) -> np.ndarray:
-    """F (nw, n) of the scene's own sea, for the floats' excitation per wave amplitude (nw, na)."""
-    force = (excitation * system.scene.sea.amplitude[:, None]) @ model.active
-    force[:, : system.structure.omega.size] += system.rows[system.layout.modal].T
+def wave_force(model: LinearModel, excitation: np.ndarray, modal: np.ndarray) -> np.ndarray:
+    """F (nw, n) of the floats' excitation (nw, na) and the modes' wave load (nm, nw)."""
+    force = excitation @ model.active
+    force[:, : len(modal)] += modal.T
     return force
+
+
+def impedance(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
+    """Y = B - iω(A - A∞) (nw, na, na), A∞ the system's; zero where the scene leaves radiation out."""
+    if not system.scene.settings.radiation:
+        return np.zeros((omega.size, *h.added_mass_inf.shape))
+    w = h.omega[:, None, None]
+    return CubicSpline(h.omega, h.radiation_damping - 1j * w * (h.added_mass - system.bodies.added_mass))(omega)

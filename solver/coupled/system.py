@@ -1,7 +1,7 @@
 """A scene as arrays: constants of a run, its initial state, and the march block by block."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -10,7 +10,14 @@ from solver import limits
 from solver.coupled import assembly
 from solver.coupled import support as platform
 from solver.coupled.energy import AT_START, GAP, SCALE, WORKS, energy, open_by
-from solver.coupled.equilibrium import balance, equilibrium, tangent, weights
+from solver.coupled.equilibrium import (
+    Differences,
+    balance,
+    differences,
+    equilibrium,
+    symmetric_stiffness,
+    weights,
+)
 from solver.coupled.march import (
     EXCURSION,
     GROSSLY,
@@ -55,7 +62,6 @@ class System:
     fit: radiation.RadiationMemory | None
     memory: Memory
     rows: np.ndarray
-    factored: Factored
     layout: assembly.Layout
     waves: WaveField
     dt: float
@@ -67,9 +73,26 @@ class System:
         return equilibrium(self.bodies, self.structure, stride)
 
     @cached_property
+    def differences(self) -> Differences:
+        """Of the floats' loads there."""
+        return differences(self.bodies, self.equilibrium[0])
+
+    @property
     def stiffness(self) -> np.ndarray:
         """Tangent stiffness (nz, nz) of the floats there: buoyancy, weight, springs and their levers."""
-        return tangent(self.bodies, self.equilibrium[0])
+        return symmetric_stiffness(self.differences.residual[0])
+
+    @cached_property
+    def factored(self) -> Factored:
+        """The rows in fewer, for the march."""
+        return factored(self.rows)
+
+    def with_step(self, dt: float) -> "System":
+        """The same scene at another step; what does not depend on it is not computed again."""
+        other = replace(self, dt=dt, memory=assembly.memory(self.fit, dt, self.bodies.added_mass.shape[0]))
+        kept = ("equilibrium", "differences", "factored")
+        vars(other).update({name: value for name, value in vars(self).items() if name in kept})
+        return other
 
     @property
     def newton_tolerance(self) -> float:
@@ -164,10 +187,12 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
             stations=settings.stations_per_element,
         )
     fit = None
-    if scene.floats and settings.radiation:
+    if scene.floats and settings.radiation and settings.method == "time":
         fit = remembered(hydrodynamics, tuple(f.hull for f in scene.floats), settings.memory_tolerance)
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
-    added_mass = fit.added_mass_inf if fit else np.zeros((na, na))
+    added_mass = np.zeros((na, na))
+    if hydrodynamics is not None and settings.radiation:
+        added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
     height = scene.sea.parameters()["Hm0"]
     reach = max((_reach(scene, b, height) for b in range(len(scene.floats))), default=0.0)
     terms = waves.terms_for(reach, settings.field_tolerance)
@@ -181,7 +206,6 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         fit=fit,
         memory=assembly.memory(fit, settings.time_step, na),
         rows=rows,
-        factored=factored(rows),
         layout=layout,
         waves=waves,
         dt=settings.time_step,

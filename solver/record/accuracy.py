@@ -19,7 +19,7 @@ USUAL = 5e-4  # estimated error of the default step in Buan's representative sea
 
 def first_guess(scene: Scene) -> Settings:
     """What the defaults say, scaled to the tolerance where the law is known; rather too coarse than too fine."""
-    s, tolerance = scene.settings, scene.settings.tolerance
+    s, tolerance = scene.settings, _tolerance(scene.settings)
     size = min((f.hull.largest_radius for f in scene.floats), default=1.0)
     azimuths, arc, line = RULES[0 if tolerance >= 1e-2 else 1]
     step = STEP * (SHARE["discretization_error"] * tolerance / MARGIN / USUAL) ** (1 / STEP_ORDER)
@@ -39,8 +39,9 @@ def first_guess(scene: Scene) -> Settings:
 
 def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
     """Finer settings for a run that has `told` its estimates; None where they meet the tolerance or nothing helps."""
-    left = settings.tolerance / MARGIN - told["mesh_effect"] - settings.field_tolerance
-    if told["estimated_error"] <= settings.tolerance or left <= 0:
+    tolerance = _tolerance(settings)
+    left = tolerance / MARGIN - told["mesh_effect"] - settings.field_tolerance
+    if told["estimated_error"] <= tolerance or left <= 0:
         return None
     over = {name: told[name] / (share / sum(SHARE.values()) * left) for name, share in SHARE.items()}
     finer = settings
@@ -50,9 +51,13 @@ def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
     at = RULES.index((settings.azimuths, settings.arc_points, settings.line_points))
     if over["quadrature_error"] > 1 and at + 1 < len(RULES):
         azimuths, arc, line = RULES[at + 1]
-        points = {"azimuths": azimuths, "arc_points": arc, "line_points": line}
-        finer = replace(finer, panel_size=settings.panel_size / 2, **points)
+        finer = replace(finer, azimuths=azimuths, arc_points=arc, line_points=line, panel_size=settings.panel_size / 2)
     if over["memory_effect"] > 1 and settings.memory_tolerance > MEMORIES[-1]:
         wanted = settings.memory_tolerance / over["memory_effect"]
         finer = replace(finer, memory_tolerance=next((m for m in MEMORIES if m <= wanted), MEMORIES[-1]))
     return None if finer == settings else finer
+
+
+def _tolerance(settings: Settings) -> float:
+    assert settings.tolerance is not None, "asked of settings that choose their own numerics"
+    return settings.tolerance

@@ -3,16 +3,16 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from solver.coupled import assembly
-from solver.coupled.linear import LinearModel, linear_model, wave_force
-from solver.coupled.march import Output, State
+from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
+from solver.coupled.march import Output
+from solver.coupled.stages import State
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.multibody.joint_law import absorbing
-from solver.multibody.minimal import move, new_motion, pressure_room, pressures
+from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
 from solver.record.recorder import Recorder
 from solver.scene import Scene, Settings
 from solver.statistics import FAINT, STATISTICS, apart, moments
@@ -38,7 +38,8 @@ class Probe:
         self.system, self.steps = system, max(1, int(min(PROBE, s.discard + s.duration) / system.dt))
         self.recorder = Recorder(probed(system.scene, self.steps), system.support, layout=system.layout)
         self.states: list[tuple[np.ndarray, np.ndarray]] = []
-        self.full, self._errors = False, {}
+        self.full = False
+        self._errors: dict[str, float] = {}
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block."""
@@ -125,8 +126,7 @@ def step_error(probe: Probe) -> float:
     The scheme is of fourth order, so that run differs by 15/16 of the error.
     """
     system = probe.system
-    dt = system.dt / 2
-    half = replace(system, dt=dt, memory=assembly.memory(system.fit, dt, system.bodies.added_mass.shape[0]))
+    half = system.with_step(system.dt / 2)
     finer = Recorder(probe.recorder.scene, system.support, layout=system.layout)
     for samples, output, times in blocks(half, half.start(), 2 * probe.steps):
         finer.add(times[1::2], Output(*(x[1::2] for x in output)), samples[1::2])
@@ -158,7 +158,7 @@ def quadrature_error(system: System, probe: Probe) -> float:
     return max((apart(a, b, floor) for a, b, floor in zip(usual, exact, least, strict=True)), default=0.0)
 
 
-def _joint_loads(body, states) -> np.ndarray:
+def _joint_loads(body: Bodies, states: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
     """Jᵀ F of the pressure's load F at some states, (m, nz)."""
     motion, room, load = new_motion(body), pressure_room(body), np.empty((body.axes.size, 6))
     loads = np.zeros((len(states), body.mechanism.size))
@@ -181,31 +181,24 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
         return 0.0, 0.0
     model, sea = linear_model(system), system.scene.sea
     waves = bool(sea.amplitude.any())
-    omega = sea.omega if waves else np.linspace(*h.omega[[0, -1]], DECAY)
+    omega = sea.omega if waves else np.linspace(h.omega[0], h.omega[-1], DECAY)
 
     def response(known: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
         return _waves(system, model, known, Y) if waves else _decay(system, model, omega, Y)
 
-    exact = response(h, _impedance(system, h, omega))
+    exact = response(h, impedance(system, h, omega))
     fitted = response(h, system.fit.frequency(omega)) if system.fit else exact
-    shifted = response(h.shifted, _impedance(system, h.shifted, omega))
-    return tuple(_response_error(system, model, omega, X, exact) for X in (fitted, shifted))
-
-
-def _impedance(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
-    """B - iω(A - A∞) (nw, na, na), A∞ the system's; zero where the scene leaves radiation out."""
-    if system.fit is None:
-        return np.zeros((omega.size, *h.added_mass_inf.shape))
-    w = h.omega[:, None, None]
-    return CubicSpline(h.omega, h.radiation_damping - 1j * w * (h.added_mass - system.fit.added_mass_inf))(omega)
+    shifted = response(h.shifted, impedance(system, h.shifted, omega))
+    return _response_error(system, model, omega, fitted, exact), _response_error(system, model, omega, shifted, exact)
 
 
 def _waves(system: System, model: LinearModel, h: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
-    """X (nw, n) in the scene's sea."""
+    """X (nw, n) in the scene's sea, with linear pressure."""
     s, sea = system.scene.settings, system.scene.sea
     kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
     excitation = sum((h.excitation(sea.omega, kind) for kind in kinds), np.zeros((sea.omega.size, len(model.active))))
-    return model.response(sea.omega, Y, wave_force(system, model, excitation))
+    force = wave_force(model, excitation * sea.amplitude[:, None], system.rows[system.layout.modal])
+    return model.response(sea.omega, Y, force)
 
 
 def _decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 """What a run leaves: statistics, envelopes and, if asked for, time series."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -28,23 +28,107 @@ class Record:
     series: Mapping[str, Labelled] = field(default_factory=dict)
 
 
-class Recorder:
-    """Takes in the march's blocks and keeps only what the record needs."""
+DIMS = {
+    "wave_elevation": (),
+    "rotation": ("float",),
+    "motion": ("float", "axis"),
+    "absorbed_power": ("float",),
+    "hinge_force": ("float", "direction"),
+    "top_displacement": ("leg", "direction"),
+    "bottom_stress": ("leg",),
+}
 
-    def __init__(self, scene: Scene, support: Support | None, *, layout: Layout):
-        self.scene, self.layout = scene, layout
+
+class Channels:
+    """What is put out of a scene, by name and label, and how motions and loads are told as that."""
+
+    def __init__(self, scene: Scene, support: Support | None):
+        self.scene = scene
         self.legs = support.legs if support is not None else None
         self.frequencies = support.dry_omega if support is not None else np.zeros(0)
         floats = scene.floats
         self.owner = np.array([b for b, f in enumerate(floats) for _ in f.motion], int)  # of each joint axis
         self.names = [name for f in floats for name in f.motion]
         self.axes = list(dict.fromkeys(self.names))
-        self.law = joint_law(floats)
+
+    def motions(self, joint: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+        """`rotation` and `motion` of the joints' axes (m, nj), NaN along axes that a float does not have."""
+        moved = self.by_axis(joint)
+        if "hinge" in self.axes:
+            yield "rotation", moved[:, :, self.axes.index("hinge")]
+        if self.axes != ["hinge"]:
+            yield "motion", moved
+
+    def by_axis(self, joint: np.ndarray) -> np.ndarray:
+        """(m, nb, number of axes) of (m, nj)."""
+        out = np.full((len(joint), len(self.scene.floats), len(self.axes)), np.nan, joint.dtype)
+        out[:, self.owner, [self.axes.index(name) for name in self.names]] = joint
+        return out
+
+    def hinge_force(self, wrench: np.ndarray) -> np.ndarray:
+        """(m, nb, 3) of all loads on the floats (m, nb, 6)."""
+        force = -wrench[:, :, :3]
+        for b, carrier in reversed(list(enumerate(self.scene.carriers))):
+            if carrier >= 0:  # whose own joint bears what it carries, too
+                force[:, carrier] += force[:, b]
+        return force
+
+    def record(
+        self,
+        tables: Mapping[str, np.ndarray],
+        attrs: Mapping[str, float | str],
+        *,
+        envelopes: tuple[np.ndarray, np.ndarray] | None = None,
+        rao: np.ndarray | None = None,
+        series: Mapping[str, np.ndarray] | None = None,
+    ) -> Record:
+        """The record of statistics (…, 5) of each channel, of the legs' envelopes, and of motions per wave (nw, nj)."""
+        variables: dict[str, Labelled] = {name: ((*DIMS[name], "statistic"), table) for name, table in tables.items()}
+        coords = {
+            "statistic": np.array(STATISTICS),
+            "float": np.array([f.name for f in self.scene.floats]),
+            "direction": np.array(["x", "y", "z"]),
+        }
+        if self.legs is not None:
+            coords["leg"], coords["height"] = np.arange(1, len(self.legs.twin) + 1), self.legs.height
+        for name, values in zip(("displacement_envelope", "stress_envelope"), envelopes or (), strict=False):
+            variables[name] = ("leg", "height"), values
+        if self.frequencies.size:
+            coords["mode"] = np.arange(1, self.frequencies.size + 1)
+            variables["natural_frequency"] = (("mode",), self.frequencies)
+        if rao is not None:
+            variables |= self._rao(rao)
+            coords["component"] = np.arange(1, self.scene.sea.omega.size + 1)
+        if "motion" in tables or rao is not None:
+            coords["axis"] = np.array(self.axes)
+        kept = {name: (("time", *DIMS.get(name, ())), values) for name, values in (series or {}).items()}
+        return Record(variables=variables, coords=coords, attrs=attrs, series=kept)
+
+    def _rao(self, amplitudes: np.ndarray) -> dict[str, Labelled]:
+        """Motion per wave amplitude, wave by wave; NaN where a wave is too small to divide by."""
+        wave = self.scene.sea.amplitude
+        wave = np.where(np.abs(wave) > FAINT * np.abs(wave).max(), wave, np.nan)
+        rao = np.moveaxis(self.by_axis(amplitudes / wave[:, None]), 0, -1)
+        dims = ("float", "axis", "component")
+        return {
+            "rao": (dims, np.abs(rao)),
+            "rao_phase": (dims, np.angle(rao)),
+            "wave_frequency": (("component",), self.scene.sea.omega),
+        }
+
+
+class Recorder:
+    """Takes in the march's blocks and keeps only what the record needs."""
+
+    def __init__(self, scene: Scene, support: Support | None, *, layout: Layout):
+        self.scene, self.layout, self.channels = scene, layout, Channels(scene, support)
+        self.law = joint_law(scene.floats)
         self.statistics = Statistics()
         self.shapes: dict[str, tuple[int, ...]] = {}  # of the channels, in the order of the statistics
-        self.largest = self.legs.nothing() if self.legs is not None else None
+        legs = self.channels.legs
+        self.largest = legs.nothing() if legs is not None else None
         self.series: dict[str, list[np.ndarray]] = {}
-        wanted = scene.settings.rao and floats and scene.sea.amplitude.any()
+        wanted = scene.settings.rao and scene.floats and scene.sea.amplitude.any()
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
@@ -61,28 +145,20 @@ class Recorder:
             for name, values in {**channels, "time": times[kept]}.items():
                 self.series.setdefault(name, []).append(values)
         if self.harmonics is not None:
-            self.harmonics.add(times[kept], output.z[kept, -self.owner.size :])
+            self.harmonics.add(times[kept], output.z[kept, -self.channels.owner.size :])
 
-    def _channels(self, kept: slice, output: Output, samples: np.ndarray):
+    def _channels(self, kept: slice, output: Output, samples: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+        channels = self.channels
         yield "wave_elevation", samples[kept, self.layout.elevation][:, 0]
-        nb, nj = len(self.scene.floats), self.owner.size
+        nb, nj = len(self.scene.floats), channels.owner.size
         if nb:
             joint, rate = output.z[kept, -nj:], output.dz[kept, -nj:]
-            moved = np.full((len(joint), nb, len(self.axes)), np.nan)
-            moved[:, self.owner, [self.axes.index(name) for name in self.names]] = joint
-            if "hinge" in self.axes:
-                yield "rotation", moved[:, :, self.axes.index("hinge")]
-            if self.axes != ["hinge"]:
-                yield "motion", moved
+            yield from channels.motions(joint)
             absorbed = joint_loads(self.law, joint, rate).pto * rate
-            yield "absorbed_power", absorbed @ (self.owner[:, None] == np.arange(nb))
-            force = -output.wrench[kept, :, :3]
-            for b, carrier in reversed(list(enumerate(self.scene.carriers))):
-                if carrier >= 0:  # whose own joint bears what it carries, too
-                    force[:, carrier] += force[:, b]
-            yield "hinge_force", force
-        if self.legs is not None:
-            tops, feet = self.legs.response(output.p[kept], self.largest)
+            yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))
+            yield "hinge_force", channels.hinge_force(output.wrench[kept])
+        if channels.legs is not None and self.largest is not None:
+            tops, feet = channels.legs.response(output.p[kept], self.largest)
             yield "top_displacement", tops
             yield "bottom_stress", feet
 
@@ -94,48 +170,11 @@ class Recorder:
 
     def record(self, attrs: Mapping[str, float | str]) -> Record:
         """The record of all blocks."""
-        dims = {
-            "wave_elevation": (),
-            "rotation": ("float",),
-            "motion": ("float", "axis"),
-            "absorbed_power": ("float",),
-            "hinge_force": ("float", "direction"),
-            "top_displacement": ("leg", "direction"),
-            "bottom_stress": ("leg",),
-        }
-        variables: dict[str, Labelled] = {
-            name: ((*dims[name], "statistic"), table) for name, table in self.tables().items()
-        }
-        coords = {
-            "statistic": np.array(STATISTICS),
-            "float": np.array([f.name for f in self.scene.floats]),
-            "direction": np.array(["x", "y", "z"]),
-        }
-        if self.legs is not None:
-            coords["leg"], coords["height"] = np.arange(1, len(self.legs.twin) + 1), self.legs.height
-            displacement, stress = self.legs.envelopes(self.largest)
-            variables["displacement_envelope"] = ("leg", "height"), displacement
-            variables["stress_envelope"] = ("leg", "height"), stress
-        if self.frequencies.size:
-            coords["mode"] = np.arange(1, self.frequencies.size + 1)
-            variables["natural_frequency"] = (("mode",), self.frequencies)
-        if self.harmonics is not None:
-            variables |= self._rao(self.harmonics)
-            coords["component"] = np.arange(1, self.scene.sea.omega.size + 1)
-        if "motion" in self.shapes or self.harmonics is not None:
-            coords["axis"] = np.array(self.axes)
-        series = {name: (("time", *dims.get(name, ())), np.concatenate(v)) for name, v in self.series.items()}
-        return Record(variables=variables, coords=coords, attrs=attrs, series=series)
-
-    def _rao(self, fit: Harmonics) -> dict[str, Labelled]:
-        """Motion per wave amplitude, wave by wave; NaN where a wave is too small to divide by."""
-        wave = self.scene.sea.amplitude
-        wave = np.where(np.abs(wave) > FAINT * np.abs(wave).max(), wave, np.nan)
-        found = np.full((len(self.scene.floats), len(self.axes), wave.size), np.nan, complex)
-        found[self.owner, [self.axes.index(name) for name in self.names]] = (fit.amplitudes() / wave[:, None]).T
-        dims = ("float", "axis", "component")
-        return {
-            "rao": (dims, np.abs(found)),
-            "rao_phase": (dims, np.angle(found)),
-            "wave_frequency": (("component",), self.scene.sea.omega),
-        }
+        legs, largest = self.channels.legs, self.largest
+        return self.channels.record(
+            self.tables(),
+            attrs,
+            envelopes=legs.envelopes(largest) if legs is not None and largest is not None else None,
+            rao=self.harmonics.amplitudes() if self.harmonics is not None else None,
+            series={name: np.concatenate(blocks) for name, blocks in self.series.items()},
+        )

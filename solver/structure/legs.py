@@ -53,6 +53,16 @@ class Legs:
         """Each of the no legs' element ends, two of every element; a leg has one element less than nodes."""
         return [slice(2 * (at.start - leg), 2 * (at.stop - leg - 1)) for leg, at in enumerate(self.nodes)]
 
+    @property
+    def tops_and_feet(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Displacement of the tops (nm, nl, 3), and N/A, c My/Iy, c Mz/Iz at the feet: (nm, nl, 3), static (nl, 3)."""
+        first = np.array([at.start for at in self.element_ends])
+        tops = self.displacement[..., self.ends - 1].swapaxes(1, 2)[:, self.twin]
+        fibre, static = (
+            values[..., first][..., self.twin].swapaxes(-1, -2) for values in (self.fibre, self.static_fibre)
+        )
+        return tops * np.where(self.mirrored[:, None], MIRROR, 1.0), fibre, static
+
     def nothing(self) -> Largest:
         """The largest values before the first sample."""
         nd, nf = self.displacement.shape[2], self.fibre.shape[2]

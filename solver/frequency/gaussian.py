@@ -1,0 +1,113 @@
+"""Statistics of what a linear model does in a sea: max, min, mean, rms and std as the time domain's tables have them.
+
+Lines X (nw, n) stand for x = μ + Re Σ X exp(-iωt). Several are a Gaussian process of variance m₀ = ½Σ|X|², and its
+extremes those that a narrow band is expected to have in a time T (Cartwright and Longuet-Higgins 1956):
+μ ± (u + γ/u) √m₀, u² = 2 ln N, N = T √(m₂/m₀)/2π cycles; never more than Σ|X|. One line is a harmonic.
+"""
+
+import numpy as np
+from scipy.special import erf
+
+from solver.statistics import moments
+
+EULER = 0.5772156649015329
+PHASES = 360  # at which a harmonic is looked at, and directions of an integral all round
+FIBRES = 36  # whose extremes are looked at
+FAR = 8.0  # times its std: how far from zero a mean must be for the length of its vector to be nearly linear
+
+
+def covariance(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    """½ Re Σ X Y* (…, n, m) of lines X (nw, …, n), Y (nw, …, m)."""
+    return 0.5 * np.einsum("k...n,k...m->...nm", X, Y.conj()).real
+
+
+def cycles(X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """Number (…) of zero-upcrossings in the time [s], e at least."""
+    power = np.abs(X.reshape(len(omega), -1)) ** 2
+    m0, m2 = power.sum(axis=0), omega**2 @ power
+    rate = np.sqrt(np.divide(m2, m0, out=np.zeros_like(m0), where=m0 > 0)) / (2 * np.pi)
+    return np.maximum(rate * duration, np.e).reshape(X.shape[1:])
+
+
+def rise(X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """Expected largest value above the mean (…)."""
+    u = np.sqrt(2 * np.log(cycles(X, omega, duration)))
+    sigma = np.sqrt(0.5 * np.sum(np.abs(X) ** 2, axis=0))
+    return np.minimum((u + EULER / u) * sigma, np.abs(X).sum(axis=0))
+
+
+def table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """(…, 5) in the order of STATISTICS for means (…) and lines (nw, …)."""
+    std, top = np.sqrt(0.5 * np.sum(np.abs(X) ** 2, axis=0)), rise(X, omega, duration)
+    mean = np.broadcast_to(mean, std.shape)
+    return np.stack([mean + top, mean - top, mean, np.hypot(mean, std), std], axis=-1)
+
+
+def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """(5,) of P = Σ cᵢ vᵢ² for dampings c (n,) and rates of lines V (nw, n).
+
+    Mean Σ cᵢσᵢ², variance 2 tr (CS)²; the largest is that of the strongest principal rate, whose square has
+    2N peaks of exponential distribution, and the others' mean.
+    """
+    if len(V) == 1:
+        return moments(_sampled(V) ** 2 @ c[:, None])[0]
+    CS = c[:, None] * covariance(V, V)
+    mean, std = np.trace(CS), np.sqrt(2 * np.trace(CS @ CS))
+    strongest = np.max(np.linalg.eigvals(CS).real, initial=0.0)
+    peaks = 2 * np.max(cycles(V, omega, duration), initial=np.e)
+    largest = min(mean + strongest * (2 * (np.log(peaks) + EULER) - 1), float(c @ np.abs(V).sum(axis=0) ** 2))
+    return np.array([largest, 0.0, mean, np.hypot(mean, std), std])
+
+
+def compression_table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """(5,) of σ = a - |v|, v = (b, c), the most compressive fibre, for means (3,) and lines (nw, 3) of a, b, c.
+
+    σ is the least of all fibres a - v·e(φ): the least σ is the least that any of them is expected to see, and
+    the largest is not above any one's largest.
+    """
+    if len(X) == 1:
+        a, b, c = (mean + _sampled(X)).T
+        return moments((a - np.hypot(b, c))[:, None])[0]
+    m, S = mean[1:], covariance(X, X)
+    far = np.linalg.norm(m)
+    if far > FAR * np.sqrt(np.trace(S[1:, 1:])):
+        return _nearly_linear(mean, X, omega, duration)
+    size, variance, slope = _length(m, S[1:, 1:])
+    level, std = mean[0] - size, np.sqrt(max(S[0, 0] + variance - 2 * S[0, 1:] @ slope, 0.0))
+    e = _directions(FIBRES)
+    fibre, top = mean[0] - e @ m, rise(X[:, :1] - X[:, 1:] @ e.T, omega, duration)
+    return np.array([min(fibre + top), min(fibre - top), level, np.hypot(level, std), std])
+
+
+def _nearly_linear(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """(5,) where v is far from zero: |v| = |m| + v∥ + v⊥²/2|m|."""
+    far = np.linalg.norm(mean[1:])
+    along = mean[1:] / far
+    sideways = covariance(X[:, 1:], X[:, 1:])
+    across = np.trace(sideways) - along @ sideways @ along
+    return table(mean[0] - far - across / (2 * far), X[:, 0] - X[:, 1:] @ along, omega, duration)
+
+
+def _length(m: np.ndarray, S: np.ndarray) -> tuple[float, float, np.ndarray]:
+    """Mean and variance of |v|, and ⟨v/|v|⟩ (2,), of a Gaussian v with mean m (2,) and covariance S (2, 2).
+
+    cov(a, |v|) = cov(a, v)·⟨v/|v|⟩ (Stein's lemma). |v| = ¼∮ |v·e| dφ, so that the means are those of folded normal
+    distributions.
+    """
+    e, quarter = _directions(PHASES), 2 * np.pi / PHASES / 4
+    m_e, s = e @ m, np.sqrt(np.einsum("pi,ij,pj->p", e, S, e).clip(min=0.0))
+    ratio = np.divide(m_e, s, out=np.copysign(np.inf, m_e), where=s > 0)
+    sign = erf(ratio / np.sqrt(2))
+    size = quarter * np.sum(m_e * sign + np.sqrt(2 / np.pi) * s * np.exp(-0.5 * ratio**2))
+    return size, m @ m + np.trace(S) - size**2, quarter * (sign @ e)
+
+
+def _directions(count: int) -> np.ndarray:
+    """(count, 2), all round."""
+    angle = 2 * np.pi * np.arange(count) / count
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def _sampled(X: np.ndarray) -> np.ndarray:
+    """One harmonic's values (PHASES, n) over its period, from lines (1, n)."""
+    return (X * np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)[:, None]).real

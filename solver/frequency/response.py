@@ -1,0 +1,96 @@
+"""Responses of the linear model wave by wave, its drag linearised by what moves against it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
+from solver.coupled.system import System
+from solver.errors import SimulationFailed
+from solver.frequency import drag
+from solver.frequency.gaussian import covariance
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+
+AGREED = 1e-4  # change of any coordinate's std, relative to itself, at which the drag is that of its own result
+ROUNDS = 100
+UNBOUNDED = 1e6  # times the sum of the waves' amplitudes: no damping holds what moves as far
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Response:
+    """x = x₀ + Re Σ X exp(-iωt) over the sea's waves; nm modes, nb floats."""
+
+    omega: np.ndarray  # (nw,) [rad/s]
+    X: np.ndarray  # (nw, n) of the model's coordinates
+    Z: np.ndarray  # (nw, nz) of the floats' coordinates
+    wrench: np.ndarray  # (nw, nb, 6) all loads on the floats
+    rounds: int  # until the drag agreed with its own result
+
+
+def respond(system: System, h: Hydrodynamics | None) -> Response:
+    """To the scene's sea, the sum of its waves."""
+    sea, model = system.scene.sea, linear_model(system)
+    # A wave of no height has no response, and coefficients may not reach to its frequency.
+    waves = np.abs(sea.amplitude) > 0
+    omega, rows = sea.omega[waves], system.rows[:, waves]
+    Y = impedance(system, h, omega) if h is not None else np.zeros((omega.size, *2 * (len(model.active),)))
+    X, rounds = _agreed(system, model, omega, Y, rows)
+    w = omega[:, None]
+    excitation = rows[system.layout.excitation].T.reshape(omega.size, len(system.scene.floats), 6).copy()
+    radiated = np.einsum("kij,kj->ki", Y, -1j * w * (X @ model.active.T))
+    excitation[..., system.bodies.active] -= radiated.reshape(
+        omega.size, len(system.scene.floats), system.bodies.active.size
+    )
+    by_motion = sum(np.tensordot((-1j * w) ** k * X, part, axes=(1, 2)) for k, part in enumerate(model.wrench))
+    return Response(omega=omega, X=X, Z=X @ model.shape.T, wrench=excitation + by_motion, rounds=rounds)
+
+
+def _agreed(
+    system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray, rows: np.ndarray
+) -> tuple[np.ndarray, int]:
+    """X (nw, n), and the rounds that it took until the drag was that of X itself."""
+    frame, law = system.structure, system.bodies.law
+    nm, (_, nd, ns), nc = frame.omega.size, frame.station.shape, frame.carrier.shape[0]
+    water = rows[system.layout.station].T.reshape(omega.size, nd, ns)
+    excitation = rows[system.layout.excitation].reshape(len(system.scene.floats), 6, omega.size)[
+        :, system.bodies.active
+    ]
+    force = wave_force(model, excitation.reshape(len(model.active), omega.size).T, rows[system.layout.modal])
+    quadratic, height = law.quadratic[nc:], float(np.abs(system.scene.sea.amplitude).sum())
+    rate = np.zeros((omega.size, len(model.mass)), complex)
+    std = np.zeros(len(model.mass))
+    for rounds in range(1, ROUNDS + 1):
+        damping, push = model.damping.copy(), force
+        if ns:
+            flow = water - np.tensordot(rate[:, :nm], frame.station, axes=1)
+            K = _equivalent(np.moveaxis(flow, -1, 1)) * frame.drag[:, None, None]
+            carried = np.einsum("mds,sde->mes", frame.station, K)
+            damping[:nm, :nm] += np.tensordot(carried, frame.station, axes=([1, 2], [1, 2]))
+            push = force.copy()
+            push[:, :nm] += np.tensordot(water, carried, axes=([1, 2], [1, 2]))
+        if quadratic.any():
+            K = _equivalent(rate[:, nm:, None])[:, 0, 0]
+            damping[nm:, nm:] += np.diag(quadratic * K)
+        X = _solved(replace(model, damping=damping), omega, Y, push, height)
+        rate, before, std = -1j * omega[:, None] * X, std, np.sqrt(np.sum(np.abs(X) ** 2, axis=0))
+        if not (ns or quadratic.any()) or np.all(np.abs(std - before) <= AGREED * std):
+            return X, rounds
+    raise SimulationFailed(f"linearised drag does not agree with its own result after {ROUNDS} rounds")
+
+
+def _equivalent(u: np.ndarray) -> np.ndarray:
+    """K (n, d, d) of velocities (nw, n, d): of one harmonic, or of a Gaussian process."""
+    return drag.of_harmonic(u[0]) if len(u) == 1 else drag.of_gaussian(covariance(u, u))
+
+
+def _solved(model: LinearModel, omega: np.ndarray, Y: np.ndarray, force: np.ndarray, height: float) -> np.ndarray:
+    """X (nw, n); SimulationFailed with the wave at which nothing holds or damps the scene."""
+    try:
+        X = model.response(omega, Y, force)
+    except np.linalg.LinAlgError:  # which does not say where
+        X = np.full(force.shape, np.nan, complex)
+    reach = (np.abs(X) * model.length).max(axis=1, initial=0.0)
+    if np.all(reach < UNBOUNDED * height):
+        return X
+    worst = omega[np.argmax(np.nan_to_num(reach, nan=np.inf))]
+    raise SimulationFailed(f"the linear model is singular at a wave of {worst:.4g} rad/s: nothing damps or holds it")

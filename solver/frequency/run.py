@@ -1,0 +1,77 @@
+"""One scene in, one record out, without a march."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from solver.balance import warnings
+from solver.coupled.equilibrium import balance
+from solver.coupled.system import System, prepare
+from solver.errors import InputError
+from solver.frequency import gaussian
+from solver.frequency.response import Response, respond
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
+from solver.record.audit import coefficient_effects
+from solver.record.recorder import Channels, Record
+from solver.scene import Scene
+
+LEFT_OUT = "displacement_envelope, stress_envelope"  # how the nodes' motions go together in time
+
+
+def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
+    """Statistics of the linear model's stationary response over `duration`; series and envelopes it does not have."""
+    if not scene.sea.amplitude.any():
+        raise InputError("settings.method", "frequency", "needs waves: a decay is a matter of the time domain")
+    system = prepare(scene, hydrodynamics)
+    response, channels = respond(system, hydrodynamics), Channels(scene, system.support)
+    tables = dict(_tables(system, response, channels))
+    _, effect = coefficient_effects(system, hydrodynamics)
+    attrs: dict[str, float | str] = {
+        "estimated_error": effect,
+        "mesh_effect": effect,
+        "seabed_error": seabed_error(hydrodynamics),
+        "drag_rounds": response.rounds,
+        "buckling_factor": system.support.buckling_factor if system.support else np.inf,
+        "unmet": "",
+        "skipped": f"time: a linear model in the frequency domain has no {LEFT_OUT}",
+        **scene.sea.parameters(),
+    }
+    if notes := warnings(scene):
+        attrs["warnings"] = "; ".join(notes)
+    rao = None
+    if scene.settings.rao and scene.floats:
+        rao = np.full((scene.sea.omega.size, channels.owner.size), np.nan, complex)
+        rao[np.abs(scene.sea.amplitude) > 0] = _joints(system, response)
+    return channels.record(tables, attrs, rao=rao)
+
+
+def _joints(system: System, response: Response) -> np.ndarray:
+    """Lines of the joints' axes (nw, nj)."""
+    return response.Z[:, system.structure.carrier.shape[0] :]
+
+
+def _tables(system: System, response: Response, channels: Channels) -> Iterator[tuple[str, np.ndarray]]:
+    scene, omega, duration = system.scene, response.omega, system.scene.settings.duration
+    (z, p), amplitude = system.equilibrium, scene.sea.amplitude
+
+    def table(mean: np.ndarray, lines: np.ndarray) -> np.ndarray:
+        return gaussian.table(mean, lines, omega, duration)
+
+    yield "wave_elevation", table(np.zeros(()), amplitude[np.abs(amplitude) > 0])
+    if scene.floats:
+        nc, joints = system.structure.carrier.shape[0], _joints(system, response)
+        means = dict(channels.motions(z[None, nc:]))
+        for name, lines in channels.motions(joints):
+            yield name, table(means[name][0], lines)
+        pto, rates = system.bodies.law.pto[nc:], -1j * omega[:, None] * joints
+        owned = [channels.owner == b for b in range(len(scene.floats))]
+        yield "absorbed_power", np.array([gaussian.power_table(pto[i], rates[:, i], omega, duration) for i in owned])
+        at_rest = channels.hinge_force(balance(system.bodies, z)[1][None])[0]
+        yield "hinge_force", table(at_rest, channels.hinge_force(response.wrench))
+    if channels.legs is not None:
+        tops, fibre, static = channels.legs.tops_and_feet
+        X = response.X[:, : p.size]
+        yield "top_displacement", table(np.tensordot(p, tops, axes=1), np.tensordot(X, tops, axes=1))
+        level, lines = static + np.tensordot(p, fibre, axes=1), np.tensordot(X, fibre, axes=1)
+        feet = [gaussian.compression_table(level[i], lines[:, i], omega, duration) for i in range(len(level))]
+        yield "bottom_stress", np.array(feet)

@@ -1,0 +1,237 @@
+"""The frequency domain: against closed forms, long samples, and the march of linear scenes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+from scipy.integrate import dblquad
+
+from solver.coupled.system import prepare
+from solver.errors import InputError, SimulationFailed
+from solver.frequency import drag, gaussian
+from solver.frequency.response import respond
+from solver.run import simulate
+from solver.scene import Settings
+from solver.sea.realization import components, regular
+from solver.statistics import moments
+from tests.awkward import SCENES, scene, sea
+
+LINES = np.array([5, 6, 7, 9, 11, 14, 17])  # of a sea that repeats
+
+
+def linear(item, **settings):
+    """A scene with linear pressure."""
+    return replace(item, settings=replace(item.settings, froude_krylov="linear", **settings))
+
+
+def frequency(item, h, **settings):
+    return simulate(linear(item, method="frequency", **settings), h)
+
+
+@pytest.mark.parametrize(("a", "b"), [(1.0, 0.0), (1.0, 1e-9), (1.0, 0.04), (0.7, 0.3), (0.5, 0.5), (0.0, 0.0)])
+def test_drag_of_a_gaussian_velocity(a, b):
+    """⟨|u|I + uuᵀ/|u|⟩ by quadrature; in one direction √(8/π)σ."""
+    K = drag.of_gaussian(np.diag([a, b]))
+
+    def mean(f):
+        def integrand(y, x):
+            u = np.array([np.sqrt(a) * x, np.sqrt(b) * y])
+            size = np.linalg.norm(u)
+            return f(u, size) * np.exp(-(x * x + y * y) / 2) / (2 * np.pi) if size > 0 else 0.0
+
+        return 4 * dblquad(integrand, 0, 8, 0, 8, epsabs=1e-7)[0]
+
+    exact = [mean(lambda u, size, i=i: size + u[i] ** 2 / size) for i in (0, 1)]
+    assert np.diag(K) == approx(exact, abs=2e-5)
+    assert drag.of_gaussian(np.array([[a]]))[0, 0] == approx(np.sqrt(8 * a / np.pi))
+
+
+def test_drag_turns_with_the_velocity():
+    S, angle = np.diag([0.9, 0.2]), 0.7
+    R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    assert drag.of_gaussian(R @ S @ R.T) == approx(R @ drag.of_gaussian(S) @ R.T)
+    assert drag.of_harmonic(R @ np.array([0.9, 0.2j])) == approx(R @ drag.of_harmonic(np.array([0.9, 0.2j])) @ R.T)
+
+
+def test_drag_of_a_harmonic():
+    """8U/3π along a line; round a circle the speed is always U."""
+    assert drag.of_harmonic(np.array([0.8 + 0.6j]))[0, 0] == approx(8 / (3 * np.pi), rel=1e-4)
+    assert drag.of_harmonic(np.array([1.0, 1j])) == approx(np.eye(2))
+
+
+@pytest.mark.parametrize(
+    "mean", [(-5.0, 0.0, 0.0), (-5.0, 0.3, 0.8), (-5.0, 3.0, -2.0), (-5.0, 20.0, 9.0), (-5.0, 0, 1e4)]
+)
+@pytest.mark.parametrize("flat", [False, True])
+def test_stress_of_the_most_compressive_fibre(mean, flat):
+    """Against all instants of its own lines; as large as they come in an hour, on average."""
+    random, mean = np.random.default_rng(3), np.array(mean, float)
+    omega = np.sort(random.uniform(0.7, 2.0, 40))  # none comes back within the hour
+    X = (random.normal(size=(40, 3)) + 1j * random.normal(size=(40, 3))) * 0.15 * np.array([0.4, 1.0, 0.7])
+    if flat:
+        X[:, 2] = 0.0
+    table = gaussian.compression_table(mean, X, omega, 3600.0)
+    t = np.arange(0, 3600.0, 0.25)
+    records = []
+    for _ in range(20):
+        turned = X * np.exp(2j * np.pi * random.uniform(size=(40, 1)))
+        a, b, c = (mean + (np.exp(-1j * np.outer(t, omega)) @ turned).real).T
+        records.append(moments((a - np.hypot(b, c))[:, None])[0])
+    high, low, level, _, _ = np.mean(records, axis=0)
+    std = np.sqrt(np.mean(np.array(records)[:, 4] ** 2))
+    assert table[2] == approx(level, abs=0.02 * std)
+    assert table[4] == approx(std, rel=0.03)
+    assert table[1] == approx(low, abs=0.35 * std)  # Rayleigh: a narrower band's
+    assert table[0] >= high - 0.1 * std
+
+
+def test_extremes_of_many_hours():
+    """Elevation of a real sea: the narrow band's expected extremes are a few percent large."""
+    waves = sea(Hs=2.0)
+    table = gaussian.table(np.array(0.3), waves.amplitude, waves.omega, 1000.0)
+    random, t = np.random.default_rng(0), np.arange(0, 1000.0, 0.2)
+    largest = []
+    for _ in range(60):
+        phases = np.exp(2j * np.pi * random.uniform(size=waves.omega.size))
+        largest.append((np.exp(-1j * np.outer(t, waves.omega)) @ (waves.amplitude * phases)).real.max())
+    assert table[0] - 0.3 == approx(np.mean(largest), rel=0.1)
+    assert 0.3 - table[1] == approx(table[0] - 0.3)
+    assert table[4] == approx(0.5, rel=0.02)
+
+
+def test_power_of_a_gaussian_rate():
+    """⟨c v²⟩ and its std √2 cσ² for one axis; two axes that do not know each other add in squares."""
+    omega = np.linspace(0.8, 1.2, 30)
+    V = np.zeros((30, 2), complex)
+    V[::2, 0], V[1::2, 1] = 0.1, 0.2
+    c, power = np.array([2.0, 3.0]), 0.5 * np.array([15 * 0.01, 15 * 0.04])
+    table = gaussian.power_table(c, V, omega, 3600.0)
+    assert table[2] == approx(c @ power)
+    assert table[4] == approx(np.sqrt(2) * np.linalg.norm(c * power))
+    one = gaussian.power_table(c[:1], V[:1, :1], omega[:1], 3600.0)
+    assert one == approx([0.02, 0, 0.01, np.sqrt(0.375) * 0.02, 0.02 / np.sqrt(8)], abs=1e-9)
+
+
+def repeating(item, height):
+    """Few waves that come back after a minute of the scene's own time, small enough for all to be linear."""
+    unit = np.median(item.sea.omega) / 10
+    amplitude = height * np.linspace(1.0, 0.4, LINES.size)
+    return replace(
+        item,
+        sea=components(amplitude=amplitude, omega=unit * LINES, phase=LINES**2 % 7, heading=item.sea.heading)
+        if item.sea.heading
+        else components(amplitude=amplitude, omega=unit * LINES, phase=LINES**2 % 7),
+    ), 2 * np.pi / unit
+
+
+@pytest.mark.parametrize("name", sorted(SCENES))
+def test_small_linear_waves_are_the_marchs(name):
+    """std of every coordinate, hinge force, displacement and stress, mean power, all means: to 0.5 %."""
+    item, h = SCENES[name]()
+    size = min((f.hull.size for f in item.floats), default=1.0)
+    item, period = repeating(item, 1e-4 * size)
+    if name == "soft_mooring":  # what is let go at the start must have died away
+        item = replace(item, floats=tuple(replace(f, damping=(1.2e5, 0, 0)) for f in item.floats))
+    numerics = {"newton_tolerance": 1e-11 * size, "memory_tolerance": 1e-3, "time_step": period / 400}
+    lasting = {"duration": 2 * period, "discard": 8 * period, "ramp": 3 * period, "ramp_form": "cosine"}
+    march, lines = simulate(linear(item, **numerics, **lasting), h), frequency(item, h, **numerics, **lasting)
+    tables = [key for key, (dims, _) in march.variables.items() if "statistic" in dims]
+    assert len(tables) >= 2
+    for key in tables:
+        table, exact = (record.variables[key][1].reshape(-1, 5) for record in (lines, march))
+        _, _, mean, rms, std = exact.T
+        if key == "absorbed_power":
+            assert table[:, 2] == approx(mean, rel=1e-2), key
+            continue
+        # What is nearly zero by cancellation is judged beside the largest of its kind.
+        assert np.all(np.abs(table[:, 4] - std) <= 5e-3 * std + 3e-4 * std.max()), key
+        assert np.all(np.abs(table[:, 2] - mean) <= 1e-3 * rms.max()), key
+
+
+@pytest.mark.parametrize(("coefficient", "least", "most"), [(1.0, 0.98, 1.0), (8.0, 0.921, 0.95)])
+def test_drag_of_the_legs_is_the_marchs(coefficient, least, most):
+    """Legs alone in waves of 3 m: std within 2 %; where stiff legs are bent by little else, (8/3π)^½ of what it is.
+
+    That is the linear part of a Gaussian's |u|u: ⟨(|u|u)²⟩ = 3σ⁴, of which (8/π) σ⁴ are in phase with u.
+    """
+    bare, _ = SCENES["bare_legs"]()
+    members = [replace(m, drag_coefficient=coefficient * (m.drag_coefficient > 0)) for m in bare.platform.frame.members]
+    platform = replace(bare.platform, frame=replace(bare.platform.frame, members=tuple(members)))
+    waves = sea(Hs=3.0, Tp=8.0, band=(0.45, 1.5), heading=np.pi / 6)
+    item = linear(replace(bare, platform=platform, sea=waves), duration=3600.0)
+    dragless = tuple(replace(m, drag_coefficient=0.0) for m in members)
+    without = replace(platform, frame=replace(platform.frame, members=dragless))
+    records = simulate(item), frequency(item, None), frequency(replace(item, platform=without), None)
+    exact, table, without = (r.variables["top_displacement"][1][0, 0, 4] for r in records)
+    assert without < 0.91 * exact
+    assert least < table / exact < most
+
+
+def test_quadratic_damping_of_a_joint_is_the_marchs():
+    item, h = SCENES["duck"]()
+    item = linear(
+        replace(item, floats=(replace(item.floats[0], quadratic_damping=3e6, pto_damping=0.0),)), duration=2000.0
+    )
+    item = replace(item, sea=replace(item.sea, amplitude=0.1 * item.sea.amplitude))
+    exact, table = (r.variables["rotation"][1][0, 4] for r in (simulate(item, h), frequency(item, h)))
+    assert table == approx(exact, rel=0.03)
+
+
+def test_one_wave_is_a_harmonic_not_a_gaussian():
+    item, h = SCENES["flap"]()
+    item = replace(item, sea=regular(height=0.02, period=6.0))
+    march = simulate(linear(item, duration=60.0, discard=120.0, ramp=60.0), h)
+    lines = frequency(item, h)
+    for key in ("rotation", "absorbed_power", "hinge_force"):
+        exact, table = (r.variables[key][1].reshape(-1, 5) for r in (march, lines))
+        spread = exact[:, 4].max()
+        assert table == approx(exact, abs=0.02 * max(spread, np.ptp(exact[:, :2], axis=1).max())), key
+
+
+def test_motions_per_wave():
+    """RAO in the frequency domain: what the model responds with to a wave of 1 m."""
+    item, h = SCENES["duck"]()
+    record = frequency(item, h, rao=True)
+    one = replace(item, sea=regular(height=2.0, period=2 * np.pi / item.sea.omega[20]))
+    response = respond(prepare(linear(one, method="frequency"), h), h)
+    assert record.variables["rao"][1][0, 0, 20] == approx(abs(response.Z[0, 0]))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"froude_krylov": "body-nonlinear"}, 'froude_krylov = body-nonlinear: must be "linear" or "none" with method'),
+        ({"keep_series": True}, "keep_series = True: must be false: it has no series with method"),
+        (
+            {"formulation": "augmented"},
+            'formulation = augmented: must be "minimal", and accuracy "standard" with method',
+        ),
+        ({"accuracy": "reference"}, 'formulation = augmented: must be "minimal", and accuracy "standard" with method'),
+        ({"tolerance": 1e-3}, "tolerance = 0.001: must be left out: it has no step to choose with method"),
+    ],
+)
+def test_what_no_linear_response_gives_is_refused(changes, message):
+    with pytest.raises(InputError, match=message):
+        Settings(**({"method": "frequency", "froude_krylov": "linear"} | changes))
+
+
+def test_still_water_has_no_response():
+    item, h = SCENES["duck"]()
+    with pytest.raises(InputError, match="needs waves"):
+        frequency(scene(item.floats, waves=replace(item.sea, amplitude=0 * item.sea.amplitude)), h)
+
+
+def test_a_wave_at_which_nothing_holds_the_scene_is_named():
+    """A spring and a mass alone, in their resonance."""
+    item, h = SCENES["flap"]()
+    calm = linear(
+        replace(item, floats=(replace(item.floats[0], pto_damping=0.0),)), method="frequency", radiation=False
+    )
+    from solver.coupled.linear import linear_model
+
+    model = linear_model(prepare(calm, h))
+    resonance = float(np.sqrt(model.stiffness[0, 0] / model.mass[0, 0]))
+    near = replace(calm, sea=regular(height=0.1, period=2 * np.pi / resonance))
+    with pytest.raises(SimulationFailed, match=f"singular at a wave of {resonance:.4g} rad/s"):
+        simulate(near, h)
