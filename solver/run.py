@@ -10,6 +10,7 @@ import numpy as np
 from solver.balance import warnings
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
+from solver.coupled.natural import require_stable, with_critical_damping
 from solver.coupled.system import BALANCE, blocks, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
@@ -35,6 +36,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     clock = time.perf_counter()
     if hydrodynamics is None and needed(scene):
         hydrodynamics = coefficients(scene)
+    scene = with_critical_damping(scene, hydrodynamics)
     if scene.settings.tolerance is not None:
         scene = replace(scene, settings=first_guess(scene))
     repeated = ""
@@ -82,6 +84,7 @@ def _run(
         return simulate_reference(scene, hydrodynamics)
     clock = time.perf_counter()
     system = prepare(scene, hydrodynamics)
+    require_stable(system)
     prepared = time.perf_counter()
     s = scene.settings
     steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))

@@ -35,7 +35,9 @@ class Water:
 
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
-PER_AXIS = ("pto_damping", "damping", "quadratic_damping", "stiffness", "mechanism_inertia", "offset")
+PER_AXIS = (
+    "pto_damping", "damping", "critical_damping", "quadratic_damping", "stiffness", "mechanism_inertia", "offset",
+)  # fmt: skip
 Vector = tuple[float, float, float]
 PerAxis = float | tuple[float, ...]
 
@@ -64,6 +66,8 @@ class Float:
     on: str = ""  # the float listed before that carries the hinge, such as a floating platform; "": the support
     pto_damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0)] = 0.0
     damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0)] = 0.0  # besides the PTO, linear
+    # As much more linear damping as makes an axis by itself, radiation included, damped by this share of critical.
+    critical_damping: Annotated[PerAxis, Quantity("-", least=0, most=10)] = 0.0
     quadratic_damping: Annotated[PerAxis, Quantity("N m s2/rad2 or N s2/m2", least=0)] = 0.0
     stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m", least=0)] = 0.0  # of a linear spring, at ease at rest
     # Of what turns or slides with the axis, besides the float.

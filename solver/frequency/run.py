@@ -6,6 +6,7 @@ import numpy as np
 
 from solver.balance import warnings
 from solver.coupled.equilibrium import balance
+from solver.coupled.natural import require_stable
 from solver.coupled.system import System, prepare
 from solver.errors import InputError
 from solver.frequency import gaussian
@@ -23,6 +24,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     if not scene.sea.amplitude.any():
         raise InputError("settings.method", "frequency", "needs waves: a decay is a matter of the time domain")
     system = prepare(scene, hydrodynamics)
+    require_stable(system)
     response, channels = respond(system, hydrodynamics), Channels(scene, system.support)
     tables = dict(_tables(system, response, channels))
     _, effect = coefficient_effects(system, hydrodynamics)

@@ -1,0 +1,135 @@
+"""What the linear model says of a scene by itself: stability, natural periods and shapes, critical damping."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy import linalg
+from scipy.interpolate import CubicSpline
+
+from solver.coupled.linear import LinearModel, linear_model
+from solver.coupled.system import System, prepare
+from solver.errors import InputError, SimulationFailed
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.scene import Scene
+
+UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
+PLATFORM = 6  # lowest shapes of the platform that are told, besides all joints
+ROUNDS, AGREED = 50, 1e-9  # of added mass and frequency in turn
+MOVES = 0.3  # of the largest motion: what moves by less is not part of a shape's name
+
+Added = Callable[[float], np.ndarray]  # ω -> A - A∞ + iB (n, n)
+
+
+class SystemModes(NamedTuple):
+    """Of the coupled system in water, undamped, slowest first; n coordinates of the linear model."""
+
+    omega: np.ndarray  # (m,) [rad/s]
+    shapes: np.ndarray  # (n, m)
+    names: tuple[str, ...]  # what moves in each
+
+
+def system_modes(system: System, model: LinearModel, h: Hydrodynamics | None) -> SystemModes:
+    """(C - ω²(M + Eᵀ(A(ω) - A∞)E)) φ = 0, each φ with the added mass of its own frequency.
+
+    All joints' shapes and the platform's lowest. Beyond the frequencies solved for the nearest one's added mass
+    stands; what nothing holds has ω = 0.
+    """
+    added, joints = _added(system, model, h), len(model.mass) - system.structure.omega.size
+    value, shape = linalg.eigh(model.stiffness, model.mass)
+    count = min(len(value), joints + PLATFORM)
+    pairs = [_settled(model, added, value[i], shape[:, i]) for i in range(count)]
+    omega, shapes = np.array([w for w, _ in pairs]), np.array([s for _, s in pairs]).reshape(count, len(value)).T
+    order = np.argsort(omega)
+    shapes = shapes[:, order]
+    return SystemModes(omega[order], shapes, tuple(_name(system, model, s) for s in shapes.T))
+
+
+def _settled(model: LinearModel, added: Added, value: float, shape: np.ndarray) -> tuple[float, np.ndarray]:
+    """ω and shape where the added mass is that of ω itself, from those at infinite frequency."""
+    omega = np.sqrt(max(value, 0.0))
+    for _ in range(ROUNDS):
+        mass = model.mass + added(omega).real
+        values, shapes = linalg.eigh(model.stiffness, (mass + mass.T) / 2)
+        same = int(np.argmax(np.abs(shapes.T @ mass @ shape)))
+        before, omega, shape = omega, float(np.sqrt(max(values[same], 0.0))), shapes[:, same]
+        if abs(omega - before) <= AGREED * omega:
+            break
+    return omega, shape
+
+
+def _added(system: System, model: LinearModel, h: Hydrodynamics | None) -> Added:
+    if h is None or not system.scene.settings.radiation:
+        return lambda _: np.zeros(model.mass.shape, complex)
+    curve = CubicSpline(h.omega, h.added_mass - system.bodies.added_mass + 1j * h.radiation_damping)
+    return lambda omega: model.active.T @ curve(np.clip(omega, h.omega[0], h.omega[-1])) @ model.active
+
+
+def _joints(scene: Scene) -> list[str]:
+    return [f"{f.name} {axis}" for f in scene.floats for axis in f.motion]
+
+
+def _name(system: System, model: LinearModel, shape: np.ndarray) -> str:
+    """What moves, the largest first, against it with a minus sign: "front hinge - rear hinge", "platform x"."""
+    nm = system.structure.omega.size
+    motions = dict(zip(_joints(system.scene), shape[nm:] * model.length[nm:], strict=True))
+    if system.support is not None:
+        moved = (system.support.shapes @ shape[:nm]).reshape(-1, 6)[:, :3]
+        node, axis = np.unravel_index(np.argmax(np.abs(moved)), moved.shape)
+        motions["platform " + "xyz"[axis]] = moved[node, axis]
+    first, *rest = sorted(motions, key=lambda name: -abs(motions[name]))
+    told = [name for name in rest if abs(motions[name]) >= MOVES * abs(motions[first])]
+    return first + "".join(f" {'+' if motions[name] * motions[first] > 0 else '-'} {name}" for name in told)
+
+
+def require_stable(system: System) -> None:
+    """Raise SimulationFailed where a small push takes the floats away from their equilibrium, with the shape."""
+    nc, sizes = system.structure.carrier.shape[0], linear_model(system).length[system.structure.omega.size :]
+    if not sizes.size:
+        return
+    K = system.stiffness[nc:, nc:] / np.outer(sizes, sizes)
+    value, shape = np.linalg.eigh(K)
+    if value[0] < UNSTABLE * np.abs(value).max():
+        moves = np.abs(shape[:, 0]) >= MOVES * np.abs(shape[:, 0]).max()
+        names = ", ".join(name for name, moved in zip(_joints(system.scene), moves, strict=True) if moved)
+        raise SimulationFailed(
+            f"the equilibrium in still water is unstable: {names} falls away with a stiffness of {value[0]:.3g} N per"
+            " metre of motion; lower the centre of gravity (cog), or hold it by stiffness"
+        )
+
+
+def with_critical_damping(scene: Scene, h: Hydrodynamics | None) -> Scene:
+    """The scene with `critical_damping` κ as the linear damping of each axis that makes it κ of critical.
+
+    B = 2κ(M + A(ω₀))ω₀ - b(ω₀), of the axis by itself: ω₀² (M + A(ω₀)) = C, b what radiates. In addition to `damping`.
+    """
+    if not any(np.any(f.critical_damping) for f in scene.floats):
+        return scene
+    system = prepare(scene, h)
+    model = linear_model(system)
+    added, coordinate, floats = _added(system, model, h), system.structure.omega.size, []
+    for f in scene.floats:
+        damping = f.per_axis("damping").copy()
+        for i, ratio in enumerate(f.per_axis("critical_damping")):
+            if ratio > 0:
+                damping[i] += _damping(model, added, coordinate, ratio, f"floats.{f.name}.critical_damping")
+            coordinate += 1
+        floats.append(replace(f, damping=tuple(damping.tolist()), critical_damping=0.0))
+    return replace(scene, floats=tuple(floats))
+
+
+def _damping(model: LinearModel, added: Added, axis: int, ratio: float, key: str) -> float:
+    C, M = model.stiffness[axis, axis], model.mass[axis, axis]
+    if not C > 0:
+        raise InputError(key, ratio, "needs an axis that something restores")
+    omega = np.sqrt(C / M)
+    for _ in range(ROUNDS):
+        before, omega = omega, float(np.sqrt(C / (M + added(omega)[axis, axis].real)))
+        if abs(omega - before) <= AGREED * omega:
+            break
+    change = added(omega)[axis, axis]
+    critical, radiated = 2 * (M + change.real) * omega, change.imag
+    if radiated > ratio * critical:
+        raise InputError(key, ratio, f"must be >= {radiated / critical:.3g}: radiation alone damps as much")
+    return float(ratio * critical - radiated)

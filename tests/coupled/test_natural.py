@@ -1,0 +1,129 @@
+"""Natural periods and shapes of the coupled system, critical damping, and equilibria that fall over."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+from scipy.interpolate import CubicSpline
+
+from solver.coupled.linear import linear_model
+from solver.coupled.natural import require_stable, system_modes, with_critical_damping
+from solver.coupled.system import prepare
+from solver.errors import InputError, SimulationFailed
+from solver.run import simulate
+from solver.scene import Float
+from solver.sea.realization import CALM
+from tests.awkward import RHO, SCENES, prism, scene
+from tests.coupled.test_linear import hinged_by_hand
+
+
+def linear(item):
+    return replace(item, settings=replace(item.settings, froude_krylov="linear"))
+
+
+def modes(item, h):
+    system = prepare(linear(item), h)
+    return system_modes(system, linear_model(system), h)
+
+
+@pytest.mark.parametrize("name", ["duck", "flap", "big_beside_small", "model_scale"])
+def test_periods_are_those_of_coefficients_alone(name):
+    """det(C - ω²(M + A(ω))) = 0, and the shape is its null vector."""
+    item, h = SCENES[name]()
+    J, M, C = hinged_by_hand(item, h)
+    A = CubicSpline(h.omega, h.added_mass)
+    natural = modes(item, h)
+    for omega, shape in zip(natural.omega, natural.shapes.T, strict=True):
+        inside = np.clip(omega, *h.omega[[0, -1]])
+        residual = (C - omega**2 * (M + J.T @ A(inside) @ J)) @ shape
+        assert residual == approx(0, abs=1e-6 * np.abs(C @ shape).max())
+
+
+def test_a_shape_is_named_by_what_moves():
+    item, h = SCENES["oblique"]()
+    assert all(name.split(" hinge")[0] in "ab" for name in modes(item, h).names)
+    item, h = SCENES["unequal_legs"]()
+    natural = modes(item, h)
+    assert natural.omega.size == 1 + 6
+    assert natural.names[0] == "float hinge"
+    assert sum(name.startswith("platform") for name in natural.names) == 6
+    barge, h = SCENES["soft_mooring"]()
+    assert modes(barge, h).names[0].startswith("barge surge")
+
+
+def test_what_nothing_holds_has_no_period():
+    barge, h = SCENES["soft_mooring"]()
+    loose = replace(barge, floats=(replace(barge.floats[0], stiffness=0.0),))
+    assert modes(loose, h).omega[0] < 1e-3 * modes(loose, h).omega[1]
+
+
+def test_platform_alone_has_the_frames_own_frequencies():
+    bare, _ = SCENES["bare_legs"]()
+    system = prepare(bare, None)
+    assert modes(bare, None).omega == approx(np.sort(system.structure.omega)[:6])
+
+
+@pytest.mark.parametrize(("name", "ratio"), [("duck", 0.6), ("flap", 0.3), ("model_scale", 0.5)])
+def test_critical_damping_damps_by_as_much(name, ratio):
+    """The roots of C - iω(B + b) - ω²(M + A) = 0 with A and b of ω₀ have |Im ω| = κω₀."""
+    item, h = SCENES[name]()
+    asked = replace(item.floats[0], pto_damping=0.0, damping=0.0, critical_damping=ratio)
+    damped = with_critical_damping(linear(replace(item, floats=(asked,))), h)
+    J, M, C = hinged_by_hand(item, h)
+    (omega,) = modes(item, h).omega
+    A, b = (CubicSpline(h.omega, x)(np.clip(omega, *h.omega[[0, -1]])) for x in (h.added_mass, h.radiation_damping))
+    mass, radiated = (M + J.T @ A @ J)[0, 0], (J.T @ b @ J)[0, 0]
+    (total,) = damped.floats[0].per_axis("damping") + radiated
+    assert total / (2 * np.sqrt(mass * C[0, 0])) == approx(ratio, rel=1e-6)
+    assert not np.any(damped.floats[0].critical_damping)
+
+
+def test_critical_damping_is_what_a_decay_shows():
+    """Let go, two extremes of one sign fall by exp(-2πκ/√(1 - κ²)); what else there is of radiation is in κ."""
+    item, h = SCENES["model_scale"]()
+    time = np.sqrt(1 / 20)
+    held = replace(item.floats[0], pto_damping=0.0, critical_damping=0.35, offset=0.002)
+    settings = replace(
+        item.settings, froude_krylov="linear", keep_series=True, duration=40 * time, discard=0.0, ramp=0.0,
+        newton_tolerance=1e-9, memory_tolerance=1e-3, time_step=0.1 * time,
+    )  # fmt: skip
+    record = simulate(replace(item, floats=(held,), sea=CALM, settings=settings), h)
+    y = record.series["rotation"][1][:, 0]
+    inner = y[1:-1]
+    peaks = np.abs(inner[(np.abs(inner) > np.abs(y[:-2])) & (np.abs(inner) >= np.abs(y[2:]))])
+    assert peaks[1] / peaks[0] == approx(np.exp(-np.pi * 0.35 / np.sqrt(1 - 0.35**2)), rel=0.15)
+
+
+def test_damping_that_radiation_exceeds_or_nothing_restores_is_refused():
+    item, h = SCENES["model_scale"]()
+    little = replace(item.floats[0], critical_damping=1e-3)
+    with pytest.raises(InputError, match=r"model\.critical_damping = 0\.001: must be >= 0\.\d+: radiation alone"):
+        with_critical_damping(linear(replace(item, floats=(little,))), h)
+    barge, h = SCENES["soft_mooring"]()
+    loose = replace(barge.floats[0], stiffness=0.0, critical_damping=(0.1, 0, 0))
+    with pytest.raises(InputError, match=r"critical_damping = 0\.1: needs an axis that something restores"):
+        with_critical_damping(linear(replace(barge, floats=(loose,))), h)
+
+
+@pytest.mark.parametrize("pressure", ["linear", "body-nonlinear"])
+def test_a_barge_with_its_weight_too_high_is_refused(pressure):
+    """GM = B²/12T - T/2 + ... < 0 by the position of the centre of gravity alone: 6 m² / 1.2 m above the keel."""
+    hull = prism([(-2, -1.2), (2, -1.2), (2, 4.0), (-2, 4.0)], 8.0)
+    metacentre = -0.6 + 4.0**2 / 12 / 1.2
+    barges = [
+        Float(
+            name="barge", hull=hull, mass=RHO * hull.volume, inertia=(8e5, 6e5, 8e5), hinge=(0, 0, 0),
+            motion=("heave", "pitch"), cog=(0, 0, metacentre + above),
+        )
+        for above in (-0.05, 0.05)
+    ]  # fmt: skip
+    _, h = SCENES["soft_mooring"]()
+    stiff = [h.density * h.gravity * 8.0 * 4.0, h.density * h.gravity * hull.volume * metacentre]
+    known = replace(h, hydrostatic_stiffness=np.diag([0.0, *stiff]), displaced_mass=np.array([RHO * hull.volume]))
+    stable, unstable = (
+        replace(scene([item]), settings=replace(scene([item]).settings, froude_krylov=pressure)) for item in barges
+    )
+    require_stable(prepare(stable, known))
+    with pytest.raises(SimulationFailed, match="equilibrium in still water is unstable: barge pitch falls away"):
+        require_stable(prepare(unstable, known))
