@@ -184,15 +184,15 @@ class Settings:
 
     def _frequency_problems(self) -> Iterator[InputError]:
         """What no linear response to waves can give."""
-        needs = 'must be {} with method = "frequency"'
+        needs = 'needs {} with method = "frequency"'
         if self.froude_krylov == "body-nonlinear":
             yield InputError("settings.froude_krylov", self.froude_krylov, needs.format('"linear" or "none"'))
         if self.keep_series:
-            yield InputError("settings.keep_series", self.keep_series, needs.format("false: it has no series"))
+            yield InputError("settings.keep_series", self.keep_series, needs.format("none"))
         if self.paths.formulation == "augmented":
             yield InputError("settings.formulation", "augmented", needs.format('"minimal", and accuracy "standard"'))
         if self.tolerance is not None:
-            yield InputError("settings.tolerance", self.tolerance, needs.format("left out: it has no step to choose"))
+            yield InputError("settings.tolerance", self.tolerance, needs.format("to be left out"))
 
     @property
     def paths(self) -> "Settings":

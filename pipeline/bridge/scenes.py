@@ -66,6 +66,8 @@ def objections(build: Callable[[], object]) -> Iterator[InputError]:
 def _key(theirs: str) -> str:
     """settings.time_step -> solver.time_step; band -> waves.band."""
     first, dot, rest = theirs.partition(".")
+    if theirs == "settings.keep_series":
+        return "record.series"
     if first == "settings":
         return f"{'record' if rest in Recording.model_fields else 'solver'}.{rest}"
     return PLACES.get(first, first) + dot + rest

@@ -110,7 +110,7 @@ def _dataset(
     words: Mapping[str, np.ndarray],
 ) -> tuple[dict[str, Variable], dict[str, Any]]:
     """Variables and attributes of the file."""
-    for dim in ("height", "mode"):
+    for dim in ("height", "mode", "system_mode"):
         arrays.sort(dim)
     outer = dimensions(study.content)
     keep = tuple(slice(None) if name in outer else 0 for name in table)

@@ -37,6 +37,7 @@ VARIABLES = {
         "m", "Elevation of the sea surface at the origin", "sea_surface_height_above_mean_sea_level"
     ),
     "natural_frequency": Meaning("rad s-1", "Natural angular frequency of the dry platform, lowest first"),
+    "system_period": Meaning("s", "Natural period of the coupled system in water, undamped, slowest first"),
     "Hm0": Meaning("m", "Significant wave height of the realization", WAVE + "significant_height"),
     "Tp_realized": Meaning("s", "Peak period of the realization", WAVE + "period_at_variance_spectral_density_maximum"),
     "Te": Meaning(
@@ -116,6 +117,7 @@ COORDINATES = {
     "height": Meaning("m", "Height above the foot of the leg", "height"),
     "statistic": Meaning(None, "Over the analysed time; max, min of parabolas through samples, std with ddof 0"),
     "mode": Meaning("1", "Number of the mode, from 1"),
+    "system_mode": Meaning("1", "Number of the system's shape, from 1; a record's system_shapes says what moves"),
     "elapsed_time": Meaning("s", "Time since the start of the simulation"),
 }
 

@@ -29,6 +29,11 @@ class SystemModes(NamedTuple):
     shapes: np.ndarray  # (n, m)
     names: tuple[str, ...]  # what moves in each
 
+    @property
+    def period(self) -> np.ndarray:
+        """(m,) [s], infinite where nothing holds the shape."""
+        return np.divide(2 * np.pi, self.omega, out=np.full(self.omega.shape, np.inf), where=self.omega > 0)
+
 
 def system_modes(system: System, model: LinearModel, h: Hydrodynamics | None) -> SystemModes:
     """(C - ω²(M + Eᵀ(A(ω) - A∞)E)) φ = 0, each φ with the added mass of its own frequency.

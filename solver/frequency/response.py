@@ -10,6 +10,7 @@ from solver.errors import SimulationFailed
 from solver.frequency import drag
 from solver.frequency.gaussian import covariance
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.multibody import joint_law
 
 AGREED = 1e-4  # change of any coordinate's std, relative to itself, at which the drag is that of its own result
 ROUNDS = 100
@@ -49,14 +50,14 @@ def _agreed(
     system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray, rows: np.ndarray
 ) -> tuple[np.ndarray, int]:
     """X (nw, n), and the rounds that it took until the drag was that of X itself."""
-    frame, law = system.structure, system.bodies.law
+    frame = system.structure
     nm, (_, nd, ns), nc = frame.omega.size, frame.station.shape, frame.carrier.shape[0]
     water = rows[system.layout.station].T.reshape(omega.size, nd, ns)
     excitation = rows[system.layout.excitation].reshape(len(system.scene.floats), 6, omega.size)[
         :, system.bodies.active
     ]
     force = wave_force(model, excitation.reshape(len(model.active), omega.size).T, rows[system.layout.modal])
-    quadratic, height = law.quadratic[nc:], float(np.abs(system.scene.sea.amplitude).sum())
+    quadratic, height = joint_law.drag(system.bodies.law)[nc:], float(np.abs(system.scene.sea.amplitude).sum())
     rate = np.zeros((omega.size, len(model.mass)), complex)
     std = np.zeros(len(model.mass))
     for rounds in range(1, ROUNDS + 1):

@@ -6,12 +6,14 @@ import numpy as np
 
 from solver.balance import warnings
 from solver.coupled.equilibrium import balance
-from solver.coupled.natural import require_stable
+from solver.coupled.linear import linear_model
+from solver.coupled.natural import require_stable, system_modes
 from solver.coupled.system import System, prepare
 from solver.errors import InputError
 from solver.frequency import gaussian
 from solver.frequency.response import Response, respond
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
+from solver.multibody.joint_law import absorption
 from solver.record.audit import coefficient_effects
 from solver.record.recorder import Channels, Record
 from solver.scene import Scene
@@ -44,7 +46,8 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     if scene.settings.rao and scene.floats:
         rao = np.full((scene.sea.omega.size, channels.owner.size), np.nan, complex)
         rao[np.abs(scene.sea.amplitude) > 0] = _joints(system, response)
-    return channels.record(tables, attrs, rao=rao)
+    modes = system_modes(system, linear_model(system), hydrodynamics)
+    return channels.record(tables, attrs, modes=modes, rao=rao)
 
 
 def _joints(system: System, response: Response) -> np.ndarray:
@@ -65,7 +68,7 @@ def _tables(system: System, response: Response, channels: Channels) -> Iterator[
         means = dict(channels.motions(z[None, nc:]))
         for name, lines in channels.motions(joints):
             yield name, table(means[name][0], lines)
-        pto, rates = system.bodies.law.pto[nc:], -1j * omega[:, None] * joints
+        pto, rates = absorption(system.bodies.law)[nc:], -1j * omega[:, None] * joints
         owned = [channels.owner == b for b in range(len(scene.floats))]
         yield "absorbed_power", np.array([gaussian.power_table(pto[i], rates[:, i], omega, duration) for i in owned])
         at_rest = channels.hinge_force(balance(system.bodies, z)[1][None])[0]

@@ -78,6 +78,16 @@ def joint_energy(law: JointLaw, y: np.ndarray) -> float:
     return energy
 
 
+def absorption(law: JointLaw) -> np.ndarray:
+    """Of a linear model (n,): the mean power absorbed by an axis is this times its rate's mean square."""
+    return law.pto
+
+
+def drag(law: JointLaw) -> np.ndarray:
+    """Of a linear model (n,): what times |ẏ|ẏ is to be linearised."""
+    return law.quadratic
+
+
 def absorbing(law: JointLaw) -> np.ndarray:
     """Which axes absorb power (n,)."""
     return law.pto > 0

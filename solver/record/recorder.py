@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.coupled.assembly import Layout, joint_law
 from solver.coupled.march import Output
+from solver.coupled.natural import SystemModes
 from solver.coupled.support import Support
 from solver.multibody.joint_law import joint_loads
 from solver.record.spectra import Harmonics
@@ -78,6 +79,7 @@ class Channels:
         tables: Mapping[str, np.ndarray],
         attrs: Mapping[str, float | str],
         *,
+        modes: SystemModes | None = None,
         envelopes: tuple[np.ndarray, np.ndarray] | None = None,
         rao: np.ndarray | None = None,
         series: Mapping[str, np.ndarray] | None = None,
@@ -96,6 +98,10 @@ class Channels:
         if self.frequencies.size:
             coords["mode"] = np.arange(1, self.frequencies.size + 1)
             variables["natural_frequency"] = (("mode",), self.frequencies)
+        if modes is not None and modes.omega.size:
+            coords["system_mode"] = np.arange(1, modes.omega.size + 1)
+            variables["system_period"] = ("system_mode",), modes.period
+            attrs = {**attrs, "system_shapes": "; ".join(modes.names)}
         if rao is not None:
             variables |= self._rao(rao)
             coords["component"] = np.arange(1, self.scene.sea.omega.size + 1)
@@ -168,12 +174,13 @@ class Recorder:
         tables = np.split(self.statistics.table(), ends[:-1])
         return {name: t.reshape(*shape, -1) for (name, shape), t in zip(self.shapes.items(), tables, strict=True)}
 
-    def record(self, attrs: Mapping[str, float | str]) -> Record:
-        """The record of all blocks."""
+    def record(self, attrs: Mapping[str, float | str], modes: SystemModes | None = None) -> Record:
+        """The record of all blocks; the system's natural periods, if known."""
         legs, largest = self.channels.legs, self.largest
         return self.channels.record(
             self.tables(),
             attrs,
+            modes=modes,
             envelopes=legs.envelopes(largest) if legs is not None and largest is not None else None,
             rao=self.harmonics.amplitudes() if self.harmonics is not None else None,
             series={name: np.concatenate(blocks) for name, blocks in self.series.items()},

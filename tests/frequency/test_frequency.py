@@ -201,14 +201,14 @@ def test_motions_per_wave():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"froude_krylov": "body-nonlinear"}, 'froude_krylov = body-nonlinear: must be "linear" or "none" with method'),
-        ({"keep_series": True}, "keep_series = True: must be false: it has no series with method"),
+        ({"froude_krylov": "body-nonlinear"}, 'froude_krylov = body-nonlinear: needs "linear" or "none" with method'),
+        ({"keep_series": True}, "keep_series = True: needs none with method"),
         (
             {"formulation": "augmented"},
-            'formulation = augmented: must be "minimal", and accuracy "standard" with method',
+            'formulation = augmented: needs "minimal", and accuracy "standard" with method',
         ),
-        ({"accuracy": "reference"}, 'formulation = augmented: must be "minimal", and accuracy "standard" with method'),
-        ({"tolerance": 1e-3}, "tolerance = 0.001: must be left out: it has no step to choose with method"),
+        ({"accuracy": "reference"}, 'formulation = augmented: needs "minimal", and accuracy "standard" with method'),
+        ({"tolerance": 1e-3}, "tolerance = 0.001: needs to be left out with method"),
     ],
 )
 def test_what_no_linear_response_gives_is_refused(changes, message):

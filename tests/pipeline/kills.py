@@ -72,9 +72,9 @@ def finished(results: Path) -> dict[str, bytes]:
 
 def dataset(results: Path, study: str = "empty") -> dict[str, bytes]:
     """Every variable of the collected dataset but the wall times."""
-    from pipeline.results.dataset import load
+    from pipeline.results.dataset import loaded
 
-    data = load(results / study / "statistics.nc")
+    data = loaded(results / study / "statistics.nc")
     return {
         str(n): np.asarray(v.values.astype(str) if v.dtype == object else v.values).tobytes()
         for n, v in data.variables.items()

@@ -54,12 +54,14 @@ pto_damping = 5e4
 [axes]
 hinge_spacing = [5.0]
 """
+LINES = '[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n'
 CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
 # Every kind of scene, sea, path and output.
 REAL = {
     "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
     "heave": SPHERE + SHORT + "rao = true\n[solver]\ntolerance = 0.05\n",
     "floating": SPHERE.replace('["heave"]\noffset = 0.5', '["surge", "heave"]\nstiffness = [2e5, 0]') + CARRIED + SHORT,
+    "lines": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("full", "none") + LINES,
     "paper": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("4.0", "1.0") + '[solver]\naccuracy = "reference"\n',
 }
 
@@ -121,7 +123,7 @@ def variables(path):
 
 
 def test_the_one_table_names_all_that_runs_leave_and_nothing_else(real):
-    """Elastic, fixed, no floats, guided, floating, decay, RAO, series, tolerance, the paper's way: all have units."""
+    """Elastic, fixed, no floats, guided, floating, RAO, series, tolerance, lines, the paper's way: all have units."""
     left = {}
     for path in real.glob("**/*.nc"):
         if path.parent.name != "hydrodynamics":
@@ -155,7 +157,7 @@ def test_what_the_solver_itself_leaves_is_clean_under_cf(real, tmp_path):
 def test_records_of_different_platforms_open_together(real):
     """The default of xarray, coords="different", wants every coordinate in every file."""
     paths = sorted((real / "elastic" / "tasks").glob("*/record.nc"))
-    with xr.open_mfdataset(paths, combine="nested", concat_dim="task", coords="minimal") as data:
+    with xr.open_mfdataset(paths, combine="nested", concat_dim="task", coords="minimal", join="outer") as data:
         assert data.task.values.tolist() == [path.parent.name for path in paths]
         for path in paths:
             with xr.open_dataset(path) as one:

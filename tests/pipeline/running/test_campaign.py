@@ -257,8 +257,8 @@ def drawn(monkeypatch):
 
     monkeypatch.setattr(actions, "REPORTED", 12)
     monkeypatch.setattr(page, "write", write)
-    monkeypatch.setattr(report, "summary", table)
-    monkeypatch.setattr(report, "show", table)
+    monkeypatch.setattr(report, "print_summary", table)
+    monkeypatch.setattr(report, "print_tables", table)
     return names
 
 
