@@ -33,6 +33,7 @@ SUBJECTS = {
     "buan-modes": "beams.table_3",
     "pile": "pile.morison",
     "modal-direct": "direct.modal_against_direct",
+    "frequency-domain": "lines.frequency_domain",
     "spectrum": "spectra.spectrum",
 }
 # Longest first, so that neither process ends long before the other.

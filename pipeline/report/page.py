@@ -14,6 +14,7 @@ from pipeline.report.drawing import plain, png, svg
 from pipeline.report.envelopes import envelopes
 from pipeline.report.figures import Results
 from pipeline.report.overview import TEXT, overview
+from pipeline.report.periods import natural_periods
 from pipeline.report.template import PAGE
 from pipeline.results import dataset
 from pipeline.results.store import write_atomic
@@ -60,6 +61,7 @@ def html(results: Results) -> str:
         verdicts=report.verdicts(results.data, list(results.published)),
         summary=[] if results.published else list(report.summary_rows(results.data)),
         figures=list(drawn(results)),
+        periods=list(natural_periods(results)),
     )
 
 

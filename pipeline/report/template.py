@@ -77,6 +77,20 @@ below each table.{% if verdicts %} {{ verdicts }}{% endif %}</p>
 {% endif %}
 {% endfor %}
 {% endif %}
+{% if periods %}
+<h2>Natural periods of the whole system in water</h2>
+<p class="note">Undamped, each with the added mass of its own frequency, and what moves in it: first the
+largest motion, with what moves along with it (+) or against it (-).</p>
+{% for platform, rows in periods %}
+<h3>{{ platform }}</h3>
+<table>
+<tr><th>period [s]</th><th class="word">moves</th></tr>
+{% for period, shape in rows %}
+<tr><td>{{ period }}</td><td class="word">{{ shape }}</td></tr>
+{% endfor %}
+</table>
+{% endfor %}
+{% endif %}
 {% if summary %}
 <h2>Mean and range of every variable</h2>
 <div class="wide"><table>

@@ -1,0 +1,137 @@
+"""The frequency domain beside the march: small linear waves, Buan's years, and linear beside body-nonlinear."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from solver.coupled.boundary import coefficients
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.record.recorder import Record
+from solver.run import simulate
+from solver.scene import Scene
+from solver.sea.realization import components, realize
+from solver.sea.spectrum import PiersonMoskowitz
+from studies.validation import drawing
+from studies.validation.cases import buan, scene
+from studies.validation.checks import Check
+from studies.validation.drawing import BLUE, GREEN, GREY, ORANGE, RED
+
+SMALL = 1e-4  # sum of the waves' amplitudes [m]: an arm's rotation is exact, and linear to as much
+LINES, BETWEEN = 24, 0.02  # waves at multiples of so many rad/s: the record comes back after 314 s
+YEARS = ("2017", "2018", "2019", "2020", "2021")
+HEIGHTS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)  # Hs [m], all of the same steepness
+OUTPUTS = ("rotation", "motion", "hinge_force", "top_displacement", "bottom_stress")
+CASE = "frequency domain"
+
+
+def both(item: Scene, h: Hydrodynamics | None, **changes) -> tuple[Record, Record]:
+    """Records of the march and of the frequency domain, both linear."""
+    linear = replace(item, settings=replace(item.settings, froude_krylov="linear", memory_tolerance=1e-3, **changes))
+    lines = replace(linear, settings=replace(linear.settings, method="frequency"))
+    return simulate(linear, h), simulate(lines, h)
+
+
+def std(record: Record, name: str) -> np.ndarray:
+    """Of all channels of an output, (n,)."""
+    return record.variables[name][1].reshape(-1, 5)[:, 4]
+
+
+def power(record: Record) -> float:
+    """Mean of all floats [W]."""
+    return float(record.variables["absorbed_power"][1][:, 2].sum())
+
+
+def frequency_domain() -> list[Check]:
+    """Every output of four scenes in small waves; Buan's years; the figure of linear beside body-nonlinear."""
+    checks: list[Check] = []
+    for name, item in {
+        "Buan, fixed": buan("fixed"),
+        "Buan, elastic": buan("elastic"),
+        "hinged sphere": scene("hinged-sphere"),
+        "floats on a floating platform": scene("floating", sea_state="moderate"),
+    }.items():
+        checks += _small_waves(name, item)
+    known = coefficients(buan("fixed"))
+    return checks + _years(known) + _heights(known)
+
+
+def _small_waves(name: str, item: Scene) -> list[Check]:
+    low, high = (int(np.ceil(w / BETWEEN)) for w in item.sea.omega[[0, -1]])
+    numbers = np.unique(np.linspace(low, high - 1, LINES).astype(int))
+    sea = components(amplitude=np.full(numbers.size, SMALL / LINES), omega=BETWEEN * numbers, phase=numbers**2 % 7)
+    small = replace(item, sea=sea)
+    period = 2 * np.pi / BETWEEN
+    march, lines = both(
+        small, coefficients(small), duration=2 * period, discard=3 * period, ramp=period, ramp_form="cosine",
+        newton_tolerance=1e-11, rao=True, time_step=0.05,
+    )  # fmt: skip
+    checks = []
+    rao = {"march": march, "lines": lines}
+    motion = {key: r.variables["rao"][1] * np.exp(1j * r.variables["rao_phase"][1]) for key, r in rao.items()}
+    apart = np.nanmax(np.abs(motion["lines"] - motion["march"]), axis=-1) / np.nanmax(np.abs(motion["march"]), axis=-1)
+    checks.append(
+        Check(
+            case=CASE, quantity=f"{name}: worst RAO, difference over largest", ours=float(np.nanmax(apart)),
+            published=0.0, allowed=5e-3,
+        )
+    )  # fmt: skip
+    for key in OUTPUTS:
+        if key in march.variables:
+            ours, other = std(lines, key), std(march, key)
+            used = other > 0.02 * np.nanmax(other)
+            worst = float(np.max(np.abs(ours[used] / other[used] - 1)))
+            quantity = f"{name}: std of {key}, worst over the march's"
+            checks.append(Check(case=CASE, quantity=quantity, ours=1 + worst, published=1.0, allowed=5e-3))
+    return checks
+
+
+def _years(known: Hydrodynamics | None) -> list[Check]:
+    """Real seas: drag is quadratic there and an arm's rotation exact."""
+    checks = []
+    for year in YEARS:
+        item = scene("buan", sea_state=year, platform="elastic", seed=0)
+        march, lines = both(item, known)
+        for quantity, ours, other, allowed in (
+            ("std of the tops in x", std(lines, "top_displacement")[0], std(march, "top_displacement")[0], 0.03),
+            ("mean power", power(lines), power(march), 0.01),
+        ):
+            told = f"Buan {year}, linear floats, elastic: {quantity}, over the march's"
+            checks.append(Check(case=CASE, quantity=told, ours=ours / other, published=1.0, allowed=allowed))
+    return checks
+
+
+def _heights(known: Hydrodynamics | None) -> list[Check]:
+    """Linear over body-nonlinear in higher and higher seas, shown; the years' as markers."""
+    base = buan("elastic")
+    band, count = (float(base.sea.omega[0]), float(base.sea.omega[-1])), base.sea.omega.size
+    seas = {}
+    for Hs in HEIGHTS:
+        spectrum = PiersonMoskowitz(Hs=Hs, Tp=4.83 * np.sqrt(Hs))
+        seas[Hs] = realize(spectrum, components=count, band=band, seed=3)
+    rising = [_over(replace(base, sea=sea), known) for sea in seas.values()]
+    years = [scene("buan", sea_state=year, platform="elastic", seed=0) for year in YEARS]
+    seen = [_over(item, known) for item in years]
+    labels = ("rotation, front", "hinge force x, front", "top displacement x", "mean power")
+    figure, (axis,) = drawing.axes(1, width=6.5)
+    for i, (label, colour) in enumerate(zip(labels, (BLUE, ORANGE, GREEN, RED), strict=True)):
+        axis.plot(list(seas), [row[i] for row in rising], "-", color=colour, label=label)
+        axis.plot([item.sea.parameters()["Hm0"] for item in years], [row[i] for row in seen], "o", color=colour, ms=4)
+    axis.axhline(1.0, color=GREY, lw=0.8)
+    axis.set(
+        xlabel="Hs [m]", ylabel="linear / body-nonlinear",
+        title="Frequency domain over body-nonlinear march, Buan elastic (dots: 2017 to 2021)",
+    )  # fmt: skip
+    axis.legend()
+    drawing.save(figure, "frequency-domain")
+    return [
+        Check(case=CASE, quantity=f"Hs {Hs:g} m: {label}, linear over body-nonlinear", ours=row[i], published=1.0)
+        for Hs, row in zip(HEIGHTS, rising, strict=True)
+        for i, label in enumerate(labels)
+    ]
+
+
+def _over(item: Scene, known: Hydrodynamics | None) -> tuple[float, ...]:
+    march = simulate(item, known)
+    lines = simulate(replace(item, settings=replace(item.settings, method="frequency", froude_krylov="linear")), known)
+    ratios = [std(lines, key)[0] / std(march, key)[0] for key in ("rotation", "hinge_force", "top_displacement")]
+    return (*map(float, ratios), power(lines) / power(march))
