@@ -10,7 +10,6 @@ import numpy as np
 from solver.balance import warnings
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
-from solver.coupled.linear import linear_model
 from solver.coupled.natural import require_stable, system_modes, with_critical_damping
 from solver.coupled.system import BALANCE, blocks, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed, StepTooLong
@@ -118,4 +117,4 @@ def _run(
     }
     if odd := warnings(scene):
         attrs["warnings"] = "; ".join(odd)
-    return recorder.record(attrs, system_modes(system, linear_model(system), hydrodynamics))
+    return recorder.record(attrs, system_modes(system, hydrodynamics))

@@ -16,6 +16,7 @@ from solver.scene import Scene
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
 PLATFORM = 6  # lowest shapes of the platform that are told, besides all joints
+SPARE = 20  # shapes beyond those told, of which they are made where the added mass is another
 ROUNDS, AGREED = 50, 1e-9  # of added mass and frequency in turn
 MOVES = 0.3  # of the largest motion: what moves by less is not part of a shape's name
 
@@ -35,28 +36,35 @@ class SystemModes(NamedTuple):
         return np.divide(2 * np.pi, self.omega, out=np.full(self.omega.shape, np.inf), where=self.omega > 0)
 
 
-def system_modes(system: System, model: LinearModel, h: Hydrodynamics | None) -> SystemModes:
+def system_modes(system: System, h: Hydrodynamics | None) -> SystemModes:
     """(C - ω²(M + Eᵀ(A(ω) - A∞)E)) φ = 0, each φ with the added mass of its own frequency.
 
     All joints' shapes and the platform's lowest. Beyond the frequencies solved for the nearest one's added mass
     stands; what nothing holds has ω = 0.
     """
-    added, joints = _added(system, model, h), len(model.mass) - system.structure.omega.size
-    value, shape = linalg.eigh(model.stiffness, model.mass)
-    count = min(len(value), joints + PLATFORM)
-    pairs = [_settled(model, added, value[i], shape[:, i]) for i in range(count)]
-    omega, shapes = np.array([w for w, _ in pairs]), np.array([s for _, s in pairs]).reshape(count, len(value)).T
+    model = linear_model(system)
+    added, n = _added(system, model, h), len(model.mass)
+    count = min(n, n - system.structure.omega.size + PLATFORM)
+    if not count:
+        return SystemModes(np.zeros(0), np.zeros((n, 0)), ())
+    kept = min(n, count + SPARE)
+    value, basis = linalg.eigh(model.stiffness, model.mass, subset_by_index=(0, kept - 1))
+    pairs = [_settled(value, lambda omega: basis.T @ added(omega).real @ basis, i) for i in range(count)]
+    omega, shapes = np.array([w for w, _ in pairs]), basis @ np.array([s for _, s in pairs]).T
     order = np.argsort(omega)
     shapes = shapes[:, order]
     return SystemModes(omega[order], shapes, tuple(_name(system, model, s) for s in shapes.T))
 
 
-def _settled(model: LinearModel, added: Added, value: float, shape: np.ndarray) -> tuple[float, np.ndarray]:
-    """ω and shape where the added mass is that of ω itself, from those at infinite frequency."""
-    omega = np.sqrt(max(value, 0.0))
+def _settled(stiffness: np.ndarray, added: Added, i: int) -> tuple[float, np.ndarray]:
+    """ω and shape where the added mass is that of ω itself, from the i-th of the shapes at infinite frequency.
+
+    In those shapes, whose stiffness is `stiffness` (n,) and whose mass is one.
+    """
+    omega, shape = float(np.sqrt(max(stiffness[i], 0.0))), np.eye(len(stiffness))[i]
     for _ in range(ROUNDS):
-        mass = model.mass + added(omega).real
-        values, shapes = linalg.eigh(model.stiffness, (mass + mass.T) / 2)
+        mass = np.eye(len(stiffness)) + added(omega)
+        values, shapes = linalg.eigh(np.diag(stiffness), (mass + mass.T) / 2)
         same = int(np.argmax(np.abs(shapes.T @ mass @ shape)))
         before, omega, shape = omega, float(np.sqrt(max(values[same], 0.0))), shapes[:, same]
         if abs(omega - before) <= AGREED * omega:

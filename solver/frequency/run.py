@@ -6,7 +6,6 @@ import numpy as np
 
 from solver.balance import warnings
 from solver.coupled.equilibrium import balance
-from solver.coupled.linear import linear_model
 from solver.coupled.natural import require_stable, system_modes
 from solver.coupled.system import System, prepare
 from solver.errors import InputError
@@ -46,7 +45,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     if scene.settings.rao and scene.floats:
         rao = np.full((scene.sea.omega.size, channels.owner.size), np.nan, complex)
         rao[np.abs(scene.sea.amplitude) > 0] = _joints(system, response)
-    modes = system_modes(system, linear_model(system), hydrodynamics)
+    modes = system_modes(system, hydrodynamics)
     return channels.record(tables, attrs, modes=modes, rao=rao)
 
 

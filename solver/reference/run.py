@@ -17,6 +17,7 @@ from solver import limits
 from solver.balance import warnings
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.march import Output
+from solver.coupled.natural import require_stable, system_modes
 from solver.coupled.system import BALANCE, System, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
@@ -82,6 +83,7 @@ def simulate_reference(
     clock = time.perf_counter()
     options: dict[str, Any] = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
     case = _case(scene, hydrodynamics, **options)
+    require_stable(case.system)
     prepared = time.perf_counter()
     recorder = Recorder(scene, case.system.support, layout=case.system.layout)
     probe = Recorder(probed(scene, _probe_steps(case)), case.system.support, layout=case.system.layout)
@@ -119,7 +121,7 @@ def simulate_reference(
     if odd := warnings(scene):
         attrs["warnings"] = "; ".join(odd)
     attrs["wall_time"] = time.perf_counter() - clock
-    return recorder.record(attrs)
+    return recorder.record(attrs, system_modes(case.system, hydrodynamics))
 
 
 def _told(scene: Scene) -> dict[str, float | str]:

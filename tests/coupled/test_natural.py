@@ -7,7 +7,6 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
-from solver.coupled.linear import linear_model
 from solver.coupled.natural import require_stable, system_modes, with_critical_damping
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
@@ -23,8 +22,7 @@ def linear(item):
 
 
 def modes(item, h):
-    system = prepare(linear(item), h)
-    return system_modes(system, linear_model(system), h)
+    return system_modes(prepare(linear(item), h), h)
 
 
 @pytest.mark.parametrize("name", ["duck", "flap", "big_beside_small", "model_scale"])

@@ -50,7 +50,8 @@ def task(study):
 
 def test_all_that_belongs_to_a_joint_reaches_the_solver(study_with):
     keys = FREE + (
-        "pto_damping = [1.0, 2.0, 3.0]\ndamping = [0.0, 5.0, 0.0]\nquadratic_damping = [7.0, 0.0, 8.0]\n"
+        "pto_damping = [1.0, 2.0, 3.0]\ndamping = [0.0, 5.0, 0.0]\n"
+        "critical_damping = [0.25, 0.0, 0.0]\nquadratic_damping = [7.0, 0.0, 8.0]\n"
         "stiffness = [1e3, 0.0, 0.0]\nmechanism_inertia = [0.0, 0.0, 9.0]\noffset = [0.0, -0.5, 0.1]\n"
     )
     (item,) = scenes.scene(task(study_with(keys)).parameters).floats
@@ -59,6 +60,7 @@ def test_all_that_belongs_to_a_joint_reaches_the_solver(study_with):
     assert values == {
         "pto_damping": [1, 2, 3],
         "damping": [0, 5, 0],
+        "critical_damping": [0.25, 0, 0],
         "quadratic_damping": [7, 0, 8],
         "stiffness": [1e3, 0, 0],
         "mechanism_inertia": [0, 0, 9],
