@@ -24,8 +24,8 @@ HEIGHTS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)  # Hs [m], all of the same steepness
 OUTPUTS = ("rotation", "motion", "hinge_force", "top_displacement", "bottom_stress")
 CASE = "frequency domain"
 SWAY = (
-    "Drag is of third order, too, and that part drives the sway below the band of the waves at its resonance; its linear"
-    " part does not. Without drag the ratio is 0.998 (2018, no floats)."
+    "Drag is of third order, too, and that part drives the sway below the band of the waves at its resonance; its"
+    " linear part does not. Without drag the ratio is 0.998 (2018, no floats)."
 )
 
 
