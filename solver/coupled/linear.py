@@ -12,10 +12,11 @@ harmonics Re{X exp(-iωt)} of what radiates E x:
 
 and all loads on the floats, whose negative their joints bear, are by the same differences
 
-    W = Σ (-iω)ᵏ Wₖ x, k = 0, 1, 2,   plus excitation, less iω-rates' radiation Y E x on what radiates.
+    W = Σ (-iω)ᵏ Wₖ X, k = 0, 1, 2,   plus the excitation, and iω Y E X on what radiates.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -45,6 +46,7 @@ class LinearModel:
         return np.linalg.solve(Z, force[..., None])[..., 0]
 
 
+@lru_cache(maxsize=1)
 def linear_model(system: System) -> LinearModel:
     """The model of a scene; all its loads are those that the march evaluates."""
     frame, (z, _) = system.structure, system.equilibrium

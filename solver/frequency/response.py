@@ -35,28 +35,27 @@ def respond(system: System, h: Hydrodynamics | None) -> Response:
     waves = np.abs(sea.amplitude) > 0
     omega, rows = sea.omega[waves], system.rows[:, waves]
     Y = impedance(system, h, omega) if h is not None else np.zeros((omega.size, *2 * (len(model.active),)))
-    X, rounds = _agreed(system, model, omega, Y, rows)
-    w = omega[:, None]
     excitation = rows[system.layout.excitation].T.reshape(omega.size, len(system.scene.floats), 6).copy()
+    radiating = excitation[..., system.bodies.active]
+    force = wave_force(model, radiating.reshape(omega.size, len(model.active)), rows[system.layout.modal])
+    X, rounds = _agreed(system, model, omega, Y, force, rows[system.layout.station].T)
+    w = omega[:, None]
     radiated = np.einsum("kij,kj->ki", Y, -1j * w * (X @ model.active.T))
-    excitation[..., system.bodies.active] -= radiated.reshape(
-        omega.size, len(system.scene.floats), system.bodies.active.size
-    )
+    excitation[..., system.bodies.active] -= radiated.reshape(radiating.shape)
     by_motion = sum(np.tensordot((-1j * w) ** k * X, part, axes=(1, 2)) for k, part in enumerate(model.wrench))
     return Response(omega=omega, X=X, Z=X @ model.shape.T, wrench=excitation + by_motion, rounds=rounds)
 
 
 def _agreed(
-    system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray, rows: np.ndarray
+    system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray, force: np.ndarray, water: np.ndarray
 ) -> tuple[np.ndarray, int]:
-    """X (nw, n), and the rounds that it took until the drag was that of X itself."""
+    """X (nw, n), and the rounds that it took until the drag was that of X itself.
+
+    force (nw, n): the waves', without drag; water (nw, nd ns): velocity at the drag stations.
+    """
     frame = system.structure
     nm, (_, nd, ns), nc = frame.omega.size, frame.station.shape, frame.carrier.shape[0]
-    water = rows[system.layout.station].T.reshape(omega.size, nd, ns)
-    excitation = rows[system.layout.excitation].reshape(len(system.scene.floats), 6, omega.size)[
-        :, system.bodies.active
-    ]
-    force = wave_force(model, excitation.reshape(len(model.active), omega.size).T, rows[system.layout.modal])
+    water = water.reshape(omega.size, nd, ns)
     quadratic, height = joint_law.drag(system.bodies.law)[nc:], float(np.abs(system.scene.sea.amplitude).sum())
     rate = np.zeros((omega.size, len(model.mass)), complex)
     std = np.zeros(len(model.mass))

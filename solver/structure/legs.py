@@ -56,12 +56,19 @@ class Legs:
     @property
     def tops_and_feet(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Displacement of the tops (nm, nl, 3), and N/A, c My/Iy, c Mz/Iz at the feet: (nm, nl, 3), static (nl, 3)."""
-        first = np.array([at.start for at in self.element_ends])
-        tops = self.displacement[..., self.ends - 1].swapaxes(1, 2)[:, self.twin]
-        fibre, static = (
-            values[..., first][..., self.twin].swapaxes(-1, -2) for values in (self.fibre, self.static_fibre)
-        )
-        return tops * np.where(self.mirrored[:, None], MIRROR, 1.0), fibre, static
+        feet = self._feet[self.twin]
+        fibre, static = (values[..., feet].swapaxes(-1, -2) for values in (self.fibre, self.static_fibre))
+        return self._tops(self.displacement), fibre, static
+
+    @property
+    def _feet(self) -> np.ndarray:
+        """Place of each of the no legs' foot among the element ends."""
+        return np.array([at.start for at in self.element_ends])
+
+    def _tops(self, u: np.ndarray) -> np.ndarray:
+        """Of all legs (m, nl, 3), from the displacements (m, 3, nn) of all nodes."""
+        tops = u[..., self.ends - 1].swapaxes(1, 2)[:, self.twin]
+        return tops * np.where(self.mirrored[:, None], MIRROR, 1.0)
 
     def nothing(self) -> Largest:
         """The largest values before the first sample."""
@@ -74,11 +81,10 @@ class Legs:
         The stress is that of the most compressive fibre, σ = N/A - ((c My/Iy)² + (c Mz/Iz)²)^½.
         """
         u, fibre = _map(p, self.displacement), _map(p, self.fibre)
-        first = np.array([at.start for at in self.element_ends])
+        first = self._feet
         feet = np.empty((len(p), first.size))
         _respond(u, fibre, self.static_fibre, first, feet, *largest)
-        tops = u[..., self.ends - 1].swapaxes(1, 2)[:, self.twin]
-        return tops * np.where(self.mirrored[:, None], MIRROR, 1.0), feet[:, self.twin]
+        return self._tops(u), feet[:, self.twin]
 
     def envelopes(self, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
         """Displacement (nl, nh) [m] and stress (nl, nh) [Pa], NaN at heights where a leg has no node."""
