@@ -35,7 +35,8 @@ def test_numba_leaves_the_counting_of_references_out_where_kernels_ask_for_it(co
 
 @pytest.fixture
 def afresh():
-    """A Green function without what others have fitted, before and after."""
+    """A Green function without what others have fitted, before and after; capytaine itself imported before."""
+    green._capytaine()
     green.green_function.cache_clear()
     yield
     green.green_function.cache_clear()
