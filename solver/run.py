@@ -10,12 +10,12 @@ import numpy as np
 from solver.balance import warnings
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
-from solver.coupled.natural import require_stable, system_modes, with_critical_damping
+from solver.coupled.natural import require_stable, system_modes, with_critical_damping, with_usual_step
 from solver.coupled.system import BALANCE, blocks, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
 from solver.limits import field_error
-from solver.record.accuracy import ATTEMPTS, first_guess, refined
+from solver.record.accuracy import ATTEMPTS, first_guess, refined, shortened
 from solver.record.audit import Probe, audit
 from solver.record.recorder import Record, Recorder
 from solver.scene import Scene, Settings
@@ -25,6 +25,8 @@ KNOBS = (
     "time_step", "modes", "azimuths", "arc_points", "line_points", "panel_size", "field_tolerance", "memory_tolerance",
     "stations_per_element", "newton_tolerance",
 )  # fmt: skip
+
+Better = Callable[[Settings, Mapping[str, float]], Settings | None]  # other settings for a run that tells its errors
 
 
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record:
@@ -37,11 +39,14 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     if hydrodynamics is None and needed(scene):
         hydrodynamics = coefficients(scene)
     scene = with_critical_damping(scene, hydrodynamics)
+    finer: Better = _content
     if scene.settings.tolerance is not None:
-        scene = replace(scene, settings=first_guess(scene))
+        scene, finer = replace(scene, settings=first_guess(scene)), refined
+    elif scene.settings.time_step is None:
+        finer = shortened
     repeated = ""
     for attempt in range(ATTEMPTS):
-        better = refined if scene.settings.tolerance is not None and attempt + 1 < ATTEMPTS else _content
+        better = finer if attempt + 1 < ATTEMPTS else _content
         try:
             record = _run(scene, hydrodynamics, better)
         except StepTooLong as error:
@@ -62,17 +67,15 @@ def _content(_settings: Settings, _told: Mapping[str, float]) -> None:
 
 def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record | Settings:
     """The record with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone."""
-    s = scene.settings
-    finer = replace(s, time_step=s.time_step / 4, newton_tolerance=s.newton_tolerance / 4**2)
+    s, dt = scene.settings, with_usual_step(prepare(scene, hydrodynamics), hydrodynamics).dt
+    finer = replace(s, time_step=dt / 4, newton_tolerance=s.newton_tolerance / 4**2)
     try:
         return _run(replace(scene, settings=finer), hydrodynamics)
     except SimulationFailed as second:
         raise SimulationFailed(f"{second} (second attempt; the first: {first})") from None
 
 
-def _run(
-    scene: Scene, hydrodynamics: Hydrodynamics | None, better: Callable[..., Settings | None] = _content
-) -> Record | Settings:
+def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _content) -> Record | Settings:
     """The record; or other settings, where `better` chooses some by the errors estimated from the run's start."""
     if scene.settings.method == "frequency":
         from solver.frequency.run import simulate_frequency  # with what it imports
@@ -85,6 +88,8 @@ def _run(
     clock = time.perf_counter()
     system = prepare(scene, hydrodynamics)
     require_stable(system)
+    system = with_usual_step(system, hydrodynamics)
+    scene = system.scene
     prepared = time.perf_counter()
     s = scene.settings
     steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))

@@ -18,7 +18,7 @@ from solver.quantities import Quantity, out_of_range, require_ranges
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 
-STEP = 0.2  # [s], the default, to which Newton's tolerance refers
+STEPS = 9  # in the shortest period that a scene has to follow
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 
 
@@ -141,7 +141,9 @@ class Settings:
     discard: Annotated[float, Quantity("s", least=0)] = 100.0  # before that
     ramp: Annotated[float, Quantity("s", least=0)] = 50.0
     ramp_form: Literal["paper", "cosine"] = "paper"
-    time_step: Annotated[float, Quantity("s", above=0)] = STEP  # samples are half a step apart
+    # Samples are half a step apart. None: by the shortest wave and the scene's own periods, and less where a run's
+    # start shows that its statistics need it.
+    time_step: Annotated[float | None, Quantity("s", above=0)] = None
     # Lowest modes kept, besides static load shapes.
     modes: Annotated[int | Literal["all"], Quantity(least=1, most=1000)] = 6
     azimuths: Annotated[int, Quantity(least=1, most=1000)] = 12  # of the wetted-surface quadrature, full circle
@@ -152,7 +154,9 @@ class Settings:
     # Of the local wave field, relative to the sum of amplitudes.
     field_tolerance: Annotated[float, Quantity(least=1e-14, most=1)] = 1e-4
     memory_tolerance: Annotated[float, Quantity(least=1e-8, most=1)] = 5e-3  # of the radiation memory's fit
-    stations_per_element: Annotated[int, Quantity(least=1, most=1000)] = 2  # drag
+    stations_per_element: Annotated[int, Quantity(least=1, most=1000)] = (
+        2  # drag; of each 1/k of the mean wave in longer ones
+    )
     # Pressure above still water. Wheeler's vanishes at the surface and agrees with published
     # body-nonlinear codes in steep waves; Airy's extrapolated is the Buan paper's.
     pressure: Literal["wheeler", "extrapolated"] = "wheeler"
@@ -160,7 +164,8 @@ class Settings:
     froude_krylov: Literal["body-nonlinear", "linear", "none"] = "body-nonlinear"
     diffraction: bool = True
     radiation: bool = True
-    # Newton's last update of a position [m or rad] in a step of STEP; in less as their square: forces are as exact.
+    # Newton's last update of a position [m or rad] in a step by the shortest wave, for hulls of 1 m radius and more;
+    # for smaller ones as their radius, in shorter steps as their square: forces are as exact.
     newton_tolerance: Annotated[float, Quantity(least=1e-14, most=1)] = 1e-5
     # "frequency": statistics of the linear model's stationary response, drag linearised; no series, no envelopes.
     method: Literal["time", "frequency"] = "time"
@@ -250,8 +255,9 @@ class Scene:
             if place[2] < -self.water.depth - STILL_WATER:
                 limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
                 yield InputError(f"platform.nodes.{name}", place, limit)
-        step, longest = self.settings.time_step, self.longest_step
-        if self.settings.tolerance is None and self.settings.method == "time" and step > longest:
+        settings, longest = self.settings, self.longest_step
+        marching = settings.method == "time" and settings.tolerance is None and self.sea.amplitude.any()
+        if marching and (step := settings.time_step) is not None and step > longest:
             limit = f"must be <= {longest:.3g} s, a sixth of the shortest wave's period, {6 * longest:.3g} s"
             yield InputError("settings.time_step", step, limit)
 
@@ -279,9 +285,20 @@ class Scene:
         return float(2 * np.pi / self.sea.omega.max() / 6)
 
     @property
+    def usual_step(self) -> float:
+        """By the shortest wave [s]: STEPS in its period, to two digits downwards."""
+        return two_digits(6 * self.longest_step / STEPS)
+
+    @property
     def planar(self) -> bool:
         """Scene and sea are mirror images of themselves in y = 0, so nothing leaves the plane."""
         return is_planar(self.floats, self.sea.heading)
+
+
+def two_digits(step: float) -> float:
+    """The largest number of two digits that is not above a step."""
+    digit = 10.0 ** (np.floor(np.log10(step)) - 1)
+    return float(f"{np.floor(step / digit * (1 + 1e-9)) * digit:.2g}")
 
 
 def is_planar(floats: Iterable[Float], heading: float) -> bool:

@@ -48,14 +48,14 @@ def moments(samples: np.ndarray) -> np.ndarray:
     return np.stack([samples.max(axis=0), samples.min(axis=0), mean, np.hypot(mean, std), std], axis=-1)
 
 
-def apart(table: np.ndarray, exact: np.ndarray, least: float = 0.0) -> float:
+def apart(table: np.ndarray, exact: np.ndarray, least: float | np.ndarray = 0.0) -> float:
     """Largest error of any mean, rms and std of channels of one kind, tables (…, 5) in the order of STATISTICS.
 
     Of mean and rms relative to the rms, of std to the std; a channel that is FAINT beside the largest, or below
     `least`, as zero ones by symmetry are, is judged as if it were not.
     """
     (mean, *spread), (mean_, *spread_) = (np.moveaxis(t, -1, 0)[2:] for t in (table, exact))
-    scale = [np.maximum(s, max(FAINT * np.nanmax(s, initial=0.0), least)) for s in spread_]
+    scale = [np.maximum(s, np.maximum(FAINT * np.nanmax(s, initial=0.0), least)) for s in spread_]
     differences = [(mean - mean_, scale[0]), *((a - b, c) for a, b, c in zip(spread, spread_, scale, strict=True))]
     return float(max(np.nanmax(np.abs(d)[s > 0] / s[s > 0], initial=0.0) for d, s in differences))
 

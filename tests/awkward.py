@@ -103,7 +103,7 @@ def model_scale():
     )  # fmt: skip
     time = np.sqrt(MODEL)
     waves = sea(Hs=1.28 * MODEL, Tp=5.46 * time, band=(0.7 / time, 3.4 / time))
-    whole = scene([item], depth=2.5, waves=waves, duration=50.0, discard=12.0, ramp=8.0, time_step=0.2 * time)
+    whole = scene([item], depth=2.5, waves=waves, duration=50.0, discard=12.0, ramp=8.0)
     return whole, known(whole, 0.3 / time, 7.0 / time)
 
 

@@ -14,7 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
+from solver import statistics
 from solver.coupled.system import blocks, prepare
+from solver.record.sampling import least_force
 from solver.run import simulate
 from solver.scene import DOFS
 
@@ -76,7 +78,7 @@ def test_mirrored_scene_gives_the_mirrored_answer(buan, coefficients, sea, mass,
 @given(sea=seas, scale=st.floats(0.2, 5.0), density=st.floats(0.5, 2.0))
 def test_similar_scenes_move_alike(buan, coefficients, sea, scale, density):
     """Froude's law for any length scale, and any density of water and bodies: the same angles at times √scale."""
-    scene = buan.scene("fixed", sea=buan.sea(sea[2], *sea[:2]), newton_tolerance=1e-10, **SHORT)
+    scene = buan.scene("fixed", sea=buan.sea(sea[2], *sea[:2]), time_step=0.2, newton_tolerance=1e-10, **SHORT)
     model, known = _similar(scene, scale, density), _similar_coefficients(coefficients, scale, density)
     (z, wrench), (same, loads) = history(scene, coefficients), history(model, known)
     # Both converge to one motion; what differs is the rounding in the memory's fit.
@@ -96,7 +98,9 @@ def _similar(scene, scale, density):
             arm=tuple(scale * np.array(f.arm)), pto_damping=mass * scale**2 / time * f.pto_damping,
         )  # fmt: skip
 
-    longer = {name: time * getattr(s, name) for name in ("duration", "discard", "ramp", "time_step")}
+    longer = {name: time * getattr(s, name) for name in ("duration", "discard", "ramp")}
+    if s.time_step is not None:
+        longer["time_step"] = time * s.time_step
     return replace(
         scene,
         water=replace(scene.water, depth=scale * scene.water.depth, density=density * scene.water.density),
@@ -117,6 +121,20 @@ def _similar_coefficients(h, scale, density):
         hydrostatic_stiffness=mass / scale * both * h.hydrostatic_stiffness, centres=scale * h.centres,
         depth=scale * h.depth, density=density * h.density,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("scale", [1 / 20, 20.0])
+def test_models_give_the_scaled_answers_by_themselves(buan, coefficients, scale):
+    """No numerical key is set: step and tolerances follow the scene."""
+    scene = buan.scene("fixed", duration=100.0)
+    full = simulate(scene, coefficients)
+    model = simulate(_similar(scene, scale, 1.0), _similar_coefficients(coefficients, scale, 1.0))
+    assert model.attrs["time_step"] == approx(np.sqrt(scale) * full.attrs["time_step"], rel=0.25)
+    units = {"rotation": 1.0, "absorbed_power": scale**3.5, "hinge_force": scale**3}
+    least = {"hinge_force": units["hinge_force"] * least_force(scene)}
+    for name, unit in units.items():
+        a, b = (record.variables[name][1] for record in (model, full))
+        assert statistics.apart(a, unit * b, least.get(name, 0.0)) < 1e-3
 
 
 @pytest.mark.parametrize("scale", [1 / 20, 20.0])

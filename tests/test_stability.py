@@ -176,7 +176,7 @@ def test_locked_joints_close_their_balance_at_the_default_step(buan, coefficient
 
 def test_what_a_finer_step_helps_is_repeated_once_and_the_record_says_so(buan, coefficients, monkeypatch):
     monkeypatch.setattr(sys.modules["solver.run"], "BALANCE", 3e-7)
-    scene = buan.scene("fixed")
+    scene = buan.scene("fixed", time_step=0.2)
     attrs = simulate(scene, coefficients).attrs
     assert attrs["repeated"].startswith("energy balance at t = ")
     assert attrs["time_step"] == scene.settings.time_step / 4 and attrs["energy_residual"] < 3e-7
@@ -185,7 +185,7 @@ def test_what_a_finer_step_helps_is_repeated_once_and_the_record_says_so(buan, c
 def test_what_a_finer_step_does_not_help_fails_with_both_messages(buan, coefficients, monkeypatch):
     monkeypatch.setattr(sys.modules["solver.run"], "BALANCE", 0.0)
     with pytest.raises(SimulationFailed, match=r"time_step = 0\.05 s.*second attempt; the first: .*0\.2 s") as error:
-        simulate(buan.scene("fixed"), coefficients)
+        simulate(buan.scene("fixed", time_step=0.2), coefficients)
     assert not isinstance(error.value, StepTooLong)
 
 

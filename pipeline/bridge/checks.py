@@ -73,7 +73,7 @@ def _recording(study: StudyFile) -> Iterator[InputError]:
     if record.ramp > record.discard:
         yield InputError("record.ramp", record.ramp, f"must be <= record.discard = {record.discard:g} s")
     longest, step = record.discard + record.duration, study.solver.time_step
-    if study.solver.tolerance is None and longest > MOST_STEPS * step:
+    if step is not None and study.solver.tolerance is None and longest > MOST_STEPS * step:
         limit = f"must be >= {longest / MOST_STEPS:.3g} s, or {longest:g} s take more than {MOST_STEPS} steps"
         yield InputError("solver.time_step", step, limit)
 
@@ -103,7 +103,7 @@ def _scenes(study: StudyFile) -> Iterator[InputError]:
     """The solver's objections to the scenes: one for each support and place of the hinges, with the shortest wave."""
     from solver.sea.realization import Realization
 
-    shortest = Realization(omega=np.array([sea_checks.highest_frequency(study)]), amplitude=np.zeros(1, complex))
+    shortest = Realization(omega=np.array([sea_checks.highest_frequency(study)]), amplitude=np.array([1e-9 + 0j]))
     for labels in _configurations(study):
         yield from scenes.objections(partial(scenes.scene, cell(study, labels, ()).parameters, shortest))
 

@@ -61,7 +61,7 @@ class Solver(Table):
 
     if TYPE_CHECKING:
         tolerance: float | None = DEFAULT.tolerance
-        time_step: float = DEFAULT.time_step
+        time_step: float | None = DEFAULT.time_step
 
 
 class HemisphereCylinder(Table):

@@ -1,4 +1,4 @@
-"""What the linear model says of a scene by itself: stability, natural periods and shapes, critical damping."""
+"""What the linear model says of a scene: stability, natural periods and shapes, critical damping, the usual step."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,13 +12,14 @@ from solver.coupled.linear import LinearModel, linear_model
 from solver.coupled.system import System, prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.scene import Scene
+from solver.scene import STEPS, Scene, two_digits
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
 PLATFORM = 6  # lowest shapes of the platform that are told, besides all joints
 SPARE = 20  # shapes beyond those told, of which they are made where the added mass is another
 ROUNDS, AGREED = 50, 1e-9  # of added mass and frequency in turn
 MOVES = 0.3  # of the largest motion: what moves by less is not part of a shape's name
+DRAWN = 20  # steps in the period of a decay, which is looked at as a curve
 
 Added = Callable[[float], np.ndarray]  # ω -> A - A∞ + iB (n, n)
 
@@ -110,6 +111,34 @@ def require_stable(system: System) -> None:
             f"the equilibrium in still water is unstable: {names} falls away with a stiffness of {value[0]:.3g} N per"
             " metre of motion; lower the centre of gravity (cog), or hold it by stiffness"
         )
+
+
+def with_usual_step(system: System, h: Hydrodynamics | None) -> System:
+    """With the step of the shortest wave and of the scene's own periods, unless one is given.
+
+    STEPS in the shortest wave's period and in each of the scene's own that is not below half of that: what is faster
+    follows the waves without swinging, and the scheme is stable. In still water STEPS in all of them, and DRAWN in
+    those that the offsets set swinging.
+    """
+    if system.scene.settings.time_step is not None:
+        return system
+    modes, sea = system_modes(system, h), system.scene.sea
+    if sea.amplitude.any():
+        periods = modes.period[modes.period > np.pi / sea.omega.max()]
+        step = min(system.scene.usual_step, *periods / STEPS, np.inf)
+    else:
+        step = min([*_swinging(system, modes) / DRAWN, *modes.period / STEPS], default=system.scene.usual_step)
+    return system.with_step(two_digits(step if np.isfinite(step) else system.scene.usual_step))
+
+
+def _swinging(system: System, modes: SystemModes) -> np.ndarray:
+    """Periods (m,) of the shapes that a scene let go from its offsets swings in."""
+    model, nm = linear_model(system), system.structure.omega.size
+    start = np.zeros(len(model.mass))
+    start[nm:] = np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in system.scene.floats)])
+    reach = np.abs(modes.shapes * model.length[:, None]).max(axis=0, initial=0.0)
+    reach *= np.abs(modes.shapes.T @ model.mass @ start)
+    return modes.period[(reach >= MOVES * reach.max(initial=0.0)) & (reach > 0)]
 
 
 def with_critical_damping(scene: Scene, h: Hydrodynamics | None) -> Scene:

@@ -22,7 +22,11 @@ from solver.structure import modes as natural
 from solver.structure.frame import FrameModel, assemble
 from solver.structure.legs import Legs
 
-PATTERN = 1e-2  # principal wave-load shapes smaller than this share of the largest are left out
+PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
+# Pieces of an element in which loads are integrated: of 1/k of the shortest wave for inertia, whose EXACT points are
+# then right to 2e-5 of it, and of the mean wave for drag.
+INERTIA, DRAG = 4.0, 1.0
+SLOWEST = 1e-9  # wave number of still water [1/m]
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
 KNOWN = 8  # platforms of which a process keeps what no wave changes
 PLANAR = np.array([0, 2, 4])
@@ -111,10 +115,12 @@ def reduce_platform(
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
-    at = water.stations(model, water.EXACT)  # once a task, so the exact rule costs nothing
+    # Once a task, so the exact rule costs nothing.
+    at = water.stations(model, water.EXACT, INERTIA / max(field.k.max(), SLOWEST))
     inertia_rows = _inertia_rows(platform, at, field, sea)
     nodal = _nodal_load(model, at, inertia_rows)
-    omega, shapes = kept if modes == "all" else _basis(model, M, kept, symmetric, dof.ravel(), nodal)
+    loads = np.concatenate([nodal, _nodal_load(model, at, _drag_rows(at, field, sea))], axis=1)
+    omega, shapes = kept if modes == "all" else _basis(model, M, kept, symmetric, dof.ravel(), loads)
     station_shape, station_rows, drag = _drag(model, field, sea, shapes, stations, planar)
     return Support(
         dry_omega=_dry_frequencies(model),
@@ -140,6 +146,18 @@ def _inertia_rows(platform: Platform, at: water.Stations, field: WaveField, sea:
     coefficient = at.inertia - (1 if platform.wave_inertia == "relative" else 0)
     size = coefficient * sea.density * np.pi / 4 * at.diameter**2 * at.weight
     return size[:, None, None] * (_normal(at) @ field.acceleration(at.position))
+
+
+def _drag_size(at: water.Stations, sea: Water) -> np.ndarray:
+    """½ρ C_D D w of each station [kg/m]."""
+    return 0.5 * sea.density * at.drag * at.diameter * at.weight
+
+
+def _drag_rows(at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
+    """Drag of the water alone on each station [N], linearised by its own std: ½ρ C_D D w √(8/π) σ u, (ns, 3, n)."""
+    velocity = _normal(at) @ field.velocity(at.position)
+    std = np.sqrt(0.5 * np.sum(np.abs(velocity) ** 2, axis=(1, 2)))
+    return (np.sqrt(8 / np.pi) * _drag_size(at, sea) * std)[:, None, None] * velocity
 
 
 def _nodal_load(model: FrameModel, at: water.Stations, rows: np.ndarray) -> np.ndarray:
@@ -184,10 +202,10 @@ def _drag(
 
     In a planar scene a station and its mirror image in y = 0 are loaded alike: one counts twice.
     """
-    at = water.stations(model, points)
+    at = water.stations(model, points, DRAG / max(field.mean_wavenumber, SLOWEST))
     normal = _normal(at)
     shape, rows = normal @ at.project(shapes), normal @ field.velocity(at.position)
-    drag = 0.5 * sea.density * at.drag * at.diameter * at.weight
+    drag = _drag_size(at, sea)
     y = at.position[:, 1]
     if planar:
         drag = drag * np.where(np.abs(y) < SAME, 1.0, 2.0)

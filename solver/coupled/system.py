@@ -40,7 +40,7 @@ from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.radiation import memory as radiation
 from solver.limits import slides
 from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
-from solver.scene import STEP, Float, Scene
+from solver.scene import Float, Scene
 from solver.sea.field import Factored, WaveField, WaveSeries, factored
 from solver.sea.realization import ramp
 
@@ -89,7 +89,9 @@ class System:
 
     def with_step(self, dt: float) -> "System":
         """The same scene at another step; what does not depend on it is not computed again."""
-        other = replace(self, dt=dt, memory=assembly.memory(self.fit, dt, self.bodies.added_mass.shape[0]))
+        scene = replace(self.scene, settings=replace(self.scene.settings, time_step=dt))
+        memory = assembly.memory(self.fit, dt, self.bodies.added_mass.shape[0])
+        other = replace(self, scene=scene, dt=dt, memory=memory)
         kept = ("equilibrium", "differences", "factored")
         vars(other).update({name: value for name, value in vars(self).items() if name in kept})
         return other
@@ -97,7 +99,9 @@ class System:
     @property
     def newton_tolerance(self) -> float:
         """For this step: positions change by dt² of the accelerations, and those give the forces [m or rad]."""
-        return max(self.scene.settings.newton_tolerance * min(1.0, self.dt / STEP) ** 2, LEAST)
+        radius = min((f.hull.largest_radius for f in self.scene.floats), default=1.0)
+        share = min(1.0, radius) * min(1.0, self.dt / self.scene.usual_step) ** 2
+        return max(self.scene.settings.newton_tolerance * share, LEAST)
 
     @property
     def terms(self) -> int:
@@ -172,6 +176,7 @@ class System:
 def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     """The scene as arrays; InputError for coefficients of another scene."""
     settings, water = scene.settings, scene.water
+    dt = scene.usual_step if settings.time_step is None else settings.time_step
     if hydrodynamics is not None and scene.floats:
         _check_same(scene, hydrodynamics)
     waves = WaveField(scene.sea, water.depth, water.gravity)
@@ -204,11 +209,11 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         support=support,
         structure=assembly.structure(support, scene.platform.damping_ratio if scene.platform else 0.0),
         fit=fit,
-        memory=assembly.memory(fit, settings.time_step, na),
+        memory=assembly.memory(fit, dt, na),
         rows=rows,
         layout=layout,
         waves=waves,
-        dt=settings.time_step,
+        dt=dt,
     )
 
 

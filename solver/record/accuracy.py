@@ -1,32 +1,34 @@
-"""An error asked for becomes settings: a first guess by known laws, and finer ones where a run's start says so."""
+"""An error asked for becomes settings: a first guess by known laws, and finer ones where a run's start says so.
+
+Without one the step alone is chosen: by the scene's periods, and shorter where a run's start says so.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from solver.record.audit import MARGIN
-from solver.scene import STEP, Scene, Settings
+from solver.scene import Scene, Settings, two_digits
 
 ATTEMPTS = 6  # at most; each but the last costs the first audit.PROBE seconds of a run, and their audit
 RULES = [(8, 4, 2), (12, 6, 3), (16, 12, 6), (24, 16, 8)]
 MEMORIES = [5e-3, 2e-3, 1e-3, 3e-4]
-# What the sum of the estimates may be made of; the BEM's mesh is chosen before, see scene.panels_for.
-SHARE = {"discretization_error": 0.5, "quadrature_error": 0.2, "memory_effect": 0.2}
+MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
+# What the estimate's square may be made of; the BEM's mesh is chosen before, see scene.panels_for.
+SHARE = {"discretization_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
 STEP_ORDER = 4
-USUAL = 5e-4  # estimated error of the default step in Buan's representative sea: where the guess starts from
+USUAL = 5e-4  # of the usual step, where the guess starts from; and what that step may err by where none is given
 
 
 def first_guess(scene: Scene) -> Settings:
     """What the defaults say, scaled to the tolerance where the law is known; rather too coarse than too fine."""
     s, tolerance = scene.settings, _tolerance(scene.settings)
-    size = min((f.hull.largest_radius for f in scene.floats), default=1.0)
     azimuths, arc, line = RULES[0 if tolerance >= 1e-2 else 1]
-    step = STEP * (SHARE["discretization_error"] * tolerance / MARGIN / USUAL) ** (1 / STEP_ORDER)
+    step = scene.usual_step * (SHARE["discretization_error"] ** 0.5 * tolerance / MARGIN / USUAL) ** (1 / STEP_ORDER)
     return replace(
         s,
         field_tolerance=min(1e-3, tolerance / 20),
-        newton_tolerance=min(1e-5, tolerance / 200) * size,
+        newton_tolerance=min(1e-5, tolerance / 200),
         modes=s.modes if tolerance > 1e-4 or s.modes == "all" else 4 * s.modes,
         azimuths=azimuths,
         arc_points=arc,
@@ -40,14 +42,13 @@ def first_guess(scene: Scene) -> Settings:
 def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
     """Finer settings for a run that has `told` its estimates; None where they meet the tolerance or nothing helps."""
     tolerance = _tolerance(settings)
-    left = tolerance / MARGIN - told["mesh_effect"] - settings.field_tolerance
-    if told["estimated_error"] <= tolerance or left <= 0:
+    left = (tolerance / MARGIN) ** 2 - told["mesh_effect"] ** 2
+    if MARGIN * told["estimated_error"] <= tolerance or left <= 0:
         return None
-    over = {name: told[name] / (share / sum(SHARE.values()) * left) for name, share in SHARE.items()}
+    over = {name: told[name] / (share * left) ** 0.5 for name, share in SHARE.items()}
     finer = settings
     if over["discretization_error"] > 1:
-        shorter = 0.9 * over["discretization_error"] ** (-1 / STEP_ORDER)
-        finer = replace(finer, time_step=settings.time_step * float(np.clip(shorter, 0.3, 0.9)))
+        finer = _shorter(finer, over["discretization_error"])
     at = RULES.index((settings.azimuths, settings.arc_points, settings.line_points))
     if over["quadrature_error"] > 1 and at + 1 < len(RULES):
         azimuths, arc, line = RULES[at + 1]
@@ -56,6 +57,19 @@ def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
         wanted = settings.memory_tolerance / over["memory_effect"]
         finer = replace(finer, memory_tolerance=next((m for m in MEMORIES if m <= wanted), MEMORIES[-1]))
     return None if finer == settings else finer
+
+
+def shortened(settings: Settings, told: Mapping[str, float]) -> Settings | None:
+    """A shorter step for a run whose chosen one errs by more than USUAL; else None."""
+    over = told["discretization_error"] / USUAL
+    return _shorter(settings, over) if over > 1 else None
+
+
+def _shorter(settings: Settings, over: float) -> Settings:
+    """With the step that errs `over` times less."""
+    assert settings.time_step is not None, "asked of a run, with its step"
+    share = float(np.clip(0.9 * over ** (-1 / STEP_ORDER), 0.3, 0.9))
+    return replace(settings, time_step=two_digits(share * settings.time_step))
 
 
 def _tolerance(settings: Settings) -> float:

@@ -1,5 +1,6 @@
 """What a record says about itself: energy balance, constraint drift, estimated errors, and what was skipped."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -14,28 +15,30 @@ from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.multibody.joint_law import absorbing
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
 from solver.record.recorder import Recorder
+from solver.record.sampling import expected_error, least_force
 from solver.scene import Scene, Settings
-from solver.statistics import FAINT, STATISTICS, apart, moments
+from solver.statistics import FAINT, apart, moments
 
-PROBE = 120.0  # length of the run with half the step [s]
+PROBE = 600  # usual steps of a scene: length of the run with half the step
 STATES = 48  # at which the pressure's quadrature is compared with a finer one
-MARGIN = 1.25  # what the sum of the estimates is multiplied by: each is a sample
 DECAY = 400  # frequencies at which a scene without waves is judged
 MOTIONS = ("rotation", "motion", "top_displacement")
 
 
 def probed(scene: Scene, steps: int) -> Scene:
-    """A scene whose record is of so many steps from the start, and of nothing but statistics."""
+    """A scene whose record is of so many steps from the start, as samples."""
     s = scene.settings
-    return replace(scene, settings=replace(s, discard=0.0, duration=steps * s.time_step, keep_series=False, rao=False))
+    assert s.time_step is not None, "asked of a scene that runs, with its step"
+    return replace(scene, settings=replace(s, discard=0.0, duration=steps * s.time_step, keep_series=True, rao=False))
 
 
 class Probe:
-    """Keeps what the first PROBE seconds of a run are judged by: their statistics, and some states."""
+    """Keeps what the first PROBE steps of a run are judged by: their samples, and some states."""
 
     def __init__(self, system: System):
         s = system.scene.settings
-        self.system, self.steps = system, max(1, int(min(PROBE, s.discard + s.duration) / system.dt))
+        seconds = min(PROBE * system.scene.usual_step, s.discard + s.duration)
+        self.system, self.steps = system, max(1, int(seconds / system.dt))
         self.recorder = Recorder(probed(system.scene, self.steps), system.support, layout=system.layout)
         self.states: list[tuple[np.ndarray, np.ndarray]] = []
         self.full = False
@@ -64,15 +67,19 @@ class Probe:
                 "memory_effect": memory_effect,
                 "mesh_effect": mesh_effect,
             }
-            field_error = self.system.scene.settings.field_tolerance if self.system.scene.floats else 0.0
-            self._errors = {**parts, "estimated_error": MARGIN * (sum(parts.values()) + field_error)}
+            self._errors = {**parts, "estimated_error": together(parts.values())}
         return self._errors
+
+
+def together(errors: Iterable[float]) -> float:
+    """Error to expect of independent ones: the root of the sum of their squares."""
+    return float(np.sqrt(sum(error**2 for error in errors)))
 
 
 def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
     """Relative errors of any mean, rms or std, what was asked and not met, and what was left out.
 
-    `estimated_error` is MARGIN times the sum of those of step, quadrature, memory, wave field and BEM mesh.
+    `estimated_error` is that of step, quadrature, memory and BEM mesh together.
     """
     system = probe.system
     errors = probe.errors(hydrodynamics)
@@ -121,7 +128,7 @@ def constraint_drift(system: System, state: State) -> float:
 
 
 def step_error(probe: Probe) -> float:
-    """Of every mean, rms and std of the first PROBE seconds, against a run of them with half the step.
+    """Of every mean, rms and std of the record, from its start and a run of that with half the step.
 
     The scheme is of fourth order, so that run differs by 15/16 of the error.
     """
@@ -130,16 +137,21 @@ def step_error(probe: Probe) -> float:
     finer = Recorder(probe.recorder.scene, system.support, layout=system.layout)
     for samples, output, times in blocks(half, half.start(), 2 * probe.steps):
         finer.add(times[1::2], Output(*(x[1::2] for x in output)), samples[1::2])
-    return statistics_error(probe.recorder, finer, system.newton_tolerance) * 16 / 15
+    return statistics_error(system, probe.recorder, finer) * 16 / 15
 
 
-def statistics_error(recorder: Recorder, exact: Recorder, tolerance: float) -> float:
-    """Largest error of any mean, rms or std of what the wave drives; nothing where no motion exceeds `tolerance`."""
-    usual, best = recorder.tables(), exact.tables()
-    std = STATISTICS.index("std")
-    if not any(np.nanmax(best[name][..., std]) > 10 * tolerance for name in set(MOTIONS) & set(best)):
+def statistics_error(system: System, recorder: Recorder, exact: Recorder) -> float:
+    """Error to expect of any mean, rms or std of the scene's record, from two recorders' samples of a part of it.
+
+    Nothing where no motion exceeds Newton's tolerance.
+    """
+    s, usual, best = system.scene.settings, recorder.samples(), exact.samples()
+    moving = (np.nanmax(best[name].std(axis=0), initial=0.0) for name in MOTIONS if name in best)
+    if not max(moving, default=0.0) > 10 * system.newton_tolerance * bool(system.scene.floats):
         return 0.0
-    return max(apart(usual[name], best[name]) for name in best if name != "wave_elevation")
+    longer = max(1.0, s.duration / recorder.scene.settings.duration)
+    driven = {name: samples for name, samples in best.items() if name not in ("time", "wave_elevation")}
+    return expected_error(usual, driven, {"hinge_force": least_force(system.scene)}, longer)
 
 
 def quadrature_error(system: System, probe: Probe) -> float:

@@ -174,6 +174,10 @@ class Recorder:
         tables = np.split(self.statistics.table(), ends[:-1])
         return {name: t.reshape(*shape, -1) for (name, shape), t in zip(self.shapes.items(), tables, strict=True)}
 
+    def samples(self) -> dict[str, np.ndarray]:
+        """Of each channel (m, …), and their times (m,), where series are kept."""
+        return {name: np.concatenate(blocks) for name, blocks in self.series.items()}
+
     def record(self, attrs: Mapping[str, float | str], modes: SystemModes | None = None) -> Record:
         """The record of all blocks; the system's natural periods, if known."""
         legs, largest = self.channels.legs, self.largest
@@ -183,5 +187,5 @@ class Recorder:
             modes=modes,
             envelopes=legs.envelopes(largest) if legs is not None and largest is not None else None,
             rao=self.harmonics.amplitudes() if self.harmonics is not None else None,
-            series={name: np.concatenate(blocks) for name, blocks in self.series.items()},
+            series=self.samples(),
         )

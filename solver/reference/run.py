@@ -17,12 +17,12 @@ from solver import limits
 from solver.balance import warnings
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.march import Output
-from solver.coupled.natural import require_stable, system_modes
+from solver.coupled.natural import require_stable, system_modes, with_usual_step
 from solver.coupled.system import BALANCE, System, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
 from solver.multibody.joint_law import joint_energy
-from solver.record.audit import MARGIN, PROBE, coefficient_effects, probed, statistics_error, unmet
+from solver.record.audit import PROBE, coefficient_effects, probed, statistics_error, together, unmet
 from solver.record.recorder import Record, Recorder
 from solver.reference import axes as joint_axes
 from solver.reference.augmented import (
@@ -86,7 +86,7 @@ def simulate_reference(
     require_stable(case.system)
     prepared = time.perf_counter()
     recorder = Recorder(scene, case.system.support, layout=case.system.layout)
-    probe = Recorder(probed(scene, _probe_steps(case)), case.system.support, layout=case.system.layout)
+    probe = Recorder(probed(case.scene, _probe_steps(case)), case.system.support, layout=case.system.layout)
     samples = _march(case, tolerance)
     first = next(samples)
     before, errors = _stored(case, first.frames), np.array(first.errors)
@@ -95,7 +95,7 @@ def simulate_reference(
         recorder.add(times, output, waves)
         probe.add(times, output, waves)
         errors = np.maximum(errors, gaps)
-        progress(times[-1] / (case.steps * scene.settings.time_step))
+        progress(times[-1] / (case.steps * case.system.dt))
     work, stored = _works(case), _stored(case, frames)
     residual = energy_residual(work, stored, np.array([before, case.system.least_energy]))
     if not residual <= BALANCE:
@@ -112,7 +112,7 @@ def simulate_reference(
         "seabed_error": seabed_error(hydrodynamics),
         "unmet": "; ".join(unmet(case.scene.settings, case.system.fit)),
         "skipped": "",
-        **_told(scene),
+        **_told(case.scene),
         "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,
         "prepare_time": prepared - clock,
         "march_time": marched - prepared,
@@ -139,20 +139,21 @@ def _case(
     panels: tuple[int, int],
     stages: int,
 ) -> Case:
-    scene = replace(scene, settings=scene.settings.paths)
-    s, system, h = scene.settings, prepare(scene, h), h if scene.floats else None
+    system = with_usual_step(prepare(replace(scene, settings=scene.settings.paths), h), h)
+    scene, dt, h = system.scene, system.dt, h if scene.floats else None
+    s = scene.settings
     if not s.radiation or h is None:
         kernel = None
     elif kernel is None:
         kernel = CosineTransform.of(h) if s.memory == "convolution" else system.fit
-    steps = int(np.ceil((s.discard + s.duration) / s.time_step - 1e-9))
+    steps = int(np.ceil((s.discard + s.duration) / dt - 1e-9))
     _, A = lobatto(stages)
     support: FixedSupport | ElasticSupport = FixedSupport()
     if scene.platform is not None and system.support is not None:
         nodes = np.array([f.hinge for f in scene.floats], float).reshape(-1, 3)
-        support = ElasticSupport(system.support, scene.platform.damping_ratio, nodes, A.sum(axis=1), A, s.time_step)
+        support = ElasticSupport(system.support, scene.platform.damping_ratio, nodes, A.sum(axis=1), A, dt)
     force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
-    floats = Floats(scene, h, kernel, force, support, dt=s.time_step, A=A, steps=steps)
+    floats = Floats(scene, h, kernel, force, support, dt=dt, A=A, steps=steps)
     bodies, state = _at_rest(scene, system, floats, support, kernel)
     return Case(
         scene=scene, system=system, mechanism=bodies, state=state, floats=floats, support=support, steps=steps
@@ -213,7 +214,7 @@ def _joint(item: Float, first: int, second: int, node: joint_axes.Node) -> Hinge
 
 def _march(case: Case, tolerance: float) -> Iterator[Sample]:
     """The start's sample, then two of every step."""
-    dt, stages = case.scene.settings.time_step, len(case.floats.weight)
+    dt, stages = case.system.dt, len(case.floats.weight)
     still = min(STILL, case.scene.settings.newton_tolerance)
     options: dict[str, Any] = {"dt": dt, "stages": stages, "tolerance": tolerance, "still": still}
     return integrate(case.mechanism, case.state, case.floats, t_end=case.steps * dt, **options)
@@ -277,8 +278,8 @@ def _stored(case: Case, frames: Frames) -> float:
 
 
 def _probe_steps(case: Case) -> int:
-    """Steps that are repeated with half their length: a quarter of the record, PROBE seconds at most."""
-    return max(1, int(min(PROBE / case.scene.settings.time_step, case.steps / 4)))
+    """Steps that are repeated with half their length: a quarter of the record, PROBE usual ones at most."""
+    return max(1, int(min(PROBE * case.scene.usual_step / case.system.dt, case.steps / 4)))
 
 
 def _errors(
@@ -286,16 +287,16 @@ def _errors(
 ) -> dict[str, float]:
     """Estimated errors of the step, by a run with half of it, and of the BEM."""
     s, order = case.scene.settings, 2 * options["stages"] - 2
-    short = replace(probed(case.scene, _probe_steps(case)).settings, time_step=s.time_step / 2)
+    short = replace(probed(case.scene, _probe_steps(case)).settings, time_step=case.system.dt / 2)
     half = _case(replace(case.scene, settings=short), h, **options)
     finer, every = Recorder(probe.scene, half.system.support, layout=half.system.layout), slice(1, None, 2)
     for times, output, waves, *_ in _blocks(half, _march(half, tolerance)):
         finer.add(times[every], Output(*(x[every] for x in output)), waves[every])
-    step = statistics_error(probe, finer, case.system.newton_tolerance) / (1 - 0.5**order)
+    step = statistics_error(case.system, probe, finer) / (1 - 0.5**order)
     memory, mesh = coefficient_effects(case.system, h)
     parts = {
         "discretization_error": step,
         "memory_effect": 0.0 if s.memory == "convolution" else memory,
         "mesh_effect": mesh,
     }
-    return {**parts, "estimated_error": MARGIN * sum(parts.values())}
+    return {**parts, "estimated_error": together(parts.values())}

@@ -57,17 +57,22 @@ class Stations:
 
 
 @lru_cache(maxsize=8)
-def stations(model: FrameModel, points: int) -> Stations:
-    """Gauss points, `points` on each wetted element: exact to order 2 points - 1."""
+def stations(model: FrameModel, points: int, longest: float = np.inf) -> Stations:
+    """Gauss points, `points` on each piece of a wetted element: exact to order 2 points - 1.
+
+    longest: of the equal pieces [m], for loads that vary along an element by more than its shape functions.
+    """
     if points < 1:
         raise InputError("stations.points", points, "must be >= 1")
     node, gauss = np.polynomial.legendre.leggauss(points)
     span = wetted_span(model)
     in_water = np.array([member.in_water for member in model.frame.members])[model.member]
     wet = np.flatnonzero(in_water & (span[:, 1] > span[:, 0]))
+    pieces = np.ceil(np.diff(span[wet])[:, 0] * model.length[wet] / longest).astype(int).clip(min=1)
+    part = np.concatenate([np.zeros(0), *(np.arange(n) for n in pieces)])
+    wet, size = np.repeat(wet, pieces), np.repeat(np.diff(span[wet]) / pieces[:, None], pieces, axis=0)
     element = np.repeat(wet, points)
-    size = np.diff(span[wet], axis=1)
-    s = (span[wet, :1] + size * (node + 1) / 2).ravel()
+    s = (span[wet, :1] + size * (part[:, None] + (node + 1) / 2)).ravel()
     start, end = model.xyz[model.elements[element]].transpose(1, 0, 2)
     owner = [model.member_of(e) for e in element.tolist()]
     return Stations(

@@ -67,14 +67,14 @@ def vary(platform: str) -> list[Row]:
     """Rows: default, reference, every knob, the boundary elements, and errors asked for."""
     usual, _ = coefficients()
     best, _ = coefficients("best", **BEST)
-    short = with_settings(scene(platform), duration=SECONDS)
+    short = with_settings(scene(platform), duration=SECONDS, time_step=scene(platform).usual_step)
     exact, slow = timed(with_settings(short, **FINE), usual, 1)
 
     _, default = timed(short, usual, 2 * RUNS)
 
     def run(knob: str, value, item, known=usual, against=exact) -> Row:
         record, ratio = paired(item, known, short, usual)
-        row = Row(knob, f"{value}", ratio * default, *errors(record, against), record.attrs["estimated_error"])
+        row = Row(knob, f"{value}", ratio * default, *errors(item, record, against), record.attrs["estimated_error"])
         print(row, flush=True)
         return row
 
@@ -112,7 +112,7 @@ def steps(platform: str) -> None:
         exact, _ = timed(with_settings(item, **finest), usual, 1)
         for step in STEPS:
             record, _ = timed(with_settings(item, time_step=step), usual, 1)
-            errors_of[step].append((*worst(record, exact), record.attrs["discretization_error"]))
+            errors_of[step].append((*worst(item, record, exact), record.attrs["discretization_error"]))
     for step, rows in errors_of.items():
         error, names, told = zip(*rows, strict=True)
         common = ", ".join(f"{name} {n} times" for name, n in Counter(names).most_common(2))

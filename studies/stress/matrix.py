@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.study.reading import read
-from solver.scene import STEP, Scene
+from solver.scene import Scene
 from solver.sea.realization import Realization, realize
 from solver.sea.spectrum import WhiteNoise
 
@@ -77,14 +77,9 @@ def _set(table: Any, path: list[str], value: Any) -> None:
 
 
 def sea_state(Hs: float, Tp: float) -> dict[str, Any]:
-    """A sea in the band from 0.6 to 3 times the peak frequency, with at least 12 steps in its shortest wave."""
+    """A sea in the band from 0.6 to 3 times the peak frequency."""
     peak = 2 * np.pi / Tp
-    step = min(STEP, 2 * np.pi / (3 * peak) / 12)
-    return {
-        "waves.band": [0.6 * peak, 3 * peak],
-        "sea_states": {"representative": {"Hs": Hs, "Tp": Tp}},
-        "solver.time_step": step,
-    }
+    return {"waves.band": [0.6 * peak, 3 * peak], "sea_states": {"representative": {"Hs": Hs, "Tp": Tp}}}
 
 
 def stiffer(factor: float) -> dict[str, Any]:
@@ -96,14 +91,9 @@ def heavier(ratio: float) -> dict[str, Any]:
 
 
 def regular(amplitude: float, omega: float) -> Change:
-    """One wave; twelve steps in its period at least."""
+    """One wave."""
     sea = Realization(omega=np.array([omega]), amplitude=np.array([amplitude + 0j]), peak_frequency=omega)
-
-    def change(scene: Scene) -> Scene:
-        step = min(scene.settings.time_step, 2 * np.pi / omega / 12)
-        return replace(scene, sea=sea, settings=replace(scene.settings, time_step=step))
-
-    return change
+    return lambda scene: replace(scene, sea=sea)
 
 
 def calm(scene: Scene) -> Scene:

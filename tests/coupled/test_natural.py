@@ -7,11 +7,12 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
-from solver.coupled.natural import require_stable, system_modes, with_critical_damping
+from solver.coupled.linear import linear_model
+from solver.coupled.natural import require_stable, system_modes, with_critical_damping, with_usual_step
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.run import simulate
-from solver.scene import Float
+from solver.scene import Float, two_digits
 from solver.sea.realization import CALM
 from tests.awkward import RHO, SCENES, prism, scene
 from tests.coupled.test_linear import hinged_by_hand
@@ -125,3 +126,45 @@ def test_a_barge_with_its_weight_too_high_is_refused(pressure):
     require_stable(prepare(stable, known))
     with pytest.raises(SimulationFailed, match="equilibrium in still water is unstable: barge pitch falls away"):
         require_stable(prepare(unstable, known))
+
+
+@pytest.mark.parametrize("name", ["duck", "soft_mooring", "unequal_legs"])
+def test_usual_step_follows_the_shortest_wave_and_own_periods_near_it(name):
+    """Nine in the shortest wave; a shape as fast as that wave, stiffened below, is followed as well."""
+    item, h = SCENES[name]()
+    shortest = 2 * np.pi / item.sea.omega.max()
+    system = with_usual_step(prepare(item, h), h)
+    assert 0.9 * shortest / 9 < system.dt <= shortest / 9
+    modes = system_modes(system, h)
+    assert np.all((system.dt <= modes.period / 9) | (modes.period < shortest / 2))
+    given_ = replace(item, settings=replace(item.settings, time_step=0.0123))
+    assert with_usual_step(prepare(given_, h), h).dt == 0.0123
+
+
+def test_a_float_as_fast_as_two_thirds_of_the_shortest_wave_shortens_the_step():
+    item, h = SCENES["model_scale"]()
+    shortest = 2 * np.pi / item.sea.omega.max()
+    slow = system_modes(prepare(item, h), h).period[0]
+    soft = linear_model(prepare(item, h)).stiffness[0, 0]
+    stiff = replace(item.floats[0], stiffness=soft * ((1.5 * slow / shortest) ** 2 - 1))
+    system = prepare(replace(item, floats=(stiff,)), h)
+    period = system_modes(system, h).period[0]
+    assert period == approx(shortest / 1.5, rel=0.2)
+    assert 0.9 * period / 9 < with_usual_step(system, h).dt <= period / 9
+    stiffer = replace(item.floats[0], stiffness=soft * (4 * slow / shortest) ** 2)
+    quiet = prepare(replace(item, floats=(stiffer,)), h)
+    assert with_usual_step(quiet, h).dt == two_digits(shortest / 9)  # it follows the waves without swinging
+
+
+def test_a_decay_has_twenty_steps_in_the_period_of_what_is_let_go_and_nine_in_others():
+    item, h = SCENES["soft_mooring"]()
+    for offset, count in (((1.0, 0, 0), 9), ((0, 0.3, 0), 20)):
+        let_go = replace(item, sea=CALM, floats=(replace(item.floats[0], offset=offset),))
+        system = prepare(let_go, h)
+        _, _, heaving = system_modes(system, h).period
+        assert 0.9 * heaving / count < with_usual_step(system, h).dt <= heaving / count
+
+
+def test_two_digits_never_lengthen_a_step():
+    for step, rounded in ((0.2053, 0.20), (0.2, 0.2), (0.0999, 0.099), (1.0, 1.0), (12.9, 12.0), (3e-7, 3e-7)):
+        assert two_digits(step) == approx(rounded, rel=1e-12)

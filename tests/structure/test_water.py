@@ -143,3 +143,16 @@ def test_no_coefficients_no_stations_yet_buoyancy(line, pipe):
 def test_no_points_are_refused(pile):
     with pytest.raises(InputError, match=r"stations.points = 0: must be >= 1"):
         water.stations(pile(2), 0)
+
+
+@pytest.mark.parametrize("longest", [np.inf, 3.0, 0.4])
+def test_pieces_of_an_element_share_its_length_and_integrate_what_varies_within_them(pile, longest):
+    model = pile(1)
+    at = water.stations(model, 3, longest)
+    depth = -at.position[:, 2]
+    wet = at.weight.sum()
+    assert wet == pytest.approx(water.stations(model, 3).weight.sum(), rel=1e-12)
+    k = 1.5
+    exact = (1 - np.exp(-k * wet)) / k
+    missed = abs(at.weight @ np.exp(-k * depth) / exact - 1)
+    assert missed < 1e-7 if longest < 1 else missed < 0.03 if longest < 4 else missed > 0.03

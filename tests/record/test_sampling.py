@@ -1,0 +1,44 @@
+"""The error to expect of a record's statistics, from samples of which the error is known."""
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.record.sampling import expected_error
+
+NONE = np.zeros(())
+RNG = np.random.default_rng(3)
+WAVE = RNG.normal(size=(4000, 2)) + 3.0
+
+
+def error(coarse, fine=WAVE, longer=1.0, least=NONE):
+    return expected_error({"x": coarse}, {"x": fine}, {"x": least}, longer)
+
+
+@pytest.mark.parametrize("longer", [1.0, 10.0, 1e6])
+def test_what_stays_is_told_whatever_the_record(longer):
+    """A share of each value is that share of the std; a shift, relative to the rms, of the mean."""
+    assert error(3.0 + 1.01 * (WAVE - 3.0), longer=longer) == approx(0.01, rel=0.05)
+    assert error(WAVE + 0.02, longer=longer) == approx(0.02 / np.sqrt(10), rel=0.05)
+
+
+def test_chance_averages_out():
+    """Noise of no correlation: of m samples' mean s/√m is left, and in a record n times longer √n less."""
+    noise = 0.3 * RNG.normal(size=WAVE.shape)
+    short, long = error(WAVE + noise), error(WAVE + noise, longer=100.0)
+    assert long < short
+    # The noise's own variance stays, 0.3²/2 of the std's.
+    assert long == approx(np.sqrt(1 + 0.3**2) - 1, rel=0.3)
+
+
+def test_the_least_is_what_a_channel_counts_as():
+    """One that symmetry keeps at zero, rounding apart, is judged as if it were not zero."""
+    quiet = WAVE * np.array([1.0, 1e-9])
+    assert error(quiet + 1e-9, quiet) < 1e-5
+    assert error(quiet[:, 1:] * 2, quiet[:, 1:]) > 0.5
+    assert error(quiet[:, 1:] * 2, quiet[:, 1:], least=np.array([1.0])) < 1e-6
+
+
+def test_channels_that_a_float_does_not_have_count_for_nothing():
+    gone = np.column_stack([WAVE, np.full(len(WAVE), np.nan)])
+    assert error(1.01 * gone, gone) == approx(error(1.01 * WAVE), rel=1e-12)
