@@ -14,9 +14,11 @@ from functools import partial
 import numpy as np
 
 from pipeline.bridge import scenes, sea_checks
+from pipeline.study.axes import UNCHANGED, Axes
 from pipeline.study.layout import HINGE
+from pipeline.study.paths import PathError, with_value
 from pipeline.study.schema import StudyFile
-from pipeline.tasks.task import Label, axes, cell, supports
+from pipeline.tasks.task import AXES, Label, at_labels, axes, cell, first_labels, supports
 from solver.errors import InputError
 
 # Far more than anybody has asked for, and already days of work or all of a machine's memory.
@@ -28,18 +30,69 @@ MOST_ELEMENTS = 10_000  # of a platform
 
 def problems(study: StudyFile) -> list[InputError]:
     """Everything wrong with a study whose types and ranges are right; what its parts lack before what they make."""
-    each = [*sea_checks.problems(study), *_axes(study), *_recording(study), *_parts(study)]
-    return list({str(problem): problem for problem in each or _scenes(study)}.values())
+    each = [*_paths(study), *_axes(study)] or list(_contents(study)) or list(_scenes(study))
+    return list({str(problem): problem for problem in each}.values())
+
+
+def _contents(study: StudyFile) -> Iterator[InputError]:
+    """Of the study at the first values of its axes, and at each other value of one of them."""
+    for content, prefix in _variants(study):
+        for problem in (*sea_checks.problems(content), *_recording(content), *_parts(content)):
+            yield _under(prefix, problem)
+
+
+def _variants(study: StudyFile) -> Iterator[tuple[StudyFile, tuple[str, object] | None]]:
+    """The study at the first labels of its axes over paths, and at each other label of one; which that is."""
+    first = first_labels(study)
+    yield at_labels(study, first), None
+    for axis in study.varied:
+        for place, label in list(enumerate(axis.labels))[1:]:
+            changed = at_labels(study, {**first, axis.name: label})
+            if axis.own:
+                path, values = next(iter(axis.keys.items()))
+                yield changed, (f'axes."{path}"', values[place])
+            else:
+                yield changed, (axis.name, label)
+
+
+def _under(prefix: tuple[str, object] | None, problem: InputError) -> InputError:
+    if prefix is None:
+        return problem
+    return InputError(prefix[0], prefix[1], str(problem))
+
+
+def _paths(study: StudyFile) -> Iterator[InputError]:
+    """Paths that lead nowhere, values that may not stand there."""
+    for axis in study.varied:
+        if axis.name in axis.beside or (axis.name in AXES and getattr(study.axes, axis.name)):
+            yield InputError("axes.together.name", axis.name, "is a name that another axis has")
+        for path, values in axis.keys.items():
+            key = f'{axis.name if axis.name in ("variant", "sample") else "axes"}."{path}"'
+            if not values:
+                yield InputError(key, "[]", "needs at least one value")
+            for value in values:
+                if value is UNCHANGED:
+                    continue
+                try:
+                    with_value(study, path, value)
+                except PathError as error:
+                    yield InputError(key, value, str(error))
+                    break
+        yield from _repeated(f'axes."{axis.name}"', axis.labels)
+    names = Counter(axis.name for axis in study.varied)
+    for name in (name for name, count in names.items() if count > 1):
+        yield InputError("axes", name, "is the name of two dimensions; rename one in [[axes.together]]")
 
 
 def _axes(study: StudyFile) -> Iterator[InputError]:
     axes = study.axes
-    for name in type(axes).model_fields:
+    for name in AXES:
         values = getattr(axes, name)
         if values is not None and not values:
             yield InputError(f"axes.{name}", "[]", "needs at least one value")
         yield from _repeated(f"axes.{name}", values or ())
-    lengths = [len(values) for name in type(axes).model_fields if (values := getattr(axes, name))]
+    lengths = [len(values) for name in AXES if (values := getattr(axes, name))]
+    lengths += [len(axis.labels) for axis in study.varied]
     if (count := math.prod(lengths, start=1 if axes.sea_state else len(study.sea_states))) > MOST_TASKS:
         yield InputError("axes", f"{count} tasks", f"must be <= {MOST_TASKS}: split the study")
     for label in axes.sea_state or ():
@@ -103,9 +156,19 @@ def _scenes(study: StudyFile) -> Iterator[InputError]:
     """The solver's objections to the scenes: one for each support and place of the hinges, with the shortest wave."""
     from solver.sea.realization import Realization
 
-    shortest = Realization(omega=np.array([sea_checks.highest_frequency(study)]), amplitude=np.array([1e-9 + 0j]))
-    for labels in _configurations(study):
-        yield from scenes.objections(partial(scenes.scene, cell(study, labels, ()).parameters, shortest))
+    for content, prefix in _variants(study):
+        omega = np.array([sea_checks.highest_frequency(content)])
+        shortest = Realization(omega=omega, amplitude=np.array([1e-9 + 0j]))
+        fixed = _as_it_is(content)
+        for labels in _configurations(fixed):
+            made = partial(scenes.scene, cell(fixed, labels, ()).parameters, shortest)
+            yield from (_under(prefix, problem) for problem in scenes.objections(made))
+
+
+def _as_it_is(study: StudyFile) -> StudyFile:
+    """Without its axes over keys."""
+    axes = Axes.model_validate({name: values for name in AXES if (values := getattr(study.axes, name)) is not None})
+    return study.model_copy(update={"axes": axes, "variants": {}, "samples": None})
 
 
 def _configurations(study: StudyFile) -> Iterator[dict[str, Label]]:

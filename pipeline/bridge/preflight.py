@@ -10,17 +10,22 @@ from pipeline.bridge.engine import Engine
 from pipeline.bridge.scenes import objections
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import Parameters, Task
+from pipeline.tasks.task import Parameters, Task, first_labels
 
-# Sea states and seeds are judged from the file alone.
+# Sea states and seeds are judged from the file alone, axes over paths one at a time.
 CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
 
 
 def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
     """Raise StudyError in the solver's words, under the study file's keys; or what is odd and yet no error."""
-    distinct, seas = {}, {}
+    distinct: dict[tuple[object, ...], Task] = {}
+    seas: dict[object, Task] = {}
+    first = first_labels(study.content)
+    named = [axis.name for axis in study.content.varied]
     for task in tasks:
-        distinct[tuple(task.labels.get(axis) for axis in CONFIGURATION)] = task
+        changed = tuple((name, task.labels[name]) for name in named if task.labels[name] != first[name])
+        if len(changed) < 2 or len(distinct) < len(CONFIGURATION):
+            distinct[(*(task.labels.get(axis) for axis in CONFIGURATION), *changed)] = task
         seas[task.labels["sea_state"]] = task
     platforms = {task.labels["platform"]: task for task in distinct.values()}
     odd: list[str] = []

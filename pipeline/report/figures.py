@@ -13,13 +13,14 @@ import numpy as np
 from pipeline.report.drawing import PAPER, canvas, categories, colour, lanes
 from pipeline.report.report import Published
 from pipeline.tasks.study import Study
+from pipeline.tasks.task import axes as axes_of
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-OUTER = ("sea_state", "platform", "pto_damping", "hinge_spacing", "seed")
+SHOWN = ("sea_state", "platform", "seed")  # axes that every figure goes along, or over
 SUPPORT = {"elastic": "elastic", "fixed": "fixed", "elastic-no-floats": "no floats"}
 ROOM = 24  # sea states in one figure
 
@@ -58,7 +59,7 @@ class Results:
     def values(self, name: str, **labels: Any) -> xr.DataArray:
         """A variable with all axes of a study as dimensions, or the part of it with these labels."""
         values = self.data[name]
-        for dim in OUTER:
+        for dim in axes_of(self.study.content):
             if dim not in values.dims:
                 values = values.expand_dims({dim: 1} if dim not in values.coords else [dim])
         return values.sel({key: [label] for key, label in labels.items()})
@@ -70,7 +71,9 @@ class Results:
     @cached_property
     def first(self) -> dict[str, Any]:
         """The first label of every axis that figures do not show unless they are about it."""
-        return {dim: self.labels(dim)[0] for dim in ("pto_damping", "hinge_spacing") if self.labels(dim)}
+        return {
+            dim: self.labels(dim)[0] for dim in axes_of(self.study.content) if dim not in SHOWN and self.labels(dim)
+        }
 
     @property
     def varied(self) -> list[str]:
@@ -94,7 +97,7 @@ class Results:
         """A number for each sea state, from the first of these coordinates that has one; else NaN."""
         per_sea = np.full(len(self.labels("sea_state")), np.nan)
         for name in reversed(names):
-            if name in self.data.coords:
+            if name in self.data.coords and self.data[name].dims in ((), ("sea_state",)):
                 values = np.atleast_1d(self.data[name].values)
                 per_sea = np.where(np.isfinite(values), values, per_sea)
         return per_sea

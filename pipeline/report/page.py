@@ -19,7 +19,7 @@ from pipeline.report.template import PAGE
 from pipeline.results import dataset
 from pipeline.results.store import write_atomic
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import axes
+from pipeline.tasks.task import at_labels, axes, first_labels
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -136,7 +136,10 @@ def drawn(results: Results) -> Iterator[dict[str, str]]:
 
 def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:
     """Title, caption and maker of each figure, in order."""
-    first = "; ".join(f"{dim.replace('_', ' ')} {value:g}" for dim, value in results.first.items())
+    first = "; ".join(
+        f"{dim.replace('_', ' ')} {value if isinstance(value, str) else f'{value:g}'}"
+        for dim, value in results.first.items()
+    )
     held = f" Shown at {first}." if results.varied else ""
     count = len(results.labels("sea_state"))
     held += f" The first {len(results.seas)} of {count} sea states." if count > len(results.seas) else ""
@@ -144,7 +147,11 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
     crosses = " Crosses: published." if results.published else ""
     spread = f"Dots: mean over realizations; bars: least and largest. {fixed}{crosses}"
     return [
-        ("Scene", "Side view along y, at rest, to scale.", lambda r: sketch.side_view(r.study.content)),
+        (
+            "Scene",
+            "Side view along y, at rest, to scale.",
+            _scene,
+        ),
         (
             "Envelopes along the legs",
             f"Sea state {results.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{held}",
@@ -163,6 +170,15 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         *series.entries(results),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
     ]
+
+
+def _short(label: object) -> str:
+    return label if isinstance(label, str) else f"{label:g}"
+
+
+def _scene(results: Results) -> Figure | None:
+    content = results.study.content
+    return sketch.side_view(at_labels(content, first_labels(content)))
 
 
 def _along(dim: str) -> Callable[[Results], Figure | None]:

@@ -16,7 +16,7 @@ from pipeline.results.netcdf import Variable, to_file
 from pipeline.results.records import decode
 from pipeline.results.status import read_json
 from pipeline.results.store import Entry, Store, appearing, sha256, write_json
-from pipeline.results.variables import KNOBS, SLIDING, axis_units, meaning
+from pipeline.results.variables import KNOBS, SLIDING, along, axis_units, meaning, meaning_of
 from pipeline.study import seas
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import MODEL_VERSION, Label, axes, dimensions
@@ -119,6 +119,8 @@ def _dataset(
     knobs: dict[str, float] = {}
     for name in sorted(arrays.values):
         values, inner = arrays.whole(name), arrays.dims[name]
+        if name in table:
+            continue  # an axis has it as its labels
         if name in KNOBS and (knob := _single(values[..., None], len(table))) is not None:
             knobs[name] = float(knob[0])
         elif name == ALONG_MODE and (single := _single(values, len(table))) is not None:
@@ -145,16 +147,26 @@ def _coordinates(
 ) -> dict[str, Variable]:
     """Labels along every dimension; an axis with one value is a scalar; heights and periods go with the sea state."""
     coords = {}
+    varied = {axis.name: axis for axis in study.content.varied}
+    motions = {motion for f in study.content.floats for motion in f.motion}
     for name, values in table.items():
-        text = isinstance(values[0], str)
-        labels = np.array(list(values), dtype=object if text else None)
-        coords[name] = Variable((name,) if name in outer else (), labels if name in outer else labels[0], meaning(name))
-    if "pto_damping" in coords and any(set(f.motion) <= SLIDING for f in study.content.floats):
+        labels = _words_or_numbers(values)
+        attrs = meaning_of(varied[name], motions) if name in varied else meaning(name)
+        coords[name] = Variable((name,) if name in outer else (), labels if name in outer else labels[0], attrs)
+    for axis in varied.values():
+        for name, values, attrs in along(axis, motions):
+            if name not in coords:
+                coords[name] = Variable((axis.name,), _words_or_numbers(values), attrs)
+    if (
+        "pto_damping" in coords
+        and "pto_damping" not in varied
+        and any(set(f.motion) <= SLIDING for f in study.content.floats)
+    ):
         damping = coords["pto_damping"]
         sliding = {**damping.attrs, "units": "N s m-1", "long_name": "Damping of each PTO"}
         coords["pto_damping"] = damping._replace(attrs=sliding)
     known = [seas.labels(study.content.sea_states[str(label)]) for label in table["sea_state"]]
-    for name in dict.fromkeys(key for one in known for key in one):
+    for name in dict.fromkeys(key for one in known for key in one if key not in coords):
         numbers = np.array([one.get(name, np.nan) for one in known])
         dims = ("sea_state",) if "sea_state" in outer else ()
         coords[name] = Variable(dims, numbers if dims else numbers[0], meaning(name))
@@ -166,6 +178,10 @@ def _coordinates(
     if "axis" in used:
         coords["axis_unit"] = Variable(("axis",), np.array(axis_units(arrays.labels["axis"])), meaning("axis_unit"))
     return coords
+
+
+def _words_or_numbers(values: Sequence[Any]) -> np.ndarray:
+    return np.array(list(values), dtype=object if isinstance(values[0], str) else None)
 
 
 def _with_coordinates(variables: dict[str, Variable], coordinates: Mapping[str, Variable]) -> dict[str, Variable]:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+from pipeline.study.axes import UNCHANGED, Axis, labels
+from pipeline.study.paths import unit
 
 
 class Meaning(NamedTuple):
@@ -145,3 +148,41 @@ def meaning(name: str, axes: Iterable[str] = ()) -> dict[str, str]:
         pattern, units = attrs.pop("units"), set(axis_units(axes))
         attrs |= {"units": pattern.format(axis=units.pop())} if len(units) == 1 else {}
     return attrs | {"positive": "up"} if name == "height" else attrs
+
+
+def meaning_of(axis: Axis, motions: Collection[str]) -> dict[str, str]:
+    """Attributes of a dimension over keys: unit and path of its only key; motions: of all floats' joints."""
+    if not axis.own:
+        units = {} if isinstance(axis.labels[0], str) else {"units": "1"}
+        return {**units, "long_name": f"Values of {', '.join(axis.keys)}"}
+    return _of_path(next(iter(axis.keys)), axis.labels, motions)
+
+
+def along(axis: Axis, motions: Collection[str]) -> Iterator[tuple[str, tuple[Any, ...], dict[str, str]]]:
+    """Name, values and attributes of what changes together along a dimension."""
+    lasts = [path.rpartition(".")[2] for path in axis.keys]
+    for (path, values), last in zip(axis.keys.items(), lasts, strict=True):
+        if not axis.own and UNCHANGED not in values:
+            shown = labels(values)
+            yield (last if lasts.count(last) == 1 else path), shown, _of_path(path, shown, motions)
+    for name, values in axis.beside.items():
+        yield name, labels(values), {"long_name": name.replace("_", " ")}
+
+
+def _of_path(path: str, shown: Sequence[object], motions: Collection[str]) -> dict[str, str]:
+    attrs = {"long_name": f"{path.rpartition('.')[2].replace('_', ' ')} ({path})"}
+    if isinstance(shown[0], str):
+        return attrs
+    turning, _, sliding = unit(path).partition(" or ")
+    if sliding and set(motions) & SLIDING and set(motions) - SLIDING:
+        return attrs  # some of the axes turn and some slide
+    return {"units": _udunits(sliding if sliding and set(motions) <= SLIDING else turning), **attrs}
+
+
+def _udunits(symbol: str) -> str:
+    """N m s/rad as N m s rad-1."""
+    above, slash, below = symbol.partition("/")
+    if symbol in ("", "-"):
+        return "1"
+    letters = below.rstrip("0123456789")
+    return f"{above} {letters}-{below[len(letters) :] or 1}" if slash else above

@@ -146,23 +146,30 @@ def missing_file(path: Path) -> str:
 
 def describe(error: ErrorDetails) -> str:
     """One line for a pydantic error: key = value: limit."""
-    details: dict[str, Any] = error.get("ctx", {})
-    context = {k: f"{v:g}" if isinstance(v, float) else v for k, v in details.items()}
+    context = error.get("ctx", {})
     parts = list(error["loc"])
     value: Any = error["input"]
     if error["type"] == "unknown_key":
-        parts, value = [*parts, context["key"]], value.get(context["key"])
+        parts, value = [*parts, context["key"]], value.get(context["key"].strip('"'))
     if error["type"].startswith("union_tag"):
         tag = context["discriminator"].strip("_'()")
         parts, value = [*parts, tag], value.get(tag) if isinstance(value, dict) else value
     key = dotted(parts)
     if error["type"] in ("missing", "union_tag_not_found"):
         return f"{key}: is missing{_unit(parts, ' [{}]')}"
+    return str(InputError(key, _short(value), limit_of(error)))
+
+
+def limit_of(error: ErrorDetails) -> str:
+    """What a pydantic error says of the value, without key and value."""
+    details: dict[str, Any] = error.get("ctx", {})
+    context = {k: f"{v:g}" if isinstance(v, float) else v for k, v in details.items()}
+    parts = error["loc"]
+    if error["type"] in ("missing", "union_tag_not_found"):
+        return f"needs {dotted(parts)}"
     unit, of_unit = _unit(parts, " {}"), _unit(parts, " [{}]")
     limit = LIMITS.get(error["type"], "{msg}").format(msg=error["msg"], unit=unit, of_unit=of_unit, **context)
-    if error["type"] == "union_tag_invalid":
-        limit = limit.replace("<", "").replace(">", "")
-    return str(InputError(key, _short(value), limit))
+    return limit.replace("<", "").replace(">", "") if error["type"] == "union_tag_invalid" else limit
 
 
 def dotted(parts: Iterable[int | str]) -> str:

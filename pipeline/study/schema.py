@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from pipeline.study.attachments import File
+from pipeline.study.axes import Axes, Axis, Samples, by_path, implied_sea, variant_axis
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import (
     Count,
@@ -18,7 +19,6 @@ from pipeline.study.tables import (
     NotNegative,
     Number,
     Positive,
-    Seed,
     Table,
     Title,
     Unit,
@@ -191,17 +191,8 @@ class Platform(Table):
         wave_inertia: Literal["standard", "relative"]
 
 
-Support = Literal["elastic", "fixed", "elastic-no-floats"]
-
-
-class Axes(Table):
-    """What is varied; the study is the product of the axes."""
-
-    sea_state: tuple[Label, ...] | None = None
-    platform: tuple[Support, ...] | None = None
-    pto_damping: Annotated[tuple[NotNegative, ...], Unit("N m s/rad")] | None = None
-    hinge_spacing: Annotated[tuple[Positive, ...], Unit("m")] | None = None
-    seed: tuple[Seed, ...] | None = None
+def _paths_of(variants: Any) -> Any:
+    return {name: by_path(table) for name, table in variants.items()} if isinstance(variants, dict) else variants
 
 
 class StudyFile(Table):
@@ -215,7 +206,23 @@ class StudyFile(Table):
     floats: tuple[Float, ...] = ()
     platform: Platform | None = None
     axes: Axes = Axes()
+    variants: Annotated[dict[Label, dict[str, Any]], BeforeValidator(_paths_of)] = Field(default={})
+    samples: Samples | None = None
     sea_states: dict[Label, SeaState]
+
+    @property
+    def varied(self) -> tuple[Axis, ...]:
+        """The axes over keys: paths and groups, variants, samples."""
+        variants = (variant_axis(self.variants),) if self.variants else ()
+        return (*variants, *self.axes.over_keys, *((self.samples.axis,) if self.samples else ()))
+
+    @model_validator(mode="before")
+    @classmethod
+    def _imply_a_sea(cls, data: Any) -> Any:
+        """Axes over keys of the sea need no sea state to start from."""
+        if isinstance(data, dict) and "sea_states" not in data and (sea := implied_sea(data.get("axes"))):
+            return {**data, "sea_states": {"sea": sea}}
+        return data
 
 
 def units() -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Parts of a study: platform=fixed,sea_state=2018,seed=0; an axis named twice means either value."""
+"""Parts of a study: platform=fixed,seed=0..3; an axis named twice means either value, two dots all numbers between."""
 
 from __future__ import annotations
 
@@ -36,21 +36,27 @@ def find(study: Study, words: Iterable[str]) -> set[str]:
 
 def _wanted(study: Study, text: str) -> dict[str, set[Label]]:
     table = axes(study.content)
+    paths = {path: axis.name for axis in study.content.varied for path in axis.keys}
     wanted: dict[str, set[Label]] = {}
     for pair in text.split(","):
         axis, equals, word = (part.strip() for part in pair.partition("="))
         if not equals:
             raise StudyError(study.path, [f"--select = {pair}: must be axis=value,axis=value"])
+        axis = paths.get(axis, axis)
         if axis not in table:
             raise StudyError(study.path, [f"--select = {axis}: unknown axis; {_suggest(axis, list(table))}"])
-        wanted.setdefault(axis, set()).add(_label(study, axis, word, table[axis]))
+        wanted.setdefault(axis, set()).update(_labels(study, axis, word, table[axis]))
     return wanted
 
 
-def _label(study: Study, axis: str, word: str, known: Sequence[Label]) -> Label:
-    for label in known:
-        if str(label) == word or (not isinstance(label, str) and _number(word) == label):
-            return label
+def _labels(study: Study, axis: str, word: str, known: Sequence[Label]) -> list[Label]:
+    named = [x for x in known if str(x) == word or (not isinstance(x, str) and _number(word) == x)]
+    least, dots, most = word.partition("..")
+    low, high = _number(least or "-inf"), _number(most or "inf")
+    if dots and not named and low is not None and high is not None:
+        named = [x for x in known if not isinstance(x, str) and low <= x <= high]
+    if named:
+        return named
     raise StudyError(
         study.path,
         [f"--select = {axis}={word}: no such value; {_suggest(word, [str(v) for v in known])}"],

@@ -11,7 +11,9 @@ from functools import cached_property, partial
 from typing import Any
 
 from pipeline.study import seas
+from pipeline.study.axes import UNCHANGED
 from pipeline.study.layout import hinge_nodes, spaced
+from pipeline.study.paths import with_value
 from pipeline.study.schema import Float, Platform, Recording, Solver, StudyFile, Water
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import Seed, Table
@@ -115,9 +117,25 @@ def axes(study: StudyFile) -> dict[str, tuple[Label, ...]]:
         "platform": supports(study),
         "pto_damping": listed.pto_damping or _common_damping(study),
         "hinge_spacing": listed.hinge_spacing or _spacing(study),
+        **{axis.name: axis.labels for axis in study.varied},
         "seed": listed.seed or (0,),
     }
     return {name: values for name, values in values_of.items() if values}
+
+
+def at_labels(study: StudyFile, labels: Mapping[str, Label]) -> StudyFile:
+    """The study with the keys that its axes vary at what these labels stand for; PathError where that cannot be."""
+    for axis in study.varied:
+        place = axis.labels.index(labels[axis.name])
+        for path, values in axis.keys.items():
+            if values[place] is not UNCHANGED:
+                study = with_value(study, path, values[place])
+    return study
+
+
+def first_labels(study: StudyFile) -> dict[str, Label]:
+    """Of every axis."""
+    return {name: values[0] for name, values in axes(study).items()}
 
 
 def supports(study: StudyFile) -> tuple[str, ...]:
@@ -127,7 +145,8 @@ def supports(study: StudyFile) -> tuple[str, ...]:
 
 def dimensions(study: StudyFile) -> list[str]:
     """The axes that are dimensions of the dataset: those listed, and sea states if there are several."""
-    return [name for name, values in axes(study).items() if getattr(study.axes, name) or len(values) > 1]
+    given = {axis.name for axis in study.varied} | {name for name in AXES if getattr(study.axes, name)}
+    return [name for name, values in axes(study).items() if name in given or len(values) > 1]
 
 
 def expand(study: StudyFile) -> Iterator[Task]:
@@ -143,6 +162,7 @@ def cell(study: StudyFile, labels: Mapping[str, Label], varied: tuple[str, ...],
 
 
 def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
+    study = at_labels(study, labels)
     floats = _floats(study, labels)
     platform = None
     if study.platform and labels["platform"] != "fixed":
@@ -171,13 +191,25 @@ def _floats(study: StudyFile, labels: Mapping[str, Label]) -> tuple[Float, ...]:
 
 
 def _common_damping(study: StudyFile) -> tuple[float, ...] | None:
+    if _varies_floats(study, "pto_damping", "motion"):
+        return None
     values = {f.pto_damping for f in study.floats}
     common = values.pop() if len(values) == 1 else None
     return (common,) if isinstance(common, float) else None
 
 
+def _varies_floats(study: StudyFile, *keys: str) -> bool:
+    """Whether an axis over a path varies one of these keys of a float."""
+    paths = (path for axis in study.varied for path in axis.keys)
+    return any(path.startswith("floats.") and path.rpartition(".")[2] in keys for path in paths)
+
+
 def _spacing(study: StudyFile) -> tuple[float, ...] | None:
-    if len(study.floats) != 2 or any(f.motion != ("hinge",) for f in study.floats):
+    if (
+        _varies_floats(study, "hinge", "motion")
+        or len(study.floats) != 2
+        or any(f.motion != ("hinge",) for f in study.floats)
+    ):
         return None
     a, b = (f.hinge[0] for f in study.floats)
     return (abs(a - b),)

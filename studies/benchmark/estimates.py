@@ -14,11 +14,12 @@ from solver.record.audit import together
 from solver.run import simulate
 from solver.scene import Scene
 from solver.statistics import moments
-from studies.benchmark.case import coefficients, scene, with_settings, worst
+from studies.benchmark.case import coefficients, scene, timed, with_settings, worst
 from tests.awkward import SCENES
 
 SECONDS = 900.0  # analysed, of Buan; the other scenes are as they are
 PARTS = ("discretization_error", "quadrature_error", "memory_effect")
+TOLERANCES = [3e-2, 1e-2, 3e-3, 1e-3]
 FINER = 8  # times shorter steps
 FINE = {
     "modes": 40, "stations_per_element": 6, "azimuths": 48, "arc_points": 16, "line_points": 10, "panel_size": 0.12,
@@ -64,5 +65,19 @@ def true_and_told(item: Scene, known: Hydrodynamics | None) -> tuple[float, floa
     return true, together(float(record.attrs[name]) for name in PARTS), what
 
 
+def tolerances() -> None:
+    """Print a row for each scene and error asked for: the true error, the estimate, and the run time."""
+    print(f"{'scene':20s}{'asked':>10s}{'true':>10s}{'estimated':>11s}{'step':>9s}{'run time':>12s}  not met")
+    for name, item, known in cases():
+        exact = simulate(with_settings(item, time_step=item.usual_step / FINER, **FINE), known)
+        for asked in TOLERANCES:
+            record, seconds = timed(with_settings(item, tolerance=asked), known)
+            true, _ = worst(item, record, exact)
+            told = together(float(record.attrs[part]) for part in PARTS)
+            numbers = f"{asked:10.0e}{true:10.1e}{told:11.1e}{record.attrs['time_step']:9.3g}{seconds:10.2f} s"
+            print(f"{name:20s}{numbers}  {record.attrs['unmet']}", flush=True)
+
+
 if __name__ == "__main__":
     table()
+    tolerances()

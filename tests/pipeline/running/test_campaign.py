@@ -434,6 +434,32 @@ def test_frequencies_that_differ_are_not_shown_as_one(changed):
     ]
 
 
+def test_axes_over_keys_are_dimensions_with_unit_and_path(changed, small):
+    lines = (
+        '"floats.*.mass" = [2147.0, 2200.0]\n"solver.time_step" = [0.1, 0.2]\n"solver.diffraction" = [true, false]\n'
+    )
+    group = "[[axes.together]]\nname = 'tuning'\nperiod = [4, 5]\n'water.depth' = [50.0, 60.0]\n"
+    group += "'floats.front.offset' = [0.0, 0.1]\n"
+    text = small.read_text().replace("seed = [0, 1]", "seed = [0]\n" + lines + group)
+    small.write_text(text)
+    data = changed(lambda parameters, record: record.attrs.update(time_step=parameters.solver.time_step, mass=1.0))
+    assert data.rotation.dims[:7] == ("sea_state", "platform", "mass", "time_step", "diffraction", "tuning", "seed")
+    assert (data.status == "done").all() and data.sizes["mass"] == 2
+    assert data.mass.attrs == {"units": "kg", "long_name": "mass (floats.*.mass)"}
+    assert data.time_step.values.tolist() == [0.1, 0.2] and data.time_step.attrs["units"] == "s"
+    assert data.diffraction.values.tolist() == ["true", "false"] and "units" not in data.diffraction.attrs
+    assert data.tuning.values.tolist() == [1, 2] and data.depth.dims == ("tuning",)
+    assert data.depth.attrs["units"] == "m" and data.offset.attrs["units"] == "rad"
+    assert data.period.values.tolist() == [4, 5]
+    chosen = data.task.sel(
+        mass=2200.0, time_step=0.1, diffraction="false", tuning=2, sea_state="calm", platform="fixed"
+    )
+    (task,) = (t for t in load(small).tasks if f"{t.id}" == chosen.item())
+    parameters = task.parameters
+    assert (parameters.floats[0].mass, parameters.water.depth, parameters.floats[0].offset) == (2200.0, 60.0, 0.1)
+    assert parameters.solver.time_step == 0.1 and not parameters.solver.diffraction
+
+
 def test_a_table_of_the_dataset_has_room_for_the_lowest_modes_alone(changed, tmp_path):
     """A row for every combination of labels, of which a platform may have 708; the record has them all."""
 

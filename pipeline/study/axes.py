@@ -1,0 +1,240 @@
+"""What a study varies: the five named axes, and any other key by its dotted path."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cached_property
+from types import MappingProxyType
+from typing import Annotated, Any, Literal, NamedTuple, NoReturn
+
+import numpy as np
+from pydantic import Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
+from scipy.special import ndtri
+
+from pipeline.study.tables import Count, Label, Name, NotNegative, Number, Positive, Seed, Table, Unit
+
+Support = Literal["elastic", "fixed", "elastic-no-floats"]
+
+# Dimensions and coordinates of every dataset, which no key's last word may take.
+TAKEN = frozenset((
+    "sea_state", "platform", "seed", "float", "axis", "leg", "direction", "height", "statistic", "mode", "system_mode",
+    "component", "variant", "sample", "status", "task", "unmet", "axis_unit", "elapsed_time", "wall_time",
+))  # fmt: skip
+UNCHANGED = object()
+DIGITS = 12  # of a range's numbers, so that 0.1 + 0.2 is written as 0.3
+
+
+class Axis(NamedTuple):
+    """One dimension over keys: with each label each key has its value."""
+
+    name: str
+    labels: tuple[str | float | int, ...]
+    keys: Mapping[str, tuple[Any, ...]]  # by dotted path; UNCHANGED where the study's own value stands
+    beside: Mapping[str, tuple[Any, ...]] = MappingProxyType({})  # other numbers or words that go with the labels
+    own: bool = False  # whether the labels are the values of the only key
+
+
+class Range(Table):
+    """Numbers at equal distances, or ratios."""
+
+    start: Number
+    to: Number
+    count: Count
+    spacing: Literal["linear", "log"] = "linear"
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """From the first to the last."""
+        numbers = (np.geomspace if self.spacing == "log" else np.linspace)(self.start, self.to, self.count)
+        return _rounded(numbers)
+
+
+class Span(Table):
+    """Numbers between two, all equally likely, or all ratios."""
+
+    start: Number
+    to: Number
+    spacing: Literal["linear", "log"] = "linear"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _start(cls, data: Any) -> Any:
+        return {"start" if key == "from" else key: data[key] for key in data} if isinstance(data, dict) else data
+
+    def at(self, share: np.ndarray) -> tuple[float, ...]:
+        """The numbers at shares (n,) of the way."""
+        low, high = self.start, self.to
+        return _rounded(low * (high / low) ** share if self.spacing == "log" else low + (high - low) * share)
+
+
+class Normal(Table):
+    """Numbers of a normal distribution."""
+
+    mean: Number
+    std: Positive
+
+    def at(self, share: np.ndarray) -> tuple[float, ...]:
+        """The numbers below which shares (n,) lie."""
+        return _rounded(self.mean + self.std * ndtri(share))
+
+
+class Together(Table):
+    """Keys that change together, along one dimension; a key without a dot only goes with the labels."""
+
+    name: Name
+    keys: dict[str, tuple[Any, ...]]
+    beside: dict[str, tuple[Any, ...]] = Field(default={})
+
+    @model_validator(mode="before")
+    @classmethod
+    def _gather(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        lists = {key: _listed(key, data[key]) for key in data if key != "name"}
+        if len({len(values) for values in lists.values()}) > 1:
+            lengths = ", ".join(f"{key} {len(values)}" for key, values in lists.items())
+            _refuse(next(iter(lists)), f"lists of one dimension must be of one length: {lengths}")
+        keys = {key: values for key, values in lists.items() if "." in key}
+        if not keys:
+            _refuse("name", "needs lists of keys by their dotted paths beside it")
+        named = {"name": data["name"]} if "name" in data else {}
+        return {**named, "keys": keys, "beside": {key: values for key, values in lists.items() if key not in keys}}
+
+
+class Axes(Table):
+    """What is varied; the study is the product of the axes."""
+
+    sea_state: tuple[Label, ...] | None = None
+    platform: tuple[Support, ...] | None = None
+    pto_damping: Annotated[tuple[NotNegative, ...], Unit("N m s/rad")] | None = None
+    hinge_spacing: Annotated[tuple[Positive, ...], Unit("m")] | None = None
+    seed: tuple[Seed, ...] | None = None
+    together: tuple[Together, ...] = ()
+    keys: dict[str, tuple[Any, ...]] = Field(default={})
+
+    @model_validator(mode="before")
+    @classmethod
+    def _gather(cls, data: Any) -> Any:
+        """Keys with a dot are paths; the five axes may be given as ranges, too."""
+        if not isinstance(data, dict):
+            return data
+        if "keys" in data:
+            _refuse("keys", 'unknown key; an axis over a key is its dotted path in quotes, "platform.damping_ratio"')
+        named = {k: _listed(k, v) if isinstance(v, dict) else v for k, v in data.items() if "." not in k}
+        return named | {"keys": {k: _listed(k, v) for k, v in data.items() if "." in k}}
+
+    @cached_property
+    def over_keys(self) -> tuple[Axis, ...]:
+        """One for each path and each group, in the order of the file."""
+        lasts = [path.rpartition(".")[2] for path in self.keys]
+        taken = TAKEN | {name for name in ("pto_damping", "hinge_spacing") if getattr(self, name)}
+        taken |= {group.name for group in self.together}
+        single = (
+            Axis(path if last in taken or lasts.count(last) > 1 else last, labels(values), {path: values}, own=True)
+            for (path, values), last in zip(self.keys.items(), lasts, strict=True)
+        )
+        groups = (Axis(g.name, tuple(range(1, _length(g) + 1)), g.keys, g.beside) for g in self.together)
+        return (*single, *groups)
+
+
+class Samples(Table):
+    """Points of a design space along one dimension, `sample`; more of them leave the first ones where they are."""
+
+    count: Count
+    method: Literal["sobol", "halton", "random"] = "sobol"
+    seed: Seed = 0
+    keys: dict[str, Span | Normal]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _gather(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        paths = {key: data[key] for key in data if "." in key}
+        if not paths:
+            _refuse("samples", "needs ranges of keys by their dotted paths: { from, to } or { mean, std }")
+        return {key: value for key, value in data.items() if key not in paths} | {"keys": paths}
+
+    @cached_property
+    def axis(self) -> Axis:
+        """Numbers 0 to count - 1, and each key's values."""
+        points = _unit_cube(self.method, len(self.keys), self.count, self.seed)
+        keys = {path: span.at(column) for (path, span), column in zip(self.keys.items(), points.T, strict=True)}
+        return Axis("sample", tuple(range(self.count)), keys)
+
+
+def _unit_cube(method: str, dimensions: int, count: int, seed: int) -> np.ndarray:
+    """Points (count, dimensions) between 0 and 1, the first of them the same for any count."""
+    from scipy.stats import qmc  # rarely needed, and slow to import
+
+    if method == "random":
+        return np.random.default_rng(seed).random((count, dimensions))
+    if method == "halton":
+        return np.asarray(qmc.Halton(dimensions, rng=seed).random(count))
+    whole = 2 ** int(np.ceil(np.log2(count)))  # of which Sobol's points are balanced
+    return np.asarray(qmc.Sobol(dimensions, rng=seed).random(whole))[:count]
+
+
+def variant_axis(variants: Mapping[str, Mapping[str, Any]]) -> Axis:
+    """Named sets of values, `variant`; what one does not name stays as the study has it."""
+    paths = dict.fromkeys(path for values in variants.values() for path in values)
+    keys = {path: tuple(values.get(path, UNCHANGED) for values in variants.values()) for path in paths}
+    return Axis("variant", tuple(variants), keys)
+
+
+def by_path(table: Any, above: str = "") -> Any:
+    """Tables in tables as dotted paths."""
+    if not isinstance(table, dict):
+        return table
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        flat |= by_path(value, f"{above}{key}.") if isinstance(value, dict) else {f"{above}{key}": value}
+    return flat
+
+
+def labels(values: tuple[Any, ...]) -> tuple[str | float | int, ...]:
+    """Numbers as they are; where one is none, words for all of them."""
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return values
+    return tuple(value if isinstance(value, str) else json.dumps(value) for value in values)
+
+
+def implied_sea(axes: Any) -> dict[str, Any] | None:
+    """The first values of all keys of the sea, of raw tables that vary some: a sea state without a table of its own."""
+    if not isinstance(axes, dict):
+        return None
+    groups = axes.get("together")
+    tables = [axes, *(g for g in (groups if isinstance(groups, list) else ()) if isinstance(g, dict))]
+    found = {key: _listed(key, table[key]) for table in tables for key in table if key.startswith("sea.")}
+    return {key.removeprefix("sea."): values[0] for key, values in found.items() if values} or None
+
+
+def _rounded(numbers: np.ndarray) -> tuple[float, ...]:
+    return tuple(float(f"{x:.{DIGITS}g}") for x in numbers)
+
+
+def _length(group: Together) -> int:
+    return len(next(iter(group.keys.values())))
+
+
+def _listed(key: str, value: Any) -> tuple[Any, ...]:
+    if isinstance(value, list | tuple):
+        return tuple(value)
+    if not isinstance(value, dict):
+        _refuse(key, "must be a list of values, or { from, to, count, spacing }")
+    if unknown := [name for name in value if name not in ("from", "to", "count", "spacing")]:
+        _refuse(key, f"a range has from, to, count and spacing, and not {unknown[0]}")
+    try:
+        span = Range.model_validate({"start" if name == "from" else name: value[name] for name in value})
+    except ValidationError as error:
+        first = error.errors()[0]
+        _refuse(key, f"{'.'.join(map(str, first['loc'])).replace('start', 'from')}: {first['msg'].lower()}")
+    if span.spacing == "log" and not (span.start > 0 and span.to > 0):
+        _refuse(key, 'spacing "log" needs numbers > 0')
+    return span.values
+
+
+def _refuse(key: str, limit: str) -> NoReturn:
+    raise PydanticCustomError("unknown_key", "{limit}", {"key": f'"{key}"' if "." in key else key, "limit": limit})

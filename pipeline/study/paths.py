@@ -1,0 +1,114 @@
+"""A study with another value at a dotted path: floats.rear.hull.radius, platform.sections.*.thickness, sea.Hs."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from pipeline.study.reading import limit_of
+from pipeline.study.schema import StudyFile, units
+from pipeline.study.tables import Table
+
+ALL = "*"
+SEA = "sea"  # stands for every sea state
+FIXED = ("axes", "title", "variants", "samples")  # what no axis varies
+
+
+class PathError(Exception):
+    """A path that leads nowhere, or a value that may not stand there: the limit."""
+
+
+def with_value(study: StudyFile, path: str, value: Any) -> StudyFile:
+    """The study with a value at a path; names stand for floats, members, nodes and others, `*` for all of them."""
+    head, dot, rest = path.partition(".")
+    whole = f"sea_states.{ALL}.{rest}" if head == SEA and dot else path
+    changed = _changed(study, whole, value, "")
+    assert isinstance(changed, StudyFile), "of a study a study is made"
+    return changed
+
+
+def unit(path: str) -> str:
+    """Of the key at the end of a path; empty for words."""
+    return units().get(path.rpartition(".")[2], "")
+
+
+def _changed(node: Any, path: str, value: Any, above: str) -> Any:
+    """A table, or tables by name, with the value at the path below."""
+    if isinstance(node, Table):
+        return _table(node, path, value, above)
+    if isinstance(node, Mapping):
+        chosen, rest = _named(list(node), path, above)
+        return {
+            name: _below(item, rest, value, f"{above}{name}.") if name in chosen else item
+            for name, item in node.items()
+        }
+    names = [_name(item) for item in node]
+    chosen, rest = _named(names, path, above)
+    return tuple(
+        _below(item, rest, value, f"{above}{name}.") if name in chosen else item
+        for name, item in zip(names, node, strict=True)
+    )
+
+
+def _below(item: Any, rest: str, value: Any, above: str) -> Any:
+    if isinstance(item, Table):
+        if not rest:
+            raise PathError(f"leads to a table; go on with one of its keys: {', '.join(type(item).model_fields)}")
+        return _changed(item, rest, value, above)
+    if rest:
+        raise PathError(f"leads nowhere: {above[:-1]} is no table; give its whole value")
+    return value
+
+
+def _table(node: Table, path: str, value: Any, above: str) -> Table:
+    key, _, rest = path.partition(".")
+    known = [name for name in type(node).model_fields if above or name not in FIXED]
+    if key not in known:
+        raise PathError(_nowhere(key, rest, known, above))
+    child = getattr(node, key)
+    if rest and child is None:
+        raise PathError(f"leads nowhere: the study has no [{above}{key}]")
+    if rest and not _is_container(child):
+        raise PathError(f"leads nowhere: {above}{key} is no table; give its whole value")
+    if not rest and _is_container(child):
+        raise PathError("leads to a table; go on with one of its keys or names")
+    new = _changed(child, rest, value, f"{above}{key}.") if rest else value
+    given = {name: getattr(node, name) for name in node.model_fields_set}
+    try:
+        return type(node).model_validate(given | {key: new})
+    except ValidationError as error:
+        raise PathError(limit_of(error.errors(include_url=False)[0])) from None
+
+
+def _is_container(value: Any) -> bool:
+    """A table, or tables by name; a list of numbers or names is a value."""
+    if isinstance(value, tuple):
+        return any(isinstance(item, Table) for item in value)
+    return isinstance(value, Table | Mapping)
+
+
+def _named(names: list[str], path: str, above: str) -> tuple[list[str], str]:
+    """The names that a path begins with, and its rest; names may have dots in them."""
+    head, _, rest = path.partition(".")
+    if head == ALL:
+        return names, rest
+    fitting = [name for name in names if path == name or path.startswith(f"{name}.")]
+    if not fitting:
+        raise PathError(_nowhere(head, rest, names, above))
+    longest = max(fitting, key=len)
+    return [longest], path[len(longest) + 1 :]
+
+
+def _name(item: Any) -> str:
+    return str(getattr(item, "name", None) or getattr(item, "node", ""))
+
+
+def _nowhere(key: str, rest: str, known: Iterable[str], above: str) -> str:
+    written = {name.casefold(): name for name in known}
+    close = difflib.get_close_matches(key.casefold(), written, n=1)
+    if close and (above or key not in FIXED):
+        return f"leads nowhere; did you mean {above}{written[close[0]]}{f'.{rest}' if rest else ''}?"
+    return f"leads nowhere: {above[:-1] or 'a study'} has {', '.join(written.values()) or 'nothing'}"

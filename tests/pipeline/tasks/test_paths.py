@@ -1,0 +1,197 @@
+"""Axes over any key: what a path reaches, what each task becomes, and what is wrong with a path or its values."""
+
+import numpy as np
+import pytest
+
+from pipeline.bridge.loading import load
+from pipeline.study.paths import PathError, with_value
+from pipeline.study.reading import StudyError
+from pipeline.tasks.select import select
+from pipeline.tasks.task import axes, dimensions, expand
+
+
+def varied(small, *lines):
+    """The small study with these lines under [axes]."""
+    text = small.read_text()
+    small.write_text(text.replace("[axes]\n", "[axes]\n" + "\n".join(lines) + "\n", 1))
+    return load(small)
+
+
+REACHED = [
+    ("floats.front.mass", 2000.0, lambda p: p.floats[0].mass),
+    ("floats.*.hull.radius", 0.9, lambda p: p.floats[0].hull.radius),
+    ("floats.front.hinge", (-1.5, 0.0, 2.5), lambda p: p.floats[0].hinge),
+    ("platform.damping_ratio", 0.02, lambda p: p.platform.damping_ratio),
+    ("platform.sections.tube.thickness", 0.04, lambda p: p.platform.sections["tube"].thickness),
+    ("platform.members.leg.elements", 6, lambda p: p.platform.members[0].elements),
+    ("platform.materials.*.E", 2e11, lambda p: p.platform.materials["steel"].E),
+    ("platform.nodes.foot", (-1.5, 0.0, -49.0), lambda p: p.platform.nodes["foot"]),
+    ("water.depth", 60.0, lambda p: p.water.depth),
+    ("waves.heading", 3.0, lambda p: p.waves.heading),
+    ("sea.Hs", 0.9, lambda p: p.sea_state.Hs),
+    ("sea_states.calm.Tp", 6.0, lambda p: p.sea_state.Tp),
+    ("solver.froude_krylov", "linear", lambda p: p.solver.froude_krylov),
+    ("solver.diffraction", False, lambda p: p.solver.diffraction),
+    ("record.duration", 600.0, lambda p: p.record.duration),
+]
+
+
+@pytest.mark.parametrize(("path", "value", "read"), REACHED, ids=[row[0] for row in REACHED])
+def test_a_path_reaches_its_key_and_leaves_all_else(small, path, value, read):
+    before = next(iter(expand(load(small).content))).parameters
+    content = with_value(load(small).content, path, list(value) if isinstance(value, tuple) else value)
+    after = next(iter(expand(content))).parameters
+    assert read(after) == value != read(before)
+    back = list(read(before)) if isinstance(value, tuple) else read(before)
+    assert next(iter(expand(with_value(content, path, back)))).id == next(iter(expand(load(small).content))).id
+
+
+WRONG = [
+    ('"floats.*.pto_damping" = [-1.0]', 'axes."floats.*.pto_damping" = -1.0: must be >= 0 N m s/rad'),
+    ('"floats.frnt.mass" = [1.0]', 'axes."floats.frnt.mass" = 1.0: leads nowhere; did you mean floats.front.mass?'),
+    ('"floats.front.mas" = [1.0]', "did you mean floats.front.mass?"),
+    ('"float.front.mass" = [1.0]', "did you mean floats.front.mass?"),
+    ('"floats.front" = [1.0]', "leads to a table; go on with one of its keys: name, hull, "),
+    ('"floats.front.hull" = [1.0]', "leads to a table"),
+    ('"floats.front.mass.kg" = [1.0]', "leads nowhere: floats.front.mass is no table; give its whole value"),
+    ('"floats.front.hinge.0" = [1.0]', "floats.front.hinge is no table; give its whole value"),
+    ('"floats.front.hull.height" = ["tall"]', 'axes."floats.front.hull.height" = tall: must be a number [m]'),
+    ('"platform.sections.pipe.diameter" = [1.0]', "leads nowhere: platform.sections has tube"),
+    ('"solver.modes" = [0]', 'axes."solver.modes" = 0: must be'),
+    ('"solver.froude_krylov" = ["linear", "nonlinear"]', 'axes."solver.froude_krylov" = nonlinear: must be one of'),
+    ('"sea.hs" = [1.0]', "leads nowhere; did you mean sea_states.calm.Hs?"),
+    ('"axes.seed" = [1]', "leads nowhere: a study has water"),
+    ('"water.depth" = []', 'axes."water.depth" = []: needs at least one value'),
+    ('"water.depth" = [60.0, 60]', 'axes."depth" = 60.0: given 2 times'),
+    ('"water.depth" = 60.0', 'axes."water.depth" = 60.0: must be a list of values, or { from, to, count, spacing }'),
+    ('"water.depth" = { from = 1.0, count = 3 }', 'axes."water.depth" = '),
+    ('"water.depth" = { from = 60.0, to = 70.0, step = 3 }', "a range has from, to, count and spacing, and not step"),
+    ('"water.depth" = { from = -1.0, to = 1.0, count = 3, spacing = "log" }', 'spacing "log" needs numbers > 0'),
+    ('"water.depth" = [50.0, 0.5]', 'axes."water.depth" = 0.5: '),
+    ('"sea.Hs" = [0.2, 9.0]', 'axes."sea.Hs" = 9.0: '),
+    ("damping_ratio = [0.1]", "axes.damping_ratio = [0.1]: unknown key"),
+    ("[[axes.together]]\nname = 'a'\n'water.depth' = [1.0]\n'water.density' = [1.0, 2.0]", "must be of one length"),
+    ("[[axes.together]]\n'water.depth' = [50.0]", "axes.together[0].name: is missing"),
+    ("[variants.deep]\n'water.depht' = 60.0", 'variant."water.depht" = 60.0: leads nowhere; did you mean water.depth?'),
+    ("[variants.usual]\n[variants.shallow.water]\ndepth = 0.5", "variant = shallow: "),
+    ("[samples]\ncount = 4", "samples.samples = None: needs ranges of keys by their dotted paths"),
+    ("[samples]\ncount = 4\n'floats.front.mas' = { from = 1.0, to = 2.0 }", "did you mean floats.front.mass?"),
+    ("[samples]\ncount = 4\n'floats.front.mass' = { mean = 1.0 }", "samples.keys.floats.front.mass"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("line", "message"), WRONG, ids=[row[0][:50] for row in WRONG])
+def test_a_wrong_path_or_value_is_refused_with_its_key(small, line, message):
+    text = small.read_text()
+    under = "[sea_states" if line.startswith("[") else "seed = "
+    small.write_text(text.replace(under, f"{line}\n{under}", 1))
+    with pytest.raises(StudyError) as caught:
+        load(small)
+    assert any(message in problem for problem in caught.value.problems), caught.value.problems
+
+
+def test_a_value_for_what_the_study_does_not_have_is_refused(small):
+    content = load(small).content.model_copy(update={"platform": None})
+    with pytest.raises(PathError, match=r"leads nowhere: the study has no \[platform\]"):
+        with_value(content, "platform.damping_ratio", 0.1)
+
+
+def test_ranges_are_written_out(small):
+    lines = ('"floats.front.mass" = { from = 2000.0, to = 2200.0, count = 3 }',
+             '"floats.*.pto_damping" = { from = 1e4, to = 1e6, count = 3, spacing = "log" }',
+             'pto_damping = { from = 1.0, to = 2.0, count = 2 }')  # fmt: skip
+    table = axes(varied(small, *lines[:2]).content)
+    assert table["mass"] == (2000.0, 2100.0, 2200.0) and table["pto_damping"] == (1e4, 1e5, 1e6)
+    assert axes(varied(small, lines[2]).content)["pto_damping"] == (1.0, 2.0)
+
+
+def test_a_dimension_has_the_last_word_or_the_whole_path_where_two_would_clash(small):
+    study = varied(
+        small, '"water.depth" = [50.0]', '"floats.front.mass" = [2147.0]', '"platform.sections.tube.diameter" = [1.0]',
+        '"platform.members.leg.drag_coefficient" = [1.0]', '"platform.members.*.drag_coefficient" = [1.0]',
+        '"platform.legs" = [["leg"]]',
+    )  # fmt: skip
+    names = dimensions(study.content)
+    assert {"depth", "mass", "diameter"} <= set(names)
+    assert {"platform.members.leg.drag_coefficient", "platform.members.*.drag_coefficient"} <= set(names)
+    assert axes(study.content)["legs"] == ('["leg"]',)
+
+
+def test_same_physics_is_the_same_task_however_it_is_said(small):
+    """Paths, the old axis, a group, another order, and a default spelled out."""
+    text = small.read_text()
+    plain = {task.id for task in load(small).tasks}
+
+    def ids(*lines):
+        small.write_text(text)
+        return {task.id for task in varied(small, *lines).tasks}
+
+    assert ids('"floats.front.pto_damping" = [100e3]') == plain
+    assert ids('"solver.diffraction" = [true]', '"water.density" = [1025.0]') == plain
+    assert ids("pto_damping = [1e5, 2e5]") == ids('"floats.*.pto_damping" = [2e5, 1e5]')
+    wider = ids('"floats.*.pto_damping" = [2e5, 1e5]', '"water.depth" = [50.0, 60.0]')
+    assert ids('"floats.*.pto_damping" = [2e5, 1e5]') < wider
+    small.write_text(text.replace("[sea_states", "[[axes.together]]\nname = 't'\n'water.depth' = [50.0, 60.0]\n"
+                                  "'floats.front.pto_damping' = [1e5, 2e5]\n[sea_states", 1))  # fmt: skip
+    paired = {task.id for task in load(small).tasks}
+    assert plain < paired < wider
+
+
+def test_a_product_of_seas_needs_none_by_name(small):
+    text = small.read_text()
+    lines = '"sea.Hs" = [0.3, 0.5]\n"sea.Tp" = [5.0, 6.0]'
+    small.write_text(text[: text.index("[sea_states")].replace('sea_state = ["calm", "rough"]', lines))
+    study = load(small)
+    seas = {(t.parameters.sea_state.Hs, t.parameters.sea_state.Tp) for t in study.tasks}
+    assert seas == {(0.3, 5.0), (0.3, 6.0), (0.5, 5.0), (0.5, 6.0)}
+    assert dimensions(study.content)[-3:] == ["Hs", "Tp", "seed"]
+
+
+def test_parts_are_chosen_by_name_path_or_range(small):
+    study = varied(small, '"floats.*.mass" = { from = 2000.0, to = 2200.0, count = 5 }')
+    each = len(select(study, "platform=fixed,mass=2000"))
+    parts = {
+        "mass=2000": 1, "floats.*.mass=2000": 1, "mass=2000..2100": 3, "mass=2100..": 3, "mass=..2049": 1,
+        "mass=2000,mass=2200": 2, "mass=0..9e9": 5,
+    }  # fmt: skip
+    for text, share in parts.items():
+        assert len(select(study, f"platform=fixed,{text}")) == share * each
+    with pytest.raises(StudyError, match="no such value"):
+        select(study, "mass=3000..4000")
+
+
+def test_variants_are_named_sets_of_values_and_change_nothing_else(small):
+    text = small.read_text()
+    plain = list(load(small).tasks)
+    tables = (
+        "[variants.usual]\n[variants.linear.solver]\nfroude_krylov = 'linear'\n[variants.deep]\n'water.depth' = 60.0\n"
+    )
+    small.write_text(text.replace("[sea_states", tables + "'floats.*.mass' = 2200.0\n[sea_states", 1))
+    study = load(small)
+    assert axes(study.content)["variant"] == ("usual", "linear", "deep") and "variant" in dimensions(study.content)
+    parameters = {t.labels["variant"]: t.parameters for t in select(study, "platform=fixed,seed=0,sea_state=calm")}
+    assert parameters["linear"].solver.froude_krylov == "linear" and parameters["linear"].water.depth == 50.0
+    assert (parameters["deep"].water.depth, parameters["deep"].floats[0].mass) == (60.0, 2200.0)
+    assert {t.id for t in select(study, "variant=usual")} == {t.id for t in plain}
+
+
+@pytest.mark.parametrize("method", ["sobol", "halton", "random"])
+def test_more_samples_leave_the_first_ones_where_they_are(small, method):
+    text = small.read_text()
+
+    def ids(count):
+        table = (
+            f"[samples]\ncount = {count}\nmethod = '{method}'\n"
+            "'floats.front.pto_damping' = { from = 1e4, to = 1e6, spacing = 'log' }\n"
+            "'floats.front.mass' = { mean = 2147.0, std = 20.0 }\n"
+        )
+        small.write_text(text.replace("[sea_states", table + "[sea_states", 1))
+        return load(small)
+
+    few, many = ids(5), ids(64)
+    assert {t.id for t in few.tasks} < {t.id for t in many.tasks}
+    parts = [t.parameters.floats[0] for t in select(many, "platform=fixed,seed=0,sea_state=calm")]
+    damping, mass = (np.array([getattr(f, name) for f in parts]) for name in ("pto_damping", "mass"))
+    assert len(parts) == 64 and damping.min() >= 1e4 and damping.max() <= 1e6
+    assert abs(np.median(np.log10(damping)) - 5) < 0.3 and abs(mass.mean() - 2147) < 10 and 10 < mass.std() < 30
+    assert axes(many.content)["sample"] == tuple(range(64))
