@@ -41,6 +41,7 @@ def main() -> int:
     for platform in ("fixed", "elastic"):
         knobs.steps(platform)
     estimates.table()
+    estimates.tolerances()
     knobs.picture(rows)
     save(rows, sizes, attrs)
     print(f"tables in {OUT}/bench.nc, figures in {OUT}/pareto.png and scaling.png")

@@ -19,6 +19,7 @@ PLATFORM = 6  # lowest shapes of the platform that are told, besides all joints
 SPARE = 20  # shapes beyond those told, of which they are made where the added mass is another
 ROUNDS, AGREED = 50, 1e-9  # of added mass and frequency in turn
 MOVES = 0.3  # of the largest motion: what moves by less is not part of a shape's name
+FRAME = "platform "  # and the axis, in a shape's name
 DRAWN = 20  # steps in the period of a decay, which is looked at as a curve
 
 Added = Callable[[float], np.ndarray]  # ω -> A - A∞ + iB (n, n)
@@ -91,7 +92,7 @@ def _name(system: System, model: LinearModel, shape: np.ndarray) -> str:
     if system.support is not None:
         moved = (system.support.shapes @ shape[:nm]).reshape(-1, 6)[:, :3]
         node, axis = np.unravel_index(np.argmax(np.abs(moved)), moved.shape)
-        motions["platform " + "xyz"[axis]] = moved[node, axis]
+        motions[FRAME + "xyz"[axis]] = moved[node, axis]
     first, *rest = sorted(motions, key=lambda name: -abs(motions[name]))
     told = [name for name in rest if abs(motions[name]) >= MOVES * abs(motions[first])]
     return first + "".join(f" {'+' if motions[name] * motions[first] > 0 else '-'} {name}" for name in told)
@@ -116,7 +117,7 @@ def require_stable(system: System) -> None:
 def with_usual_step(system: System, h: Hydrodynamics | None) -> System:
     """With the step of the shortest wave and of the scene's own periods, unless one is given.
 
-    STEPS in the shortest wave's period and in each of the scene's own that is not below half of that: what is faster
+    STEPS in the shortest wave's period and in each of the floats' own that is not below half of that: what is faster
     follows the waves without swinging, and the scheme is stable. In still water STEPS in all of them, and DRAWN in
     those that the offsets set swinging.
     """
@@ -124,7 +125,8 @@ def with_usual_step(system: System, h: Hydrodynamics | None) -> System:
         return system
     modes, sea = system_modes(system, h), system.scene.sea
     if sea.amplitude.any():
-        periods = modes.period[modes.period > np.pi / sea.omega.max()]
+        floats = [not name.startswith(FRAME) for name in modes.names]
+        periods = modes.period[floats & (modes.period > np.pi / sea.omega.max())]
         step = min(system.scene.usual_step, *periods / STEPS, np.inf)
     else:
         step = min([*_swinging(system, modes) / DRAWN, *modes.period / STEPS], default=system.scene.usual_step)

@@ -179,8 +179,10 @@ def _basis(
     unit = np.zeros((len(nodal), hinge_dof.size))
     unit[hinge_dof, np.arange(hinge_dof.size)] = 1.0
     patterns = np.concatenate([nodal.real, nodal.imag], axis=1)
-    left, sizes, _ = linalg.svd(patterns, full_matrices=False)
-    load = np.concatenate([unit, left[:, sizes > PATTERN * sizes[0]]], axis=1)
+    # Principal shapes by the small Gram matrix, whose rounding is far below PATTERN².
+    squares, right = linalg.eigh(patterns.T @ patterns)
+    large = squares > PATTERN**2 * squares[-1]
+    load = np.concatenate([unit, patterns @ (right[:, large] / np.sqrt(squares[large]))], axis=1)
     # Only what the kept modes lack: without this the large common part would hide the rest.
     whole, rest = statics.static(model, load), natural.static_remainder(model, kept, load)
     if symmetric is not None:

@@ -17,7 +17,8 @@ MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
 # What the estimate's square may be made of; the BEM's mesh is chosen before, see scene.panels_for.
 SHARE = {"discretization_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
 STEP_ORDER = 4
-USUAL = 5e-4  # of the usual step, where the guess starts from; and what that step may err by where none is given
+USUAL = 5e-4  # of the usual step, where the guess starts from
+DEFAULT = 1e-3  # what the step may err by where none is given
 
 
 def first_guess(scene: Scene) -> Settings:
@@ -60,8 +61,8 @@ def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
 
 
 def shortened(settings: Settings, told: Mapping[str, float]) -> Settings | None:
-    """A shorter step for a run whose chosen one errs by more than USUAL; else None."""
-    over = told["discretization_error"] / USUAL
+    """A shorter step for a run whose chosen one errs by more than DEFAULT; else None."""
+    over = told["discretization_error"] / DEFAULT
     return _shorter(settings, over) if over > 1 else None
 
 

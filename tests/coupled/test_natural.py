@@ -136,7 +136,8 @@ def test_usual_step_follows_the_shortest_wave_and_own_periods_near_it(name):
     system = with_usual_step(prepare(item, h), h)
     assert 0.9 * shortest / 9 < system.dt <= shortest / 9
     modes = system_modes(system, h)
-    assert np.all((system.dt <= modes.period / 9) | (modes.period < shortest / 2))
+    floats = np.array([not name.startswith("platform") for name in modes.names])
+    assert np.all((system.dt <= modes.period / 9) | (modes.period < shortest / 2) | ~floats)
     given_ = replace(item, settings=replace(item.settings, time_step=0.0123))
     assert with_usual_step(prepare(given_, h), h).dt == 0.0123
 

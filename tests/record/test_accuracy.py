@@ -9,7 +9,7 @@ from solver import run
 from solver.coupled.system import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import MeshError
-from solver.record.accuracy import MARGIN, SHARE, USUAL, first_guess, refined, shortened
+from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
 from solver.record.audit import together
 from solver.run import simulate
 from solver.scene import PANELS, panels_for, two_digits
@@ -87,8 +87,8 @@ def test_step_follows_the_fourth_order(buan):
     share = SHARE["discretization_error"] ** 0.5 * 1e-3 / MARGIN
     finer = refined(settings, told(discretization_error=16 * share))
     assert finer.time_step == approx(two_digits(0.9 / 2 * settings.time_step))
-    assert shortened(settings, told(discretization_error=0.99 * USUAL)) is None
-    assert shortened(settings, told(discretization_error=16 * USUAL)).time_step == finer.time_step
+    assert shortened(settings, told(discretization_error=0.99 * DEFAULT)) is None
+    assert shortened(settings, told(discretization_error=16 * DEFAULT)).time_step == finer.time_step
 
 
 def test_mesh_follows_the_tolerance():

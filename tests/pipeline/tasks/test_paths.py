@@ -1,5 +1,7 @@
 """Axes over any key: what a path reaches, what each task becomes, and what is wrong with a path or its values."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -195,3 +197,15 @@ def test_more_samples_leave_the_first_ones_where_they_are(small, method):
     assert len(parts) == 64 and damping.min() >= 1e4 and damping.max() <= 1e6
     assert abs(np.median(np.log10(damping)) - 5) < 0.3 and abs(mass.mean() - 2147) < 10 and 10 < mass.std() < 30
     assert axes(many.content)["sample"] == tuple(range(64))
+
+
+def test_the_axes_of_the_readme_are_axes(tmp_path):
+    root = Path(__file__).parents[3]
+    lines = (root / "README.md").read_text().splitlines()
+    first = lines.index("    [axes]")
+    block = [line[4:] for line in lines[first : lines.index("", first)]]
+    path = tmp_path / "readme.toml"
+    path.write_text("\n".join([f'base = "{root / "studies" / "buan.toml"}"', *block]))
+    study = load(path).content
+    mine = {"variant", "damping_ratio", "pto_damping", "froude_krylov", "Hs", "tuning", "sample"}
+    assert set(dimensions(study)) == {"sea_state", "platform", *mine, "seed"}
