@@ -31,6 +31,14 @@ def test_chance_averages_out():
     assert long == approx(np.sqrt(1 + 0.3**2) - 1, rel=0.3)
 
 
+@pytest.mark.parametrize("longer", [1.0, 4.0])
+def test_chance_is_told_by_the_scatter_of_the_parts(longer):
+    """Eighths shifted up and down in turn: no error of the mean, and a standard error of c (8/7)^½/8^½."""
+    c = 0.01
+    sign = np.repeat([1.0, -1.0] * 4, 500)[:, None]
+    assert error(WAVE + c * sign, longer=longer) == approx(c / np.sqrt(7 * longer) / np.sqrt(10), rel=0.03)
+
+
 def test_the_least_is_what_a_channel_counts_as():
     """One that symmetry keeps at zero, rounding apart, is judged as if it were not zero."""
     quiet = WAVE * np.array([1.0, 1e-9])

@@ -48,6 +48,13 @@ def test_a_path_reaches_its_key_and_leaves_all_else(small, path, value, read):
     assert next(iter(expand(with_value(content, path, back)))).id == next(iter(expand(load(small).content))).id
 
 
+def test_a_name_may_have_dots(small):
+    text = small.read_text().replace('sea_state = ["calm", "rough"]', 'sea_state = ["calm.2"]')
+    small.write_text(text + '"calm.2" = { Hs = 0.4, Tp = 5.0 }\n')
+    content = with_value(load(small).content, "sea_states.calm.2.Hs", 0.3)
+    assert (content.sea_states["calm"].Hs, content.sea_states["calm.2"].Hs) == (0.5, 0.3)
+
+
 WRONG = [
     ('"floats.*.pto_damping" = [-1.0]', 'axes."floats.*.pto_damping" = -1.0: must be >= 0 N m s/rad'),
     ('"floats.frnt.mass" = [1.0]', 'axes."floats.frnt.mass" = 1.0: leads nowhere; did you mean floats.front.mass?'),
