@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from pipeline.bridge import scenes, sea_checks
-from pipeline.study.axes import UNCHANGED, Axes
+from pipeline.study.axes import TAKEN, UNCHANGED, Axes
 from pipeline.study.layout import HINGE
 from pipeline.study.paths import PathError, with_value
 from pipeline.study.schema import StudyFile
@@ -62,10 +62,11 @@ def _under(prefix: tuple[str, object] | None, problem: InputError) -> InputError
 
 
 def _paths(study: StudyFile) -> Iterator[InputError]:
-    """Paths that lead nowhere, values that may not stand there."""
+    """Paths that lead nowhere, values that may not stand there, names that others have."""
+    for group in study.axes.together:
+        if group.name in TAKEN or getattr(study.axes, group.name, None):
+            yield InputError("axes.together.name", group.name, "is the name of another dimension or coordinate")
     for axis in study.varied:
-        if axis.name in axis.beside or (axis.name in AXES and getattr(study.axes, axis.name)):
-            yield InputError("axes.together.name", axis.name, "is a name that another axis has")
         for path, values in axis.keys.items():
             key = f'{axis.name if axis.name in ("variant", "sample") else "axes"}."{path}"'
             if not values:

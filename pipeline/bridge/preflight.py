@@ -10,9 +10,9 @@ from pipeline.bridge.engine import Engine
 from pipeline.bridge.scenes import objections
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import Parameters, Task, first_labels
+from pipeline.tasks.task import Parameters, Task
 
-# Sea states and seeds are judged from the file alone, axes over paths one at a time.
+# Sea states and seeds are judged from the file alone, each value along an axis over keys once.
 CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
 
 
@@ -20,12 +20,15 @@ def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
     """Raise StudyError in the solver's words, under the study file's keys; or what is odd and yet no error."""
     distinct: dict[tuple[object, ...], Task] = {}
     seas: dict[object, Task] = {}
-    first = first_labels(study.content)
     named = [axis.name for axis in study.content.varied]
+    met: set[tuple[str, object]] = set()
     for task in tasks:
-        changed = tuple((name, task.labels[name]) for name in named if task.labels[name] != first[name])
-        if len(changed) < 2 or len(distinct) < len(CONFIGURATION):
-            distinct[(*(task.labels.get(axis) for axis in CONFIGURATION), *changed)] = task
+        place, labels = tuple(task.labels.get(axis) for axis in CONFIGURATION), {(n, task.labels[n]) for n in named}
+        if place not in distinct:
+            distinct[place] = task
+        if fresh := labels - met:
+            distinct[place, *fresh] = task
+            met |= fresh
         seas[task.labels["sea_state"]] = task
     platforms = {task.labels["platform"]: task for task in distinct.values()}
     odd: list[str] = []

@@ -36,21 +36,6 @@ class Axis(NamedTuple):
     own: bool = False  # whether the labels are the values of the only key
 
 
-class Range(Table):
-    """Numbers at equal distances, or ratios."""
-
-    start: Number
-    to: Number
-    count: Count
-    spacing: Literal["linear", "log"] = "linear"
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """From the first to the last."""
-        numbers = (np.geomspace if self.spacing == "log" else np.linspace)(self.start, self.to, self.count)
-        return _rounded(numbers)
-
-
 class Span(Table):
     """Numbers between two, all equally likely, or all ratios."""
 
@@ -63,10 +48,27 @@ class Span(Table):
     def _start(cls, data: Any) -> Any:
         return {"start" if key == "from" else key: data[key] for key in data} if isinstance(data, dict) else data
 
+    @model_validator(mode="after")
+    def _has_ratios(self) -> Span:
+        if self.spacing == "log" and not (self.start > 0 and self.to > 0):
+            raise PydanticCustomError("ratios", 'spacing "log" needs numbers > 0')
+        return self
+
     def at(self, share: np.ndarray) -> tuple[float, ...]:
         """The numbers at shares (n,) of the way."""
         low, high = self.start, self.to
         return _rounded(low * (high / low) ** share if self.spacing == "log" else low + (high - low) * share)
+
+
+class Range(Span):
+    """Numbers at equal distances, or ratios."""
+
+    count: Count
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """From the first to the last."""
+        return self.at(np.linspace(0.0, 1.0, self.count))
 
 
 class Normal(Table):
@@ -198,7 +200,7 @@ def labels(values: tuple[Any, ...]) -> tuple[str | float | int, ...]:
     """Numbers as they are; where one is none, words for all of them."""
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
         return values
-    return tuple(value if isinstance(value, str) else json.dumps(value) for value in values)
+    return tuple(value if isinstance(value, str) else json.dumps(value, default=str) for value in values)
 
 
 def implied_sea(axes: Any) -> dict[str, Any] | None:
@@ -227,13 +229,11 @@ def _listed(key: str, value: Any) -> tuple[Any, ...]:
     if unknown := [name for name in value if name not in ("from", "to", "count", "spacing")]:
         _refuse(key, f"a range has from, to, count and spacing, and not {unknown[0]}")
     try:
-        span = Range.model_validate({"start" if name == "from" else name: value[name] for name in value})
+        return Range.model_validate(value).values
     except ValidationError as error:
         first = error.errors()[0]
-        _refuse(key, f"{'.'.join(map(str, first['loc'])).replace('start', 'from')}: {first['msg'].lower()}")
-    if span.spacing == "log" and not (span.start > 0 and span.to > 0):
-        _refuse(key, 'spacing "log" needs numbers > 0')
-    return span.values
+        place = ".".join(map(str, first["loc"])).replace("start", "from")
+        _refuse(key, f"{place}: {first['msg'].lower()}" if place else first["msg"])
 
 
 def _refuse(key: str, limit: str) -> NoReturn:
