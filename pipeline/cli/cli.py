@@ -166,7 +166,7 @@ def _status(study: Study, tasks: Tasks, store: Store, *, as_json: bool) -> tuple
     for task, entry in looked(tasks, store):
         tally.see(task, entry)
         if as_json:
-            row = {"id": task.id, "state": entry.state, "labels": dict(task.labels), "unmet": entry.unmet}
+            row = {"id": task.id, "state": entry.state, "labels": task.written_labels, "unmet": entry.unmet}
             rows.append(json.dumps(row))
     holder = store.holder()
     if as_json:

@@ -98,7 +98,7 @@ def _fingerprint(study: Study, store: Store) -> str:
     digest.update(json.dumps([LAYOUT, words, dimensions(study.content)], sort_keys=True).encode())
     for task in study.tasks.passing("looking at records"):
         entry = store.look(task)
-        made = [dict(task.labels), task.id, entry.state, entry.status.content]
+        made = [task.written_labels, task.id, entry.state, entry.status.content]
         digest.update(json.dumps(made).encode())
     return digest.hexdigest()
 

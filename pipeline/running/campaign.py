@@ -57,7 +57,7 @@ class Campaign:
         for task, outcome in outcomes:
             status: dict[str, Any] = {
                 "wall_time": outcome.wall_time,
-                "labels": dict(task.labels),
+                "labels": task.written_labels,
                 "provenance": outcome.provenance,
                 "command": self.command(task),
                 "log": outcome.log,

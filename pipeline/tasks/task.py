@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -69,6 +70,11 @@ class Task:
             return []
         text = self.parameters.canonical()
         return [digest(text, version) for version in range(self.version - 1, 0, -1)]
+
+    @property
+    def written_labels(self) -> dict[str, Label]:
+        """As JSON can hold them, which has no infinity."""
+        return {k: v if isinstance(v, str) or math.isfinite(v) else str(v) for k, v in self.labels.items()}
 
     def __str__(self) -> str:
         return ",".join(f"{axis}={label}" for axis, label in self.labels.items() if axis in self.varied)

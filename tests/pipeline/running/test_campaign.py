@@ -460,6 +460,14 @@ def test_axes_over_keys_are_dimensions_with_unit_and_path(changed, small):
     assert parameters.solver.time_step == 0.1 and not parameters.solver.diffraction
 
 
+def test_deep_water_is_a_value_of_an_axis(changed, small):
+    small.write_text(small.read_text().replace("seed = [0, 1]", 'seed = [0]\n"water.depth" = [50.0, inf]'))
+    text = small.read_text().replace('platform = ["elastic", "fixed", "elastic-no-floats"]', 'platform = ["fixed"]')
+    small.write_text(text)
+    data = changed(lambda parameters, record: record.attrs.update(time_step=0.2))
+    assert data.depth.values.tolist() == [50.0, np.inf] and (data.status == "done").all()
+
+
 def test_a_table_of_the_dataset_has_room_for_the_lowest_modes_alone(changed, tmp_path):
     """A row for every combination of labels, of which a platform may have 708; the record has them all."""
 
