@@ -24,6 +24,7 @@ from solver.errors import InputError
 # Far more than anybody has asked for, and already days of work or all of a machine's memory.
 MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
 MOST_TASKS = 10_000_000
+MOST_AXES = 24  # over keys, each of which is a dimension of the dataset
 MOST_FLOATS = 100
 MOST_ELEMENTS = 10_000  # of a platform
 
@@ -63,6 +64,11 @@ def _under(prefix: tuple[str, object] | None, problem: InputError) -> InputError
 
 def _paths(study: StudyFile) -> Iterator[InputError]:
     """Paths that lead nowhere, values that may not stand there, names that others have."""
+    if len(study.varied) > MOST_AXES:
+        yield InputError(
+            "axes", f"{len(study.varied)} keys", f"must be <= {MOST_AXES}; [[axes.together]] varies several"
+        )
+        return
     for group in study.axes.together:
         if group.name in TAKEN or getattr(study.axes, group.name, None):
             yield InputError("axes.together.name", group.name, "is the name of another dimension or coordinate")

@@ -8,7 +8,7 @@ import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 from pipeline.study import seas
@@ -131,11 +131,31 @@ def axes(study: StudyFile) -> dict[str, tuple[Label, ...]]:
 
 def at_labels(study: StudyFile, labels: Mapping[str, Label]) -> StudyFile:
     """The study with the keys that its axes vary at what these labels stand for; PathError where that cannot be."""
-    for axis in study.varied:
-        place = axis.labels.index(labels[axis.name])
-        for path, values in axis.keys.items():
-            if values[place] is not UNCHANGED:
-                study = with_value(study, path, values[place])
+    return _placed(_Same(study), tuple(axis.labels.index(labels[axis.name]) for axis in study.varied))
+
+
+class _Same:
+    """A study that equals itself alone: to compare two of them whole would cost more than to make one."""
+
+    def __init__(self, study: StudyFile):
+        self.study = study
+
+    def __hash__(self) -> int:
+        return id(self.study)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.study is other.study
+
+
+@lru_cache(maxsize=128)  # the last axes vary fastest: tasks one after another share what the first ones make
+def _placed(same: _Same, places: tuple[int, ...]) -> StudyFile:
+    """The study with its first axes over keys at these places."""
+    if not places:
+        return same.study
+    study, axis = _placed(same, places[:-1]), same.study.varied[len(places) - 1]
+    for path, values in axis.keys.items():
+        if values[places[-1]] is not UNCHANGED:
+            study = with_value(study, path, values[places[-1]])
     return study
 
 

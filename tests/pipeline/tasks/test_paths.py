@@ -102,6 +102,11 @@ def test_a_wrong_path_or_value_is_refused_with_its_key(small, line, message):
     assert any(message in problem for problem in caught.value.problems), caught.value.problems
 
 
+def test_more_axes_than_a_dataset_can_have_are_refused(small):
+    with pytest.raises(StudyError, match="axes = 30 keys: must be <= 24"):
+        varied(small, *(f'"platform.nodes.n{i}" = [[0.0, 0.0, 0.0]]' for i in range(30)))
+
+
 def test_a_value_for_what_the_study_does_not_have_is_refused(small):
     content = load(small).content.model_copy(update={"platform": None})
     with pytest.raises(PathError, match=r"leads nowhere: the study has no \[platform\]"):
