@@ -1,5 +1,6 @@
 """What a record says about itself: energy balance, constraint drift, estimated errors, and what was skipped."""
 
+import time
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -42,6 +43,7 @@ class Probe:
         self.recorder = Recorder(probed(system.scene, self.steps), system.support, layout=system.layout)
         self.states: list[tuple[np.ndarray, np.ndarray]] = []
         self.full = False
+        self.seconds = 0.0  # that judging took
         self._errors: dict[str, float] = {}
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
@@ -60,6 +62,7 @@ class Probe:
     def errors(self, hydrodynamics: Hydrodynamics | None) -> dict[str, float]:
         """Relative errors of any mean, rms or std by their causes, and `estimated_error`."""
         if not self._errors:
+            clock = time.perf_counter()
             memory_effect, mesh_effect = coefficient_effects(self.system, hydrodynamics)
             parts = {
                 "discretization_error": step_error(self),
@@ -68,6 +71,7 @@ class Probe:
                 "mesh_effect": mesh_effect,
             }
             self._errors = {**parts, "estimated_error": together(parts.values())}
+            self.seconds = time.perf_counter() - clock
         return self._errors
 
 
