@@ -125,7 +125,7 @@ def with_usual_step(system: System, h: Hydrodynamics | None) -> System:
         return system
     modes, sea = system_modes(system, h), system.scene.sea
     if sea.amplitude.any():
-        floats = [not name.startswith(FRAME) for name in modes.names]
+        floats = np.array([not name.startswith(FRAME) for name in modes.names], bool)
         periods = modes.period[floats & (modes.period > np.pi / sea.omega.max())]
         step = min(system.scene.usual_step, *periods / STEPS, np.inf)
     else:

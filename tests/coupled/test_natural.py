@@ -166,6 +166,11 @@ def test_a_decay_has_twenty_steps_in_the_period_of_what_is_let_go_and_nine_in_ot
         assert 0.9 * heaving / count < with_usual_step(system, h).dt <= heaving / count
 
 
+def test_waves_alone_have_the_step_of_the_shortest():
+    bare = scene([])
+    assert with_usual_step(prepare(bare, None), None).dt == bare.usual_step
+
+
 def test_two_digits_never_lengthen_a_step():
     for step, rounded in ((0.2053, 0.20), (0.2, 0.2), (0.0999, 0.099), (1.0, 1.0), (12.9, 12.0), (3e-7, 3e-7)):
         assert two_digits(step) == approx(rounded, rel=1e-12)
