@@ -67,7 +67,8 @@ def _content(_settings: Settings, _told: Mapping[str, float]) -> None:
 
 def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record | Settings:
     """The record with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone."""
-    s, dt = scene.settings, with_usual_step(prepare(scene, hydrodynamics), hydrodynamics).dt
+    s, system = scene.settings, prepare(scene, hydrodynamics)
+    dt = with_usual_step(system, system_modes(system, hydrodynamics)).dt
     finer = replace(s, time_step=dt / 4, newton_tolerance=s.newton_tolerance / 4**2)
     try:
         return _run(replace(scene, settings=finer), hydrodynamics)
@@ -88,7 +89,8 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     clock = time.perf_counter()
     system = prepare(scene, hydrodynamics)
     require_stable(system)
-    system = with_usual_step(system, hydrodynamics)
+    modes = system_modes(system, hydrodynamics)
+    system = with_usual_step(system, modes)
     scene = system.scene
     prepared = time.perf_counter()
     s = scene.settings
@@ -122,4 +124,4 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     }
     if odd := warnings(scene):
         attrs["warnings"] = "; ".join(odd)
-    return recorder.record(attrs, system_modes(system, hydrodynamics))
+    return recorder.record(attrs, modes)

@@ -37,13 +37,13 @@ def problems(study: StudyFile) -> list[InputError]:
 
 def _contents(study: StudyFile) -> Iterator[InputError]:
     """Of the study at the first values of its axes, and at each other value of one of them."""
-    for content, prefix in _variants(study):
+    for content, prefix in _each_value(study):
         for problem in (*sea_checks.problems(content), *_recording(content), *_parts(content)):
             yield _under(prefix, problem)
 
 
-def _variants(study: StudyFile) -> Iterator[tuple[StudyFile, tuple[str, object] | None]]:
-    """The study at the first labels of its axes over paths, and at each other label of one; which that is."""
+def _each_value(study: StudyFile) -> Iterator[tuple[StudyFile, tuple[str, object] | None]]:
+    """The study at the first labels of its axes over keys, and at each other label of one; which that is."""
     first = first_labels(study)
     yield at_labels(study, first), None
     for axis in study.varied:
@@ -163,7 +163,7 @@ def _scenes(study: StudyFile) -> Iterator[InputError]:
     """The solver's objections to the scenes: one for each support and place of the hinges, with the shortest wave."""
     from solver.sea.realization import Realization
 
-    for content, prefix in _variants(study):
+    for content, prefix in _each_value(study):
         omega = np.array([sea_checks.highest_frequency(content)])
         shortest = Realization(omega=omega, amplitude=np.array([1e-9 + 0j]))
         fixed = _as_it_is(content)

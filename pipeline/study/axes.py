@@ -98,11 +98,11 @@ class Together(Table):
         if len({len(values) for values in lists.values()}) > 1:
             lengths = ", ".join(f"{key} {len(values)}" for key, values in lists.items())
             _refuse(next(iter(lists)), f"lists of one dimension must be of one length: {lengths}")
-        keys = {key: values for key, values in lists.items() if "." in key}
+        beside, keys = _by_dots(lists)
         if not keys:
             _refuse("name", "needs lists of keys by their dotted paths beside it")
         named = {"name": data["name"]} if "name" in data else {}
-        return {**named, "keys": keys, "beside": {key: values for key, values in lists.items() if key not in keys}}
+        return {**named, "keys": keys, "beside": beside}
 
 
 class Axes(Table):
@@ -124,8 +124,9 @@ class Axes(Table):
             return data
         if "keys" in data:
             _refuse("keys", 'unknown key; an axis over a key is its dotted path in quotes, "platform.damping_ratio"')
-        named = {k: _listed(k, v) if isinstance(v, dict) else v for k, v in data.items() if "." not in k}
-        return named | {"keys": {k: _listed(k, v) for k, v in data.items() if "." in k}}
+        named, paths = _by_dots(data)
+        named = {key: _listed(key, value) if isinstance(value, dict) else value for key, value in named.items()}
+        return named | {"keys": {path: _listed(path, value) for path, value in paths.items()}}
 
     @cached_property
     def over_keys(self) -> tuple[Axis, ...]:
@@ -154,10 +155,10 @@ class Samples(Table):
     def _gather(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        paths = {key: data[key] for key in data if "." in key}
+        named, paths = _by_dots(data)
         if not paths:
             _refuse("samples", "needs ranges of keys by their dotted paths: { from, to } or { mean, std }")
-        return {key: value for key, value in data.items() if key not in paths} | {"keys": paths}
+        return named | {"keys": paths}
 
     @cached_property
     def axis(self) -> Axis:
@@ -211,6 +212,12 @@ def implied_sea(axes: Any) -> dict[str, Any] | None:
     tables = [axes, *(g for g in (groups if isinstance(groups, list) else ()) if isinstance(g, dict))]
     found = {key: _listed(key, table[key]) for table in tables for key in table if key.startswith("sea.")}
     return {key.removeprefix("sea."): values[0] for key, values in found.items() if values} or None
+
+
+def _by_dots(table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Keys of the table itself, and dotted paths."""
+    paths = {key: value for key, value in table.items() if "." in key}
+    return {key: value for key, value in table.items() if key not in paths}, paths
 
 
 def _rounded(numbers: np.ndarray) -> tuple[float, ...]:

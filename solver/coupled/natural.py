@@ -114,7 +114,7 @@ def require_stable(system: System) -> None:
         )
 
 
-def with_usual_step(system: System, h: Hydrodynamics | None) -> System:
+def with_usual_step(system: System, modes: SystemModes) -> System:
     """With the step of the shortest wave and of the scene's own periods, unless one is given.
 
     STEPS in the shortest wave's period and in each of the floats' own that is not below half of that: what is faster
@@ -123,7 +123,7 @@ def with_usual_step(system: System, h: Hydrodynamics | None) -> System:
     """
     if system.scene.settings.time_step is not None:
         return system
-    modes, sea = system_modes(system, h), system.scene.sea
+    sea = system.scene.sea
     if sea.amplitude.any():
         floats = np.array([not name.startswith(FRAME) for name in modes.names], bool)
         periods = modes.period[floats & (modes.period > np.pi / sea.omega.max())]

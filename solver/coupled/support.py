@@ -26,7 +26,6 @@ PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the larg
 # Pieces of an element in which loads are integrated: of 1/k of the shortest wave for inertia, whose EXACT points are
 # then right to 2e-5 of it, and of the mean wave for drag.
 INERTIA, DRAG = 4.0, 1.0
-SLOWEST = 1e-9  # wave number of still water [1/m]
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
 KNOWN = 8  # platforms of which a process keeps what no wave changes
 PLANAR = np.array([0, 2, 4])
@@ -116,7 +115,7 @@ def reduce_platform(
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
     # Once a task, so the exact rule costs nothing.
-    at = water.stations(model, water.EXACT, INERTIA / max(field.k.max(), SLOWEST))
+    at = water.stations(model, water.EXACT, INERTIA / field.k.max())
     inertia_rows = _inertia_rows(platform, at, field, sea)
     nodal = _nodal_load(model, at, inertia_rows)
     loads = np.concatenate([nodal, _nodal_load(model, at, _drag_rows(at, field, sea))], axis=1)
@@ -162,9 +161,9 @@ def _drag_rows(at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
 
 def _nodal_load(model: FrameModel, at: water.Stations, rows: np.ndarray) -> np.ndarray:
     """Nodal loads (6n, n) of point loads (ns, 3, n) at the stations."""
-    load = np.zeros((6 * len(model.xyz), rows.shape[2]), complex)
-    np.add.at(load, at.dofs, np.einsum("ska,skn->san", at.shape, rows))
-    return load
+    load = (at.shape.transpose(0, 2, 1) @ rows).reshape(at.dofs.size, rows.shape[2])
+    places = at.dofs.ravel(), np.arange(at.dofs.size)
+    return sparse.csr_array((np.ones(at.dofs.size), places), shape=(6 * len(model.xyz), at.dofs.size)) @ load
 
 
 def _basis(
@@ -204,7 +203,7 @@ def _drag(
 
     In a planar scene a station and its mirror image in y = 0 are loaded alike: one counts twice.
     """
-    at = water.stations(model, points, DRAG / max(field.mean_wavenumber, SLOWEST))
+    at = water.stations(model, points, DRAG * field.mean_length)
     normal = _normal(at)
     shape, rows = normal @ at.project(shapes), normal @ field.velocity(at.position)
     drag = _drag_size(at, sea)

@@ -139,7 +139,8 @@ def _case(
     panels: tuple[int, int],
     stages: int,
 ) -> Case:
-    system = with_usual_step(prepare(replace(scene, settings=scene.settings.paths), h), h)
+    system = prepare(replace(scene, settings=scene.settings.paths), h)
+    system = with_usual_step(system, system_modes(system, h))
     scene, dt, h = system.scene, system.dt, h if scene.floats else None
     s = scene.settings
     if not s.radiation or h is None:

@@ -82,10 +82,10 @@ class WaveField:
         return np.stack([direct + image, -1j * (direct - image)])
 
     @property
-    def mean_wavenumber(self) -> float:
-        """Root mean square of the slope over that of the elevation [1/m]; 0 in still water."""
+    def mean_length(self) -> float:
+        """1/k of the mean wave [m], the elevation's root mean square over the slope's; inf in still water."""
         power = np.abs(self.sea.amplitude) ** 2
-        return float(np.sqrt(power @ self.k**2 / power.sum())) if power.any() else 0.0
+        return float(np.sqrt(power.sum() / (power @ self.k**2))) if power.any() else np.inf
 
     def terms_for(self, radius: float, tolerance: float) -> int:
         """Terms so that the tail Σ|aᵢ|(kᵢr)ⁿ/n! within `radius` [m] is below tolerance·Σ|aᵢ|."""

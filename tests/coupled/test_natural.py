@@ -22,6 +22,10 @@ def linear(item):
     return replace(item, settings=replace(item.settings, froude_krylov="linear"))
 
 
+def stepped(system, h):
+    return with_usual_step(system, system_modes(system, h))
+
+
 def modes(item, h):
     return system_modes(prepare(linear(item), h), h)
 
@@ -133,13 +137,13 @@ def test_usual_step_follows_the_shortest_wave_and_own_periods_near_it(name):
     """Nine in the shortest wave; a shape as fast as that wave, stiffened below, is followed as well."""
     item, h = SCENES[name]()
     shortest = 2 * np.pi / item.sea.omega.max()
-    system = with_usual_step(prepare(item, h), h)
+    system = stepped(prepare(item, h), h)
     assert 0.9 * shortest / 9 < system.dt <= shortest / 9
     modes = system_modes(system, h)
     floats = np.array([not name.startswith("platform") for name in modes.names])
     assert np.all((system.dt <= modes.period / 9) | (modes.period < shortest / 2) | ~floats)
     given_ = replace(item, settings=replace(item.settings, time_step=0.0123))
-    assert with_usual_step(prepare(given_, h), h).dt == 0.0123
+    assert stepped(prepare(given_, h), h).dt == 0.0123
 
 
 def test_a_float_as_fast_as_two_thirds_of_the_shortest_wave_shortens_the_step():
@@ -151,10 +155,10 @@ def test_a_float_as_fast_as_two_thirds_of_the_shortest_wave_shortens_the_step():
     system = prepare(replace(item, floats=(stiff,)), h)
     period = system_modes(system, h).period[0]
     assert period == approx(shortest / 1.5, rel=0.2)
-    assert 0.9 * period / 9 < with_usual_step(system, h).dt <= period / 9
+    assert 0.9 * period / 9 < stepped(system, h).dt <= period / 9
     stiffer = replace(item.floats[0], stiffness=soft * (4 * slow / shortest) ** 2)
     quiet = prepare(replace(item, floats=(stiffer,)), h)
-    assert with_usual_step(quiet, h).dt == two_digits(shortest / 9)  # it follows the waves without swinging
+    assert stepped(quiet, h).dt == two_digits(shortest / 9)  # it follows the waves without swinging
 
 
 def test_a_decay_has_twenty_steps_in_the_period_of_what_is_let_go_and_nine_in_others():
@@ -163,12 +167,12 @@ def test_a_decay_has_twenty_steps_in_the_period_of_what_is_let_go_and_nine_in_ot
         let_go = replace(item, sea=CALM, floats=(replace(item.floats[0], offset=offset),))
         system = prepare(let_go, h)
         _, _, heaving = system_modes(system, h).period
-        assert 0.9 * heaving / count < with_usual_step(system, h).dt <= heaving / count
+        assert 0.9 * heaving / count < stepped(system, h).dt <= heaving / count
 
 
 def test_waves_alone_have_the_step_of_the_shortest():
     bare = scene([])
-    assert with_usual_step(prepare(bare, None), None).dt == bare.usual_step
+    assert stepped(prepare(bare, None), None).dt == bare.usual_step
 
 
 def test_two_digits_never_lengthen_a_step():

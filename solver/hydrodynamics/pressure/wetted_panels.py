@@ -50,7 +50,7 @@ def panels_room(rule: WettedPanels) -> PanelsRoom:
 
 def longest_side(hull: Hull, share: float, field: WaveField) -> float:
     """Longest side of a mesh's triangles [m]: a share of the hull's size, and of 1/k of the mean wave."""
-    return share * min(hull.size, 1 / max(field.mean_wavenumber, 1e-9))
+    return share * min(hull.size, field.mean_length)
 
 
 def wetted_panels(hulls: list[PanelHull | None], sizes: list[float], *, half: bool, surface_terms: int) -> WettedPanels:
