@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
 import numpy as np
@@ -28,18 +28,31 @@ MOST_AXES = 24  # over keys, each of which is a dimension of the dataset
 MOST_FLOATS = 100
 MOST_ELEMENTS = 10_000  # of a platform
 
+Judge = Callable[[StudyFile], Iterable[InputError]]
+
 
 def problems(study: StudyFile) -> list[InputError]:
     """Everything wrong with a study whose types and ranges are right; what its parts lack before what they make."""
-    each = [*_paths(study), *_axes(study)] or list(_contents(study)) or list(_scenes(study))
+    each = [*_paths(study), *_axes(study)] or list(_at_each_value(study, _contents)) or list(_at_each_value(study, _scenes))
     return list({str(problem): problem for problem in each}.values())
 
 
-def _contents(study: StudyFile) -> Iterator[InputError]:
-    """Of the study at the first values of its axes, and at each other value of one of them."""
+def _at_each_value(study: StudyFile, judge: Judge) -> Iterator[InputError]:
+    """Of the study at the first values of its axes; at each other value of one of them, what is new there."""
+    common: set[str] = set()
     for content, prefix in _each_value(study):
-        for problem in (*sea_checks.problems(content), *_recording(content), *_parts(content)):
-            yield _under(prefix, problem)
+        for problem in judge(content):
+            if prefix is None:
+                common.add(str(problem))
+                yield problem
+            elif str(problem) not in common:
+                yield InputError(*prefix, str(problem))
+
+
+def _contents(study: StudyFile) -> Iterator[InputError]:
+    yield from sea_checks.problems(study)
+    yield from _recording(study)
+    yield from _parts(study)
 
 
 def _each_value(study: StudyFile) -> Iterator[tuple[StudyFile, tuple[str, object] | None]]:
@@ -54,12 +67,6 @@ def _each_value(study: StudyFile) -> Iterator[tuple[StudyFile, tuple[str, object
                 yield changed, (f'axes."{path}"', values[place])
             else:
                 yield changed, (axis.name, label)
-
-
-def _under(prefix: tuple[str, object] | None, problem: InputError) -> InputError:
-    if prefix is None:
-        return problem
-    return InputError(prefix[0], prefix[1], str(problem))
 
 
 def _paths(study: StudyFile) -> Iterator[InputError]:
@@ -163,13 +170,11 @@ def _scenes(study: StudyFile) -> Iterator[InputError]:
     """The solver's objections to the scenes: one for each support and place of the hinges, with the shortest wave."""
     from solver.sea.realization import Realization
 
-    for content, prefix in _each_value(study):
-        omega = np.array([sea_checks.highest_frequency(content)])
-        shortest = Realization(omega=omega, amplitude=np.array([1e-9 + 0j]))
-        fixed = _as_it_is(content)
-        for labels in _configurations(fixed):
-            made = partial(scenes.scene, cell(fixed, labels, ()).parameters, shortest)
-            yield from (_under(prefix, problem) for problem in scenes.objections(made))
+    omega = np.array([sea_checks.highest_frequency(study)])
+    shortest = Realization(omega=omega, amplitude=np.array([1e-9 + 0j]))
+    fixed = _as_it_is(study)
+    for labels in _configurations(fixed):
+        yield from scenes.objections(partial(scenes.scene, cell(fixed, labels, ()).parameters, shortest))
 
 
 def _as_it_is(study: StudyFile) -> StudyFile:

@@ -60,8 +60,17 @@ class Solver(Table):
     """Numerical choices, as the solver names and defaults them."""
 
     if TYPE_CHECKING:
+        froude_krylov: str = DEFAULT.froude_krylov
+        method: str = DEFAULT.method
         tolerance: float | None = DEFAULT.tolerance
         time_step: float | None = DEFAULT.time_step
+
+    @model_validator(mode="after")
+    def _linear_where_nothing_else_is(self) -> Solver:
+        """Left to default, Froude-Krylov forces are linear in the frequency domain; not a key that was set, though."""
+        if self.method == "frequency" and "froude_krylov" not in self.model_fields_set:
+            self.__dict__["froude_krylov"] = "linear"
+        return self
 
 
 class HemisphereCylinder(Table):

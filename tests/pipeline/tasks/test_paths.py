@@ -224,3 +224,26 @@ def test_the_axes_of_the_readme_are_axes(tmp_path):
     study = load(path).content
     mine = {"variant", "damping_ratio", "pto_damping", "froude_krylov", "Hs", "tuning", "sample"}
     assert set(dimensions(study)) == {"sea_state", "platform", *mine, "seed"}
+
+
+def test_forces_left_to_default_are_linear_in_the_frequency_domain(small):
+    tasks = list(expand(varied(small, '"solver.method" = ["time", "frequency"]').content))
+    by_method = {task.parameters.solver.method: task for task in tasks}
+    assert {m: t.parameters.solver.froude_krylov for m, t in by_method.items()} == {
+        "time": "body-nonlinear",
+        "frequency": "linear",
+    }
+    spelled = with_value(load(small).content, "solver.froude_krylov", "linear")
+    assert by_method["frequency"].id in {task.id for task in expand(spelled)}
+    # Back in the time domain the key is at its default again.
+    back = with_value(with_value(load(small).content, "solver.method", "frequency"), "solver.method", "time")
+    assert next(iter(expand(back))).parameters.solver.froude_krylov == "body-nonlinear"
+
+
+def test_a_fault_of_the_whole_study_is_told_once_and_one_of_a_value_with_it(small):
+    small.write_text("[record]\nramp = 1e4\n" + small.read_text())
+    with pytest.raises(StudyError) as caught:
+        varied(small, '"floats.front.mass" = [2147.0, 2000.0, 1900.0]', '"record.discard" = [100.0, 90.0]')
+    told = [line for line in str(caught.value).splitlines() if "record.ramp" in line]
+    assert [": axes." in line for line in told] == [False, True]
+    assert "= 90.0: record.ramp = 10000.0: must be <= record.discard = 90 s" in told[1]
