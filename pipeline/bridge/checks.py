@@ -33,7 +33,11 @@ Judge = Callable[[StudyFile], Iterable[InputError]]
 
 def problems(study: StudyFile) -> list[InputError]:
     """Everything wrong with a study whose types and ranges are right; what its parts lack before what they make."""
-    each = [*_paths(study), *_axes(study)] or list(_at_each_value(study, _contents)) or list(_at_each_value(study, _scenes))
+    each = (
+        [*_paths(study), *_axes(study)]
+        or list(_at_each_value(study, _contents))
+        or list(_at_each_value(study, _scenes))
+    )
     return list({str(problem): problem for problem in each}.values())
 
 

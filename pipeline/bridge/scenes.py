@@ -25,6 +25,8 @@ from pipeline.study.schema import (
     VerticalCylinder,
     Water,
 )
+from pipeline.study.seas import SeaState, Waves
+from pipeline.study.tables import Same
 from pipeline.tasks.task import Parameters, wave_seed
 from solver.errors import InputError, refuse
 
@@ -92,7 +94,13 @@ def settings(parameters: Parameters) -> physics.Settings:
 
 def sea(parameters: Parameters) -> Realization:
     """The realization of the sea that belongs to the task's sea state and seed."""
-    return realizations.realize(parameters.sea_state, parameters.waves, wave_seed(parameters))
+    return _sea(parameters.sea_state, parameters.waves, wave_seed(parameters))
+
+
+@lru_cache(maxsize=16)
+def _sea(sea_state: SeaState, waves: Waves, seed: tuple[int, ...]) -> Realization:
+    """Tasks in the same waves share them, and what the solver makes of them."""
+    return realizations.realize(sea_state, waves, seed)
 
 
 def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh) -> Revolution | PanelHull:
@@ -135,7 +143,7 @@ def outline(shape: HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh) -
     return right + [(-r, h) for r, h in reversed(right)]
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=1024)
 def floating(item: Float) -> physics.Float:
     """The solver's float for a table of [[floats]]; tasks that differ in other things share it."""
     from solver import scene as physics
@@ -154,9 +162,15 @@ def in_place(item: Float, water: Water) -> None:
 
 def platform(table: Platform, floats: Iterable[Float]) -> physics.Platform:
     """The solver's platform for the table [platform], whose nodes include the hinges of the floats."""
+    return _platform(Same(table), tuple(f.name for f in floats))
+
+
+@lru_cache(maxsize=16)
+def _platform(same: Same[Platform], floats: tuple[str, ...]) -> physics.Platform:
     from solver import scene as physics
     from solver.structure.frame import Frame, PointLoad, PointMass
 
+    table = same.table
     members = tuple(member(m, table) for m in table.members)
     with _part("platform."):
         frame = Frame(
@@ -170,7 +184,7 @@ def platform(table: Platform, floats: Iterable[Float]) -> physics.Platform:
         frame=frame,
         legs=table.legs,
         damping_ratio=table.damping_ratio,
-        hinge_nodes={f.name: HINGE + f.name for f in floats},
+        hinge_nodes={name: HINGE + name for name in floats},
         geometric_stiffness=table.geometric_stiffness,
         wave_inertia=table.wave_inertia,
     )

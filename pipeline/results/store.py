@@ -142,12 +142,20 @@ class Store:
     def look(self, task: Task, *, checksums: bool = False) -> Entry:
         """The state of a task from its files; `checksums` reads the record as well."""
         entry = self._look(task.id, checksums)
-        if entry.state == "missing":
+        if entry.state == "missing" and self._begun():
             for older in task.older_ids:
                 past = self._look(older, checksums)
                 if past.state == "done":
                     return Entry(state="stale", folder=past.folder, status=past.status)
         return entry
+
+    def _begun(self) -> bool:
+        """Whether there is any task's folder."""
+        try:
+            with os.scandir(self.tasks) as folders:
+                return next(folders, None) is not None
+        except OSError:
+            return False
 
     def _look(self, task_id: str, checksums: bool) -> Entry:
         folder = self.folder(task_id)

@@ -9,7 +9,7 @@ import unicodedata
 from collections.abc import Callable, Collection
 from copy import copy
 from types import UnionType
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from pydantic import (
     AfterValidator,
@@ -111,6 +111,21 @@ class Table(BaseModel):
 
 
 T = TypeVar("T", bound=Table)
+
+
+class Same(Generic[T]):
+    """A table that equals itself alone, as the key of a cache: to compare two of them whole would cost too much."""
+
+    def __init__(self, table: T):
+        self.table = table
+
+    def __hash__(self) -> int:
+        return id(self.table)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Same) and self.table is other.table
+
+
 PER_AXIS = float | tuple[float, ...]  # of a joint: a number for its only axis, or one for each
 
 

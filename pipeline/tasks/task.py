@@ -17,7 +17,7 @@ from pipeline.study.layout import hinge_nodes, spaced
 from pipeline.study.paths import with_value
 from pipeline.study.schema import Float, Platform, Recording, Solver, StudyFile, Water
 from pipeline.study.seas import SeaState, Waves
-from pipeline.study.tables import Seed, Table
+from pipeline.study.tables import Same, Seed, Table, Vector
 
 # Raise it when the physics or a default changes: older results then count as stale, not as done.
 MODEL_VERSION = 6
@@ -40,7 +40,12 @@ class Parameters(Table):
 
     def canonical(self) -> str:
         """One text for one physics: declared types, sorted keys, nothing that is at its default."""
-        return canonical(self.model_dump(mode="json", exclude_defaults=True))
+        texts = ((name, _text(getattr(self, name))) for name in sorted(type(self).model_fields) if self._told(name))
+        return "{" + ",".join(f'"{name}":{text}' for name, text in texts) + "}"
+
+    def _told(self, name: str) -> bool:
+        field = type(self).model_fields[name]
+        return field.is_required() or getattr(self, name) != field.default
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +95,19 @@ def canonical(data: Any) -> str:
     return json.dumps(_plain_zeros(data), sort_keys=True, allow_nan=False, separators=(",", ":"))
 
 
+def _text(value: Any) -> str:
+    """Of a table, of several, or of a number."""
+    if isinstance(value, Table):
+        return _table_text(Same(value))
+    return f"[{','.join(map(_text, value))}]" if isinstance(value, tuple) else canonical(value)
+
+
+@lru_cache(maxsize=1024)
+def _table_text(same: Same[Table]) -> str:
+    """Tasks share most of their tables, and a platform's is long."""
+    return canonical(same.table.model_dump(mode="json", exclude_defaults=True))
+
+
 def _plain_zeros(data: Any) -> Any:
     if isinstance(data, dict):
         return {key: _plain_zeros(value) for key, value in data.items()}
@@ -131,28 +149,15 @@ def axes(study: StudyFile) -> dict[str, tuple[Label, ...]]:
 
 def at_labels(study: StudyFile, labels: Mapping[str, Label]) -> StudyFile:
     """The study with the keys that its axes vary at what these labels stand for; PathError where that cannot be."""
-    return _placed(_Same(study), tuple(axis.labels.index(labels[axis.name]) for axis in study.varied))
-
-
-class _Same:
-    """A study that equals itself alone: to compare two of them whole would cost more than to make one."""
-
-    def __init__(self, study: StudyFile):
-        self.study = study
-
-    def __hash__(self) -> int:
-        return id(self.study)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.study is other.study
+    return _placed(Same(study), tuple(axis.labels.index(labels[axis.name]) for axis in study.varied))
 
 
 @lru_cache(maxsize=128)  # the last axes vary fastest: tasks one after another share what the first ones make
-def _placed(same: _Same, places: tuple[int, ...]) -> StudyFile:
+def _placed(same: Same[StudyFile], places: tuple[int, ...]) -> StudyFile:
     """The study with its first axes over keys at these places."""
     if not places:
-        return same.study
-    study, axis = _placed(same, places[:-1]), same.study.varied[len(places) - 1]
+        return same.table
+    study, axis = _placed(same, places[:-1]), same.table.varied[len(places) - 1]
     for path, values in axis.keys.items():
         if values[places[-1]] is not UNCHANGED:
             study = with_value(study, path, values[places[-1]])
@@ -192,8 +197,7 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     floats = _floats(study, labels)
     platform = None
     if study.platform and labels["platform"] != "fixed":
-        nodes = {**study.platform.nodes, **hinge_nodes(floats)}
-        platform = study.platform.model_copy(update={"nodes": nodes})
+        platform = _with_hinges(Same(study.platform), tuple(hinge_nodes(floats).items()))
     sea = study.sea_states[str(labels["sea_state"])]
     return Parameters(
         water=study.water,
@@ -205,6 +209,11 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
         platform=platform,
         seed=int(labels["seed"]) if seas.is_random(sea) else 0,
     )
+
+
+@lru_cache(maxsize=128)  # one for tasks that share it
+def _with_hinges(same: Same[Platform], hinges: tuple[tuple[str, Vector], ...]) -> Platform:
+    return same.table.model_copy(update={"nodes": {**same.table.nodes, **dict(hinges)}})
 
 
 def _floats(study: StudyFile, labels: Mapping[str, Label]) -> tuple[Float, ...]:

@@ -1,15 +1,19 @@
 """Statics: the floats' loads anywhere, where a scene rests in still water, and how stiffly it is held there."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from solver.coupled.modal import Structure
 from solver.errors import SimulationFailed
+from solver.kernels import lean_kernel
 from solver.multibody.minimal import (
     Bodies,
     Coordinates,
     Loads,
+    Motion,
+    PressureRoom,
     WaterLoads,
     loads,
     move,
@@ -34,18 +38,38 @@ def balance(
     field: np.ndarray | None = None,
     excitation: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """JᵀW (nz,) of the floats and W (nb, 6), all loads on each, at z, ż, z̈ (nz,), rest and still water by default."""
+    """JᵀW (..., nz) of the floats and W (..., nb, 6), all loads on each, at z, ż, z̈ (..., nz), rest by default.
+
+    field (nb, 2, terms) and excitation (nb, 6) of the waves, still water by default.
+    """
     nz, nb, na = body.mechanism.size, body.axes.size, body.axes.size * body.active.size
-    still, motion = np.zeros(nz), new_motion(body)
-    dz, ddz = (still if x is None else x for x in (dz, ddz))
+    many = math.prod(z.shape[:-1])
+    states = (np.zeros(z.shape) if x is None else x for x in (z, dz, ddz))
+    at = Coordinates(*(np.ascontiguousarray(x).reshape(many, nz) for x in states))
     field = np.zeros((nb, 2, 1)) if field is None else field
     excitation = np.zeros((nb, 6)) if excitation is None else excitation
-    move(body, z, dz, motion)
-    water = WaterLoads(pressure=np.empty((nb, 6)), since=still, excitation=excitation, memory=np.zeros(na))
-    out = Loads(np.empty(nz), *np.empty((2, nb, 6)))
-    pressures(body, motion, field, pressure_room(body), water.pressure)
-    loads(body, Coordinates(z, dz, ddz), motion, water, out)
-    return out.residual, out.wrench
+    water = WaterLoads(pressure=np.empty((nb, 6)), since=np.zeros(nz), excitation=excitation, memory=np.zeros(na))
+    out = Loads(np.empty(at.z.shape), *np.empty((2, many, nb, 6)))
+    _balances(body, at, new_motion(body), field, pressure_room(body), water, out)
+    return out.residual.reshape(z.shape), out.wrench.reshape(*z.shape[:-1], nb, 6)
+
+
+@lean_kernel
+def _balances(
+    body: Bodies,
+    states: Coordinates,
+    motion: Motion,
+    field: np.ndarray,
+    room: PressureRoom,
+    water: WaterLoads,
+    out: Loads,
+) -> None:
+    """Fill `out` (m, ...) at states (m, nz); motion, room and water.pressure are scratch."""
+    for i in range(len(states.z)):
+        move(body, states.z[i], states.dz[i], motion)
+        pressures(body, motion, field, room, water.pressure)
+        at = Coordinates(states.z[i], states.dz[i], states.ddz[i])
+        loads(body, at, motion, water, Loads(out.residual[i], out.wrench[i], out.external[i]))
 
 
 class Differences(NamedTuple):
@@ -57,18 +81,15 @@ class Differences(NamedTuple):
 
 def differences(body: Bodies, z: np.ndarray) -> Differences:
     """To either side of z, at rest in still water."""
-    nz, nb = z.size, body.axes.size
-    out = Differences(np.empty((3, nz, nz)), np.empty((3, nb, 6, nz)))
-    for k, size in enumerate((STEP, SLOW, 1.0)):  # linear in accelerations: any will do
-        for j in range(nz):
-            sides = []
-            for sign in (-1, 1):
-                at = np.zeros((3, nz))
-                at[k, j] = sign * size
-                sides.append(balance(body, z + at[0], at[1], at[2]))
-            for part, low, high in zip(out, *sides, strict=True):
-                part[k, ..., j] = (high - low) / (2 * size)
-    return out
+    nz, sizes = z.size, np.array([STEP, SLOW, 1.0])  # linear in accelerations: any will do
+    sides = np.zeros((3, 2, 3, nz, nz))  # z, ż, z̈; below and above; of which of the three; of which coordinate
+    for k, size in enumerate(sizes):
+        sides[k, :, k] = -size * np.eye(nz), size * np.eye(nz)
+    residual, wrench = balance(body, z + sides[0], sides[1], sides[2])
+    residual, wrench = ((high - low).T / (2 * sizes) for low, high in (residual, wrench))
+    return Differences(
+        *(np.ascontiguousarray(part) for part in (residual.transpose(2, 0, 1), wrench.transpose(3, 1, 0, 2)))
+    )
 
 
 def symmetric_stiffness(residual: np.ndarray) -> np.ndarray:
@@ -78,8 +99,8 @@ def symmetric_stiffness(residual: np.ndarray) -> np.ndarray:
 
 def tangent(body: Bodies, z: np.ndarray) -> np.ndarray:
     """Stiffness (nz, nz) at z, at rest in still water."""
-    sides = [[balance(body, z + sign * step)[0] for step in STEP * np.eye(z.size)] for sign in (-1, 1)]
-    low, high = (np.reshape(side, (z.size, z.size)) for side in sides)
+    steps = STEP * np.eye(z.size)
+    low, high = balance(body, np.stack([z - steps, z + steps]))[0]
     return symmetric_stiffness((high - low) / (2 * STEP))
 
 

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -38,12 +37,14 @@ class LinearModel:
     length: np.ndarray  # (n,) [m]: how far the structure or a hull moves, at most, for one unit
     wrench: np.ndarray  # W (3, nb, 6, n): ∂W/∂x, ∂W/∂ẋ, ∂W/∂ẍ [N, N m, ...]
 
-    def response(self, omega: np.ndarray, Y: np.ndarray, force: np.ndarray) -> np.ndarray:
-        """X (nw, n) for radiation impedance Y (nw, na, na) and wave force F (nw, n)."""
+    def dynamic_stiffness(self, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
+        """-ω²M - iω(D + EᵀY(ω)E) + C (nw, n, n) for radiation impedance Y (nw, na, na)."""
         w = omega[:, None, None]
-        radiated = np.swapaxes(self.active[None], 1, 2) @ Y @ self.active
-        Z = -(w**2) * self.mass - 1j * w * (self.damping + radiated) + self.stiffness
-        return np.linalg.solve(Z, force[..., None])[..., 0]
+        return self.stiffness - w**2 * self.mass - 1j * w * (self.damping + self.active.T @ Y @ self.active)
+
+    def response(self, omega: np.ndarray, Y: np.ndarray, force: np.ndarray) -> np.ndarray:
+        """X (nw, n) to wave force F (nw, n)."""
+        return np.linalg.solve(self.dynamic_stiffness(omega, Y), force[..., None])[..., 0]
 
 
 @lru_cache(maxsize=1)
@@ -96,5 +97,4 @@ def impedance(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray
     """Y = B - iω(A - A∞) (nw, na, na), A∞ the system's; zero where the scene leaves radiation out."""
     if not system.scene.settings.radiation:
         return np.zeros((omega.size, *h.added_mass_inf.shape))
-    w = h.omega[:, None, None]
-    return CubicSpline(h.omega, h.radiation_damping - 1j * w * (h.added_mass - system.bodies.added_mass))(omega)
+    return h.impedance(omega) + 1j * omega[:, None, None] * system.bodies.added_mass

@@ -6,7 +6,6 @@ The static shapes carry what the left-out modes would have added quasi-staticall
 includes the added mass of the wetted members, because that is the mass that moves.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -27,7 +26,7 @@ PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the larg
 # then right to 2e-5 of it, and of the mean wave for drag.
 INERTIA, DRAG = 4.0, 1.0
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
-KNOWN = 8  # platforms of which a process keeps what no wave changes
+KNOWN = 8  # platforms that a process keeps, by themselves and in one sea
 PLANAR = np.array([0, 2, 4])
 
 
@@ -96,17 +95,18 @@ def static_load(model: FrameModel, sea: Water) -> np.ndarray:
     )
 
 
+@lru_cache(maxsize=KNOWN)
 def reduce_platform(
     platform: Platform,
     field: WaveField,
     sea: Water,
-    hinge_nodes: Iterable[str],
+    hinge_nodes: tuple[str, ...],
     *,
     planar: bool,
     modes: int | Literal["all"],
     stations: int,
 ) -> Support:
-    """Reduce a platform for one sea.
+    """Reduce a platform for one sea; tasks one after another that share both share what comes of it.
 
     hinge_nodes: names of nodes in the order of the floats; modes: lowest ones kept, or "all"; stations: Gauss points
     of the drag on each wetted element. InputError for a planar scene on a frame that is not symmetric.

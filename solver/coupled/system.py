@@ -183,10 +183,10 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     support = None
     if scene.platform is not None:
         support = platform.reduce_platform(
-            scene.platform,
+            replace(scene.platform, damping_ratio=0.0),  # which changes none of it
             waves,
             water,
-            [scene.platform.hinge_nodes[f.name] for f in scene.floats],
+            tuple(scene.platform.hinge_nodes[f.name] for f in scene.floats),
             planar=scene.planar,
             modes=settings.modes,
             stations=settings.stations_per_element,

@@ -1,6 +1,6 @@
 """Responses of the linear model wave by wave, its drag linearised by what moves against it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -57,10 +57,11 @@ def _agreed(
     nm, (_, nd, ns), nc = frame.omega.size, frame.station.shape, frame.carrier.shape[0]
     water = water.reshape(omega.size, nd, ns)
     quadratic, height = joint_law.drag(system.bodies.law)[nc:], float(np.abs(system.scene.sea.amplitude).sum())
+    Z, w = model.dynamic_stiffness(omega, Y), omega[:, None, None]
     rate = np.zeros((omega.size, len(model.mass)), complex)
     std = np.zeros(len(model.mass))
     for rounds in range(1, ROUNDS + 1):
-        damping, push = model.damping.copy(), force
+        damping, push = np.zeros(model.damping.shape), force  # damping by drag
         if ns:
             flow = water - np.tensordot(rate[:, :nm], frame.station, axes=1)
             K = _equivalent(np.moveaxis(flow, -1, 1)) * frame.drag[:, None, None]
@@ -71,7 +72,8 @@ def _agreed(
         if quadratic.any():
             K = _equivalent(rate[:, nm:, None])[:, 0, 0]
             damping[nm:, nm:] += np.diag(quadratic * K)
-        X = _solved(replace(model, damping=damping), omega, Y, push, height)
+        X = _solved(Z - 1j * w * damping if damping.any() else Z, push)
+        _require_bounded(model, omega, X, height)
         rate, before, std = -1j * omega[:, None] * X, std, np.sqrt(np.sum(np.abs(X) ** 2, axis=0))
         if not (ns or quadratic.any()) or np.all(np.abs(std - before) <= AGREED * std):
             return X, rounds
@@ -83,14 +85,18 @@ def _equivalent(u: np.ndarray) -> np.ndarray:
     return drag.of_harmonic(u[0]) if len(u) == 1 else drag.of_gaussian(covariance(u, u))
 
 
-def _solved(model: LinearModel, omega: np.ndarray, Y: np.ndarray, force: np.ndarray, height: float) -> np.ndarray:
-    """X (nw, n); SimulationFailed with the wave at which nothing holds or damps the scene."""
+def _solved(Z: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """X (nw, n); not a number where Z is singular."""
     try:
-        X = model.response(omega, Y, force)
+        return np.linalg.solve(Z, force[..., None])[..., 0]
     except np.linalg.LinAlgError:  # which does not say where
-        X = np.full(force.shape, np.nan, complex)
+        return np.full(force.shape, np.nan, complex)
+
+
+def _require_bounded(model: LinearModel, omega: np.ndarray, X: np.ndarray, height: float) -> None:
+    """Raise SimulationFailed with the wave at which nothing holds or damps the scene."""
     reach = (np.abs(X) * model.length).max(axis=1, initial=0.0)
     if np.all(reach < UNBOUNDED * height):
-        return X
+        return
     worst = omega[np.argmax(np.nan_to_num(reach, nan=np.inf))]
     raise SimulationFailed(f"the linear model is singular at a wave of {worst:.4g} rad/s: nothing damps or holds it")

@@ -72,7 +72,7 @@ def test_printed_morison_has_half_the_inertia_load(waves):
 
 def reduced(waves, modes=4, **changes):
     return support.reduce_platform(
-        Platform(frame=pile(), **changes), waves, OCEAN, [], planar=True, modes=modes, stations=2
+        Platform(frame=pile(), **changes), waves, OCEAN, (), planar=True, modes=modes, stations=2
     )
 
 
@@ -127,5 +127,5 @@ def test_half_a_platform_stands_for_its_mirror_image_only(buan, odd):
     field = WaveField(buan.sea(), 50.0, 9.81)
     options = {"modes": 2, "stations": 2}
     with pytest.raises(InputError, match="symmetric frame, its coefficients of drag and inertia included"):
-        support.reduce_platform(uneven, field, buan.water, [], planar=True, **options)
-    assert support.reduce_platform(uneven, field, buan.water, [], planar=False, **options).drag.size
+        support.reduce_platform(uneven, field, buan.water, (), planar=True, **options)
+    assert support.reduce_platform(uneven, field, buan.water, (), planar=False, **options).drag.size

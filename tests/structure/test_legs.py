@@ -19,7 +19,7 @@ LEGS = ["leg1", "leg2", "leg3", "leg4"]
 def prepared(buan, planar=True, **changes):
     return support.reduce_platform(
         replace(buan.platform(), **changes), WaveField(buan.sea(), 50.0, 9.81), buan.water,
-        ["hinge:front", "hinge:rear"], planar=planar, modes=6, stations=2,
+        ("hinge:front", "hinge:rear"), planar=planar, modes=6, stations=2,
     )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ Harmonics are Re{X exp(-iωt)}; the incident wave of unit amplitude is
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ from solver.sea.dispersion import wavenumber
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")
+SPLINES = 16  # sets of coefficients whose curves a process keeps
 
 
 class MeshError(NamedTuple):
@@ -55,7 +57,7 @@ class Hydrodynamics:
     memory: RadiationMemory | None = None  # fitted to these, for scenes that ask for
     memory_tolerance: float = np.nan  # this tolerance
 
-    @property
+    @cached_property
     def shifted(self) -> "Hydrodynamics":
         """The same coefficients plus their estimated errors."""
         if self.error is None:
@@ -80,19 +82,32 @@ class Hydrodynamics:
         # A band that ends on the grid may miss it by rounding.
         if omega.min() < low * (1 - 1e-9) or omega.max() > high * (1 + 1e-9):
             raise InputError("omega", (omega.min(), omega.max()), f"must be within {low:.6g} to {high:.6g} rad/s")
-        force = {
-            "diffraction": self.diffraction,
-            "froude_krylov": self.froude_krylov,
-            "total": self.diffraction + self.froude_krylov,
-        }[kind]
-        smooth = CubicSpline(self.omega, force * self._arrival(self.omega).conj())
-        return smooth(omega) * self._arrival(omega)
+        return _smooth(self, kind)(omega) * self.arrival(omega)
 
-    def _arrival(self, omega: np.ndarray) -> np.ndarray:
+    def impedance(self, omega: np.ndarray) -> np.ndarray:
+        """B - iωA (nw', n, n) at any ω in the solved range, by cubic splines."""
+        return _impedance(self)(omega)
+
+    def arrival(self, omega: np.ndarray) -> np.ndarray:
         """exp(ik(x_b cosβ + y_b sinβ)) for each degree of freedom, (nw, n)."""
         k = wavenumber(omega, self.depth, self.gravity)
         along = self.centres[:, 0] * np.cos(self.heading) + self.centres[:, 1] * np.sin(self.heading)
         return np.exp(1j * k[:, None] * np.repeat(along, len(self.dofs)))
+
+
+@lru_cache(maxsize=SPLINES)
+def _smooth(h: Hydrodynamics, kind: str) -> CubicSpline:
+    force = {
+        "diffraction": h.diffraction,
+        "froude_krylov": h.froude_krylov,
+        "total": h.diffraction + h.froude_krylov,
+    }[kind]
+    return CubicSpline(h.omega, force * h.arrival(h.omega).conj())
+
+
+@lru_cache(maxsize=SPLINES)
+def _impedance(h: Hydrodynamics) -> CubicSpline:
+    return CubicSpline(h.omega, h.radiation_damping - 1j * h.omega[:, None, None] * h.added_mass)
 
 
 def seabed_error(h: Hydrodynamics | None) -> float:

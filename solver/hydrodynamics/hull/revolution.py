@@ -6,6 +6,7 @@ r = R sin(phi), z = zc - R cos(phi).
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -62,12 +63,7 @@ class Segment:
 
     def moment(self, order: int) -> float:
         """∫ π r² z^order dz from start to end [m^(3 + order)]."""
-        z0, z1 = self.start[1], self.end[1]
-        if z0 == z1:
-            return 0.0
-        z = np.polynomial.Polynomial([0.0, 1.0])
-        primitive = (np.pi * self.squared_radius * z**order).integ()
-        return float(primitive(z1) - primitive(z0))
+        return _moment(self, order)
 
     def at(self, fraction: ArrayLike) -> np.ndarray:
         """Points (r, z) at fractions of the length, (..., 2) [m]."""
@@ -94,6 +90,16 @@ class Segment:
             return self
         r = np.sqrt(self.squared_radius(0.0))
         return Segment(start=self.start, end=(float(r), 0.0), centre=self.centre)
+
+
+@lru_cache(maxsize=256)  # a scene asks for those of its few segments again and again
+def _moment(segment: Segment, order: int) -> float:
+    z0, z1 = segment.start[1], segment.end[1]
+    if z0 == z1:
+        return 0.0
+    z = np.polynomial.Polynomial([0.0, 1.0])
+    primitive = (np.pi * segment.squared_radius * z**order).integ()
+    return float(primitive(z1) - primitive(z0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
