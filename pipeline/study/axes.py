@@ -20,7 +20,8 @@ Support = Literal["elastic", "fixed", "elastic-no-floats"]
 # Dimensions and coordinates of every dataset, which no key's last word may take.
 TAKEN = frozenset((
     "sea_state", "platform", "seed", "float", "axis", "leg", "direction", "height", "statistic", "mode", "system_mode",
-    "component", "variant", "variant_title", "sample", "status", "task", "unmet", "axis_unit", "elapsed_time", "wall_time",
+    "component", "variant", "variant_title", "sample", "status", "task", "unmet", "axis_unit",
+    "elapsed_time", "wall_time",
 ))  # fmt: skip
 UNCHANGED = object()
 DIGITS = 12  # of a range's numbers, so that 0.1 + 0.2 is written as 0.3
