@@ -115,4 +115,4 @@ def test_variants_are_compared_with_the_first_and_counted_where_they_have_tasks(
     data["variant_title"] = ("variant", ["The case", "Half more"])
     text = "\n".join(paper.variants(data, [published("2.75", selection={"platform": ["fixed"]})]))
     assert "- `more`: Half more (4 done)" in text
-    assert "| +16.7 |" in text
+    assert "| +20.0 |" in text
