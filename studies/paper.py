@@ -2,8 +2,7 @@
 
     python -m studies.paper [RESULTS] [--write]
 
-Reads the collected studies buan-paper, buan-series and variants/*.toml, and prints Markdown; --write
-puts the tables into paper.md, too.
+Reads the collected studies paper and buan-series, and prints Markdown; --write puts the tables into paper.md, too.
 """
 
 import sys
@@ -18,11 +17,15 @@ from pipeline.bridge.loading import load
 from pipeline.bridge.preflight import judge
 from pipeline.report import report
 from pipeline.report.report import Published
+from pipeline.results import dataset
 from pipeline.results.records import decode
+from pipeline.study.paths import with_value
 from pipeline.study.reading import StudyError
+from pipeline.tasks.study import Study
 from solver.errors import InputError
 
 HERE = Path(__file__).parent
+STUDY = HERE / "paper.toml"
 PUBLISHED = HERE / "buan-published.csv"
 PAGE = HERE / "paper.md"
 STEADY = ("mean", "rms", "std")  # what few realizations settle; extremes they do not
@@ -89,9 +92,10 @@ def cell(base: xr.Dataset, other: xr.Dataset, row: Published) -> str:
     return f"**{text}**" if ours.verdict(known) == "inside" else text
 
 
-def variants(base: xr.Dataset, results: Path, rows: list[Published]) -> Iterator[str]:
+def variants(data: xr.Dataset, rows: list[Published]) -> Iterator[str]:
     """Change of every steady number in percent by each variant: those of the floats, those of the platform."""
-    datasets = {path.stem: opened(results, path.stem) for path in sorted((HERE / "variants").glob("*.toml"))}
+    base, *others = (data.isel(variant=i) for i in range(data.sizes["variant"]))
+    datasets = {str(each["variant"].values): each for each in others}
     steady = [row for row in rows if row.statistic in STEADY and row.table[:7] not in ("Table 3",)]
     steady = [row for row in steady if row.statistic != "rms" or row.variable == "rotation"]
     # The rms of what has a mean of zero is its std, and that of the power follows from its mean and std.
@@ -109,14 +113,14 @@ def variants(base: xr.Dataset, results: Path, rows: list[Published]) -> Iterator
                 body.append([f"{kind(row)}, {row.label} {row.statistic}", f"{wanted:+.1f}", *cells])
         yield f"**Variants of the {words}: change of our number in percent**\n"
         yield markdown(["", "to the paper", *names], body)
-    for name, data in datasets.items():
-        states = zip(*np.unique(data.status.values.astype(str), return_counts=True), strict=True)
-        yield f"- `{name}`: {data.attrs['title']} ({', '.join(f'{n} {state}' for state, n in states)})"
+    for name, each in datasets.items():
+        states = zip(*np.unique(each.status.values[asked(each)].astype(str), return_counts=True), strict=True)
+        yield f"- `{name}`: {each.variant_title.values} ({', '.join(f'{n} {state}' for state, n in states)})"
 
 
-def dry_tops(base: xr.Dataset, results: Path, rows: list[Published]) -> str:
+def dry_tops(data: xr.Dataset, rows: list[Published]) -> str:
     """Every number that the floats' tops change by more than 2 %, wet and dry."""
-    dry, body = opened(results, "dry-tops"), []
+    base, dry, body = data.isel(variant=0), data.sel(variant="dry-tops"), []
     for row in rows:
         dried, ours = report.ours(dry, row), report.ours(base, row)
         if dried is None or ours is None or abs(dried.mean / ours.mean - 1) < 0.02:
@@ -135,8 +139,14 @@ def kind(row: Published) -> str:
 
 
 def labels(data: xr.Dataset) -> list[str]:
-    """Platforms of a dataset."""
-    return np.atleast_1d(data.platform.values).astype(str).tolist()
+    """Platforms of a variant."""
+    mine = asked(data).any([dim for dim in data.status.dims if dim != "platform"])
+    return data.platform.values[mine].astype(str).tolist()
+
+
+def asked(data: xr.Dataset) -> xr.DataArray:
+    """Where a variant has tasks."""
+    return data.status != dataset.NO_TASK
 
 
 # What the paper finds: words; then two of its numbers, the first over the second, as variable, label, statistic.
@@ -211,22 +221,25 @@ def below(results: Path, data: xr.Dataset, support: str, name: str) -> float:
 
 
 def refusal() -> str:
-    """Geometric stiffness: what the program says."""
-    study = load(HERE / "variants" / "refused" / "geometric.toml")
+    """Geometric stiffness, which one study cannot hold beside the others: what the program says."""
+    content = with_value(load(HERE / "buan.toml").content, "platform.geometric_stiffness", True)
+    study = Study(path=STUDY, content=content)
     try:
         judge(study, study.tasks, Engine())
     except (InputError, StudyError) as error:
-        return f"- `geometric`, {study.content.title}: refused; {str(error).removeprefix(f'{study.path}: ')}"
-    sys.exit("geometric stiffness is no longer refused: move it to the other variants")
+        reason = str(error).removeprefix(f"{study.path}: ")
+        return f"- `geometric`, Legs that their weight bends further (geometric stiffness): refused; {reason}"
+    sys.exit("geometric stiffness is no longer refused: make it one of the variants")
 
 
 def sections(results: Path) -> dict[str, str]:
     """What studies/paper.md quotes, by the names of its marks."""
-    base, rows = opened(results, "buan-paper"), report.published(PUBLISHED)
+    data, rows = opened(results, STUDY.stem), report.published(PUBLISHED)
+    base = data.isel(variant=0)
     return {
         "tables": "\n".join(tables(base, rows)),
-        "variants": "\n".join([*variants(base, results, rows), refusal()]),
-        "dry tops": "**Floats whose tops stay dry**\n\n" + dry_tops(base, results, rows),
+        "variants": "\n".join([*variants(data, rows), refusal()]),
+        "dry tops": "**Floats whose tops stay dry**\n\n" + dry_tops(data, rows),
         "findings": "**What the paper finds, as ratios**\n\n" + ratios(base, rows, FINDINGS),
         "peaks": "**How far extremes stand out**\n\n" + ratios(base, rows, PEAKS),
         "slow rotation": "**Slow rotation**\n\n" + slow_rotation(results, rows),

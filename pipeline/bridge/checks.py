@@ -14,11 +14,21 @@ from functools import partial
 import numpy as np
 
 from pipeline.bridge import scenes, sea_checks
-from pipeline.study.axes import TAKEN, UNCHANGED, Axes
+from pipeline.study.axes import TAKEN, UNCHANGED, Axes, Axis
 from pipeline.study.layout import HINGE
 from pipeline.study.paths import PathError, with_value
 from pipeline.study.schema import StudyFile
-from pipeline.tasks.task import AXES, Label, at_labels, axes, cell, first_labels, supports
+from pipeline.tasks.task import (
+    AXES,
+    Label,
+    at_labels,
+    axes,
+    cell,
+    dimension,
+    first_labels,
+    known_as,
+    supports,
+)
 from solver.errors import InputError
 
 # Far more than anybody has asked for, and already days of work or all of a machine's memory.
@@ -26,6 +36,7 @@ MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
 MOST_TASKS = 10_000_000
 MOST_AXES = 24  # over keys, each of which is a dimension of the dataset
 MOST_FLOATS = 100
+MOST_NAMED = 20  # labels of an axis in a message
 MOST_ELEMENTS = 10_000  # of a platform
 
 Judge = Callable[[StudyFile], Iterable[InputError]]
@@ -33,11 +44,14 @@ Judge = Callable[[StudyFile], Iterable[InputError]]
 
 def problems(study: StudyFile) -> list[InputError]:
     """Everything wrong with a study whose types and ranges are right; what its parts lack before what they make."""
-    each = (
-        [*_paths(study), *_axes(study)]
-        or list(_at_each_value(study, _contents))
-        or list(_at_each_value(study, _scenes))
+    later: tuple[Judge, ...] = (
+        _variants,
+        partial(_at_each_value, judge=_contents),
+        partial(_at_each_value, judge=_scenes),
     )
+    each = [*_paths(study), *_axes(study)]
+    for judge in later:
+        each = each or [*judge(study)]
     return list({str(problem): problem for problem in each}.values())
 
 
@@ -85,21 +99,47 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
             yield InputError("axes.together.name", group.name, "is the name of another dimension or coordinate")
     for axis in study.varied:
         for path, values in axis.keys.items():
-            key = f'{axis.name if axis.name in ("variant", "sample") else "axes"}."{path}"'
             if not values:
-                yield InputError(key, "[]", "needs at least one value")
-            for value in values:
+                yield InputError(f'axes."{path}"', "[]", "needs at least one value")
+            for label, value in zip(axis.labels, values, strict=True):
                 if value is UNCHANGED:
                     continue
                 try:
                     with_value(study, path, value)
                 except PathError as error:
-                    yield InputError(key, value, str(error))
+                    yield InputError(_place(axis, path, label), value, str(error))
                     break
         yield from _repeated(f'axes."{axis.name}"', axis.labels)
     names = Counter(axis.name for axis in study.varied)
     for name in (name for name, count in names.items() if count > 1):
         yield InputError("axes", name, "is the name of two dimensions; rename one in [[axes.together]]")
+    paths = Counter(path for axis in study.varied for path in axis.keys)
+    for path in (path for path, count in paths.items() if count > 1):
+        yield InputError("axes", f'"{path}"', "is varied along two dimensions, of which the second would decide alone")
+
+
+def _place(axis: Axis, path: str, label: Label) -> str:
+    """Where a study file gives a key its value."""
+    above = {"variant": f"variants.{label}", "sample": "samples"}.get(axis.name, "axes")
+    return f'{above}."{path}"'
+
+
+def _variants(study: StudyFile) -> Iterator[InputError]:
+    """Parts of axes that the study does not have."""
+    table = axes(study)
+    for name, variant in study.variants.items():
+        for key, values in variant.axes.items():
+            where, along = f"variants.{name}.axes.{key}", dimension(study, key)
+            if along == "variant" or along not in table:
+                known = ", ".join(other for other in table if other != "variant")
+                yield InputError(where, list(values), f"must be an axis of the study: {known}")
+                continue
+            if not values:
+                yield InputError(where, "[]", "needs at least one value")
+            for value in values:
+                if not any(known_as(label, [value]) for label in table[along]):
+                    known = ", ".join(map(str, table[along][:MOST_NAMED]))
+                    yield InputError(where, value, f"must be on the study's own axis: {known}")
 
 
 def _axes(study: StudyFile) -> Iterator[InputError]:

@@ -71,10 +71,11 @@ def facts(results: Results) -> list[tuple[str, str]]:
     varied = {name: values for name, values in axes(results.study.content).items() if len(values) > 1}
     cells = math.prod(len(values) for values in varied.values())
     product = " × ".join(f"{len(values)} {name.replace('_', ' ')}s" for name, values in varied.items())
+    count = _asked(results).size or cells
     record = results.study.content.record
     rows = [
         ("Study", results.study.path.name),
-        ("Tasks", f"{_states(results)} of {cells}" + (f" = {product}" if varied else "")),
+        ("Tasks", f"{_states(results)} of {count}" + (f" = {product}" if varied and count == cells else "")),
         ("Record", f"{record.duration:g} s analysed after {record.discard:g} s, every task"),
         ("Source", attributes.get("source", "")),
         ("Signs", attributes.get("sign_conventions", "")),
@@ -84,16 +85,22 @@ def facts(results: Results) -> list[tuple[str, str]]:
     return [row for row in [*rows, ("Versions", ", ".join(versions))] if row[1]]
 
 
-def _states(results: Results) -> str:
+def _asked(results: Results) -> np.ndarray:
+    """States of the cells that have a task, in a row."""
     if "status" not in results.data:
-        return ""
-    states, counts = np.unique(results.data["status"].values.astype(str), return_counts=True)
+        return np.array([], str)
+    states = results.data["status"].values.astype(str).ravel()
+    return np.asarray(states[states != dataset.NO_TASK])
+
+
+def _states(results: Results) -> str:
+    states, counts = np.unique(_asked(results), return_counts=True)
     return ", ".join(f"{count} {state}" for state, count in zip(states, counts, strict=True))
 
 
 def troubles(results: Results) -> list[str]:
     """Tasks that are not done, the first of them by name."""
-    return _named(results, "status", "done")
+    return _named(results, "status", "done", dataset.NO_TASK)
 
 
 def unmet(results: Results) -> list[str]:
@@ -101,13 +108,13 @@ def unmet(results: Results) -> list[str]:
     return _named(results, "unmet", "")
 
 
-def _named(results: Results, name: str, usual: str) -> list[str]:
-    """Cells where a word is not the usual one, and that word."""
+def _named(results: Results, name: str, *usual: str) -> list[str]:
+    """Cells where a word is none of the usual ones, and that word."""
     if name not in results.data:
         return []
     words = results.data[name]
     lines = []
-    places = np.argwhere(words.values != usual)
+    places = np.argwhere(~np.isin(words.values.astype(str), usual))
     for place in places[:MANY]:
         cell = words[tuple(place)]
         labels = ", ".join(f"{dim} {cell[dim].values}" for dim in words.dims)

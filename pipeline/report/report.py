@@ -107,6 +107,7 @@ def ours(data: xr.Dataset, row: Published) -> Ours | None:
 def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
     """Our number in every realization, in the printed unit; None if the dataset lacks the variable or a label.
 
+    Of a study's variants the first is the one that was published.
     A statistic with a leading minus counts the other way round: "-min" is minus the minimum.
     """
     if row.variable not in data:
@@ -122,6 +123,7 @@ def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
         if not known:
             return None
         values = values.isel({dim: known[0]}) if len(known) == 1 else values.isel({dim: known}).mean(dim)
+    values = values.isel(variant=0) if "variant" in values.dims else values
     return values / (-row.scale if row.statistic.startswith("-") else row.scale)
 
 

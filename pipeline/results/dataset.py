@@ -25,6 +25,7 @@ ALONG_MODE = "natural_frequency"
 LOWEST = 6  # modes: a table of the whole dataset has a row for every combination of labels, with all 708 too many
 SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
+NO_TASK = "no task"  # the state of a cell that its variant does not go along
 LAYOUT = 3  # raise it when the dataset's form changes, so that it is written anew
 
 
@@ -47,13 +48,14 @@ def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int
     store.root.mkdir(parents=True, exist_ok=True)
     arrays = Arrays(shape, store.root)
     words = {name: np.full(shape, "", dtype=kind) for name, kind in (("status", "U8"), ("task", "U16"), ("unmet", "O"))}
-    for cell, task in zip(np.ndindex(*shape), study.tasks.passing("collecting"), strict=True):
-        entry = store.look(task)
+    words["status"][...] = NO_TASK
+    for number, task in zip(study.tasks.cells, study.tasks.passing("collecting"), strict=True):
+        cell, entry = tuple(map(int, np.unravel_index(number, shape))), store.look(task)
         words["status"][cell], words["task"][cell] = _fill(arrays, cell, entry), task.id
         words["unmet"][cell] = entry.unmet
     with appearing(path) as part:
         to_file(part, *_dataset(study, table, arrays, words))
-    states, numbers = np.unique(words["status"], return_counts=True)
+    states, numbers = np.unique(words["status"][words["status"] != NO_TASK], return_counts=True)
     write_json(store.root / MARK, {"of": mark, "sha256": checksum(path)})
     return path, {str(s): int(n) for s, n in zip(states, numbers, strict=True)}
 
@@ -94,7 +96,7 @@ def _fingerprint(study: Study, store: Store) -> str:
     Not how long those took: a task run again to the same bits leaves the dataset as it is.
     """
     digest = hashlib.sha256()
-    words = study.content.model_dump(mode="json", include={"sea_states", "title"})
+    words = study.content.model_dump(mode="json", include={"sea_states", "title", "variants"})
     digest.update(json.dumps([LAYOUT, words, dimensions(study.content)], sort_keys=True).encode())
     for task in study.tasks.passing("looking at records"):
         entry = store.look(task)
@@ -157,6 +159,8 @@ def _coordinates(
         for name, values, attrs in along(axis, motions):
             if name not in coords:
                 coords[name] = Variable((axis.name,), _words_or_numbers(values), attrs)
+    if titles := [variant.title or name for name, variant in study.content.variants.items()]:
+        coords["variant_title"] = Variable(("variant",), _words_or_numbers(titles), meaning("variant_title"))
     if (
         "pto_damping" in coords
         and "pto_damping" not in varied

@@ -81,7 +81,7 @@ VARIABLES = {
     "memory_poles": Meaning("1", "Number of exponentials of the radiation memory"),
     "drag_rounds": Meaning("1", "Rounds until the linearised drag agreed with its own result"),
     "wall_time": Meaning("s", "Time that the task took to compute"),
-    "status": Meaning(None, "Outcome of the task: done, failed, missing, stale (older model) or damaged"),
+    "status": Meaning(None, "Outcome of the task: done, failed, missing, stale (older model), damaged; or no task"),
     "task": Meaning(None, "Identity of the task"),
     "unmet": Meaning(None, "What was asked of the task and not met, empty if all was"),
 }
@@ -111,6 +111,8 @@ COORDINATES = {
     "pto_damping": Meaning("N m s rad-1", "Rotational damping of each power take-off"),
     "hinge_spacing": Meaning("m", "Distance of the hinges along x"),
     "seed": Meaning("1", "Number of the wave realization"),
+    "variant": Meaning(None, "Name of the set of values"),
+    "variant_title": Meaning(None, "What the variant is"),
     "float": Meaning(None, "Name of the float"),
     "component": Meaning("1", "Number of the wave in its realization, from 1"),
     "axis": Meaning(None, "Free axis of the joint"),
@@ -152,6 +154,8 @@ def meaning(name: str, axes: Iterable[str] = ()) -> dict[str, str]:
 
 def meaning_of(axis: Axis, motions: Collection[str]) -> dict[str, str]:
     """Attributes of a dimension over keys: unit and path of its only key; motions: of all floats' joints."""
+    if axis.name in COORDINATES:
+        return COORDINATES[axis.name].attrs()
     if not axis.own:
         units = {} if isinstance(axis.labels[0], str) else {"units": "1"}
         return {**units, "long_name": f"Values of {', '.join(axis.keys)}"}

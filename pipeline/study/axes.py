@@ -9,18 +9,19 @@ from types import MappingProxyType
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 from scipy.special import ndtri
 
-from pipeline.study.tables import Count, Label, Name, NotNegative, Number, Positive, Seed, Table, Unit
+from pipeline.study.tables import Count, Label, Name, NotNegative, Number, Positive, Seed, Table, Title, Unit
 
 Support = Literal["elastic", "fixed", "elastic-no-floats"]
 
 # Dimensions and coordinates of every dataset, which no key's last word may take.
 TAKEN = frozenset((
     "sea_state", "platform", "seed", "float", "axis", "leg", "direction", "height", "statistic", "mode", "system_mode",
-    "component", "variant", "sample", "status", "task", "unmet", "axis_unit", "elapsed_time", "wall_time",
+    "component", "variant", "variant_title", "sample", "status", "task", "unmet", "axis_unit",
+    "elapsed_time", "wall_time",
 ))  # fmt: skip
 UNCHANGED = object()
 DIGITS = 12  # of a range's numbers, so that 0.1 + 0.2 is written as 0.3
@@ -180,20 +181,42 @@ def _unit_cube(method: str, dimensions: int, count: int, seed: int) -> np.ndarra
     return np.asarray(qmc.Sobol(dimensions, rng=seed).random(whole))[:count]
 
 
-def variant_axis(variants: Mapping[str, Mapping[str, Any]]) -> Axis:
-    """Named sets of values, `variant`; what one does not name stays as the study has it."""
-    paths = dict.fromkeys(path for values in variants.values() for path in values)
-    keys = {path: tuple(values.get(path, UNCHANGED) for values in variants.values()) for path in paths}
+class Variant(Table):
+    """A named set of values, by dotted paths or in tables; what it does not name stays as the study has it."""
+
+    title: Title = ""
+    axes: dict[str, tuple[Any, ...]] = Field(default={})  # by name or path: the part of an axis that it goes along
+    keys: dict[str, Any] = Field(default={})
+
+    @model_validator(mode="before")
+    @classmethod
+    def _gather(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        named = {key: data[key] for key in ("title", "axes") if key in data}
+        return named | {"keys": by_path({key: value for key, value in data.items() if key not in named})}
+
+    @field_validator("axes", mode="before")
+    @classmethod
+    def _list(cls, table: Any) -> Any:
+        if not isinstance(table, dict):
+            return table
+        return {key: _listed(key, value) for key, value in by_path(table, ranges=True).items()}
+
+
+def variant_axis(variants: Mapping[str, Variant]) -> Axis:
+    """The dimension `variant`."""
+    paths = dict.fromkeys(path for variant in variants.values() for path in variant.keys)
+    keys = {path: tuple(variant.keys.get(path, UNCHANGED) for variant in variants.values()) for path in paths}
     return Axis("variant", tuple(variants), keys)
 
 
-def by_path(table: Any, above: str = "") -> Any:
-    """Tables in tables as dotted paths."""
-    if not isinstance(table, dict):
-        return table
+def by_path(table: Mapping[str, Any], above: str = "", *, ranges: bool = False) -> dict[str, Any]:
+    """Tables in tables as dotted paths; or all but those that are ranges."""
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        flat |= by_path(value, f"{above}{key}.") if isinstance(value, dict) else {f"{above}{key}": value}
+        deeper = isinstance(value, dict) and not (ranges and "from" in value)
+        flat |= by_path(value, f"{above}{key}.", ranges=ranges) if deeper else {f"{above}{key}": value}
     return flat
 
 

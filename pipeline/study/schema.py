@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from pipeline.study.attachments import File
-from pipeline.study.axes import Axes, Axis, Samples, by_path, implied_sea, variant_axis
+from pipeline.study.axes import Axes, Axis, Samples, Variant, implied_sea, variant_axis
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import (
     Count,
@@ -200,10 +200,6 @@ class Platform(Table):
         wave_inertia: Literal["standard", "relative"]
 
 
-def _paths_of(variants: Any) -> Any:
-    return {name: by_path(table) for name, table in variants.items()} if isinstance(variants, dict) else variants
-
-
 class StudyFile(Table):
     """A whole study file."""
 
@@ -215,7 +211,7 @@ class StudyFile(Table):
     floats: tuple[Float, ...] = ()
     platform: Platform | None = None
     axes: Axes = Axes()
-    variants: Annotated[dict[Label, dict[str, Any]], BeforeValidator(_paths_of)] = Field(default={})
+    variants: dict[Label, Variant] = Field(default={})
     samples: Samples | None = None
     sea_states: dict[Label, SeaState]
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import Label, axes
+from pipeline.tasks.task import Label, axes, dimension
 from pipeline.tasks.tasklist import Tasks
 
 
@@ -15,7 +15,10 @@ def select(study: Study, text: str) -> Tasks:
     """The tasks, each once, whose labels are all among those asked for."""
     if not text:
         return study.tasks.unique
-    return Tasks.of(study.content, _wanted(study, text)).unique
+    chosen = Tasks.of(study.content, _wanted(study, text)).unique
+    if not len(chosen):
+        raise StudyError(study.path, [f"--select = {text}: the variants have no such task; their axes say which"])
+    return chosen
 
 
 def find(study: Study, words: Iterable[str]) -> set[str]:
@@ -36,13 +39,12 @@ def find(study: Study, words: Iterable[str]) -> set[str]:
 
 def _wanted(study: Study, text: str) -> dict[str, set[Label]]:
     table = axes(study.content)
-    paths = {path: axis.name for axis in study.content.varied for path in axis.keys}
     wanted: dict[str, set[Label]] = {}
     for pair in text.split(","):
         axis, equals, word = (part.strip() for part in pair.partition("="))
         if not equals:
             raise StudyError(study.path, [f"--select = {pair}: must be axis=value,axis=value"])
-        axis = paths.get(axis, axis)
+        axis = dimension(study.content, axis)
         if axis not in table:
             raise StudyError(study.path, [f"--select = {axis}: unknown axis; {_suggest(axis, list(table))}"])
         wanted.setdefault(axis, set()).update(_labels(study, axis, word, table[axis]))

@@ -6,7 +6,7 @@ import hashlib
 import itertools
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from typing import Any
@@ -180,11 +180,36 @@ def dimensions(study: StudyFile) -> list[str]:
     return [name for name, values in axes(study).items() if name in given or len(values) > 1]
 
 
+def dimension(study: StudyFile, key: str) -> str:
+    """The dimension along which a key is varied, by its dotted path; a word that is no such path stays as it is."""
+    return {path: axis.name for axis in study.varied for path in axis.keys}.get(key, key)
+
+
+def blocks(study: StudyFile) -> list[dict[str, Set[Label]]]:
+    """The parts that make up the study, as labels along some axes: all of it, or one for each variant."""
+    if not any(variant.axes for variant in study.variants.values()):
+        return [{}]
+    table = axes(study)
+    parts: list[dict[str, Set[Label]]] = []
+    for name, variant in study.variants.items():
+        along = {dimension(study, key): values for key, values in variant.axes.items()}
+        kept = {key: {label for label in table[key] if known_as(label, values)} for key, values in along.items()}
+        parts.append({**kept, "variant": {name}})
+    return parts
+
+
+def known_as(label: Label, values: Iterable[object]) -> bool:
+    """Whether a label is among values as a file gives them: 2018 is "2018", too."""
+    return any(label == value or str(label) == str(value) for value in values)
+
+
 def expand(study: StudyFile) -> Iterator[Task]:
     """All tasks, the last axis fastest."""
-    table, varied = axes(study), tuple(dimensions(study))
+    table, varied, parts = axes(study), tuple(dimensions(study)), blocks(study)
     for values in itertools.product(*table.values()):
-        yield cell(study, dict(zip(table, values, strict=True)), varied)
+        labels = dict(zip(table, values, strict=True))
+        if any(all(labels[name] in part[name] for name in part) for part in parts):
+            yield cell(study, labels, varied)
 
 
 def cell(study: StudyFile, labels: Mapping[str, Label], varied: tuple[str, ...], known: str = "") -> Task:

@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from pipeline.study.schema import StudyFile
-from pipeline.tasks.task import Label, Task, axes, cell, dimensions
+from pipeline.tasks.task import Label, Task, axes, blocks, cell, dimensions
 from pipeline.terminal import passing
 
 Key = TypeVar("Key", bound=Hashable)
@@ -31,7 +31,7 @@ class Tasks:
     @classmethod
     def of(cls, study: StudyFile, wanted: Mapping[str, Set[Label]] = MappingProxyType({})) -> Tasks:
         """The tasks in all cells, or in those with one of the wanted labels along each axis; cells may share one."""
-        cells = _cells(axes(study), wanted)
+        cells = np.sort(np.concatenate([_cells(axes(study), _both(part, wanted)) for part in blocks(study)]))
         bare = cls(study=study, cells=cells, ids=np.zeros(len(cells), "u8"))
         ids = (int(bare.task(int(number)).id, 16) for number in passing(cells, len(cells), "naming tasks"))
         return cls(study=study, cells=cells, ids=np.fromiter(ids, "u8", len(cells)))
@@ -88,6 +88,12 @@ class Tasks:
     @cached_property
     def _varied(self) -> tuple[str, ...]:
         return tuple(dimensions(self.study))
+
+
+def _both(part: Mapping[str, Set[Label]], wanted: Mapping[str, Set[Label]]) -> dict[str, Set[Label]]:
+    """The labels that two selections share, along each axis that either of them names."""
+    shared = {name: part[name] & wanted[name] for name in part.keys() & wanted.keys()}
+    return {**wanted, **part, **shared}
 
 
 def _cells(table: Mapping[str, Sequence[Label]], wanted: Mapping[str, Set[Label]]) -> np.ndarray:

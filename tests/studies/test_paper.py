@@ -1,11 +1,15 @@
 """Paired differences, ratios and slow parts, on numbers made up here."""
 
+import hashlib
+
 import numpy as np
 import pytest
 import xarray as xr
 
+from pipeline.bridge.loading import load
 from pipeline.report.report import Published
 from pipeline.results.netcdf import Variable, to_bytes
+from pipeline.tasks.select import select
 from studies import paper
 
 
@@ -83,3 +87,32 @@ def test_the_page_has_a_place_for_every_section_and_keeps_its_prose():
     assert all(f"<!-- {name} -->\nnew {name}\n<!-- /{name} -->" in new for name in names)
     kept = [line for line in page.splitlines() if line.startswith("## ")]
     assert [line for line in new.splitlines() if line.startswith("## ")] == kept
+
+
+# SHA-256 of the ids of all tasks, sorted: those of the files that the variants of paper.toml replace, one study each.
+SAME_TASKS = "3e27975ca05cab7b7d1197579ca35e45db4701d641f504c13f48cbb160fcb8c6"
+
+
+def test_the_study_is_the_case_and_its_variants():
+    """The tasks are those of the twenty studies that this one replaces; seeds of a variant are among the case's."""
+    study = load(paper.STUDY)
+    ids = {name: {t.id for t in select(study, f"variant={name}")} for name in study.content.variants}
+    assert hashlib.sha256(" ".join(sorted(set().union(*ids.values()))).encode()).hexdigest() == SAME_TASKS
+    assert sum(map(len, ids.values())) == len(study.tasks) == 332
+    case = ids.pop("buan")
+    assert len(case) == 117 and not case & set().union(*ids.values())
+    assert {name: len(own) for name, own in ids.items() if len(own) != 10} == {"dry-tops": 40, "printed-spectrum": 15}
+
+
+def test_geometric_stiffness_is_refused_and_so_no_variant():
+    assert "gravity is 2.25 times the Euler load" in paper.refusal()
+
+
+def test_variants_are_compared_with_the_first_and_counted_where_they_have_tasks():
+    base, other = study([1.0, 2.0, 3.0, 4.0, 5.0]), study([1.5, 2.5, 3.5, 4.5, np.nan])
+    data = xr.concat([base, other], xr.DataArray(["case", "more"], dims="variant", name="variant"))
+    data["status"] = xr.where(data.rotation.notnull().squeeze("statistic", drop=True), "done", "no task")
+    data["variant_title"] = ("variant", ["The case", "Half more"])
+    text = "\n".join(paper.variants(data, [published("2.75", selection={"platform": ["fixed"]})]))
+    assert "- `more`: Half more (4 done)" in text
+    assert "| +20.0 |" in text

@@ -54,7 +54,7 @@ pto_damping = 5e4
 [axes]
 hinge_spacing = [5.0]
 """
-LINES = '[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n'
+LINES = '[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n[variants.a]\n'
 CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
 # Every kind of scene, sea, path and output.
 REAL = {

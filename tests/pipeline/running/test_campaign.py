@@ -18,6 +18,7 @@ from pipeline.bridge.loading import load
 from pipeline.cli import actions
 from pipeline.cli.cli import app
 from pipeline.cli.plan import Estimate
+from pipeline.report.page import html, results_of
 from pipeline.report.report import COLUMNS
 from pipeline.results import dataset
 from pipeline.results.store import Store, remove
@@ -458,6 +459,25 @@ def test_axes_over_keys_are_dimensions_with_unit_and_path(changed, small):
     parameters = task.parameters
     assert (parameters.floats[0].mass, parameters.water.depth, parameters.floats[0].offset) == (2200.0, 60.0, 0.1)
     assert parameters.solver.time_step == 0.1 and not parameters.solver.diffraction
+
+
+def test_cells_that_no_variant_goes_along_have_no_task(small, cli, tmp_path):
+    tables = "[variants.usual]\n[variants.deep]\ntitle = 'Deeper'\naxes = { seed = [1] }\n'water.depth' = 60.0\n"
+    small.write_text(small.read_text().replace("[sea_states", tables + "[sea_states", 1))
+    output = cli("run")
+    assert "18 tasks: 18 done" in output and "no task" not in output
+    with xr.open_dataset(tmp_path / "r" / "small" / "statistics.nc") as data:
+        deep = data.sel(variant="deep")
+        assert (deep.status.sel(seed=0) == "no task").all() and (deep.status.sel(seed=1) == "done").all()
+        assert (data.status.sel(variant="usual") == "done").all()
+        assert deep.wave_elevation.sel(seed=0).isnull().all() and deep.wave_elevation.sel(seed=1).notnull().all()
+        assert deep.variant_title.item() == "Deeper"
+        assert data.variant_title.sel(variant="usual").item() == "usual"
+    study = load(small)
+    tasks = {str(t.labels): t.id for t in expand(study.content)}
+    assert len(set(tasks.values())) == 18
+    page = html(results_of(study, tmp_path / "r" / "small" / "statistics.nc"))
+    assert "18 done of 18<" in page and "no task" not in page
 
 
 def test_deep_water_is_a_value_of_an_axis(changed, small):

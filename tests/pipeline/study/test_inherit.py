@@ -1,13 +1,12 @@
 """Studies that stand on others."""
 
-import tomllib
 from pathlib import Path
 
 import pytest
 
 from pipeline.bridge.loading import load
 from pipeline.study.inherit import merged, rooted
-from pipeline.study.reading import StudyError, stacked
+from pipeline.study.reading import StudyError
 
 STUDIES = Path(__file__).parents[3] / "studies"
 
@@ -71,13 +70,3 @@ def test_files_are_found_beside_the_base():
     absolute = rooted(tables, STUDIES)
     assert absolute["floats"][0]["hull"]["file"] == str(STUDIES / "barge.gdf")
     assert absolute["file"] == 3
-
-
-@pytest.mark.parametrize("path", sorted((STUDIES / "variants").glob("*.toml")), ids=lambda path: path.stem)
-def test_variants_change_something_and_keep_the_seas(path):
-    """Seeds of a variant are among the base's: differences are paired."""
-    variant, base = load(path), load(STUDIES / "buan-paper.toml")
-    assert set(variant.content.axes.seed) < set(base.content.axes.seed)
-    assert not set(variant.tasks.ids.tolist()) & set(base.tasks.ids.tolist())
-    tables = stacked(path)[0]
-    assert tables["title"] == tomllib.loads(path.read_text())["title"]

@@ -84,8 +84,17 @@ WRONG = [
     ("[[axes.together]]\nname = 'seed'\n'water.depth' = [50.0]", "axes.together.name = seed: is the name of another"),
     ('"water.depth" = [1979-05-27]', 'axes."water.depth" = 1979-05-27: must be a number [m]'),
     ("[samples]\ncount = 4\n'water.depth' = { from = 0.0, to = 2.0, spacing = 'log' }", 'needs numbers > 0'),
-    ("[variants.deep]\n'water.depht' = 60.0", 'variant."water.depht" = 60.0: leads nowhere; did you mean water.depth?'),
+    ("[variants.deep]\n'water.depht' = 60.0", 'variants.deep."water.depht" = 60.0: leads nowhere; did you mean '),
     ("[variants.usual]\n[variants.shallow.water]\ndepth = 0.5", "variant = shallow: "),
+    ("[variants.a]\naxes.seeds = [0]", "variants.a.axes.seeds = [0]: must be an axis of the study: sea_state, "),
+    ("[variants.a]\naxes.variant = ['a']", "variants.a.axes.variant = ['a']: must be an axis of the study: sea_state"),
+    ("[variants.a]\naxes.seed = [0, 7]", "variants.a.axes.seed = 7: must be on the study's own axis: 0, 1"),
+    ("[variants.a]\naxes.seed = []", "variants.a.axes.seed = []: needs at least one value"),
+    ("[variants.a]\naxes.seed = 0", "variants.a.axes.seed = 0: must be a list of values"),
+    ("[variants.a]\ntitle = 3", "variants.a.title = 3: must be a string"),
+    ("[variants]\na = 3", "variants.a = 3: must be a table"),
+    ("[variants.a]\n'water.depth' = 60.0\n[samples]\ncount = 2\n'water.depth' = { from = 50.0, to = 60.0 }",
+     'axes = "water.depth": is varied along two dimensions'),
     ("[samples]\ncount = 4", "samples.samples = None: needs ranges of keys by their dotted paths"),
     ("[samples]\ncount = 4\n'floats.front.mas' = { from = 1.0, to = 2.0 }", "did you mean floats.front.mass?"),
     ("[samples]\ncount = 4\n'floats.front.mass' = { mean = 1.0 }", "samples.keys.floats.front.mass"),
@@ -190,6 +199,36 @@ def test_variants_are_named_sets_of_values_and_change_nothing_else(small):
     assert parameters["linear"].solver.froude_krylov == "linear" and parameters["linear"].water.depth == 50.0
     assert (parameters["deep"].water.depth, parameters["deep"].floats[0].mass) == (60.0, 2200.0)
     assert {t.id for t in select(study, "variant=usual")} == {t.id for t in plain}
+
+
+def narrowed(small):
+    """Two variants along parts of the axes, beside the study as it is."""
+    text = small.read_text()
+    tables = "[variants.usual]\n[variants.deep]\naxes = { seed = [1], sea_state = ['rough'] }\n'water.depth' = 60.0\n"
+    tables += (
+        "[variants.heavy]\naxes = { platform = ['fixed'], 'floats.*.stiffness' = [1e4] }\nfloats.front.mass = 2200.0\n"
+    )
+    over = "[axes]\n'floats.*.stiffness' = [0.0, 1e4]\n"
+    small.write_text(text.replace("[axes]\n", over, 1).replace("[sea_states", tables + "[sea_states", 1))
+    return load(small)
+
+
+def test_a_variant_may_go_along_parts_of_the_axes(small):
+    study = narrowed(small)
+    labels = [task.labels for task in study.tasks]
+    assert {name: sum(row["variant"] == name for row in labels) for name in ("usual", "deep", "heavy")} == {
+        "usual": 2 * 3 * 2 * 2,
+        "deep": 3 * 2,
+        "heavy": 2 * 2,
+    }
+    assert {(r["seed"], r["sea_state"]) for r in labels if r["variant"] == "deep"} == {(1, "rough")}
+    assert {(r["platform"], r["stiffness"]) for r in labels if r["variant"] == "heavy"} == {("fixed", 1e4)}
+    assert [task.id for task in expand(study.content)] == [task.id for task in study.tasks]
+    assert list(study.tasks.cells) == sorted(study.tasks.cells)
+    assert len(select(study, "variant=deep,platform=fixed,stiffness=0")) == 1
+    assert len(select(study, "seed=1,sea_state=rough,platform=fixed,stiffness=1e4")) == 3
+    with pytest.raises(StudyError, match="variant=deep,seed=0: the variants have no such task"):
+        select(study, "variant=deep,seed=0")
 
 
 @pytest.mark.parametrize("method", ["sobol", "halton", "random"])
