@@ -11,7 +11,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from solver.errors import InputError, refuse
-from solver.hydrodynamics.hull.clearance import reach, touching
+from solver.hydrodynamics.hull.clearance import reach, touching, uncovered
+from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.quantities import Quantity, out_of_range, require_ranges
@@ -243,9 +244,10 @@ class Scene:
             if self.settings.froude_krylov == "body-nonlinear" and not f.hull.closed:
                 yield InputError(
                     f"floats.{f.name}.hull",
-                    "a mesh that is open above still water",
+                    "an open mesh",
                     'must be closed for body-nonlinear pressure; or set froude_krylov = "linear"',
                 )
+        yield from self._open_hulls()
         for a, b in combinations(self.floats, 2):
             if touching(a.hull, a.centre, b.hull, b.centre):
                 key, gap = f"distance of floats.{a.name} and floats.{b.name}", np.linalg.norm(a.centre - b.centre)
@@ -260,6 +262,15 @@ class Scene:
         if marching and (step := settings.time_step) is not None and step > longest:
             limit = f"must be <= {longest:.3g} s, a sixth of the shortest wave's period, {6 * longest:.3g} s"
             yield InputError("settings.time_step", step, limit)
+
+    def _open_hulls(self) -> Iterator[InputError]:
+        edges = uncovered([f.hull for f in self.floats], [f.centre for f in self.floats])
+        for f in self.floats if len(edges) else ():
+            if isinstance(f.hull, PanelHull) and len(f.hull.holes):
+                where = ", ".join(f"{x:.4g}" for x in edges[0].mean(axis=0) - f.centre)
+                limit = "must be closed below still water, but for faces where floats adjoin"
+                near = f"{len(edges)} open edges, the first near ({where}) m"
+                yield InputError(f"floats.{f.name}.{KEY}", f.hull.name, f"{limit}: {near}")
 
     def _carrier_problems(self) -> Iterator[InputError]:
         names = [f.name for f in self.floats]

@@ -4,7 +4,7 @@ Body coordinates as in `hull`: z = 0 the still-water plane at rest, x and y from
 """
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -26,8 +26,10 @@ class PanelHull:
 
     vertices: np.ndarray  # (nv, 3) [m]
     faces: np.ndarray  # (nf, 4), a triangle gives its last vertex twice
-    closed: bool = True  # False: open above still water, good for linear forces alone
+    closed: bool = True  # False: good for linear forces alone
+    holes: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 3)))  # (n, 2, 3) open edges below still water [m]
     notes: tuple[str, ...] = ()  # what was mended
+    name: str = "mesh"  # of its file
     edged = True  # as far as the boundary elements' error goes: panels meet at angles
 
     @classmethod
@@ -49,18 +51,15 @@ class PanelHull:
         if not lowest < 0:
             raise InputError(key, f"{name}, lowest point at z = {lowest:g} m", "must reach below still water, z = 0 m")
         faces, rim, turned = surface.oriented(vertices, faces, key, name)
-        tolerance = surface.WELD * np.ptp(vertices, axis=0).max()
-        sunk = rim[vertices[rim, 2].min(axis=1) < -tolerance]
-        if len(sunk):
-            where = ", ".join(f"{x:.4g}" for x in vertices[sunk[0]].mean(axis=0))
-            raise InputError(
-                key, name, f"must be closed below still water: {len(sunk)} open edges, the first near ({where}) m"
-            )
-        opened = [f"open above still water ({len(rim)} edges): no body-nonlinear pressure"] if len(rim) else []
-        for array in (vertices, faces):
+        sunk = vertices[rim, 2].min(axis=1) < -surface.WELD * np.ptp(vertices, axis=0).max()
+        counts = [(np.sum(~sunk), "above"), (np.sum(sunk), "below")]
+        opened = [f"open {where} still water ({n} edges): no body-nonlinear pressure" for n, where in counts if n]
+        holes = vertices[rim[sunk]]
+        for array in (vertices, faces, holes):
             array.setflags(write=False)
         hull = cls(
-            vertices=vertices, faces=faces, closed=not len(rim), notes=tuple(cleaned + turned + opened)
+            vertices=vertices, faces=faces, closed=not len(rim), holes=holes,
+            notes=tuple(cleaned + turned + opened), name=name,
         )  # fmt: skip
         if not hull.volume > 0:
             raise InputError(key, f"{name}, displaced volume {hull.volume:g} m3", "must be > 0")
@@ -176,27 +175,9 @@ class PanelHull:
         return self._mirrored(0), self._mirrored(1)
 
     def _mirrored(self, axis: int) -> bool:
-        """Vertices fall on vertices, and faces on faces or the hull is convex."""
-        image = self.vertices * np.where(np.arange(3) == axis, -1.0, 1.0)
-        used = np.unique(self.faces)
-        gap, place = scipy.spatial.cKDTree(self.vertices[used]).query(image)
-        if gap[used].max() > ALIKE * self.size:
-            return False
-        before = np.unique(np.sort(self.faces, axis=1), axis=0)
-        after = np.unique(np.sort(used[place][self.faces], axis=1), axis=0)
-        # One flat face may be cut into triangles along either diagonal.
-        return np.array_equal(before, after) or self._convex
-
-    @cached_property
-    def _convex(self) -> bool:
-        if not self.closed:
-            return False
-        points, areas = _midpoints(self.panels)
-        try:
-            convex = scipy.spatial.ConvexHull(self.vertices).volume
-            return bool(np.isclose(points[:, 2] @ areas[:, 2], convex, rtol=1e-6))
-        except scipy.spatial.QhullError:
-            return False
+        """Whether the hull is its own image; panels may be cut otherwise there, along the other diagonal say."""
+        image = surface.mirrored((self.vertices, self.faces), np.where(np.arange(3) == axis, -1.0, 1.0))
+        return surface.alike(self.panels, image[0][image[1]], ALIKE * self.size)
 
 
 def _midpoints(panels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ import scipy  # sparse and spatial are slow to import, and the command line need
 
 from solver.errors import InputError
 
+PAIRS = 2**20  # of points and triangles at a time
 WELD = 1e-6  # of the extent: closer points are one; files in single precision hold 1e-7
 
 
@@ -43,11 +44,8 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
 def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Coinciding points made one, panels without area and duplicates left out; and notes of both."""
     extent = np.ptp(vertices[faces.ravel()], axis=0).max()
-    near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
-    links = scipy.sparse.coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(vertices),) * 2)
-    _, place = scipy.sparse.csgraph.connected_components(links, directed=False)
-    first = np.unique(place, return_index=True)[1]
-    vertices, faces = vertices[first], _collapsed(place[faces])
+    vertices, faces = _one_each(vertices, faces)
+    faces = _collapsed(faces)
     area = np.linalg.norm(np.cross(*(np.diff(vertices[faces[:, [k, 2]]], axis=1)[:, 0] for k in (0, 1))), axis=1)
     area += np.linalg.norm(np.cross(*(np.diff(vertices[faces[:, [0, k]]], axis=1)[:, 0] for k in (2, 3))), axis=1)
     flat = area <= (WELD * extent) ** 2
@@ -56,6 +54,15 @@ def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
     twice[kept] = False
     counts = [(flat.sum(), "without area"), ((twice & ~flat).sum(), "given twice")]
     return vertices, faces[~(flat | twice)], [f"left out: {n} panels {what}" for n, what in counts if n]
+
+
+def _one_each(vertices: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points that coincide made one, and the indices of all into what is left."""
+    extent = np.ptp(vertices[indices.ravel()], axis=0).max()
+    near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
+    links = scipy.sparse.coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(vertices),) * 2)
+    _, place = scipy.sparse.csgraph.connected_components(links, directed=False)
+    return vertices[np.unique(place, return_index=True)[1]], place[indices]
 
 
 def _collapsed(faces: np.ndarray) -> np.ndarray:
@@ -73,12 +80,35 @@ def edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return pairs[real], owner[real]
 
 
+def unmatched(lines: np.ndarray) -> np.ndarray:
+    """What of edges (n, 2, 3), cut where ends of others lie on them, is left of those that no other one covers."""
+    ends = lines.reshape(-1, 3)
+    if not len(ends):
+        return lines
+    vertices, pairs = _one_each(ends, np.arange(len(ends)).reshape(-1, 2))
+    pairs, _ = _cut_where_corners_lie(vertices, pairs, np.zeros(len(pairs), int))
+    _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
+    return vertices[pairs[count[place] == 1]]
+
+
+def enclosed(lines: np.ndarray) -> float:
+    """Most that closed outlines of edges (n, 2, 3) can enclose [m²]: circles of their lengths."""
+    if not len(lines):
+        return 0.0
+    vertices, pairs = _one_each(lines.reshape(-1, 3), np.arange(2 * len(lines)).reshape(-1, 2))
+    graph = scipy.sparse.coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(vertices),) * 2)
+    _, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    length = np.bincount(part[pairs[:, 0]], np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1))
+    return float(np.sum(length**2) / (4 * np.pi))
+
+
 def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Faces wound alike with normals out of the body, the open edges (ne, 2), and notes of what was turned.
 
-    A part's volume is ∫ z n_z dS, which a rim at z = 0 leaves unchanged: inside out where it is negative.
+    Panels may meet along parts of their sides, with corners of one on a side of another. A part's volume is
+    ∫ z n_z dS, which a rim at z = 0 leaves unchanged: inside out where it is negative.
     """
-    pairs, owner = edges(faces)
+    pairs, owner = _cut_where_corners_lie(vertices, *edges(faces))
     _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
     if count.max() > 2:
         point = vertices[pairs[np.argmax(count[place] > 2), 0]]
@@ -95,6 +125,28 @@ def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tu
     notes = [f"turned: {turned.sum()} panels wound against their neighbours"] if turned.any() else []
     notes += ["the mesh was inside out: its normals were turned into the water"] if inside_out.any() else []
     return faces, pairs[count[place] == 1], notes
+
+
+def _cut_where_corners_lie(vertices: np.ndarray, pairs: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Edges (ne, 2) and their faces (ne,), those of one face alone cut at the ends of others that lie on them."""
+    _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
+    alone = count[place] == 1
+    ends = np.unique(pairs[alone])
+    if not len(ends):
+        return pairs, owner
+    tree, close = scipy.spatial.cKDTree(vertices[ends]), WELD * np.ptp(vertices, axis=0).max()
+    cut, whose = [pairs[~alone]], [owner[~alone]]
+    for (a, b), face in zip(pairs[alone], owner[alone], strict=True):
+        along = vertices[b] - vertices[a]
+        length = np.linalg.norm(along)
+        near = ends[tree.query_ball_point((vertices[a] + vertices[b]) / 2, length / 2)]
+        way = (vertices[near] - vertices[a]) @ along / length
+        off = np.linalg.norm(vertices[near] - vertices[a] - way[:, None] * along / length, axis=1)
+        on = (off < close) & (way > close) & (way < length - close)
+        chain = np.array([a, *near[on][np.argsort(way[on])], b])
+        cut.append(np.column_stack([chain[:-1], chain[1:]]))
+        whose.append(np.full(len(chain) - 1, face))
+    return np.concatenate(cut), np.concatenate(whose)
 
 
 def _point_text(point: np.ndarray) -> str:
@@ -132,6 +184,48 @@ def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray) -> tupl
     turned ^= many[part]
     agree = np.all((turned[a] ^ turned[b]) == against)
     return (turned if agree else None), part
+
+
+def turns_round(panels: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """How often panels (n, 4, 3) with normals outwards wind round points (m, 3): 1 within a closed surface, 0 outside.
+
+    Solid angles of the triangles over 4π (van Oosterom and Strackee 1983); a half on it, any number near holes.
+    """
+    corners = triangles(panels)
+    total = np.zeros(len(points))
+    for first in range(0, len(points), max(1, PAIRS // len(corners))):
+        part = slice(first, first + max(1, PAIRS // len(corners)))
+        a, b, c = np.moveaxis(corners[None] - points[part, None, None], 2, 0)
+        la, lb, lc = (np.linalg.norm(side, axis=-1) for side in (a, b, c))
+        triple = np.einsum("mni,mni->mn", a, np.cross(b, c))
+        ab, bc, ca = (np.einsum("mni,mni->mn", *pair) for pair in ((a, b), (b, c), (c, a)))
+        total[part] = 2 * np.arctan2(triple, la * lb * lc + ab * lc + bc * la + ca * lb).sum(axis=1)
+    return total / (4 * np.pi)
+
+
+def alike(panels: np.ndarray, other: np.ndarray, tolerance: float) -> bool:
+    """Whether two surfaces of flat panels are one, however they are cut: plane by plane of equal moments.
+
+    Up to the second, within `tolerance` [m] at the distance that the surfaces reach.
+    """
+    reach = np.abs(panels).max()
+    corners = np.concatenate([triangles(panels), triangles(other)])
+    vector = area_vectors(corners)
+    area = np.linalg.norm(vector, axis=1)
+    normal = vector / area[:, None]
+    first = len(triangles(panels))
+    key = np.column_stack([reach * normal, np.einsum("ni,ni->n", normal, corners[:, 0])])
+    near = scipy.spatial.cKDTree(key).query_pairs(4 * tolerance, output_type="ndarray")
+    links = scipy.sparse.coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(key),) * 2)
+    planes, plane = scipy.sparse.csgraph.connected_components(links, directed=False)
+    middles = (corners + np.roll(corners, -1, axis=1)) / 2  # integrate second degrees exactly
+    x = np.concatenate([np.ones((*middles.shape[:2], 1)), middles / reach], axis=2)
+    moments = np.einsum("n,nki,nkj->nij", area / 3, x, x).reshape(len(x), -1)
+    moments[first:] *= -1
+    gap = np.zeros((planes, moments.shape[1]))
+    np.add.at(gap, plane, moments)
+    size = np.bincount(plane, area, planes)
+    return bool(np.all(np.abs(gap) <= 4 * tolerance / reach * (size + reach * np.sqrt(size))[:, None]))
 
 
 def below(panels: np.ndarray, axis: int = 2, *, sign: int = 1) -> np.ndarray:

@@ -6,9 +6,10 @@ from pytest import approx
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.clearance import touching, uncovered
 from solver.hydrodynamics.hull.panel_hull import MeshWarning, PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
-from tests.hydrodynamics.shapes import box, fine_box, gdf, hst, loose, meshed, nemoh, stl
+from tests.hydrodynamics.shapes import box, fine_box, gdf, hst, loose, meshed, meshed_ring, nemoh, stl
 
 SIZE, CENTRE = (4.0, 2.0, 1.0), (0.5, 0.0, 0.1)  # 0.4 m of draft
 VERTICES, FACES = box(SIZE, CENTRE)
@@ -95,10 +96,52 @@ def test_a_mesh_without_its_top_is_open():
     assert not wetted.closed and wetted.volume == approx(3.2)
 
 
+@pytest.mark.parametrize("face", range(6))
+def test_corners_may_lie_on_other_panels_sides(face):
+    others = [VERTICES[f] for i, f in enumerate(FACES) if i != face]
+    a, b, c, d = VERTICES[FACES[face]]
+    low, high = (a + b) / 2, (c + d) / 2
+    quarters = surface.quartered(np.array([low, b, c, high])[None])
+    mixed = np.array([*others, [a, low, high, d], *quarters])
+    mixed[::2] = mixed[::2, ::-1]
+    hull = PanelHull.of(*loose(mixed))
+    assert hull.closed and hull.volume == approx(3.2) and hull.buoyancy_point == approx([0.5, 0, -0.2])
+    assert any("turned: " in note for note in hull.notes)
+    assert hull.symmetry == (False, True)
+
+
+def test_a_mirror_image_may_be_cut_along_the_other_diagonal():
+    halves = np.array([[p[0], p[1], p[2], p[2]] for p in PANELS] + [[p[0], p[2], p[3], p[3]] for p in PANELS])
+    assert PanelHull.of(*loose(halves)).symmetry == (False, True)
+    skew = halves.copy()
+    skew[np.all(skew == VERTICES[7], axis=2)] += [0.0, 0.01, 0.0]
+    assert PanelHull.of(*loose(skew)).symmetry == (False, False)
+
+
+def test_bodies_that_adjoin_close_each_others_openings():
+    """A box cut in two at x = 0: neither half has a wall there."""
+    halves = [PanelHull.of(*loose(surface.below(box((2.0, 2.0, 1.0))[0][FACES], 0, sign=s))) for s in (1, -1)]
+    assert all(not h.closed and len(h.holes) for h in halves) and sum(h.volume for h in halves) == approx(2.0)
+    origin = np.zeros(3)
+    assert len(uncovered(halves, [origin, origin])) == 0 and not touching(halves[0], origin, halves[1], origin)
+    assert len(uncovered(halves, [origin, np.array([0.1, 0, 0])])) and len(uncovered(halves[:1], [origin])) == 3
+
+
+def test_bodies_are_judged_by_their_surfaces():
+    """A ring about a cylinder, the same cylinder moved into the ring, and a box that shares a wall with another."""
+    ring, inner, away = meshed_ring(3.0, 2.0), Revolution.vertical_cylinder(radius=1.0, draft=1.0, freeboard=1.0), 1.5
+    assert not touching(ring, np.zeros(3), inner, np.zeros(3)) and touching(
+        ring, np.zeros(3), inner, np.array([away, 0, 0])
+    )
+    small, large = (PanelHull.of(*box((a, a, 1.0))) for a in (1.0, 4.0))
+    assert touching(large, np.zeros(3), small, np.array([1.0, 0, 0]))  # wholly within
+    assert touching(large, np.zeros(3), small, np.array([2.5, 0, 0]))  # wall on wall
+    assert not touching(large, np.zeros(3), small, np.array([2.6, 0, 0]))
+
+
 @pytest.mark.parametrize(
     ("mesh", "reason"),
     [
-        ((VERTICES, FACES[1:]), "3 open edges"),
         ((VERTICES + np.array([0, 0, 5]), FACES), "must reach below still water"),
         ((VERTICES, np.concatenate([FACES, [[0, 1, 7, 7]]])), "3 panels meet"),
         ((VERTICES, FACES[:1] * 0), "no panel with an area"),
