@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from pipeline.study.attachments import File
+from pipeline.study.attachments import CoefficientFile, File
 from pipeline.study.axes import Axes, Axis, Samples, Variant, implied_sea, variant_axis
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import (
@@ -204,6 +204,8 @@ class StudyFile(Table):
     """A whole study file."""
 
     title: Title = ""
+    # Of the floats, from others' boundary elements: capytaine's .nc, BEMIO's .h5, WAMIT's .1 beside .3 and .hst, .out.
+    coefficients: CoefficientFile | None = None
     water: Water
     waves: Waves = Waves()
     record: Recording = Recording()

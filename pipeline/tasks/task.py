@@ -12,6 +12,7 @@ from functools import cached_property, lru_cache, partial
 from typing import Any
 
 from pipeline.study import seas
+from pipeline.study.attachments import CoefficientFile
 from pipeline.study.axes import UNCHANGED
 from pipeline.study.layout import hinge_nodes, spaced
 from pipeline.study.paths import with_value
@@ -36,6 +37,7 @@ class Parameters(Table):
     solver: Solver = Solver()
     floats: tuple[Float, ...] = ()
     platform: Platform | None = None
+    coefficients: CoefficientFile | None = None
     seed: Seed = 0
 
     def canonical(self) -> str:
@@ -224,14 +226,16 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     if study.platform and labels["platform"] != "fixed":
         platform = _with_hinges(Same(study.platform), tuple(hinge_nodes(floats).items()))
     sea = study.sea_states[str(labels["sea_state"])]
+    floats = () if labels["platform"] == "elastic-no-floats" else floats
     return Parameters(
         water=study.water,
         waves=seas.deciding(sea, study.waves),
         sea_state=sea,
         record=study.record,
         solver=study.solver,
-        floats=() if labels["platform"] == "elastic-no-floats" else floats,
+        floats=floats,
         platform=platform,
+        coefficients=study.coefficients if floats else None,
         seed=int(labels["seed"]) if seas.is_random(sea) else 0,
     )
 
