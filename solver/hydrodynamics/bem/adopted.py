@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 
@@ -26,6 +26,7 @@ TOLD = 1e-3  # relative, to which water and heading must be those of the study
 LOPSIDED = 0.2  # of the largest entry's scale: more asymmetry is no error of a mesh
 ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
 SAME = 1e-9  # A∞ that equals the highest frequency's by so much is that
+TOGETHER = 0.2  # of an added mass: what it may scatter at infinite frequency where A and B are of one body
 UNSURE = 0.15  # of an added mass: its value at infinite frequency is not known if it scatters by more
 
 
@@ -224,32 +225,36 @@ def _radiation_problems(six: Given, scale: dict[str, np.ndarray], names: Sequenc
     return problems
 
 
-def _word(names: Sequence[str], column: int) -> str:
+def _word(names: Sequence[str], column: SupportsIndex) -> str:
+    column = int(column)
     return f"{names[column // 6]} {DOFS[column % 6]}"
 
 
 def _infinite(six: Given, scale: dict[str, np.ndarray], names: Sequence[str]) -> np.ndarray:
     """A∞ (n, n): the file's where it goes with A and B, else what follows from them."""
     size = np.multiply.outer(scale["added_mass"], scale["added_mass"])
-    follows, spread = infinite_added_mass(six.omega, _symmetric(six.added_mass), _symmetric(six.radiation_damping))
+    follows = infinite_added_mass(six.omega, _symmetric(six.added_mass), _symmetric(six.radiation_damping))
+    scatter, beyond = follows.scatter / size, follows.beyond / size
     told = six.added_mass_inf
+    unlike = np.where(scatter > beyond, scatter, 0.0)
+    if unlike.max() > TOGETHER:
+        i, j = np.unravel_index(unlike.argmax(), unlike.shape)
+        text = f"added mass and damping of {_word(names, i)} on {_word(names, j)} do not go together (off causality by"
+        raise _problem(six, f"{text} {scatter[i, j]:.0%}); do their units agree?")
     # Some programs put the highest frequency's in its place.
     if told is None or np.abs(told - six.added_mass[-1]).max() <= SAME * np.abs(told).max():
-        off = spread / size
+        off = np.hypot(scatter, beyond)
         if off.max() > UNSURE:
             i, j = np.unravel_index(off.argmax(), off.shape)
-            text = (
-                f"has no added mass at infinite frequency, and frequencies up to {six.omega[-1]:.4g} rad/s leave that"
-            )
-            raise _problem(six, f"{text} of {_word(names, i)} on {_word(names, j)} uncertain by {off[i, j]:.0%}")
-        return follows
-    off = np.maximum(np.abs(told - follows) - 3 * spread, 0.0) / size
+            text = "has no added mass at infinite frequency, and what follows from frequencies up to"
+            text += f" {six.omega[-1]:.4g} rad/s may be {off[i, j]:.0%} off for {_word(names, i)} on {_word(names, j)}"
+            raise _problem(six, text)
+        return follows.value
+    off = np.abs(told - follows.value) / size - scatter - 3 * beyond
     i, j = np.unravel_index(off.argmax(), off.shape)
     if off[i, j] > UNSURE:
-        text = (
-            f"added mass of {_word(names, i)} on {_word(names, j)} at infinite frequency is {told[i, j]:.4g}, from the"
-        )
-        raise _problem(six, f"{text} rest follows {follows[i, j]:.4g}; do the units of added mass and damping agree?")
+        text = f"added mass of {_word(names, i)} on {_word(names, j)} at infinite frequency is {told[i, j]:.4g},"
+        raise _problem(six, f"{text} the rest implies {follows.value[i, j]:.4g}")
     return _symmetric(told)
 
 

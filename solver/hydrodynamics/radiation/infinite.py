@@ -3,6 +3,8 @@
 A(ω) - A∞ = 2/π ⨍ B(s)/(s² - ω²) ds over s > 0 (Kramers and Kronig; Ogilvie 1964), a principal value.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 NODES = 801  # of B within the band, straight between them
@@ -13,13 +15,18 @@ DOUBT = 0.5
 WITHIN = 0.25, 0.75  # shares of the band at which A∞ is asked for: far from its ends
 
 
-def infinite_added_mass(
-    omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """A∞ (n, n) of A, B (nw, n, n) at increasing ω (nw,) [rad/s], and how far it may be off (n, n).
+class Infinite(NamedTuple):
+    """Added mass at infinite frequency, and what speaks against it, each (n, n)."""
 
-    B is a spline from B(0) = 0 through the samples and goes on as a power of ω, as its last quarter falls. Off: what
-    the value scatters over the band, and DOUBT of what B beyond it gives.
+    value: np.ndarray
+    scatter: np.ndarray  # its standard deviation over the band, 0 where A and B go together
+    beyond: np.ndarray  # how far B beyond the band may put it off
+
+
+def infinite_added_mass(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray) -> Infinite:
+    """A∞ of A, B (nw, n, n) at increasing ω (nw,) [rad/s].
+
+    B is a spline from B(0) = 0 through the samples and goes on as a power of ω, as its last quarter falls.
     """
     from scipy.interpolate import CubicSpline
 
@@ -37,9 +44,9 @@ def infinite_added_mass(
     at = (inner[1:] + inner[:-1])[(inner[1:] > low) & (inner[:-1] < high)] / 2
     weights = 2 / np.pi * _principal(np.concatenate([inner, outer]), at)
     follows = CubicSpline(omega, A)(at) - weights @ values
-    beyond = (weights[:, NODES:] @ values[NODES:]).mean(axis=0)
-    off = np.hypot(follows.std(axis=0), DOUBT * beyond)
-    return follows.mean(axis=0).reshape(shape), off.reshape(shape)
+    beyond = DOUBT * np.abs(weights[:, NODES:] @ values[NODES:]).mean(axis=0)
+    beyond += np.where(fall < FALL[0], 2 / np.pi * np.abs(B[-1]) / omega[-1], 0.0)  # where B has not begun to fall
+    return Infinite(*(x.reshape(shape) for x in (follows.mean(axis=0), follows.std(axis=0), beyond)))
 
 
 def _principal(s: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -291,7 +291,8 @@ def test_misfits_are_said_before_anything_runs(ours, study, tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [("a.nc", b"no netCDF", "is not readable as .nc"), ("a.txt", b"1 2 3", "must end in one of .nc, .h5, "),
-     ("a.out", b"Gravity: 9.81", "has no line with"), ("a.1", b"1.0 1 1 2.0 3.0\n1.0 2 x", "line 2 is no row of numbers"),
+     ("a.out", b"Gravity: 9.81", "has no line with"),
+     ("a.1", b"1.0 1 1 2.0 3.0\n1.0 2 x", "line 2 is no row of numbers"),
      ("a.h5", b"\x89HDF", "is not readable as .h5")],
 )  # fmt: skip
 def test_what_is_no_coefficient_file_is_refused(study, tmp_path, name, content, message):
