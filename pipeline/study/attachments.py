@@ -38,6 +38,11 @@ class Attachment:
         """The content."""
         return zlib.decompress(self.packed)
 
+    @property
+    def identity(self) -> str:
+        """What stands for the file in a task's identity."""
+        return f"sha256:{self.digest}"
+
     def __str__(self) -> str:
         return self.name
 
@@ -77,11 +82,11 @@ def _attach_with_others(value: Any, info: ValidationInfo) -> Any:
 File = Annotated[
     InstanceOf[Attachment],
     BeforeValidator(_attach),
-    PlainSerializer(lambda attachment: f"sha256:{attachment.digest}", return_type=str),
+    PlainSerializer(lambda attachment: attachment.identity, return_type=str),
 ]
 # The same for coefficients, which some programs spread over several files.
 CoefficientFile = Annotated[
     InstanceOf[Attachment],
     BeforeValidator(_attach_with_others),
-    PlainSerializer(lambda attachment: f"sha256:{attachment.digest}", return_type=str),
+    PlainSerializer(lambda attachment: attachment.identity, return_type=str),
 ]

@@ -155,7 +155,7 @@ class _Mesh:
                 hulled.append(np.full(len(faces), make is meshes.panels))
         part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])
         wet, body = np.concatenate(hulled), np.concatenate(owners)
-        bodies = np.concatenate([meshes.partner(centres - origin, m)[body] for m in mirrors])
+        bodies = np.concatenate([meshes.partner(hulls, centres - origin, m)[body] for m in mirrors])
         motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
         motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
         return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, motions=motions)
