@@ -22,7 +22,9 @@ def excursions(scene: Scene, field: WaveField, terms: int, carrier_axes: np.ndar
         rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
     bounds = [(-row, row) for row in rows]
     for item in scene.floats:
-        away = field.radius_for(terms, ROUGH) - item.hull.size
+        # The local wave field is for pressure at the instantaneous place; linear loads are those at rest, however far.
+        nonlinear = scene.settings.froude_krylov == "body-nonlinear"
+        away = field.radius_for(terms, ROUGH) - item.hull.size if nonlinear else np.inf
         bounds += [_joint_bounds(item, name, away) for name in item.motion]
     return np.array(bounds, float).reshape(-1, 2)
 
@@ -86,8 +88,11 @@ def explain(scene: Scene, joints: np.ndarray, bounds: np.ndarray, when: str) -> 
     names = [f"{f.name} {axis}" for f in scene.floats for axis in f.motion]
     for name, value, (low, high) in zip(names, joints, bounds[len(bounds) - len(names) :], strict=True):
         if not low < value < high:
-            return (
-                f"{name} at {value:+.2f} {when}, beyond {low:+.2f} to {high:+.2f}: the float swung through beneath"
-                " its hinge or drifted away; the sea is too high for this joint and its damping"
-            )
+            where = f"{name} at {value:+.2f} {when}, beyond {low:+.2f} to {high:+.2f}: the float "
+            if slides(name.rpartition(" ")[2]):
+                return (
+                    f"{where}drifted out of the waves summed about its place at rest; hold it by a stiffer mooring, or"
+                    ' set froude_krylov = "linear", which has no such bound'
+                )
+            return f"{where}swung through beneath its hinge; the sea is too high for this joint and its damping"
     return f"a hinge of the platform moved by more than the platform's size {when}: it is too soft for its loads"

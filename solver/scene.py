@@ -50,7 +50,8 @@ class Float:
     The reference point (hinge + arm at rest) lies at still water, on the axis of a hull of revolution; motion and
     hydrodynamic loads refer to it. `motion` lists the axes that the joint leaves free, in order
     from the support: "hinge" (rotation about `axis`) or rigid-body motions at the hinge point,
-    such as ("heave",) for a guided float or ("surge", "heave", "pitch") for one free in a plane.
+    such as ("heave",) for a guided float or ("surge", "heave", "pitch") for one free in a plane; none for a body that
+    is fixed to what carries it, such as a caisson.
     Damping, stiffness, mechanism inertia and offset are one number for a single axis, else one
     for each. Units are those of the axis: N s/m and N/m, or N m s/rad and N m/rad.
     """
@@ -82,11 +83,12 @@ class Float:
     def _joint_problems(self, key: str) -> Iterator[InputError]:
         if "hinge" in self.motion and not np.any(self.axis):
             yield InputError(f"{key}.axis", self.axis, "must not be zero")
-        if not self.motion or len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
+        if len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
             yield InputError(f"{key}.motion", self.motion, f"must name each axis once, of hinge, {', '.join(DOFS)}")
         for name in PER_AXIS:
             if np.any(getattr(self, name)) and np.size(getattr(self, name)) != len(self.motion):
-                limit = f"needs one number for each of {', '.join(self.motion)}"
+                each = f"one number for each of {', '.join(self.motion)}"
+                limit = f"needs {each}" if self.motion else "must be left out: a fixed body has no axis"
                 yield InputError(f"{key}.{name}", getattr(self, name), limit)
 
     def _body_problems(self, key: str) -> Iterator[InputError]:
@@ -239,6 +241,7 @@ class Scene:
 
     def _problems(self) -> Iterator[InputError]:
         yield from self._carrier_problems()
+        yield from self._fixed_problems()
         for f in self.floats:
             yield from out_of_place(f, self.water)
             if self.settings.froude_krylov == "body-nonlinear" and not f.hull.closed:
@@ -271,6 +274,13 @@ class Scene:
                 limit = "must be closed below still water, but for faces where floats adjoin"
                 near = f"{len(edges)} open edges, the first near ({where}) m"
                 yield InputError(f"floats.{f.name}.{KEY}", f.hull.name, f"{limit}: {near}")
+
+    def _fixed_problems(self) -> Iterator[InputError]:
+        if self.settings.paths.formulation == "augmented":
+            for f in self.floats:
+                if not f.motion:
+                    limit = 'a fixed body needs formulation = "minimal", and accuracy = "standard"'
+                    yield InputError(f"floats.{f.name}.motion", "[]", limit)
 
     def _carrier_problems(self) -> Iterator[InputError]:
         names = [f.name for f in self.floats]

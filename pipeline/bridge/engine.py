@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from pipeline import environment
-from pipeline.bridge.geometry import Geometry, bem_arguments, geometry_of
+from pipeline.bridge.geometry import Geometry, bem_arguments, geometry_of, given_hydrodynamics
+from pipeline.bridge.scenes import hull
 from pipeline.tasks.task import Parameters
 from solver.errors import SimulationFailed
 
@@ -48,7 +49,7 @@ class Outcome:
 
 
 def hydrodynamics(geometry: Geometry) -> Hydrodynamics:
-    """Coefficients of the floats of a geometry by the boundary element method, and their memory as scenes use it.
+    """Coefficients of the floats of a geometry, by boundary elements or from a file, and their memory as scenes use it.
 
     The fit is made here, once, and not by each task: fitting amplifies rounding, and other machines round otherwise.
     """
@@ -56,10 +57,10 @@ def hydrodynamics(geometry: Geometry) -> Hydrodynamics:
     from solver.hydrodynamics.bem import bem
     from solver.scene import Settings
 
-    arguments, tolerance = bem_arguments(geometry), Settings().memory_tolerance
-    solution = bem.solve(**arguments)
+    tolerance = Settings().memory_tolerance
+    solution = given_hydrodynamics(geometry) if geometry.coefficients else bem.solve(**bem_arguments(geometry))
     try:
-        memory = remembered(solution, arguments["hulls"], tolerance)
+        memory = remembered(solution, tuple(hull(body.hull) for body in geometry.bodies), tolerance)
     except SimulationFailed:  # said by the task that needs it
         return solution
     return replace(solution, memory=memory, memory_tolerance=tolerance)
@@ -92,9 +93,15 @@ def judge(parameters: Parameters) -> Sequence[str]:
     from pipeline.bridge import scenes
     from solver.balance import warnings
     from solver.hydrodynamics.bem import bem
+    from solver.hydrodynamics.bem.adopted import require_covered
 
     scene = scenes.scene(parameters)
-    if geometry := geometry_of(parameters):
+    geometry = geometry_of(parameters)
+    if geometry and geometry.coefficients:
+        known = given_hydrodynamics(geometry)
+        if scene.sea.amplitude.any():
+            require_covered(known, geometry.coefficients.name, scene.sea.omega.min(), scene.sea.omega.max())
+    elif geometry:
         arguments = bem_arguments(geometry)
         bem.require_solvable(*(arguments[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
     return warnings(scene)

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from pipeline.bridge.scenes import floating, hull
 from pipeline.study import seas
+from pipeline.study.attachments import CoefficientFile
 from pipeline.study.schema import Hull, Solver, Water
 from pipeline.study.tables import Count, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
-from solver.scene import is_planar, panels_for
+from solver.scene import Float, is_planar, panels_for
+
+if TYPE_CHECKING:
+    from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 
 BEM_VERSION = 3  # of coefficients, and of the form of their file: raise it when either changes
 
@@ -30,6 +37,11 @@ class Geometry(Table):
     heading: Number = 0.0
     planar: bool = True  # nothing leaves the plane y = 0
     panels: Count = panels_for(Solver().tolerance)
+    coefficients: CoefficientFile | None = (
+        None  # from a file, whose bodies have these names and must have these motions
+    )
+    names: tuple[str, ...] = ()
+    needed: tuple[tuple[str, ...], ...] = ()
 
     @property
     def key(self) -> str:
@@ -43,20 +55,58 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         return None
     floats = [floating(table) for table in parameters.floats]
     centres = [tuple(map(float, item.centre)) for item in floats]
+    planar = is_planar(floats, parameters.waves.heading)
+    place = {
+        "water": parameters.water,
+        "bodies": tuple(Body(hull=f.hull, centre=at) for f, at in zip(parameters.floats, centres, strict=True)),
+        "heading": parameters.waves.heading,
+        "planar": planar,
+    }
+    if parameters.coefficients is not None:
+        needed = tuple(tuple(sorted(motions)) for motions in motions_needed(floats, planar=planar))
+        names = tuple(f.name for f in floats)
+        return Geometry(**place, coefficients=parameters.coefficients, names=names, needed=needed)
     return Geometry(
-        water=parameters.water,
-        bodies=tuple(Body(hull=f.hull, centre=at) for f, at in zip(parameters.floats, centres, strict=True)),
+        **place,
         band=seas.band(parameters.sea_state, parameters.waves),
-        heading=parameters.waves.heading,
-        planar=is_planar(floats, parameters.waves.heading),
         panels=panels_for(parameters.solver.tolerance),
+    )
+
+
+def motions_needed(floats: Sequence[Float], *, planar: bool) -> list[set[str]]:
+    """Motions that each float may have, of its joint and of what carries it: a hinge or a rotation moves it any way."""
+    from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR
+
+    motions: dict[str, set[str]] = {}
+    for f in floats:
+        free = {*f.motion} if {*f.motion} <= {*DOFS[:3]} else {*(PLANAR if planar else DOFS)}
+        motions[f.name] = free | motions.get(f.on, set())
+    return list(motions.values())
+
+
+def given_hydrodynamics(geometry: Geometry) -> Hydrodynamics:
+    """Coefficients from the geometry's file; InputError where they do not fit its floats."""
+    from pipeline.bridge.given import reading
+    from solver.hydrodynamics.bem.adopted import adopted
+
+    file, water = geometry.coefficients, geometry.water
+    assert file is not None, "asked of a geometry that names a file"
+    return adopted(
+        reading.read(file, water.density, water.gravity),
+        tuple(hull(body.hull) for body in geometry.bodies),
+        np.array([body.centre for body in geometry.bodies]),
+        geometry.names,
+        depth=water.depth,
+        density=water.density,
+        gravity=water.gravity,
+        heading=geometry.heading,
+        planar=geometry.planar,
+        needed=geometry.needed,
     )
 
 
 def bem_arguments(geometry: Geometry) -> dict[str, Any]:
     """Arguments of solver.hydrodynamics.bem.bem.solve."""
-    import numpy as np
-
     from solver.hydrodynamics.bem.bem import frequency_grid
 
     water = geometry.water

@@ -26,7 +26,7 @@ from pipeline.study.schema import (
     Water,
 )
 from pipeline.study.seas import SeaState, Waves
-from pipeline.study.tables import Same
+from pipeline.study.tables import Same, Vector
 from pipeline.tasks.task import Parameters, wave_seed
 from solver.errors import InputError, refuse
 
@@ -115,18 +115,21 @@ def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh) -> R
         case VerticalCylinder():
             return Revolution.vertical_cylinder(radius=shape.radius, draft=shape.draft, freeboard=shape.freeboard)
         case PanelMesh():
-            return _panel_hull(shape.file)
+            return _panel_hull(shape.file, shape.origin, shape.rotation, shape.scale)
         case _:
             assert_never(shape)
 
 
 @lru_cache(maxsize=16)
-def _panel_hull(file: Attachment) -> PanelHull:
+def _panel_hull(file: Attachment, origin: Vector, rotation: Vector, scale: float) -> PanelHull:
     """The hull in a mesh file; what was mended is in its notes, which the solver tells with all else that is odd."""
-    from solver.hydrodynamics.hull import meshfile
+    from solver.hydrodynamics.hull import meshfile, surface
     from solver.hydrodynamics.hull.panel_hull import PanelHull
 
-    return PanelHull.of(*meshfile.read(file.name, file.data), name=file.name)
+    vertices, faces = meshfile.read(file.name, file.data)
+    if any((*origin, *rotation)) or scale != 1:
+        vertices = surface.placed(vertices, origin, rotation, scale)
+    return PanelHull.of(vertices, faces, name=file.name)
 
 
 def outline(shape: HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh) -> list[tuple[float, float]]:

@@ -164,7 +164,7 @@ def _coordinates(
     if (
         "pto_damping" in coords
         and "pto_damping" not in varied
-        and any(set(f.motion) <= SLIDING for f in study.content.floats)
+        and any(f.motion and set(f.motion) <= SLIDING for f in study.content.floats)
     ):
         damping = coords["pto_damping"]
         sliding = {**damping.attrs, "units": "N s m-1", "long_name": "Damping of each PTO"}

@@ -7,6 +7,7 @@ SHA-256 of the content and not the path: a file may move, and may not change unn
 from __future__ import annotations
 
 import hashlib
+import json
 import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +17,7 @@ from pydantic import BeforeValidator, InstanceOf, PlainSerializer, ValidationInf
 from pydantic_core import PydanticCustomError
 
 LARGEST = 100e6  # bytes; a larger file would clog the way to the workers
+WAMIT = (".1", ".2", ".3", ".3fk", ".hst")  # files of one run of WAMIT, which differ in this alone
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +37,11 @@ class Attachment:
     def data(self) -> bytes:
         """The content."""
         return zlib.decompress(self.packed)
+
+    @property
+    def identity(self) -> str:
+        """What stands for the file in a task's identity."""
+        return f"sha256:{self.digest}"
 
     def __str__(self) -> str:
         return self.name
@@ -58,9 +65,28 @@ def _attach(value: Any, info: ValidationInfo) -> Any:
         raise PydanticCustomError("file", "{limit}", {"limit": f"cannot be read: {error.strerror}"}) from None
 
 
+def _attach_with_others(value: Any, info: ValidationInfo) -> Any:
+    """The file of a path, and where its name is one of WAMIT's the others of the same run, as one text."""
+    kind = "." + str(value).rpartition(".")[2]
+    if isinstance(value, Attachment) or kind.lower() not in WAMIT:
+        return _attach(value, info)
+    stem, named = str(value).removesuffix(kind), _attach(value, info)
+    folder = (info.context or {}).get("folder", Path())
+    there = {k: f"{stem}{k}" for k in WAMIT if k != kind.lower() and (folder / f"{stem}{k}").is_file()}
+    texts = {k: _attach(name, info) for k, name in there.items()} | {kind.lower(): named}
+    whole = json.dumps({k: texts[k].data.decode("latin-1") for k in sorted(texts)})
+    return Attachment.of(value, whole.encode())
+
+
 # The type of a key that names a file.
 File = Annotated[
     InstanceOf[Attachment],
     BeforeValidator(_attach),
-    PlainSerializer(lambda attachment: f"sha256:{attachment.digest}", return_type=str),
+    PlainSerializer(lambda attachment: attachment.identity, return_type=str),
+]
+# The same for coefficients, which some programs spread over several files.
+CoefficientFile = Annotated[
+    InstanceOf[Attachment],
+    BeforeValidator(_attach_with_others),
+    PlainSerializer(lambda attachment: attachment.identity, return_type=str),
 ]

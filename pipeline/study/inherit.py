@@ -7,6 +7,7 @@ from typing import Any
 
 Tables = dict[str, Any]
 BASE = "base"
+FILES = ("file", "coefficients")  # keys that name files
 
 
 def merged(base: Any, upper: Any) -> Any:
@@ -32,7 +33,7 @@ def _named(value: Any) -> bool:
 def rooted(value: Any, folder: Path) -> Any:
     """Tables in which the paths of files, relative to `folder`, are absolute."""
     if isinstance(value, dict):
-        return {k: _rooted_path(v, folder) if k == "file" else rooted(v, folder) for k, v in value.items()}
+        return {k: _rooted_path(v, folder) if k in FILES else rooted(v, folder) for k, v in value.items()}
     return [rooted(item, folder) for item in value] if isinstance(value, list) else value
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from pipeline.study.attachments import File
+from pipeline.study.attachments import CoefficientFile, File
 from pipeline.study.axes import Axes, Axis, Samples, Variant, implied_sea, variant_axis
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import (
@@ -104,10 +104,16 @@ class VerticalCylinder(Table):
 
 
 class PanelMesh(Table):
-    """Any closed hull, as panels in a file (STL, GDF, Nemoh's .dat and others); still water at its z = 0."""
+    """Any closed hull, as panels in a file (STL, GDF, Nemoh's .dat and others), shifted, turned, scaled.
+
+    A point of the file comes to scale · Rz Ry Rx (point - origin) in the float's coordinates; still water at z = 0.
+    """
 
     shape: Literal["mesh"]
     file: File
+    origin: Annotated[Vector, Unit("m")] = (0.0, 0.0, 0.0)  # of the file, in its units: the float's reference point
+    rotation: Annotated[Vector, Unit("rad")] = (0.0, 0.0, 0.0)  # about x, then y, then z, through that point
+    scale: Annotated[Positive, Field(ge=1e-6, le=1e6), Unit("-")] = 1.0  # such as 0.001 for a file in mm
 
 
 Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh, Field(discriminator="shape")]
@@ -121,12 +127,13 @@ class Float(Table):
     """A rigid float on a massless arm, joined to the platform, to fixed ground or to another float.
 
     `motion` lists what the joint leaves free, in order from the support: "hinge", about `axis`, or motions
-    of the joint's point. What belongs to the joint is a number for its only axis, or a list with one for each.
+    of the joint's point; `[]` fixes the body. What belongs to the joint is a number for its only axis, or a list with
+    one for each.
     """
 
     name: Name
     hull: Hull
-    motion: Annotated[tuple[Motion, ...], Field(min_length=1)]
+    motion: tuple[Motion, ...]
     if TYPE_CHECKING:
         hinge: Vector
         pto_damping: float | tuple[float, ...]
@@ -204,6 +211,8 @@ class StudyFile(Table):
     """A whole study file."""
 
     title: Title = ""
+    # Of the floats, from others' boundary elements: capytaine's .nc, BEMIO's .h5, WAMIT's .1 beside .3 and .hst, .out.
+    coefficients: CoefficientFile | None = None
     water: Water
     waves: Waves = Waves()
     record: Recording = Recording()

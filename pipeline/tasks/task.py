@@ -12,6 +12,7 @@ from functools import cached_property, lru_cache, partial
 from typing import Any
 
 from pipeline.study import seas
+from pipeline.study.attachments import Attachment, CoefficientFile
 from pipeline.study.axes import UNCHANGED
 from pipeline.study.layout import hinge_nodes, spaced
 from pipeline.study.paths import with_value
@@ -36,6 +37,7 @@ class Parameters(Table):
     solver: Solver = Solver()
     floats: tuple[Float, ...] = ()
     platform: Platform | None = None
+    coefficients: CoefficientFile | None = None
     seed: Seed = 0
 
     def canonical(self) -> str:
@@ -96,9 +98,11 @@ def canonical(data: Any) -> str:
 
 
 def _text(value: Any) -> str:
-    """Of a table, of several, or of a number."""
+    """Of a table, of several, of a file, or of a number."""
     if isinstance(value, Table):
         return _table_text(Same(value))
+    if isinstance(value, Attachment):
+        return canonical(value.identity)
     return f"[{','.join(map(_text, value))}]" if isinstance(value, tuple) else canonical(value)
 
 
@@ -224,14 +228,16 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     if study.platform and labels["platform"] != "fixed":
         platform = _with_hinges(Same(study.platform), tuple(hinge_nodes(floats).items()))
     sea = study.sea_states[str(labels["sea_state"])]
+    floats = () if labels["platform"] == "elastic-no-floats" else floats
     return Parameters(
         water=study.water,
         waves=seas.deciding(sea, study.waves),
         sea_state=sea,
         record=study.record,
         solver=study.solver,
-        floats=() if labels["platform"] == "elastic-no-floats" else floats,
+        floats=floats,
         platform=platform,
+        coefficients=study.coefficients if floats else None,
         seed=int(labels["seed"]) if seas.is_random(sea) else 0,
     )
 
@@ -246,14 +252,15 @@ def _floats(study: StudyFile, labels: Mapping[str, Label]) -> tuple[Float, ...]:
     if study.axes.hinge_spacing:
         floats = spaced(floats, float(labels["hinge_spacing"]))
     if study.axes.pto_damping:
-        floats = tuple(f.model_copy(update={"pto_damping": labels["pto_damping"]}) for f in floats)
+        damping = {"pto_damping": labels["pto_damping"]}
+        floats = tuple(f.model_copy(update=damping) if f.motion else f for f in floats)
     return floats
 
 
 def _common_damping(study: StudyFile) -> tuple[float, ...] | None:
     if _varies_floats(study, "pto_damping", "motion"):
         return None
-    values = {f.pto_damping for f in study.floats}
+    values = {f.pto_damping for f in study.floats if f.motion}
     common = values.pop() if len(values) == 1 else None
     return (common,) if isinstance(common, float) else None
 

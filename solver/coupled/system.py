@@ -261,7 +261,7 @@ def _way(item: Float, point: np.ndarray, angle: float, height: float) -> float:
     """How far a point gets: turned by an angle, or sliding from where it is let go by twice the wave height [m]."""
     turned = 2 * np.sin(angle / 2) * float(np.linalg.norm(point - item.hinge))
     start = zip(item.motion, item.per_axis("offset"), strict=True)
-    return max(abs(x) + 2 * height if slides(name) else turned for name, x in start)
+    return max((abs(x) + 2 * height if slides(name) else turned for name, x in start), default=0.0)
 
 
 def _initial_acceleration(

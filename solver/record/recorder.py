@@ -57,7 +57,7 @@ class Channels:
         moved = self.by_axis(joint)
         if "hinge" in self.axes:
             yield "rotation", moved[:, :, self.axes.index("hinge")]
-        if self.axes != ["hinge"]:
+        if self.axes not in (["hinge"], []):
             yield "motion", moved
 
     def by_axis(self, joint: np.ndarray) -> np.ndarray:
@@ -134,7 +134,7 @@ class Recorder:
         legs = self.channels.legs
         self.largest = legs.nothing() if legs is not None else None
         self.series: dict[str, list[np.ndarray]] = {}
-        wanted = scene.settings.rao and scene.floats and scene.sea.amplitude.any()
+        wanted = scene.settings.rao and self.channels.axes and scene.sea.amplitude.any()
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
@@ -151,14 +151,15 @@ class Recorder:
             for name, values in {**channels, "time": times[kept]}.items():
                 self.series.setdefault(name, []).append(values)
         if self.harmonics is not None:
-            self.harmonics.add(times[kept], output.z[kept, -self.channels.owner.size :])
+            self.harmonics.add(times[kept], output.z[kept, output.z.shape[1] - self.channels.owner.size :])
 
     def _channels(self, kept: slice, output: Output, samples: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         channels = self.channels
         yield "wave_elevation", samples[kept, self.layout.elevation][:, 0]
         nb, nj = len(self.scene.floats), channels.owner.size
         if nb:
-            joint, rate = output.z[kept, -nj:], output.dz[kept, -nj:]
+            first = output.z.shape[1] - nj
+            joint, rate = output.z[kept, first:], output.dz[kept, first:]
             yield from channels.motions(joint)
             absorbed = joint_loads(self.law, joint, rate).pto * rate
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))

@@ -16,17 +16,17 @@ from scipy.linalg import lu_factor, lu_solve
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
 from solver.hydrodynamics.bem.green import green_function, joined
+from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import froude_krylov, hydrostatic_stiffness, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.clearance import touching, uncovered
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.surface import mirrored
-from solver.sea.dispersion import SHALLOWEST, too_shallow, wavenumber
+from solver.sea.dispersion import SHALLOWEST, too_shallow
 
 __all__ = ["DOFS", "PLANAR", "Hydrodynamics", "frequency_grid", "require_solvable", "solve"]
 
-DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see _Sea.seabed_share
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
 HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it and halved
 METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
@@ -92,7 +92,7 @@ def solve(
     omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
     require_solvable(hulls, centres, depth, omega, gravity, panels)
     dofs = PLANAR if planar else DOFS
-    sea = _Sea(depth=depth, density=density, gravity=gravity, heading=heading)
+    sea = Sea(depth=depth, density=density, gravity=gravity, heading=heading)
     divisions = _divisions(hulls, centres, panels)
     count = panels // max(divisions, default=1) ** 2
     solutions = [_coefficients(hulls, centres, dofs, sea, omega, count, n) for n in divisions]
@@ -126,54 +126,6 @@ def solve(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Sea:
-    """Water of constant depth [m, may be inf] and the unit wave that travels towards `heading` [rad]."""
-
-    depth: float
-    density: float
-    gravity: float
-    heading: float
-
-    def wavenumber(self, omega: float) -> float:
-        """k [1/m] of ω [rad/s]."""
-        return float(wavenumber(omega, self.depth, self.gravity))
-
-    def seabed(self, k: float, radius: float) -> float:
-        """Depth to solve with: infinite, with a table four times faster, where the seabed does not matter."""
-        return np.inf if self.seabed_share(k, radius) < DEEP else self.depth
-
-    def seabed_share(self, k: float, radius: float) -> float:
-        """Relative change of a coefficient by the seabed: (a/h) (kh)^-2.5 + 0.7 (a/h)³.
-
-        Its waves fade as exp(-2kh), its images do not: both terms are measured, on hemispheres; the second is
-        that of a heaving one's added mass at infinite frequency.
-        """
-        slender = radius / self.depth
-        return float(slender * (k * self.depth) ** -2.5 + 0.7 * slender**3)
-
-    def seabed_error(self, omega: np.ndarray, radius: float) -> float:
-        """Largest share of a coefficient that the seabed has at frequencies (nw,) where it is left out."""
-        shares = [self.seabed_share(k, radius) for k in (*map(self.wavenumber, omega), np.inf)]
-        return max([share for share in shares if share < DEEP], default=0.0)
-
-    def pressure(self, points: np.ndarray, omega: float) -> np.ndarray:
-        """Pressure (np,) [Pa/m] of the unit incident wave."""
-        return self.wave(points, omega)[0]
-
-    def wave(self, points: np.ndarray, omega: float) -> tuple[np.ndarray, np.ndarray]:
-        """Pressure (np,) [Pa/m] and velocity (np, 3) [1/s] of the unit incident wave."""
-        k = self.wavenumber(omega)
-        x, y, z = points.T
-        down, up = np.exp(k * z), np.exp(-k * (z + 2 * self.depth))  # cosh and sinh without overflow
-        both = 1 + np.exp(-2 * k * self.depth)
-        c, s = np.cos(self.heading), np.sin(self.heading)
-        phase = np.exp(1j * k * (x * c + y * s))
-        pressure, climb = phase * (down + up) / both, phase * (down - up) / both
-        velocity = self.gravity * k / omega * np.column_stack([c * pressure, s * pressure, -1j * climb])
-        return self.density * self.gravity * pressure, velocity
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Mesh:
     """The part of the wetted surface that `mirrors` complete, and all of it, as capytaine meshes about `origin`."""
@@ -203,12 +155,12 @@ class _Mesh:
                 hulled.append(np.full(len(faces), make is meshes.panels))
         part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])
         wet, body = np.concatenate(hulled), np.concatenate(owners)
-        bodies = np.concatenate([meshes.partner(centres - origin, m)[body] for m in mirrors])
+        bodies = np.concatenate([meshes.partner(hulls, centres - origin, m)[body] for m in mirrors])
         motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
         motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
         return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, motions=motions)
 
-    def scattered(self, sea: _Sea, omega: float) -> np.ndarray:
+    def scattered(self, sea: Sea, omega: float) -> np.ndarray:
         """Normal velocity (ng, nf, 1) that cancels the unit incident wave's, 0 on lids."""
         _, velocity = sea.wave(self.whole.faces_centers + self.origin, omega)
         normal = np.sum(velocity * self.whole.faces_normals, axis=1)
@@ -240,7 +192,7 @@ def _coefficients(
     hulls: tuple[Hull, ...],
     centres: np.ndarray,
     dofs: tuple[str, ...],
-    sea: _Sea,
+    sea: Sea,
     omega: np.ndarray,
     count: int,
     refine: int,

@@ -9,32 +9,36 @@ import numpy as np
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.mesh import Hull, panels
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
 
 WITHIN = 0.4  # turns round a point within or on a surface; beside a hole of another, on one's own side, 1/4 at most
+SAME = 1e-9  # [m]
+SIDES = 12  # points across the smaller surface
 SLIP = 0.01  # of the smallest surface
 FINE = 432  # panels that stand for a hull of revolution
 SQUARE = np.array([[-1.0, -1.0], [1.0, 1.0]])
 
 
-@lru_cache(maxsize=64)
-def _meeting(a: Hull, b: Hull, shift: tuple[float, float]) -> bool:
-    """Whether a panel's middle of one wetted surface is on or within the other, b's point at `shift` from a's."""
-    surfaces = _wetted(a), _wetted(b) + np.array([*shift, 0.0])
-    return any(bool(np.any(_turns(one, _middles(other)) > WITHIN)) for one, other in permutations(surfaces))
-
-
 def touching(a: Hull, at: np.ndarray, b: Hull, other: np.ndarray) -> bool:
     """Whether two hulls at points `at` and `other` (3,) [m] meet.
 
-    Where both the circles and the rectangles about them overlap, meshes are judged by their wetted surfaces: one may
-    lie in the other's well, above or below it, or adjoin it where both are open.
+    Where both the circles and the rectangles about them overlap, wetted surfaces decide unless both are bodies of
+    revolution in the waterplane: one may lie in the other's well, above or below it, or adjoin it where both are open.
     """
     box, other_box = _rectangle(a) + at[:2], _rectangle(b) + other[:2]
     gap = np.maximum(box[0] - other_box[1], other_box[0] - box[1])
     if np.linalg.norm(at - other) > reach(a) + reach(b) or np.any(gap > 0):
         return False
-    meshed = isinstance(a, PanelHull) or isinstance(b, PanelHull)
-    return not meshed or _meeting(a, b, tuple(float(x) for x in (other - at)[:2]))
+    round_ = all(isinstance(h, Revolution) and h.waterplane_radius > 0 for h in (a, b))
+    return round_ or _meeting(a, b, tuple(float(x) for x in (other - at)[:2]))
+
+
+@lru_cache(maxsize=64)
+def _meeting(a: Hull, b: Hull, shift: tuple[float, float]) -> bool:
+    """Whether a point of one wetted surface is on or within the other, b's reference point at `shift` from a's."""
+    surfaces = _wetted(a), _wetted(b) + np.array([*shift, 0.0])
+    size = min(np.ptp(s.reshape(-1, 3), axis=0).max() for s in surfaces) / SIDES
+    return any(bool(np.any(_turns(one, _points(other, size)) > WITHIN)) for one, other in permutations(surfaces))
 
 
 def _wetted(hull: Hull) -> np.ndarray:
@@ -45,14 +49,18 @@ def _wetted(hull: Hull) -> np.ndarray:
     return vertices[faces]
 
 
-def _middles(wetted: np.ndarray) -> np.ndarray:
-    return surface.triangles(wetted).mean(axis=1)
+def _points(wetted: np.ndarray, size: float) -> np.ndarray:
+    """Middles of the panels' triangles, split until no side is longer than `size` [m]."""
+    corners = surface.triangles(wetted)
+    return surface.split(corners[:, [0, 1, 2, 2]], size)[:, :3].mean(axis=1)
 
 
 def _turns(wetted: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """How often a wetted surface, closed by its image in still water, winds round points (m, 3)."""
+    """How often a wetted surface, closed by its image in still water, winds round those of points (m, 3) that it may."""
+    low, high = wetted.reshape(-1, 3).min(axis=0), wetted.reshape(-1, 3).max(axis=0)
+    near = points[np.all((points >= low - SAME) & (points <= high + SAME), axis=1)]
     image = wetted[:, ::-1] * np.array([1.0, 1.0, -1.0])
-    return surface.turns_round(np.concatenate([wetted, image]), points)
+    return surface.turns_round(np.concatenate([wetted, image]), near)
 
 
 def reach(hull: Hull) -> float:

@@ -10,6 +10,7 @@ from solver.hydrodynamics.hull.surface import merged, mirrored
 
 Hull = Revolution | PanelHull
 
+ON_PLANE = 1e-9  # [m]
 IMAGES = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], float)  # of a quarter at x > 0, y > 0
 
 
@@ -195,24 +196,39 @@ def mirror_planes(hulls: tuple[Hull, ...], centres: np.ndarray) -> tuple[np.ndar
     """Where a scene's planes of symmetry cross (3,) [m], and the images (1, 2 or 4, 3) of signs they make."""
     origin = np.array([*(centres[:, :2].min(axis=0) + centres[:, :2].max(axis=0)) / 2, 0.0])
     at = centres - origin
-    if not np.allclose(at[:, 1], 0) or not all(h.symmetry[1] for h in hulls):
+    across, along = (_is_mirrored(hulls, at, axis) for axis in (1, 0))
+    if not across:
         return origin, IMAGES[:1]
-    swapped = partner(at, IMAGES[2])
-    both = np.all(swapped >= 0) and all(hulls[b] == hulls[o] and hulls[b].symmetry[0] for b, o in enumerate(swapped))
-    return origin, IMAGES if both else IMAGES[:2]
+    # Bodies on the plane x = 0 beside y = 0 would have to be halved the other way.
+    halves = np.any((np.abs(at[:, 0]) < ON_PLANE) & (np.abs(at[:, 1]) > ON_PLANE))
+    return origin, IMAGES if along and not halves else IMAGES[:2]
 
 
-def partner(at: np.ndarray, mirror: np.ndarray) -> np.ndarray:
-    """Number of the body that lies where each body's mirror image does, (nb,); -1 where none does."""
+def _is_mirrored(hulls: tuple[Hull, ...], at: np.ndarray, axis: int) -> bool:
+    """Whether every hull is its own mirror image, and an equal one is where that is."""
+    if not all(h.symmetry[axis] for h in hulls):
+        return False
+    return bool(np.all(partner(hulls, at, np.where(np.arange(3) == axis, -1.0, 1.0)) >= 0))
+
+
+def partner(hulls: tuple[Hull, ...], at: np.ndarray, mirror: np.ndarray) -> np.ndarray:
+    """Number of the equal body that lies where each body's mirror image does, (nb,), itself if it may; -1: none."""
     gap = np.linalg.norm((at * mirror)[:, None] - at[None], axis=-1)
-    return np.where(gap.min(axis=1) < 1e-9 * (1 + np.abs(at).max()), gap.argmin(axis=1), -1)
+    close, found = gap < ON_PLANE * (1 + np.abs(at).max()), np.full(len(at), -1)
+    for b in range(len(at)):
+        equal = [int(o) for o in np.flatnonzero(close[b]) if hulls[o] == hulls[b]]
+        found[b] = b if b in equal else equal[0] if equal else -1
+    return found
 
 
 def quarters(at: np.ndarray, images: int) -> int:
-    """Quarters of a body at `at` to be meshed: with both planes, of each pair only the one at x > 0."""
-    if images < 4:
-        return 4 // images
-    return 1 if abs(at[0]) < 1e-9 else 2 * int(at[0] > 0)
+    """Quarters of a body at `at` to be meshed: of bodies that are each other's image only one, at x > 0 and y > 0."""
+    x, y = (0 if abs(u) < ON_PLANE else np.sign(u) for u in at[:2])
+    if images == 1:
+        return 4
+    if y < 0 or (images == 4 and x < 0):
+        return 0
+    return 4 // ((2 if y == 0 else 1) * (2 if images == 4 and x == 0 else 1))
 
 
 def symmetry_classes(mirrors: np.ndarray) -> np.ndarray:

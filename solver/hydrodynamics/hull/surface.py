@@ -4,6 +4,8 @@ Indexed: vertices (nv, 3) [m], faces (nf, 4); loose: panels (n, 4, 3) [m], corne
 Corners run counter-clockwise seen from the water; a triangle gives its last corner twice.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy  # sparse and spatial are slow to import, and the command line needs scenes but rarely meshes
 
@@ -21,6 +23,19 @@ def mirrored(piece: tuple[np.ndarray, np.ndarray], mirror: np.ndarray) -> tuple[
     # Wound back from the same corner: a panel that is not plane keeps the diagonal it folds along.
     triangle = (faces[:, 2] == faces[:, 3])[:, None]
     return vertices * mirror, np.where(triangle, faces[:, [0, 2, 1, 1]], faces[:, [0, 3, 2, 1]])
+
+
+def placed(vertices: np.ndarray, origin: Sequence[float], rotation: Sequence[float], scale: float) -> np.ndarray:
+    """scale · Rz Ry Rx (vertices - origin), (nv, 3) [m]; rotation: angles about x, y and z [rad]."""
+    R = np.eye(3)
+    for axis, angle in enumerate(rotation):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        turn = np.eye(3)
+        turn[i, i] = turn[j, j] = np.cos(angle)
+        turn[j, i] = np.sin(angle)
+        turn[i, j] = -turn[j, i]
+        R = turn @ R
+    return scale * (vertices - np.asarray(origin, float)) @ R.T
 
 
 def merged(pieces: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:

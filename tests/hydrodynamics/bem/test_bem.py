@@ -9,6 +9,7 @@ import pytest
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.green import green_function
+from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.revolution import Revolution
 
@@ -175,7 +176,7 @@ def test_long_waves_lift_as_still_water_does():
 def test_incident_wave_is_airys(depth):
     """p = ρg cosh k(z+h)/cosh kh e^{iks}, iωρ u = ∇p, and nothing flows through the seabed."""
     omega, heading = 1.5, 0.4
-    sea = bem._Sea(depth=depth, density=RHO, gravity=G, heading=heading)
+    sea = Sea(depth=depth, density=RHO, gravity=G, heading=heading)
     k = sea.wavenumber(omega)
     points = np.random.default_rng(0).uniform([-3, -3, -2.5], [3, 3, 0], (20, 3))
     s, z = points[:, :2] @ [np.cos(heading), np.sin(heading)], points[:, 2]

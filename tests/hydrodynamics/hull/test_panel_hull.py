@@ -136,6 +136,7 @@ def test_bodies_are_judged_by_their_surfaces():
     small, large = (PanelHull.of(*box((a, a, 1.0))) for a in (1.0, 4.0))
     assert touching(large, np.zeros(3), small, np.array([1.0, 0, 0]))  # wholly within
     assert touching(large, np.zeros(3), small, np.array([2.5, 0, 0]))  # wall on wall
+    assert touching(large, np.zeros(3), large, np.array([3.5, 3.5, 0]))  # corner in corner
     assert not touching(large, np.zeros(3), small, np.array([2.6, 0, 0]))
 
 

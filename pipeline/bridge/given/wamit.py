@@ -1,0 +1,201 @@
+"""WAMIT's numeric files (.1 added mass and damping, .3 or .2 exciting force, .hst) and its .out.
+
+Numbers are without units: A/(ρLᵏ), B/(ρωLᵏ), k = 3, 4 or 5 by how many of the two motions turn; X/(ρgLᵐ), m = 2 or 3;
+C/(ρgLᵏ⁻¹). L is 1 m in the numeric files, which do not tell it, and said in .out. Phases of Re{X exp(+iωt)}; moments
+about each body's origin.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pipeline.study.attachments import Attachment
+    from solver.hydrodynamics.bem.given import Given
+
+ZERO, INFINITE = -1.0, 0.0  # periods that stand for zero and for infinite frequency
+OUT_RADIATION = r"ADDED-MASS(?: AND DAMPING)? COEFFICIENTS[^\n]*\n[^\n]*\n(.*?)(?:\n\s*\n\s*\n|\Z)"  # in .out
+FORCES = (".3", ".2")  # by diffraction, by Haskind's relation
+
+
+class _Table(NamedTuple):
+    """Rows of the numeric files: period, indices from 1, numbers."""
+
+    radiation: np.ndarray  # (nr, 5) PER I J A B, B = 0 where there is none
+    force: np.ndarray  # (nf, 7) PER BETA I Mod Pha Re Im
+    stiffness: np.ndarray  # (ns, 3) I J C
+    incident: np.ndarray  # as force
+
+
+def read(file: Attachment, density: float, gravity: float) -> Given:
+    """The files that go with one of them by name."""
+    texts: dict[str, str] = json.loads(file.data)
+    force = next((texts[kind] for kind in FORCES if kind in texts), None)
+    if ".1" not in texts or force is None:
+        raise ValueError(f"needs .1 and .3 (or .2) beside each other, has {', '.join(texts)}")
+    table = _Table(
+        radiation=_rows(texts[".1"], 5, least=4),
+        force=_rows(force, 7),
+        stiffness=_rows(texts.get(".hst", ""), 3),
+        incident=_rows(texts.get(".3fk", ""), 7),
+    )
+    return _given(file.name, table, density=density, gravity=gravity)
+
+
+def _rows(text: str, width: int, least: int = 0) -> np.ndarray:
+    """Lines of numbers, short ones filled with zeros; a heading is passed over."""
+    rows: list[list[float]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        words = line.replace("D", "E").split()
+        try:
+            values = [float(word) for word in words[:width]]
+        except ValueError:
+            if rows:
+                raise ValueError(f"line {number} is no row of numbers: {line.strip()[:40]}") from None
+            continue
+        if words and len(values) < (least or width):
+            raise ValueError(f"line {number} has {len(values)} numbers, {width} are needed")
+        if words:
+            rows.append(values + [0.0] * (width - len(values)))
+    return np.array(rows).reshape(-1, width)
+
+
+def _given(
+    name: str,
+    table: _Table,
+    *,
+    density: float,
+    gravity: float,
+    length: float = 1.0,
+    depth: float | None = None,
+    points: np.ndarray | None = None,
+) -> Given:
+    """Arrays with units from the rows."""
+    from solver.hydrodynamics.bem.given import Given
+    from solver.scene import DOFS
+
+    period, i, j = table.radiation[:, 0], *(table.radiation[:, k].astype(int) - 1 for k in (1, 2))
+    n = 6 * (1 + max(i.max(), j.max()) // 6)
+    turns = np.arange(n) % 6 >= 3
+    unit = density * length ** (3.0 + turns[:, None] + turns)
+    periods = np.unique(period[period > 0])
+    added, damping, infinite = np.zeros((2, len(periods), n, n)), None, None
+    at = np.searchsorted(periods, period)
+    real = period > 0
+    for part, column in enumerate((3, 4)):
+        added[part][at[real], i[real], j[real]] = table.radiation[real, column]
+    omega = 2 * np.pi / periods
+    damping = added[1] * unit * omega[:, None, None]
+    if (limit := period == INFINITE).any():
+        infinite = np.zeros((n, n))
+        infinite[i[limit], j[limit]] = table.radiation[limit, 3]
+        infinite *= unit
+    headings = np.unique(table.force[:, 1])
+    stiffness = None
+    if len(table.stiffness):
+        stiffness = np.zeros((n, n))
+        rows, columns = (table.stiffness[:, k].astype(int) - 1 for k in (0, 1))
+        stiffness[rows, columns] = table.stiffness[:, 2]
+        stiffness *= density * gravity * length ** (2.0 + turns[:, None] + turns)
+    forced = _force(table.force, periods, headings, turns, length)
+    present = sorted({*i[real].tolist()})
+    return Given(
+        name=name,
+        omega=omega,
+        added_mass=(added[0] * unit)[:, np.array(present)[:, None], present],
+        radiation_damping=damping[:, np.array(present)[:, None], present],
+        added_mass_inf=None if infinite is None else infinite[np.ix_(present, present)],
+        headings=np.radians(headings),
+        excitation=density * gravity * forced[..., present],
+        froude_krylov=None
+        if not len(table.incident)
+        else density * gravity * _force(table.incident, periods, headings, turns, length)[..., present],
+        columns=tuple((k // 6, DOFS[k % 6]) for k in present),
+        bodies=("",) * (n // 6),
+        points=points,
+        stiffness=None if stiffness is None else stiffness[np.ix_(present, present)],
+        depth=depth,
+        density=density,
+        gravity=gravity,
+    )
+
+
+def _force(rows: np.ndarray, periods: np.ndarray, headings: np.ndarray, turns: np.ndarray, length: float) -> np.ndarray:
+    """(nw, nh, n) over ρg, conjugated to Re{X exp(-iωt)}; refused where a period or heading is missing."""
+    force = np.full((len(periods), len(headings), len(turns)), np.nan, complex)
+    rows = rows[np.isin(rows[:, 0], periods)]
+    w, h, i = np.searchsorted(periods, rows[:, 0]), np.searchsorted(headings, rows[:, 1]), rows[:, 2].astype(int) - 1
+    force[w, h, i] = rows[:, 5] - 1j * rows[:, 6]
+    absent = np.isnan(force).all(axis=(0, 1))  # motions that the run left out
+    force[..., absent] = 0.0
+    if np.isnan(force).any():
+        missing = periods[np.isnan(force).any(axis=(1, 2))][0]
+        raise ValueError(f"the exciting force lacks period {missing:g} s, which added mass has, in some heading")
+    return force * length ** (2.0 + turns)
+
+
+def read_out(file: Attachment, _density: float, _gravity: float) -> Given:
+    """The printed output, with length scale, water and places of the bodies; phases are whole degrees there."""
+    text = file.data.decode("latin-1")
+    number = r"([-+0-9.Ee]+|infinite)"
+    gravity, length, depth, density = (
+        float(_found(text, f"{word}:\\s+{number}").replace("infinite", "inf"))
+        for word in ("Gravity", "Length scale", "Water depth", "Water density")
+    )
+    xyz = [
+        [float(v) for v in m]
+        for m in re.findall(rf"XBODY =\s*{number}\s+YBODY =\s*{number}\s+ZBODY =\s*{number}", text)
+    ]
+    radiation, force = [], []
+    for part in re.split(r"Wave period", text)[1:]:
+        period = _period(part.splitlines()[0])
+        block = re.search(
+            r"ADDED-MASS(?: AND DAMPING)? COEFFICIENTS[^\n]*\n[^\n]*\n(.*?)(?:\n\s*\n\s*\n|\Z)", part, re.S
+        )
+        if block:
+            radiation += [[period, *row] for row in _rows(block.group(1), 4, least=3).tolist()]
+        force += _out_forces(part, period)
+    table = _Table(np.array(radiation), np.array(force), np.zeros((0, 3)), np.zeros((0, 7)))
+    if not len(table.radiation) or not len(table.force):
+        raise ValueError("has no added mass, or no exciting forces")
+    points = np.array(xyz) if xyz else None
+    return _given(file.name, table, density=density, gravity=gravity, length=length, depth=depth, points=points)
+
+
+def _found(text: str, pattern: str) -> str:
+    match = re.search(pattern, text)
+    if match is None:
+        raise ValueError(f"has no line with {pattern.partition(':')[0]}")
+    return match.group(1)
+
+
+def _period(line: str) -> float:
+    """Of a line such as "(sec) = 3.1E+00 ..."; words stand for the limits."""
+    word = line.partition("=")[2].split()[0]
+    return {"infinite": ZERO, "zero": INFINITE}.get(word) if word[0].isalpha() else float(word)  # type: ignore[return-value]
+
+
+def _out_forces(part: str, period: float) -> list[list[float]]:
+    """Rows as of .3 of the forces by diffraction, else of those by Haskind's relation."""
+    for title in ("DIFFRACTION EXCITING FORCES AND MOMENTS", "HASKIND EXCITING FORCES AND MOMENTS"):
+        block = part.partition(title)[2]
+        if not block:
+            continue
+        rows = []
+        for piece in block.split("Wave Heading (deg) :")[1:]:
+            beta = float(piece.split()[0])
+            for line in piece.splitlines()[1:]:
+                words = line.split()
+                if len(words) == 3 and words[0].lstrip("-").isdigit():
+                    size, phase = float(words[1]), float(words[2])
+                    i = abs(int(words[0]))
+                    at = size * np.exp(1j * np.radians(phase))
+                    rows.append([period, beta, i, size, phase, at.real, at.imag])
+                elif rows and line.strip().isupper():
+                    break
+        return rows
+    return []

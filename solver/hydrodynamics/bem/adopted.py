@@ -1,0 +1,262 @@
+"""Coefficients that others computed, brought into this program's form and held against the hulls.
+
+What a file says is kept; what it leaves out follows from the hull (Froude-Krylov force, hydrostatics) or from the rest
+(added mass at infinite frequency). Conventions that do not fit are refused, with the one that would.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
+from typing import Any, SupportsIndex
+
+import numpy as np
+
+from solver.errors import InputError, refuse
+from solver.hydrodynamics.bem import agreement
+from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics
+from solver.hydrodynamics.bem.given import KEY, Given
+from solver.hydrodynamics.bem.incident import Sea
+from solver.hydrodynamics.bem.mean_hull import froude_krylov, hydrostatic_stiffness
+from solver.hydrodynamics.hull.mesh import Hull
+from solver.hydrodynamics.radiation.infinite import infinite_added_mass
+
+FEWEST = 8  # frequencies from which a memory can be fitted
+TOLD = 1e-3  # relative, to which water and heading must be those of the study
+LOPSIDED = 0.2  # of the largest entry's scale: more asymmetry is no error of a mesh
+ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
+SAME = 1e-9  # A∞ that equals the highest frequency's by so much is that
+TOGETHER = 0.2  # of an added mass: what it may scatter at infinite frequency where A and B are of one body
+UNSURE = 0.15  # of an added mass: its value at infinite frequency is not known if it scatters by more
+
+
+def adopted(
+    given: Given,
+    hulls: tuple[Hull, ...],
+    centres: np.ndarray,
+    names: Sequence[str],
+    *,
+    depth: float,
+    density: float,
+    gravity: float,
+    heading: float,
+    planar: bool,
+    needed: Sequence[Sequence[str]] | None = None,
+) -> Hydrodynamics:
+    """The coefficients of `hulls` with `names` at `centres` (nb, 3) [m], from a file; InputError where they cannot be.
+
+    needed: motions that each float has, so that the file must; others that it lacks are without load. All by default.
+    """
+    centres = np.asarray(centres, float).reshape(-1, 3)
+    refuse([*_water_problems(given, depth, density, gravity), *_form_problems(given, len(hulls), heading)])
+    sea = Sea(depth=depth, density=density, gravity=gravity, heading=heading)
+    dofs = PLANAR if planar else DOFS
+    lengths = np.array([1.0 if DOFS.index(d) < 3 else h.largest_radius for h in hulls for d in DOFS])
+    six = _complete(given, names, needed or [dofs] * len(hulls), heading)
+    scale = _scales(six, lengths)
+    refuse(_radiation_problems(six, scale, names))
+    omega = six.omega
+    expected = np.array([froude_krylov(hulls, centres, DOFS, partial(sea.pressure, omega=w)) for w in omega])
+    floats = agreement.Floats(hulls, centres, tuple(names), sea)
+    six, note = agreement.agreed(six, floats, expected)
+    six = _about(six, centres)
+    agreement.require_moments(six, floats, expected)
+    infinite = _infinite(six, _scales(six, lengths), names)
+    index = np.array([6 * b + DOFS.index(d) for b in range(len(hulls)) for d in dofs])
+    both = np.ix_(index, index)
+    scattered = six.excitation[:, 0] - (expected if six.froude_krylov is None else six.froude_krylov[:, 0])
+    return Hydrodynamics(
+        omega=omega,
+        added_mass=_symmetric(six.added_mass)[:, index[:, None], index],
+        radiation_damping=_symmetric(six.radiation_damping)[:, index[:, None], index],
+        added_mass_inf=infinite[both],
+        diffraction=scattered[:, index],
+        froude_krylov=expected[:, index],
+        hydrostatic_stiffness=hydrostatic_stiffness(hulls, dofs, density, gravity),
+        displaced_mass=np.array([density * h.volume for h in hulls]),
+        buoyancy_centre=np.array([h.centre_of_buoyancy for h in hulls]),
+        centres=centres,
+        depth=depth,
+        density=density,
+        gravity=gravity,
+        heading=heading,
+        dofs=dofs,
+        settings=MappingProxyType({"method": f"from {given.name}", "note": note}),
+    )
+
+
+def require_covered(h: Hydrodynamics, name: str, low: float, high: float) -> None:
+    """Refuse waves [rad/s] that a file's coefficients do not reach."""
+    first, last = h.omega[[0, -1]]
+    if low < first * (1 - 1e-9) or high > last * (1 + 1e-9):
+        limit = f"must be within {first:.4g} to {last:.4g} rad/s, the frequencies of {name}"
+        raise InputError("band", f"[{low:.4g}, {high:.4g}]", limit)
+
+
+def _water_problems(given: Given, depth: float, density: float, gravity: float) -> list[InputError]:
+    told = {"water.depth": (depth, given.depth), "water.density": (density, given.density)}
+    told["water.gravity"] = (gravity, given.gravity)
+    return [
+        InputError(key, value, f"must be {limit:g}, that of {given.name}")
+        for key, (value, limit) in told.items()
+        if limit is not None and value != limit and not abs(value - limit) <= TOLD * abs(limit)
+    ]
+
+
+def _form_problems(given: Given, count: int, heading: float) -> list[InputError]:
+    """Bodies, frequencies, headings and numbers that cannot be used whatever they mean."""
+    problems = []
+    if len(given.bodies) != count:
+        problems.append(_problem(given, f"has {len(given.bodies)} bodies, the study has {count} floats"))
+    if len(given.omega) < FEWEST or len(np.unique(given.omega)) < len(given.omega):
+        limit = f"has {len(np.unique(given.omega))} different frequencies, needs {FEWEST} at least, each once"
+        problems.append(_problem(given, limit))
+    arrays = (given.added_mass, given.radiation_damping, given.excitation, given.added_mass_inf)
+    if not all(np.all(np.isfinite(a)) for a in arrays if a is not None):
+        problems.append(_problem(given, "has numbers that are not finite"))
+    if not np.any(_same_heading(given, heading)):
+        known = ", ".join(f"{h:.4g}" for h in given.headings)
+        problems.append(InputError("waves.heading", heading, f"must be one of {known} rad, those of {given.name}"))
+    return problems
+
+
+def _problem(given: Given, limit: str) -> InputError:
+    return InputError(KEY, given.name, limit)
+
+
+def _same_heading(given: Given, heading: float) -> np.ndarray:
+    return np.abs(np.exp(1j * given.headings) - np.exp(1j * heading)) < TOLD
+
+
+def _complete(given: Given, names: Sequence[str], needed: Sequence[Sequence[str]], heading: float) -> Given:
+    """At increasing frequencies, for one heading, six columns for each float in the floats' order."""
+    order = _order(given, names)
+    place = {(order.index(b), dof): i for i, (b, dof) in enumerate(given.columns)}
+    lacking = [f"{dof} of {names[b]}" for b, dofs in enumerate(needed) for dof in dofs if (b, dof) not in place]
+    if lacking:
+        raise _problem(given, f"lacks {', '.join(lacking)}")
+    target = np.array([6 * b + DOFS.index(dof) for b, dof in place])
+    source, n = np.array(list(place.values())), 6 * len(names)
+    rows = np.argsort(given.omega)
+
+    def matrix(values: np.ndarray) -> np.ndarray:
+        whole = np.zeros((*values.shape[:-2], n, n))
+        whole[..., target[:, None], target] = values[..., source[:, None], source]
+        return whole
+
+    def vector(values: np.ndarray) -> np.ndarray:
+        whole = np.zeros((len(rows), 1, n), complex)
+        whole[:, 0, target] = values[rows][:, np.flatnonzero(_same_heading(given, heading))[0], source]
+        return whole
+
+    return replace(
+        given,
+        omega=given.omega[rows],
+        added_mass=matrix(given.added_mass[rows]),
+        radiation_damping=matrix(given.radiation_damping[rows]),
+        added_mass_inf=None if given.added_mass_inf is None else matrix(given.added_mass_inf),
+        excitation=vector(given.excitation),
+        froude_krylov=None if given.froude_krylov is None else vector(given.froude_krylov),
+        points=None if given.points is None else given.points[list(order)],
+        stiffness=None if given.stiffness is None else matrix(given.stiffness),
+        columns=tuple((b, dof) for b in range(len(names)) for dof in DOFS),
+        bodies=tuple(names),
+        headings=np.array([heading]),
+    )
+
+
+def _order(given: Given, names: Sequence[str]) -> list[int]:
+    """Number in the file of each float: by name where the file has the floats' names, else as they come."""
+    theirs, ours = [b.casefold() for b in given.bodies], [n.casefold() for n in names]
+    return [theirs.index(n) for n in ours] if sorted(theirs) == sorted(ours) else list(range(len(names)))
+
+
+def _about(six: Given, centres: np.ndarray) -> Given:
+    """Rotations and moments about `centres` (velocity v): the file's points move at v + ω × (point - centre)."""
+    if six.points is None or np.allclose(six.points, centres, rtol=0, atol=1e-9):
+        return six
+    T = np.eye(6 * len(centres))
+    for b, (x, y, z) in enumerate(six.points - centres):
+        T[6 * b : 6 * b + 3, 6 * b + 3 : 6 * b + 6] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]
+    infinite = six.added_mass_inf
+    return replace(
+        six,
+        added_mass=T.T @ six.added_mass @ T,
+        radiation_damping=T.T @ six.radiation_damping @ T,
+        added_mass_inf=None if infinite is None else T.T @ infinite @ T,
+        excitation=six.excitation @ T,
+        froude_krylov=None if six.froude_krylov is None else six.froude_krylov @ T,
+        stiffness=None,  # heave's own does not change, its other entries are not used
+        points=centres,
+    )
+
+
+def _scales(six: Given, lengths: np.ndarray) -> dict[str, np.ndarray]:
+    """Size (n,) of a column's share of A and of B, so that entries of translations and rotations compare.
+
+    Columns that hardly radiate, such as a sphere's turning, are as large as a tenth of the largest.
+    """
+    scales = {}
+    for name in ("added_mass", "radiation_damping"):
+        largest = np.abs(np.einsum("wii->wi", getattr(six, name))).max(axis=0) / lengths**2
+        scales[name] = lengths * np.sqrt(np.maximum(largest, 1e-2 * largest.max()))
+    return scales
+
+
+def _radiation_problems(six: Given, scale: dict[str, np.ndarray], names: Sequence[str]) -> list[InputError]:
+    """Matrices that no body in water has: lopsided, or giving energy away."""
+    problems = []
+    for name, size in scale.items():
+        values = getattr(six, name)
+        gap = np.abs(values - np.swapaxes(values, 1, 2)) / np.multiply.outer(size, size)
+        w, i, j = np.unravel_index(gap.argmax(), gap.shape)
+        if gap[w, i, j] > LOPSIDED:
+            pair = f"{_word(names, i)} on {_word(names, j)}"
+            text = f"{name.replace('_', ' ')} is not symmetric: {pair} {values[w, i, j]:.4g}, the other way"
+            text += f" {values[w, j, i]:.4g} at {six.omega[w]:.4g} rad/s; are columns in another order or unit?"
+            problems.append(_problem(six, text))
+    size = scale["radiation_damping"]
+    value, vector = np.linalg.eigh(_symmetric(six.radiation_damping) / np.multiply.outer(size, size))
+    w = int(value[:, 0].argmin())
+    if value[w, 0] < -ACTIVE:
+        i = int(np.abs(vector[w, :, 0]).argmax())
+        text = f"damping is negative at {six.omega[w]:.4g} rad/s, mostly of {_word(names, i)}, by {-value[w, 0]:.0%}"
+        problems.append(_problem(six, f"{text} of its largest; is the sign the other one?"))
+    return problems
+
+
+def _word(names: Sequence[str], column: SupportsIndex) -> str:
+    column = int(column)
+    return f"{names[column // 6]} {DOFS[column % 6]}"
+
+
+def _infinite(six: Given, scale: dict[str, np.ndarray], names: Sequence[str]) -> np.ndarray:
+    """A∞ (n, n): the file's where it goes with A and B, else what follows from them."""
+    size = np.multiply.outer(scale["added_mass"], scale["added_mass"])
+    follows = infinite_added_mass(six.omega, _symmetric(six.added_mass), _symmetric(six.radiation_damping))
+    scatter, beyond = follows.scatter / size, follows.beyond / size
+    told = six.added_mass_inf
+    unlike = np.where(scatter > beyond, scatter, 0.0)
+    if unlike.max() > TOGETHER:
+        i, j = np.unravel_index(unlike.argmax(), unlike.shape)
+        text = f"added mass and damping of {_word(names, i)} on {_word(names, j)} do not go together (off causality by"
+        raise _problem(six, f"{text} {scatter[i, j]:.0%}); do their units agree?")
+    # Some programs put the highest frequency's in its place.
+    if told is None or np.abs(told - six.added_mass[-1]).max() <= SAME * np.abs(told).max():
+        off = np.hypot(scatter, beyond)
+        if off.max() > UNSURE:
+            i, j = np.unravel_index(off.argmax(), off.shape)
+            text = "has no added mass at infinite frequency, and what follows from frequencies up to"
+            text += f" {six.omega[-1]:.4g} rad/s may be {off[i, j]:.0%} off for {_word(names, i)} on {_word(names, j)}"
+            raise _problem(six, text)
+        return follows.value
+    off = np.abs(told - follows.value) / size - scatter - 3 * beyond
+    i, j = np.unravel_index(off.argmax(), off.shape)
+    if off[i, j] > UNSURE:
+        text = f"added mass of {_word(names, i)} on {_word(names, j)} at infinite frequency is {told[i, j]:.4g},"
+        raise _problem(six, f"{text} the rest implies {follows.value[i, j]:.4g}")
+    return _symmetric(told)
+
+
+def _symmetric(matrix: np.ndarray) -> Any:
+    return (matrix + np.swapaxes(matrix, -1, -2)) / 2

@@ -1,0 +1,170 @@
+"""Whether a wave's force is that on the hulls it is said to act on, and if not, under which convention it would be.
+
+In waves long against a hull the scattered wave's force goes with the incident one's: the water that passes is
+accelerated, and the hull with it. The force told is therefore in phase with the Froude-Krylov force on the hull, and
+of its order; another sign of time, reference for the phase, heading, order of bodies or unit shows at once.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import permutations
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.errors import InputError
+from solver.hydrodynamics.bem.coefficients import DOFS
+from solver.hydrodynamics.bem.given import KEY, Given
+from solver.hydrodynamics.bem.incident import Sea
+from solver.hydrodynamics.hull.mesh import Hull
+
+LONG = 0.5  # ka of waves that are long; up to twice that where there are no longer ones
+FELT = 0.02  # of the largest Froude-Krylov force on a body: of less the phase is not judged
+IN_PHASE = 0.5  # cosine of the phase, force-weighted
+BETTER = 0.85  # of another convention that explains the difference
+OF_ITS_ORDER = 0.3, 3.0  # heave force told over the Froude-Krylov force
+# Turning the waves round turns the Froude-Krylov force into its conjugate, so that the two cannot be told apart.
+TIME = "is of the other sign of time, Re{X exp(+iωt)}, or of waves from the other side"
+SAME_HULL = 0.1  # relative: heave stiffness, and the Froude-Krylov force where it is told
+
+
+class Floats(NamedTuple):
+    """What the coefficients are said to be of."""
+
+    hulls: tuple[Hull, ...]
+    centres: np.ndarray  # (nb, 3) [m]
+    names: tuple[str, ...]
+    sea: Sea
+
+
+def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str]:
+    """The coefficients, moved to the float where they are one body's alone, and a note of it; InputError on a misfit.
+
+    expected (nw, 6 nb): Froude-Krylov force on the hulls.
+    """
+    _require_stiffness(six, floats)
+    k = np.array([floats.sea.wavenumber(w) for w in six.omega])
+    long = _long(k * max(h.largest_radius for h in floats.hulls))
+    if not long.any():
+        return six, "no waves long against the hulls are among the frequencies: phases were not judged"
+    told, fits = six.excitation[long, 0], expected[long]
+    columns = _felt(fits)
+    if _cosine(told, fits, columns) < IN_PHASE:
+        moved = _moved(six, floats, k)
+        if len(floats.hulls) > 1 or _cosine(moved.excitation[long, 0], fits, columns) < BETTER:
+            raise InputError(KEY, six.name, _misfit(told, fits, columns, floats.names))
+        x, y, _ = floats.centres[0]
+        return moved, f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"
+    _require_size(six, told, fits, floats)
+    return six, ""
+
+
+def _moved(six: Given, floats: Floats, k: np.ndarray) -> Given:
+    """Coefficients of one body computed at x = y = 0, where it is: the wave comes later, and nothing else changes."""
+    x, y, _ = floats.centres[0]
+    arrival = np.exp(1j * k * (x * np.cos(floats.sea.heading) + y * np.sin(floats.sea.heading)))[:, None, None]
+    incident, points = six.froude_krylov, six.points
+    return replace(
+        six,
+        excitation=six.excitation * arrival,
+        froude_krylov=None if incident is None else incident * arrival,
+        points=None if points is None else np.add(points, (x, y, 0.0)),
+    )
+
+
+def _long(ka: np.ndarray) -> np.ndarray:
+    """Which frequencies are judged: the three longest waves at most in number beyond LONG."""
+    some = ka <= LONG
+    if some.sum() < 3:
+        some = ka <= min(2 * LONG, np.sort(ka)[min(2, len(ka) - 1)])
+    return some
+
+
+def _felt(expected: np.ndarray) -> np.ndarray:
+    """Translations (nc,) whose Froude-Krylov force counts on their body."""
+    size = np.abs(expected).max(axis=0).reshape(-1, 6)[:, :3]
+    b, d = np.nonzero(size > FELT * size.max(axis=1, keepdims=True))
+    return 6 * b + d
+
+
+def _cosine(told: np.ndarray, expected: np.ndarray, columns: np.ndarray) -> float:
+    """Least over the columns of Re <expected, told>, of forces of length 1; 0 where nothing is told."""
+    a, b = told[:, columns], expected[:, columns]
+    inner = np.sum(b.conj() * a, axis=0).real
+    size = np.linalg.norm(a, axis=0) * np.linalg.norm(b, axis=0)
+    there = np.linalg.norm(a, axis=0) > 0
+    return float(np.min(inner[there] / size[there], initial=1.0)) if there.any() else 0.0
+
+
+def _misfit(told: np.ndarray, fits: np.ndarray, columns: np.ndarray, names: tuple[str, ...]) -> str:
+    """Under which convention the force would fit."""
+    tries = [
+        (told.conj(), f"{TIME}; Re{{X exp(-iωt)}} is needed, and headings are directions that waves travel to"),
+        (-told, "has the opposite sign"),
+        (1j * told, "is a quarter of a period off: phases refer to a crest at x = y = 0"),
+        (-1j * told, "is a quarter of a period off: phases refer to a crest at x = y = 0"),
+        *((_permuted(told, order), text) for order, text in _orders(names)),
+    ]
+    scores = [_cosine(force, fits, columns) for force, _ in tries]
+    if max(scores) >= BETTER:
+        return "wave force " + tries[int(np.argmax(scores))][1]
+    each = [_cosine(told, fits, np.array([c])) for c in columns]
+    worst = int(columns[int(np.argmin(each))])
+    text = f"wave force on {names[worst // 6]} in {DOFS[worst % 6]} is out of phase with the Froude-Krylov force on"
+    return f"{text} its hull in long waves (cosine {min(each):.2f}); is it this hull, and where it was computed?"
+
+
+def _orders(names: Sequence[str]) -> Iterator[tuple[tuple[int, ...], str]]:
+    """Other orders of few bodies, and how to say so."""
+    if len(names) > 5:
+        return
+    for order in permutations(range(len(names))):
+        if order != tuple(range(len(names))):
+            yield order, f"is of the bodies in another order: {', '.join(names[b] for b in np.argsort(order))}"
+
+
+def _permuted(told: np.ndarray, order: tuple[int, ...]) -> np.ndarray:
+    return told.reshape(len(told), -1, 6)[:, list(order)].reshape(told.shape)
+
+
+def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> None:
+    """Refuse a Froude-Krylov force or moment, where it is told, that is not that on the hull."""
+    if six.froude_krylov is None:
+        return
+    hulls, _, names, sea = floats
+    radius = np.array([h.largest_radius for h in hulls])
+    long = _long(np.array([sea.wavenumber(w) for w in six.omega]) * radius.max())
+    unit = np.where(np.arange(6) < 3, 1.0, radius[:, None])
+    told, ours = (f[long].reshape(-1, len(hulls), 6) / unit for f in (six.froude_krylov[:, 0], expected))
+    there = np.abs(told).max(axis=0) > 0  # a file may lack motions
+    off = np.abs(told - ours).max(axis=0) / np.abs(ours).max(axis=(0, 2))[:, None] * there
+    b, d = np.unravel_index(off.argmax(), off.shape)
+    if off[b, d] > SAME_HULL:
+        i, at = int(np.abs(told - ours)[:, b, d].argmax()), six.omega[long]
+        text = f"Froude-Krylov {'force' if d < 3 else 'moment'} on {names[b]} in {DOFS[d]} at {at[i]:.4g} rad/s is"
+        text += f" {abs(told[i, b, d] * unit[b, d]):.4g}, on its hull {abs(ours[i, b, d] * unit[b, d]):.4g}"
+        point = "; do moments refer to another point?" if d >= 3 else "; another hull, or other units?"
+        raise InputError(KEY, six.name, text + point)
+
+
+def _require_stiffness(six: Given, floats: Floats) -> None:
+    """Refuse a heave stiffness that is another hull's."""
+    if six.stiffness is None:
+        return
+    for b, (hull, name) in enumerate(zip(floats.hulls, floats.names, strict=True)):
+        told = six.stiffness[6 * b + 2, 6 * b + 2]
+        ours = floats.sea.density * floats.sea.gravity * hull.waterplane[0]
+        if told and abs(told - ours) > SAME_HULL * max(abs(ours), abs(told)):
+            text = f"heave stiffness of {name} is {told:.4g} N/m, that of its hull {ours:.4g} N/m"
+            raise InputError(KEY, six.name, f"{text}: another hull, another order of bodies, or other units?")
+
+
+def _require_size(six: Given, told: np.ndarray, fits: np.ndarray, floats: Floats) -> None:
+    """Refuse a heave force far from the Froude-Krylov force on a body that pierces the surface."""
+    low, high = OF_ITS_ORDER
+    for b, (hull, name) in enumerate(zip(floats.hulls, floats.names, strict=True)):
+        column = 6 * b + 2
+        ratio = float(np.linalg.norm(told[:, column]) / np.linalg.norm(fits[:, column]))
+        if ratio and not low < ratio < high and hull.waterplane[0] * hull.draft > 0.1 * hull.volume:
+            text = f"heave force on {name} in long waves is {ratio:.3g} times the Froude-Krylov force on its hull"
+            raise InputError(KEY, six.name, f"{text}: other units, or a length scale other than 1 m?")

@@ -1,0 +1,57 @@
+"""The incident wave about hulls at rest, and where the seabed may be left out."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.sea.dispersion import wavenumber
+
+DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see Sea.seabed_share
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sea:
+    """Water of constant depth [m, may be inf] and the unit wave that travels towards `heading` [rad]."""
+
+    depth: float
+    density: float
+    gravity: float
+    heading: float
+
+    def wavenumber(self, omega: float) -> float:
+        """k [1/m] of ω [rad/s]."""
+        return float(wavenumber(omega, self.depth, self.gravity))
+
+    def seabed(self, k: float, radius: float) -> float:
+        """Depth to solve with: infinite, with a table four times faster, where the seabed does not matter."""
+        return np.inf if self.seabed_share(k, radius) < DEEP else self.depth
+
+    def seabed_share(self, k: float, radius: float) -> float:
+        """Relative change of a coefficient by the seabed: (a/h) (kh)^-2.5 + 0.7 (a/h)³.
+
+        Its waves fade as exp(-2kh), its images do not: both terms are measured, on hemispheres; the second is
+        that of a heaving one's added mass at infinite frequency.
+        """
+        slender = radius / self.depth
+        return float(slender * (k * self.depth) ** -2.5 + 0.7 * slender**3)
+
+    def seabed_error(self, omega: np.ndarray, radius: float) -> float:
+        """Largest share of a coefficient that the seabed has at frequencies (nw,) where it is left out."""
+        shares = [self.seabed_share(k, radius) for k in (*map(self.wavenumber, omega), np.inf)]
+        return max([share for share in shares if share < DEEP], default=0.0)
+
+    def pressure(self, points: np.ndarray, omega: float) -> np.ndarray:
+        """Pressure (np,) [Pa/m] of the unit incident wave."""
+        return self.wave(points, omega)[0]
+
+    def wave(self, points: np.ndarray, omega: float) -> tuple[np.ndarray, np.ndarray]:
+        """Pressure (np,) [Pa/m] and velocity (np, 3) [1/s] of the unit incident wave."""
+        k = self.wavenumber(omega)
+        x, y, z = points.T
+        down, up = np.exp(k * z), np.exp(-k * (z + 2 * self.depth))  # cosh and sinh without overflow
+        both = 1 + np.exp(-2 * k * self.depth)
+        c, s = np.cos(self.heading), np.sin(self.heading)
+        phase = np.exp(1j * k * (x * c + y * s))
+        pressure, climb = phase * (down + up) / both, phase * (down - up) / both
+        velocity = self.gravity * k / omega * np.column_stack([c * pressure, s * pressure, -1j * climb])
+        return self.density * self.gravity * pressure, velocity

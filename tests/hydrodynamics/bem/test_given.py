@@ -1,0 +1,198 @@
+"""Coefficients brought along: what our own boundary elements give comes back, and each wrong convention is named."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from solver.errors import InputError
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem.adopted import adopted, require_covered
+from solver.hydrodynamics.bem.given import Given
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.radiation.infinite import infinite_added_mass
+
+HULLS = (
+    Revolution.hemisphere_cylinder(radius=1.0, height=0.6),
+    Revolution.vertical_cylinder(radius=1.5, draft=1.2, freeboard=1.0),
+)
+CENTRES = np.array([[-3.86, 0.0, 0.0], [4.5, 1.0, 0.0]])
+NAMES = ("front", "rear")
+WATER = {"depth": 20.0, "density": 1025.0, "gravity": 9.81, "heading": 0.3}
+
+
+@cache
+def ours():
+    """Of two unlike floats, in all motions."""
+    omega = np.linspace(0.6, 6.6, 21)
+    return bem.solve(HULLS, CENTRES, **WATER, omega=omega, planar=False, panels=108)
+
+
+def told(h=None, **changes):
+    """The same as a file would have it."""
+    h = h or ours()
+    nb = len(h.centres)
+    given = Given(
+        name="theirs.nc",
+        omega=h.omega,
+        added_mass=h.added_mass,
+        radiation_damping=h.radiation_damping,
+        added_mass_inf=h.added_mass_inf,
+        headings=np.array([h.heading]),
+        excitation=(h.diffraction + h.froude_krylov)[:, None],
+        froude_krylov=None,
+        columns=tuple((b, dof) for b in range(nb) for dof in h.dofs),
+        bodies=NAMES[:nb],
+        depth=h.depth,
+        density=h.density,
+        gravity=h.gravity,
+    )
+    return replace(given, **changes)
+
+
+def taken(given, hulls=HULLS, centres=CENTRES, names=NAMES, planar=False, **water):
+    return adopted(given, hulls, centres, names, **{**WATER, **water}, planar=planar)
+
+
+def same(a, b, rel=1e-9):
+    for name in ("added_mass", "radiation_damping", "added_mass_inf", "diffraction", "froude_krylov"):
+        one, other = getattr(a, name), getattr(b, name)
+        assert np.abs(one - other).max() <= rel * np.abs(other).max(), name
+    assert a.hydrostatic_stiffness == pytest.approx(b.hydrostatic_stiffness)
+
+
+def test_what_goes_out_comes_back():
+    same(taken(told()), ours())
+
+
+def test_the_order_of_frequencies_and_named_bodies_does_not_matter():
+    h, turned = ours(), np.r_[6:12, 0:6]
+    rows = np.argsort(np.cos(np.arange(len(h.omega))))
+    given = told(
+        omega=h.omega[rows],
+        added_mass=h.added_mass[rows][:, turned[:, None], turned],
+        radiation_damping=h.radiation_damping[rows][:, turned[:, None], turned],
+        added_mass_inf=h.added_mass_inf[np.ix_(turned, turned)],
+        excitation=told().excitation[rows][..., turned],
+        bodies=NAMES[::-1],
+    )
+    same(taken(given), h)
+
+
+def about(h, points):
+    """Coefficients with moments and rotations about other points, from velocities: of the centre v + ω × (c - p)."""
+    T = np.eye(12)
+    for b, point in enumerate(points):
+        for j, spin in enumerate(np.eye(3)):
+            T[6 * b : 6 * b + 3, 6 * b + 3 + j] = np.cross(spin, h.centres[b] - point)
+    matrices = {n: T.T @ getattr(h, n) @ T for n in ("added_mass", "radiation_damping", "added_mass_inf")}
+    return told(**matrices, excitation=told().excitation @ T, points=np.array(points))
+
+
+def test_moments_about_a_point_that_the_file_tells_are_carried_over():
+    same(taken(about(ours(), [[-3.86, 0.0, -0.7], [4.2, 0.8, 0.5]])), ours())
+
+
+def test_added_mass_at_infinite_frequency_follows_from_the_rest():
+    follows, *off = infinite_added_mass(ours().omega, ours().added_mass, ours().radiation_damping)
+    size = np.sqrt(np.maximum(np.diag(ours().added_mass_inf), 1.0))
+    size[[5, 11]] = 1e3  # a float that turns about its axis moves no water
+    gap = np.abs(follows - ours().added_mass_inf) / np.multiply.outer(size, size)
+    assert gap.max() < 0.02 and np.all(gap < 0.005 + np.hypot(*off) / np.multiply.outer(size, size))
+    taken_without = taken(told(added_mass_inf=None))
+    assert taken_without.added_mass_inf == pytest.approx(follows)
+    # The highest frequency's in its place is what some programs write.
+    assert taken(told(added_mass_inf=ours().added_mass[-1])).added_mass_inf == pytest.approx(follows)
+
+
+def test_causality_of_an_exponential_is_exact():
+    # K = exp(-at): B = a/(a² + ω²), A - A∞ = -1/(a² + ω²).
+    a, omega = 0.8, np.linspace(0.02, 40, 800)
+    B, A = a / (a**2 + omega**2), 3.0 - 1 / (a**2 + omega**2)
+    # B(0) is not 0 here, which the spline starts from: the first piece is wrong, by 2/π of its area over ω².
+    value, scatter, beyond = infinite_added_mass(omega, A[:, None, None], B[:, None, None])
+    assert value[0, 0] == pytest.approx(3.0, abs=2e-4) and scatter[0, 0] < 2e-4 and beyond[0, 0] < 2e-4
+
+
+def refused(given, *, match, **others):
+    with pytest.raises(InputError, match=match) as caught:
+        taken(given, **others)
+    return caught.value
+
+
+def shuffled(h):
+    """Columns of the other body, under each float's name."""
+    turned = np.r_[6:12, 0:6]
+    return told(
+        added_mass=h.added_mass[:, turned[:, None], turned],
+        radiation_damping=h.radiation_damping[:, turned[:, None], turned],
+        added_mass_inf=h.added_mass_inf[np.ix_(turned, turned)],
+        excitation=told().excitation[..., turned],
+    )
+
+
+def test_every_other_convention_is_named():
+    h, force = ours(), told().excitation
+    refused(told(excitation=force.conj()), match=r"other sign of time, Re\{X exp\(\+iωt\)\}")
+    refused(told(excitation=-force), match="opposite sign")
+    refused(told(excitation=1j * force), match="quarter of a period")
+    refused(shuffled(h), match="bodies in another order: rear, front")
+    refused(told(excitation=force * 8), match="heave force on front in long waves is .* times")
+    refused(told(radiation_damping=-h.radiation_damping), match="damping is negative at")
+    refused(told(radiation_damping=2 * np.pi * h.radiation_damping), match="do not go together .* do their units agree")
+    lopsided = h.added_mass.copy()
+    lopsided[:, 0, 2] += 1.0 * np.sqrt(h.added_mass_inf[0, 0] * h.added_mass_inf[2, 2])
+    refused(told(added_mass=lopsided), match="not symmetric: front (surge|heave) on front (surge|heave)")
+    stiffness = 2.0 * h.hydrostatic_stiffness
+    refused(told(stiffness=stiffness), match="heave stiffness of front is")
+
+
+def test_moments_about_another_point_than_told_show_in_the_froude_krylov_moment():
+    low = about(ours(), [[-3.86, 0.0, -2.0], [4.5, 1.0, -2.0]])
+    T = np.eye(12)
+    for b in (0, 1):
+        T[6 * b : 6 * b + 2, 6 * b + 3 : 6 * b + 5] = [[0, 2.0], [-2.0, 0]]
+    fk = (ours().froude_krylov @ T)[:, None]
+    same(taken(replace(low, froude_krylov=fk)), ours())
+    refused(replace(low, froude_krylov=fk, points=None), match="Froude-Krylov moment on .* another point")
+
+
+def test_one_float_alone_is_moved_to_its_place():
+    """A file of one body is computed anywhere; the wave then reaches it at another time, and nothing else changes."""
+    hull, omega, at = HULLS[1], ours().omega, CENTRES[1:]
+    here, there = (bem.solve((hull,), c, **WATER, omega=omega, planar=False, panels=108) for c in ([[0, 0, 0]], at))
+    given = told(here, points=np.array([[0.0, 0.0, 0.0]]), bodies=("",))
+    moved = taken(given, (hull,), at, ("rear",))
+    same(moved, there)
+    assert "moved to (4.5, 1)" in moved.settings["note"]
+
+
+def test_what_cannot_be_used_is_refused():
+    refused(told(bodies=("one",)), match="has 1 bodies, the study has 2 floats")
+    assert refused(told(density=1000.0), match="that of theirs.nc").key == "water.density"
+    assert refused(told(headings=np.array([0.0])), match="must be one of 0 rad").key == "waves.heading"
+    few = {n: getattr(told(), n)[:4] for n in ("omega", "added_mass", "radiation_damping", "excitation")}
+    refused(told(**few), match="has 4 different frequencies, needs 8")
+    wrong = told().excitation.copy()
+    wrong[0, 0, 0] = np.nan
+    refused(told(excitation=wrong), match="not finite")
+    short = {n: getattr(told(), n)[:8] for n in ("omega", "added_mass", "radiation_damping", "excitation")}
+    refused(told(**short, added_mass_inf=None), match="no added mass at infinite frequency")
+    with pytest.raises(InputError, match=r"must be within 0.6 to 6.6 rad/s"):
+        require_covered(taken(told()), "theirs.nc", 0.5, 2.0)
+
+
+def test_motions_that_a_float_cannot_have_may_be_left_out():
+    h, kept = ours(), np.array([2, 8])
+    given = told(
+        added_mass=h.added_mass[:, kept[:, None], kept],
+        radiation_damping=h.radiation_damping[:, kept[:, None], kept],
+        added_mass_inf=h.added_mass_inf[np.ix_(kept, kept)],
+        excitation=told().excitation[..., kept],
+        columns=((0, "heave"), (1, "heave")),
+    )
+    refused(given, match="lacks surge of front, ")
+    heaving = adopted(given, HULLS, CENTRES, NAMES, **WATER, planar=False, needed=[("heave",), ("heave",)])
+    assert heaving.added_mass[:, kept[:, None], kept] == pytest.approx(h.added_mass[:, kept[:, None], kept])
+    assert np.abs(heaving.added_mass[:, 0]).max() == 0
