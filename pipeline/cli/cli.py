@@ -25,7 +25,7 @@ from pipeline.tasks.select import find, select
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import MODEL_VERSION
 from pipeline.tasks.tasklist import Tasks
-from pipeline.terminal import err
+from pipeline.terminal import err, out
 from solver.errors import InputError
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
@@ -229,6 +229,22 @@ def rerun(
         return
     actions.preflight(study, chosen)
     raise typer.Exit(actions.rerun(study, store, results, chosen, place))
+
+
+@app.command()
+def keys(word: Annotated[str, typer.Argument(metavar="[WORD]", help="In a key's path or meaning")] = "") -> None:
+    """What a study file may say: every key's path, unit, default, values and meaning, or of those with a WORD."""
+    from pipeline.cli import reference
+
+    reference.print_keys(word, out)
+
+
+@app.command()
+def schema() -> None:
+    """The same as JSON Schema, with which editors complete and check study files."""
+    from pipeline.study.reference import json_schema
+
+    say(json.dumps(json_schema(), indent=1, ensure_ascii=False))
 
 
 @app.command()

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, InstanceOf, PlainSerializer, ValidationInfo
+from pydantic import BeforeValidator, InstanceOf, PlainSerializer, ValidationInfo, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 LARGEST = 100e6  # bytes; a larger file would clog the way to the workers
@@ -63,4 +63,5 @@ File = Annotated[
     InstanceOf[Attachment],
     BeforeValidator(_attach),
     PlainSerializer(lambda attachment: f"sha256:{attachment.digest}", return_type=str),
+    WithJsonSchema({"type": "string", "format": "path", "minLength": 1}),
 ]

@@ -40,9 +40,9 @@ class Axis(NamedTuple):
 class Span(Table):
     """Numbers between two, all equally likely, or all ratios."""
 
-    start: Number
-    to: Number
-    spacing: Literal["linear", "log"] = "linear"
+    start: Annotated[Number, "The first number: from"]
+    to: Annotated[Number, "The last number"]
+    spacing: Annotated[Literal["linear", "log"], "Equal distances, or equal ratios"] = "linear"
 
     @model_validator(mode="before")
     @classmethod
@@ -64,7 +64,7 @@ class Span(Table):
 class Range(Span):
     """Numbers at equal distances, or ratios."""
 
-    count: Count
+    count: Annotated[Count, "How many, both ends included"]
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -75,8 +75,8 @@ class Range(Span):
 class Normal(Table):
     """Numbers of a normal distribution."""
 
-    mean: Number
-    std: Positive
+    mean: Annotated[Number, "Mean of the normal distribution"]
+    std: Annotated[Positive, "Its standard deviation"]
 
     def at(self, share: np.ndarray) -> tuple[float, ...]:
         """The numbers below which shares (n,) lie."""
@@ -86,9 +86,9 @@ class Normal(Table):
 class Together(Table):
     """Keys that change together, along one dimension; a key without a dot only goes with the labels."""
 
-    name: Name
-    keys: dict[str, tuple[Any, ...]]
-    beside: dict[str, tuple[Any, ...]] = Field(default={})
+    name: Annotated[Name, "Name of the dimension, which is numbered from 1"]
+    keys: Annotated[dict[str, tuple[Any, ...]], "A list of values for each dotted path, all of one length"]
+    beside: Annotated[dict[str, tuple[Any, ...]], "A list of labels that go with them"] = Field(default={})
 
     @model_validator(mode="before")
     @classmethod
@@ -109,13 +109,15 @@ class Together(Table):
 class Axes(Table):
     """What is varied; the study is the product of the axes."""
 
-    sea_state: tuple[Label, ...] | None = None
-    platform: tuple[Support, ...] | None = None
-    pto_damping: Annotated[tuple[NotNegative, ...], Unit("N m s/rad")] | None = None
-    hinge_spacing: Annotated[tuple[Positive, ...], Unit("m")] | None = None
-    seed: tuple[Seed, ...] | None = None
-    together: tuple[Together, ...] = ()
-    keys: dict[str, tuple[Any, ...]] = Field(default={})
+    sea_state: Annotated[tuple[Label, ...] | None, "Labels of [sea_states]; left out, all of them"] = None
+    platform: Annotated[tuple[Support, ...] | None, "What carries the floats, and whether there are any"] = None
+    pto_damping: Annotated[tuple[NotNegative, ...] | None, Unit("N m s/rad"), "Damping of every power take-off"] = None
+    hinge_spacing: Annotated[tuple[Positive, ...] | None, Unit("m"), "Distance of the two hinges along x"] = None
+    seed: Annotated[tuple[Seed, ...] | None, "Numbers of the realizations of random seas"] = None
+    together: Annotated[tuple[Together, ...], "Keys that change together, along one dimension"] = ()
+    keys: Annotated[dict[str, tuple[Any, ...]], "Values of any key, or a range { from, to, count, spacing }"] = Field(
+        default={}
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -146,10 +148,10 @@ class Axes(Table):
 class Samples(Table):
     """Points of a design space along one dimension, `sample`; more of them leave the first ones where they are."""
 
-    count: Count
-    method: Literal["sobol", "halton", "random"] = "sobol"
-    seed: Seed = 0
-    keys: dict[str, Span | Normal]
+    count: Annotated[Count, "How many; more leave the first ones where they are"]
+    method: Annotated[Literal["sobol", "halton", "random"], "Low-discrepancy sequence, or independent points"] = "sobol"
+    seed: Annotated[Seed, "Of the points"] = 0
+    keys: Annotated[dict[str, Span | Normal], "What is sampled: { from, to, spacing } or { mean, std } of any key"]
 
     @model_validator(mode="before")
     @classmethod
@@ -184,9 +186,11 @@ def _unit_cube(method: str, dimensions: int, count: int, seed: int) -> np.ndarra
 class Variant(Table):
     """A named set of values, by dotted paths or in tables; what it does not name stays as the study has it."""
 
-    title: Title = ""
-    axes: dict[str, tuple[Any, ...]] = Field(default={})  # by name or path: the part of an axis that it goes along
-    keys: dict[str, Any] = Field(default={})
+    title: Annotated[Title, "What it is, in a line"] = ""
+    axes: Annotated[dict[str, tuple[Any, ...]], "By name or path, the part of an axis that it goes along"] = Field(
+        default={}
+    )
+    keys: Annotated[dict[str, Any], "Another value of any key"] = Field(default={})
 
     @model_validator(mode="before")
     @classmethod
