@@ -57,14 +57,14 @@ class StudyError(Exception):
 def parsed(path: Path) -> tuple[StudyFile, tuple[Path, ...]]:
     """The content of a study file, and the files that it stands on, nearest first; raise StudyError."""
     tables, bases = stacked(path)
-    _check_name(path)
+    check_name(path)
     try:
         return StudyFile.model_validate(tables, context={"folder": path.parent}), bases
     except ValidationError as error:
         raise StudyError(path, [describe(e) for e in error.errors(include_url=False)]) from None
 
 
-def _check_name(path: Path) -> None:
+def check_name(path: Path) -> None:
     """results/<name> must be a folder inside results, and no command may take the name for an option."""
     name = path.stem
     if not (re.match(r"\w", name) and name.isprintable() and "\\" not in name):

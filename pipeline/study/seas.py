@@ -18,6 +18,10 @@ Frequency = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=10
 Gamma = Annotated[Number, Field(ge=1, le=7), Unit("-")]
 
 
+# Ends of the band of an irregular sea without waves.band, over its peak's frequency. Of Pierson-Moskowitz's variance
+# exp(-5/4 / x^4) lies below x: 2e-9 below the first; and 1.5 % above the second, where waves are short and steps small.
+USUAL_BAND = (0.5, 3.0)
+PEAK_OVER_MEAN = 2 * math.pi / (0.8 * 692) ** 0.25  # Tp / T1 of Pierson-Moskowitz, in the form of ITTC
 PERIOD = "What Tp holds: the peak period, or the mean period T1"
 
 
@@ -31,7 +35,7 @@ class Waves(Table):
     band: Annotated[
         tuple[Frequency, Frequency] | None,
         Unit("rad/s"),
-        "Frequencies of random waves, and of the floats' coefficients",
+        "Frequencies of random waves; left out, half to three times the peak's of each irregular sea",
     ] = None
     intervals: Annotated[
         Literal["random", "even"], "Widths of the band's intervals; with even ones the sea repeats itself"
@@ -151,6 +155,11 @@ def frequencies(sea: SeaState, waves: Waves) -> tuple[float, float] | None:
         case MeasuredSpectrum() if waves.band is None:
             omega = columns.read(sea.file, ("omega",))["omega"]
             return float(omega[omega > 0].min(initial=math.inf)), float(omega.max())
+        case Irregular() if waves.band is None:
+            peak = 2 * math.pi / sea.Tp
+            if (sea.spectrum or waves.spectrum, sea.form or waves.form) == ("pierson-moskowitz", "mean"):
+                peak /= PEAK_OVER_MEAN
+            return USUAL_BAND[0] * peak, USUAL_BAND[1] * peak
         case _:
             return waves.band
 
