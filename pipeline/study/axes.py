@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 
 import numpy as np
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 from scipy.special import ndtri
 
@@ -40,14 +40,9 @@ class Axis(NamedTuple):
 class Span(Table):
     """Numbers between two, all equally likely, or all ratios."""
 
-    start: Annotated[Number, "The first number: from"]
+    start: Annotated[Number, Field(alias="from"), "The first number"]
     to: Annotated[Number, "The last number"]
     spacing: Annotated[Literal["linear", "log"], "Equal distances, or equal ratios"] = "linear"
-
-    @model_validator(mode="before")
-    @classmethod
-    def _start(cls, data: Any) -> Any:
-        return {"start" if key == "from" else key: data[key] for key in data} if isinstance(data, dict) else data
 
     @model_validator(mode="after")
     def _has_ratios(self) -> Span:
@@ -83,6 +78,16 @@ class Normal(Table):
         return _rounded(self.mean + self.std * ndtri(share))
 
 
+def _form(value: Any) -> str:
+    return "<normal>" if isinstance(value, dict) and value.keys() & {"mean", "std"} else "<span>"
+
+
+Sampled = Annotated[
+    Annotated[Span, Tag("<span>")] | Annotated[Normal, Tag("<normal>")],
+    Discriminator(lambda value: "<normal>" if isinstance(value, Normal) else _form(value)),
+]
+
+
 class Together(Table):
     """Keys that change together, along one dimension; a key without a dot only goes with the labels."""
 
@@ -95,7 +100,7 @@ class Together(Table):
     def _gather(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        lists = {key: _listed(key, data[key]) for key in data if key != "name"}
+        lists = {key: _listed(key, value) for key, value in _flat(cls, data).items() if key != "name"}
         if len({len(values) for values in lists.values()}) > 1:
             lengths = ", ".join(f"{key} {len(values)}" for key, values in lists.items())
             _refuse(next(iter(lists)), f"lists of one dimension must be of one length: {lengths}")
@@ -122,12 +127,12 @@ class Axes(Table):
     @model_validator(mode="before")
     @classmethod
     def _gather(cls, data: Any) -> Any:
-        """Keys with a dot are paths; the five axes may be given as ranges, too."""
+        """Keys with a dot, and tables in tables, are paths; the five axes may be given as ranges, too."""
         if not isinstance(data, dict):
             return data
         if "keys" in data:
             _refuse("keys", 'unknown key; an axis over a key is its dotted path in quotes, "platform.damping_ratio"')
-        named, paths = _by_dots(data)
+        named, paths = _by_dots(_flat(cls, data))
         named = {key: _listed(key, value) if isinstance(value, dict) else value for key, value in named.items()}
         return named | {"keys": {path: _listed(path, value) for path, value in paths.items()}}
 
@@ -151,16 +156,16 @@ class Samples(Table):
     count: Annotated[Count, "How many; more leave the first ones where they are"]
     method: Annotated[Literal["sobol", "halton", "random"], "Low-discrepancy sequence, or independent points"] = "sobol"
     seed: Annotated[Seed, "Of the points"] = 0
-    keys: Annotated[dict[str, Span | Normal], "What is sampled: { from, to, spacing } or { mean, std } of any key"]
+    keys: Annotated[dict[str, Sampled], "What is sampled: { from, to, spacing } or { mean, std } of any key"]
 
     @model_validator(mode="before")
     @classmethod
     def _gather(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        named, paths = _by_dots(data)
+        named, paths = _by_dots(_flat(cls, data))
         if not paths:
-            _refuse("samples", "needs ranges of keys by their dotted paths: { from, to } or { mean, std }")
+            _refuse("", "needs ranges of keys by their dotted paths: { from, to } or { mean, std }")
         return named | {"keys": paths}
 
     @cached_property
@@ -219,7 +224,7 @@ def by_path(table: Mapping[str, Any], above: str = "", *, ranges: bool = False) 
     """Tables in tables as dotted paths; or all but those that are ranges."""
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        deeper = isinstance(value, dict) and not (ranges and "from" in value)
+        deeper = isinstance(value, dict) and not (ranges and value.keys() & {"from", "mean"})
         flat |= by_path(value, f"{above}{key}.", ranges=ranges) if deeper else {f"{above}{key}": value}
     return flat
 
@@ -239,6 +244,15 @@ def implied_sea(axes: Any) -> dict[str, Any] | None:
     tables = [axes, *(g for g in (groups if isinstance(groups, list) else ()) if isinstance(g, dict))]
     found = {key: _listed(key, table[key]) for table in tables for key in table if key.startswith("sea.")}
     return {key.removeprefix("sea."): values[0] for key, values in found.items() if values} or None
+
+
+def _flat(table: type[Table], data: Mapping[str, Any]) -> dict[str, Any]:
+    """Keys, of which those that are no field of the table's may be tables in tables: a path without quotes."""
+    flat: dict[str, Any] = {}
+    for key, value in data.items():
+        nested = isinstance(value, dict) and key not in table.model_fields
+        flat |= by_path({key: value}, ranges=True) if nested else {key: value}
+    return flat
 
 
 def _by_dots(table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -266,8 +280,9 @@ def _listed(key: str, value: Any) -> tuple[Any, ...]:
         return Range.model_validate(value).values
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join(map(str, first["loc"])).replace("start", "from")
-        _refuse(key, f"{place}: {first['msg'].lower()}" if place else first["msg"])
+        place = ".".join(map(str, first["loc"]))
+        message = "is missing" if first["type"] == "missing" else first["msg"]
+        _refuse(key, f"{place}: {message[0].lower()}{message[1:]}" if place else message)
 
 
 def _refuse(key: str, limit: str) -> NoReturn:

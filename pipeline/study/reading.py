@@ -149,7 +149,7 @@ def describe(error: ErrorDetails) -> str:
     context = error.get("ctx", {})
     parts = list(error["loc"])
     value: Any = error["input"]
-    if error["type"] == "unknown_key":
+    if error["type"] == "unknown_key" and context["key"]:
         parts, value = [*parts, context["key"]], value.get(context["key"].strip('"'))
     if error["type"].startswith("union_tag"):
         tag = context["discriminator"].strip("_'()")
@@ -181,6 +181,7 @@ def dotted(parts: Iterable[int | str]) -> str:
         "mesh",
         "tube",
         "solid-rectangle",
+        "keys",
         "[key]",
     )
     text = ""
@@ -188,7 +189,8 @@ def dotted(parts: Iterable[int | str]) -> str:
         if isinstance(part, int):
             text += f"[{part}]"
         elif part not in tags and not part.startswith(("<", "constrained-", "literal[")):
-            text += f".{part}" if text else str(part)
+            quoted = f'"{part}"' if "." in part and not part.startswith('"') else part
+            text += f".{quoted}" if text else quoted
     return text
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -16,6 +16,7 @@ Node = dict[str, Any]  # a piece of JSON Schema
 DRAFT = "http://json-schema.org/draft-04/schema#"  # which editors of TOML know
 ANY = "PATH"  # stands for the dotted path of any key
 STANDS_ON = {"type": "string", "description": "A study file, relative to this one, of which this one says what differs"}
+FIXED = (BASE, "title", "axes", "variants", "samples")  # what no path leads into
 DOTTED = r"\."
 KEPT = ("type", "description", "pattern", "enum", "x-unit", "format", "maxLength", "minLength", "maxItems", "minItems")
 
@@ -37,10 +38,6 @@ def described() -> Node:
     schema = StudyFile.model_json_schema()
     schema["properties"] = {BASE: STANDS_ON, **schema["properties"]}
     schema["$defs"]["Range"] = Range.model_json_schema()
-    for name in ("Span", "Range"):
-        table = schema["$defs"][name]
-        table["properties"] = {"from": table["properties"].pop("start"), **table["properties"]}
-        table["required"] = ["from" if key == "start" else key for key in table["required"]]
     return schema
 
 
@@ -81,7 +78,7 @@ def json_schema() -> Node:
     raw = described()
     schema = _draft4(raw) | {"definitions": {name: _draft4(node) for name, node in raw["$defs"].items()}}
     for name in ("Axes", "Together", "Samples", "Variant"):
-        _open_to_paths(schema["definitions"][name])
+        _open_to_paths(schema["definitions"][name], ["sea", *(key for key in raw["properties"] if key not in FIXED)])
     schema["definitions"]["Variant"]["properties"]["axes"]["additionalProperties"] = {"type": ["array", "object"]}
     axes = schema["definitions"]["Axes"]["properties"]
     for name in axes.keys() - {"together"}:
@@ -231,8 +228,9 @@ def _draft4_parts(node: Node) -> Node:
     return plain
 
 
-def _open_to_paths(table: Node) -> None:
+def _open_to_paths(table: Node, tables: Iterable[str]) -> None:
     """Let a table have dotted paths, or tables in tables, for keys."""
+    table["properties"] |= {name: {"type": "object"} for name in tables if name not in table["properties"]}
     paths = table["properties"].pop("keys")
     of_path = paths.get("additionalProperties", {})  # of a variant anything
     if table["properties"].pop("beside", None) is not None:

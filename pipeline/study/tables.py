@@ -121,10 +121,11 @@ class Table(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _refuse_unknown_keys(cls, data: Any) -> Any:
+        names = [field.alias or name for name, field in cls.model_fields.items()]
         for key in data if isinstance(data, dict) else ():
-            if key not in cls.model_fields:
-                close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
-                known = f"did you mean {close[0]}?" if close else f"known: {', '.join(cls.model_fields)}"
+            if key not in names:
+                close = difflib.get_close_matches(str(key), names, n=1)
+                known = f"did you mean {close[0]}?" if close else f"known: {', '.join(names)}"
                 raise PydanticCustomError("unknown_key", "{limit}", {"key": key, "limit": f"unknown key; {known}"})
         return data
 
@@ -135,7 +136,8 @@ class Table(BaseModel):
         properties = handler.resolve_ref_schema(reference).get("properties", {})
         for name, field in cls.model_fields.items():
             told = {"description": meaning_of(field), "x-unit": unit_of(field)}
-            properties[name] = properties[name] | {key: text for key, text in told.items() if text}
+            shown = field.alias or name
+            properties[shown] = properties[shown] | {key: text for key, text in told.items() if text}
         return reference
 
 
