@@ -1,4 +1,7 @@
-"""Units and ranges of inputs: they stand once, beside the field, and a study file's tables take them from there."""
+"""Units, ranges and meanings of inputs: they stand once, beside the field; study files' tables take them from there.
+
+depth: Annotated[float, Quantity("m", above=0), "Depth of the water"]
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -41,6 +44,14 @@ def quantities(inputs: type) -> dict[str, Quantity]:
     hints = get_type_hints(inputs, include_extras=True)
     marks = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
     return {name: mark for name, of in marks.items() for mark in of if isinstance(mark, Quantity)}
+
+
+@lru_cache
+def meanings(inputs: type) -> dict[str, str]:
+    """What each field of a class of inputs is, in words, where it says so."""
+    hints = get_type_hints(inputs, include_extras=True)
+    marks = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
+    return {name: mark for name, of in marks.items() for mark in of if isinstance(mark, str)}
 
 
 def out_of_range(inputs: Any, key: str) -> Iterator[InputError]:

@@ -27,9 +27,9 @@ STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 class Water:
     """Still water of constant depth (inf allowed)."""
 
-    depth: Annotated[float, Quantity("m", above=0, infinite=True)]
-    density: Annotated[float, Quantity("kg/m3", above=0)] = 1025.0
-    gravity: Annotated[float, Quantity("m/s2", above=0)] = 9.81
+    depth: Annotated[float, Quantity("m", above=0, infinite=True), "Depth of the water; inf for deep water"]
+    density: Annotated[float, Quantity("kg/m3", above=0), "Density of the water"] = 1025.0
+    gravity: Annotated[float, Quantity("m/s2", above=0), "Acceleration of gravity"] = 9.81
 
     def __post_init__(self) -> None:
         require_ranges(self, "water")
@@ -58,23 +58,35 @@ class Float:
 
     name: str
     hull: Revolution | PanelHull
-    mass: Annotated[float, Quantity("kg", above=0)]
-    inertia: Annotated[Vector, Quantity("kg m2", above=0)]  # about the c.o.g. and the body's axes through it
-    cog: Annotated[Vector, Quantity("m")] = (0.0, 0.0, 0.0)  # from the reference point
-    hinge: Annotated[Vector, Quantity("m")]  # the joint's point, at rest
-    arm: Annotated[Vector, Quantity("m")] = (0.0, 0.0, 0.0)  # from the hinge to the reference point
-    axis: Annotated[Vector, Quantity("-")] = (0.0, 1.0, 0.0)  # of the hinge
-    motion: tuple[str, ...] = ("hinge",)
-    on: str = ""  # the float listed before that carries the hinge, such as a floating platform; "": the support
-    pto_damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0)] = 0.0
-    damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0)] = 0.0  # besides the PTO, linear
-    # As much more linear damping as makes an axis by itself, radiation included, damped by this share of critical.
-    critical_damping: Annotated[PerAxis, Quantity("-", least=0, most=10)] = 0.0
-    quadratic_damping: Annotated[PerAxis, Quantity("N m s2/rad2 or N s2/m2", least=0)] = 0.0
-    stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m", least=0)] = 0.0  # of a linear spring, at ease at rest
-    # Of what turns or slides with the axis, besides the float.
-    mechanism_inertia: Annotated[PerAxis, Quantity("kg m2 or kg", least=0)] = 0.0
-    offset: Annotated[PerAxis, Quantity("rad or m")] = 0.0  # from equilibrium, where the float is let go at t = 0
+    mass: Annotated[float, Quantity("kg", above=0), "Mass of the float"]
+    inertia: Annotated[
+        Vector, Quantity("kg m2", above=0), "Moments of inertia about the body's axes through the c.o.g."
+    ]
+    cog: Annotated[Vector, Quantity("m"), "Centre of gravity, from the reference point at still water"] = (
+        0.0,
+        0.0,
+        0.0,
+    )
+    hinge: Annotated[Vector, Quantity("m"), "The joint's point, at rest"]
+    arm: Annotated[Vector, Quantity("m"), "From the hinge to the reference point, at rest"] = (0.0, 0.0, 0.0)
+    axis: Annotated[Vector, Quantity("-"), "Direction of the hinge's axis"] = (0.0, 1.0, 0.0)
+    motion: Annotated[tuple[str, ...], "What the joint leaves free, in order from the support"] = ("hinge",)
+    on: Annotated[str, 'The float, listed before, that carries the hinge; "" is the platform or the ground'] = ""
+    pto_damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Damping of the power take-off"] = 0.0
+    damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Linear damping besides the PTO"] = 0.0
+    critical_damping: Annotated[
+        PerAxis,
+        Quantity("-", least=0, most=10),
+        "More linear damping: as makes an axis alone, radiation included, damped by this share of critical",
+    ] = 0.0
+    quadratic_damping: Annotated[
+        PerAxis, Quantity("N m s2/rad2 or N s2/m2", least=0), "Damping by the square of the velocity"
+    ] = 0.0
+    stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m", least=0), "Of a linear spring, at ease at rest"] = 0.0
+    mechanism_inertia: Annotated[
+        PerAxis, Quantity("kg m2 or kg", least=0), "Of what moves with the axis besides the float"
+    ] = 0.0
+    offset: Annotated[PerAxis, Quantity("rad or m"), "From equilibrium, where the float is let go at t = 0"] = 0.0
 
     def __post_init__(self) -> None:
         key = f"floats.{self.name}"
@@ -116,14 +128,17 @@ class Platform:
     """A bottom-fixed elastic support: a beam frame, its damping and where floats are hinged."""
 
     frame: Frame
-    legs: tuple[str, ...] = ()  # members whose displacements and stresses are put out
-    # Of every mode in water: with the wetted members' added mass, without the floats.
-    damping_ratio: Annotated[float, Quantity("-", least=0, below=1)] = 0.01
+    legs: Annotated[tuple[str, ...], "Members whose displacements and stresses are put out"] = ()
+    damping_ratio: Annotated[
+        float, Quantity("-", least=0, below=1), "Of every mode in water: with the members' added mass, without floats"
+    ] = 0.01
     hinge_nodes: Mapping[str, str] = field(default_factory=dict)  # float -> node
-    geometric_stiffness: bool = False
+    geometric_stiffness: Annotated[bool, "Whether the legs' weight bends them further"] = False
     # "standard": C_M rho V du/dt - (C_M - 1) rho V a; "relative" (Heo et al. 2022, eq. 16, as
     # printed): (C_M - 1) rho V (du/dt - a), which leaves out the undisturbed wave's pressure.
-    wave_inertia: Literal["standard", "relative"] = "standard"
+    wave_inertia: Annotated[Literal["standard", "relative"], "Morison inertia: the whole, or the paper's eq. 16"] = (
+        "standard"
+    )
 
     def __post_init__(self) -> None:
         members = [member.name for member in self.frame.members]
@@ -140,48 +155,73 @@ class Platform:
 class Settings:
     """Record and numerics. The defaults hold the errors that `make bench` prints."""
 
-    duration: Annotated[float, Quantity("s", above=0)] = 3600.0  # analysed
-    discard: Annotated[float, Quantity("s", least=0)] = 100.0  # before that
-    ramp: Annotated[float, Quantity("s", least=0)] = 50.0
-    ramp_form: Literal["paper", "cosine"] = "paper"
-    # Samples are half a step apart. None: by the shortest wave and the scene's own periods, and less where a run's
-    # start shows that its statistics need it.
-    time_step: Annotated[float | None, Quantity("s", above=0)] = None
-    # Lowest modes kept, besides static load shapes.
-    modes: Annotated[int | Literal["all"], Quantity(least=1, most=1000)] = 6
-    azimuths: Annotated[int, Quantity(least=1, most=1000)] = 12  # of the wetted-surface quadrature, full circle
-    arc_points: Annotated[int, Quantity(least=1, most=1000)] = 6
-    line_points: Annotated[int, Quantity(least=1, most=1000)] = 3
-    # Longest side of a mesh's triangles, of the hull's size and of 1/k of the mean wave.
-    panel_size: Annotated[float, Quantity(least=0.01, most=10)] = 0.5
-    # Of the local wave field, relative to the sum of amplitudes.
-    field_tolerance: Annotated[float, Quantity(least=1e-14, most=1)] = 1e-4
-    memory_tolerance: Annotated[float, Quantity(least=1e-8, most=1)] = 5e-3  # of the radiation memory's fit
-    stations_per_element: Annotated[int, Quantity(least=1, most=1000)] = (
-        2  # drag; of each 1/k of the mean wave in longer ones
+    duration: Annotated[float, Quantity("s", above=0), "Time that is analysed"] = 3600.0
+    discard: Annotated[float, Quantity("s", least=0), "Time before that, which is left out"] = 100.0
+    ramp: Annotated[float, Quantity("s", least=0), "Time in which waves grow from nothing"] = 50.0
+    ramp_form: Annotated[Literal["paper", "cosine"], "How they grow: by eq. 21 of Heo, Koo and Kim, or a cosine"] = (
+        "paper"
     )
-    # Pressure above still water. Wheeler's vanishes at the surface and agrees with published
-    # body-nonlinear codes in steep waves; Airy's extrapolated is the Buan paper's.
-    pressure: Literal["wheeler", "extrapolated"] = "wheeler"
-    # Hydrostatics go with it: nonlinear only with "body-nonlinear". "none" leaves diffraction alone.
-    froude_krylov: Literal["body-nonlinear", "linear", "none"] = "body-nonlinear"
-    diffraction: bool = True
-    radiation: bool = True
+    # Samples are half a step apart.
+    time_step: Annotated[
+        float | None,
+        Quantity("s", above=0),
+        "Time step; left out, by the waves and the scene's own periods, and less where a run's start asks for it",
+    ] = None
+    modes: Annotated[
+        int | Literal["all"], Quantity(least=1, most=1000), "Lowest modes of the platform, besides static load shapes"
+    ] = 6
+    azimuths: Annotated[int, Quantity(least=1, most=1000), "Of the wetted surface's quadrature, full circle"] = 12
+    arc_points: Annotated[int, Quantity(least=1, most=1000), "Quadrature points on a meridian's arc"] = 6
+    line_points: Annotated[int, Quantity(least=1, most=1000), "Quadrature points on a meridian's straight part"] = 3
+    panel_size: Annotated[
+        float,
+        Quantity(least=0.01, most=10),
+        "Longest side of a mesh's triangles, over the hull's size and 1/k of the mean wave",
+    ] = 0.5
+    field_tolerance: Annotated[
+        float, Quantity(least=1e-14, most=1), "Of the wave field around a float, relative to the sum of amplitudes"
+    ] = 1e-4
+    memory_tolerance: Annotated[float, Quantity(least=1e-8, most=1), "Of the radiation memory's fit"] = 5e-3
+    stations_per_element: Annotated[
+        int, Quantity(least=1, most=1000), "Points of an element at which drag is taken; in long ones of each 1/k"
+    ] = 2
+    # Wheeler's vanishes at the surface and agrees with published body-nonlinear codes in steep waves; Airy's
+    # extrapolated is the Buan paper's.
+    pressure: Annotated[Literal["wheeler", "extrapolated"], "Wave pressure above still water"] = "wheeler"
+    froude_krylov: Annotated[
+        Literal["body-nonlinear", "linear", "none"],
+        "Froude-Krylov forces, and hydrostatics with them; none leaves diffraction alone",
+    ] = "body-nonlinear"
+    diffraction: Annotated[bool, "Whether floats diffract waves"] = True
+    radiation: Annotated[bool, "Whether floats radiate waves"] = True
     # Newton's last update of a position [m or rad] in a step by the shortest wave, for hulls of 1 m radius and more;
     # for smaller ones as their radius, in shorter steps as their square: forces are as exact.
-    newton_tolerance: Annotated[float, Quantity(least=1e-14, most=1)] = 1e-5
+    newton_tolerance: Annotated[
+        float, Quantity(least=1e-14, most=1), "Newton's last update of a position [m or rad] in a step"
+    ] = 1e-5
     # "frequency": statistics of the linear model's stationary response, drag linearised; no series, no envelopes.
-    method: Literal["time", "frequency"] = "time"
+    method: Annotated[Literal["time", "frequency"], "March in time, or response of the linear model"] = "time"
     keep_series: bool = False
-    rao: bool = False  # motion per wave amplitude, wave by wave
+    rao: Annotated[bool, "Whether motion per wave amplitude is put out, wave by wave"] = False
     # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.
     # Each can be had alone; convolution and panels take the augmented formulation with them. Slow.
-    accuracy: Literal["standard", "reference"] = "standard"
-    formulation: Literal["minimal", "augmented"] = "minimal"
-    memory: Literal["state-space", "convolution"] = "state-space"
-    surface: Literal["quadrature", "panels"] = "quadrature"
-    # Relative error of every mean, rms and std; where given, it chooses the knobs above from time_step on.
-    tolerance: Annotated[float | None, Quantity(least=1e-6, most=0.1)] = None
+    accuracy: Annotated[Literal["standard", "reference"], "The fast way, or the paper's own, slow, throughout"] = (
+        "standard"
+    )
+    formulation: Annotated[
+        Literal["minimal", "augmented"], "Coordinates: of the joints, or 6 a body and multipliers"
+    ] = "minimal"
+    memory: Annotated[Literal["state-space", "convolution"], "Radiation memory: exponentials, or convolution"] = (
+        "state-space"
+    )
+    surface: Annotated[Literal["quadrature", "panels"], "Pressure on the hull: by Gauss points, or panel by panel"] = (
+        "quadrature"
+    )
+    tolerance: Annotated[
+        float | None,
+        Quantity(least=1e-6, most=0.1),
+        "Relative error asked of every mean, rms and std; given, it chooses the knobs from time_step on",
+    ] = None
 
     def __post_init__(self) -> None:
         require_ranges(self, "settings")
@@ -271,9 +311,9 @@ class Scene:
         for f in self.floats if len(edges) else ():
             if isinstance(f.hull, PanelHull) and len(f.hull.holes):
                 where = ", ".join(f"{x:.4g}" for x in edges[0].mean(axis=0) - f.centre)
-                limit = "must be closed below still water, but for faces where floats adjoin"
-                near = f"{len(edges)} open edges, the first near ({where}) m"
-                yield InputError(f"floats.{f.name}.{KEY}", f.hull.name, f"{limit}: {near}")
+                limit = f"must be closed below still water: {len(edges)} open edges, the first near ({where}) m"
+                adjoining = "; only where floats adjoin may faces be missing"
+                yield InputError(f"floats.{f.name}.{KEY}", f.hull.name, limit + adjoining)
 
     def _fixed_problems(self) -> Iterator[InputError]:
         if self.settings.paths.formulation == "augmented":

@@ -109,7 +109,7 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
                 except PathError as error:
                     yield InputError(_place(axis, path, label), value, str(error))
                     break
-        yield from _repeated(f'axes."{axis.name}"', axis.labels)
+        yield from _repeated(f'axes."{next(iter(axis.keys)) if axis.own else axis.name}"', axis.labels)
     names = Counter(axis.name for axis in study.varied)
     for name in (name for name, count in names.items() if count > 1):
         yield InputError("axes", name, "is the name of two dimensions; rename one in [[axes.together]]")

@@ -47,7 +47,7 @@ def highest_frequency(study: StudyFile) -> float:
 def _sea(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
     """The sea state by itself."""
     waves = study.waves
-    if waves.band is None and isinstance(sea, Irregular | WhiteNoise | Elevation):
+    if waves.band is None and isinstance(sea, WhiteNoise | Elevation):
         yield InputError("waves.band", "nothing", f"is missing [rad/s], and {key} is a sea of kind {sea.kind}")
         return
     if isinstance(sea, Irregular):

@@ -15,8 +15,9 @@ import typer
 from pipeline import environment
 from pipeline.bridge.geometry import BEM_VERSION
 from pipeline.bridge.loading import load
-from pipeline.cli import actions
+from pipeline.cli import actions, starters
 from pipeline.cli.console import DONE, FAILED, Tally, finish, looked, say, store_of
+from pipeline.cli.starters import Kind
 from pipeline.interrupt import KEPT
 from pipeline.results.status import read_status
 from pipeline.results.store import Store, remove
@@ -25,10 +26,10 @@ from pipeline.tasks.select import find, select
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import MODEL_VERSION
 from pipeline.tasks.tasklist import Tasks
-from pipeline.terminal import err
+from pipeline.terminal import err, out
 from solver.errors import InputError
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
 StudyPath = Annotated[Path, typer.Argument(metavar="STUDY", help="A study file, such as studies/buan.toml")]
 ResultsFolder = Annotated[Path, typer.Option(help="Folder of results")]
@@ -45,6 +46,7 @@ Tls = Annotated[
 Words = Annotated[list[str] | None, typer.Argument(metavar="TASK...", help="Ids, their beginnings, or labels")]
 
 BAD_INPUT = 2
+STATUSES = "Exit status: 0 all done, 1 a task failed or the machine did, 2 bad input, "
 RESULTS = Path("results")
 SHOWN = ("finished", "wall_time", "command", "sha256", "provenance", "unmet")  # of a task's status
 
@@ -91,7 +93,7 @@ def options(
     """Coupled wave energy converters and platforms: what a study file describes, run, kept and reported."""
 
 
-@app.command()
+@app.command(epilog="Exit status: 0 done, 2 bad input.")
 def plan(study_file: StudyPath, results: ResultsFolder = RESULTS, select_: Select = "", workers: Workers = 2) -> None:
     """What a run would do, and about how long it would take."""
     from pipeline.cli.plan import Estimate
@@ -109,7 +111,7 @@ def plan(study_file: StudyPath, results: ResultsFolder = RESULTS, select_: Selec
         say(words)
 
 
-@app.command()
+@app.command(epilog=f"{STATUSES}130 interrupted; finished tasks are kept and not run again.")
 def run(
     study_file: StudyPath,
     results: ResultsFolder = RESULTS,
@@ -199,7 +201,7 @@ def show(study_file: StudyPath, task: Annotated[str, typer.Argument()], results:
             say(error.traceback or error.message)
 
 
-@app.command()
+@app.command(epilog=f"{STATUSES}130 interrupted. A task whose record differs from the old one counts as failed.")
 def rerun(
     study_file: StudyPath,
     words: Words = None,
@@ -229,6 +231,34 @@ def rerun(
         return
     actions.preflight(study, chosen)
     raise typer.Exit(actions.rerun(study, store, results, chosen, place))
+
+
+@app.command()
+def new(
+    name: Annotated[Path, typer.Argument(metavar="NAME", help="Of the study, and of its file NAME.toml")],
+    like: Annotated[Kind, typer.Option(help="What it is to be like")] = "sphere",
+) -> None:
+    """Write a study file to start from, with comments, which runs as it is."""
+    path = name if name.suffix == ".toml" else name.with_name(f"{name.name}.toml")
+    for made in starters.write(path, like):
+        say(f"written: {made}")
+    say(f"`study plan {path}` says what would run; `study keys` what else a study file may say")
+
+
+@app.command()
+def keys(word: Annotated[str, typer.Argument(metavar="[WORD]", help="In a key's path or meaning")] = "") -> None:
+    """What a study file may say: every key's path, unit, default, values and meaning, or of those with a WORD."""
+    from pipeline.cli import reference
+
+    reference.print_keys(word, out)
+
+
+@app.command()
+def schema() -> None:
+    """The same as JSON Schema, with which editors complete and check study files."""
+    from pipeline.study.reference import json_schema
+
+    say(json.dumps(json_schema(), indent=1, ensure_ascii=False))
 
 
 @app.command()
@@ -262,7 +292,7 @@ def report(
     say(str(page.write(study, path)))
 
 
-@app.command()
+@app.command(epilog="Exit status: 0 all whole, 1 something damaged or another record at the second time, 2 bad input.")
 def verify(
     study_file: StudyPath,
     results: ResultsFolder = RESULTS,

@@ -1,4 +1,4 @@
-"""How long a run will take, from runs that were."""
+"""How long a run will take, from runs that were, or at the rates that README gives."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ from pipeline.tasks.task import Label, Task
 from pipeline.terminal import about
 
 SAMPLE = 200  # tasks of other studies looked at
+# Of Buan on one idle core, where nothing is known of this machine and study.
+REAL_TIME = 3600  # simulated seconds in a second, elastic platform
+SLOWER = 1600  # times as long takes the paper's own method
+BEM_TIME = 3.0  # of a solution, for each pair of floats in the same order: 12 s for two [s]
 
 
 @dataclass
@@ -41,6 +45,7 @@ class Estimate:
 
     left: int = 0  # tasks
     length: defaultdict[Label, float] = field(default_factory=lambda: defaultdict(float))  # of records, by platform [s]
+    usual: float = 0.0  # time that they take at the rates above [s]
     geometries: set[Geometry] = field(default_factory=set)
     past: defaultdict[Label, Rate] = field(default_factory=lambda: defaultdict(Rate))
 
@@ -49,7 +54,9 @@ class Estimate:
         if entry.state in ("missing", "damaged"):
             parameters, platform = task.parameters, task.labels["platform"]
             self.left += 1
-            self.length[platform] += parameters.record.duration + parameters.record.discard
+            length = parameters.record.duration + parameters.record.discard
+            self.length[platform] += length
+            self.usual += length / REAL_TIME * (SLOWER if parameters.solver.accuracy == "reference" else 1)
             if geometry := geometry_of(parameters):
                 self.geometries.add(geometry)
         elif entry.state in ("done", "stale"):
@@ -65,10 +72,12 @@ class Estimate:
             for status in itertools.islice(_others(results), SAMPLE):
                 self._ran(status)
         count = sum(rate.tasks for rate in self.past.values())
-        time = f"{about(self._seconds() / workers)} on {workers} workers, from {count} {source}"
-        fresh = sum(Cache(results).get(one.key) is None for one in self.geometries)
-        bem = f" after {fresh} boundary element solutions" if fresh else ""
-        return f"to run: {self.left} tasks{bem}; {time if count else 'no past run tells how long they take'}"
+        origin = f"from {count} {source}" if count else f"at {REAL_TIME} times real time, for there is no past run"
+        time = f"{about((self._seconds() if count else self.usual) / workers)} on {workers} workers, {origin}"
+        fresh = [one for one in self.geometries if Cache(results).get(one.key) is None]
+        effort = sum(BEM_TIME * len(one.bodies) ** 2 for one in fresh) / min(workers, max(len(fresh), 1))
+        bem = f" after {len(fresh)} boundary element solutions, {about(effort)}" if fresh else ""
+        return f"to run: {self.left} tasks{bem}; {time}"
 
     def _ran(self, status: Status) -> None:
         self.past[status.labels.get("platform", "")].add(status.wall_time / status.parameters.record.total)

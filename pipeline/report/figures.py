@@ -136,6 +136,12 @@ def series(results: Results, name: str) -> Iterator[tuple[str, str, dict[str, An
             yield item, support, {"color": colour(i), "markerfacecolor": face}
 
 
+def draw_spread(axes: Axes, numbers: np.ndarray, place: float, look: dict[str, Any]) -> None:
+    """Mean of realizations as a dot at a place on the y axis, least and largest as a line through it."""
+    axes.plot([numbers.min(), numbers.max()], [place] * 2, color=look["color"], linewidth=1.0)
+    axes.plot(numbers.mean(), place, "o", **look)
+
+
 def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
     """Mean over realizations with least and largest, and the published number, for each sea state."""
     name, statistic, words, scale = quantity
@@ -147,8 +153,7 @@ def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
             numbers = finite(values.sel(platform=support, float=item, sea_state=sea)) / scale
             if not numbers.size:
                 continue
-            axes.plot([numbers.min(), numbers.max()], [row + lane] * 2, color=look["color"], linewidth=1.0)
-            axes.plot(numbers.mean(), row + lane, "o", **look)
+            draw_spread(axes, numbers, row + lane, look)
             theirs = results.theirs(name, statistic, sea_state=sea, platform=support, float=item)
             if theirs is not None:
                 axes.plot(theirs / scale, row + lane, "x", color=PAPER, markeredgewidth=1.1)
@@ -179,27 +184,5 @@ def sea_states(results: Results) -> Figure | None:
     rows = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
     for axes, quantity in zip(rows, shown, strict=True):
         draw_sea_states(axes, results, quantity)
-    key(figure, results, shown[-1].variable)
-    return figure
-
-
-def along(results: Results, dim: str) -> Figure | None:
-    """Power and rotation along an axis of numbers, such as the damping of the power take-off."""
-    shown = [q for q in (POWER, ROTATION) if results.has(q.variable)]
-    places = results.labels(dim)
-    if not shown or len(places) < 2:
-        return None
-    figure = canvas(9.0, 3.4)
-    rows = figure.subplots(1, len(shown), squeeze=False)[0]
-    others = {key: label for key, label in results.first.items() if key != dim}
-    for axes, quantity in zip(rows, shown, strict=True):
-        values = results.values(quantity.variable, statistic=quantity.statistic, sea_state=results.sea, **others)
-        for item, support, look in series(results, quantity.variable):
-            part = values.sel(platform=support, float=item)
-            means = [finite(part.sel({dim: place})) / quantity.scale for place in places]
-            kept = [(place, numbers.mean()) for place, numbers in zip(places, means, strict=True) if numbers.size]
-            axes.plot(*np.array(kept).T, "o-", linewidth=1.0, **look)
-        axes.set_ylabel(quantity.words)
-        axes.set_xlabel(f"{dim.replace('_', ' ')} [{results.data[dim].attrs.get('units', '')}]")
     key(figure, results, shown[-1].variable)
     return figure

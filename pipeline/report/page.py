@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.report import figures, report, series, sketch, strips
+from pipeline.report.along import along
 from pipeline.report.drawing import plain, png, svg
 from pipeline.report.envelopes import envelopes
 from pipeline.report.figures import Results
@@ -189,4 +190,4 @@ def _scene(results: Results) -> Figure | None:
 
 
 def _along(dim: str) -> Callable[[Results], Figure | None]:
-    return lambda results: figures.along(results, dim)
+    return lambda results: along(results, dim)

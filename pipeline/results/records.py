@@ -53,10 +53,19 @@ def encode(record: Record, parameters: Parameters, provenance: Mapping[str, Any]
         **provenance,
     }
     attrs |= {"parameters": parameters.canonical(), "wave_seed": " ".join(map(str, wave_seed(parameters)))}
+    attrs |= _chosen(parameters)
     attrs |= {k: str(v) for k, v in record.attrs.items() if not _is_figure(v)}
     attrs |= {k: float(v) for k, v in record.attrs.items() if k in TIMINGS}
     variables["task"] = Variable((), np.array(provenance["task"]), meaning("task"))
     return to_bytes(variables, attrs), digest
+
+
+def _chosen(parameters: Parameters) -> dict[str, str]:
+    """What the study left out and the program chose."""
+    sea, waves = parameters.sea_state, parameters.waves
+    if waves.band is not None or not isinstance(sea, seas.Irregular) or (span := seas.frequencies(sea, waves)) is None:
+        return {}
+    return {"waves_band": f"{span[0]:.4g} to {span[1]:.4g} rad/s, chosen by the peak's frequency"}
 
 
 def decode(data: bytes) -> dict[str, Variable]:

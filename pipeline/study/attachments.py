@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, InstanceOf, PlainSerializer, ValidationInfo
+from pydantic import BeforeValidator, InstanceOf, PlainSerializer, ValidationInfo, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 LARGEST = 100e6  # bytes; a larger file would clog the way to the workers
@@ -79,14 +79,17 @@ def _attach_with_others(value: Any, info: ValidationInfo) -> Any:
 
 
 # The type of a key that names a file.
+AS_PATH = WithJsonSchema({"type": "string", "format": "path", "minLength": 1})
 File = Annotated[
     InstanceOf[Attachment],
     BeforeValidator(_attach),
     PlainSerializer(lambda attachment: attachment.identity, return_type=str),
+    AS_PATH,
 ]
 # The same for coefficients, which some programs spread over several files.
 CoefficientFile = Annotated[
     InstanceOf[Attachment],
     BeforeValidator(_attach_with_others),
     PlainSerializer(lambda attachment: attachment.identity, return_type=str),
+    AS_PATH,
 ]

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 
 import numpy as np
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 from scipy.special import ndtri
 
@@ -40,14 +40,9 @@ class Axis(NamedTuple):
 class Span(Table):
     """Numbers between two, all equally likely, or all ratios."""
 
-    start: Number
-    to: Number
-    spacing: Literal["linear", "log"] = "linear"
-
-    @model_validator(mode="before")
-    @classmethod
-    def _start(cls, data: Any) -> Any:
-        return {"start" if key == "from" else key: data[key] for key in data} if isinstance(data, dict) else data
+    start: Annotated[Number, Field(alias="from"), "The first number"]
+    to: Annotated[Number, "The last number"]
+    spacing: Annotated[Literal["linear", "log"], "Equal distances, or equal ratios"] = "linear"
 
     @model_validator(mode="after")
     def _has_ratios(self) -> Span:
@@ -64,7 +59,7 @@ class Span(Table):
 class Range(Span):
     """Numbers at equal distances, or ratios."""
 
-    count: Count
+    count: Annotated[Count, "How many, both ends included"]
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -75,27 +70,37 @@ class Range(Span):
 class Normal(Table):
     """Numbers of a normal distribution."""
 
-    mean: Number
-    std: Positive
+    mean: Annotated[Number, "Mean of the normal distribution"]
+    std: Annotated[Positive, "Its standard deviation"]
 
     def at(self, share: np.ndarray) -> tuple[float, ...]:
         """The numbers below which shares (n,) lie."""
         return _rounded(self.mean + self.std * ndtri(share))
 
 
+def _form(value: Any) -> str:
+    return "<normal>" if isinstance(value, dict) and value.keys() & {"mean", "std"} else "<span>"
+
+
+Sampled = Annotated[
+    Annotated[Span, Tag("<span>")] | Annotated[Normal, Tag("<normal>")],
+    Discriminator(lambda value: "<normal>" if isinstance(value, Normal) else _form(value)),
+]
+
+
 class Together(Table):
     """Keys that change together, along one dimension; a key without a dot only goes with the labels."""
 
-    name: Name
-    keys: dict[str, tuple[Any, ...]]
-    beside: dict[str, tuple[Any, ...]] = Field(default={})
+    name: Annotated[Name, "Name of the dimension, which is numbered from 1"]
+    keys: Annotated[dict[str, tuple[Any, ...]], "A list of values for each dotted path, all of one length"]
+    beside: Annotated[dict[str, tuple[Any, ...]], "A list of labels that go with them"] = Field(default={})
 
     @model_validator(mode="before")
     @classmethod
     def _gather(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        lists = {key: _listed(key, data[key]) for key in data if key != "name"}
+        lists = {key: _listed(key, value) for key, value in _flat(cls, data).items() if key != "name"}
         if len({len(values) for values in lists.values()}) > 1:
             lengths = ", ".join(f"{key} {len(values)}" for key, values in lists.items())
             _refuse(next(iter(lists)), f"lists of one dimension must be of one length: {lengths}")
@@ -109,23 +114,25 @@ class Together(Table):
 class Axes(Table):
     """What is varied; the study is the product of the axes."""
 
-    sea_state: tuple[Label, ...] | None = None
-    platform: tuple[Support, ...] | None = None
-    pto_damping: Annotated[tuple[NotNegative, ...], Unit("N m s/rad")] | None = None
-    hinge_spacing: Annotated[tuple[Positive, ...], Unit("m")] | None = None
-    seed: tuple[Seed, ...] | None = None
-    together: tuple[Together, ...] = ()
-    keys: dict[str, tuple[Any, ...]] = Field(default={})
+    sea_state: Annotated[tuple[Label, ...] | None, "Labels of [sea_states]; left out, all of them"] = None
+    platform: Annotated[tuple[Support, ...] | None, "What carries the floats, and whether there are any"] = None
+    pto_damping: Annotated[tuple[NotNegative, ...] | None, Unit("N m s/rad"), "Damping of every power take-off"] = None
+    hinge_spacing: Annotated[tuple[Positive, ...] | None, Unit("m"), "Distance of the two hinges along x"] = None
+    seed: Annotated[tuple[Seed, ...] | None, "Numbers of the realizations of random seas"] = None
+    together: Annotated[tuple[Together, ...], "Keys that change together, along one dimension"] = ()
+    keys: Annotated[dict[str, tuple[Any, ...]], "Values of any key, or a range { from, to, count, spacing }"] = Field(
+        default={}
+    )
 
     @model_validator(mode="before")
     @classmethod
     def _gather(cls, data: Any) -> Any:
-        """Keys with a dot are paths; the five axes may be given as ranges, too."""
+        """Keys with a dot, and tables in tables, are paths; the five axes may be given as ranges, too."""
         if not isinstance(data, dict):
             return data
         if "keys" in data:
             _refuse("keys", 'unknown key; an axis over a key is its dotted path in quotes, "platform.damping_ratio"')
-        named, paths = _by_dots(data)
+        named, paths = _by_dots(_flat(cls, data))
         named = {key: _listed(key, value) if isinstance(value, dict) else value for key, value in named.items()}
         return named | {"keys": {path: _listed(path, value) for path, value in paths.items()}}
 
@@ -146,19 +153,19 @@ class Axes(Table):
 class Samples(Table):
     """Points of a design space along one dimension, `sample`; more of them leave the first ones where they are."""
 
-    count: Count
-    method: Literal["sobol", "halton", "random"] = "sobol"
-    seed: Seed = 0
-    keys: dict[str, Span | Normal]
+    count: Annotated[Count, "How many; more leave the first ones where they are"]
+    method: Annotated[Literal["sobol", "halton", "random"], "Low-discrepancy sequence, or independent points"] = "sobol"
+    seed: Annotated[Seed, "Of the points"] = 0
+    keys: Annotated[dict[str, Sampled], "What is sampled: { from, to, spacing } or { mean, std } of any key"]
 
     @model_validator(mode="before")
     @classmethod
     def _gather(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        named, paths = _by_dots(data)
+        named, paths = _by_dots(_flat(cls, data))
         if not paths:
-            _refuse("samples", "needs ranges of keys by their dotted paths: { from, to } or { mean, std }")
+            _refuse("", "needs ranges of keys by their dotted paths: { from, to } or { mean, std }")
         return named | {"keys": paths}
 
     @cached_property
@@ -184,9 +191,11 @@ def _unit_cube(method: str, dimensions: int, count: int, seed: int) -> np.ndarra
 class Variant(Table):
     """A named set of values, by dotted paths or in tables; what it does not name stays as the study has it."""
 
-    title: Title = ""
-    axes: dict[str, tuple[Any, ...]] = Field(default={})  # by name or path: the part of an axis that it goes along
-    keys: dict[str, Any] = Field(default={})
+    title: Annotated[Title, "What it is, in a line"] = ""
+    axes: Annotated[dict[str, tuple[Any, ...]], "By name or path, the part of an axis that it goes along"] = Field(
+        default={}
+    )
+    keys: Annotated[dict[str, Any], "Another value of any key"] = Field(default={})
 
     @model_validator(mode="before")
     @classmethod
@@ -215,7 +224,7 @@ def by_path(table: Mapping[str, Any], above: str = "", *, ranges: bool = False) 
     """Tables in tables as dotted paths; or all but those that are ranges."""
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        deeper = isinstance(value, dict) and not (ranges and "from" in value)
+        deeper = isinstance(value, dict) and not (ranges and value.keys() & {"from", "mean"})
         flat |= by_path(value, f"{above}{key}.", ranges=ranges) if deeper else {f"{above}{key}": value}
     return flat
 
@@ -235,6 +244,15 @@ def implied_sea(axes: Any) -> dict[str, Any] | None:
     tables = [axes, *(g for g in (groups if isinstance(groups, list) else ()) if isinstance(g, dict))]
     found = {key: _listed(key, table[key]) for table in tables for key in table if key.startswith("sea.")}
     return {key.removeprefix("sea."): values[0] for key, values in found.items() if values} or None
+
+
+def _flat(table: type[Table], data: Mapping[str, Any]) -> dict[str, Any]:
+    """Keys, of which those that are no field of the table's may be tables in tables: a path without quotes."""
+    flat: dict[str, Any] = {}
+    for key, value in data.items():
+        nested = isinstance(value, dict) and key not in table.model_fields
+        flat |= by_path({key: value}, ranges=True) if nested else {key: value}
+    return flat
 
 
 def _by_dots(table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -262,8 +280,9 @@ def _listed(key: str, value: Any) -> tuple[Any, ...]:
         return Range.model_validate(value).values
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join(map(str, first["loc"])).replace("start", "from")
-        _refuse(key, f"{place}: {first['msg'].lower()}" if place else first["msg"])
+        place = ".".join(map(str, first["loc"]))
+        message = "is missing" if first["type"] == "missing" else first["msg"]
+        _refuse(key, f"{place}: {message[0].lower()}{message[1:]}" if place else message)
 
 
 def _refuse(key: str, limit: str) -> NoReturn:

@@ -57,14 +57,14 @@ class StudyError(Exception):
 def parsed(path: Path) -> tuple[StudyFile, tuple[Path, ...]]:
     """The content of a study file, and the files that it stands on, nearest first; raise StudyError."""
     tables, bases = stacked(path)
-    _check_name(path)
+    check_name(path)
     try:
         return StudyFile.model_validate(tables, context={"folder": path.parent}), bases
     except ValidationError as error:
         raise StudyError(path, [describe(e) for e in error.errors(include_url=False)]) from None
 
 
-def _check_name(path: Path) -> None:
+def check_name(path: Path) -> None:
     """results/<name> must be a folder inside results, and no command may take the name for an option."""
     name = path.stem
     if not (re.match(r"\w", name) and name.isprintable() and "\\" not in name):
@@ -149,7 +149,7 @@ def describe(error: ErrorDetails) -> str:
     context = error.get("ctx", {})
     parts = list(error["loc"])
     value: Any = error["input"]
-    if error["type"] == "unknown_key":
+    if error["type"] == "unknown_key" and context["key"]:
         parts, value = [*parts, context["key"]], value.get(context["key"].strip('"'))
     if error["type"].startswith("union_tag"):
         tag = context["discriminator"].strip("_'()")
@@ -181,6 +181,7 @@ def dotted(parts: Iterable[int | str]) -> str:
         "mesh",
         "tube",
         "solid-rectangle",
+        "keys",
         "[key]",
     )
     text = ""
@@ -188,7 +189,8 @@ def dotted(parts: Iterable[int | str]) -> str:
         if isinstance(part, int):
             text += f"[{part}]"
         elif part not in tags and not part.startswith(("<", "constrained-", "literal[")):
-            text += f".{part}" if text else str(part)
+            quoted = f'"{part}"' if "." in part and not part.startswith('"') else part
+            text += f".{quoted}" if text else quoted
     return text
 
 

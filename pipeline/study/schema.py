@@ -24,6 +24,7 @@ from pipeline.study.tables import (
     Unit,
     Vector,
     fields_of,
+    unit_of,
 )
 from solver import scene as physics
 from solver.structure import frame
@@ -49,7 +50,10 @@ class Recording(Table):
 
     duration: Annotated[Number, Field(ge=1, le=1e6)] = DEFAULT.duration
     discard: Annotated[NotNegative, Field(le=1e5)] = DEFAULT.discard
-    series: Literal["none", "decimated", "full"] = "none"  # of the record; decimated keeps four in the shortest wave
+    series: Annotated[
+        Literal["none", "decimated", "full"],
+        "Time series that records keep; decimated: four samples in the shortest wave",
+    ] = "none"
     if TYPE_CHECKING:
         ramp: float = DEFAULT.ramp
         rao: bool = DEFAULT.rao
@@ -62,6 +66,7 @@ class Solver(Table):
     if TYPE_CHECKING:
         froude_krylov: str = DEFAULT.froude_krylov
         method: str = DEFAULT.method
+        accuracy: str = DEFAULT.accuracy
         tolerance: float | None = DEFAULT.tolerance
         time_step: float | None = DEFAULT.time_step
 
@@ -76,9 +81,9 @@ class Solver(Table):
 class HemisphereCylinder(Table):
     """A hemisphere under a cylinder of the same radius; still water at the junction."""
 
-    shape: Literal["hemisphere-cylinder"]
-    radius: Annotated[Positive, Unit("m")]
-    height: Annotated[Positive, Unit("m")]
+    shape: Annotated[Literal["hemisphere-cylinder"], "Kind of hull"]
+    radius: Annotated[Positive, Unit("m"), "Of hemisphere and cylinder; the draft"]
+    height: Annotated[Positive, Unit("m"), "Of the cylinder, above still water"]
 
     @property
     def draft(self) -> float:
@@ -89,18 +94,18 @@ class HemisphereCylinder(Table):
 class Sphere(Table):
     """A sphere whose lowest point is `draft` below still water."""
 
-    shape: Literal["sphere"]
-    radius: Annotated[Positive, Unit("m")]
-    draft: Annotated[Positive, Unit("m")]
+    shape: Annotated[Literal["sphere"], "Kind of hull"]
+    radius: Annotated[Positive, Unit("m"), "Of the sphere"]
+    draft: Annotated[Positive, Unit("m"), "Depth of the lowest point"]
 
 
 class VerticalCylinder(Table):
     """A cylinder on end, `draft` below and `freeboard` above still water."""
 
-    shape: Literal["vertical-cylinder"]
-    radius: Annotated[Positive, Unit("m")]
-    draft: Annotated[Positive, Unit("m")]
-    freeboard: Annotated[Positive, Unit("m")]
+    shape: Annotated[Literal["vertical-cylinder"], "Kind of hull"]
+    radius: Annotated[Positive, Unit("m"), "Of the cylinder"]
+    draft: Annotated[Positive, Unit("m"), "Depth of the bottom"]
+    freeboard: Annotated[Positive, Unit("m"), "Height of the top above still water"]
 
 
 class PanelMesh(Table):
@@ -109,11 +114,13 @@ class PanelMesh(Table):
     A point of the file comes to scale · Rz Ry Rx (point - origin) in the float's coordinates; still water at z = 0.
     """
 
-    shape: Literal["mesh"]
-    file: File
-    origin: Annotated[Vector, Unit("m")] = (0.0, 0.0, 0.0)  # of the file, in its units: the float's reference point
-    rotation: Annotated[Vector, Unit("rad")] = (0.0, 0.0, 0.0)  # about x, then y, then z, through that point
-    scale: Annotated[Positive, Field(ge=1e-6, le=1e6), Unit("-")] = 1.0  # such as 0.001 for a file in mm
+    shape: Annotated[Literal["mesh"], "Kind of hull"]
+    file: Annotated[File, "Panels, in a file beside the study; z = 0 is still water"]
+    origin: Annotated[Vector, Unit("m"), "Point of the file, in its units, that is the float's reference point"] = (
+        0.0, 0.0, 0.0,
+    )  # fmt: skip
+    rotation: Annotated[Vector, Unit("rad"), "Turns about x, then y, then z, through that point"] = (0.0, 0.0, 0.0)
+    scale: Annotated[Positive, Field(ge=1e-6, le=1e6), Unit("-"), "Metres in the file's unit, 0.001 for mm"] = 1.0
 
 
 Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh, Field(discriminator="shape")]
@@ -131,8 +138,8 @@ class Float(Table):
     one for each.
     """
 
-    name: Name
-    hull: Hull
+    name: Annotated[Name, "Name of the float, in paths, outputs and the node hinge:<name>"]
+    hull: Annotated[Hull, "Shape of the float"]
     motion: tuple[Motion, ...]
     if TYPE_CHECKING:
         hinge: Vector
@@ -147,17 +154,17 @@ class Material(Table):
 class Tube(Table):
     """A circular hollow section."""
 
-    shape: Literal["tube"]
-    diameter: Annotated[Positive, Unit("m")]
-    thickness: Annotated[Positive, Unit("m")]
+    shape: Annotated[Literal["tube"], "Kind of section"]
+    diameter: Annotated[Positive, Unit("m"), "Outer diameter"]
+    thickness: Annotated[Positive, Unit("m"), "Thickness of the wall"]
 
 
 class SolidRectangle(Table):
     """A solid rectangular section."""
 
-    shape: Literal["solid-rectangle"]
-    width: Annotated[Positive, Unit("m")]
-    height: Annotated[Positive, Unit("m")]
+    shape: Annotated[Literal["solid-rectangle"], "Kind of section"]
+    width: Annotated[Positive, Unit("m"), "Across the beam, horizontally"]
+    height: Annotated[Positive, Unit("m"), "Across the beam, the other way"]
 
 
 Section = Annotated[Tube | SolidRectangle, Field(discriminator="shape")]
@@ -167,40 +174,40 @@ Section = Annotated[Tube | SolidRectangle, Field(discriminator="shape")]
 class Member(Table):
     """A straight beam between two nodes, cut into equal elements; it takes wave loads if C_D > 0 or C_M > 1."""
 
-    name: Name
-    start: Name
-    end: Name
-    elements: Annotated[Count, Field(le=1000)] = 1
-    section: Name
-    material: Name
+    name: Annotated[Name, "Name of the member, in paths and legs"]
+    start: Annotated[Name, "Node at its foot"]
+    end: Annotated[Name, "Node at its other end"]
+    elements: Annotated[Count, Field(le=1000), "Number of equal elements"] = 1
+    section: Annotated[Name, "One of [platform.sections]"]
+    material: Annotated[Name, "One of [platform.materials]"]
 
 
 @fields_of(frame.PointMass)
 class PointMass(Table):
     """A mass without extent on a node."""
 
-    node: Name
+    node: Annotated[Name, "Node that carries it"]
 
 
 @fields_of(frame.PointLoad)
 class PointLoad(Table):
     """A constant force on a node."""
 
-    node: Name
+    node: Annotated[Name, "Node that it acts on"]
 
 
 @fields_of(physics.Platform, ("legs", "damping_ratio", "geometric_stiffness", "wave_inertia"))
 class Platform(Table):
     """A beam frame. Nodes named hinge:<float> come with the floats; the others stand here."""
 
-    nodes: dict[Name, Vector]
-    materials: dict[Name, Material]
-    sections: dict[Name, Section]
-    members: tuple[Member, ...]
-    clamped: tuple[Name, ...]
+    nodes: Annotated[dict[Name, Vector], Unit("m"), "Places of the nodes, by name"]
+    materials: Annotated[dict[Name, Material], "Materials, by name"]
+    sections: Annotated[dict[Name, Section], "Sections, by name"]
+    members: Annotated[tuple[Member, ...], "Beams between nodes"]
+    clamped: Annotated[tuple[Name, ...], "Nodes that do not move"]
     legs: tuple[Name, ...] = ()
-    masses: tuple[PointMass, ...] = ()
-    loads: tuple[PointLoad, ...] = ()
+    masses: Annotated[tuple[PointMass, ...], "Lumped masses"] = ()
+    loads: Annotated[tuple[PointLoad, ...], "Static loads"] = ()
     if TYPE_CHECKING:
         damping_ratio: float
         geometric_stiffness: bool
@@ -210,19 +217,21 @@ class Platform(Table):
 class StudyFile(Table):
     """A whole study file."""
 
-    title: Title = ""
-    # Of the floats, from others' boundary elements: capytaine's .nc, BEMIO's .h5, WAMIT's .1 beside .3 and .hst, .out.
-    coefficients: CoefficientFile | None = None
-    water: Water
-    waves: Waves = Waves()
-    record: Recording = Recording()
-    solver: Solver = Solver()
-    floats: tuple[Float, ...] = ()
-    platform: Platform | None = None
-    axes: Axes = Axes()
-    variants: dict[Label, Variant] = Field(default={})
-    samples: Samples | None = None
-    sea_states: dict[Label, SeaState]
+    title: Annotated[Title, "What the study is, in a line"] = ""
+    coefficients: Annotated[
+        CoefficientFile | None,
+        "From others' boundary elements: capytaine's .nc, BEMIO's .h5, WAMIT's .1 beside .3 and .hst, .out",
+    ] = None
+    water: Annotated[Water, "The water"]
+    waves: Annotated[Waves, "What sea states have in common"] = Waves()
+    record: Annotated[Recording, "What is analysed and kept"] = Recording()
+    solver: Annotated[Solver, "Numerical choices"] = Solver()
+    floats: Annotated[tuple[Float, ...], "The floats, each on its joint"] = ()
+    platform: Annotated[Platform | None, "The elastic platform that carries them"] = None
+    axes: Annotated[Axes, "What is varied"] = Axes()
+    variants: Annotated[dict[Label, Variant], "Named sets of values, along the dimension variant"] = Field(default={})
+    samples: Annotated[Samples | None, "Points of a design space, along the dimension sample"] = None
+    sea_states: Annotated[dict[Label, SeaState], "The seas, by label"]
 
     @property
     def varied(self) -> tuple[Axis, ...]:
@@ -244,11 +253,8 @@ def units() -> dict[str, str]:
     symbols: dict[str, str] = {}
     for table in tables():
         for key, field in table.model_fields.items():
-            # In a union with None the unit sits one level down.
-            inner = [m for a in getattr(field.annotation, "__args__", ()) for m in getattr(a, "__metadata__", ())]
-            for mark in (*field.metadata, *inner):
-                if isinstance(mark, Unit):
-                    symbols[key] = mark.symbol
+            if (symbol := unit_of(field)) != "-":
+                symbols[key] = symbol
     return symbols
 
 

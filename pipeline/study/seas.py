@@ -5,85 +5,102 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from pipeline.study import columns
 from pipeline.study.attachments import File
-from pipeline.study.tables import Count, Number, Positive, Seed, Table, Unit
+from pipeline.study.tables import Count, Number, Positive, Seed, Table, Unit, divisible
 
 # The classes of solver.sea.spectrum that have a peak, in lower case; their fields besides Hs and Tp are keys below.
 Shape = Literal["pierson-moskowitz", "jonswap"]
 Form = Literal["peak", "mean"]  # "mean": Tp holds the mean period T1, as in the Pierson-Moskowitz form of ITTC
-Frequency = Annotated[Positive, Field(le=100)]
+Frequency = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=100), AfterValidator(divisible)]
 Gamma = Annotated[Number, Field(ge=1, le=7), Unit("-")]
+
+
+# Ends of the band of an irregular sea without waves.band, over its peak's frequency. Of Pierson-Moskowitz's variance
+# exp(-5/4 / x^4) lies below x: 2e-9 below the first; and 1.5 % above the second, where waves are short and steps small.
+USUAL_BAND = (0.5, 3.0)
+PEAK_OVER_MEAN = 2 * math.pi / (0.8 * 692) ** 0.25  # Tp / T1 of Pierson-Moskowitz, in the form of ITTC
+PERIOD = "What Tp holds: the peak period, or the mean period T1"
 
 
 class Waves(Table):
     """What sea states have in common: shape, frequencies, direction."""
 
-    spectrum: Shape = "pierson-moskowitz"
-    form: Form = "peak"
-    gamma: Gamma = 3.3  # of JONSWAP
-    components: Annotated[Count, Field(le=10_000)] = 130
-    # Frequencies of irregular waves, and of the coefficients of floats.
-    band: Annotated[tuple[Frequency, Frequency], Unit("rad/s")] | None = None
-    intervals: Literal["random", "even"] = "random"
-    heading: Annotated[Number, Field(ge=-2 * math.pi, le=2 * math.pi), Unit("rad")] = 0.0
-    base_seed: Seed = 0
+    spectrum: Annotated[Shape, "Spectrum of irregular seas"] = "pierson-moskowitz"
+    form: Annotated[Form, PERIOD] = "peak"
+    gamma: Annotated[Gamma, "Peak enhancement of JONSWAP"] = 3.3
+    components: Annotated[Count, Field(le=10_000), "Number of waves in a realization of a random sea"] = 130
+    band: Annotated[
+        tuple[Frequency, Frequency] | None,
+        Unit("rad/s"),
+        "Frequencies of random waves; left out, half to three times the peak's of each irregular sea",
+    ] = None
+    intervals: Annotated[
+        Literal["random", "even"], "Widths of the band's intervals; with even ones the sea repeats itself"
+    ] = "random"
+    heading: Annotated[
+        Number, Field(ge=-2 * math.pi, le=2 * math.pi), Unit("rad"), "Where waves go: 0 along +x, positive to +y"
+    ] = 0.0
+    base_seed: Annotated[Seed, "Other phases of all realizations"] = 0
+
+
+KIND = "Kind of sea"
 
 
 class Irregular(Table):
     """Random waves: a row of a scatter table, with the shape of [waves] unless it says otherwise."""
 
-    kind: Literal["irregular"] = "irregular"
-    Hs: Annotated[Positive, Unit("m")]
-    Tp: Annotated[Positive, Unit("s")]
-    spectrum: Shape | None = None
-    form: Form | None = None
-    gamma: Gamma | None = None
+    kind: Annotated[Literal["irregular"], KIND] = "irregular"
+    Hs: Annotated[Positive, Unit("m"), "Significant wave height"]
+    Tp: Annotated[Positive, Unit("s"), "Peak period"]
+    spectrum: Annotated[Shape | None, "Another spectrum than that of [waves]"] = None
+    form: Annotated[Form | None, PERIOD] = None
+    gamma: Annotated[Gamma | None, "Peak enhancement of JONSWAP"] = None
 
 
 class WhiteNoise(Table):
     """Random waves of the same density everywhere in waves.band."""
 
-    kind: Literal["white-noise"]
-    Hs: Annotated[Positive, Unit("m")]
+    kind: Annotated[Literal["white-noise"], KIND]
+    Hs: Annotated[Positive, Unit("m"), "Significant wave height"]
 
 
 class MeasuredSpectrum(Table):
     """Random waves with a spectrum from a file: omega [rad/s], S [m2 s/rad] (or frequency [Hz], S [m2/Hz])."""
 
-    kind: Literal["spectrum"]
-    file: File
+    kind: Annotated[Literal["spectrum"], KIND]
+    file: Annotated[File, "CSV file beside the study: omega [rad/s], S [m2 s/rad]"]
 
 
 class Regular(Table):
     """One wave of this height, crest to trough; at the origin the phase is that of its cosine at t = 0."""
 
-    kind: Literal["regular"]
-    height: Annotated[Positive, Unit("m")]
-    period: Annotated[Positive, Unit("s")]
-    phase: Annotated[Number, Unit("rad")] = 0.0
+    kind: Annotated[Literal["regular"], KIND]
+    height: Annotated[Positive, Unit("m"), "Wave height, crest to trough"]
+    period: Annotated[Positive, Unit("s"), "Wave period"]
+    phase: Annotated[Number, Unit("rad"), "Of the cosine at the origin, at t = 0"] = 0.0
 
 
 class Components(Table):
     """Waves one by one from a file: amplitude [m], omega [rad/s] (or frequency [Hz]), phase [rad]."""
 
-    kind: Literal["components"]
-    file: File
+    kind: Annotated[Literal["components"], KIND]
+    file: Annotated[File, "CSV file beside the study: amplitude [m], omega [rad/s], phase [rad]"]
 
 
 class Elevation(Table):
     """A measured record at the origin from a file: time [s], elevation [m]; its lines in waves.band are kept."""
 
-    kind: Literal["elevation"]
-    file: File
+    kind: Annotated[Literal["elevation"], KIND]
+    file: Annotated[File, "CSV file beside the study: time [s], elevation [m]"]
 
 
 class Still(Table):
     """No waves: free decay from the floats' offsets."""
 
-    kind: Literal["still"]
+    kind: Annotated[Literal["still"], KIND]
 
 
 def _kind(table: Any) -> str:
@@ -138,6 +155,11 @@ def frequencies(sea: SeaState, waves: Waves) -> tuple[float, float] | None:
         case MeasuredSpectrum() if waves.band is None:
             omega = columns.read(sea.file, ("omega",))["omega"]
             return float(omega[omega > 0].min(initial=math.inf)), float(omega.max())
+        case Irregular() if waves.band is None:
+            peak = 2 * math.pi / sea.Tp
+            if (sea.spectrum or waves.spectrum, sea.form or waves.form) == ("pierson-moskowitz", "mean"):
+                peak /= PEAK_OVER_MEAN
+            return USUAL_BAND[0] * peak, USUAL_BAND[1] * peak
         case _:
             return waves.band
 

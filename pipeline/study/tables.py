@@ -18,16 +18,19 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
+    GetJsonSchemaHandler,
     PlainSerializer,
     StringConstraints,
     Tag,
+    WithJsonSchema,
     create_model,
     model_validator,
 )
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticCustomError
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError
 
-from solver.quantities import Quantity, quantities
+from solver.quantities import Quantity, meanings, quantities
 
 
 class Unit(NamedTuple):
@@ -41,7 +44,8 @@ SMALLEST, LARGEST = 1e-20, 1e20
 DEEPEST = 1e5  # [m]; deeper water is infinitely deep
 
 
-def _divisible(value: float) -> float:
+def divisible(value: float) -> float:
+    """A number that is not next to nothing."""
     if value < SMALLEST:
         raise PydanticCustomError("too_small", "{least}", {"least": SMALLEST})
     return value
@@ -55,12 +59,12 @@ def _fathomable(value: float) -> float:
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=LARGEST)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=LARGEST), AfterValidator(_divisible)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=LARGEST), AfterValidator(divisible)]
 # TOML has inf, JSON has not.
 Depth = Annotated[
     float,
     Field(strict=True, gt=0),
-    AfterValidator(_divisible),
+    AfterValidator(divisible),
     AfterValidator(_fathomable),
     PlainSerializer(lambda v: "inf" if math.isinf(v) else v, when_used="json"),
 ]
@@ -77,9 +81,14 @@ def _one_line(text: str) -> str:
 
 
 Title = Annotated[str, StringConstraints(strict=True, max_length=200), AfterValidator(_one_line)]
-Name = Annotated[str, StringConstraints(strict=True, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.:-]*$")]
+NAME = r"^[A-Za-z0-9_][A-Za-z0-9_.:-]*$"
+Name = Annotated[str, StringConstraints(strict=True, max_length=100, pattern=NAME)]
 # A year is a fine label, and TOML reads it as a number.
-Label = Annotated[Name, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
+Label = Annotated[
+    Name,
+    BeforeValidator(lambda v: str(v) if type(v) is int else v),
+    WithJsonSchema({"type": ["string", "integer"], "pattern": NAME, "maxLength": 100}),
+]
 Seed = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
 
 
@@ -94,6 +103,16 @@ def _one_or_many(value: Any) -> str:
     return "<many>" if isinstance(value, list | tuple) else "<one>"
 
 
+def unit_of(field: FieldInfo) -> str:
+    """The symbol beside a key's type; "-" for what has none."""
+    return next((mark.symbol for mark in field.metadata if isinstance(mark, Unit)), "-")
+
+
+def meaning_of(field: FieldInfo) -> str:
+    """The words beside a key's type."""
+    return next((mark for mark in field.metadata if isinstance(mark, str)), "")
+
+
 class Table(BaseModel):
     """One table of a study file: immutable, and an unknown key is an error with a suggestion."""
 
@@ -102,12 +121,24 @@ class Table(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _refuse_unknown_keys(cls, data: Any) -> Any:
+        names = [field.alias or name for name, field in cls.model_fields.items()]
         for key in data if isinstance(data, dict) else ():
-            if key not in cls.model_fields:
-                close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
-                known = f"did you mean {close[0]}?" if close else f"known: {', '.join(cls.model_fields)}"
+            if key not in names:
+                close = difflib.get_close_matches(str(key), names, n=1)
+                known = f"did you mean {close[0]}?" if close else f"known: {', '.join(names)}"
                 raise PydanticCustomError("unknown_key", "{limit}", {"key": key, "limit": f"unknown key; {known}"})
         return data
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """With the meaning and the unit of each key: what stands beside its type, as text and as Unit."""
+        reference = handler(core_schema)
+        properties = handler.resolve_ref_schema(reference).get("properties", {})
+        for name, field in cls.model_fields.items():
+            told = {"description": meaning_of(field), "x-unit": unit_of(field)}
+            shown = field.alias or name
+            properties[shown] = properties[shown] | {key: text for key, text in told.items() if text}
+        return reference
 
 
 T = TypeVar("T", bound=Table)
@@ -132,7 +163,7 @@ PER_AXIS = float | tuple[float, ...]  # of a joint: a number for its only axis, 
 def fields_of(inputs: type, names: Collection[str] = ()) -> Callable[[type[T]], type[T]]:
     """Complete a table with the fields of the solver's inputs, all or those named.
 
-    Name, default, unit and range are the solver's. A field that the table declares keeps its type; one
+    Name, default, unit, range and meaning are the solver's. A field that the table declares keeps its type; one
     under TYPE_CHECKING is there for the pipeline's eyes alone.
     """
 
@@ -144,7 +175,8 @@ def fields_of(inputs: type, names: Collection[str] = ()) -> Callable[[type[T]], 
                 quantity = quantities(inputs).get(field.name, Quantity())
                 declared = table.model_fields.get(field.name)
                 info = copy(declared) if declared else FieldInfo.from_annotation(_strict(hints[field.name], quantity))
-                info.metadata = [*info.metadata, Unit(quantity.unit)]
+                said = [meanings(inputs)[field.name]] if field.name in meanings(inputs) else []
+                info.metadata = [*info.metadata, *said, Unit(quantity.unit)]
                 made[field.name] = (info.annotation, FieldInfo.merge_field_infos(info, **_default(field)))
         return create_model(table.__name__, __base__=table, __doc__=table.__doc__, __module__=table.__module__, **made)
 
@@ -159,7 +191,7 @@ def _strict(hint: Any, quantity: Quantity) -> Any:
     """A type of the solver's as a file must give it: no word and no flag is taken for a number."""
     if hint in (float, int):
         number = Annotated[hint, Field(strict=True, **_bounds(quantity, real=hint is float))]
-        return Annotated[number, AfterValidator(_divisible)] if hint is float and quantity.above == 0 else number
+        return Annotated[number, AfterValidator(divisible)] if hint is float and quantity.above == 0 else number
     if hint is bool:
         return Flag
     if hint == PER_AXIS:

@@ -20,9 +20,9 @@ COINCIDENT = 1e-9  # two nodes closer than this share of the frame's size are on
 class Material:
     """A linear elastic material."""
 
-    E: Annotated[float, Quantity("Pa", above=0)]  # Young's modulus
-    G: Annotated[float, Quantity("Pa", above=0)]  # shear modulus
-    density: Annotated[float, Quantity("kg/m3", above=0)]
+    E: Annotated[float, Quantity("Pa", above=0), "Young's modulus"]
+    G: Annotated[float, Quantity("Pa", above=0), "Shear modulus"]
+    density: Annotated[float, Quantity("kg/m3", above=0), "Density of the material"]
 
     def __post_init__(self) -> None:
         require_ranges(self, "material")
@@ -41,8 +41,8 @@ class Member:
     elements: int
     section: Section
     material: Material
-    drag_coefficient: Annotated[float, Quantity("-", least=0)] = 0.0  # C_D
-    inertia_coefficient: Annotated[float, Quantity("-", least=1)] = 1.0  # C_M = 1 + C_a
+    drag_coefficient: Annotated[float, Quantity("-", least=0), "Morison's C_D"] = 0.0
+    inertia_coefficient: Annotated[float, Quantity("-", least=1), "Morison's C_M = 1 + C_a"] = 1.0
 
     def __post_init__(self) -> None:
         refuse(self._problems(f"members.{self.name}"))
@@ -67,7 +67,7 @@ class PointMass:
     """A mass without extent on a node; it resists translation alone."""
 
     node: str
-    mass: Annotated[float, Quantity("kg", above=0)]
+    mass: Annotated[float, Quantity("kg", above=0), "Mass without extent; it resists translation alone"]
 
     def __post_init__(self) -> None:
         require_ranges(self, f"masses.{self.node}")
@@ -78,7 +78,7 @@ class PointLoad:
     """A constant force on a node."""
 
     node: str
-    force: Annotated[tuple[float, float, float], Quantity("N")]  # global axes
+    force: Annotated[tuple[float, float, float], Quantity("N"), "Constant force, along the global axes"]
 
     def __post_init__(self) -> None:
         if np.shape(self.force) != (3,) or not np.all(np.isfinite(self.force)):

@@ -56,7 +56,7 @@ def _points(wetted: np.ndarray, size: float) -> np.ndarray:
 
 
 def _turns(wetted: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """How often a wetted surface, closed by its image in still water, winds round those of points (m, 3) that it may."""
+    """How often a wetted surface, closed by its image in still water, winds round those of points (m, 3) in its box."""
     low, high = wetted.reshape(-1, 3).min(axis=0), wetted.reshape(-1, 3).max(axis=0)
     near = points[np.all((points >= low - SAME) & (points <= high + SAME), axis=1)]
     image = wetted[:, ::-1] * np.array([1.0, 1.0, -1.0])

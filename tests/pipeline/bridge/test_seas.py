@@ -1,15 +1,18 @@
 """Sea states of every kind from a study file: what they become, what they are called, and what is refused."""
 
+import io
 import pickle
 
 import numpy as np
 import pytest
+import xarray as xr
 from pytest import approx
 
-from pipeline.bridge import preflight, scenes
+from pipeline.bridge import preflight, realizations, scenes
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
+from pipeline.results.records import encode
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import expand
 
@@ -225,10 +228,48 @@ def test_bad_seas_are_refused_in_one_line(study_with, tmp_path, sea, files, mess
     assert any(line.startswith(f"{tmp_path / 'sea.toml'}: ") and message in line for line in caught.value.problems)
 
 
-@pytest.mark.parametrize("sea", ["{ Hs = 1.0, Tp = 8.0 }", '{ kind = "elevation", file = "elevation.csv" }'])
+@pytest.mark.parametrize(
+    "sea", ['{ kind = "white-noise", Hs = 1.0 }', '{ kind = "elevation", file = "elevation.csv" }']
+)
 def test_a_sea_that_needs_a_band_says_so(study_with, sea):
     with pytest.raises(StudyError, match=r"waves.band = nothing: is missing \[rad/s\], and sea_states.only is a sea"):
         study_with(sea, waves="")
+
+
+SHAPES = [
+    ("{ Hs = 1.0, Tp = 8.0 }", 2 * np.pi / 8),
+    ('{ Hs = 1.0, Tp = 8.0, spectrum = "jonswap" }', 2 * np.pi / 8),
+    ('{ Hs = 1.0, Tp = 8.0, form = "mean" }', (0.8 * 692) ** 0.25 / 8),
+]
+
+
+@pytest.mark.parametrize(("sea", "peak"), SHAPES, ids=["peak", "jonswap", "mean"])
+def test_without_a_band_an_irregular_sea_has_half_to_three_times_its_peaks_frequency(study_with, sea, peak):
+    """And so 1 % of its height less at most: of Pierson-Moskowitz's variance 1.5 % lie above three times the peak."""
+    parameters = first(study_with(sea, waves=""))
+    made = scenes.sea(parameters)
+    assert 0.5 * peak < made.omega.min() < 0.6 * peak and 2.9 * peak < made.omega.max() < 3 * peak
+    assert 0.985 < made.parameters()["Hm0"] < 1.0
+    assert realizations.shape(parameters.sea_state, parameters.waves).peak_frequency == approx(peak)
+    given = first(study_with(sea, waves=f"band = [{0.5 * peak!r}, {3 * peak!r}]"))
+    assert scenes.sea(given).omega[[0, -1]] == approx([0.5 * peak, 3 * peak], rel=0.1)
+
+
+def test_without_a_band_seas_of_about_the_same_period_share_coefficients(study_with):
+    one, other = (geometry_of(first(study_with(f"{{ Hs = 1.0, Tp = {T} }}", waves=""))) for T in (8.0, 7.5))
+    assert one == other and one.band[0] < np.pi / 8 and one.band[1] > 6 * np.pi / 7.5
+
+
+def test_a_record_says_which_band_was_chosen(study_with):
+    class Bare:
+        variables, coords, attrs, series = {}, {}, {}, {}
+
+    def said(parameters):
+        return xr.open_dataset(io.BytesIO(encode(Bare(), parameters, {"task": "t"})[0])).attrs.get("waves_band")
+
+    assert said(first(study_with("{ Hs = 1.0, Tp = 8.0 }", waves=""))).startswith("0.3927 to 2.356 rad/s")
+    assert said(first(study_with("{ Hs = 1.0, Tp = 8.0 }"))) is None
+    assert said(first(study_with('{ kind = "still" }', waves=""))) is None
 
 
 def test_still_water_in_a_band_shares_coefficients_with_its_waves(study_with):

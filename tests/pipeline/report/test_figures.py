@@ -5,10 +5,12 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import SMALL
 
 from pipeline.bridge.loading import load
 from pipeline.cli import cli
 from pipeline.report import envelopes, figures, overview, page, sketch, strips
+from pipeline.report.along import along
 from pipeline.report.drawing import plain, svg
 from pipeline.report.report import COLUMNS
 from pipeline.tasks.study import Study
@@ -145,7 +147,53 @@ def test_an_axis_of_numbers_has_its_own_figure(results):
     varied = figures.Results(study=results.study, data=data)
     assert "Along pto damping" in titles(varied)
     with plain():
-        assert figures.along(varied, "pto_damping").axes[0].get_xlabel() == "pto damping [N m s rad-1]"
+        axes = along(varied, "pto_damping").axes[0]
+    assert axes.get_xlabel() == "pto damping [N m s rad-1]"
+    mean = data.absorbed_power.sel(sea_state="rough", platform="elastic", statistic="mean", float="front").mean("seed")
+    np.testing.assert_allclose(axes.lines[0].get_xydata(), np.column_stack([data.pto_damping, mean / 1e3]))
+
+
+def along_of(small, axis, lines, **coordinates):
+    """Results of a study that varies something more, three times as large at each label."""
+    small.write_text(small.read_text().replace("[sea_states", f"{lines}\n[sea_states", 1))
+    labels = coordinates.pop(axis)
+    data = xr.concat([3.0**i * dataset()[["absorbed_power"]] for i in range(len(labels))], axis)
+    return figures.Results(study=load(small), data=data.assign_coords({axis: labels, **coordinates}))
+
+
+def test_an_axis_of_words_has_its_own_figure(small):
+    """A row for each variant, and in it the mean over the realizations there are; none where there are none."""
+    lines = "[variants.usual]\n[variants.deep]\nwater.depth = 60.0\n[variants.deeper]\nwater.depth = 70.0"
+    varied = along_of(small, "variant", lines, variant=["usual", "deep", "deeper"])
+    varied.data.absorbed_power.loc[{"variant": "deeper", "platform": "fixed"}] = np.nan
+    assert "Along variant" in titles(varied)
+    with plain():
+        (axes,) = along(varied, "variant").axes
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["usual", "deep", "deeper"]
+    dots = [line.get_xydata()[0] for line in axes.lines if line.get_marker() == "o"]
+    assert [round(y) for _, y in dots] == [0, 1, 2, 0, 1]
+    usual = varied.data.absorbed_power.sel(sea_state="rough", statistic="mean", float="front", platform="elastic")
+    assert [x for x, _ in dots[:3]] == pytest.approx(usual.mean("seed") / 1e3)
+
+
+def test_numbers_that_go_with_an_axis_stand_along_it(small):
+    """Paired values are drawn over their own numbers, in order; samples over each key's, without a line."""
+    lines = "[[axes.together]]\nname = 'arm'\nlength = [3.0, 2.0]\nwater.depth = [50.0, 60.0]"
+    paired = along_of(small, "arm", lines, arm=[1, 2], length=("arm", [3.0, 2.0]), words=("arm", ["a", "b"]))
+    with plain():
+        (axes,) = along(paired, "arm").axes
+    assert axes.get_xlabel() == "length" and axes.lines[0].get_xdata().tolist() == [2.0, 3.0]
+    assert axes.lines[0].get_linestyle() == "-"
+    sampled = xr.concat([paired.data.isel(arm=0, drop=True)] * 2, "sample").drop_vars(
+        ["length", "words"], errors="ignore"
+    )
+    sampled = sampled.assign_coords(sample=[0, 1], mass=("sample", [5.0, 4.0]), depth=("sample", [7.0, 8.0]))
+    sampled.mass.attrs["units"] = "kg"
+    small.write_text(SMALL + "[samples]\ncount = 2\nfloats.front.mass = { from = 2000.0, to = 2200.0 }\n")
+    with plain():
+        every = along(figures.Results(study=load(small), data=sampled), "sample").axes
+    assert [axes.get_xlabel() for axes in every] == ["mass [kg]", "depth"]
+    assert {line.get_linestyle() for axes in every for line in axes.lines} == {"None"}
 
 
 def test_envelopes_average_what_is_there(results):

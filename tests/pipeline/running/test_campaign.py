@@ -600,7 +600,12 @@ def test_odd_and_impossible_seas_are_named_whichever_they_are(three_seas, engine
 
 
 def test_plan_tells_states_and_time_from_past_runs(small, cli):
-    assert "no past run tells how long they take" in cli("plan")
+    told = cli("plan", "--workers", "1")  # twelve records of 3,700 s; a geometry with one float
+    assert "to run: 12 tasks after 1 boundary element solutions, about 3 s; about 12 s on 1 workers, at 3600 " in told
+    assert "about 6 s on 2 workers" in cli("plan")
+    small.write_text(small.read_text() + '[solver]\naccuracy = "reference"\n')
+    assert "about 2.7 h on 2 workers, at 3600 times real time" in cli("plan")
+    small.write_text(small.read_text().replace('[solver]\naccuracy = "reference"\n', ""))
     small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 666]"))
     cli("run", "--workers", "1", "--select", "sea_state=calm", code=1)
     output = cli("plan")

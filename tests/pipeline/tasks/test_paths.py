@@ -69,11 +69,11 @@ WRONG = [
     ('"solver.modes" = [0]', 'axes."solver.modes" = 0: must be'),
     ('"solver.froude_krylov" = ["linear", "nonlinear"]', 'axes."solver.froude_krylov" = nonlinear: must be one of'),
     ('"sea.hs" = [1.0]', "leads nowhere; did you mean sea_states.calm.Hs?"),
-    ('"axes.seed" = [1]', "leads nowhere: a study has water"),
+    ('"axes.seed" = [1]', "leads nowhere: a study has coefficients, water"),
     ('"water.depth" = []', 'axes."water.depth" = []: needs at least one value'),
-    ('"water.depth" = [60.0, 60]', 'axes."depth" = 60.0: given 2 times'),
+    ('"water.depth" = [60.0, 60]', 'axes."water.depth" = 60.0: given 2 times'),
     ('"water.depth" = 60.0', 'axes."water.depth" = 60.0: must be a list of values, or { from, to, count, spacing }'),
-    ('"water.depth" = { from = 1.0, count = 3 }', 'axes."water.depth" = '),
+    ('"water.depth" = { from = 1.0, count = 3 }', "axes.\"water.depth\" = {'from': 1.0, 'count': 3}: to: is missing"),
     ('"water.depth" = { from = 60.0, to = 70.0, step = 3 }', "a range has from, to, count and spacing, and not step"),
     ('"water.depth" = { from = -1.0, to = 1.0, count = 3, spacing = "log" }', 'needs numbers > 0'),
     ('"water.depth" = [50.0, 0.5]', 'axes."water.depth" = 0.5: '),
@@ -95,9 +95,14 @@ WRONG = [
     ("[variants]\na = 3", "variants.a = 3: must be a table"),
     ("[variants.a]\n'water.depth' = 60.0\n[samples]\ncount = 2\n'water.depth' = { from = 50.0, to = 60.0 }",
      'axes = "water.depth": is varied along two dimensions'),
-    ("[samples]\ncount = 4", "samples.samples = None: needs ranges of keys by their dotted paths"),
+    ("[samples]\ncount = 4", "samples = {'count': 4}: needs ranges of keys by their dotted paths"),
     ("[samples]\ncount = 4\n'floats.front.mas' = { from = 1.0, to = 2.0 }", "did you mean floats.front.mass?"),
-    ("[samples]\ncount = 4\n'floats.front.mass' = { mean = 1.0 }", "samples.keys.floats.front.mass"),
+    ("[samples]\ncount = 4\n'floats.front.mass' = { mean = 1.0 }", 'samples."floats.front.mass".std: is missing'),
+    ("[samples]\ncount = 4\n'floats.front.mass' = 3.0", 'samples."floats.front.mass" = 3.0: must be a table'),
+    ("[samples]\ncount = 4\n'floats.front.mass' = { from = 1.0 }", 'samples."floats.front.mass".to: is missing'),
+    ("[samples]\ncount = 4\n'floats.front.mass' = { from = 1.0, to = 2.0, upto = 3.0 }", ".upto = 3.0: unknown key;"),
+    ("[samples]\n'floats.front.mass' = { from = 1.0, to = 2.0 }", "samples.count: is missing"),
+    ("[axes.floats.front]\nmas = [1.0]", 'axes."floats.front.mas" = 1.0: leads nowhere; did you mean '),
 ]  # fmt: skip
 
 
@@ -161,6 +166,22 @@ def test_same_physics_is_the_same_task_however_it_is_said(small):
                                   "'floats.front.pto_damping' = [1e5, 2e5]\n[sea_states", 1))  # fmt: skip
     paired = {task.id for task in load(small).tasks}
     assert plain < paired < wider
+
+
+def test_paths_without_a_star_need_no_quotes(small):
+    text = small.read_text()
+    span = "{ from = 2000.0, to = 2200.0, count = 3 }"
+    plain = varied(small, f'"floats.front.mass" = {span}', '"water.depth" = [50.0, 60.0]')
+    small.write_text(text)
+    tables = varied(small, f"floats.front.mass = {span}", "water.depth = [50.0, 60.0]")
+    assert tables.content.varied == plain.content.varied and len(tables.tasks) == len(plain.tasks)
+    sampled = "[samples]\ncount = 2\nfloats.front.mass = { mean = 2147.0, std = 1.0 }\n"
+    small.write_text(text.replace("[sea_states", sampled + "[sea_states", 1))
+    assert next(iter(load(small).content.samples.axis.keys)) == "floats.front.mass"
+    paired = "[[axes.together]]\nname = 'a'\nfloats.front.mass = [2100.0, 2147.0]\nlength = [1, 2]\n"
+    small.write_text(text.replace("[sea_states", paired + "[sea_states", 1))
+    (axis,) = load(small).content.varied
+    assert (*axis.keys, *axis.beside) == ("floats.front.mass", "length")
 
 
 def test_a_product_of_seas_needs_none_by_name(small):

@@ -1,0 +1,77 @@
+"""Power and rotation along an axis of a study: of numbers, of words such as variants, of samples."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipeline.report.drawing import canvas, categories, lanes
+from pipeline.report.figures import POWER, ROOM, ROTATION, Measure, Results, draw_spread, finite, key, series
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST = 6  # quantities that change together which have a row of panels each
+
+
+def along(results: Results, dim: str) -> Figure | None:
+    """A panel for each quantity; words stand in rows, numbers that change together have a row of panels each."""
+    shown = [quantity for quantity in (POWER, ROTATION) if results.has(quantity.variable)]
+    labels = results.labels(dim)
+    if not shown or len(labels) < 2:
+        return None
+    words = isinstance(labels[0], str)
+    across = [dim] if words else abscissae(results, dim)
+    figure = canvas(9.0, 1.2 + 0.45 * len(labels[:ROOM]) if words else 0.4 + 3.0 * len(across))
+    grid = figure.subplots(len(across), len(shown), sharey=words, squeeze=False)
+    for name, row in zip(across, grid, strict=True):
+        for axes, quantity in zip(row, shown, strict=True):
+            if words:
+                _draw_words(axes, results, quantity, dim)
+            else:
+                _draw_numbers(axes, results, quantity, dim, name)
+    key(figure, results, shown[-1].variable)
+    return figure
+
+
+def abscissae(results: Results, dim: str) -> list[str]:
+    """What stands along x: numbers that go with the labels where there are some, as with samples; or the labels."""
+    beside = [str(name) for name, c in results.data.coords.items() if c.dims == (dim,) and c.dtype.kind in "iuf"]
+    varied = [name for name in beside if name != dim and np.unique(results.data[name].values).size > 1]
+    return varied[:MOST] or [dim]
+
+
+def _values(results: Results, quantity: Measure, dim: str) -> xr.DataArray:
+    others = {name: label for name, label in results.first.items() if name != dim}
+    return results.values(quantity.variable, statistic=quantity.statistic, sea_state=results.sea, **others)
+
+
+def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> None:
+    """A row for each word."""
+    labels = results.labels(dim)[:ROOM]
+    values, every = _values(results, quantity, dim), list(series(results, quantity.variable))
+    categories(axes, labels)
+    for (item, support, look), lane in zip(every, lanes(len(every)), strict=True):
+        for row, label in enumerate(labels):
+            numbers = finite(values.sel({"platform": support, "float": item, dim: label})) / quantity.scale
+            if numbers.size:
+                draw_spread(axes, numbers, row + lane, look)
+    axes.locator_params(axis="x", nbins=6)
+    axes.set_xlabel(quantity.words)
+
+
+def _draw_numbers(axes: Axes, results: Results, quantity: Measure, dim: str, name: str) -> None:
+    """Means over the numbers called `name`, joined by lines unless they are samples."""
+    values, places = _values(results, quantity, dim), results.data[name].values
+    for item, support, look in series(results, quantity.variable):
+        part = values.sel({"platform": support, "float": item})
+        means = [finite(part.isel({dim: i})) / quantity.scale for i in range(len(places))]
+        kept = sorted((place, numbers.mean()) for place, numbers in zip(places, means, strict=True) if numbers.size)
+        style: dict[str, Any] = {"linestyle": "" if dim == "sample" else "-", "linewidth": 1.0}
+        axes.plot(*np.array(kept).reshape(-1, 2).T, "o", **style, **look)
+    axes.set_ylabel(quantity.words)
+    unit = results.data[name].attrs.get("units", "1")
+    axes.set_xlabel(name.replace("_", " ") + (f" [{unit}]" if unit != "1" else ""))
