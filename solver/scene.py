@@ -20,6 +20,8 @@ from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 
 STEPS = 9  # in the shortest period that a scene has to follow
+OUTPUTS = ("reactions", "section_forces", "fibre_stress", "fatigue")
+MOST_SECTIONS = 200  # members whose section forces are put out
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 
 
@@ -152,6 +154,28 @@ class Platform:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Fatigue:
+    """How damage is reckoned at the legs' feet: S-N curve, hot spot, and what equivalent ranges refer to."""
+
+    curve: Annotated[
+        Literal["B1", "B2", "C", "C1", "C2", "D", "E", "F", "F1", "F3", "G", "W1", "W2", "W3"], "S-N curve"
+    ] = "D"
+    environment: Annotated[
+        Literal["air", "seawater-cp", "free-corrosion"], "Where the hot spot is; cp: with cathodic protection"
+    ] = "seawater-cp"
+    edition: Annotated[Literal["DNVGL-RP-C203:2016"], "Whose S-N curves"] = "DNVGL-RP-C203:2016"
+    scf: Annotated[float, Quantity("-", above=0, most=100), "Hot-spot stress over the section's"] = 1.0
+    thickness: Annotated[
+        float | None, Quantity("m", above=0), "Of the plate, which counts above 25 mm; left out, the section's wall"
+    ] = None
+    exponent: Annotated[float, Quantity("-", least=1, most=20), "Exponent m of the damage-equivalent range"] = 3.0
+    cycles: Annotated[float, Quantity("1/h", above=0), "Cycles an hour that the equivalent range refers to"] = 3600.0
+
+    def __post_init__(self) -> None:
+        require_ranges(self, "settings.fatigue")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """Record and numerics. The defaults hold the errors that `make bench` prints."""
 
@@ -203,6 +227,11 @@ class Settings:
     method: Annotated[Literal["time", "frequency"], "March in time, or response of the linear model"] = "time"
     keep_series: bool = False
     rao: Annotated[bool, "Whether motion per wave amplitude is put out, wave by wave"] = False
+    outputs: Annotated[
+        tuple[Literal["reactions", "section_forces", "fibre_stress", "fatigue"], ...],
+        "What else is put out of an elastic platform's steel",
+    ] = ()
+    fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
     # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.
     # Each can be had alone; convolution and panels take the augmented formulation with them. Slow.
     accuracy: Annotated[Literal["standard", "reference"], "The fast way, or the paper's own, slow, throughout"] = (
@@ -300,6 +329,7 @@ class Scene:
             if place[2] < -self.water.depth - STILL_WATER:
                 limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
                 yield InputError(f"platform.nodes.{name}", place, limit)
+        yield from self._output_problems()
         settings, longest = self.settings, self.longest_step
         marching = settings.method == "time" and settings.tolerance is None and self.sea.amplitude.any()
         if marching and (step := settings.time_step) is not None and step > longest:
@@ -321,6 +351,20 @@ class Scene:
                 if not f.motion:
                     limit = 'a fixed body needs formulation = "minimal", and accuracy = "standard"'
                     yield InputError(f"floats.{f.name}.motion", "[]", limit)
+
+    def _output_problems(self) -> Iterator[InputError]:
+        outputs = self.settings.outputs
+        if strange := sorted(set(outputs) - set(OUTPUTS)):
+            yield InputError("settings.outputs", strange[0], f"must be of {', '.join(OUTPUTS)}")
+        if self.platform is None:
+            return
+        at_feet = [name for name in ("fibre_stress", "fatigue") if name in outputs]
+        if at_feet and not self.platform.legs:
+            yield InputError("settings.outputs", at_feet[0], "is of the feet of legs: platform.legs must name some")
+        members = len(self.platform.frame.members)
+        if "section_forces" in outputs and members > MOST_SECTIONS:
+            limit = f"must be left out with more than {MOST_SECTIONS} members; there are {members}"
+            yield InputError("settings.outputs", "section_forces", limit)
 
     def _carrier_problems(self) -> Iterator[InputError]:
         names = [f.name for f in self.floats]

@@ -183,6 +183,8 @@ def _recording(study: StudyFile) -> Iterator[InputError]:
     record = study.record
     if record.ramp > record.discard:
         yield InputError("record.ramp", record.ramp, f"must be <= record.discard = {record.discard:g} s")
+    if record.outputs and not study.platform:
+        yield InputError("record.outputs", list(record.outputs), "are of an elastic platform: needs a [platform] table")
     longest, step = record.discard + record.duration, study.solver.time_step
     if step is not None and study.solver.tolerance is None and longest > MOST_STEPS * step:
         limit = f"must be >= {longest / MOST_STEPS:.3g} s, or {longest:g} s take more than {MOST_STEPS} steps"

@@ -89,7 +89,8 @@ def settings(parameters: Parameters) -> physics.Settings:
     from solver import scene as physics
 
     knobs = {**dict(parameters.record), **dict(parameters.solver)}
-    return physics.Settings(keep_series=knobs.pop("series") != "none", **knobs)
+    fatigue = physics.Fatigue(**dict(knobs.pop("fatigue")))
+    return physics.Settings(keep_series=knobs.pop("series") != "none", fatigue=fatigue, **knobs)
 
 
 def sea(parameters: Parameters) -> Realization:

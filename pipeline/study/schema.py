@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from pipeline.study.attachments import CoefficientFile, File
 from pipeline.study.axes import Axes, Axis, Samples, Variant, implied_sea, variant_axis
@@ -43,8 +43,21 @@ class Water(Table):
 DEFAULT = physics.Settings()
 
 
+Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue"]
+
+
 # An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
-@fields_of(physics.Settings, ("duration", "discard", "ramp", "ramp_form", "rao"))
+@fields_of(physics.Fatigue)
+class Fatigue(Table):
+    """By which rules damage is reckoned, where `outputs` ask for it."""
+
+
+def _once(outputs: tuple[str, ...]) -> tuple[str, ...]:
+    """In one order, each once: one meaning, one identity."""
+    return tuple(name for name in physics.OUTPUTS if name in outputs)
+
+
+@fields_of(physics.Settings, ("duration", "discard", "ramp", "ramp_form", "rao", "outputs"))
 class Recording(Table):
     """What of the simulated time is analysed."""
 
@@ -54,6 +67,10 @@ class Recording(Table):
         Literal["none", "decimated", "full"],
         "Time series that records keep; decimated: four samples in the shortest wave",
     ] = "none"
+    outputs: Annotated[
+        tuple[Output, ...], AfterValidator(_once), "What else is put out of an elastic platform's steel"
+    ] = ()
+    fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
     if TYPE_CHECKING:
         ramp: float = DEFAULT.ramp
         rao: bool = DEFAULT.rao

@@ -33,6 +33,7 @@ class Layout(NamedTuple):
     modal: slice
     station: slice
     elevation: slice
+    forces: slice  # what the wave's inertia load does to the frame's forces that are asked for
 
 
 def carrier_axes(planar: bool) -> np.ndarray:
@@ -244,6 +245,7 @@ def wave_rows(
         support.wave_rows if support else np.zeros((0, n)),
         support.station_rows.transpose(1, 0, 2).reshape(-1, n) if support else np.zeros((0, n)),
         field.elevation(np.zeros((1, 3))),
+        support.forces.rows if support and support.forces else np.zeros((0, n)),
     ]
     ends = np.cumsum([0] + [len(p) for p in parts])
     columns = [slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]

@@ -68,6 +68,9 @@ class Output(NamedTuple):
     dz: np.ndarray  # (m, nz)
     p: np.ndarray  # (m, nm)
     wrench: np.ndarray  # (m, nb, 6) load of each float on its hinge node's side [N, N m]
+    ddp: np.ndarray  # (m, nm)
+    carried: np.ndarray  # (m, nc) load of the floats on the support's nodes, along their carriers [N, N m]
+    drag: np.ndarray  # (m, nd, ns) of the water on the frame at its stations [N]
 
 
 class Problem(NamedTuple):
@@ -91,7 +94,7 @@ class Workspace(NamedTuple):
     stage: Stages
     newton: Newton
     power: np.ndarray  # (3, len(WORKS)) at the step's three points
-    flow: np.ndarray  # (nd, ns) the frame's velocity at its stations
+    flow: np.ndarray  # (2, nd, ns) drag at the frame's stations, of both stages [N]
     pressure: PressureRoom
 
 
@@ -121,9 +124,16 @@ def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
         stage=new_stages(bodies, structure.omega.size),
         newton=new_newton(nz),
         power=np.zeros((3, len(WORKS))),
-        flow=np.empty(structure.station.shape[1:]),
+        flow=np.empty((2, *structure.station.shape[1:])),
         pressure=pressure_room(bodies),
     )
+
+
+def new_output(bodies: Bodies, structure: Structure, samples: int) -> Output:
+    """Room for so many samples."""
+    nz, nb, (nc, nm) = bodies.mechanism.size, bodies.axes.size, structure.carrier.shape
+    shapes = ((nz,), (nz,), (nm,), (nb, 6), (nm,), (nc,), structure.station.shape[1:])
+    return Output(*(np.empty((samples, *shape)) for shape in shapes))
 
 
 @lean_kernel(inline="always")
@@ -163,7 +173,7 @@ def march(
             _copy(room.stage.z[1, nc:], state.z)
             return EXCURSION, sample + 2, used
         _account_work(problem, drive, sample + 1, state, room)
-        _put_out(room.stage, output, sample)
+        _put_out(room, output, sample)
         _advance(problem, state, room)
     return OK, 2 * steps, used
 
@@ -230,7 +240,7 @@ def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> N
         _copy(stage.z[s], stage.anchor[s])
         pressures(problem.bodies, stage.motion[s], drive.field[sample + s], room.pressure, stage.pressure[s])
         water = drive.station[sample + s]
-        room.power[1 + s, FRAME_DRAG] = drag(problem.structure, water, stage.dp[s], stage.drag[s], room.flow)
+        room.power[1 + s, FRAME_DRAG] = drag(problem.structure, water, stage.dp[s], stage.drag[s], room.flow[s])
 
 
 @kernel(inline="always")
@@ -292,14 +302,19 @@ def _account_work(problem: Problem, drive: Drive, sample: int, state: State, roo
 
 
 @kernel(inline="always")
-def _put_out(stage: Stages, output: Output, row: int) -> None:
+def _put_out(room: Workspace, output: Output, row: int) -> None:
     """Both stages as rows of the output."""
+    stage, nc = room.stage, output.carried.shape[1]
     for s in range(2):
         _copy(stage.z[s], output.z[row + s])
         _copy(stage.dz[s], output.dz[row + s])
         _copy(stage.p[s], output.p[row + s])
         for b in range(stage.wrench.shape[1]):
             _copy(stage.wrench[s, b], output.wrench[row + s, b])
+        _copy(stage.ddp[s], output.ddp[row + s])
+        _copy(stage.residual[s, :nc], output.carried[row + s])
+        for d in range(room.flow.shape[1]):
+            _copy(room.flow[s, d], output.drag[row + s, d])
 
 
 @kernel(inline="always")

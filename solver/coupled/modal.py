@@ -23,7 +23,7 @@ class Structure(NamedTuple):
 def drag(structure: Structure, water: np.ndarray, dp: np.ndarray, force: np.ndarray, flow: np.ndarray) -> float:
     """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame.
 
-    water, flow (nd, ns): particle velocity, and room for the frame's. Stations are
+    water (nd, ns): particle velocity; flow (nd, ns) is left with the stations' drag [N]. Stations are
     innermost, so that both products with the modal shapes run along memory.
     """
     nm, nd, ns = structure.station.shape

@@ -6,13 +6,16 @@ The static shapes carry what the left-out modes would have added quasi-staticall
 includes the added mass of the wetted members, because that is the mass that moves.
 """
 
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from typing import Literal
 
 import numpy as np
 from scipy import linalg, sparse
 
+from solver.coupled import forces
+from solver.coupled.forces import Forces, Places
 from solver.errors import InputError
 from solver.scene import Platform, Water
 from solver.sea.field import WaveField
@@ -43,6 +46,7 @@ class Support:
     station_rows: np.ndarray  # (ns, nd, n) complex normal particle velocity
     drag: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
     legs: Legs | None
+    forces: Forces | None  # None where neither legs nor outputs ask for any
     buckling_factor: float  # gravity times this buckles the frame
 
 
@@ -50,6 +54,7 @@ class Support:
 def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarray, float]:
     """Frame (softened by gravity if the platform asks for it), its static displacement, and the buckling factor."""
     model = assemble(platform.frame)
+    model = replace(model, M=model.M + water.inner_mass(model, sea.density))
     load = static_load(model, sea)
     at_rest = statics.static(model, load)
     factor = statics.buckling_factor(model, load)
@@ -105,11 +110,13 @@ def reduce_platform(
     planar: bool,
     modes: int | Literal["all"],
     stations: int,
+    outputs: tuple[str, ...] = (),
 ) -> Support:
     """Reduce a platform for one sea; tasks one after another that share both share what comes of it.
 
     hinge_nodes: names of nodes in the order of the floats; modes: lowest ones kept, or "all"; stations: Gauss points
-    of the drag on each wetted element. InputError for a planar scene on a frame that is not symmetric.
+    of the drag on each wetted element; outputs: what is asked for besides the legs. InputError for a planar scene on
+    a frame that is not symmetric.
     """
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
@@ -120,7 +127,18 @@ def reduce_platform(
     nodal = _nodal_load(model, at, inertia_rows)
     loads = np.concatenate([nodal, _nodal_load(model, at, _drag_rows(at, field, sea))], axis=1)
     omega, shapes = kept if modes == "all" else _basis(model, M, kept, symmetric, dof.ravel(), loads)
-    station_shape, station_rows, drag = _drag(model, field, sea, shapes, stations, planar)
+    station_shape, station_rows, drag, of_drag = _drag(model, field, sea, shapes, stations, planar)
+    asked = _places(platform, sea, tuple(sorted(outputs)))
+    borne = None
+    if asked.wanted.ends.size or asked.wanted.clamped.size:
+        borne = Forces(
+            places=asked,
+            rows=np.tensordot(asked.influence.of_points(at), inertia_rows, axes=([0, 1], [0, 1])),
+            inertia=asked.influence.of_inertia(M, sea.density, shapes),
+            carried=asked.influence.nodal[dof.ravel()],
+            drag=of_drag(asked),
+            at_rest=_forces_at_rest(model, at_rest, sea, asked),
+        )
     return Support(
         dry_omega=_dry_frequencies(model),
         omega=omega,
@@ -131,8 +149,20 @@ def reduce_platform(
         station_rows=station_rows,
         drag=drag,
         legs=legs.outputs(platform.legs, model, sea.density, sea.gravity, at_rest, shapes) if platform.legs else None,
+        forces=borne,
         buckling_factor=factor,
     )
+
+
+@lru_cache(maxsize=KNOWN)
+def _places(platform: Platform, sea: Water, outputs: tuple[str, ...]) -> Places:
+    return forces.places(dynamic_model(platform, sea)[0], platform.legs, outputs)
+
+
+def _forces_at_rest(model: FrameModel, at_rest: np.ndarray, sea: Water, asked: Places) -> np.ndarray:
+    """(ny,) under weight, point loads and buoyancy."""
+    spread = statics.self_weight(model, sea.gravity) + water.buoyancy(model, sea.density, sea.gravity)
+    return asked.influence.at_rest(asked.wanted, at_rest, static_load(model, sea), spread)
 
 
 def _normal(at: water.Stations) -> np.ndarray:
@@ -192,14 +222,14 @@ def _basis(
     value, vector = linalg.eigh(rest.T @ (M @ rest))
     used = value > 1e-10
     basis = np.concatenate([kept.shapes, rest @ (vector[:, used] / np.sqrt(value[used]))], axis=1)
-    squared, mix = linalg.eigh(basis.T @ (model.K @ basis), basis.T @ (M @ basis))
-    return np.sqrt(squared), basis @ mix
+    omega, mix = natural.lowest(basis.T @ (model.K @ basis), basis.T @ (M @ basis))
+    return omega, basis @ mix
 
 
 def _drag(
     model: FrameModel, field: WaveField, sea: Water, shapes: np.ndarray, points: int, planar: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Normal shapes, velocity rows and coefficients of the drag stations.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, Callable[[Places], np.ndarray]]:
+    """Normal shapes, velocity rows and coefficients of the drag stations, and what their drag does to forces asked for.
 
     In a planar scene a station and its mirror image in y = 0 are loaded alike: one counts twice.
     """
@@ -211,5 +241,6 @@ def _drag(
     if planar:
         drag = drag * np.where(np.abs(y) < SAME, 1.0, 2.0)
     wet = (drag > 0) & ((y > -SAME) | (not planar))
-    moving = [np.abs(shape[:, d]).max(initial=0) > 1e-9 * np.abs(shape).max(initial=0) for d in range(3)]
-    return shape[wet][:, moving], rows[wet][:, moving], drag[wet]
+    moving = np.array([np.abs(shape[:, d]).max(initial=0) > 1e-9 * np.abs(shape).max(initial=0) for d in range(3)])
+    borne = partial(forces.of_drag, at=at, kept=wet, directions=moving, planar=planar)
+    return shape[wet][:, moving], rows[wet][:, moving], drag[wet], borne

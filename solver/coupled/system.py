@@ -28,6 +28,7 @@ from solver.coupled.march import (
     Output,
     Problem,
     march,
+    new_output,
     new_problem,
     new_workspace,
 )
@@ -190,6 +191,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
             planar=scene.planar,
             modes=settings.modes,
             stations=settings.stations_per_element,
+            outputs=settings.outputs,
         )
     fit = None
     if scene.floats and settings.radiation and settings.method == "time":
@@ -294,16 +296,10 @@ def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[
     problem, room = system.problem(), new_workspace(system.bodies, system.structure)
     # Up to the longest wave's period after the start little has been exchanged, and that with a jolt.
     quiet = int(2 * np.pi / system.scene.sea.omega.min() / system.dt)
-    nz, nm, nb = system.bodies.mechanism.size, system.structure.omega.size, system.bodies.axes.size
     for first in range(done, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - first)
         samples = series.block(2 * first, 2 * count + 1)
-        output = Output(
-            np.empty((2 * count, nz)),
-            np.empty((2 * count, nz)),
-            np.empty((2 * count, nm)),
-            np.empty((2 * count, nb, 6)),
-        )
+        output = new_output(system.bodies, system.structure, 2 * count)
         outcome, sample, _ = march(problem, system.drive(samples), state, room, quiet - first, output)
         if outcome != OK:
             raise _failure(outcome, (2 * first + sample) * h, system, state)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
+from solver.coupled.modal import Structure
 from solver.coupled.system import System
 from solver.errors import SimulationFailed
 from solver.frequency import drag
@@ -25,6 +26,8 @@ class Response:
     X: np.ndarray  # (nw, n) of the model's coordinates
     Z: np.ndarray  # (nw, nz) of the floats' coordinates
     wrench: np.ndarray  # (nw, nb, 6) all loads on the floats
+    carried: np.ndarray  # (nw, nc) load of the floats on the support's nodes, along their carriers
+    drag: np.ndarray  # (nw, nd, ns) of the water on the frame at its stations
     rounds: int  # until the drag agreed with its own result
 
 
@@ -38,18 +41,36 @@ def respond(system: System, h: Hydrodynamics | None) -> Response:
     excitation = rows[system.layout.excitation].T.reshape(omega.size, len(system.scene.floats), 6).copy()
     radiating = excitation[..., system.bodies.active]
     force = wave_force(model, radiating.reshape(omega.size, len(model.active)), rows[system.layout.modal])
-    X, rounds = _agreed(system, model, omega, Y, force, rows[system.layout.station].T)
+    X, drag_load, rounds = _agreed(system, model, omega, Y, force, rows[system.layout.station].T)
     w = omega[:, None]
     radiated = np.einsum("kij,kj->ki", Y, -1j * w * (X @ model.active.T))
     excitation[..., system.bodies.active] -= radiated.reshape(radiating.shape)
     by_motion = sum(np.tensordot((-1j * w) ** k * X, part, axes=(1, 2)) for k, part in enumerate(model.wrench))
-    return Response(omega=omega, X=X, Z=X @ model.shape.T, wrench=excitation + by_motion, rounds=rounds)
+    waves = rows[system.layout.modal].T
+    return Response(
+        omega=omega,
+        X=X,
+        Z=X @ model.shape.T,
+        wrench=excitation + by_motion,
+        carried=_carried(system.structure, w, X[:, : waves.shape[1]], waves, drag_load),
+        drag=drag_load,
+        rounds=rounds,
+    )
+
+
+def _carried(frame: Structure, w: np.ndarray, P: np.ndarray, waves: np.ndarray, drag_load: np.ndarray) -> np.ndarray:
+    """What the modes' equation leaves to the floats, Sᵀ h = (-ω² - 2iζω_mω + ω_m²) P - waves - drag: h (nw, nc)."""
+    if not frame.carrier.size:
+        return np.zeros((len(P), frame.carrier.shape[0]), complex)
+    force = (-(w**2) - 2j * frame.damping * frame.omega * w + frame.omega**2) * P - waves
+    force -= np.tensordot(drag_load, frame.station, axes=([1, 2], [1, 2]))
+    return np.linalg.lstsq(frame.carrier.T, force.T, rcond=None)[0].T
 
 
 def _agreed(
     system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray, force: np.ndarray, water: np.ndarray
-) -> tuple[np.ndarray, int]:
-    """X (nw, n), and the rounds that it took until the drag was that of X itself.
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """X (nw, n), the drag (nw, nd, ns) in it, and the rounds that it took until the drag was that of X itself.
 
     force (nw, n): the waves', without drag; water (nw, nd ns): velocity at the drag stations.
     """
@@ -59,7 +80,7 @@ def _agreed(
     quadratic, height = joint_law.drag(system.bodies.law)[nc:], float(np.abs(system.scene.sea.amplitude).sum())
     Z, w = model.dynamic_stiffness(omega, Y), omega[:, None, None]
     rate = np.zeros((omega.size, len(model.mass)), complex)
-    std = np.zeros(len(model.mass))
+    std, K = np.zeros(len(model.mass)), np.zeros((ns, nd, nd))
     for rounds in range(1, ROUNDS + 1):
         damping, push = np.zeros(model.damping.shape), force  # damping by drag
         if ns:
@@ -70,13 +91,13 @@ def _agreed(
             push = force.copy()
             push[:, :nm] += np.tensordot(water, carried, axes=([1, 2], [1, 2]))
         if quadratic.any():
-            K = _equivalent(rate[:, nm:, None])[:, 0, 0]
-            damping[nm:, nm:] += np.diag(quadratic * K)
+            damping[nm:, nm:] += np.diag(quadratic * _equivalent(rate[:, nm:, None])[:, 0, 0])
         X = _solved(Z - 1j * w * damping if damping.any() else Z, push)
         _require_bounded(model, omega, X, height)
         rate, before, std = -1j * omega[:, None] * X, std, np.sqrt(np.sum(np.abs(X) ** 2, axis=0))
         if not (ns or quadratic.any()) or np.all(np.abs(std - before) <= AGREED * std):
-            return X, rounds
+            flow = water - np.tensordot(rate[:, :nm], frame.station, axes=1)
+            return X, np.einsum("sde,kes->kds", K, flow), rounds
     raise SimulationFailed(f"linearised drag does not agree with its own result after {ROUNDS} rounds")
 
 

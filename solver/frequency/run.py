@@ -6,6 +6,7 @@ import numpy as np
 
 from solver.balance import warnings
 from solver.coupled.equilibrium import balance
+from solver.coupled.forces import Forces
 from solver.coupled.natural import require_stable, system_modes
 from solver.coupled.system import System, prepare
 from solver.errors import InputError
@@ -46,7 +47,10 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         rao = np.full((scene.sea.omega.size, channels.owner.size), np.nan, complex)
         rao[np.abs(scene.sea.amplitude) > 0] = _joints(system, response)
     modes = system_modes(system, hydrodynamics)
-    return channels.record(tables, attrs, modes=modes, rao=rao)
+    counted = None
+    if channels.steel is not None and channels.steel.counts:
+        counted = channels.steel.expected(_forces(system, response, channels.steel.forces)[1], response.omega)
+    return channels.record(tables, attrs, modes=modes, rao=rao, counted=counted or ({}, ()))
 
 
 def _joints(system: System, response: Response) -> np.ndarray:
@@ -73,9 +77,24 @@ def _tables(system: System, response: Response, channels: Channels) -> Iterator[
         at_rest = channels.hinge_force(balance(system.bodies, z)[1][None])[0]
         yield "hinge_force", table(at_rest, channels.hinge_force(response.wrench))
     if channels.legs is not None:
-        tops, fibre, static = channels.legs.tops_and_feet
-        X = response.X[:, : p.size]
+        tops, X = channels.legs.tops, response.X[:, : p.size]
         yield "top_displacement", table(np.tensordot(p, tops, axes=1), np.tensordot(X, tops, axes=1))
-        level, lines = static + np.tensordot(p, fibre, axes=1), np.tensordot(X, fibre, axes=1)
-        feet = [gaussian.compression_table(level[i], lines[:, i], omega, duration) for i in range(len(level))]
-        yield "bottom_stress", np.array(feet)
+    if channels.steel is None:
+        return
+    level, lines = _forces(system, response, channels.steel.forces)
+    if channels.legs is not None:
+        means, feet = channels.steel.compression(level)[0], channels.steel.compression(lines)
+        tables = [gaussian.compression_table(means[i], feet[:, i], omega, duration) for i in range(len(means))]
+        yield "bottom_stress", np.array(tables)
+    means = dict(channels.steel.channels(level))
+    for name, values in channels.steel.channels(lines):
+        yield name, table(means[name][0], values)
+
+
+def _forces(system: System, response: Response, forces: Forces) -> tuple[np.ndarray, np.ndarray]:
+    """The frame's forces at rest (1, ny), and lines (nw, ny) of them."""
+    (z, p), waves = system.equilibrium, np.abs(system.scene.sea.amplitude) > 0
+    still = balance(system.bodies, z)[0][: system.structure.carrier.shape[0]]
+    ddp = -(response.omega[:, None] ** 2) * response.X[:, : p.size]
+    rows = system.rows[system.layout.forces][:, waves].T
+    return (still @ forces.carried + forces.at_rest)[None], forces.of(rows, ddp, response.carried, response.drag)

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,9 @@ def probed(scene: Scene, steps: int) -> Scene:
     """A scene whose record is of so many steps from the start, as samples."""
     s = scene.settings
     assert s.time_step is not None, "asked of a scene that runs, with its step"
-    return replace(scene, settings=replace(s, discard=0.0, duration=steps * s.time_step, keep_series=True, rao=False))
+    outputs = tuple(name for name in s.outputs if name != "fatigue")  # whose counts no probe needs
+    changes: dict[str, Any] = {"discard": 0.0, "duration": steps * s.time_step, "outputs": outputs}
+    return replace(scene, settings=replace(s, **changes, keep_series=True, rao=False))
 
 
 class Probe:

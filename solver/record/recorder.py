@@ -10,7 +10,9 @@ from solver.coupled.march import Output
 from solver.coupled.natural import SystemModes
 from solver.coupled.support import Support
 from solver.multibody.joint_law import joint_loads
+from solver.record import steel
 from solver.record.spectra import Harmonics
+from solver.record.steel import Steel
 from solver.scene import Scene
 from solver.statistics import STATISTICS, Statistics
 
@@ -37,6 +39,7 @@ DIMS = {
     "hinge_force": ("float", "direction"),
     "top_displacement": ("leg", "direction"),
     "bottom_stress": ("leg",),
+    **steel.DIMS,
 }
 
 
@@ -46,6 +49,8 @@ class Channels:
     def __init__(self, scene: Scene, support: Support | None):
         self.scene = scene
         self.legs = support.legs if support is not None else None
+        forces = support.forces if support is not None else None
+        self.steel = Steel(forces, scene.settings) if forces is not None else None
         self.frequencies = support.dry_omega if support is not None else np.zeros(0)
         floats = scene.floats
         self.owner = np.array([b for b, f in enumerate(floats) for _ in f.motion], int)  # of each joint axis
@@ -83,8 +88,12 @@ class Channels:
         envelopes: tuple[np.ndarray, np.ndarray] | None = None,
         rao: np.ndarray | None = None,
         series: Mapping[str, np.ndarray] | None = None,
+        counted: tuple[Mapping[str, Labelled], tuple[str, ...]] = ({}, ()),
     ) -> Record:
-        """The record of statistics (…, 5) of each channel, of the legs' envelopes, and of motions per wave (nw, nj)."""
+        """The record of statistics (…, 5) of each channel, of the legs' envelopes, and of motions per wave (nw, nj).
+
+        counted: other variables, and what failed of them.
+        """
         variables: dict[str, Labelled] = {name: ((*DIMS[name], "statistic"), table) for name, table in tables.items()}
         coords = {
             "statistic": np.array(STATISTICS),
@@ -93,6 +102,11 @@ class Channels:
         }
         if self.legs is not None:
             coords["leg"], coords["height"] = np.arange(1, len(self.legs.twin) + 1), self.legs.height
+        if self.steel is not None:
+            coords |= self.steel.coords()
+            variables |= self.steel.variables() | dict(counted[0])
+            unmet = "; ".join(note for note in (str(attrs.get("unmet", "")), *counted[1]) if note)
+            attrs = {**attrs, **self.steel.attrs(), "unmet": unmet}
         for name, values in zip(("displacement_envelope", "stress_envelope"), envelopes or (), strict=False):
             variables[name] = ("leg", "height"), values
         if self.frequencies.size:
@@ -134,6 +148,8 @@ class Recorder:
         legs = self.channels.legs
         self.largest = legs.nothing() if legs is not None else None
         self.series: dict[str, list[np.ndarray]] = {}
+        self.feet: list[np.ndarray] = []  # N, My, Mz where samples are counted
+        self.seconds = [np.inf, -np.inf]
         wanted = scene.settings.rao and self.channels.axes and scene.sea.amplitude.any()
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
 
@@ -145,6 +161,7 @@ class Recorder:
             return
         kept = slice(int(inside.argmax()), int(inside.argmax() + inside.sum()))
         channels = dict(self._channels(kept, output, samples))
+        self.seconds = [min(self.seconds[0], times[kept][0]), times[kept][-1]]
         self.shapes = {name: values.shape[1:] for name, values in channels.items()}
         self.statistics.add(np.concatenate([v.reshape(len(v), -1) for v in channels.values()], axis=1))
         if s.keep_series:
@@ -164,10 +181,17 @@ class Recorder:
             absorbed = joint_loads(self.law, joint, rate).pto * rate
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))
             yield "hinge_force", channels.hinge_force(output.wrench[kept])
+        if channels.steel is None:
+            return
+        forces, parts = channels.steel.forces, (output.ddp[kept], output.carried[kept], output.drag[kept])
+        y = forces.of(samples[kept, self.layout.forces], *parts) + forces.at_rest
         if channels.legs is not None and self.largest is not None:
-            tops, feet = channels.legs.response(output.p[kept], self.largest)
+            tops, feet = channels.legs.response(output.p[kept], channels.steel.compression(y), self.largest)
             yield "top_displacement", tops
             yield "bottom_stress", feet
+        if channels.steel.counts:
+            self.feet.append(channels.steel.places.split(y)[0])
+        yield from channels.steel.channels(y)
 
     def tables(self) -> dict[str, np.ndarray]:
         """Statistics (…, 5) of each channel."""
@@ -181,7 +205,10 @@ class Recorder:
 
     def record(self, attrs: Mapping[str, float | str], modes: SystemModes | None = None) -> Record:
         """The record of all blocks; the system's natural periods, if known."""
-        legs, largest = self.channels.legs, self.largest
+        legs, largest, steel = self.channels.legs, self.largest, self.channels.steel
+        counted: tuple[Mapping[str, Labelled], tuple[str, ...]] = ({}, ())
+        if steel is not None and self.feet:
+            counted = steel.counted(np.concatenate(self.feet), self.seconds[1] - self.seconds[0])
         return self.channels.record(
             self.tables(),
             attrs,
@@ -189,4 +216,5 @@ class Recorder:
             envelopes=legs.envelopes(largest) if legs is not None and largest is not None else None,
             rao=self.harmonics.amplitudes() if self.harmonics is not None else None,
             series=self.samples(),
+            counted=counted,
         )

@@ -18,9 +18,9 @@ class FixedSupport:
     work = np.zeros(3)
     energy = 0.0
 
-    def amplitudes(self, stages: int) -> np.ndarray:
-        """No modes."""
-        return np.zeros((stages, 0))
+    def sample(self, _stage: int) -> tuple[np.ndarray, ...]:
+        """No modes, and no loads on a frame."""
+        return np.zeros(0), np.zeros(0), np.zeros(0), np.zeros((1, 0))
 
     def frame_number(self, _b: int) -> int:
         """The ground carries every float."""
@@ -118,12 +118,15 @@ class ElasticSupport:
         return float((np.abs(self.p - before) * self.scale).max())
 
     def _drag(self) -> np.ndarray:
-        """Modal drag (s, nm), ½ρC_D D|u - v|(u - v) at every station."""
+        """Modal drag (s, nm)."""
+        return self._drag_loads().reshape(len(self.dp), -1) @ self.station
+
+    def _drag_loads(self) -> np.ndarray:
+        """½ρC_D D|u - v|(u - v) at every station, (s, ns, nd)."""
         shape = (len(self.dp), *self.support.station_shape.shape[:2])
         relative = (self.flow - self.dp @ self.station.T).reshape(shape)
         size = np.sqrt(np.sum(relative**2, axis=2, keepdims=True))
-        load = self.support.drag[:, None] * size * relative
-        return load.reshape(len(self.dp), -1) @ self.station
+        return self.support.drag[:, None] * size * relative
 
     def frames(self, stage: int) -> Frames:
         """Pose, velocity and acceleration of every node."""
@@ -157,9 +160,9 @@ class ElasticSupport:
             self.answer = self.node.copy()
         self.answer[stage] = coordinates[:, self.axes].ravel()
 
-    def amplitudes(self, stages: int) -> np.ndarray:
-        """Modal amplitudes (stages, nm) of the last stages."""
-        return self.p[-stages:].copy()
+    def sample(self, stage: int) -> tuple[np.ndarray, ...]:
+        """Modal amplitudes (nm,), their accelerations, the joints' loads on the nodes (nc,), drag (nd, ns)."""
+        return self.p[stage].copy(), self.ddp[stage].copy(), self.node[stage].copy(), self._drag_loads()[stage].T
 
     @property
     def energy(self) -> float:

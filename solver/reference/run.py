@@ -28,7 +28,6 @@ from solver.reference import axes as joint_axes
 from solver.reference.augmented import (
     NO_SUPPORTS,
     Body,
-    Errors,
     Mechanism,
     MechanismState,
     inertia_and_bias,
@@ -229,29 +228,30 @@ def _blocks(
     for n, sample in enumerate(samples, 1):
         rows.append(_row(case, (n - 1) % (stages - 1) + 1, sample))
         if len(rows) == BLOCK * (stages - 1) or n == case.steps * (stages - 1):
-            times, z, dz, p, wrench, errors = (np.array(x) for x in zip(*rows, strict=True))
-            yield times, Output(z, dz, p, wrench), _elevation(case, times), errors.max(axis=0), sample.frames
+            times, errors, *parts = (np.array(x) for x in zip(*rows, strict=True))
+            yield times, Output(*parts), _waves(case, times), errors.max(axis=0), sample.frames
             rows = []
 
 
-def _row(
-    case: Case, stage: int, sample: Sample
-) -> tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray, Errors]:
+def _row(case: Case, stage: int, sample: Sample) -> tuple[Any, ...]:
+    """Time, errors of the constraints, and the parts of an Output."""
     floats, none = case.floats, np.zeros(0)
     z, dz = (np.concatenate([none, *values[stage]]) for values in (floats.way, floats.rate))
     limit = case.system.bodies.limit[len(case.system.bodies.limit) - len(z) :]
     if not np.all((z >= limit[:, 0]) & (z <= limit[:, 1])):
         when = f"at t = {sample.time:.1f} s"
         raise SimulationFailed(limits.explain(case.scene, z, case.system.bodies.limit, when))
-    return sample.time, z, dz, case.support.amplitudes(len(floats.weight))[stage], -floats.force[stage], sample.errors
+    p, *loads = case.support.sample(stage)
+    return sample.time, sample.errors, z, dz, p, -floats.force[stage], *loads
 
 
-def _elevation(case: Case, times: np.ndarray) -> np.ndarray:
-    """Samples (m, columns) of the wave rows, of which the record reads the elevation alone."""
-    s, at = case.scene.settings, case.system.layout.elevation
+def _waves(case: Case, times: np.ndarray) -> np.ndarray:
+    """Samples (m, columns) of the wave rows that the record reads."""
+    s, layout = case.scene.settings, case.system.layout
     turn = np.exp(-1j * np.multiply.outer(times, case.scene.sea.omega)) * ramp(times, s.ramp, s.ramp_form)[:, None]
     out = np.zeros((len(times), len(case.system.rows)))
-    out[:, at] = (turn @ case.system.rows[at].T).real
+    for at in (layout.elevation, layout.forces):
+        out[:, at] = (turn @ case.system.rows[at].T).real
     return out
 
 

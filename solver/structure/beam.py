@@ -22,6 +22,7 @@ AXIAL, TORSION = [0, 6], [3, 9]
 BENDING_XY, BENDING_XZ = [1, 5, 7, 11], [2, 4, 8, 10]
 FLIP = np.outer([1, -1, 1, -1], [1, -1, 1, -1])  # θy = -dw/dx
 VERTICAL = 1e-4  # sine of the angle to z below which a member counts as vertical
+ROUND = 8  # fibres of a round section, from local y towards local z
 GAUSS_2 = np.polynomial.legendre.leggauss(2)
 
 
@@ -36,9 +37,22 @@ class Section:
     Ip: Annotated[float, Quantity("m4", above=0)]  # polar moment Iy + Iz, for the rotary inertia
     fibre: Annotated[float, Quantity("m", above=0)]  # distance c of the extreme fibre from the axis
     diameter: Annotated[float, Quantity("m", least=0)] = 0.0  # outer, as the water sees it; 0 takes no water load
+    wall: Annotated[float, Quantity("m", least=0)] = 0.0  # thickness of its plates, by which fatigue goes
+    corners: tuple[tuple[float, float], ...] = ()  # (y, z) of its fibres [m]; none: eight all round at `fibre`
 
     def __post_init__(self) -> None:
         require_ranges(self, "section")
+
+    @property
+    def hollow(self) -> float:
+        """Area inside a tube [m2]."""
+        return float(max(np.pi / 4 * self.diameter**2 - self.area, 0.0))
+
+    @property
+    def fibres(self) -> np.ndarray:
+        """Places (nf, 2) in local y and z [m] at which signed stress is put out: σ = N/A + My z/Iy - Mz y/Iz."""
+        angle = np.arange(ROUND) * 2 * np.pi / ROUND
+        return np.array(self.corners) if self.corners else self.fibre * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def tube(diameter: float, thickness: float) -> Section:
@@ -57,6 +71,7 @@ def tube(diameter: float, thickness: float) -> Section:
         Ip=2 * bending,
         fibre=diameter / 2,
         diameter=diameter,
+        wall=thickness,
     )
 
 
@@ -75,6 +90,8 @@ def solid_rectangle(width: float, height: float) -> Section:
         J=_rectangle_torsion(max(width, height), min(width, height)),
         Ip=Iy + Iz,
         fibre=np.hypot(width, height) / 2,
+        wall=min(width, height),
+        corners=tuple((y * width / 2, z * height / 2) for y, z in ((1, 1), (-1, 1), (-1, -1), (1, -1))),
     )
 
 

@@ -43,6 +43,9 @@ class Member:
     material: Material
     drag_coefficient: Annotated[float, Quantity("-", least=0), "Morison's C_D"] = 0.0
     inertia_coefficient: Annotated[float, Quantity("-", least=1), "Morison's C_M = 1 + C_a"] = 1.0
+    # True: water inside below still water, which moves with the member across its axis. False: sealed, with the
+    # buoyancy of its outer volume. None: neither, as Heo et al. (2022) have it.
+    flooded: Annotated[bool | None, "Whether a tube is full of water or sealed; left out, neither"] = None
 
     def __post_init__(self) -> None:
         refuse(self._problems(f"members.{self.name}"))
@@ -55,6 +58,8 @@ class Member:
             yield InputError(f"{key}.end", self.end, "must differ from start: zero length")
         if self.in_water and self.section.diameter == 0:
             yield InputError(f"{key}.section.diameter", 0.0, "must be > 0 m for a member with water coefficients")
+        if self.flooded is not None and self.section.diameter == 0:
+            yield InputError(f"{key}.flooded", self.flooded, "is of tubes: leave it out")
 
     @property
     def in_water(self) -> bool:
@@ -172,6 +177,8 @@ class FrameModel:
     element_stiffness: np.ndarray  # (ne, 12, 12) local axes
     K: "scipy.sparse.csr_array"  # (6n, 6n), supports not yet removed
     M: "scipy.sparse.csr_array"  # (6n, 6n), consistent and lumped
+    # (ne, 12, 12) local axes, what axial forces add to the stiffness; None: not taken into account
+    element_geometric: np.ndarray | None = None
 
     def member_of(self, element: int) -> Member:
         """The member that an element is part of."""

@@ -54,11 +54,14 @@ class Legs:
         return [slice(2 * (at.start - leg), 2 * (at.stop - leg - 1)) for leg, at in enumerate(self.nodes)]
 
     @property
-    def tops_and_feet(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Displacement of the tops (nm, nl, 3), and N/A, c My/Iy, c Mz/Iz at the feet: (nm, nl, 3), static (nl, 3)."""
-        feet = self._feet[self.twin]
-        fibre, static = (values[..., feet].swapaxes(-1, -2) for values in (self.fibre, self.static_fibre))
-        return self._tops(self.displacement), fibre, static
+    def tops(self) -> np.ndarray:
+        """Displacement of the tops (nm, nl, 3)."""
+        return self._tops(self.displacement)
+
+    @property
+    def first(self) -> np.ndarray:
+        """(no,) which of the nl legs is the first that responds like each."""
+        return np.unique(self.twin, return_index=True)[1]
 
     @property
     def _feet(self) -> np.ndarray:
@@ -75,16 +78,17 @@ class Legs:
         nd, nf = self.displacement.shape[2], self.fibre.shape[2]
         return Largest(np.zeros(nd), np.zeros(nf), np.full((2, nd), np.nan), np.full((2, nf), np.nan))
 
-    def response(self, p: np.ndarray, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
+    def response(self, p: np.ndarray, feet: np.ndarray, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
         """Displacement of the tops (m, nl, 3) [m] and stress at the feet (m, nl) [Pa]; updates `largest`.
 
-        The stress is that of the most compressive fibre, σ = N/A - ((c My/Iy)² + (c Mz/Iz)²)^½.
+        The stress is that of the most compressive fibre, σ = N/A - ((c My/Iy)² + (c Mz/Iz)²)^½: at the feet, of
+        N/A, c My/Iy, c Mz/Iz (m, nl, 3) there; elsewhere of the nodes' displacements.
         """
         u, fibre = _map(p, self.displacement), _map(p, self.fibre)
-        first = self._feet
-        feet = np.empty((len(p), first.size))
-        _respond(u, fibre, self.static_fibre, first, feet, *largest)
-        return self._tops(u), feet[:, self.twin]
+        fibre[:, :, self._feet] = feet[:, self.first].swapaxes(1, 2) - self.static_fibre[:, self._feet]
+        stress = np.empty((len(p), self.ends.size))
+        _respond(u, fibre, self.static_fibre, self._feet, stress, *largest)
+        return self._tops(u), stress[:, self.twin]
 
     def envelopes(self, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
         """Displacement (nl, nh) [m] and stress (nl, nh) [Pa], NaN at heights where a leg has no node."""

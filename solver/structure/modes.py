@@ -12,6 +12,7 @@ from solver.structure.statics import static
 
 MIRROR_Y = np.array([1, -1, 1, -1, 1, -1])  # a displacement and an axial vector seen in the plane y = 0
 SAME_PLACE = 1e-6  # share of the frame's size within which a node and a mirror image are the same
+UNRESOLVED = 1e-10  # of the slowest mode's 1/ω²: what rounding leaves of those below is not exact
 SAME_VALUE = 1e-9  # rounding of K and M, relative to their largest entry
 
 
@@ -36,13 +37,38 @@ def modes_in(basis: sparse.csr_array, K: sparse.csr_array, M: sparse.csr_array, 
     Dense LAPACK: 0.2 s for all 708 modes of a platform. InputError where the lowest ω² is not above zero: under its
     weight the frame buckles.
     """
-    reduced = [(basis.T @ matrix @ basis).toarray() for matrix in (K, M)]
-    window = None if count is None else [0, min(count, basis.shape[1]) - 1]
-    squared, vectors = linalg.eigh(*reduced, subset_by_index=window)
-    # A frame softened beyond its Euler load has ω² < 0: not a mode that can be marched.
-    if squared[0] <= 0:
-        raise InputError("frame: lowest omega^2", f"{squared[0]:.3g} (rad/s)^2", "must be > 0: the frame buckles")
-    return Modes(np.sqrt(squared), _signed(basis @ vectors))
+    omega, vectors = lowest((basis.T @ K @ basis).toarray(), (basis.T @ M @ basis).toarray(), count)
+    return Modes(omega, _signed(basis @ vectors))
+
+
+def lowest(K: np.ndarray, M: np.ndarray, count: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """The lowest frequencies (nm,) [rad/s] and mass-normalised shapes (n, nm) of dense K and M (n, n).
+
+    Of M x = K x/ω²: rounding is a share of the largest eigenvalue, which is the slowest mode's here; of K x = ω² M x
+    it is the fastest one's, that of the stiffest and lightest member, and the slow modes would drown in it. All modes
+    are the slower half of the first, by powers of ten, and the rest of the second.
+    """
+    n = len(K)
+    inverse, vectors = _inverted(K, M, n if count is None else min(count, n))
+    if inverse.size < n and inverse[-1] > UNRESOLVED * inverse[0]:
+        return 1 / np.sqrt(inverse), vectors / np.sqrt(inverse)
+    squared, fast = linalg.eigh(K, M)
+    slow = int(np.sum(inverse > np.sqrt(inverse[0] / squared[-1])))
+    omega = np.sqrt(np.append(1 / inverse[:slow], squared[slow : inverse.size]))
+    return omega, np.concatenate([vectors[:, :slow] / np.sqrt(inverse[:slow]), fast[:, slow : inverse.size]], axis=1)
+
+
+def _inverted(K: np.ndarray, M: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The largest 1/ω² (count,) of M x = K x/ω² and shapes (n, count), falling; InputError where K holds not all."""
+    n = len(K)
+    try:
+        inverse, vectors = linalg.eigh(M, K, subset_by_index=[n - count, n - 1])
+    except linalg.LinAlgError:
+        # K is not positive definite: softened beyond its Euler load, with modes that cannot be marched.
+        squared = linalg.eigh(K, M, eigvals_only=True, subset_by_index=[0, 0])[0]
+        limit = "must be > 0: the frame buckles"
+        raise InputError("frame: lowest omega^2", f"{squared:.3g} (rad/s)^2", limit) from None
+    return inverse[::-1], vectors[:, ::-1]
 
 
 def static_remainder(model: FrameModel, kept: Modes, load: np.ndarray) -> np.ndarray:

@@ -56,16 +56,22 @@ def axial_force(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
     return model.element_stiffness[:, 0, 0] * stretch
 
 
+def _element_geometric(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
+    """Of each element, (ne, 12, 12) in local axes."""
+    pairs = zip(axial_force(model, displacement), model.length, strict=True)
+    return np.array([beam.geometric_stiffness(N, L) for N, L in pairs])
+
+
 def geometric_stiffness(model: FrameModel, displacement: np.ndarray) -> sparse.csr_array:
     """Kg of the axial forces that a static displacement sets up, sparse (6n, 6n)."""
-    pairs = zip(axial_force(model, displacement), model.length, strict=True)
-    matrices = np.array([beam.geometric_stiffness(N, L) for N, L in pairs])
-    return scatter(matrices, model.rotation, model.dofs, 6 * len(model.xyz))
+    return scatter(_element_geometric(model, displacement), model.rotation, model.dofs, 6 * len(model.xyz))
 
 
 def with_geometric_stiffness(model: FrameModel, displacement: np.ndarray) -> FrameModel:
     """The model with K + Kg of a static displacement: compression softens it."""
-    return replace(model, K=model.K + geometric_stiffness(model, displacement))
+    elements = _element_geometric(model, displacement)
+    K = model.K + scatter(elements, model.rotation, model.dofs, 6 * len(model.xyz))
+    return replace(model, K=K, element_geometric=elements)
 
 
 def buckling_factor(model: FrameModel, load: np.ndarray) -> float:

@@ -64,10 +64,14 @@ def stations(model: FrameModel, points: int, longest: float = np.inf) -> Station
     """
     if points < 1:
         raise InputError("stations.points", points, "must be >= 1")
+    return _stations(model, points, longest, np.array([member.in_water for member in model.frame.members]))
+
+
+def _stations(model: FrameModel, points: int, longest: float, members: np.ndarray) -> Stations:
+    """On those of the members (mask)."""
     node, gauss = np.polynomial.legendre.leggauss(points)
     span = wetted_span(model)
-    in_water = np.array([member.in_water for member in model.frame.members])[model.member]
-    wet = np.flatnonzero(in_water & (span[:, 1] > span[:, 0]))
+    wet = np.flatnonzero(members[model.member] & (span[:, 1] > span[:, 0]))
     pieces = np.ceil(np.diff(span[wet])[:, 0] * model.length[wet] / longest).astype(int).clip(min=1)
     part = np.concatenate([np.zeros(0), *(np.arange(n) for n in pieces)])
     wet, size = np.repeat(wet, pieces), np.repeat(np.diff(span[wet]) / pieces[:, None], pieces, axis=0)
@@ -98,38 +102,65 @@ def _shapes(model: FrameModel, element: np.ndarray, s: np.ndarray) -> np.ndarray
 @lru_cache(maxsize=8)
 def added_mass(model: FrameModel, density: float) -> sparse.csr_array:
     """Consistent added mass, sparse (6n, 6n): ∫ (C_M - 1) ρπD²/4 Nᵀ(I - ttᵀ)N dx, wetted part."""
+    return _sum(model, *_added(model, density))
+
+
+@lru_cache(maxsize=8)
+def inner_mass(model: FrameModel, density: float) -> sparse.csr_array:
+    """Of the water in flooded members, which moves with them across their axes, sparse (6n, 6n)."""
+    return _sum(model, *_inner(model, density))
+
+
+def element_masses(model: FrameModel, density: float, elements: np.ndarray) -> np.ndarray:
+    """Added mass and inner water of some elements (k, 12, 12), global axes [kg, kg m, kg m2]."""
+    parts = (_added(model, density), _inner(model, density))
+    each = [[matrices[at.element == e].sum(axis=0) for e in elements] for at, matrices in parts]
+    return np.sum(each, axis=0).reshape(-1, 12, 12)
+
+
+def _inner(model: FrameModel, density: float) -> tuple[Stations, np.ndarray]:
+    at = _stations(model, EXACT, np.inf, np.array([bool(member.flooded) for member in model.frame.members]))
+    hollow = np.array([model.member_of(e).section.hollow for e in at.element.tolist()])
+    return at, _normal_matrices(at, density * hollow)
+
+
+def _added(model: FrameModel, density: float) -> tuple[Stations, np.ndarray]:
     at = stations(model, EXACT)
-    return _normal_matrix(model, (at.inertia - 1) * density * np.pi * at.diameter**2 / 4)
+    return at, _normal_matrices(at, (at.inertia - 1) * density * np.pi * at.diameter**2 / 4)
 
 
 @lru_cache(maxsize=8)
 def drag_matrix(model: FrameModel) -> sparse.csr_array:
     """∫ C_D D Nᵀ(I - ttᵀ)N dx over the wetted part, sparse (6n, 6n): how drag is spread over the frame."""
     at = stations(model, EXACT)
-    return _normal_matrix(model, at.drag * at.diameter)
+    return _sum(model, at, _normal_matrices(at, at.drag * at.diameter))
 
 
-def _normal_matrix(model: FrameModel, per_length: np.ndarray) -> sparse.csr_array:
-    """∫ c Nᵀ(I - ttᵀ)N dx, sparse (6n, 6n), of c (ns,) at the EXACT stations: normal to the member only."""
-    at = stations(model, EXACT)
+def _normal_matrices(at: Stations, per_length: np.ndarray) -> np.ndarray:
+    """Each station's share (ns, 12, 12) of ∫ c Nᵀ(I - ttᵀ)N dx, of c (ns,): normal to the member only."""
     normal = np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
-    matrices = (per_length * at.weight)[:, None, None] * (at.shape.transpose(0, 2, 1) @ normal @ at.shape)
+    return (per_length * at.weight)[:, None, None] * (at.shape.transpose(0, 2, 1) @ normal @ at.shape)
+
+
+def _sum(model: FrameModel, at: Stations, matrices: np.ndarray) -> sparse.csr_array:
+    """Of all stations, sparse (6n, 6n)."""
     return sparse_sum(matrices, at.dofs, at.dofs, model.K.shape)
 
 
 @lru_cache(maxsize=8)
 def buoyancy(model: FrameModel, density: float, g: float) -> np.ndarray:
-    """Buoyancy ρgA of each element's material below z = 0, local axes [N, N m], (ne, 12).
+    """Buoyancy ρgA of each element below z = 0, local axes [N, N m], (ne, 12).
 
-    Every member below still water displaces water, with or without water coefficients; a tube is
-    flooded.
+    Every member below still water displaces water, with or without water coefficients: its material, and what is
+    inside of it if it is sealed. With it N is the effective axial force, the wall's own and the pressures' on it.
     """
-    area = np.array([member.section.area for member in model.frame.members])[model.member]
+    areas = [m.section.area + (m.section.hollow if m.flooded is False else 0.0) for m in model.frame.members]
+    area = np.array(areas)[model.member]
     up = density * g * area[:, None] * (model.rotation @ [0.0, 0.0, 1.0])
     parts = zip(up, model.length, wetted_span(model), strict=True)
     return np.array([beam.distributed_load(q, L, span) for q, L, span in parts])
 
 
 def buoyancy_load(model: FrameModel, density: float, g: float) -> np.ndarray:
-    """Buoyancy of the material below still water [N, N m], (6n,)."""
+    """Buoyancy of the members below still water [N, N m], (6n,)."""
     return model.total(buoyancy(model, density, g))

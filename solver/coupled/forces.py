@@ -1,0 +1,149 @@
+"""What an elastic platform's sections and feet bear, as linear maps of the march's samples: see structure.influence."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from solver.structure import recovery, water
+from solver.structure.frame import FrameModel
+from solver.structure.influence import Influence, Wanted, influence
+from solver.structure.legs import BENDING
+
+REACTIONS, SECTIONS, FIBRES, FATIGUE = "reactions", "section_forces", "fibre_stress", "fatigue"
+MIRROR = np.array([1.0, -1.0, 1.0])
+
+
+class Feet(NamedTuple):
+    """The nl legs' sections at their feet, nf fibres at most."""
+
+    properties: np.ndarray  # (nl, 4) A, Iy, Iz, c
+    thickness: np.ndarray  # (nl,) of the wall [m], as fatigue sees it
+    fibre: np.ndarray  # (nl, nf, 2) local y and z [m], NaN where a leg has fewer
+    axes: np.ndarray  # (nl, 3, 3) rows = local axes
+
+    @property
+    def stress(self) -> np.ndarray:
+        """Signed stress for unit N, My, Mz, (nl, 3, nf): σ = N/A + My z/Iy - Mz y/Iz."""
+        A, Iy, Iz, _ = self.properties.T[..., None]
+        y, z = np.moveaxis(self.fibre, -1, 0)
+        return np.stack([np.where(np.isnan(y), np.nan, 1 / A), z / Iy, -y / Iz], axis=1)
+
+    @property
+    def extreme(self) -> np.ndarray:
+        """N/A, c My/Iy, c Mz/Iz for unit N, My, Mz, (nl, 3)."""
+        A, Iy, Iz, c = self.properties.T
+        return np.stack([1 / A, c / Iy, c / Iz], axis=-1)
+
+    @property
+    def place(self) -> np.ndarray:
+        """Of the fibres from the leg's axis, global axes (nl, nf, 3) [m]."""
+        return self.fibre @ self.axes[:, 1:]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Places:
+    """Which of a frame's forces are asked for: of the legs' feet, the members' both ends, the clamped nodes."""
+
+    feet: Feet
+    members: tuple[str, ...]
+    clamped: tuple[str, ...]
+    foot: np.ndarray  # (nc, 3) places of the clamped nodes [m]
+    wanted: Wanted
+    influence: Influence
+
+    def split(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """N, My, Mz at the feet (m, nl, 3), section forces (m, nm, 2, 6), reactions (m, nc, 6), of forces y (m, ny)."""
+        nl, nm = len(self.feet.axes), len(self.members)
+        parts = np.split(y, [6 * nl, 6 * (nl + 2 * nm)], axis=-1)
+        shapes = (nl, 6), (nm, 2, 6), (len(self.clamped), 6)
+        feet, sections, reactions = (part.reshape(len(y), *shape) for part, shape in zip(parts, shapes, strict=True))
+        return feet[..., BENDING], sections, reactions
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Forces:
+    """Maps to the ny forces that are asked for: y = waves + p̈ A + h C + g D, besides those at rest."""
+
+    places: Places
+    rows: np.ndarray  # (ny, n) complex, of the wave's inertia load
+    inertia: np.ndarray  # (nm, ny) of modal accelerations
+    carried: np.ndarray  # (nc, ny) of the floats' loads on the carriers
+    drag: np.ndarray  # (nd ns, ny) of the drag at the stations
+    at_rest: np.ndarray  # (ny,) of the frame alone: weight, point loads, buoyancy
+
+    def of(self, waves: np.ndarray, ddp: np.ndarray, carried: np.ndarray, drag: np.ndarray) -> np.ndarray:
+        """y (m, ny) without those at rest, of samples or lines: waves (m, ny), ddp, carried, drag (m, nd, ns)."""
+        return waves + ddp @ self.inertia + carried @ self.carried + drag.reshape(len(drag), -1) @ self.drag
+
+
+def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Places:
+    """Those that a scene's legs and outputs need."""
+    frame, legs = model.frame, tuple(legs)
+    members = tuple(m.name for m in frame.members) if SECTIONS in outputs else ()
+    clamped = frame.clamped if REACTIONS in outputs else ()
+    feet = [_foot(model, name) for name in legs]
+    both = [end for name in members for end in _ends(model, name)]
+    nodes = np.array([model.node_index[name] for name in clamped], int)
+    wanted = Wanted(
+        ends=np.array([*feet, *both], int), clamped=(6 * nodes[:, None] + np.arange(6)).ravel()
+    )  # fmt: skip
+    return Places(
+        feet=_feet(model, np.array(feet, int)),
+        members=members,
+        clamped=clamped,
+        foot=model.xyz[nodes],
+        wanted=wanted,
+        influence=influence(model, wanted),
+    )
+
+
+def _ends(model: FrameModel, name: str) -> tuple[int, int]:
+    """A member's start and end among the ends of elements."""
+    elements = model.member_elements[name]
+    return 2 * elements[0], 2 * elements[-1] + 1
+
+
+def _foot(model: FrameModel, name: str) -> int:
+    """The lower of a member's ends."""
+    start, end = model.member_nodes[name][[0, -1]]
+    return _ends(model, name)[int(model.xyz[start, 2] > model.xyz[end, 2])]
+
+
+def _feet(model: FrameModel, ends: np.ndarray) -> Feet:
+    sections = [model.member_of(end // 2).section for end in ends]
+    most = max((len(section.fibres) for section in sections), default=0)
+    fibre = np.full((len(ends), most, 2), np.nan)
+    for row, section in zip(fibre, sections, strict=True):
+        row[: len(section.fibres)] = section.fibres
+    return Feet(
+        properties=recovery.section_properties(model)[ends],
+        thickness=np.array([section.wall for section in sections]),
+        fibre=fibre,
+        axes=model.rotation[ends // 2],
+    )
+
+
+def of_drag(
+    places: Places, at: water.Stations, kept: np.ndarray, directions: np.ndarray, *, planar: bool
+) -> np.ndarray:
+    """(nd ns, ny) of drag at the march's stations, which are those `kept` (mask) of all, in the directions it has.
+
+    In a planar scene those of one side have the drag of both: half of it acts on each.
+    """
+    unit = places.influence.of_points(at)
+    mine = unit[kept]
+    if planar:
+        _, other = cKDTree(_keys(at.position, at.tangent)).query(
+            _keys(at.position[kept] * MIRROR, at.tangent[kept] * MIRROR)
+        )
+        mine = (mine + MIRROR[:, None] * unit[other]) / 2
+    return mine.transpose(1, 0, 2)[directions].reshape(-1, unit.shape[2])
+
+
+def _keys(position: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+    """Points of members that cross there differ by their tangents (ns, 12)."""
+    along = tangent[:, :, None] * tangent[:, None, :]
+    return np.concatenate([position, along.reshape(-1, 9)], axis=1)

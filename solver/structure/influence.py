@@ -1,0 +1,95 @@
+"""Section forces and reactions as linear maps of the loads on a moving frame.
+
+The frame bends under its loads F and the inertia of its motion d̈, K d = F - M d̈ (mode acceleration: Craig, Structural
+Dynamics, 1981). With an element's own consistent loads f, inertia among them, its end bears ± (k d - f), and the ground
+K d - (F - M d̈) on a clamped degree of freedom: forces balance at every node, however few shapes the motion is made of
+and however long the elements. Structural damping acts within the frame: it is part of what its sections bear.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from solver.structure import beam, recovery, statics, water
+from solver.structure.frame import FrameModel, scatter
+
+FORCES = ("N", "Vy", "Vz", "T", "My", "Mz")  # on the face whose outward normal is local +x
+SLAB = 2**22  # numbers of an array made on the way
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Wanted:
+    """Which section forces, at k ends of elements, and which reactions are asked for: ny = 6 k + nr."""
+
+    ends: np.ndarray  # (k,) numbered 2 e (start) and 2 e + 1 (end of element e)
+    clamped: np.ndarray  # (nr,) degrees of freedom
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Influence:
+    """On each of the ny forces: y = Σ nodalᵀ F + withinᵀ f, global axes."""
+
+    model: FrameModel
+    nodal: np.ndarray  # (6n, ny) of unit loads on the nodes
+    element: np.ndarray  # (ny,) the element whose own loads count besides; -1 of a reaction
+    within: np.ndarray  # (ny, 12) of that element's consistent loads
+
+    def of_points(self, at: water.Stations) -> np.ndarray:
+        """Of unit point loads at the stations, (ns, 3, ny)."""
+        out = np.empty((len(at.element), 3, self.element.size))
+        size = max(1, SLAB // max(1, 12 * self.element.size))
+        for part in (slice(i, i + size) for i in range(0, len(out), size)):
+            own = at.element[part, None, None] == self.element
+            out[part] = at.shape[part] @ (self.nodal[at.dofs[part]] + np.where(own, self.within.T, 0.0))
+        return out
+
+    def of_inertia(self, M: sparse.csr_array, density: float, shapes: np.ndarray) -> np.ndarray:
+        """Of unit accelerations along shapes (6n, nm) of mass M, the water's included, (nm, ny): that of - M d̈."""
+        out = (M @ shapes).T @ self.nodal
+        elements, place = np.unique(self.element[self.element >= 0], return_inverse=True)
+        own = element_masses(self.model, density, elements) @ shapes[self.model.dofs[elements]]
+        out[:, self.element >= 0] += np.einsum("ya,yam->my", self.within[self.element >= 0], own[place])
+        return -out
+
+    def at_rest(
+        self, wanted: Wanted, displacement: np.ndarray, load: np.ndarray, element_loads: np.ndarray
+    ) -> np.ndarray:
+        """(ny,) of the static displacement (6n,) under `load`, of which element_loads (ne, 12) are spread; no P-Δ."""
+        forces = recovery.section_forces(self.model, displacement, element_loads)[wanted.ends].ravel()
+        size = self.model.K.shape[0]
+        elastic = scatter(self.model.element_stiffness, self.model.rotation, self.model.dofs, size)
+        return np.concatenate([forces, (elastic[wanted.clamped] @ displacement) - load[wanted.clamped]])
+
+
+def influence(model: FrameModel, wanted: Wanted) -> Influence:
+    """By one static solution for each force, K being symmetric."""
+    k = len(wanted.ends)
+    element, row = np.repeat(wanted.ends // 2, 6), (6 * (wanted.ends[:, None] % 2) + np.arange(6)).ravel()
+    stiffness = model.element_stiffness
+    if model.element_geometric is not None:
+        stiffness = stiffness + model.element_geometric
+    T = np.array([beam.to_global(R) for R in model.rotation[element]]).reshape(-1, 12, 12)
+    face = recovery.FACE[row, None]
+    blocks = face * np.einsum("ya,yab->yb", stiffness[element, row], T)
+    unit = np.zeros((model.K.shape[0], 6 * k + wanted.clamped.size))
+    unit[model.dofs[element], np.arange(6 * k)[:, None]] = blocks
+    unit[:, 6 * k :] = model.K[wanted.clamped].toarray().T
+    nodal = statics.static(model, unit)
+    nodal[wanted.clamped, 6 * k + np.arange(wanted.clamped.size)] -= 1.0
+    none = np.zeros((wanted.clamped.size, 12))
+    return Influence(
+        model=model,
+        nodal=nodal,
+        element=np.concatenate([element, np.full(wanted.clamped.size, -1)]),
+        within=np.concatenate([-face * T[np.arange(6 * k), row], none]),
+    )
+
+
+def element_masses(model: FrameModel, density: float, elements: np.ndarray) -> np.ndarray:
+    """Mass of some elements with the water's (k, 12, 12), global axes [kg, kg m, kg m2]."""
+    steel = []
+    for e in elements:
+        member, T = model.member_of(e), beam.to_global(model.rotation[e])
+        steel.append(T.T @ beam.mass(member.material.density, member.section, model.length[e]) @ T)
+    return water.element_masses(model, density, elements) + np.reshape(steel, (-1, 12, 12))

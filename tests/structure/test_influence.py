@@ -1,0 +1,252 @@
+"""Section forces and reactions of moving frames: balance, closed forms, and elements of any length."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.coupled import support
+from solver.coupled.system import blocks, prepare
+from solver.errors import InputError
+from solver.record.steel import Steel
+from solver.run import simulate
+from solver.scene import Platform, Scene, Settings, Water
+from solver.sea.field import WaveField
+from solver.sea.realization import CALM, ramp, regular
+from solver.structure import beam, recovery, statics, water
+from solver.structure.beam import solid_rectangle, tube
+from solver.structure.frame import Frame, Material, Member, PointMass
+from tests.awkward import tripod, unequal_legs
+
+EVERYTHING = ("reactions", "section_forces", "fibre_stress")
+RHO, G = 1025.0, 9.81
+
+
+def marched(**changes):
+    """A float on three unequal legs in waves at 30 degrees: the system, its steel, a block of samples."""
+    item, h = unequal_legs()
+    chosen = {"outputs": EVERYTHING, "time_step": 0.1, **changes}
+    platform = replace(item.platform, damping_ratio=0.0)
+    system = prepare(replace(item, platform=platform, settings=replace(item.settings, **chosen)), h)
+    steel = Steel(system.support.forces, system.scene.settings)
+    *_, (samples, output, times) = blocks(system, system.start(), 512)
+    s = system.scene.settings
+    turn = np.exp(-1j * np.outer(times, system.scene.sea.omega)) * ramp(times, s.ramp)[:, None]
+    y = steel.forces.of(samples[:, system.layout.forces], output.ddp, output.carried, output.drag)
+    return system, steel, turn, output, y
+
+
+def test_reactions_balance_all_loads_and_inertia():
+    """Forces and moments about the origin, each by integrals over the members and none by the frame's stiffness."""
+    system, steel, turn, output, y = marched()
+    sea, platform = system.scene.water, system.scene.platform
+    model, _, _ = support.dynamic_model(platform, sea)
+    M = model.M + water.added_mass(model, sea.density)
+    drag, carried, ddp = output.drag, output.carried, output.ddp
+    *_, reactions = steel.places.split(y)
+    at = water.stations(model, water.EXACT, support.INERTIA / system.waves.k.max())
+    acceleration = (system.waves.acceleration(at.position) @ turn.T).real  # (ns, 3, m)
+    normal = np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
+    inertia = (at.inertia * sea.density * np.pi / 4 * at.diameter**2 * at.weight)[:, None, None] * (
+        normal @ acceleration
+    )
+    total = about_origin(at.position, inertia.transpose(2, 0, 1))
+    drags = water.stations(model, 2, support.DRAG * system.waves.mean_length)
+    wet = drags.drag > 0
+    total += about_origin(drags.position[wet], drag.transpose(0, 2, 1))
+    hinge = model.xyz[model.node_index["hinge:float"]]
+    total += np.concatenate([carried[:, :3], carried[:, 3:] + np.cross(hinge, carried[:, :3])], axis=1)
+    rigid = rigid_motions(model.xyz)
+    total -= ddp @ system.support.shapes.T @ (M @ rigid)
+    feet = steel.places.foot
+    total += about_origin(feet, reactions[..., :3])
+    total[:, 3:] += reactions[..., 3:].sum(axis=1)
+    scale = np.abs(about_origin(feet, reactions[..., :3])).max(axis=0)
+    assert np.abs(total / scale).max() < 1e-9
+    names = dict(steel.channels(y))
+    assert names["base_shear"] == approx(-reactions[..., :3].sum(axis=1))
+    moved = -(about_origin(feet - steel.point, reactions[..., :3])[:, 3:] + reactions[..., 3:].sum(axis=1))
+    assert names["overturning_moment"] == approx(moved)
+
+
+def about_origin(position, force):
+    """(m, 6) force and moment about the origin of forces (m, ns, 3) at positions (ns, 3)."""
+    return np.concatenate([force.sum(axis=1), np.cross(position, force).sum(axis=1)], axis=1)
+
+
+def rigid_motions(xyz):
+    """Displacements (6n, 6) of all nodes: three translations, three rotations about the origin."""
+    out = np.zeros((len(xyz), 6, 6))
+    out[:, :3, :3] = out[:, 3:, 3:] = np.eye(3)
+    for i in range(3):
+        out[:, :3, 3 + i] = np.cross(np.eye(3)[i], xyz)
+    return out.reshape(-1, 6)
+
+
+def test_feet_bear_what_the_ground_gives_and_what_the_shapes_strain():
+    """A foot's section forces, turned to global axes, are the ground's reaction; all are k d + m d̈ - f of shapes."""
+    system, steel, turn, output, y = marched(modes="all", newton_tolerance=1e-9)
+    model, _, _ = support.dynamic_model(system.scene.platform, system.scene.water)
+    _, sections, reactions = steel.places.split(y)
+    for name in ("a", "b", "c"):
+        row, foot = steel.places.members.index(name), steel.places.clamped.index("foot " + name)
+        R = model.rotation[model.member_elements[name][0]]
+        turned = sections[:, row, 0].reshape(-1, 2, 3) @ R
+        assert -turned.reshape(-1, 6) == approx(reactions[:, foot], rel=1e-9, abs=1e-9 * np.abs(reactions).max())
+    strained = (output.p @ (recovery.section_force_matrix(model) @ system.support.shapes).T).reshape(len(y), -1, 6)
+    wanted = steel.places.wanted.ends
+    sections = sections.reshape(len(y), -1, 6)[:, :6]  # of the legs: the arm's is one with the hinge's load
+    nodes_alone = strained[:, wanted[len(steel.feet.axes) :]][:, :6]
+    within = within_elements(system, steel, turn, output)
+    both = nodes_alone + within.reshape(len(y), -1, 6)[:, len(steel.feet.axes) :][:, :6]
+    for kind in range(6):
+        size = np.abs(sections[..., kind]).max()
+        assert both[..., kind] == approx(sections[..., kind], abs=1e-4 * size), kind
+    bending = np.abs(nodes_alone - sections)[..., 4].max()
+    assert bending > 0.05 * np.abs(sections[..., 4]).max()  # which two elements a leg would be off without
+
+
+def within_elements(system, steel, turn, output):
+    """What acts inside the elements alone adds at their ends, (m, ny): consistent loads, reversed."""
+    model, _, _ = support.dynamic_model(system.scene.platform, system.scene.water)
+    places, density = steel.places, system.scene.water.density
+    alone = replace(places.influence, nodal=np.zeros_like(places.influence.nodal))
+    at = water.stations(model, water.EXACT, support.INERTIA / system.waves.k.max())
+    loads = support._inertia_rows(system.scene.platform, at, system.waves, system.scene.water)
+    rows = np.tensordot(alone.of_points(at), loads, axes=([0, 1], [0, 1]))
+    waves = (turn @ rows.T).real
+    M = model.M + water.added_mass(model, density)
+    moving = replace(steel.forces, inertia=alone.of_inertia(M, density, system.support.shapes))
+    drags = water.stations(model, 2, support.DRAG * system.waves.mean_length)
+    of_drag = support.forces.of_drag(
+        replace(places, influence=alone), drags, drags.drag > 0, np.ones(3, bool), planar=False
+    )
+    return replace(moving, carried=0 * moving.carried, drag=of_drag).of(waves, output.ddp, output.carried, output.drag)
+
+
+def pile(elements, *, period=12.0, amplitude=3.0, stiffer=1e4, section=None, **settings):
+    """A pile of 6 m through 30 m of water, as in the published check of Morison's load."""
+    depth, D = 30.0, 6.0
+    steel = Material(E=2.1e11 * stiffer, G=8.33e10 * stiffer, density=7850.0)
+    member = Member(
+        name="pile", start="foot", end="top", elements=elements, section=section or tube(D, 0.06), material=steel,
+        drag_coefficient=1.0, inertia_coefficient=2.0,
+    )  # fmt: skip
+    frame = Frame(nodes={"foot": (0, 0, -depth), "top": (0, 0, 6.0)}, members=(member,), clamped=("foot",))
+    water_ = Water(depth=depth, density=RHO)
+    sea = regular(height=2 * amplitude, period=period)
+    chosen = {"duration": 3 * period, "discard": 2 * period, "ramp": period, "time_step": period / 120} | settings
+    return Scene(
+        water=water_, sea=sea, platform=Platform(frame=frame, legs=("pile",)),
+        settings=Settings(outputs=EVERYTHING, **chosen),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("elements", [1, 2, 10])
+def test_a_pile_bears_morisons_load(elements):
+    """Largest shear and moment at the mudline: drag 205,475 N, inertia 1,343,264 N, together 2.18588e7 N m."""
+    v = simulate(pile(elements, stations_per_element=8)).variables
+    assert v["overturning_moment"][1][1, 0] == approx(2.18588e7, rel=2e-3)
+    shear = v["base_shear"][1][0]
+    # Both parts' sum over a period: F(t) = I sin + D |cos| cos.
+    angle = np.linspace(0, 2 * np.pi, 2001)
+    force = 1343264 * np.sin(angle) + 205475 * np.abs(np.cos(angle)) * np.cos(angle)
+    assert shear[0] == approx(force.max(), rel=2e-3)
+    assert shear[4] == approx(force[:-1].std(), rel=2e-3)
+    section = tube(6.0, 0.06)
+    weight = 36 * section.area * 7850 * G - 30 * section.area * RHO * G
+    assert v["base_shear"][1][2, 2] == approx(-weight, rel=1e-9)
+    bending = 2.18588e7 * 3.0 / section.Iy
+    still = -weight / section.area
+    worst = v["fibre_stress"][1][0]  # (fibre, statistic)
+    assert worst[:, 0].max() == approx(still + bending, rel=2e-3)
+    assert worst[:, 1].min() == approx(v["bottom_stress"][1][0, 1], rel=2e-3) == approx(still - bending, rel=2e-3)
+
+
+def test_long_elements_bear_what_short_ones_do():
+    """A slender pile that sways: 2 elements and 40, every force of the foot, the top and the pile's fibres."""
+    scenes = [pile(n, stiffer=1.0, amplitude=1.0, period=7.0, section=tube(1.2, 0.03)) for n in (2, 40)]
+    coarse, fine = (simulate(s).variables for s in scenes)
+    for name in ("base_shear", "overturning_moment", "fibre_stress", "section_moment", "bottom_stress"):
+        a, b = coarse[name][1], fine[name][1]
+        assert a == approx(b, abs=5e-3 * np.abs(b).max()), name
+    shapes_alone = simulate(replace(scenes[0], settings=replace(scenes[0].settings, outputs=()))).variables
+    assert shapes_alone["bottom_stress"][1] == approx(coarse["bottom_stress"][1], rel=1e-6)
+
+
+def test_a_planar_scene_bears_what_it_does_in_space(buan):
+    """Buan's legs in waves along x: half of the stations stand for all; turned by a hair, none are left out."""
+    settings = {"outputs": EVERYTHING, "time_step": 0.2, "duration": 40.0, "discard": 10.0, "ramp": 5.0, "modes": "all"}
+    sea = buan.sea(Hs=1.0)
+    planar = simulate(buan.scene("elastic-no-floats", sea=sea, **settings)).variables
+    turned = replace(sea, heading=1e-9)
+    space = simulate(buan.scene("elastic-no-floats", sea=turned, **settings)).variables
+    for name in ("reaction_force", "reaction_moment", "base_shear", "section_moment", "fibre_stress", "bottom_stress"):
+        a, b = planar[name][1], space[name][1]
+        assert a == approx(b, abs=1e-5 * np.abs(b[..., 4]).max() + 1e-8 * np.abs(b).max()), name
+
+
+def test_fibres_of_a_rectangle_have_its_own_sides():
+    """Corners of a beam bent both ways: ± My h/2Iy ± Mz b/2Iz, not half a diagonal."""
+    section = solid_rectangle(0.8, 0.2)
+    assert section.fibres == approx(np.array([[0.4, 0.1], [-0.4, 0.1], [-0.4, -0.1], [0.4, -0.1]]))
+    steel = Material(E=2.1e11, G=8.33e10, density=7850.0)
+    member = Member(name="post", start="foot", end="top", elements=2, section=section, material=steel)
+    masses = (PointMass(node="top", mass=1e3),)
+    nodes = {"foot": (0, 0, -10.0), "top": (2.0, 1.0, 2.0)}
+    frame = Frame(nodes=nodes, members=(member,), clamped=("foot",), masses=masses)
+    still = Scene(
+        water=Water(depth=10.0), platform=Platform(frame=frame, legs=("post",)), sea=replace(CALM, heading=0.5),
+        settings=Settings(duration=1.0, discard=0.0, outputs=EVERYTHING, time_step=0.1),
+    )  # fmt: skip
+    v = simulate(still).variables
+    L = np.linalg.norm(np.subtract(nodes["top"], nodes["foot"]))
+    model = support.dynamic_model(still.platform, still.water)[0]
+    R, q = model.rotation[0], 7850 * section.area * G
+    # Moment of the weights about the foot, in the member's axes; buoyancy of the wet ten twelfths.
+    up = RHO * G * section.area
+    arm = np.subtract(nodes["top"], nodes["foot"])
+    share = 10 / 12
+    moment = np.cross(arm, [0, 0, -1e3 * G]) + np.cross(arm / 2, [0, 0, -q * L])
+    moment += np.cross(arm * share / 2, [0, 0, up * L * share])
+    force = R @ np.array([0, 0, -1e3 * G - q * L + up * L * share])
+    local = R @ moment
+    y, z = section.fibres.T
+    expected = force[0] / section.area + local[1] * z / section.Iy - local[2] * y / section.Iz
+    assert v["fibre_stress"][1][0, :, 2] == approx(expected, rel=1e-9)
+    assert v["fibre_place"][1][0] == approx(section.fibres @ R[1:], abs=1e-12)
+    assert v["section_force"][1][0, 0, 0, 2] == approx(force[0], rel=1e-9)
+
+
+def test_sections_without_legs_and_fibres_with_none():
+    scene = pile(2)
+    bare = replace(scene.platform, legs=())
+    with pytest.raises(InputError, match=r"settings\.outputs = fibre_stress: is of the feet of legs"):
+        replace(scene, platform=bare)
+    alone = replace(scene, platform=bare, settings=replace(scene.settings, outputs=("reactions",)))
+    assert "pile_force" not in simulate(alone).variables
+    with pytest.raises(InputError, match="must be of reactions"):
+        replace(scene, settings=replace(scene.settings, outputs=("tears",)))
+
+
+def test_softened_frames_balance_their_softened_stiffness():
+    """With geometric stiffness a foot bears what K + Kg strains: the moment of the weight that has swayed aside."""
+    platform = replace(tripod(4), geometric_stiffness=True, hinge_nodes={})
+    model, at_rest, _ = support.dynamic_model(platform, Water(depth=25.0))
+    field = WaveField(regular(height=1.0, period=6.0), 25.0, G)
+    options = {"planar": False, "modes": 6, "stations": 2, "outputs": ("reactions", "section_forces")}
+    s = support.reduce_platform(platform, field, Water(depth=25.0), (), **options)
+    influence = s.forces.places.influence
+    load = np.random.default_rng(0).normal(size=model.K.shape[0])
+    load[model.dofs[0]] *= 0
+    d = statics.static(model, load)
+    _, sections, reactions = s.forces.places.split((influence.nodal.T @ load)[None])
+    assert reactions.ravel() == approx(
+        model.K[s.forces.places.wanted.clamped] @ d - load[s.forces.places.wanted.clamped]
+    )
+    e = model.member_elements["b"][-1]
+    k = model.element_stiffness[e] + model.element_geometric[e]
+    end = (k @ beam.to_global(model.rotation[e]) @ d[model.dofs[e]])[6:]
+    assert sections[0, s.forces.places.members.index("b"), 1] == approx(end)
+    assert at_rest.shape == d.shape
