@@ -127,8 +127,11 @@ def repeating(item, height):
 
 @pytest.mark.parametrize("name", sorted(SCENES))
 def test_small_linear_waves_are_the_marchs(name):
-    """std of every coordinate, hinge force, displacement and stress, mean power, all means: to 0.5 %."""
+    """std of every coordinate, force, displacement and stress, mean power, all means: to 0.5 %."""
     item, h = SCENES[name]()
+    if item.platform:
+        outputs = ("reactions", "section_forces", "fibre_stress")
+        item = replace(item, settings=replace(item.settings, outputs=outputs))
     size = min((f.hull.size for f in item.floats), default=1.0)
     item, period = repeating(item, 1e-4 * size)
     if name == "soft_mooring":  # what is let go at the start must have died away
@@ -140,6 +143,7 @@ def test_small_linear_waves_are_the_marchs(name):
     assert len(tables) >= 2
     for key in tables:
         table, exact = (record.variables[key][1].reshape(-1, 5) for record in (lines, march))
+        table, exact = table[~np.isnan(exact[:, 2])], exact[~np.isnan(exact[:, 2])]
         _, _, mean, rms, std = exact.T
         if key == "absorbed_power":
             assert table[:, 2] == approx(mean, rel=1e-2), key

@@ -94,7 +94,9 @@ def line(steel, pipe):
         material=steel,
         **fields,
     ):
-        water = {key: fields.pop(key) for key in ("drag_coefficient", "inertia_coefficient") if key in fields}
+        water = {
+            key: fields.pop(key) for key in ("drag_coefficient", "inertia_coefficient", "flooded") if key in fields
+        }
         pile = Member(
             name="pile",
             start="start",

@@ -1,7 +1,10 @@
 """Natural frequencies against closed forms and tables, with their order in the mesh."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from solver.errors import InputError
 from solver.structure import statics
@@ -161,3 +164,25 @@ def test_a_frame_beyond_its_euler_load_is_refused(line, steel, pipe):
     softened = statics.with_geometric_stiffness(model, displacement)
     with pytest.raises(InputError, match=r"must be > 0: the frame buckles"):
         modes(softened.K, softened.M, softened.free)
+
+
+@pytest.mark.parametrize(("stiffer", "density"), [(1e2, 10.0), (1e4, 0.01)])
+def test_stiff_light_members_leave_slow_modes_as_they_are(steel, pipe, stiffer, density):
+    """A mass on a nearly rigid, nearly massless arm: as on a rigid one, whose end moves by u + θ x r."""
+    light = replace(steel, E=steel.E * stiffer, G=steel.G * stiffer, density=density)
+    nodes = {"foot": (0, 0, 0), "top": (0, 0, 50.0), "end": (2.0, 0, 50.0)}
+    leg = Member(name="leg", start="foot", end="top", elements=20, section=pipe, material=steel)
+    arm = Member(name="arm", start="top", end="end", elements=4, section=pipe, material=light)
+    model = assemble(
+        Frame(nodes=nodes, members=(leg, arm), clamped=("foot",), masses=(PointMass(node="end", mass=1e4),))
+    )
+    bare = assemble(Frame(nodes={k: nodes[k] for k in ("foot", "top")}, members=(leg,), clamped=("foot",)))
+    move = np.zeros((3, bare.K.shape[0]))
+    top = 6 * bare.node_index["top"]
+    move[:, top : top + 3], move[:, top + 3 : top + 6] = np.eye(3), -np.cross(np.eye(3), [2.0, 0, 0]).T
+    exact = modes(bare.K, bare.M + csr_array(1e4 * move.T @ move), bare.free, 4).omega
+    # What bends and weighs of the arm: 2e-2/stiffer; and rounding of K's largest entry, EA/L of the arm's elements,
+    # beside the leg's 3EI/L³: 1e-16 * 4e6 * stiffer.
+    within = 2e-2 / stiffer + 1e-9 * stiffer
+    assert modes(model.K, model.M, model.free, 4).omega == pytest.approx(exact, rel=within)
+    assert modes(model.K, model.M, model.free).omega[:4] == pytest.approx(exact, rel=within)

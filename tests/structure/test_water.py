@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver.errors import InputError
-from solver.structure import statics, water
+from solver.structure import beam, statics, water
 
 RHO, W = 1025.0, 9.81
 COEFFICIENTS = {"drag_coefficient": 1.0, "inertia_coefficient": 1.8}
@@ -156,3 +156,33 @@ def test_pieces_of_an_element_share_its_length_and_integrate_what_varies_within_
     exact = (1 - np.exp(-k * wet)) / k
     missed = abs(at.weight @ np.exp(-k * depth) / exact - 1)
     assert missed < 1e-7 if longest < 1 else missed < 0.03 if longest < 4 else missed > 0.03
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_flooded_piles_carry_their_water_across(pile, n):
+    """ρ π d²/4 of the inner diameter over the wetted length, none of it along the pile; weight is as before."""
+    plain, flooded = pile(n), pile(n, flooded=True)
+    inner = RHO * np.pi / 4 * (0.45 - 2 * 0.012) ** 2
+    M = water.inner_mass(flooded, RHO)
+    for axis in (0, 1):
+        assert shift(flooded, axis) @ M @ shift(flooded, axis) == pytest.approx(inner * 7.3)
+    assert shift(flooded, 2) @ M @ shift(flooded, 2) == pytest.approx(0, abs=1e-9)
+    assert rigid_turn(flooded, 1) @ M @ rigid_turn(flooded, 1) == pytest.approx(inner * 7.3**3 / 3)
+    assert water.inner_mass(plain, RHO).nnz == 0
+    assert water.buoyancy_load(flooded, RHO, W) == pytest.approx(water.buoyancy_load(plain, RHO, W))
+    each = water.element_masses(flooded, RHO, np.arange(n)).sum(axis=0)
+    assert np.tile([1, 0, 0, 0, 0, 0], 2) @ each @ np.tile([1, 0, 0, 0, 0, 0], 2) == pytest.approx(
+        (inner + 0.8 * RHO * np.pi / 4 * 0.45**2) * 7.3
+    )
+
+
+def test_sealed_piles_displace_their_outer_volume(pile):
+    sealed = pile(3, flooded=False)
+    lift = water.buoyancy_load(sealed, RHO, W).reshape(-1, 6).sum(axis=0)
+    assert lift[2] == pytest.approx(RHO * W * np.pi / 4 * 0.45**2 * 7.3)
+    assert water.inner_mass(sealed, RHO).nnz == 0
+
+
+def test_only_tubes_are_flooded(line):
+    with pytest.raises(InputError, match=r"members\.pile\.flooded = True: is of tubes"):
+        line(1, section=beam.solid_rectangle(0.2, 0.3), flooded=True)

@@ -55,12 +55,14 @@ pto_damping = 5e4
 hinge_spacing = [5.0]
 """
 LINES = '[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n[variants.a]\n'
+OUTPUTS = 'outputs = ["fatigue", "reactions", "section_forces", "fibre_stress"]\n[record.fatigue]\nscf = 2.0\n'
 CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
 # Every kind of scene, sea, path and output.
 REAL = {
     "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
     "heave": SPHERE + SHORT + "rao = true\n[solver]\ntolerance = 0.05\n",
     "floating": SPHERE.replace('["heave"]\noffset = 0.5', '["surge", "heave"]\nstiffness = [2e5, 0]') + CARRIED + SHORT,
+    "steel": SMALL[: SMALL.index("[axes]")] + CALM + SHORT + OUTPUTS,
     "lines": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("full", "none") + LINES,
     "paper": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("4.0", "1.0") + '[solver]\naccuracy = "reference"\n',
 }
@@ -150,7 +152,10 @@ def test_motion_along_an_axis_has_its_unit(real):
 
 
 def test_what_the_solver_itself_leaves_is_clean_under_cf(real, tmp_path):
-    for path in [real / "floating" / "statistics.nc", next(real.glob("heave/tasks/*/record.nc"))]:
+    for path in [
+        *(real / name / "statistics.nc" for name in ("floating", "steel")),
+        next(real.glob("heave/tasks/*/record.nc")),
+    ]:
         assert complaints(path, tmp_path) == [], path
 
 
