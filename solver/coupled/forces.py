@@ -57,10 +57,10 @@ class Places:
     def split(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """N, My, Mz at the feet (m, nl, 3), section forces (m, nm, 2, 6), reactions (m, nc, 6), of forces y (m, ny)."""
         nl, nm = len(self.feet.axes), len(self.members)
-        parts = np.split(y, [6 * nl, 6 * (nl + 2 * nm)], axis=-1)
-        shapes = (nl, 6), (nm, 2, 6), (len(self.clamped), 6)
+        parts = np.split(y, [3 * nl, 3 * nl + 12 * nm], axis=-1)
+        shapes = (nl, 3), (nm, 2, 6), (len(self.clamped), 6)
         feet, sections, reactions = (part.reshape(len(y), *shape) for part, shape in zip(parts, shapes, strict=True))
-        return feet[..., BENDING], sections, reactions
+        return feet, sections, reactions
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -88,8 +88,10 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
     both = [end for name in members for end in _ends(model, name)]
     nodes = np.array([model.node_index[name] for name in clamped], int)
     wanted = Wanted(
-        ends=np.array([*feet, *both], int), clamped=(6 * nodes[:, None] + np.arange(6)).ravel()
-    )  # fmt: skip
+        end=np.concatenate([np.repeat(feet, 3), np.repeat(both, 6)]).astype(int),
+        component=np.concatenate([np.tile(BENDING, len(feet)), np.tile(np.arange(6), len(both))]).astype(int),
+        clamped=(6 * nodes[:, None] + np.arange(6)).ravel(),
+    )
     return Places(
         feet=_feet(model, np.array(feet, int)),
         members=members,

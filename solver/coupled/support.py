@@ -130,7 +130,7 @@ def reduce_platform(
     station_shape, station_rows, drag, of_drag = _drag(model, field, sea, shapes, stations, planar)
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
-    if asked.wanted.ends.size or asked.wanted.clamped.size:
+    if asked.wanted.end.size or asked.wanted.clamped.size:
         borne = Forces(
             places=asked,
             rows=np.tensordot(asked.influence.of_points(at), inertia_rows, axes=([0, 1], [0, 1])),

@@ -20,9 +20,10 @@ SLAB = 2**22  # numbers of an array made on the way
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Wanted:
-    """Which section forces, at k ends of elements, and which reactions are asked for: ny = 6 k + nr."""
+    """Which section forces and which reactions are asked for: ny = k + nr."""
 
-    ends: np.ndarray  # (k,) numbered 2 e (start) and 2 e + 1 (end of element e)
+    end: np.ndarray  # (k,) numbered 2 e (start) and 2 e + 1 (end of element e)
+    component: np.ndarray  # (k,) which of FORCES
     clamped: np.ndarray  # (nr,) degrees of freedom
 
 
@@ -56,7 +57,7 @@ class Influence:
         self, wanted: Wanted, displacement: np.ndarray, load: np.ndarray, element_loads: np.ndarray
     ) -> np.ndarray:
         """(ny,) of the static displacement (6n,) under `load`, of which element_loads (ne, 12) are spread; no P-Δ."""
-        forces = recovery.section_forces(self.model, displacement, element_loads)[wanted.ends].ravel()
+        forces = recovery.section_forces(self.model, displacement, element_loads)[wanted.end, wanted.component]
         size = self.model.K.shape[0]
         elastic = scatter(self.model.element_stiffness, self.model.rotation, self.model.dofs, size)
         return np.concatenate([forces, (elastic[wanted.clamped] @ displacement) - load[wanted.clamped]])
@@ -64,25 +65,25 @@ class Influence:
 
 def influence(model: FrameModel, wanted: Wanted) -> Influence:
     """By one static solution for each force, K being symmetric."""
-    k = len(wanted.ends)
-    element, row = np.repeat(wanted.ends // 2, 6), (6 * (wanted.ends[:, None] % 2) + np.arange(6)).ravel()
+    k = len(wanted.end)
+    element, row = wanted.end // 2, 6 * (wanted.end % 2) + wanted.component
     stiffness = model.element_stiffness
     if model.element_geometric is not None:
         stiffness = stiffness + model.element_geometric
     T = np.array([beam.to_global(R) for R in model.rotation[element]]).reshape(-1, 12, 12)
     face = recovery.FACE[row, None]
     blocks = face * np.einsum("ya,yab->yb", stiffness[element, row], T)
-    unit = np.zeros((model.K.shape[0], 6 * k + wanted.clamped.size))
-    unit[model.dofs[element], np.arange(6 * k)[:, None]] = blocks
-    unit[:, 6 * k :] = model.K[wanted.clamped].toarray().T
+    unit = np.zeros((model.K.shape[0], k + wanted.clamped.size))
+    unit[model.dofs[element], np.arange(k)[:, None]] = blocks
+    unit[:, k:] = model.K[wanted.clamped].toarray().T
     nodal = statics.static(model, unit)
-    nodal[wanted.clamped, 6 * k + np.arange(wanted.clamped.size)] -= 1.0
+    nodal[wanted.clamped, k + np.arange(wanted.clamped.size)] -= 1.0
     none = np.zeros((wanted.clamped.size, 12))
     return Influence(
         model=model,
         nodal=nodal,
         element=np.concatenate([element, np.full(wanted.clamped.size, -1)]),
-        within=np.concatenate([-face * T[np.arange(6 * k), row], none]),
+        within=np.concatenate([-face * T[np.arange(k), row], none]),
     )
 
 

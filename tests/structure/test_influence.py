@@ -95,11 +95,12 @@ def test_feet_bear_what_the_ground_gives_and_what_the_shapes_strain():
         turned = sections[:, row, 0].reshape(-1, 2, 3) @ R
         assert -turned.reshape(-1, 6) == approx(reactions[:, foot], rel=1e-9, abs=1e-9 * np.abs(reactions).max())
     strained = (output.p @ (recovery.section_force_matrix(model) @ system.support.shapes).T).reshape(len(y), -1, 6)
-    wanted = steel.places.wanted.ends
+    feet = 3 * len(steel.feet.axes)
+    wanted = steel.places.wanted.end[feet::6]
     sections = sections.reshape(len(y), -1, 6)[:, :6]  # of the legs: the arm's is one with the hinge's load
-    nodes_alone = strained[:, wanted[len(steel.feet.axes) :]][:, :6]
+    nodes_alone = strained[:, wanted][:, :6]
     within = within_elements(system, steel, turn, output)
-    both = nodes_alone + within.reshape(len(y), -1, 6)[:, len(steel.feet.axes) :][:, :6]
+    both = nodes_alone + within[:, feet : feet + 36].reshape(len(y), 6, 6)
     for kind in range(6):
         size = np.abs(sections[..., kind]).max()
         assert both[..., kind] == approx(sections[..., kind], abs=1e-4 * size), kind
