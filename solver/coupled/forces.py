@@ -1,7 +1,7 @@
 """What an elastic platform's sections and feet bear, as linear maps of the march's samples: see structure.influence."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -65,18 +65,26 @@ class Places:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Forces:
-    """Maps to the ny forces that are asked for: y = waves + p̈ A + h C + g D, besides those at rest."""
+    """Maps to the ny forces that are asked for: y = waves + p̈ A + ṗ B + h C + g D, besides those at rest."""
 
     places: Places
     rows: np.ndarray  # (ny, n) complex, of the wave's inertia load
     inertia: np.ndarray  # (nm, ny) of modal accelerations
+    damping: np.ndarray  # (nm, ny) of modal rates, for a damping ratio of 1 until it is known: see damped
     carried: np.ndarray  # (nc, ny) of the floats' loads on the carriers
     drag: np.ndarray  # (nd ns, ny) of the drag at the stations
     at_rest: np.ndarray  # (ny,) of the frame alone: weight, point loads, buoyancy
 
-    def of(self, waves: np.ndarray, ddp: np.ndarray, carried: np.ndarray, drag: np.ndarray) -> np.ndarray:
-        """y (m, ny) without those at rest, of samples or lines: waves (m, ny), ddp, carried, drag (m, nd, ns)."""
-        return waves + ddp @ self.inertia + carried @ self.carried + drag.reshape(len(drag), -1) @ self.drag
+    def damped(self, ratio: float) -> "Forces":
+        """With the damping ratio of all modes."""
+        return replace(self, damping=ratio * self.damping)
+
+    def of(
+        self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray, drag: np.ndarray
+    ) -> np.ndarray:
+        """y (m, ny) without those at rest, of samples or lines: waves (m, ny), dp, ddp, carried, drag (m, nd, ns)."""
+        of_motion = ddp @ self.inertia + dp @ self.damping + carried @ self.carried
+        return waves + of_motion + drag.reshape(len(drag), -1) @ self.drag
 
 
 def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Places:

@@ -68,6 +68,7 @@ class Output(NamedTuple):
     dz: np.ndarray  # (m, nz)
     p: np.ndarray  # (m, nm)
     wrench: np.ndarray  # (m, nb, 6) load of each float on its hinge node's side [N, N m]
+    dp: np.ndarray  # (m, nm)
     ddp: np.ndarray  # (m, nm)
     carried: np.ndarray  # (m, nc) load of the floats on the support's nodes, along their carriers [N, N m]
     drag: np.ndarray  # (m, nd, ns) of the water on the frame at its stations [N]
@@ -132,7 +133,7 @@ def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
 def new_output(bodies: Bodies, structure: Structure, samples: int) -> Output:
     """Room for so many samples."""
     nz, nb, (nc, nm) = bodies.mechanism.size, bodies.axes.size, structure.carrier.shape
-    shapes = ((nz,), (nz,), (nm,), (nb, 6), (nm,), (nc,), structure.station.shape[1:])
+    shapes = ((nz,), (nz,), (nm,), (nb, 6), (nm,), (nm,), (nc,), structure.station.shape[1:])
     return Output(*(np.empty((samples, *shape)) for shape in shapes))
 
 
@@ -311,6 +312,7 @@ def _put_out(room: Workspace, output: Output, row: int) -> None:
         _copy(stage.p[s], output.p[row + s])
         for b in range(stage.wrench.shape[1]):
             _copy(stage.wrench[s, b], output.wrench[row + s, b])
+        _copy(stage.dp[s], output.dp[row + s])
         _copy(stage.ddp[s], output.ddp[row + s])
         _copy(stage.residual[s, :nc], output.carried[row + s])
         for d in range(room.flow.shape[1]):

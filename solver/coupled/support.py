@@ -131,10 +131,13 @@ def reduce_platform(
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
     if asked.wanted.end.size or asked.wanted.clamped.size:
+        inertia = asked.influence.of_inertia(M, sea.density, shapes)
+        elastic = np.arange(len(asked.influence.element)) < asked.wanted.end.size  # the ground bears damping, too
         borne = Forces(
             places=asked,
             rows=np.tensordot(asked.influence.of_points(at), inertia_rows, axes=([0, 1], [0, 1])),
-            inertia=asked.influence.of_inertia(M, sea.density, shapes),
+            inertia=inertia,
+            damping=2 * omega[:, None] * inertia * elastic,
             carried=asked.influence.nodal[dof.ravel()],
             drag=of_drag(asked),
             at_rest=_forces_at_rest(model, at_rest, sea, asked),

@@ -193,6 +193,8 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
             stations=settings.stations_per_element,
             outputs=settings.outputs,
         )
+        if support.forces is not None:
+            support = replace(support, forces=support.forces.damped(scene.platform.damping_ratio))
     fit = None
     if scene.floats and settings.radiation and settings.method == "time":
         fit = remembered(hydrodynamics, tuple(f.hull for f in scene.floats), settings.memory_tolerance)

@@ -95,6 +95,7 @@ def _forces(system: System, response: Response, forces: Forces) -> tuple[np.ndar
     """The frame's forces at rest (1, ny), and lines (nw, ny) of them."""
     (z, p), waves = system.equilibrium, np.abs(system.scene.sea.amplitude) > 0
     still = balance(system.bodies, z)[0][: system.structure.carrier.shape[0]]
-    ddp = -(response.omega[:, None] ** 2) * response.X[:, : p.size]
+    dp = -1j * response.omega[:, None] * response.X[:, : p.size]
+    ddp = -1j * response.omega[:, None] * dp
     rows = system.rows[system.layout.forces][:, waves].T
-    return (still @ forces.carried + forces.at_rest)[None], forces.of(rows, ddp, response.carried, response.drag)
+    return (still @ forces.carried + forces.at_rest)[None], forces.of(rows, dp, ddp, response.carried, response.drag)

@@ -183,7 +183,10 @@ class Recorder:
             yield "hinge_force", channels.hinge_force(output.wrench[kept])
         if channels.steel is None:
             return
-        forces, parts = channels.steel.forces, (output.ddp[kept], output.carried[kept], output.drag[kept])
+        forces, parts = (
+            channels.steel.forces,
+            (output.dp[kept], output.ddp[kept], output.carried[kept], output.drag[kept]),
+        )
         y = forces.of(samples[kept, self.layout.forces], *parts) + forces.at_rest
         if channels.legs is not None and self.largest is not None:
             tops, feet = channels.legs.response(output.p[kept], channels.steel.compression(y), self.largest)

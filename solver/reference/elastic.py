@@ -20,7 +20,7 @@ class FixedSupport:
 
     def sample(self, _stage: int) -> tuple[np.ndarray, ...]:
         """No modes, and no loads on a frame."""
-        return np.zeros(0), np.zeros(0), np.zeros(0), np.zeros((1, 0))
+        return np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros((1, 0))
 
     def frame_number(self, _b: int) -> int:
         """The ground carries every float."""
@@ -161,8 +161,9 @@ class ElasticSupport:
         self.answer[stage] = coordinates[:, self.axes].ravel()
 
     def sample(self, stage: int) -> tuple[np.ndarray, ...]:
-        """Modal amplitudes (nm,), their accelerations, the joints' loads on the nodes (nc,), drag (nd, ns)."""
-        return self.p[stage].copy(), self.ddp[stage].copy(), self.node[stage].copy(), self._drag_loads()[stage].T
+        """Modal amplitudes (nm,), rates and accelerations, the joints' loads on the nodes (nc,), drag (nd, ns)."""
+        motion = (x[stage].copy() for x in (self.p, self.dp, self.ddp))
+        return *motion, self.node[stage].copy(), self._drag_loads()[stage].T
 
     @property
     def energy(self) -> float:

@@ -1,9 +1,10 @@
 """Section forces and reactions as linear maps of the loads on a moving frame.
 
-The frame bends under its loads F and the inertia of its motion d̈, K d = F - M d̈ (mode acceleration: Craig, Structural
-Dynamics, 1981). With an element's own consistent loads f, inertia among them, its end bears ± (k d - f), and the ground
-K d - (F - M d̈) on a clamped degree of freedom: forces balance at every node, however few shapes the motion is made of
-and however long the elements. Structural damping acts within the frame: it is part of what its sections bear.
+The frame bends under its loads F, the inertia of its motion d̈ and its damping, K d = F - C ḋ - M d̈ (mode acceleration:
+Craig, Structural Dynamics, 1981). With an element's own consistent loads f, inertia and damping among them, its end
+bears ± (k d - f): elastic forces, in balance at every node, however few shapes the motion is made of and however long
+the elements. Damping acts within the frame, so that the ground, which bears it, too, gives
+K d + C ḋ - (F - M d̈) on a clamped degree of freedom, as if K d were F - M d̈: what balances loads and inertia.
 """
 
 from dataclasses import dataclass
