@@ -96,8 +96,8 @@ def _agreed(
         _require_bounded(model, omega, X, height)
         rate, before, std = -1j * omega[:, None] * X, std, np.sqrt(np.sum(np.abs(X) ** 2, axis=0))
         if not (ns or quadratic.any()) or np.all(np.abs(std - before) <= AGREED * std):
-            flow = water - np.tensordot(rate[:, :nm], frame.station, axes=1)
-            return X, np.einsum("sde,kes->kds", K, flow), rounds
+            past = water - np.tensordot(rate[:, :nm], frame.station, axes=1)
+            return X, np.einsum("sde,kes->kds", K, past), rounds
     raise SimulationFailed(f"linearised drag does not agree with its own result after {ROUNDS} rounds")
 
 
