@@ -176,6 +176,8 @@ class _Mesh:
         single, double = green_function().evaluate(
             self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
         )
+        # On the edge of a panel, where slips of a mesh may bring another's middle, one lies in its plane: no dipole acts.
+        double[~np.isfinite(double)] = 0.0
         single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
         weight = (self.wet * self.part.faces_areas)[:, None]
         total = np.zeros((nc, self.motions.shape[-1]), complex)

@@ -1,0 +1,69 @@
+"""F3OF (OES Task 10), a floating base with two hinged flaps, beside three codes: first extrema of the decays."""
+
+import csv
+
+import numpy as np
+
+from pipeline.bridge import engine, scenes
+from pipeline.bridge.geometry import geometry_of
+from pipeline.bridge.loading import load
+from pipeline.tasks.task import Parameters, expand
+from solver.run import simulate
+from studies.validation import drawing
+from studies.validation.cases import STUDIES
+from studies.validation.checks import REFERENCE, Check
+from studies.validation.decay import extrema
+from studies.validation.drawing import BLUE, GREY, ORANGE
+
+FIRST = 6  # extrema that are judged
+TIME, VALUE = 0.02, 0.03  # by which the codes' spread is widened
+FLOAT = {"surge": "base", "pitch": "base", "flap1": "fore", "flap2": "aft"}
+DECAYS = ("DT1", "DT2", "DT3")
+
+
+def decays() -> list[Check]:
+    """Each of the first extrema within the spread of the three codes, widened by 2 % in time and 3 % in value."""
+    tasks = {str(task.labels["variant"]): task.parameters for task in expand(load(STUDIES / "f3of.toml").content)}
+    geometry = geometry_of(tasks[DECAYS[0]])
+    assert geometry is not None, "it floats"
+    known = engine.hydrodynamics(geometry)
+    paths = {name: _path(tasks[name], known) for name in DECAYS}
+    published = _published()
+    checks = []
+    for (test, quantity), spread in published.items():
+        t, z = paths[test][quantity]
+        for number, (when, value) in enumerate(extrema(t, z)[:FIRST], 1):
+            times, values = spread[number].T
+            unit = "m" if quantity == "surge" else "deg"
+            for what, mine, theirs, more in (("time [s]", when, times, TIME), (f"value [{unit}]", value, values, VALUE)):
+                middle, half = (theirs.max() + theirs.min()) / 2, (theirs.max() - theirs.min()) / 2
+                name = f"{quantity}, extremum {number}, {what}"
+                allowed = half + more * abs(middle)
+                checks.append(Check(case=f"F3OF {test}", quantity=name, ours=mine, published=middle, allowed=allowed))
+    _draw(paths, published)
+    return checks
+
+
+def _path(parameters: Parameters, known: object) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """t [s] and motion [m or °] by the published names of the quantities, of the bodies that move."""
+    scene = scenes.scene(parameters)
+    record = simulate(scene, known)
+    dims, motion = record.series["motion"] if "motion" in record.series else record.series["rotation"]
+    t = np.concatenate([[0.0], record.series["time"][1]])
+    paths = {}
+    for b, item in enumerate(scene.floats):
+        for quantity in (name for name, float_ in FLOAT.items() if float_ == item.name and item.motion):
+            unit = 1.0 if item.motion[0] == "surge" else 180 / np.pi
+            values = motion[:, b, 0] if motion.ndim == 3 else motion[:, b]
+            paths[quantity] = t, np.concatenate([item.per_axis("offset")[:1], values]) * unit
+    return paths
+
+
+def _published() -> dict[tuple[str, str], dict[int, np.ndarray]]:
+    """(test, quantity) -> number of the extremum -> time [s] and value (codes, 2)."""
+    lines = [x for x in (REFERENCE / "f3of-decay-extrema.csv").read_text().splitlines() if not x.startswith("#")]
+    found: dict[tuple[str, str], dict[int, list[list[float]]]] = {}
+    for row in csv.DictReader(lines):
+        place = found.setdefault((row["test"], row["quantity"]), {}).setdefault(int(row["number"]), [])
+        place.append([float(row["time_s"]), float(row["value"])])
+    return {key: {number: np.array(rows) for number, rows in each.items()} for key, each in found.items()}
