@@ -9,7 +9,7 @@ from pipeline.bridge.loading import load
 from pipeline.study.paths import PathError, with_value
 from pipeline.study.reading import StudyError
 from pipeline.tasks.select import select
-from pipeline.tasks.task import axes, dimensions, expand
+from pipeline.tasks.task import axes, dimensions, expand, known_as
 
 
 def varied(small, *lines):
@@ -232,6 +232,11 @@ def narrowed(small):
     over = "[axes]\n'floats.*.stiffness' = [0.0, 1e4]\n"
     small.write_text(text.replace("[axes]\n", over, 1).replace("[sea_states", tables + "[sea_states", 1))
     return load(small)
+
+
+def test_a_year_is_a_label_however_it_is_written():
+    assert known_as("2018", [2018]) and known_as(1e5, [100_000]) and known_as(0, [0])
+    assert not known_as("2018", [2019, "18"])
 
 
 def test_a_variant_may_go_along_parts_of_the_axes(small):
