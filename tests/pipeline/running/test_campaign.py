@@ -483,7 +483,7 @@ count = 8
 
 
 def test_five_axes_a_paired_one_and_samples_from_run_to_xarray(small, cli, tmp_path):
-    """Over keys of five tables: run; extended to 64 samples and another value; a part chosen, and what is new of it run."""
+    """Over keys of five tables: run; extended to 64 samples and another value; of a part, what is new is run."""
     head, tail = small.read_text().split("[axes]")[0], small.read_text()[small.read_text().index("[sea_states]") :]
     small.write_text(head + "[axes]" + MANY_AXES + tail)
     assert "64 tasks: 64 done; 64 run now" in cli("run", "--workers", "1")
