@@ -473,6 +473,7 @@ waves.heading = [0.0]
 [[axes.together]]
 name = "size"
 label = ["small", "large"]
+"volume [m3]" = [2.09, 2.79]
 "floats.front.hull.radius" = [1.0, 1.1]
 "floats.front.mass" = [2147.0, 2857.0]
 [samples]
@@ -497,6 +498,7 @@ def test_five_axes_a_paired_one_and_samples_from_run_to_xarray(small, cli, tmp_p
         power = data.rotation.sel(depth=50.0, heading=0.0, pto_damping=1e4, size=2, statistic="mean", float="front")
         assert power.squeeze().dims == ("sample",) and int(power.notnull().sum()) == 16
         assert data.thickness.dims == ("sample",) and data.thickness.attrs["units"] == "m"
+        assert data.volume.values.tolist() == [2.09, 2.79] and data.volume.attrs["units"] == "m3"
         assert data.label.values.tolist() == ["small", "large"] and data.radius.values.tolist() == [1.0, 1.1]
         assert data.sizes["sample"] == 64 and data.froude_krylov.values.tolist() == ["body-nonlinear"]
 

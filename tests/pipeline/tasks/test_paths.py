@@ -81,6 +81,7 @@ WRONG = [
     ("damping_ratio = [0.1]", "axes.damping_ratio = [0.1]: unknown key"),
     ("[[axes.together]]\nname = 'a'\n'water.depth' = [1.0]\n'water.density' = [1.0, 2.0]", "must be of one length"),
     ("[[axes.together]]\n'water.depth' = [50.0]", "axes.together[0].name: is missing"),
+    ("[[axes.together]]\nname = 'a'\n'water.depth' = [50.0]\n'a/b' = [1]", "[0].a/b = [1]: must be a dotted path"),
     ("[[axes.together]]\nname = 'seed'\n'water.depth' = [50.0]", "axes.together.name = seed: is the name of another"),
     ('"water.depth" = [1979-05-27]', 'axes."water.depth" = 1979-05-27: must be a number [m]'),
     ("[samples]\ncount = 4\n'water.depth' = { from = 0.0, to = 2.0, spacing = 'log' }", 'needs numbers > 0'),
