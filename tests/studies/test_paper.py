@@ -90,7 +90,7 @@ def test_the_page_has_a_place_for_every_section_and_keeps_its_prose():
     assert [line for line in new.splitlines() if line.startswith("## ")] == kept
 
 
-# SHA-256 of the ids of all tasks, sorted, as model version 6 has them: those of the twenty files that paper.toml replaces.
+# SHA-256 of the ids of all tasks, sorted, as model version 6 has them: those of the files that paper.toml replaces.
 SAME_TASKS = "3e27975ca05cab7b7d1197579ca35e45db4701d641f504c13f48cbb160fcb8c6"
 
 
