@@ -134,8 +134,6 @@ class Axes(Table):
         """Keys with a dot, and tables in tables, are paths; the five axes may be given as ranges, too."""
         if not isinstance(data, dict):
             return data
-        if "keys" in data:
-            _refuse("keys", 'unknown key; an axis over a key is its dotted path in quotes, "platform.damping_ratio"')
         named, paths = _by_dots(_flat(cls, data))
         named = {key: _listed(key, value) if isinstance(value, dict) else value for key, value in named.items()}
         return named | {"keys": {path: _listed(path, value) for path, value in paths.items()}}
@@ -252,6 +250,8 @@ def implied_sea(axes: Any) -> dict[str, Any] | None:
 
 def _flat(table: type[Table], data: Mapping[str, Any]) -> dict[str, Any]:
     """Keys, of which those that are no field of the table's may be tables in tables: a path without quotes."""
+    if "keys" in data:
+        _refuse('"keys"', 'unknown key; a key is varied by its dotted path in quotes, "platform.damping_ratio"')
     flat: dict[str, Any] = {}
     for key, value in data.items():
         nested = isinstance(value, dict) and key not in table.model_fields

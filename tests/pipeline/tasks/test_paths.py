@@ -102,6 +102,7 @@ WRONG = [
     ("[samples]\ncount = 4\n'floats.front.mass' = 3.0", 'samples."floats.front.mass" = 3.0: must be a table'),
     ("[samples]\ncount = 4\n'floats.front.mass' = { from = 1.0 }", 'samples."floats.front.mass".to: is missing'),
     ("[samples]\ncount = 4\n'floats.front.mass' = { from = 1.0, to = 2.0, upto = 3.0 }", ".upto = 3.0: unknown key;"),
+    ("[samples]\ncount = 4\nkeys = 3", 'samples."keys" = 3: unknown key; a key is varied by its dotted'),
     ("[samples]\n'floats.front.mass' = { from = 1.0, to = 2.0 }", "samples.count: is missing"),
     ("[axes.floats.front]\nmas = [1.0]", 'axes."floats.front.mas" = 1.0: leads nowhere; did you mean '),
 ]  # fmt: skip
