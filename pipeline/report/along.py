@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report.drawing import canvas, categories, lanes
+from pipeline.report.drawing import PAPER, canvas, categories, lanes
 from pipeline.report.figures import POWER, ROOM, ROTATION, Measure, Results, draw_spread, finite, key, series
 
 if TYPE_CHECKING:
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+VARIANT = "variant"
 MOST = 6  # quantities that change together which have a row of panels each
 
 
@@ -33,7 +34,7 @@ def along(results: Results, dim: str) -> Figure | None:
                 _draw_words(axes, results, quantity, dim)
             else:
                 _draw_numbers(axes, results, quantity, dim, name)
-    key(figure, results, shown[-1].variable)
+    key(figure, results, shown[-1].variable, crosses=dim == VARIANT)
     return figure
 
 
@@ -50,7 +51,7 @@ def _values(results: Results, quantity: Measure, dim: str) -> xr.DataArray:
 
 
 def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> None:
-    """A row for each word."""
+    """A row for each word; published numbers stand beside the first variant's."""
     labels = results.labels(dim)[:ROOM]
     values, every = _values(results, quantity, dim), list(series(results, quantity.variable))
     categories(axes, labels)
@@ -59,6 +60,10 @@ def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> No
             numbers = finite(values.sel({"platform": support, "float": item, dim: label})) / quantity.scale
             if numbers.size:
                 draw_spread(axes, numbers, row + lane, look)
+        theirs = {"sea_state": results.sea, "platform": support, "float": item}
+        known = results.theirs(quantity.variable, quantity.statistic, **theirs) if dim == VARIANT else None
+        if known is not None:
+            axes.plot(known / quantity.scale, lane, "x", color=PAPER, markeredgewidth=1.1)
     axes.locator_params(axis="x", nbins=6)
     axes.set_xlabel(quantity.words)
 

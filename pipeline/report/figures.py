@@ -161,15 +161,15 @@ def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
     axes.set_xlabel(words)
 
 
-def key(figure: Figure, results: Results, name: str) -> None:
-    """What the marks mean, above the figure."""
+def key(figure: Figure, results: Results, name: str, *, crosses: bool = True) -> None:
+    """What the marks mean, above the figure; crosses: whether published numbers may be among them."""
     from matplotlib.lines import Line2D
 
     marks = [
         Line2D([], [], marker="o", linestyle="", label=f"{item}, {SUPPORT[support]}", **look)
         for item, support, look in series(results, name)
     ]
-    if any(row.variable == name for row in results.published):
+    if crosses and any(row.variable == name for row in results.published):
         marks.append(Line2D([], [], marker="x", linestyle="", color=PAPER, label="published"))
     style = {"handletextpad": 0.2, "columnspacing": 1.2, "frameon": False}
     figure.legend(handles=marks, loc="outside upper right", ncols=len(marks), **style)

@@ -193,8 +193,10 @@ def along(axis: Axis, motions: Collection[str]) -> Iterator[tuple[str, tuple[Any
         if not axis.own and UNCHANGED not in values:
             shown = labels(values)
             yield (last if lasts.count(last) == 1 else path), shown, _of_path(path, shown, motions)
-    for name, values in axis.beside.items():
-        yield name, labels(values), {"long_name": name.replace("_", " ")}
+    for word, values in axis.beside.items():
+        name, _, symbol = word.removesuffix("]").partition(" [")
+        unit_of = {} if isinstance(labels(values)[0], str) else {"units": _udunits(symbol)}
+        yield name, labels(values), {"long_name": name.replace("_", " "), **unit_of}
 
 
 def _of_path(path: str, shown: Sequence[object], motions: Collection[str]) -> dict[str, str]:

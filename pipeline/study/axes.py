@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from functools import cached_property
 from types import MappingProxyType
@@ -24,6 +25,7 @@ TAKEN = frozenset((
     "elapsed_time", "wall_time",
 ))  # fmt: skip
 UNCHANGED = object()
+WORD = re.compile(r"([A-Za-z_]\w*)(?: \[([^\[\]]+)\])?")  # length [m]
 DIGITS = 12  # of a range's numbers, so that 0.1 + 0.2 is written as 0.3
 
 
@@ -89,7 +91,7 @@ Sampled = Annotated[
 
 
 class Together(Table):
-    """Keys that change together, along one dimension; a key without a dot only goes with the labels."""
+    """Keys that change together, along one dimension; a key without a dot only goes with the labels: length [m]."""
 
     name: Annotated[Name, "Name of the dimension, which is numbered from 1"]
     keys: Annotated[dict[str, tuple[Any, ...]], "A list of values for each dotted path, all of one length"]
@@ -105,6 +107,8 @@ class Together(Table):
             lengths = ", ".join(f"{key} {len(values)}" for key, values in lists.items())
             _refuse(next(iter(lists)), f"lists of one dimension must be of one length: {lengths}")
         beside, keys = _by_dots(lists)
+        if strange := [key for key in beside if not WORD.fullmatch(key)]:
+            _refuse(strange[0], 'must be a dotted path, or a word with its unit in brackets: "length [m]"')
         if not keys:
             _refuse("name", "needs lists of keys by their dotted paths beside it")
         named = {"name": data["name"]} if "name" in data else {}
@@ -130,8 +134,6 @@ class Axes(Table):
         """Keys with a dot, and tables in tables, are paths; the five axes may be given as ranges, too."""
         if not isinstance(data, dict):
             return data
-        if "keys" in data:
-            _refuse("keys", 'unknown key; an axis over a key is its dotted path in quotes, "platform.damping_ratio"')
         named, paths = _by_dots(_flat(cls, data))
         named = {key: _listed(key, value) if isinstance(value, dict) else value for key, value in named.items()}
         return named | {"keys": {path: _listed(path, value) for path, value in paths.items()}}
@@ -248,6 +250,8 @@ def implied_sea(axes: Any) -> dict[str, Any] | None:
 
 def _flat(table: type[Table], data: Mapping[str, Any]) -> dict[str, Any]:
     """Keys, of which those that are no field of the table's may be tables in tables: a path without quotes."""
+    if "keys" in data:
+        _refuse('"keys"', 'unknown key; a key is varied by its dotted path in quotes, "platform.damping_ratio"')
     flat: dict[str, Any] = {}
     for key, value in data.items():
         nested = isinstance(value, dict) and key not in table.model_fields

@@ -50,7 +50,7 @@ def test_a_commented_line_is_a_study_too(tmp_path):
     """The arm's length, as the starter says it."""
     study("new", tmp_path / "mine", "--like", "buan")
     path = tmp_path / "mine.toml"
-    marks = ("# [[axes", "# name", "# length", '# "floats')
+    marks = ("# [[axes", "# name", '# "length', '# "floats')
     lines = [line.removeprefix("# ") if line.startswith(marks) else line for line in path.read_text().splitlines()]
     path.write_text("\n".join(lines))
     planned = study("plan", path, "--results", tmp_path / "r")

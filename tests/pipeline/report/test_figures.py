@@ -12,7 +12,7 @@ from pipeline.cli import cli
 from pipeline.report import envelopes, figures, overview, page, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, svg
-from pipeline.report.report import COLUMNS
+from pipeline.report.report import COLUMNS, published
 from pipeline.tasks.study import Study
 
 HEIGHTS = np.array([0.0, 20.0, 52.6])
@@ -161,7 +161,7 @@ def along_of(small, axis, lines, **coordinates):
     return figures.Results(study=load(small), data=data.assign_coords({axis: labels, **coordinates}))
 
 
-def test_an_axis_of_words_has_its_own_figure(small):
+def test_an_axis_of_words_has_its_own_figure(small, tmp_path):
     """A row for each variant, and in it the mean over the realizations there are; none where there are none."""
     lines = "[variants.usual]\n[variants.deep]\nwater.depth = 60.0\n[variants.deeper]\nwater.depth = 70.0"
     varied = along_of(small, "variant", lines, variant=["usual", "deep", "deeper"])
@@ -174,6 +174,12 @@ def test_an_axis_of_words_has_its_own_figure(small):
     assert [round(y) for _, y in dots] == [0, 1, 2, 0, 1]
     usual = varied.data.absorbed_power.sel(sea_state="rough", statistic="mean", float="front", platform="elastic")
     assert [x for x, _ in dots[:3]] == pytest.approx(usual.mean("seed") / 1e3)
+    (tmp_path / "p.csv").write_text(PUBLISHED)
+    known = figures.Results(study=varied.study, data=varied.data, published=published(tmp_path / "p.csv"))
+    with plain():
+        (axes,) = along(known, "variant").axes
+    ((cross,),) = (line.get_xydata() for line in axes.lines if line.get_marker() == "x")
+    assert cross[0] == 8.0 and round(cross[1]) == 0
 
 
 def test_numbers_that_go_with_an_axis_stand_along_it(small):
@@ -229,8 +235,6 @@ def test_a_force_that_is_zero_is_not_shown(results):
 
 
 def test_published_numbers_choose_the_sea_state(results, tmp_path):
-    from pipeline.report.report import published
-
     path = tmp_path / "p.csv"
     path.write_text(f"{','.join(COLUMNS)}\nT,p,absorbed_power,sea_state=calm;platform=fixed;float=front,mean,2,kW,\n")
     known = figures.Results(study=results.study, data=results.data, published=published(path))

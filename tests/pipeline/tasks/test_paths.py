@@ -9,7 +9,7 @@ from pipeline.bridge.loading import load
 from pipeline.study.paths import PathError, with_value
 from pipeline.study.reading import StudyError
 from pipeline.tasks.select import select
-from pipeline.tasks.task import axes, dimensions, expand
+from pipeline.tasks.task import axes, dimensions, expand, known_as
 
 
 def varied(small, *lines):
@@ -81,6 +81,7 @@ WRONG = [
     ("damping_ratio = [0.1]", "axes.damping_ratio = [0.1]: unknown key"),
     ("[[axes.together]]\nname = 'a'\n'water.depth' = [1.0]\n'water.density' = [1.0, 2.0]", "must be of one length"),
     ("[[axes.together]]\n'water.depth' = [50.0]", "axes.together[0].name: is missing"),
+    ("[[axes.together]]\nname = 'a'\n'water.depth' = [50.0]\n'a/b' = [1]", "[0].a/b = [1]: must be a dotted path"),
     ("[[axes.together]]\nname = 'seed'\n'water.depth' = [50.0]", "axes.together.name = seed: is the name of another"),
     ('"water.depth" = [1979-05-27]', 'axes."water.depth" = 1979-05-27: must be a number [m]'),
     ("[samples]\ncount = 4\n'water.depth' = { from = 0.0, to = 2.0, spacing = 'log' }", 'needs numbers > 0'),
@@ -101,6 +102,7 @@ WRONG = [
     ("[samples]\ncount = 4\n'floats.front.mass' = 3.0", 'samples."floats.front.mass" = 3.0: must be a table'),
     ("[samples]\ncount = 4\n'floats.front.mass' = { from = 1.0 }", 'samples."floats.front.mass".to: is missing'),
     ("[samples]\ncount = 4\n'floats.front.mass' = { from = 1.0, to = 2.0, upto = 3.0 }", ".upto = 3.0: unknown key;"),
+    ("[samples]\ncount = 4\nkeys = 3", 'samples."keys" = 3: unknown key; a key is varied by its dotted'),
     ("[samples]\n'floats.front.mass' = { from = 1.0, to = 2.0 }", "samples.count: is missing"),
     ("[axes.floats.front]\nmas = [1.0]", 'axes."floats.front.mas" = 1.0: leads nowhere; did you mean '),
 ]  # fmt: skip
@@ -232,6 +234,11 @@ def narrowed(small):
     over = "[axes]\n'floats.*.stiffness' = [0.0, 1e4]\n"
     small.write_text(text.replace("[axes]\n", over, 1).replace("[sea_states", tables + "[sea_states", 1))
     return load(small)
+
+
+def test_a_year_is_a_label_however_it_is_written():
+    assert known_as("2018", [2018]) and known_as(1e5, [100_000]) and known_as(0, [0])
+    assert not known_as("2018", [2019, "18"])
 
 
 def test_a_variant_may_go_along_parts_of_the_axes(small):
