@@ -35,9 +35,19 @@ SUBJECTS = {
     "modal-direct": "direct.modal_against_direct",
     "frequency-domain": "lines.frequency_domain",
     "spectrum": "spectra.spectrum",
+    "f3of": "f3of.decays",
 }
 # Longest first, so that neither process ends long before the other.
-DEAREST = ("hinged-floats", "hemisphere", "cylinder", "modal-direct", "oes-nonlinear", "oes-pto", "hinged-sphere")
+DEAREST = (
+    "f3of",
+    "hinged-floats",
+    "hemisphere",
+    "cylinder",
+    "modal-direct",
+    "oes-nonlinear",
+    "oes-pto",
+    "hinged-sphere",
+)
 
 
 def compare(subject: str) -> tuple[list[Check], float]:

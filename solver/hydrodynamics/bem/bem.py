@@ -176,7 +176,7 @@ class _Mesh:
         single, double = green_function().evaluate(
             self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
         )
-        # On the edge of a panel, where slips of a mesh may bring another's middle, one lies in its plane: no dipole acts.
+        # In a panel's plane its dipoles do not act, on its edge neither, where slips of a mesh bring another's middle.
         double[~np.isfinite(double)] = 0.0
         single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
         weight = (self.wet * self.part.faces_areas)[:, None]
