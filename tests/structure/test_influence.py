@@ -16,7 +16,7 @@ from solver.sea.field import WaveField
 from solver.sea.realization import CALM, ramp, regular
 from solver.structure import beam, recovery, statics, water
 from solver.structure.beam import solid_rectangle, tube
-from solver.structure.frame import Frame, Material, Member, PointMass
+from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
 from tests.awkward import tripod, unequal_legs
 
 EVERYTHING = ("reactions", "section_forces", "fibre_stress")
@@ -187,10 +187,14 @@ def test_long_elements_bear_what_short_ones_do():
     assert shapes_alone["bottom_stress"][1] == approx(coarse["bottom_stress"][1], rel=1e-6)
 
 
-def test_a_planar_scene_bears_what_it_does_in_space(buan):
+@pytest.mark.parametrize("splayed", [1.0, 5.0])
+def test_a_planar_scene_bears_what_it_does_in_space(buan, splayed):
     """Buan's legs in waves along x: half of the stations stand for all; turned by a hair, none are left out."""
     settings = {"outputs": EVERYTHING, "time_step": 0.2, "duration": 40.0, "discard": 10.0, "ramp": 5.0, "modes": "all"}
     sea = buan.sea(Hs=1.0)
+    frame = buan.frame()
+    nodes = {name: (x, splayed * y if "foot" in name else y, z) for name, (x, y, z) in frame.nodes.items()}
+    settings["platform"] = buan.platform(frame=replace(frame, nodes=nodes))
     planar = simulate(buan.scene("elastic-no-floats", sea=sea, **settings)).variables
     turned = replace(sea, heading=1e-9)
     space = simulate(buan.scene("elastic-no-floats", sea=turned, **settings)).variables
@@ -207,7 +211,9 @@ def test_fibres_of_a_rectangle_have_its_own_sides():
     member = Member(name="post", start="foot", end="top", elements=2, section=section, material=steel)
     masses = (PointMass(node="top", mass=1e3),)
     nodes = {"foot": (0, 0, -10.0), "top": (2.0, 1.0, 2.0)}
-    frame = Frame(nodes=nodes, members=(member,), clamped=("foot",), masses=masses)
+    push = (3e3, -5e3, 0.0)
+    loads = (PointLoad(node="top", force=push),)
+    frame = Frame(nodes=nodes, members=(member,), clamped=("foot",), masses=masses, loads=loads)
     still = Scene(
         water=Water(depth=10.0), platform=Platform(frame=frame, legs=("post",)), sea=replace(CALM, heading=0.5),
         settings=Settings(duration=1.0, discard=0.0, outputs=EVERYTHING, time_step=0.1),
@@ -221,8 +227,9 @@ def test_fibres_of_a_rectangle_have_its_own_sides():
     arm = np.subtract(nodes["top"], nodes["foot"])
     share = 10 / 12
     moment = np.cross(arm, [0, 0, -1e3 * G]) + np.cross(arm / 2, [0, 0, -q * L])
+    moment += np.cross(arm, push)
     moment += np.cross(arm * share / 2, [0, 0, up * L * share])
-    force = R @ np.array([0, 0, -1e3 * G - q * L + up * L * share])
+    force = R @ np.add([0, 0, -1e3 * G - q * L + up * L * share], push)
     local = R @ moment
     y, z = section.fibres.T
     expected = force[0] / section.area + local[1] * z / section.Iy - local[2] * y / section.Iz
