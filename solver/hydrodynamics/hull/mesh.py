@@ -59,12 +59,11 @@ def _halved_panels(hull: PanelHull, count: int, refine: int, quarters: int) -> t
 
 @lru_cache(maxsize=64)  # each frequency's mesh is the same
 def _longest_side(hull: PanelHull, count: int) -> float:
-    """Of panels [m], so that halving leaves at least `count` of them, and not many more."""
-    size = np.sqrt(2 * hull.wetted_area / count)
+    """Of panels [m], so that halving leaves as near to `count` of them as it can."""
     # Triangles are cut across their longest sides, which makes up to four times as many as their area asks for.
-    while (left := len(surface.split(hull.wetted, size * LONGER))) >= count and left > len(hull.wetted):
-        size *= LONGER
-    return float(size)
+    sizes = np.sqrt(2 * hull.wetted_area / count) * LONGER ** np.arange(8)
+    left = [len(surface.split(hull.wetted, size)) for size in sizes]
+    return float(sizes[np.argmin(np.abs(np.log(np.divide(left, count))))])
 
 
 def halved_count(hull: PanelHull, count: int) -> int:

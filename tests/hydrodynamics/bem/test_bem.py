@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver.errors import InputError
-from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem import bem, incident
 from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
@@ -198,7 +198,7 @@ def test_leaving_the_seabed_out_is_seamless(monkeypatch):
     omega = np.array([1.2, 1.3, 1.5])
     run = partial(solve, (FLOAT,), [[0, 0, 0]], depth=50.0, omega=omega, panels=SMALL)
     switched = run()
-    monkeypatch.setattr(bem, "DEEP", 0.0)
+    monkeypatch.setattr(incident, "DEEP", 0.0)
     kept = run()
     assert largest_share(switched.added_mass, kept.added_mass) < 3e-4
     assert largest_share(switched.diffraction, kept.diffraction) < 3e-4
@@ -212,11 +212,11 @@ def test_the_seabeds_share_is_what_leaving_it_out_changes(monkeypatch):
     deep = run(depth=np.inf)
     assert deep.settings["seabed_error"] == 0
     for depth in (3.0, 6.0, 12.0):
-        monkeypatch.setattr(bem, "DEEP", 0.0)
+        monkeypatch.setattr(incident, "DEEP", 0.0)
         exact = run(depth=depth)
         share = exact.added_mass_inf[1, 1] / deep.added_mass_inf[1, 1] - 1
         assert share == pytest.approx(0.7 / depth**3, rel=0.1)
-        monkeypatch.setattr(bem, "DEEP", np.inf)
+        monkeypatch.setattr(incident, "DEEP", np.inf)
         told = run(depth=depth).settings["seabed_error"]
         assert largest_share(deep.added_mass[:, 1, 1], exact.added_mass[:, 1, 1]) < told
 
