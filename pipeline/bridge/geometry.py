@@ -18,7 +18,7 @@ from solver.scene import Float, is_planar, panels_for
 if TYPE_CHECKING:
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 
-BEM_VERSION = 3  # of coefficients, and of the form of their file: raise it when either changes
+BEM_VERSION = 4  # of coefficients, and of the form of their file: raise it when either changes
 
 
 class Body(Table):
@@ -112,7 +112,8 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
     water = geometry.water
     hulls = tuple(hull(body.hull) for body in geometry.bodies)
     centres = np.array([body.centre for body in geometry.bodies])
-    omega = frequency_grid(hulls, centres, depth=water.depth, gravity=water.gravity, band=geometry.band)
+    depth, gravity = water.depth, water.gravity
+    omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity, band=geometry.band, panels=geometry.panels)
     return {
         "hulls": hulls,
         "centres": centres,

@@ -26,14 +26,15 @@ def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.H
     if scene.sea.amplitude.any():
         bands.append((scene.sea.omega.min(), scene.sea.omega.max()))
     whole = (float(np.min(bands)), float(np.max(bands))) if bands else None
+    panels, depth, gravity = panels_for(scene.settings.tolerance), water.depth, water.gravity
     return bem.solve(
         hulls,
         centres,
-        depth=water.depth,
+        depth=depth,
+        gravity=gravity,
         density=water.density,
-        gravity=water.gravity,
         heading=scene.sea.heading,
-        omega=bem.frequency_grid(hulls, centres, depth=water.depth, gravity=water.gravity, band=whole),
+        omega=bem.frequency_grid(hulls, centres, depth=depth, gravity=gravity, band=whole, panels=panels),
         planar=scene.planar,
-        panels=panels_for(scene.settings.tolerance),
+        panels=panels,
     )

@@ -34,6 +34,10 @@ METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-
 NEXT_SMOOTH, NEXT_EDGED = 4, 3
 TWO_MESHES = 0.5  # of the h² error, that is left of it at edges: measured on cylinders of draft 0.5 and 2 radii
 ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
+# Of the wavenumber times a panel's side: up to here coefficients err by 2 % of the added mass at most, at 2.5 by 80 %
+# (heave and surge of a hemisphere and of a cylinder, against eight times the panels).
+RESOLVED = 2.0
+FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
 
 
@@ -49,9 +53,11 @@ def frequency_grid(
     gravity: float = 9.81,
     count: int = 40,
     band: tuple[float, float] | None = None,
+    panels: int = 432,
 ) -> np.ndarray:
     """Frequencies [rad/s] from Ka = 0.02 (or kh = 0.11) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
 
+    None above that, not of the band, which meshes of about `panels` a body do not resolve: RESOLVED.
     `count` even ones for a body alone. A wave reflected between bodies L apart turns the phase
     of a force by 2kL: the spacing is then at most g/(4ωL), 1 rad, up to Ka = 2 and through the band.
     """
@@ -59,6 +65,7 @@ def frequency_grid(
     shallow = 1.001 * np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
     low = max(np.sqrt(0.02 * gravity / max(radii)), shallow)
     high, resolved = np.sqrt(np.array([10, 2]) * gravity / min(h.scale for h in hulls))
+    high = min(high, np.sqrt(RESOLVED * gravity / max(np.sqrt(h.wetted_area / panels) for h in hulls)))
     if band is not None:
         low, high, resolved = min(low, band[0]), max(high, band[1]), max(resolved, band[1])
     at = np.asarray(centres, float).reshape(-1, 3)
@@ -93,9 +100,10 @@ def solve(
     require_solvable(hulls, centres, depth, omega, gravity, panels)
     dofs = PLANAR if planar else DOFS
     sea = Sea(depth=depth, density=density, gravity=gravity, heading=heading)
-    divisions = _divisions(hulls, centres, panels)
-    count = panels // max(divisions, default=1) ** 2
-    solutions = [_coefficients(hulls, centres, dofs, sea, omega, count, n) for n in divisions]
+    counts = _counts(hulls, panels, sea.wavenumber(omega[-1]))
+    divisions = _divisions(hulls, centres, counts)
+    base = tuple(count // max(divisions, default=1) ** 2 for count in counts)
+    solutions = [_coefficients(hulls, centres, dofs, sea, omega, base, n) for n in divisions]
     (impedance, impedance_inf, diffraction), left = _extrapolated(solutions, divisions, any(h.edged for h in hulls))
     return Hydrodynamics(
         omega=omega,
@@ -139,14 +147,21 @@ class _Mesh:
 
     @classmethod
     def build(
-        cls, hulls: tuple[Hull, ...], centres: np.ndarray, dofs: tuple[str, ...], count: int, refine: int, *, lids: bool
+        cls,
+        hulls: tuple[Hull, ...],
+        centres: np.ndarray,
+        dofs: tuple[str, ...],
+        counts: tuple[int, ...],
+        refine: int,
+        *,
+        lids: bool,
     ) -> "_Mesh":
-        """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count, refine: see mesh.panels."""
+        """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count of each, refine: see mesh.panels."""
         origin, mirrors = meshes.mirror_planes(hulls, centres)
         # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
         makers = [(meshes.panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
         pieces, owners, hulled = [], [], []
-        for b, (hull, at) in enumerate(zip(hulls, centres - origin, strict=True)):
+        for b, (hull, at, count) in enumerate(zip(hulls, centres - origin, counts, strict=True)):
             share = meshes.quarters(at, len(mirrors))
             for make, times in makers if share else ():
                 vertices, faces = make(hull, count, refine=times, quarters=share)
@@ -196,12 +211,12 @@ def _coefficients(
     dofs: tuple[str, ...],
     sea: Sea,
     omega: np.ndarray,
-    count: int,
+    counts: tuple[int, ...],
     refine: int,
 ) -> Solution:
     """A + iB/ω (nw, n, n), A(inf) (n, n), diffraction force (nw, n), and the number of panels on hulls."""
-    bare = _Mesh.build(hulls, centres, dofs, count, refine, lids=False)  # no irregular frequency at infinity
-    mesh = _Mesh.build(hulls, centres, dofs, count, refine, lids=True)
+    bare = _Mesh.build(hulls, centres, dofs, counts, refine, lids=False)  # no irregular frequency at infinity
+    mesh = _Mesh.build(hulls, centres, dofs, counts, refine, lids=True)
     n, largest = mesh.motions.shape[-1], max(h.largest_radius for h in hulls)
     infinite = sea.density * bare.solve(bare.motions, np.inf, sea.seabed(np.inf, largest)).real
     impedance, diffraction = np.empty((len(omega), n, n), complex), np.empty((len(omega), n), complex)
@@ -218,12 +233,22 @@ def _symmetric(matrix: np.ndarray) -> np.ndarray:
     return (matrix + matrix.T) / 2
 
 
-def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, panels: int) -> tuple[int, ...]:
+def _counts(hulls: tuple[Hull, ...], panels: int, k: float) -> tuple[int, ...]:
+    """Panels of each body: `panels`, more on one so large that its own would not resolve the shortest wave, k [1/m]."""
+    needed = [h.wetted_area * (k / RESOLVED) ** 2 for h in hulls]
+    return tuple(round(min(max(panels, n), FINER * panels)) for n in needed)
+
+
+def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, ...]) -> tuple[int, ...]:
     """Divisions of the base mesh to solve for, the finer first; only one where the finer costs too much."""
     if not any(isinstance(h, PanelHull) for h in hulls):
         return DIVISIONS
     _, mirrors = meshes.mirror_planes(hulls, centres)
-    count = sum(max(panels, HALVED[0] ** 2 * len(h.wetted)) if isinstance(h, PanelHull) else panels for h in hulls)
+    divided = HALVED[0] ** 2
+    count = sum(
+        divided * meshes.halved_count(h, n // divided) if isinstance(h, PanelHull) else n
+        for h, n in zip(hulls, counts, strict=True)
+    )
     return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
 
 

@@ -1,5 +1,7 @@
 """Panels on hulls below still water, lids inside them, and the mirror planes of a scene."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from solver.errors import InputError
@@ -11,6 +13,7 @@ from solver.hydrodynamics.hull.surface import merged, mirrored
 Hull = Revolution | PanelHull
 
 ON_PLANE = 1e-9  # [m]
+LONGER = 1.2
 IMAGES = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], float)  # of a quarter at x > 0, y > 0
 
 
@@ -48,10 +51,24 @@ def _halved_panels(hull: PanelHull, count: int, refine: int, quarters: int) -> t
     pieces = hull.wetted
     for axis in (1, 0)[: {4: 0, 2: 1, 1: 2}[quarters]]:
         pieces = surface.below(pieces, axis, sign=-1)
-    pieces = surface.split(pieces, np.sqrt(2 * hull.wetted_area / count))
+    pieces = surface.split(pieces, _longest_side(hull, count))
     while refine > 1:
         pieces, refine = surface.quartered(pieces), refine // 2
     return _indexed(pieces)
+
+
+@lru_cache(maxsize=64)  # each frequency's mesh is the same
+def _longest_side(hull: PanelHull, count: int) -> float:
+    """Of panels [m], so that halving leaves as near to `count` of them as it can."""
+    # Triangles are cut across their longest sides, which makes up to four times as many as their area asks for.
+    sizes = np.sqrt(2 * hull.wetted_area / count) * LONGER ** np.arange(8)
+    left = [len(surface.split(hull.wetted, size)) for size in sizes]
+    return float(sizes[np.argmin(np.abs(np.log(np.divide(left, count))))])
+
+
+def halved_count(hull: PanelHull, count: int) -> int:
+    """How many panels `panels` makes of a mesh that is not divided further."""
+    return len(surface.split(hull.wetted, _longest_side(hull, count)))
 
 
 def _indexed(pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -16,6 +16,7 @@ ROUNDS = 40
 CAUTION = 2.0  # factor on how far the least eigenvalue may fall between two points, from second differences
 HALVINGS = 12  # of an interval in the search for that
 CLOSE = 1e-7  # points of the grid this close to each other are one
+LARGE = 300_000  # entries of a problem of least distance that is worth reducing first
 MARGIN = 1e-7  # of the scaled transfer: cuts ask for so much more than zero, so that rounds end
 
 
@@ -157,8 +158,13 @@ def _least_distance(c: np.ndarray, d: np.ndarray) -> np.ndarray | None:
     unit = max(np.abs(d).max(), 1e-300)
     matrix = np.vstack([c.T, d / unit])
     goal = np.append(np.zeros(c.shape[1]), 1.0)
+    # The same least squares in as many rows as there are cuts, where the residues are far more.
+    tall, target = matrix, goal
+    if matrix.size > LARGE and len(matrix) > 2 * len(c):
+        q, tall = np.linalg.qr(matrix)
+        target = q.T @ goal
     try:
-        dual, _ = nnls(matrix, goal, maxiter=20 * len(c))
+        dual, _ = nnls(tall, target, maxiter=20 * len(c))
     except RuntimeError:
         return None
     residual = goal - matrix @ dual

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver.errors import InputError
-from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem import bem, incident
 from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
@@ -198,7 +198,7 @@ def test_leaving_the_seabed_out_is_seamless(monkeypatch):
     omega = np.array([1.2, 1.3, 1.5])
     run = partial(solve, (FLOAT,), [[0, 0, 0]], depth=50.0, omega=omega, panels=SMALL)
     switched = run()
-    monkeypatch.setattr(bem, "DEEP", 0.0)
+    monkeypatch.setattr(incident, "DEEP", 0.0)
     kept = run()
     assert largest_share(switched.added_mass, kept.added_mass) < 3e-4
     assert largest_share(switched.diffraction, kept.diffraction) < 3e-4
@@ -212,11 +212,11 @@ def test_the_seabeds_share_is_what_leaving_it_out_changes(monkeypatch):
     deep = run(depth=np.inf)
     assert deep.settings["seabed_error"] == 0
     for depth in (3.0, 6.0, 12.0):
-        monkeypatch.setattr(bem, "DEEP", 0.0)
+        monkeypatch.setattr(incident, "DEEP", 0.0)
         exact = run(depth=depth)
         share = exact.added_mass_inf[1, 1] / deep.added_mass_inf[1, 1] - 1
         assert share == pytest.approx(0.7 / depth**3, rel=0.1)
-        monkeypatch.setattr(bem, "DEEP", np.inf)
+        monkeypatch.setattr(incident, "DEEP", np.inf)
         told = run(depth=depth).settings["seabed_error"]
         assert largest_share(deep.added_mass[:, 1, 1], exact.added_mass[:, 1, 1]) < told
 
@@ -285,3 +285,18 @@ def test_the_same_bits_in_every_process():
 def _afresh(omega):
     green_function.cache_clear()
     return solve((FLOAT,), [[0, 0, 0]], depth=5.0, omega=np.array(omega), panels=SMALL)
+
+
+def test_no_frequency_is_used_beyond_what_the_mesh_resolves():
+    """A hull of 6 m beside one of 1 m, for whose sake waves of 0.6 m used to be solved for on panels of 0.7 m."""
+    big = Revolution.hemisphere_cylinder(radius=6.0, height=3.0)
+    grid = partial(bem.frequency_grid, (big, FLOAT), [[0, 0, 0], [10, 0, 0]], depth=30.0, panels=SMALL)
+    top = grid()[-1]
+    assert top == pytest.approx(np.sqrt(2 * G / np.sqrt(2 * np.pi * 36 / SMALL)))
+    assert grid(band=(0.5, 4.0))[-1] == 4.0  # what the waves have is solved for all the same, on more panels
+    assert bem._counts((big, FLOAT), SMALL, 1.2 * top**2 / G) == (round(1.44 * SMALL), SMALL)
+    assert bem._counts((big, FLOAT), SMALL, 100.0) == (6 * SMALL, 6 * SMALL)
+    coarse, fine = (solve((big,), [[0, 0, 0]], depth=np.inf, omega=grid()[-1:], panels=n) for n in (SMALL, 4 * SMALL))
+    size = np.array([1.0, 1.0, 6.0]) * np.sqrt(np.diag(fine.added_mass_inf)[[0, 1, 1]])
+    gap = coarse.added_mass[0] - fine.added_mass[0] + 1j * (coarse.radiation_damping - fine.radiation_damping)[0] / top
+    assert np.abs(gap / np.multiply.outer(size, size)).max() < 0.03

@@ -218,3 +218,13 @@ def test_symmetry_does_not_depend_on_the_diagonals():
     hull = PanelHull.of(*loose(np.concatenate([diagonals, diagonals[:, 2:]], axis=1)))
     assert hull.symmetry == (True, True)
     assert fine_box(SIZE, (0, 0.2, 0), 0.5).symmetry == (True, False)
+
+
+def test_a_mesh_is_shifted_turned_and_scaled():
+    """About x, then y, then z, through the origin; a point on x goes where y's turn and z's take it."""
+    point = np.array([[1003.0, 2000.0, -500.0]])
+    a, b, c = 0.3, 0.5, -0.7
+    moved = surface.placed(point, (1000.0, 2000.0, -500.0), (a, b, c), 0.001)
+    assert moved[0] == pytest.approx(0.003 * np.array([np.cos(b) * np.cos(c), np.cos(b) * np.sin(c), -np.sin(b)]))
+    up = surface.placed(np.array([[0.0, 0, 1]]), (0, 0, 0), (a, 0, 0), 1.0)
+    assert up[0] == pytest.approx([0, -np.sin(a), np.cos(a)])

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad_vec
 
 from solver.errors import InputError
+from solver.hydrodynamics.radiation import passivity
 from solver.hydrodynamics.radiation.memory import RadiationMemory, fit, retardation
 from solver.hydrodynamics.radiation.passivity import Constraint, enforce
 from solver.hydrodynamics.radiation.rational import basis, complex_residues
@@ -219,3 +220,14 @@ def test_a_tolerance_must_be_positive():
     memory = known()
     with pytest.raises(InputError, match="memory_tolerance = 0"):
         fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, 0)
+
+
+def test_a_large_problem_of_least_distance_is_reduced_without_a_change(monkeypatch):
+    """Many residues and few cuts, by the rows of both and by as many as there are cuts."""
+    rng = np.random.default_rng(3)
+    c, d = rng.normal(size=(40, 900)), rng.normal(size=40)
+    whole = passivity._least_distance(c, d)
+    monkeypatch.setattr(passivity, "LARGE", 0)
+    reduced = passivity._least_distance(c, d)
+    assert np.all(c @ reduced >= d - 1e-9)
+    assert reduced == pytest.approx(whole, abs=1e-9 * np.abs(whole).max())
