@@ -60,7 +60,7 @@ NEVER = 2.0  # shares of a step
 CHANGES = 200  # of laws in one step, at most
 # Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
 # swings. Pieces above it are halved, those an eighth below are doubled, whose bend is then eight times as large.
-BEND = 0.04
+BEND = 0.01
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
 POINTS, WEIGHTS = (np.array(x) for x in np.polynomial.legendre.leggauss(8))
