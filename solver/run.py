@@ -17,6 +17,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
 from solver.limits import field_error
 from solver.record.accuracy import ATTEMPTS, first_guess, refined, shortened
 from solver.record.audit import Probe, audit
+from solver.record.bound import above
 from solver.record.recorder import Record, Recorder
 from solver.scene import Scene, Settings
 
@@ -122,6 +123,6 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         "march_time": marched - prepared,
         **scene.sea.parameters(),
     }
-    if odd := warnings(scene):
+    if odd := (*warnings(scene), *above(scene, recorder.mean_power)):
         attrs["warnings"] = "; ".join(odd)
     return recorder.record(attrs, modes)

@@ -4,9 +4,9 @@ Frame: x along the waves for heading 0, z upwards from still water, rotations ri
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import MISSING, dataclass, field, fields, replace
 from itertools import combinations
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_type_hints
 
 import numpy as np
 
@@ -38,11 +38,18 @@ class Water:
 
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
-PER_AXIS = (
-    "pto_damping", "damping", "critical_damping", "quadratic_damping", "stiffness", "mechanism_inertia", "offset",
-)  # fmt: skip
 Vector = tuple[float, float, float]
-PerAxis = float | tuple[float, ...]
+PerAxis = float | tuple[float, ...]  # of a joint: a number for its only axis, or one for each
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EndStops:
+    """Springs and dampers at the ends of a joint's stroke; they push and do not pull. A stop without both is none."""
+
+    lower: Annotated[PerAxis, Quantity("rad or m"), "Position of the axis, from rest, below which a stop pushes"]
+    upper: Annotated[PerAxis, Quantity("rad or m"), "Position above which a stop pushes"]
+    stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m", least=0), "Of the stops"]
+    damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Of the stops, while they push"] = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,8 +61,8 @@ class Float:
     from the support: "hinge" (rotation about `axis`) or rigid-body motions at the hinge point,
     such as ("heave",) for a guided float or ("surge", "heave", "pitch") for one free in a plane; none for a body that
     is fixed to what carries it, such as a caisson.
-    Damping, stiffness, mechanism inertia and offset are one number for a single axis, else one
-    for each. Units are those of the axis: N s/m and N/m, or N m s/rad and N m/rad.
+    What belongs to the joint (PER_AXIS) is one number for a single axis, else one for each.
+    Units are those of the axis: N s/m and N/m, or N m s/rad and N m/rad.
     """
 
     name: str
@@ -85,6 +92,22 @@ class Float:
         PerAxis, Quantity("N m s2/rad2 or N s2/m2", least=0), "Damping by the square of the velocity"
     ] = 0.0
     stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m", least=0), "Of a linear spring, at ease at rest"] = 0.0
+    preload: Annotated[PerAxis, Quantity("N m or N"), "A constant load along the axis"] = 0.0
+    # As hydraulics have at constant pressure.
+    coulomb: Annotated[
+        PerAxis,
+        Quantity("N m or N", least=0),
+        "Load of the power take-off whatever the rate, absorbed; it holds what is at rest",
+    ] = 0.0
+    force_limit: Annotated[
+        PerAxis, Quantity("N m or N", above=0, infinite=True), "That the power take-off's load does not exceed"
+    ] = np.inf
+    one_way: Annotated[
+        PerAxis,
+        Quantity("-", least=-1, most=1),
+        "Share that the power take-off's load lacks in motion in the negative sense; < 0: in the positive",
+    ] = 0.0
+    end_stops: Annotated[EndStops | None, "Springs and dampers at the ends of the stroke"] = None
     mechanism_inertia: Annotated[
         PerAxis, Quantity("kg m2 or kg", least=0), "Of what moves with the axis besides the float"
     ] = 0.0
@@ -92,18 +115,31 @@ class Float:
 
     def __post_init__(self) -> None:
         key = f"floats.{self.name}"
-        refuse([*out_of_range(self, key), *self._joint_problems(key), *self._body_problems(key)])
+        stops = out_of_range(self.end_stops, f"{key}.end_stops") if self.end_stops is not None else ()
+        refuse([*out_of_range(self, key), *stops, *self._joint_problems(key), *self._body_problems(key)])
 
     def _joint_problems(self, key: str) -> Iterator[InputError]:
         if "hinge" in self.motion and not np.any(self.axis):
             yield InputError(f"{key}.axis", self.axis, "must not be zero")
         if len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
             yield InputError(f"{key}.motion", self.motion, f"must name each axis once, of hinge, {', '.join(DOFS)}")
-        for name in PER_AXIS:
-            if np.any(getattr(self, name)) and np.size(getattr(self, name)) != len(self.motion):
-                each = f"one number for each of {', '.join(self.motion)}"
-                limit = f"needs {each}" if self.motion else "must be left out: a fixed body has no axis"
-                yield InputError(f"{key}.{name}", getattr(self, name), limit)
+        given = {name: self._joint(name) for name in PER_AXIS}
+        unfit = [name for name, v in given.items() if v is not None and not _fits(v, STARTS[name], len(self.motion))]
+        each = f"needs one number for each of {', '.join(self.motion)}"
+        for name in unfit:
+            limit = each if self.motion else "must be left out: a fixed body has no axis"
+            yield InputError(f"{key}.{name}", given[name], limit)
+        if not unfit:
+            yield from self._law_problems(key)
+
+    def _law_problems(self, key: str) -> Iterator[InputError]:
+        if np.any(self.per_axis("coulomb") >= self.per_axis("force_limit")):
+            yield InputError(f"{key}.coulomb", self.coulomb, "must be < force_limit")
+        if self.end_stops is not None:
+            low, high = self.per_axis("end_stops.lower"), self.per_axis("end_stops.upper")
+            some = (self.per_axis("end_stops.stiffness") > 0) | (self.per_axis("end_stops.damping") > 0)
+            if np.any(some & ~(low < high)):
+                yield InputError(f"{key}.end_stops.lower", self.end_stops.lower, "must be < upper")
 
     def _body_problems(self, key: str) -> Iterator[InputError]:
         moments = sorted(self.inertia)
@@ -115,14 +151,39 @@ class Float:
             yield InputError(f"{key}.arm", self.arm, "must not lie along the hinge axis: the float would only spin")
 
     def per_axis(self, name: str) -> np.ndarray:
-        """A quantity of the joint for each axis (n,)."""
-        values = np.atleast_1d(np.asarray(getattr(self, name), float))
-        return values if values.any() else np.zeros(len(self.motion))
+        """A quantity of the joint for each axis (n,); those of end stops by "end_stops.lower" and so on."""
+        value = self._joint(name)
+        values = np.atleast_1d(np.asarray(STARTS[name] if value is None else value, float))
+        return values if values.size == len(self.motion) else np.full(len(self.motion), values[0])
+
+    def _joint(self, name: str) -> PerAxis | None:
+        """A quantity of the joint as it is given; None without its table."""
+        table, _, part = name.rpartition(".")
+        holder = getattr(self, table) if table else self
+        return getattr(holder, part) if holder is not None else None
 
     @property
     def centre(self) -> np.ndarray:
         """Reference point at rest (3,) [m]."""
         return np.add(self.hinge, self.arm)
+
+
+def _fits(value: PerAxis, usual: float, axes: int) -> bool:
+    """Whether there is a number for each axis; one that says nothing does for all."""
+    return np.size(value) == axes or not np.any(np.asarray(value) != usual)
+
+
+def _of_joints(inputs: type, table: str = "") -> dict[str, float]:
+    """Of each quantity that joints have for each axis: its default; nothing where a table of them is left out."""
+    return {
+        f"{table}{f.name}": 0.0 if f.default is MISSING else f.default
+        for f in fields(inputs)
+        if get_type_hints(inputs)[f.name] == PerAxis
+    }
+
+
+STARTS = _of_joints(Float) | _of_joints(EndStops, "end_stops.")
+PER_AXIS = tuple(STARTS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -330,6 +391,7 @@ class Scene:
                 limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
                 yield InputError(f"platform.nodes.{name}", place, limit)
         yield from self._output_problems()
+        yield from self._law_problems()
         settings, longest = self.settings, self.longest_step
         marching = settings.method == "time" and settings.tolerance is None and self.sea.amplitude.any()
         if marching and (step := settings.time_step) is not None and step > longest:
@@ -365,6 +427,21 @@ class Scene:
         if "section_forces" in outputs and members > MOST_SECTIONS:
             limit = f"must be left out with more than {MOST_SECTIONS} members; there are {members}"
             yield InputError("settings.outputs", "section_forces", limit)
+
+    def _law_problems(self) -> Iterator[InputError]:
+        """Joint laws that the method does not have."""
+        s, bent = self.settings, ("coulomb", "one_way", "force_limit", "end_stops")
+        for f in self.floats:
+            for name in bent:
+                value = "given" if name == "end_stops" else getattr(f, name)
+                if f.end_stops is None if name == "end_stops" else not np.any(f.per_axis(name) != STARTS[name]):
+                    continue
+                if s.method == "frequency" and name in ("end_stops", "one_way"):
+                    yield InputError(f"floats.{f.name}.{name}", value, 'needs method = "time": it is not linear')
+                elif s.paths.formulation == "augmented" and name in ("coulomb", "one_way"):
+                    yield InputError(
+                        f"floats.{f.name}.{name}", value, 'needs formulation = "minimal": it jumps at rest'
+                    )
 
     def _carrier_problems(self) -> Iterator[InputError]:
         names = [f.name for f in self.floats]

@@ -26,6 +26,7 @@ SUBJECTS = {
     "oes-linear": "sphere.linear",
     "oes-nonlinear": "sphere.nonlinear",
     "oes-pto": "sphere.with_pto",
+    "ellipsoid": "ellipsoid.power",
     "hinged-sphere": "hinged.pitch",
     "hinged-floats": "pairs.pitch",
     "mechanisms": "mechanisms.benchmarks",

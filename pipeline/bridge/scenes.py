@@ -154,7 +154,8 @@ def floating(item: Float) -> physics.Float:
 
     with _part(f"floats.{item.name}."):  # a hull does not know whose it is
         body = hull(item.hull)
-    return physics.Float(**{**dict(item), "hull": body})
+    stops = physics.EndStops(**dict(item.end_stops)) if item.end_stops else None
+    return physics.Float(**{**dict(item), "hull": body, "end_stops": stops})
 
 
 def in_place(item: Float, water: Water) -> None:

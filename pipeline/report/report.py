@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from pipeline.results.variables import AT_STOPS
 from pipeline.study.reading import StudyError
 
 if TYPE_CHECKING:
@@ -198,8 +199,11 @@ def print_summary(data: xr.Dataset, console: Console) -> None:
 def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
     """Variable, statistic, mean, least, largest and unit, as text."""
     for label in data.data_vars:
-        if "statistic" not in data[label].dims or (values := data[label].compute()).isnull().all():
+        known = "statistic" in data[label].dims or label in AT_STOPS
+        if not known or (values := data[label].compute()).isnull().all():
             continue
+        if label in AT_STOPS:
+            values = values.expand_dims(statistic=[""])
         for statistic in values.statistic.values:
             part = values.sel(statistic=statistic)
             figures = (f"{float(f()):.4g}" for f in (part.mean, part.min, part.max))

@@ -32,6 +32,9 @@ VARIABLES = {
     "wave_frequency": Meaning("rad s-1", "Angular frequency of each wave of the realization"),
     "absorbed_power": Meaning("W", "Mechanical power absorbed by the power take-off"),
     "hinge_force": Meaning("N", "Force of the hinge on the float"),
+    "end_stop_hits": Meaning("1", "Number of times that the float met an end stop of its joint in the analysed time"),
+    "impact_rate": Meaning("{axis} s-1", "Largest rate at which an axis of the joint met an end stop"),
+    "end_stop_load": Meaning("J {axis}-1", "Largest load of an end stop on an axis of the joint: N, or N m"),
     "top_displacement": Meaning("m", "Displacement of the top of the leg from static equilibrium"),
     "bottom_stress": Meaning("Pa", "Stress of the most compressive fibre at the bottom of the leg"),
     "displacement_envelope": Meaning("m", "Largest absolute displacement along the leg"),
@@ -103,6 +106,8 @@ VARIABLES = {
     "task": Meaning(None, "Identity of the task"),
     "unmet": Meaning(None, "What was asked of the task and not met, empty if all was"),
 }
+
+AT_STOPS = ("end_stop_hits", "impact_rate", "end_stop_load")  # one number each for a record
 
 # Numerical choices. A dataset has those that are the same in all its tasks as attributes of the file.
 KNOBS = {

@@ -146,6 +146,15 @@ Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh, Fie
 Motion = Literal["hinge", "surge", "sway", "heave", "roll", "pitch", "yaw"]
 
 
+@fields_of(physics.EndStops)
+class EndStops(Table):
+    """Springs and dampers at the ends of a joint's stroke; they push and do not pull."""
+
+    if TYPE_CHECKING:
+        lower: float | tuple[float, ...]
+        upper: float | tuple[float, ...]
+
+
 @fields_of(physics.Float)
 class Float(Table):
     """A rigid float on a massless arm, joined to the platform, to fixed ground or to another float.
@@ -158,6 +167,7 @@ class Float(Table):
     name: Annotated[Name, "Name of the float, in paths, outputs and the node hinge:<name>"]
     hull: Annotated[Hull, "Shape of the float"]
     motion: tuple[Motion, ...]
+    end_stops: EndStops | None = None
     if TYPE_CHECKING:
         hinge: Vector
         pto_damping: float | tuple[float, ...]

@@ -208,7 +208,7 @@ def _bounds(quantity: Quantity, *, real: bool) -> dict[str, Any]:
     limits = {name: bound for name, bound in bounds.items() if bound is not None}
     low = {} if limits.keys() & {"gt", "ge"} or not real else {"ge": -LARGEST}
     high = {} if limits.keys() & {"lt", "le"} else {"le": LARGEST if real else MOST}
-    return limits | low | high | ({"allow_inf_nan": quantity.infinite} if real else {})
+    return limits | low | high | ({"allow_inf_nan": False} if real else {})
 
 
 def _per_axis(number: Any) -> Any:

@@ -16,7 +16,7 @@ from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadra
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.multibody.chain import PRISMATIC, REVOLUTE
-from solver.multibody.joint_law import JointLaw
+from solver.multibody.joint_law import EndStops, JointLaw, end_stops
 from solver.multibody.minimal import Bodies
 from solver.scene import DOFS, Float, Scene
 from solver.sea.field import WaveField
@@ -116,13 +116,15 @@ def _axis(item: Float, name: str) -> tuple[bool, np.ndarray]:
 
 
 def joint_law(floats: Iterable[Float], carriers: int = 0) -> JointLaw:
-    """The law of all joints' axes; on the `carriers` coordinates before them it is zero."""
-    names = {"pto": "pto_damping", "damping": "damping", "quadratic": "quadratic_damping", "spring": "stiffness"}
-    return JointLaw(**{part: _per_axis(floats, name, carriers) for part, name in names.items()})
+    """The law of all joints' axes, its fields those of the floats; on the `carriers` coordinates before it is zero."""
+    items = tuple(floats)
+    law = {name: _per_axis(items, name, carriers) for name in JointLaw._fields if name != "end_stops"}
+    stops = end_stops(*(_per_axis(items, f"end_stops.{name}", carriers) for name in EndStops._fields))
+    return JointLaw(**law, end_stops=stops)
 
 
 def _per_axis(floats: Iterable[Float], name: str, carriers: int) -> np.ndarray:
-    """A quantity of all joints' axes among the coordinates (nz,)."""
+    """A quantity of all joints' axes among the coordinates (nz,); zero on carriers."""
     return np.concatenate([np.zeros(carriers), *(f.per_axis(name) for f in floats)])
 
 

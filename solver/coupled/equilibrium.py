@@ -8,6 +8,7 @@ import numpy as np
 from solver.coupled.modal import Structure
 from solver.errors import SimulationFailed
 from solver.kernels import lean_kernel
+from solver.multibody.joint_law import zones_at_rest
 from solver.multibody.minimal import (
     Bodies,
     Coordinates,
@@ -45,7 +46,8 @@ def balance(
     nz, nb, na = body.mechanism.size, body.axes.size, body.axes.size * body.active.size
     many = math.prod(z.shape[:-1])
     states = (np.zeros(z.shape) if x is None else x for x in (z, dz, ddz))
-    at = Coordinates(*(np.ascontiguousarray(x).reshape(many, nz) for x in states))
+    z_, dz_, ddz_ = (np.ascontiguousarray(x).reshape(many, nz) for x in states)
+    at = Coordinates(z_, dz_, ddz_, np.empty((2, nz), np.int64))
     field = np.zeros((nb, 2, 1)) if field is None else field
     excitation = np.zeros((nb, 6)) if excitation is None else excitation
     water = WaterLoads(pressure=np.empty((nb, 6)), since=np.zeros(nz), excitation=excitation, memory=np.zeros(na))
@@ -64,11 +66,12 @@ def _balances(
     water: WaterLoads,
     out: Loads,
 ) -> None:
-    """Fill `out` (m, ...) at states (m, nz); motion, room and water.pressure are scratch."""
+    """Fill `out` (m, ...) at states (m, nz); motion, room, water.pressure and the states' zones are scratch."""
     for i in range(len(states.z)):
         move(body, states.z[i], states.dz[i], motion)
         pressures(body, motion, field, room, water.pressure)
-        at = Coordinates(states.z[i], states.dz[i], states.ddz[i])
+        zones_at_rest(body.law, states.z[i], states.zone)
+        at = Coordinates(states.z[i], states.dz[i], states.ddz[i], states.zone)
         loads(body, at, motion, water, Loads(out.residual[i], out.wrench[i], out.external[i]))
 
 

@@ -58,8 +58,16 @@ def flexibility(structure: Structure, dt: float) -> tuple[np.ndarray, np.ndarray
     D = I + 2ζω dt A + ω² dt² AA maps a mode's stage accelerations to its stage loads.
     """
     nc, nm = structure.carrier.shape
-    inverse = np.empty((nm, 2, 2))
-    H = np.zeros((2, nc, 2, nc))
+    inverse, H = np.empty((nm, 2, 2)), np.empty((2, nc, 2, nc))
+    fill_flexibility(structure, dt, inverse, H)
+    return inverse, H
+
+
+@kernel
+def fill_flexibility(structure: Structure, dt: float, inverse: np.ndarray, H: np.ndarray) -> None:
+    """D⁻¹ and H of `flexibility` into arrays that are there."""
+    nc, nm = structure.carrier.shape
+    H[:] = 0.0
     for m in range(nm):
         c, k = 2 * structure.damping[m] * structure.omega[m] * dt, (structure.omega[m] * dt) ** 2
         D = np.eye(2) + c * A + k * AA
@@ -71,7 +79,6 @@ def flexibility(structure: Structure, dt: float) -> tuple[np.ndarray, np.ndarray
                 for i in range(nc):
                     for j in range(nc):
                         H[s, i, l, j] += inverse[m, s, l] * structure.carrier[i, m] * structure.carrier[j, m]
-    return inverse, H
 
 
 @lean_kernel

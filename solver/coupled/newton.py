@@ -9,8 +9,15 @@ from solver.coupled.modal import Structure
 from solver.coupled.scheme import AA, A
 from solver.coupled.stages import Stages
 from solver.kernels import kernel, lean_kernel
-from solver.multibody.joint_law import axis_damping
+from solver.multibody.joint_law import HELD, PTO_ZONE, STOP_ZONE, axis_damping, tangent
 from solver.multibody.minimal import Bodies, Motion, mass_matrix, move, new_motion, project_active
+
+
+class Zones(NamedTuple):
+    """Where the joints are in their laws, see joint_law."""
+
+    zone: np.ndarray  # (2, nz)
+    bent: np.ndarray  # coordinates that have several
 
 
 class Newton(NamedTuple):
@@ -101,7 +108,9 @@ def constant_part(bodies: Bodies, memory: Memory, stiffness: np.ndarray, dt: flo
 
 
 @kernel
-def newton_matrix(bodies: Bodies, motion: Motion, H: np.ndarray, constant: np.ndarray, newton: Newton) -> None:
+def newton_matrix(
+    bodies: Bodies, motion: Motion, zones: Zones, H: np.ndarray, constant: np.ndarray, dt: float, newton: Newton
+) -> None:
     """Fill newton.Z, and newton.K from it; H (2, nc, 2, nc): see modal.flexibility; constant: see constant_part."""
     mass, Z, K = newton.mass, newton.Z, newton.K
     nz, nc = bodies.mechanism.size, H.shape[1]
@@ -111,6 +120,12 @@ def newton_matrix(bodies: Bodies, motion: Motion, H: np.ndarray, constant: np.nd
         for i in range(nz):
             for k in range(nz):
                 Z[s * nz + i, s * nz + k] += mass[i, k]
+    for n in range(zones.bent.size):
+        i = zones.bent[n]
+        stiffness, damping = tangent(bodies.law, i, zones.zone[STOP_ZONE, i], zones.zone[PTO_ZONE, i])
+        for s in range(2):
+            for l in range(2):
+                Z[s * nz + i, l * nz + i] += dt * dt * AA[s, l] * stiffness + dt * A[s, l] * damping
     K[:] = Z
     for s in range(2):
         for i in range(nc):
@@ -122,6 +137,12 @@ def newton_matrix(bodies: Bodies, motion: Motion, H: np.ndarray, constant: np.nd
                     for col in range(2 * nz):
                         K[row, col] += factor * Z[l * nz + k, col]
             K[row, row] += 1.0
+    for n in range(zones.bent.size):
+        i = zones.bent[n]
+        if zones.zone[PTO_ZONE, i] == HELD:  # its acceleration is the unknown of its own row
+            for s in range(2):
+                K[s * nz + i] = 0.0
+                K[s * nz + i, s * nz + i] = 1.0
 
 
 @lean_kernel
@@ -145,3 +166,14 @@ def newton_side(structure: Structure, inverse: np.ndarray, stage: Stages, side: 
         for i in range(nc):
             side[i] += structure.carrier[i, m] * a0
             side[nz + i] += structure.carrier[i, m] * a1
+
+
+@lean_kernel
+def hold(bent: np.ndarray, stage: Stages, side: np.ndarray) -> None:
+    """On Newton's right-hand side (2nz,), axes that are held have no acceleration."""
+    nz = stage.z.shape[1]
+    for n in range(bent.size):
+        i = bent[n]
+        if stage.zone[PTO_ZONE, i] == HELD:
+            for s in range(2):
+                side[s * nz + i] = -stage.ddz[s, i]

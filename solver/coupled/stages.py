@@ -25,6 +25,10 @@ class State(NamedTuple):
     power: np.ndarray  # (len(WORKS),) at the last sample [W]
     work: np.ndarray  # (len(WORKS),) [J] since the start
     energy: np.ndarray  # (3,) [J], see solver.coupled.energy
+    zone: np.ndarray  # (2, nz) of the joints' laws, see joint_law
+    held: np.ndarray  # (nz,) what holds an axis at rest [N or N m], in its zone HELD
+    pace: np.ndarray  # (nz,) [s] in which an axis on its stop is followed now
+    fastest: np.ndarray  # (nz,) rate of each so far [m/s or rad/s]
 
 
 class Start(NamedTuple):
@@ -57,6 +61,7 @@ class Stages(NamedTuple):
     residual: np.ndarray  # (2, nz)
     wrench: np.ndarray  # (2, nb, 6)
     external: np.ndarray  # (2, nb, 6)
+    zone: np.ndarray  # (2, nz) in which the step begins, and goes on
 
 
 def new_stages(bodies: Bodies, modes: int) -> Stages:
@@ -64,6 +69,7 @@ def new_stages(bodies: Bodies, modes: int) -> Stages:
     nb, nz = bodies.axes.size, bodies.mechanism.size
     return Stages(
         motion=(new_motion(bodies), new_motion(bodies)),
+        zone=np.zeros((2, nz), np.int64),
         **{name: np.zeros((2, nz)) for name in ("z", "dz", "ddz", "anchor", "since", "residual")},
         **{name: np.zeros((2, modes)) for name in ("p", "dp", "ddp", "known", "force", "drag")},
         **{name: np.zeros((2, nb * bodies.active.size)) for name in ("velocity", "history", "memory")},
@@ -74,7 +80,7 @@ def new_stages(bodies: Bodies, modes: int) -> Stages:
 @kernel(inline="always")
 def coordinates(stage: Stages, s: int) -> Coordinates:
     """Coordinates of stage s."""
-    return Coordinates(stage.z[s], stage.dz[s], stage.ddz[s])
+    return Coordinates(stage.z[s], stage.dz[s], stage.ddz[s], stage.zone)
 
 
 @lean_kernel

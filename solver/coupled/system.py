@@ -18,28 +18,29 @@ from solver.coupled.equilibrium import (
     symmetric_stiffness,
     weights,
 )
-from solver.coupled.march import (
+from solver.coupled.march import GROSSLY, march
+from solver.coupled.memory import Memory
+from solver.coupled.modal import Structure
+from solver.coupled.pieces import SWING
+from solver.coupled.stages import State
+from solver.coupled.step import (
     EXCURSION,
-    GROSSLY,
     NOT_CONVERGED,
     OK,
     UNBALANCED,
     Drive,
     Output,
     Problem,
-    march,
     new_output,
     new_problem,
     new_workspace,
 )
-from solver.coupled.memory import Memory
-from solver.coupled.modal import Structure
-from solver.coupled.stages import State
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.radiation import memory as radiation
 from solver.limits import slides
+from solver.multibody import joint_law
 from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
 from solver.scene import Float, Scene
 from solver.sea.field import Factored, WaveField, WaveSeries, factored
@@ -128,7 +129,7 @@ class System:
         z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
         s = self.scene.settings
         first = self.drive(self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form))
-        ddp, ddz, load = _initial_acceleration(self, z, p, first)
+        zone, (ddp, ddz, load, held) = self.zones_at(z), _initial_acceleration(self, z, p, first)
         state = State(
             z=z[nc:],
             dz=np.zeros(nz - nc),
@@ -141,17 +142,51 @@ class System:
             power=np.zeros(len(WORKS)),
             work=np.zeros(len(WORKS)),
             energy=np.array([0.0, self.least_energy, 0.0]),
+            zone=zone,
+            held=held,
+            pace=self.pace,
+            fastest=np.zeros(nz),
         )
         state.energy[AT_START] = energy(body, self.structure, state)
         return state
 
+    @property
+    def bent(self) -> np.ndarray:
+        """Coordinates whose joint's law has several zones."""
+        return np.flatnonzero(joint_law.bent(self.bodies.law))
+
+    def zones_at(self, z: np.ndarray) -> np.ndarray:
+        """(2, nz) of the joints' laws where the floats are let go at rest at z (nz,)."""
+        zone = np.zeros((2, z.size), np.int64)
+        joint_law.zones_at_rest(self.bodies.law, z, zone)
+        zone[joint_law.PTO_ZONE, joint_law.turning(self.bodies.law)] = joint_law.HELD
+        return zone
+
+    @property
+    def pace(self) -> np.ndarray:
+        """(nz,) [s] in which a swing on an end stop is followed."""
+        if not joint_law.stopped(self.bodies.law).any():
+            return np.full(self.bodies.mechanism.size, np.inf)
+        (nc, nm), nz = self.structure.carrier.shape, self.bodies.mechanism.size
+        compliance = np.zeros(nz)
+        compliance[nc:] = np.diag(np.linalg.inv(_whole_mass(self, self.equilibrium[0])))[nm:]
+        rates = joint_law.stop_rates(self.bodies.law, compliance)
+        return np.divide(2 * np.pi / SWING, rates, out=np.full(nz, np.inf), where=rates > 0)
+
     def problem(self) -> Problem:
         """The arrays and tolerances of a march."""
+        bent, zone = self.bent, np.zeros((2, self.bodies.mechanism.size), np.int64)
+        joint_law.zones_at_rest(self.bodies.law, self.equilibrium[0], zone)
+        on_stops = np.zeros(zone.shape[1])
+        on_stops[bent] = [joint_law.tangent(self.bodies.law, i, *zone[:, i])[0] for i in bent]
         return new_problem(
             self.bodies,
             self.structure,
             self.memory,
-            self.stiffness,
+            self.stiffness - np.diag(on_stops),
+            beta=self.fit.beta if self.fit is not None else np.zeros(0),
+            bent=bent,
+            pace=self.pace,
             dt=self.dt,
             tolerance=self.newton_tolerance,
             iterations=ITERATIONS,
@@ -268,24 +303,36 @@ def _way(item: Float, point: np.ndarray, angle: float, height: float) -> float:
     return max((abs(x) + 2 * height if slides(name) else turned for name, x in start), default=0.0)
 
 
-def _initial_acceleration(
-    system: System, z: np.ndarray, p: np.ndarray, first: Drive
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Modal and joint accelerations at t = 0, and the modal load of the hinges, from all loads at rest."""
-    body, frame = system.bodies, system.structure
-    nz, (nc, nm) = body.mechanism.size, frame.carrier.shape
+def _whole_mass(system: System, z: np.ndarray) -> np.ndarray:
+    """Of modes and joints (nm + nj, nm + nj), with the floats at z (nz,)."""
+    body, shape = system.bodies, system.structure.carrier
+    nz, (nc, nm) = body.mechanism.size, shape.shape
     motion, M = new_motion(body), np.zeros((nz, nz))
     move(body, z, np.zeros(nz), motion)
     mass_matrix(body, motion, M)
-    r, _ = balance(body, z, field=first.field[0], excitation=first.excitation[0])
-    shape = frame.carrier
-    whole = np.block(
+    return np.block(
         [[np.eye(nm) + shape.T @ M[:nc, :nc] @ shape, shape.T @ M[:nc, nc:]], [M[nc:, :nc] @ shape, M[nc:, nc:]]]
     )
+
+
+def _initial_acceleration(
+    system: System, z: np.ndarray, p: np.ndarray, first: Drive
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """At t = 0, from all loads at rest: accelerations of modes and joints, the modal load of the hinges, and (nz,)
+    what holds the axes that do not move."""
+    frame, body = system.structure, system.bodies
+    nc, nm = frame.carrier.shape
+    r, _ = balance(body, z, field=first.field[0], excitation=first.excitation[0])
+    shape, whole = frame.carrier, _whole_mass(system, z)
     load = np.concatenate([shape.T @ r[:nc] - frame.omega**2 * p + first.modal[0], r[nc:]])
-    acceleration = np.linalg.solve(whole, load)
+    at_rest = np.flatnonzero(joint_law.turning(body.law))
+    rows, free, known = nm + at_rest - nc, whole.copy(), load.copy()
+    free[rows], known[rows] = np.eye(len(whole))[rows], 0.0
+    acceleration = np.linalg.solve(free, known)
+    held = np.zeros(z.size)
+    held[at_rest] = (load - whole @ acceleration)[rows]
     ddp, ddz = acceleration[:nm], acceleration[nm:]
-    return ddp, ddz, ddp + frame.omega**2 * p - first.modal[0]
+    return ddp, ddz, ddp + frame.omega**2 * p - first.modal[0], held
 
 
 def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[tuple[np.ndarray, Output, np.ndarray]]:
@@ -295,13 +342,14 @@ def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[
     multiple of BLOCK_STEPS, elsewhere to Newton's tolerance.
     """
     h, series = system.dt / 2, system.series(system.dt)
-    problem, room = system.problem(), new_workspace(system.bodies, system.structure)
+    problem, empty = system.problem(), system.drive(np.zeros((1, len(system.rows))))
+    room = new_workspace(system.bodies, system.structure, system.memory, empty)
     # Up to the longest wave's period after the start little has been exchanged, and that with a jolt.
     quiet = int(2 * np.pi / system.scene.sea.omega.min() / system.dt)
     for first in range(done, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - first)
         samples = series.block(2 * first, 2 * count + 1)
-        output = new_output(system.bodies, system.structure, 2 * count)
+        output = new_output(problem, 2 * count)
         outcome, sample, _ = march(problem, system.drive(samples), state, room, quiet - first, output)
         if outcome != OK:
             raise _failure(outcome, (2 * first + sample) * h, system, state)

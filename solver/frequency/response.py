@@ -28,6 +28,7 @@ class Response:
     wrench: np.ndarray  # (nw, nb, 6) all loads on the floats
     carried: np.ndarray  # (nw, nc) load of the floats on the support's nodes, along their carriers
     drag: np.ndarray  # (nw, nd, ns) of the water on the frame at its stations
+    pto: np.ndarray  # (nj,) damping of the power take-offs, linearised: power over the rate's mean square
     rounds: int  # until the drag agreed with its own result
 
 
@@ -41,7 +42,7 @@ def respond(system: System, h: Hydrodynamics | None) -> Response:
     excitation = rows[system.layout.excitation].T.reshape(omega.size, len(system.scene.floats), 6).copy()
     radiating = excitation[..., system.bodies.active]
     force = wave_force(model, radiating.reshape(omega.size, len(model.active)), rows[system.layout.modal])
-    X, drag_load, rounds = _agreed(system, model, omega, Y, force, rows[system.layout.station].T)
+    X, drag_load, pto, rounds = _agreed(system, model, omega, Y, force, rows[system.layout.station].T)
     w = omega[:, None]
     radiated = np.einsum("kij,kj->ki", Y, -1j * w * (X @ model.active.T))
     excitation[..., system.bodies.active] -= radiated.reshape(radiating.shape)
@@ -54,6 +55,7 @@ def respond(system: System, h: Hydrodynamics | None) -> Response:
         wrench=excitation + by_motion,
         carried=_carried(system.structure, w, X[:, : waves.shape[1]], waves, drag_load),
         drag=drag_load,
+        pto=pto,
         rounds=rounds,
     )
 
@@ -69,15 +71,17 @@ def _carried(frame: Structure, w: np.ndarray, P: np.ndarray, waves: np.ndarray, 
 
 def _agreed(
     system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray, force: np.ndarray, water: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, int]:
-    """X (nw, n), the drag (nw, nd, ns) in it, and the rounds that it took until the drag was that of X itself.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    """X (nw, n), the drag (nw, nd, ns) in it, the power take-offs' damping (nj,), and the rounds until both were of X.
 
     force (nw, n): the waves', without drag; water (nw, nd ns): velocity at the drag stations.
     """
     frame = system.structure
     nm, (_, nd, ns), nc = frame.omega.size, frame.station.shape, frame.carrier.shape[0]
     water = water.reshape(omega.size, nd, ns)
-    quadratic, height = joint_law.drag(system.bodies.law)[nc:], float(np.abs(system.scene.sea.amplitude).sum())
+    law, height = system.bodies.law, float(np.abs(system.scene.sea.amplitude).sum())
+    quadratic, bent = joint_law.drag(law)[nc:], joint_law.bent(law).any()
+    at_rest = pto = joint_law.damping_of_gaussian(law, np.zeros(system.bodies.mechanism.size))[nc:]
     Z, w = model.dynamic_stiffness(omega, Y), omega[:, None, None]
     rate = np.zeros((omega.size, len(model.mass)), complex)
     std, K = np.zeros(len(model.mass)), np.zeros((ns, nd, nd))
@@ -92,13 +96,28 @@ def _agreed(
             push[:, :nm] += np.tensordot(water, carried, axes=([1, 2], [1, 2]))
         if quadratic.any():
             damping[nm:, nm:] += np.diag(quadratic * _equivalent(rate[:, nm:, None])[:, 0, 0])
+        if bent:
+            pto = _taking(system, rate[:, nm:])
+            damping[nm:, nm:] += np.diag(pto - at_rest)
         X = _solved(Z - 1j * w * damping if damping.any() else Z, push)
         _require_bounded(model, omega, X, height)
         rate, before, std = -1j * omega[:, None] * X, std, np.sqrt(np.sum(np.abs(X) ** 2, axis=0))
-        if not (ns or quadratic.any()) or np.all(np.abs(std - before) <= AGREED * std):
+        if not (ns or quadratic.any() or bent) or np.all(np.abs(std - before) <= AGREED * std):
             past = water - np.tensordot(rate[:, :nm], frame.station, axes=1)
-            return X, np.einsum("sde,kes->kds", K, past), rounds
-    raise SimulationFailed(f"linearised drag does not agree with its own result after {ROUNDS} rounds")
+            return X, np.einsum("sde,kes->kds", K, past), pto, rounds
+    what = "drag or power take-off" if bent else "drag"
+    raise SimulationFailed(f"linearised {what} does not agree with its own result after {ROUNDS} rounds")
+
+
+def _taking(system: System, rate: np.ndarray) -> np.ndarray:
+    """Damping (nj,) of the power take-offs at rates (nw, nj): of one harmonic, or of a Gaussian process."""
+    law, nc = system.bodies.law, system.structure.carrier.shape[0]
+    size = np.zeros(system.bodies.mechanism.size)
+    if len(rate) == 1:
+        size[nc:] = np.abs(rate[0])
+        return joint_law.damping_of_harmonic(law, size)[nc:]
+    size[nc:] = np.sqrt(0.5 * np.sum(np.abs(rate) ** 2, axis=0))
+    return joint_law.damping_of_gaussian(law, size)[nc:]
 
 
 def _equivalent(u: np.ndarray) -> np.ndarray:

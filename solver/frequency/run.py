@@ -13,10 +13,11 @@ from solver.errors import InputError
 from solver.frequency import gaussian
 from solver.frequency.response import Response, respond
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
-from solver.multibody.joint_law import absorption
 from solver.record.audit import coefficient_effects
+from solver.record.bound import above
 from solver.record.recorder import Channels, Record
 from solver.scene import Scene
+from solver.statistics import STATISTICS
 
 LEFT_OUT = "displacement_envelope, stress_envelope"  # how the nodes' motions go together in time
 
@@ -40,7 +41,8 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         "skipped": f"time: a linear model in the frequency domain has no {LEFT_OUT}",
         **scene.sea.parameters(),
     }
-    if notes := warnings(scene):
+    power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
+    if notes := (*warnings(scene), *above(scene, power)):
         attrs["warnings"] = "; ".join(notes)
     rao = None
     if scene.settings.rao and scene.floats:
@@ -71,7 +73,7 @@ def _tables(system: System, response: Response, channels: Channels) -> Iterator[
         means = dict(channels.motions(z[None, nc:]))
         for name, lines in channels.motions(joints):
             yield name, table(means[name][0], lines)
-        pto, rates = absorption(system.bodies.law)[nc:], -1j * omega[:, None] * joints
+        pto, rates = response.pto, -1j * omega[:, None] * joints
         owned = [channels.owner == b for b in range(len(scene.floats))]
         yield "absorbed_power", np.array([gaussian.power_table(pto[i], rates[:, i], omega, duration) for i in owned])
         at_rest = channels.hinge_force(balance(system.bodies, z)[1][None])[0]

@@ -21,7 +21,7 @@ from solver.hydrodynamics.pressure.froude_krylov import (
 from solver.hydrodynamics.pressure.wetted_panels import PanelsRoom, WettedPanels, panels_pressure, panels_room
 from solver.kernels import fast_lean_kernel, kernel, lean_kernel
 from solver.multibody.chain import Chain, cross, kinematics, rotated
-from solver.multibody.joint_law import JointLaw, axis_energy, axis_load
+from solver.multibody.joint_law import PTO_ZONE, STOP_ZONE, JointLaw, axis_energy, axis_load
 
 
 class Bodies(NamedTuple):
@@ -73,6 +73,7 @@ class Coordinates(NamedTuple):
     z: np.ndarray  # (nz,)
     dz: np.ndarray  # (nz,)
     ddz: np.ndarray  # (nz,)
+    zone: np.ndarray  # (2, nz) of the joints' laws
 
 
 class WaterLoads(NamedTuple):
@@ -240,7 +241,7 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
             for r in range(6):
                 out.residual[bodies.coordinate[b, i]] += motion.jacobian[b, r, i] * W[r]
     for i in range(at.z.size):
-        load = axis_load(bodies.law, i, at.z[i], at.dz[i])
+        load = axis_load(bodies.law, i, at.zone[STOP_ZONE, i], at.zone[PTO_ZONE, i], at.z[i], at.dz[i])
         out.residual[i] -= load.pto + load.loss + load.spring + bodies.mechanism[i] * at.ddz[i]
 
 
@@ -273,7 +274,7 @@ def powers(
         for r in range(nr):
             radiation += memory[b * nr + r] * motion.velocity[b, bodies.active[r]]
     for i in range(at.dz.size):
-        load = axis_load(bodies.law, i, at.z[i], at.dz[i])
+        load = axis_load(bodies.law, i, at.zone[STOP_ZONE, i], at.zone[PTO_ZONE, i], at.z[i], at.dz[i])
         pto += load.pto * at.dz[i]
         loss += load.loss * at.dz[i]
     return waves, radiation, pto, loss

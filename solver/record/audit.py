@@ -9,8 +9,8 @@ import numpy as np
 
 from solver.coupled import assembly
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
-from solver.coupled.march import Output
 from solver.coupled.stages import State
+from solver.coupled.step import Output
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.radiation.memory import RadiationMemory

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver.coupled.assembly import Layout, joint_law
-from solver.coupled.march import Output
 from solver.coupled.natural import SystemModes
+from solver.coupled.step import CONTACT, HITS, Output
 from solver.coupled.support import Support
-from solver.multibody.joint_law import joint_loads
+from solver.multibody.joint_law import bent, joint_loads, stopped
 from solver.record import steel
 from solver.record.spectra import Harmonics
 from solver.record.steel import Steel
@@ -89,10 +89,11 @@ class Channels:
         rao: np.ndarray | None = None,
         series: Mapping[str, np.ndarray] | None = None,
         counted: tuple[Mapping[str, Labelled], tuple[str, ...]] = ({}, ()),
+        contact: np.ndarray | None = None,
     ) -> Record:
         """The record of statistics (…, 5) of each channel, of the legs' envelopes, and of motions per wave (nw, nj).
 
-        counted: other variables, and what failed of them.
+        counted: other variables, and what failed of them. contact: CONTACT (nj, 3).
         """
         variables: dict[str, Labelled] = {name: ((*DIMS[name], "statistic"), table) for name, table in tables.items()}
         coords = {
@@ -119,7 +120,12 @@ class Channels:
         if rao is not None:
             variables |= self._rao(rao)
             coords["component"] = np.arange(1, self.scene.sea.omega.size + 1)
-        if "motion" in tables or rao is not None:
+        if contact is not None:
+            hits = [np.nansum(contact[self.owner == b, HITS]) for b in range(len(self.scene.floats))]
+            variables[CONTACT[HITS]] = ("float",), np.array(hits)
+            for name, values in zip(CONTACT[1:], contact.T[1:], strict=True):
+                variables[name] = ("float", "axis"), self.by_axis(values[None])[0]
+        if "motion" in tables or rao is not None or contact is not None:
             coords["axis"] = np.array(self.axes)
         kept = {name: (("time", *DIMS.get(name, ())), values) for name, values in (series or {}).items()}
         return Record(variables=variables, coords=coords, attrs=attrs, series=kept)
@@ -147,6 +153,7 @@ class Recorder:
         self.shapes: dict[str, tuple[int, ...]] = {}  # of the channels, in the order of the statistics
         legs = self.channels.legs
         self.largest = legs.nothing() if legs is not None else None
+        self.contact = np.zeros((int(bent(self.law).sum()), len(CONTACT)))  # of the axes that may have stops
         self.series: dict[str, list[np.ndarray]] = {}
         self.feet: list[np.ndarray] = []  # N, My, Mz where samples are counted
         self.seconds = [np.inf, -np.inf]
@@ -163,6 +170,10 @@ class Recorder:
         channels = dict(self._channels(kept, output, samples))
         self.seconds = [min(self.seconds[0], times[kept][0]), times[kept][-1]]
         self.shapes = {name: values.shape[1:] for name, values in channels.items()}
+        if self.contact.size:
+            hits = self.contact[:, HITS] + output.contact[kept, :, HITS].sum(axis=0)
+            self.contact = np.maximum(self.contact, output.contact[kept].max(axis=0))
+            self.contact[:, HITS] = hits
         self.statistics.add(np.concatenate([v.reshape(len(v), -1) for v in channels.values()], axis=1))
         if s.keep_series:
             for name, values in {**channels, "time": times[kept]}.items():
@@ -202,6 +213,12 @@ class Recorder:
         tables = np.split(self.statistics.table(), ends[:-1])
         return {name: t.reshape(*shape, -1) for (name, shape), t in zip(self.shapes.items(), tables, strict=True)}
 
+    @property
+    def mean_power(self) -> np.ndarray:
+        """(nb,) absorbed [W]."""
+        absorbed = self.tables().get("absorbed_power", np.zeros((0, len(STATISTICS))))
+        return absorbed[:, STATISTICS.index("mean")]
+
     def samples(self) -> dict[str, np.ndarray]:
         """Of each channel (m, …), and their times (m,), where series are kept."""
         return {name: np.concatenate(blocks) for name, blocks in self.series.items()}
@@ -220,4 +237,11 @@ class Recorder:
             rao=self.harmonics.amplitudes() if self.harmonics is not None else None,
             series=self.samples(),
             counted=counted,
+            contact=self._at_stops() if stopped(self.law).any() else None,
         )
+
+    def _at_stops(self) -> np.ndarray:
+        """(nj, 3) of CONTACT over the record; NaN on axes without stops."""
+        out, some = np.full((self.channels.owner.size, len(CONTACT)), np.nan), stopped(self.law)
+        out[some] = self.contact[some[bent(self.law)]]
+        return out

@@ -15,14 +15,16 @@ from scipy.spatial.transform import Rotation
 
 from solver import limits
 from solver.balance import warnings
+from solver.coupled.assembly import joint_law
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
-from solver.coupled.march import Output
 from solver.coupled.natural import require_stable, system_modes, with_usual_step
+from solver.coupled.step import Output
 from solver.coupled.system import BALANCE, System, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
-from solver.multibody.joint_law import joint_energy
+from solver.multibody.joint_law import bent, joint_energy, stop_loads
 from solver.record.audit import PROBE, coefficient_effects, probed, statistics_error, together, unmet
+from solver.record.bound import above
 from solver.record.recorder import Record, Recorder
 from solver.reference import axes as joint_axes
 from solver.reference.augmented import (
@@ -117,7 +119,7 @@ def simulate_reference(
         "march_time": marched - prepared,
         **scene.sea.parameters(),
     }
-    if odd := warnings(scene):
+    if odd := (*warnings(scene), *above(scene, recorder.mean_power)):
         attrs["warnings"] = "; ".join(odd)
     attrs["wall_time"] = time.perf_counter() - clock
     return recorder.record(attrs, system_modes(case.system, hydrodynamics))
@@ -229,7 +231,8 @@ def _blocks(
         rows.append(_row(case, (n - 1) % (stages - 1) + 1, sample))
         if len(rows) == BLOCK * (stages - 1) or n == case.steps * (stages - 1):
             times, errors, *parts = (np.array(x) for x in zip(*rows, strict=True))
-            yield times, Output(*parts), _waves(case, times), errors.max(axis=0), sample.frames
+            output = Output(*[*parts, _contact(case, *parts[:2])])
+            yield times, output, _waves(case, times), errors.max(axis=0), sample.frames
             rows = []
 
 
@@ -243,6 +246,15 @@ def _row(case: Case, stage: int, sample: Sample) -> tuple[Any, ...]:
         raise SimulationFailed(limits.explain(case.scene, z, case.system.bodies.limit, when))
     p, *loads = case.support.sample(stage)
     return sample.time, sample.errors, z, dz, p, -floats.force[stage], *loads
+
+
+def _contact(case: Case, z: np.ndarray, dz: np.ndarray) -> np.ndarray:
+    """Of the stops (m, number of bent axes, 3), as the samples have it: a hit is where a load begins."""
+    law = joint_law(case.scene.floats)
+    some = bent(law)
+    load = stop_loads(law, z, dz)[:, some]
+    begins = np.diff(load > 0, axis=0, prepend=load[:1] > 0) & (load > 0)
+    return np.stack([begins, begins * np.abs(dz[:, some]), load], axis=-1)
 
 
 def _waves(case: Case, times: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from numba import njit
 
 from solver.coupled.memory import memory_history
 from solver.coupled.modal import drag, flexibility
-from solver.coupled.newton import new_newton, newton_matrix
+from solver.coupled.newton import Zones, new_newton, newton_matrix
 from solver.coupled.system import BLOCK_STEPS, blocks, prepare
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature_room
 from solver.hydrodynamics.radiation import memory as radiation
@@ -47,19 +47,19 @@ def of_a_step(platform: str) -> list[tuple[str, float, float]]:
     H, constant = flexibility(frame, system.dt)[1], np.zeros((2 * nz, 2 * nz))
     water = WaterLoads(load, np.zeros(nz), drive.excitation[5], np.zeros(na))
     out = Loads(np.zeros(nz), load.copy(), load.copy())
-    series = system.series(system.dt)
+    series, zones = system.series(system.dt), Zones(np.zeros((2, nz), int), system.bent)
     field = drive.field[5]
     parts = [
         ("wave field", median(lambda: system.drive(series.block(999, 2 * BLOCK_STEPS + 1)), 9) / BLOCK_STEPS * 1e6, 1),
         ("Froude-Krylov and hydrostatics", each(pressures, body, motion, field, pressure_room(body), load), 2),
         ("kinematics", each(move, body, z, dz, motion), 6),
-        ("other loads", each(loads, body, Coordinates(z, dz, z), motion, water, out), 4),
+        ("other loads", each(loads, body, Coordinates(z, dz, z, np.zeros((2, nz), int)), motion, water, out), 4),
         (
             "radiation memory",
             each(memory_history, system.memory, state.memory, motion.active_velocity, np.zeros((2, na))),
             1,
         ),
-        ("Newton's matrix", each(newton_matrix, body, motion, H, constant, new_newton(nz)), 1 / 8),
+        ("Newton's matrix", each(newton_matrix, body, motion, zones, H, constant, system.dt, new_newton(nz)), 1 / 8),
     ]
     if frame.omega.size:
         flow, force, room = drive.station[5], np.zeros(frame.omega.size), np.zeros(frame.station.shape[1:])

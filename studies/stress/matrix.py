@@ -31,6 +31,7 @@ STEPS = (200, 100, 50, 24, 12, 8, 6, 5, 4)
 MASS = (0.05, 0.1, 0.3, 1.0, 1.5, 2.0, 3.0, 5.0)
 PTO = (0.0, 0.1, 1.0, 10.0, 1000.0)
 HEIGHTS = (0.01, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 12.0)
+STOPS = {"lower": -0.9, "upper": 0.9, "stiffness": 2e7, "damping": 2e5}  # rad, N m/rad, N m s/rad
 PERIODS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 18.0, 25.0)
 
 Change = Callable[[Scene], Scene]
@@ -181,6 +182,8 @@ def _maps() -> Iterator[Case]:
     for Tp in PERIODS:
         for Hs in HEIGHTS:
             yield Case(family="Hs x Tp", x=f"{Tp:g}", y=f"{Hs:g}", keys=sea_state(Hs, Tp))
+            keys = sea_state(Hs, Tp) | {"floats.*.end_stops": STOPS}
+            yield Case(family="Hs x Tp, stops", x=f"{Tp:g}", y=f"{Hs:g}", keys=keys)
     for ratio in MASS:
         for damping in PTO:
             keys = heavier(ratio) | {"floats.*.pto_damping": OPTIMUM * damping}

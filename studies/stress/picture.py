@@ -24,6 +24,7 @@ MAPS = {  # family: (title, x label, y label)
     "step x stiffness": ("elastic platform, Hs 1.28 m", "platform stiffness (times)", "step / shortest wave period"),
     "step x Hs": ("fixed platform, Tp 7 s", "Hs [m]", "step / shortest wave period"),
     "Hs x Tp": ("elastic platform, sea states", "Tp [s]", "Hs [m]"),
+    "Hs x Tp, stops": ("the same with end stops at 0.9 rad", "Tp [s]", "Hs [m]"),
     "mass x stiffness": (
         "elastic platform, default step; from 2 up the floats sink",
         "platform stiffness (times)",
@@ -88,8 +89,8 @@ def picture(data: xr.Dataset, path: Path) -> None:
     """Draw and save the map."""
     figure, axes = plt.subplot_mosaic(
         [["step x stiffness", "step x Hs", "Hs x Tp"], ["mass x stiffness", "mass x PTO", "modes x damping"],
-         ["reference path", "single", "single"]],
-        figsize=(14, 13), height_ratios=(1, 1, 1),
+         ["reference path", "Hs x Tp, stops", "."], ["single", "single", "single"]],
+        figsize=(14, 17), height_ratios=(1, 1, 1, 1),
     )  # fmt: skip
     for family, labels in MAPS.items():
         _map(axes[family], data.isel(case=np.flatnonzero(data.family.values == family)), *labels)

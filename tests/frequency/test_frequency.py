@@ -182,6 +182,22 @@ def test_quadratic_damping_of_a_joint_is_the_marchs():
     assert table == approx(exact, rel=0.03)
 
 
+@pytest.mark.parametrize("law", [{"coulomb": 500.0}, {"pto_damping": 1.2e5, "force_limit": 700.0}])
+def test_a_bent_power_take_off_takes_the_marchs_power(law):
+    """Statistically linearised: as much power from a Gaussian rate; the rate of a bent one is not quite Gaussian."""
+    item, h = SCENES["duck"]()
+    linear_pto = {"pto_damping": 0.0, "coulomb": 0.0} | law
+    item = linear(replace(item, floats=(replace(item.floats[0], **linear_pto),)), duration=2000.0)
+    item = replace(item, sea=replace(item.sea, amplitude=0.1 * item.sea.amplitude))
+    march, lines = simulate(item, h), frequency(item, h)
+    for name, column, allowed in (("rotation", 4, 0.08), ("absorbed_power", 2, 0.05)):
+        exact, table = (r.variables[name][1][0, column] for r in (march, lines))
+        assert table == approx(exact, rel=allowed), name
+    bare = linear(replace(item, floats=(replace(item.floats[0], coulomb=0.0, force_limit=np.inf),)), duration=2000.0)
+    (unbent,) = frequency(bare, h).variables["rotation"][1][:, 4]
+    assert abs(unbent / march.variables["rotation"][1][0, 4] - 1) > 0.1
+
+
 def test_one_wave_is_a_harmonic_not_a_gaussian():
     item, h = SCENES["flap"]()
     item = replace(item, sea=regular(height=0.02, period=6.0))

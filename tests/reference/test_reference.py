@@ -15,7 +15,7 @@ from solver.reference.convolution import Convolution, CosineTransform
 from solver.reference.loads import held
 from solver.reference.run import simulate_reference
 from solver.run import simulate
-from solver.scene import Float, Platform, Scene, Settings, Water
+from solver.scene import EndStops, Float, Platform, Scene, Settings, Water
 from solver.sea.realization import CALM, realize
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.beam import solid_rectangle, tube
@@ -191,6 +191,19 @@ def test_every_kind_of_joint_and_joint_load(coefficients, motion, elastic):
     assert apart(name, slow, fast) < 1e-6
     assert apart("hinge_force", slow, fast) < 1e-5
     assert slow[name].ravel()[0] == approx(np.ravel(JOINTS[motion]["offset"])[0], abs=5e-3)
+
+
+def test_stops_and_limits_in_both_formulations(coefficients):
+    """The reference finds no instants: in short steps, on a spring and a limit without jumps, both agree to 1e-3."""
+    stops = EndStops(lower=-0.05, upper=0.3, stiffness=4e5)
+    law = {"pto_damping": 2e4, "offset": 0.15, "force_limit": 4e3, "preload": 500.0}
+    record = {}
+    for name, ends in (("stops", stops), ("none", None)):
+        item = scene(sea=CALM, items=floats(end_stops=ends, **law), duration=3.0, time_step=0.025)
+        record[name] = both(item, coefficients, **alike(item, coefficients))
+    fast, slow = record["stops"]
+    assert apart("rotation", slow, fast) < 1e-3
+    assert apart("rotation", record["none"][0], fast) > 0.05  # the front float met its lower stop
 
 
 @pytest.mark.parametrize("diffraction, radiation", [(False, True), (True, False), (False, False)])

@@ -25,7 +25,7 @@ def test_cases_are_study_files_and_differ():
         content = StudyFile.model_validate(tables(case))
         refused += [case.name] if any(checks.problems(content)) else []
     families = {name.split(":")[0] for name in refused}
-    assert families == {"step x stiffness", "step x Hs", "Hs x Tp", "gap"}
+    assert families == {"step x stiffness", "step x Hs", "Hs x Tp", "Hs x Tp, stops", "gap"}
 
 
 def job(number):
@@ -43,13 +43,13 @@ def test_a_hung_or_dead_process_is_replaced_and_the_others_go_on():
 
 def test_every_outcome_has_its_colour(tmp_path):
     families = ["step x stiffness", "step x Hs", "Hs x Tp", "mass x stiffness", "mass x PTO", "modes x damping"]
-    rows = [*families, "reference path", *["geometry"] * 6]
-    outcomes = ["ok"] * 8 + ["repeated", "failed", "refused", "BROKEN", "HANG"]
-    data = xr.Dataset({"outcome": ("case", outcomes), "discretization_error": ("case", np.geomspace(1e-5, 1, 13))})
-    data = data.assign_coords(family=("case", rows), x=("case", ["1"] * 13), y=("case", list("abcdefghijklm")))
+    rows = [*families, "Hs x Tp, stops", "reference path", *["geometry"] * 6]
+    outcomes = ["ok"] * 9 + ["repeated", "failed", "refused", "BROKEN", "HANG"]
+    data = xr.Dataset({"outcome": ("case", outcomes), "discretization_error": ("case", np.geomspace(1e-5, 1, 14))})
+    data = data.assign_coords(family=("case", rows), x=("case", ["1"] * 14), y=("case", list("abcdefghijklmn")))
     picture(data, tmp_path / "map.png")
     assert (tmp_path / "map.png").stat().st_size > 10_000
-    data["message"] = ("case", ["<why>"] * 13)
-    data["energy_residual"] = ("case", np.full(13, 1e-5))
-    text = page(data, [("order is off by", 0.01, 0.1)], ["geometry: 1, m: HANG"])
-    assert "1 as they should not be: geometry: 1, m: HANG" in text and text.count("&lt;why&gt;") == 13
+    data["message"] = ("case", ["<why>"] * 14)
+    data["energy_residual"] = ("case", np.full(14, 1e-5))
+    text = page(data, [("order is off by", 0.01, 0.1)], ["geometry: 1, n: HANG"])
+    assert "1 as they should not be: geometry: 1, n: HANG" in text and text.count("&lt;why&gt;") == 14

@@ -53,6 +53,8 @@ def test_all_that_belongs_to_a_joint_reaches_the_solver(study_with):
         "pto_damping = [1.0, 2.0, 3.0]\ndamping = [0.0, 5.0, 0.0]\n"
         "critical_damping = [0.25, 0.0, 0.0]\nquadratic_damping = [7.0, 0.0, 8.0]\n"
         "stiffness = [1e3, 0.0, 0.0]\nmechanism_inertia = [0.0, 0.0, 9.0]\noffset = [0.0, -0.5, 0.1]\n"
+        "preload = [4.0, 0.0, -4.0]\ncoulomb = [0.0, 6.0, 0.0]\nforce_limit = [1e3, 2e3, 3e3]\none_way = [0, 1, -0.5]\n"
+        "end_stops = { lower = [-1.0, -2.0, 0.0], upper = [1.0, 2.0, 0.0], stiffness = [1e6, 1e7, 0.0] }\n"
     )
     (item,) = scenes.scene(task(study_with(keys)).parameters).floats
     assert item.motion == ("surge", "heave", "pitch")
@@ -65,6 +67,14 @@ def test_all_that_belongs_to_a_joint_reaches_the_solver(study_with):
         "stiffness": [1e3, 0, 0],
         "mechanism_inertia": [0, 0, 9],
         "offset": [0, -0.5, 0.1],
+        "preload": [4, 0, -4],
+        "coulomb": [0, 6, 0],
+        "force_limit": [1e3, 2e3, 3e3],
+        "one_way": [0, 1, -0.5],
+        "end_stops.lower": [-1, -2, 0],
+        "end_stops.upper": [1, 2, 0],
+        "end_stops.stiffness": [1e6, 1e7, 0],
+        "end_stops.damping": [0, 0, 0],
     }
 
 
@@ -75,6 +85,10 @@ def test_all_that_belongs_to_a_joint_reaches_the_solver(study_with):
         ("damping = 3.0", "damping = [3.0]"),
         ("damping = 0.0", "damping = [0.0]"),
         ("offset = -0.1", "offset = [-0.1]"),
+        (
+            "end_stops = { lower = -1, upper = 1, stiffness = 1e6 }",
+            "end_stops = { lower = [-1.0], upper = [1.0], stiffness = [1e6], damping = 0.0 }",
+        ),
         ("", "arm = [2.0, 0.0, -2.0]"),
     ],
 )
@@ -125,7 +139,6 @@ def test_a_float_out_of_equilibrium_is_told_of_and_not_refused(study_with):
 
 
 BAD = [
-    ("motion = []", "floats[0].motion"),
     ('motion = ["heave", "heave"]', "floats.only.motion = ['heave', 'heave']: must name each axis once"),
     ('motion = ["heaves"]', "floats[0].motion[0] = 'heaves': must be one of 'hinge', 'surge'"),
     ('motion = "heave"', "floats[0].motion = 'heave'"),
@@ -136,6 +149,23 @@ BAD = [
     ("offset = [1.0, 2.0]", "floats.only.offset = [1.0, 2.0]: needs one number for each of hinge"),
     ('offset = "up"', "floats[0].offset = 'up': must be a number [rad or m]"),
     ("stiffness = []", "floats[0].stiffness"),
+    ("end_stops = { lower = -1.0, upper = 1.0 }", "floats[0].end_stops.stiffness"),
+    (
+        "end_stops = { lower = -1.0, upper = 1.0, stiffness = -1.0 }",
+        "floats[0].end_stops.stiffness = -1.0: must be >= 0 N m/rad or N/m",
+    ),
+    (
+        "end_stops = { lower = 1.0, upper = -1.0, stiffness = 1.0 }",
+        "floats.only.end_stops.lower = 1.0: must be < upper",
+    ),
+    (
+        "end_stops = { lower = -1, upper = [1, 2], stiffness = 1.0 }",
+        "floats.only.end_stops.upper = [1.0, 2.0]: needs one number for each of hinge",
+    ),
+    ("force_limit = 0.0", "floats[0].force_limit = 0.0: must be > 0 N m or N"),
+    ("force_limit = inf", "floats[0].force_limit = inf: must be a finite number [N m or N]"),
+    ("coulomb = 5.0\nforce_limit = 4.0", "floats.only.coulomb = 5.0: must be < force_limit"),
+    ("one_way = 2", "floats[0].one_way = 2: must be <= 1"),
     ("mechanism_inertia = nan", "floats[0].mechanism_inertia = nan: must be a finite number [kg m2 or kg]"),
 ]
 

@@ -36,6 +36,7 @@ inertia = [2.6e6, 2.6e6, 2.6e6]
 hinge = [0.0, 0.0, 0.0]
 motion = ["heave"]
 offset = 0.5
+end_stops = { lower = -0.3, upper = 2.0, stiffness = 1e7, damping = 1e5 }
 [sea_states]
 still = { kind = "still" }
 regular = { kind = "regular", height = 0.2, period = 6.0 }
@@ -57,11 +58,14 @@ hinge_spacing = [5.0]
 LINES = '[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n[variants.a]\n'
 OUTPUTS = 'outputs = ["fatigue", "reactions", "section_forces", "fibre_stress"]\n[record.fatigue]\nscf = 2.0\n'
 CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
+STOPS = "lower = -0.3, upper = 2.0, stiffness = 1e7, damping = 1e5"
+MORE = "lower = [0, -1.0], upper = [0, 1.0], stiffness = [0, 1e7]"  # on one axis of two
+MOORED = '["surge", "heave"]\nstiffness = [2e5, 0]'
 # Every kind of scene, sea, path and output.
 REAL = {
     "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
     "heave": SPHERE + SHORT + "rao = true\n[solver]\ntolerance = 0.05\n",
-    "floating": SPHERE.replace('["heave"]\noffset = 0.5', '["surge", "heave"]\nstiffness = [2e5, 0]') + CARRIED + SHORT,
+    "floating": SPHERE.replace('["heave"]\noffset = 0.5', MOORED).replace(STOPS, MORE) + CARRIED + SHORT,
     "steel": SMALL[: SMALL.index("[axes]")] + CALM + SHORT + OUTPUTS,
     "lines": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("full", "none") + LINES,
     "paper": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("4.0", "1.0") + '[solver]\naccuracy = "reference"\n',
@@ -142,6 +146,9 @@ def test_motion_along_an_axis_has_its_unit(real):
     """Where axes slide and turn, the unit is beside the axis."""
     with xr.open_dataset(real / "heave" / "statistics.nc") as data:
         assert (data.motion.attrs["units"], data.rao.attrs["units"]) == ("m", "m m-1")
+        assert (data.impact_rate.attrs["units"], data.end_stop_load.attrs["units"]) == ("m s-1", "J m-1")
+        still = data.sel(sea_state="still")
+        assert still.end_stop_hits.item() == 1 and 0 < still.impact_rate.item() < 0.5
         assert data.axis_unit.values.tolist() == ["m"]
     for path in (real / "floating").glob("**/*.nc"):
         with xr.open_dataset(path) as data:

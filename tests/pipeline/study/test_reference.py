@@ -19,7 +19,7 @@ STUDIES = Path(__file__).parents[3] / "studies"
 # Numbers that count, number or choose have no unit; all other numbers of study files have one.
 PURE = {"gamma", "components", "base_seed", "elements", "count", "seed", "axis", "start", "to", "mean", "std"}
 PURE |= {"modes", "azimuths", "arc_points", "line_points", "panel_size", "field_tolerance", "memory_tolerance"}
-PURE |= {"stations_per_element", "newton_tolerance", "tolerance", "critical_damping", "damping_ratio"}
+PURE |= {"one_way", "stations_per_element", "newton_tolerance", "tolerance", "critical_damping", "damping_ratio"}
 PURE |= {"drag_coefficient", "inertia_coefficient", "from", "scale", "scf", "exponent", '"PATH"'}
 
 

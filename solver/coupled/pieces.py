@@ -1,0 +1,440 @@
+"""Steps in which a joint's law changes, or swings on an end stop: in pieces that end where it changes.
+
+Within a zone of its law (see joint_law) an axis moves smoothly, so a step is tried with the zones of its start. Where
+the collocation's own polynomial leaves one, a piece ends there; the law is then that of the next zone, and
+accelerations jump by what the mass matrix says:
+
+    M Δa = -Δf,    Δa = -a of an axis that is held.
+
+Each piece is a step of the same scheme, of the same order: the radiation memory is exact for any length, and what
+the wave drives is a polynomial through its samples. On a stop, pieces follow the swing from its first touch, and grow
+as far as the axis's acceleration is a straight line.
+"""
+
+import numpy as np
+
+from solver.coupled.energy import JOINT_DAMPING, PTO
+from solver.coupled.memory import Memory
+from solver.coupled.modal import fill_flexibility
+from solver.coupled.newton import constant_part, factorize, substitute
+from solver.coupled.stages import State
+from solver.coupled.step import (
+    HITS,
+    LOAD,
+    NODES,
+    NOT_CONVERGED,
+    NOT_FINITE,
+    OK,
+    RATE,
+    Drive,
+    Output,
+    Problem,
+    Workspace,
+    account_work,
+    advance,
+    attempt,
+    copy,
+    put_stage,
+    refresh,
+)
+from solver.kernels import kernel, lean_kernel
+from solver.multibody.joint_law import (
+    HELD,
+    OPEN,
+    PRESSED,
+    PTO_ZONE,
+    SLIPS,
+    STOP_ZONE,
+    axis_load,
+    holding,
+    leaving,
+    next_zone,
+    stop_load,
+)
+from solver.multibody.minimal import mass_matrix, move
+
+SWING = 16  # pieces in the period of what swings on a stop
+SCAN = 8  # points of a step at which its polynomial is looked at
+HALVINGS = 50  # of the interval in which it leaves a zone
+NEVER = 2.0  # shares of a step
+CHANGES = 200  # of laws in one step, at most
+# Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
+# swings. Pieces above it are halved, those an eighth below are doubled, whose bend is then eight times as large.
+BEND = 0.01
+SLIVER = 1e-9  # of a step
+LEAST = 1e-13  # of Newton's tolerances [m or rad]
+POINTS, WEIGHTS = (np.array(x) for x in np.polynomial.legendre.leggauss(8))
+
+
+@lean_kernel
+def in_contact(problem: Problem, state: State, room: Workspace) -> bool:
+    """Whether an axis swings on its stop too fast for a whole step."""
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED and state.pace[i] < problem.dt:
+            return True
+    return False
+
+
+@lean_kernel
+def bends(problem: Problem, state: State, room: Workspace) -> bool:
+    """Whether the step that the stages hold leaves a zone, or is too long for a swing on a stop."""
+    return _first(problem, state, room, problem.dt)[0] < NEVER or _too_long(problem, state, room, problem.dt)
+
+
+@lean_kernel
+def in_pieces(
+    problem: Problem, drive: Drive, sample: int, state: State, room: Workspace, output: Output
+) -> tuple[int, int]:
+    """Advance `state` by the step from `sample` on; (outcome, iterations). Pieces end at the step's middle, too."""
+    used = changes = 0
+    for half in range(2):
+        row, done, whole = sample + half, 0.0, 0.5 * problem.dt
+        while done < whole * (1 - SLIVER):
+            length = _length(problem, state, room, whole - done)
+            outcome, spent = _piece(problem, drive, sample + half + 2 * done / problem.dt, length, state, room)
+            used += spent
+            if outcome != OK:
+                return outcome, used
+            if _too_long(problem, state, room, length):
+                _halve(problem, state, room, length)
+                continue
+            at, i, kind = _first(problem, state, room, length)
+            if 0 < at < NEVER:
+                length *= at
+                outcome, spent = _piece(problem, drive, sample + half + 2 * done / problem.dt, length, state, room)
+                used += spent
+                if outcome != OK:
+                    return outcome, used
+            if at > 0:
+                _take(problem, length, state, room, output, row)
+                done += length
+            if at < NEVER:
+                changes += 1
+                if changes > CHANGES:
+                    return NOT_CONVERGED, used
+                if not _change(problem, state, room, i, kind, output.contact[row]):
+                    return NOT_FINITE, used
+        put_stage(room, 1, output, row)
+    return OK, max(used, 3)  # so that Newton's matrix is renewed
+
+
+@lean_kernel
+def _length(problem: Problem, state: State, room: Workspace, left: float) -> float:
+    """Of the next piece [s]: all that is left of the half, or a whole part of it."""
+    pace = left
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
+            pace = min(pace, state.pace[i])
+    return left / np.ceil(left / pace - SLIVER)
+
+
+@lean_kernel
+def _piece(
+    problem: Problem, drive: Drive, sample: float, length: float, state: State, room: Workspace
+) -> tuple[int, int]:
+    """The stages of a step of this length [s] that starts at a sample, which need not be whole."""
+    other = _of_length(problem, length, room)
+    for n in (1, 2):
+        _sample(drive, sample + n * length / problem.dt, n, room)
+    if not refresh(other, room):
+        return NOT_FINITE, 0
+    return attempt(other, room.fine.drive, 1, state, room)
+
+
+@lean_kernel
+def _take(problem: Problem, length: float, state: State, room: Workspace, output: Output, row: int) -> None:
+    """The piece's end becomes the next one's start; what presses on the stops is noted."""
+    other = _of_length(problem, length, room)
+    account_work(other, room.fine.drive, 1, state, room)
+    note(problem, room, 0, output.contact[row])
+    note(problem, room, 1, output.contact[row])
+    _quicken(problem, state, room, length)
+    advance(other, state, room)
+    _forget(state)
+
+
+@lean_kernel
+def note(problem: Problem, room: Workspace, s: int, contact: np.ndarray) -> None:
+    """The loads of stage s on the stops, if larger than those noted (number of bent axes, 3)."""
+    stage = room.stage
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        load = stop_load(problem.bodies.law, i, stage.zone[STOP_ZONE, i], stage.z[s, i], stage.dz[s, i])
+        contact[n, LOAD] = max(contact[n, LOAD], load)
+
+
+@lean_kernel
+def _forget(state: State) -> None:
+    """Nothing to extrapolate from: pieces differ in length, and loads jump between them."""
+    for n in range(2):
+        copy(state.ddz[2], state.ddz[n])
+        copy(state.force[2], state.force[n])
+
+
+# ---- the length of pieces
+
+
+@lean_kernel
+def _bend(problem: Problem, state: State, room: Workspace, i: int, length: float) -> float:
+    """Of coordinate i's acceleration in the stages, times their step's length, over its largest rate so far."""
+    stage, nc = room.stage, problem.structure.carrier.shape[0]
+    bend = abs(state.ddz[2, i - nc] - 2 * stage.ddz[0, i] + stage.ddz[1, i]) * length
+    rate = max(state.fastest[i], abs(stage.dz[1, i]))
+    return bend / rate if rate > 0 else 0.0
+
+
+@lean_kernel
+def _too_long(problem: Problem, state: State, room: Workspace, length: float) -> bool:
+    """Whether a step of this length [s] does not follow a swing on a stop."""
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        presses = abs(room.stage.zone[STOP_ZONE, i]) == PRESSED
+        if presses and length > problem.pace[i] * (1 + SLIVER) and _bend(problem, state, room, i, length) > 2 * BEND:
+            return True
+    return False
+
+
+@lean_kernel
+def _halve(problem: Problem, state: State, room: Workspace, length: float) -> None:
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
+            state.pace[i] = max(min(problem.pace[i], length), 0.5 * length)
+
+
+@lean_kernel
+def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> None:
+    """Twice the length for the next piece where an axis's acceleration is straight enough."""
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        presses = abs(room.stage.zone[STOP_ZONE, i]) == PRESSED
+        if presses and length > 0.75 * state.pace[i] and _bend(problem, state, room, i, length) < BEND / 8:
+            state.pace[i] *= 2
+
+
+# ---- where a zone ends
+
+
+@lean_kernel
+def _first(problem: Problem, state: State, room: Workspace, h: float) -> tuple[float, int, int]:
+    """Share of a step of h [s] at which an axis is the first to leave a zone, the axis, the zone's kind; else NEVER."""
+    first, axis, kind = NEVER, -1, STOP_ZONE
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        for k in (STOP_ZONE, PTO_ZONE):
+            at = _leaves(problem, state, room, h, i, k)
+            if at < first:
+                first, axis, kind = at, i, k
+    return first, axis, kind
+
+
+@lean_kernel
+def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, kind: int) -> float:
+    """Share of the step at which axis i leaves its zone; at once if it begins beyond and goes further."""
+    before = _beyond(problem, state, room, h, i, kind, 0.0)
+    if before > 0 and kind == PTO_ZONE and room.stage.zone[kind, i] == HELD:
+        return 0.0
+    for n in range(1, SCAN + 1):
+        now = _beyond(problem, state, room, h, i, kind, n / SCAN)
+        if now > 0 and before > 0 and n == 1 and now > before:
+            return 0.0
+        if now > 0 and not before > 0:
+            low, high = (n - 1) / SCAN, n / SCAN
+            for _ in range(HALVINGS):
+                middle = 0.5 * (low + high)
+                if _beyond(problem, state, room, h, i, kind, middle) > 0:
+                    high = middle
+                else:
+                    low = middle
+            return high
+        before = now
+    return NEVER
+
+
+@lean_kernel
+def _beyond(problem: Problem, state: State, room: Workspace, h: float, i: int, kind: int, x: float) -> float:
+    """> 0 where axis i is beyond its zone at the share x of the step, by the collocation's polynomials."""
+    start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]
+    law, zone = problem.bodies.law, stage.zone[kind, i]
+    if kind == PTO_ZONE and zone == HELD:
+        r0, r1, r2 = state.held[i], stage.residual[0, i], stage.residual[1, i]
+        load = r0 + x * (-3 * r0 + 4 * r1 - r2) + 2 * x * x * (r0 - 2 * r1 + r2)
+        return max(load - holding(law, i, 1), -load - holding(law, i, -1))
+    a0, a1, a2 = state.ddz[2, i - nc], stage.ddz[0, i], stage.ddz[1, i]
+    b, c, t = -3 * a0 + 4 * a1 - a2, 2 * (a0 - 2 * a1 + a2), x * h
+    dy = start.dz[i] + t * (a0 + x * (b / 2 + x * c / 3))
+    y = start.z[i] + t * start.dz[i] + t * t * (a0 / 2 + x * (b / 6 + x * c / 12))
+    return leaving(law, i, kind, zone, y, dy)
+
+
+# ---- behind it
+
+
+@lean_kernel
+def _change(problem: Problem, state: State, room: Workspace, i: int, kind: int, contact: np.ndarray) -> bool:
+    """Axis i enters its next zone where the state is; False where the masses are singular."""
+    start, nc = room.start, problem.structure.carrier.shape[0]
+    law, old = problem.bodies.law, room.stage.zone[kind, i]
+    if kind == PTO_ZONE and old == HELD:
+        new = SLIPS if state.held[i] > 0 else -SLIPS
+    else:
+        new = next_zone(law, i, kind, old, start.z[i], start.dz[i])
+    if kind == STOP_ZONE and abs(new) == PRESSED:
+        state.pace[i] = problem.pace[i]
+        for n in range(problem.bent.size):
+            if problem.bent[n] == i and old == OPEN:
+                contact[n, HITS] += 1
+                contact[n, RATE] = max(contact[n, RATE], abs(start.dz[i]))
+    if kind == PTO_ZONE and new == HELD:
+        start.dz[i] = 0.0
+        state.dz[i - nc] = 0.0
+    if not _enter(problem, state, room, i, kind, new):
+        return False
+    if kind == PTO_ZONE and new == HELD:
+        load = state.held[i]
+        if load > holding(law, i, 1) or -load > holding(law, i, -1):
+            return _enter(problem, state, room, i, kind, SLIPS if load > 0 else -SLIPS)
+    return True
+
+
+@lean_kernel
+def _enter(problem: Problem, state: State, room: Workspace, i: int, kind: int, new: int) -> bool:
+    """The zone, and the accelerations and powers that go with it."""
+    law, stage, start = problem.bodies.law, room.stage, room.start
+    stops, pto = stage.zone[STOP_ZONE, i], stage.zone[PTO_ZONE, i]
+    before = axis_load(law, i, stops, pto, start.z[i], start.dz[i])
+    stage.zone[kind, i] = new
+    state.zone[kind, i] = new
+    stops, pto = stage.zone[STOP_ZONE, i], stage.zone[PTO_ZONE, i]
+    after = axis_load(law, i, stops, pto, start.z[i], start.dz[i])
+    change = after.pto - before.pto + after.loss - before.loss + after.spring - before.spring
+    state.power[PTO] += (after.pto - before.pto) * start.dz[i]
+    state.power[JOINT_DAMPING] += (after.loss - before.loss) * start.dz[i]
+    move(problem.bodies, start.z, start.dz, stage.motion[1])
+    done = _jump(problem, state, room, i, change)
+    _forget(state)
+    return done
+
+
+@kernel
+def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: float) -> bool:
+    """Accelerations of modes and joints after the load against an axis has changed; False where M is singular."""
+    S, (nc, nm), nz = problem.structure.carrier, problem.structure.carrier.shape, state.zone.shape[1]
+    M = np.empty((nz, nz))
+    mass_matrix(problem.bodies, room.stage.motion[1], M)
+    T = np.zeros((nz, nm + nz - nc))
+    T[:nc, :nm] = S
+    for i in range(nc, nz):
+        T[i, nm + i - nc] = 1.0
+    whole = T.T @ M @ T
+    for m in range(nm):
+        whole[m, m] += 1.0
+    side = np.zeros(nm + nz - nc)
+    side[nm + axis - nc] = state.held[axis] - change
+    K, pivot, at = whole.copy(), np.empty(side.size, np.int64), nm - nc
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        if room.stage.zone[PTO_ZONE, i] == HELD:
+            K[at + i] = 0.0
+            K[at + i, at + i] = 1.0
+            side[at + i] = -state.ddz[2, i - nc]
+    if not factorize(K, pivot):
+        return False
+    update = side
+    substitute(K, pivot, update)
+    moved = whole @ update
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        if room.stage.zone[PTO_ZONE, i] == HELD:
+            state.held[i] -= moved[at + i] + (change if i == axis else 0.0)
+        else:
+            state.held[i] = 0.0
+    state.ddp[:] += update[:nm]
+    state.force[2] += update[:nm]
+    state.ddz[2] += update[nm:]
+    return True
+
+
+# ---- the constants of a piece
+
+
+@lean_kernel
+def _of_length(problem: Problem, length: float, room: Workspace) -> Problem:
+    """The problem for steps of this length [s]; Newton's tolerance by its square: forces are as exact."""
+    fine, share = room.fine, length / problem.dt
+    if fine.length[0] != length:
+        _fill_memory(problem.beta, length, fine.memory)
+        fill_flexibility(problem.structure, length, fine.inverse, fine.H)
+        constant_part(problem.bodies, fine.memory, problem.stiffness, length, fine.constant)
+        fine.length[0] = length
+    return Problem(
+        problem.bodies,
+        problem.structure,
+        fine.memory,
+        fine.inverse,
+        fine.H,
+        fine.constant,
+        problem.stiffness,
+        problem.beta,
+        problem.bent,
+        problem.pace,
+        length,
+        max(problem.tolerance * share * share, LEAST),
+        problem.iterations,
+    )
+
+
+@lean_kernel
+def _fill_memory(beta: np.ndarray, h: float, memory: Memory) -> None:
+    """Decay, weights and direct part for steps of h [s], see assembly.memory; by Gauss's rule."""
+    memory.weight[:] = 0.0
+    memory.direct[:] = 0.0
+    for s in range(2):
+        end = 0.5 * (s + 1)
+        for q in range(beta.size):
+            memory.decay[s, q] = np.exp(beta[q] * (h * end))
+            for g in range(POINTS.size):
+                tau = end * (POINTS[g] + 1) / 2
+                part = np.exp(beta[q] * (h * (end - tau))) * (WEIGHTS[g] * end / 2 * h)
+                memory.weight[s, 0, q] += part * (2 * (tau - 0.5) * (tau - 1))
+                memory.weight[s, 1, q] += part * (-4 * tau * (tau - 1))
+                memory.weight[s, 2, q] += part * (2 * tau * (tau - 0.5))
+            for j in range(2):
+                for i in range(memory.residue.shape[1]):
+                    for k in range(memory.residue.shape[2]):
+                        memory.direct[s, j, i, k] += (memory.residue[q, i, k] * memory.weight[s, 1 + j, q]).real
+
+
+@lean_kernel
+def _sample(drive: Drive, at: float, n: int, room: Workspace) -> None:
+    """What the wave drives at a sample that need not be whole, as row n of the piece's own drive."""
+    fine, count = room.fine, min(NODES, drive.modal.shape[0])
+    first = min(max(int(np.floor(at)) - (NODES // 2 - 1), 0), drive.modal.shape[0] - count)
+    for j in range(count):
+        weight = 1.0
+        for k in range(count):
+            if k != j:
+                weight *= (at - first - k) / (j - k)
+        fine.weight[j] = weight
+    own = fine.drive
+    own.field[n] = 0.0
+    own.excitation[n] = 0.0
+    own.modal[n] = 0.0
+    own.station[n] = 0.0
+    for j in range(count):
+        w, m = fine.weight[j], first + j
+        _add(w, drive.modal[m], own.modal[n])
+        for b in range(own.field.shape[1]):
+            _add(w, drive.excitation[m, b], own.excitation[n, b])
+            for d in range(2):
+                _add(w, drive.field[m, b, d], own.field[n, b, d])
+        for d in range(own.station.shape[1]):
+            _add(w, drive.station[m, d], own.station[n, d])
+
+
+@lean_kernel
+def _add(weight: float, source: np.ndarray, target: np.ndarray) -> None:
+    for i in range(source.size):
+        target[i] += weight * source[i]

@@ -1,0 +1,345 @@
+"""One step of the coupled system: see scheme.
+
+A step is solved by Newton's method with the matrix of its start. The structure's
+modes are eliminated exactly by their flexibility at the hinge nodes, however many there are
+and however stiff; the radiation memory is exact for velocities quadratic in time.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.coupled.energy import (
+    FRAME_DRAG,
+    FRAME_INERTIA,
+    JOINT_DAMPING,
+    PTO,
+    RADIATION,
+    STRUCTURAL,
+    WAVE,
+    WORKS,
+)
+from solver.coupled.memory import Memory, memory_history, remember
+from solver.coupled.modal import Structure, drag, flexibility
+from solver.coupled.newton import (
+    Newton,
+    Zones,
+    constant_part,
+    factorize,
+    hold,
+    new_newton,
+    newton_matrix,
+    newton_side,
+    substitute,
+)
+from solver.coupled.scheme import SIMPSON
+from solver.coupled.stages import (
+    Stages,
+    Start,
+    State,
+    collocate,
+    coordinates,
+    follow,
+    load_bodies,
+    moved,
+    new_stages,
+    predict,
+)
+from solver.kernels import kernel, lean_kernel
+from solver.multibody.joint_law import HELD, PTO_ZONE
+from solver.multibody.minimal import Bodies, PressureRoom, powers, pressure_room, pressures
+
+# Pressure and drag are evaluated again where a stage has moved by so many tolerances since; nearer than that
+# the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance.
+NEAR = 25.0
+NODES = 6  # of the polynomial through the drive's samples around a step
+
+OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED = 0, 1, 2, 3, 4
+# Of end stops: number of hits, largest rate at one [m/s or rad/s], largest load [N or N m].
+CONTACT = ("end_stop_hits", "impact_rate", "end_stop_load")
+HITS, RATE, LOAD = range(len(CONTACT))
+
+
+class Drive(NamedTuple):
+    """Samples of all that the wave drives; first axis time, samples dt/2 apart."""
+
+    field: np.ndarray  # (m, nb, 2, terms)
+    excitation: np.ndarray  # (m, nb, 6)
+    modal: np.ndarray  # (m, nm)
+    station: np.ndarray  # (m, nd, ns) particle velocity normal to the members
+
+
+class Output(NamedTuple):
+    """Samples after the first: row i belongs to sample i + 1 of the drive."""
+
+    z: np.ndarray  # (m, nz) carriers, then joints
+    dz: np.ndarray  # (m, nz)
+    p: np.ndarray  # (m, nm)
+    wrench: np.ndarray  # (m, nb, 6) load of each float on its hinge node's side [N, N m]
+    dp: np.ndarray  # (m, nm)
+    ddp: np.ndarray  # (m, nm)
+    carried: np.ndarray  # (m, nc) load of the floats on the support's nodes, along their carriers [N, N m]
+    drag: np.ndarray  # (m, nd, ns) of the water on the frame at its stations [N]
+    contact: np.ndarray  # (m, number of bent axes, 3) since the sample before, see CONTACT
+
+
+class Problem(NamedTuple):
+    """Constants of a march: the arrays of a system, and steps of one length."""
+
+    bodies: Bodies
+    structure: Structure
+    memory: Memory
+    inverse: np.ndarray  # (nm, 2, 2) and H (2, nc, 2, nc): see flexibility
+    H: np.ndarray
+    constant: np.ndarray  # (2nz, 2nz) of Newton's matrix
+    stiffness: np.ndarray  # (nz, nz) of the floats at rest, off their stops
+    beta: np.ndarray  # (p,) of the radiation memory
+    bent: np.ndarray  # coordinates whose joint's law has several zones
+    pace: np.ndarray  # (nz,) [s] in which what swings on a stop is followed from its first touch
+    dt: float
+    tolerance: float  # of Newton's last update of any stage position [m or rad]
+    iterations: int  # of Newton's method, at most
+
+
+class Fine(NamedTuple):
+    """Room for steps of other lengths: see pieces."""
+
+    memory: Memory
+    inverse: np.ndarray
+    H: np.ndarray
+    constant: np.ndarray
+    drive: Drive  # at the start, the middle and the end
+    weight: np.ndarray  # (NODES,)
+    length: np.ndarray  # (1,) [s] of the step that all this is for
+
+
+class Workspace(NamedTuple):
+    """Scratch of a march."""
+
+    start: Start
+    stage: Stages
+    newton: Newton
+    power: np.ndarray  # (3, len(WORKS)) at the step's three points
+    flow: np.ndarray  # (2, nd, ns) drag at the frame's stations, of both stages [N]
+    pressure: PressureRoom
+    fine: Fine
+
+
+def new_problem(
+    bodies: Bodies,
+    structure: Structure,
+    memory: Memory,
+    stiffness: np.ndarray,
+    *,
+    beta: np.ndarray,
+    bent: np.ndarray,
+    pace: np.ndarray,
+    dt: float,
+    tolerance: float,
+    iterations: int,
+) -> Problem:
+    """Constants for steps of dt [s]; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
+    nz = bodies.mechanism.size
+    inverse, H = flexibility(structure, dt)
+    constant = np.empty((2 * nz, 2 * nz))
+    constant_part(bodies, memory, stiffness, dt, constant)
+    fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace)
+    return Problem(bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, iterations)
+
+
+def new_workspace(bodies: Bodies, structure: Structure, memory: Memory, drive: Drive) -> Workspace:
+    """Scratch for marches of these bodies and modes, with such a memory, and driven by so many quantities."""
+    nz = bodies.mechanism.size
+    nc, nm = structure.carrier.shape
+    return Workspace(
+        start=Start(np.empty(nz), np.empty(nz), np.empty(bodies.axes.size * bodies.active.size)),
+        stage=new_stages(bodies, structure.omega.size),
+        newton=new_newton(nz),
+        power=np.zeros((3, len(WORKS))),
+        flow=np.empty((2, *structure.station.shape[1:])),
+        pressure=pressure_room(bodies),
+        fine=Fine(
+            memory=Memory(memory.residue, *(np.empty_like(part) for part in memory[1:])),
+            inverse=np.empty((nm, 2, 2)),
+            H=np.empty((2, nc, 2, nc)),
+            constant=np.empty((2 * nz, 2 * nz)),
+            drive=Drive(*(np.empty((3, *part.shape[1:])) for part in drive)),
+            weight=np.empty(NODES),
+            length=np.zeros(1),
+        ),
+    )
+
+
+def new_output(problem: Problem, samples: int) -> Output:
+    """Room for so many samples; no contact yet."""
+    bodies, structure = problem.bodies, problem.structure
+    nz, nb, (nc, nm) = bodies.mechanism.size, bodies.axes.size, structure.carrier.shape
+    shapes = ((nz,), (nz,), (nm,), (nb, 6), (nm,), (nm,), (nc,), structure.station.shape[1:])
+    contact = np.zeros((samples, problem.bent.size, len(CONTACT)))
+    return Output(*[*(np.empty((samples, *shape)) for shape in shapes), contact])
+
+
+@lean_kernel(inline="always")
+def copy(source: np.ndarray, target: np.ndarray) -> None:
+    """target <- source (n,); numba's assignment allocates, should the two overlap."""
+    for i in range(target.size):
+        target[i] = source[i]
+
+
+@lean_kernel
+def refresh(problem: Problem, room: Workspace) -> bool:
+    """Newton's matrix of the step's start, factored; False when singular."""
+    newton, bodies = room.newton, problem.bodies
+    zones = Zones(room.stage.zone, problem.bent)
+    newton_matrix(bodies, room.stage.motion[1], zones, problem.H, problem.constant, problem.dt, newton)
+    return factorize(newton.K, newton.pivot)
+
+
+@lean_kernel
+def attempt(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
+    """The stages of a step from `state`, ½ of which is at `sample`, in its start's zones; (outcome, iterations)."""
+    memory_history(problem.memory, state.memory, room.start.velocity, room.stage.history)
+    predict(problem.structure, problem.dt, drive.modal[sample : sample + 2], state, room.stage)
+    outcome, spent = _converge(problem, drive, sample, state, room)
+    if outcome == OK:
+        _finish(problem, drive, sample, state, room)
+    return outcome, spent
+
+
+@kernel(inline="always")
+def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
+    """Newton's method on the stages, of which ½ is at `sample`; (outcome, iterations)."""
+    stage, newton, tolerance = room.stage, room.newton, problem.tolerance
+    stage.p[:] = np.inf
+    for spent in range(1, problem.iterations + 1):
+        change = collocate(problem.structure, problem.inverse, problem.dt, state, room.start, stage)
+        follow(problem.bodies, problem.memory, stage)
+        if spent == 1 or stage.z.size == 0 or moved(stage) > NEAR * tolerance:
+            _evaluate(problem, drive, sample, room)
+        load_bodies(problem.bodies, drive.excitation[sample : sample + 2], stage)
+        newton_side(problem.structure, problem.inverse, stage, newton.update)
+        hold(problem.bent, stage, newton.update)
+        substitute(newton.K, newton.pivot, newton.update)
+        change = max(change, _update(problem, stage, newton))
+        if not np.isfinite(np.sum(newton.update)):
+            return NOT_FINITE, spent
+        if change < tolerance:
+            return OK, spent
+    return NOT_CONVERGED, problem.iterations
+
+
+@kernel(inline="always")
+def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> None:
+    """Pressure and drag where the stages are: expensive, and slowly varying."""
+    stage = room.stage
+    stage.drag[:] = 0.0
+    for s in range(2):
+        copy(stage.z[s], stage.anchor[s])
+        pressures(problem.bodies, stage.motion[s], drive.field[sample + s], room.pressure, stage.pressure[s])
+        water = drive.station[sample + s]
+        room.power[1 + s, FRAME_DRAG] = drag(problem.structure, water, stage.dp[s], stage.drag[s], room.flow[s])
+
+
+@kernel(inline="always")
+def _update(problem: Problem, stage: Stages, newton: Newton) -> float:
+    """Joint accelerations and modal loads by Newton's update; the largest change of a position [m or rad]."""
+    nz, (nc, nm) = stage.z.shape[1], problem.structure.carrier.shape
+    change = 0.0
+    for s in range(2):
+        for i in range(nz):
+            change = max(change, problem.dt * problem.dt * abs(newton.update[s * nz + i]) * 0.2)
+        for i in range(nc, nz):
+            stage.ddz[s, i] += newton.update[s * nz + i]
+        copy(stage.drag[s], stage.force[s])
+        for i in range(nc):
+            value = stage.residual[s, i]
+            for j in range(2 * nz):
+                value -= newton.Z[s * nz + i, j] * newton.update[j]
+            for m in range(nm):
+                stage.force[s, m] += problem.structure.carrier[i, m] * value
+    return change
+
+
+@kernel(inline="always")
+def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
+    """Carry the last update, free accuracy, into the stage values and the joints' forces.
+
+    Of the accelerations before, those forces are off by mass times the update.
+    """
+    collocate(problem.structure, problem.inverse, problem.dt, state, room.start, room.stage)
+    follow(problem.bodies, problem.memory, room.stage)
+    load_bodies(problem.bodies, drive.excitation[sample : sample + 2], room.stage)
+
+
+@lean_kernel
+def account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
+    """Works by Simpson's rule over the step's three points."""
+    structure, stage, power = problem.structure, room.stage, room.power
+    for s in range(2):
+        inertia = structural = 0.0
+        for m in range(structure.omega.size):
+            inertia += drive.modal[sample + s, m] * stage.dp[s, m]
+            structural += 2 * structure.damping[m] * structure.omega[m] * stage.dp[s, m] ** 2
+        power[1 + s, FRAME_INERTIA], power[1 + s, STRUCTURAL] = inertia, structural
+        of_floats = powers(problem.bodies, coordinates(stage, s), stage.motion[s], stage.external[s], stage.memory[s])
+        power[1 + s, WAVE], power[1 + s, RADIATION], power[1 + s, PTO], power[1 + s, JOINT_DAMPING] = of_floats
+    copy(state.power, power[0])
+    for i in range(state.work.size):
+        state.work[i] += problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
+    copy(power[2], state.power)
+
+
+@lean_kernel
+def put_out(room: Workspace, output: Output, row: int) -> None:
+    """Both stages as rows of the output."""
+    put_stage(room, 0, output, row)
+    put_stage(room, 1, output, row + 1)
+
+
+@lean_kernel
+def put_stage(room: Workspace, s: int, output: Output, row: int) -> None:
+    """Stage s as a row of the output."""
+    stage, nc = room.stage, output.carried.shape[1]
+    copy(stage.z[s], output.z[row])
+    copy(stage.dz[s], output.dz[row])
+    copy(stage.p[s], output.p[row])
+    for b in range(stage.wrench.shape[1]):
+        copy(stage.wrench[s, b], output.wrench[row, b])
+    copy(stage.dp[s], output.dp[row])
+    copy(stage.ddp[s], output.ddp[row])
+    copy(stage.residual[s, :nc], output.carried[row])
+    for d in range(room.flow.shape[1]):
+        copy(room.flow[s, d], output.drag[row, d])
+
+
+@lean_kernel
+def advance(problem: Problem, state: State, room: Workspace) -> None:
+    """The step's end becomes the next one's start."""
+    start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]
+    remember(problem.memory, state.memory, start.velocity, stage.velocity)
+    copy(stage.velocity[1], start.velocity)
+    copy(state.ddz[2], state.ddz[0])
+    copy(state.force[2], state.force[0])
+    for s in range(2):
+        copy(stage.ddz[s, nc:], state.ddz[1 + s])
+        copy(stage.force[s], state.force[1 + s])
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        state.held[i] = stage.residual[1, i] if stage.zone[PTO_ZONE, i] == HELD else 0.0
+        state.fastest[i] = max(state.fastest[i], abs(stage.dz[1, i]))
+    copy(stage.z[1], start.z)
+    copy(stage.dz[1], start.dz)
+    copy(start.z[nc:], state.z)
+    copy(start.dz[nc:], state.dz)
+    copy(stage.p[1], state.p)
+    copy(stage.dp[1], state.dp)
+    copy(stage.ddp[1], state.ddp)
+
+
+@kernel(inline="always")
+def within(limit: np.ndarray, z: np.ndarray) -> bool:
+    """Whether all coordinates are within their limits, and none is NaN."""
+    within = True
+    for i in range(z.size):
+        within = within and limit[i, 0] < z[i] < limit[i, 1]
+    return within

@@ -1,0 +1,49 @@
+"""What waves can give at most: the mean power of a body of revolution, in linear theory.
+
+A body that radiates as its motion lets it takes at most G J/k from a wave of power J [W/m] and wavenumber k: G = 1 for
+heave, 2 for surge, pitch, sway and roll, and 3 for all of them or for a hinge, whose motion is a mixture (Budal and
+Falnes 1975, Newman 1976; Falnes, Ocean Waves and Oscillating Systems, 2002, ch. 6). It holds for one body by itself.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.scene import Float, Scene
+from solver.sea.dispersion import wavenumber
+
+
+def largest_power(scene: Scene) -> float:
+    """Of the only float of a scene, a body of revolution on a fixed support [W]; infinite for all others."""
+    alone = len(scene.floats) == 1 and scene.platform is None
+    if not alone or not isinstance(scene.floats[0].hull, Revolution):
+        return np.inf
+    return _gain(scene.floats[0]) * power_per_wavenumber(scene)
+
+
+def power_per_wavenumber(scene: Scene) -> float:
+    """Σ J/k over the waves of the scene's sea [W]."""
+    water, sea = scene.water, scene.sea
+    k = wavenumber(sea.omega, water.depth, water.gravity)
+    kh = np.minimum(k * water.depth, 300.0)
+    speed = sea.omega / (2 * k) * (1 + 2 * kh / np.sinh(2 * kh))
+    per_width = 0.5 * water.density * water.gravity * np.abs(sea.amplitude) ** 2 * speed
+    return float(np.sum(per_width / k))
+
+
+def _gain(item: Float) -> float:
+    """G of all axes together. To and fro along any line and about any level axis radiate alike, and count once."""
+    level = {"surge", "sway", "roll", "pitch", "hinge"} & set(item.motion)
+    upright = {"heave", "hinge"} & set(item.motion)
+    return (2.0 if level else 0.0) + (1.0 if upright else 0.0)
+
+
+def above(scene: Scene, power: np.ndarray) -> Iterator[str]:
+    """A sentence where the mean absorbed power (nb,) [W] is more than that."""
+    most = largest_power(scene)
+    if power.size and scene.sea.amplitude.any() and power[0] > most:
+        yield (
+            f"floats.{scene.floats[0].name} absorbs {power[0]:.4g} W, more than the {most:.4g} W that linear theory"
+            " lets a body of revolution take from these waves"
+        )

@@ -1,0 +1,241 @@
+"""Laws that bend: stops, friction, limits, each against a closed form; and that pieces of a step are no other scheme.
+
+A float that surges in still water without radiation is a mass, free or on a spring.
+"""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+from pytest import approx
+from scipy.integrate import solve_ivp
+
+from solver.coupled import assembly
+from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
+from solver.coupled.memory import Memory
+from solver.coupled.pieces import _fill_memory, _sample
+from solver.coupled.step import HITS, LOAD, RATE, Drive, new_workspace
+from solver.coupled.system import blocks, energy_residual, prepare
+from solver.errors import InputError
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.run import simulate
+from solver.scene import EndStops, Float, Scene, Settings, Water
+from tests.awkward import SCENES
+
+M = 2000.0  # [kg]
+STIFF = 400.0  # of a stop over the mass [1/s²]: 20 rad/s, seven times faster than the steps
+
+
+def mass(dt, seconds, **law):
+    item = Float(
+        name="mass", hull=Revolution.sphere(radius=1.0, draft=1.0), mass=M, inertia=(800.0,) * 3, hinge=(0, 0, 0),
+        motion=("surge",), **law,
+    )  # fmt: skip
+    settings = Settings(
+        duration=seconds, discard=0.0, ramp=0.0, time_step=dt, radiation=False, diffraction=False,
+        froude_krylov="none", newton_tolerance=1e-10,
+    )  # fmt: skip
+    return Scene(water=Water(depth=inf), floats=(item,), settings=settings)
+
+
+class Run:
+    """Histories (m,) of the mass, and the march's state at the end."""
+
+    def __init__(self, scene, rate=0.0):
+        self.system = prepare(scene, None)
+        self.state = self.system.start()
+        self.state.dz[0] = rate
+        self.state.energy[AT_START] = energy(self.system.bodies, self.system.structure, self.state)
+        parts = list(blocks(self.system, self.state, round(scene.settings.duration / self.system.dt)))
+        self.t = np.concatenate([times for _, _, times in parts])
+        self.y, self.dy = (np.concatenate([getattr(o, n)[:, 0] for _, o, _ in parts]) for n in ("z", "dz"))
+        self.contact = np.concatenate([out.contact for _, out, _ in parts])[:, :1].sum(axis=1)
+
+    def work(self, kind):
+        return self.state.work[kind]
+
+    @property
+    def residual(self):
+        stored = energy(self.system.bodies, self.system.structure, self.state)
+        return energy_residual(self.state.work, stored, self.state.energy)
+
+
+def restitution(zeta):
+    """Of a mass on a damped spring that does not pull: exp(-ζ(π - 2 asin ζ)/(1-ζ²)^½) of the rate is left.
+
+    δ = V/ω' exp(-ζωt) sin ω't comes free where kδ + cδ̇ = 0, at ω't = π - 2 asin ζ, with |δ̇| = V exp(-ζωt).
+    """
+    return np.exp(-zeta * (np.pi - 2 * np.arcsin(zeta)) / np.sqrt(1 - zeta**2))
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.1, 0.5])
+@pytest.mark.parametrize("dt", [0.4, 0.13])
+def test_a_mass_bounces_between_stops_with_their_restitution(zeta, dt):
+    """To 2e-4 of its rate at each hit, which is the swing's own at SWING pieces; between the hits nothing acts."""
+    damping = 2 * zeta * np.sqrt(STIFF) * M
+    stops = EndStops(lower=-0.7, upper=1.0, stiffness=STIFF * M, damping=damping)
+    run = Run(mass(dt, 7.8, end_stops=stops), rate=1.0)
+    hits = run.contact[:, HITS].sum()
+    e = restitution(zeta)
+    # At the bound at 1 s, free after (π - 2 asin ζ)/ω' from where it then is.
+    assert hits >= 2 and abs(run.dy[-1]) == approx(e**hits, rel=3e-4 * hits)
+    assert run.contact[:, RATE].max() == approx(1.0, rel=1e-6)
+    lost = 0.5 * M * (1 - e ** (2 * hits))
+    assert run.work(JOINT_DAMPING) == approx(lost, abs=1e-3 * 0.5 * M)
+    deepest = np.sqrt(1 / STIFF) * np.exp(-zeta / np.sqrt(1 - zeta**2) * np.arccos(zeta))  # of the free swing
+    largest = {0.0: STIFF * M * deepest, 0.5: damping}  # of a spring; of a damper that is hit
+    if zeta in largest:
+        assert run.contact[:, LOAD].max() == approx(largest[zeta], rel=0.02)
+
+
+def test_pieces_are_of_fourth_order():
+    """Turning round under a constant load, and a limit that is reached: without pieces this is of first order."""
+    steps = np.array([0.4, 0.2, 0.1])
+    laws = [
+        {"stiffness": M, "offset": 1.0, "coulomb": 0.03 * M},
+        {"stiffness": M, "offset": 1.0, "pto_damping": 0.5 * M, "force_limit": 0.2 * M},
+        {"stiffness": M, "offset": 1.0, "pto_damping": 0.5 * M, "one_way": 1.0},
+    ]
+    for law in laws:
+        ends = [Run(mass(dt, 8.0, **law)).y[-1] for dt in (*steps, 0.0125)]
+        error = np.abs(np.array(ends[:-1]) - ends[-1])
+        assert np.polyfit(np.log(steps), np.log(error), 1)[0] == approx(4, abs=0.4), law
+
+
+@pytest.mark.parametrize("share", [0.1, 0.07, 0.03])
+def test_coulomb_friction_takes_its_part_of_each_swing(share):
+    """Each half swing is 2F/k less, a linear envelope; at rest the load holds what is left of the spring's."""
+    run = Run(mass(0.2, 20.0, stiffness=M, offset=1.0, coulomb=share * M))
+    peaks = [1.0]
+    while abs(peaks[-1]) > share * (1 + 1e-9):
+        peaks.append(-np.sign(peaks[-1]) * (abs(peaks[-1]) - 2 * share))
+    half = np.minimum((run.t / np.pi).astype(int), len(peaks) - 1)
+    middle = np.where(half % 2 == 0, 1, -1) * share
+    exact = middle + (np.array(peaks)[half] - middle) * np.cos(run.t - half * np.pi)
+    exact = np.where(half == len(peaks) - 1, peaks[-1], exact) if run.t[-1] > np.pi * (len(peaks) - 1) else exact
+    assert run.y == approx(exact, abs=3e-5)
+    path = np.abs(np.diff(peaks)).sum()
+    if run.t[-1] > np.pi * (len(peaks) - 1):
+        assert run.work(PTO) == approx(share * M * path, rel=1e-6)
+        assert run.state.held[0] == approx(-M * peaks[-1], abs=1e-4 * M) and run.dy[-1] == 0.0
+    assert run.residual < 1e-6
+
+
+def test_a_one_way_power_take_off_takes_from_every_other_half_swing():
+    """Half a swing at ω' = (1 - ζ²)^½ ω leaves exp(-πζ/(1 - ζ²)^½) of it, the next one is free."""
+    zeta, run = 0.25, Run(mass(0.1, 10.0, stiffness=M, offset=1.0, pto_damping=0.5 * M, one_way=1.0))
+    swift = np.sqrt(1 - zeta**2)
+    whole = np.pi * (1 + 1 / swift)  # one free half towards the negative, one damped back
+    kept = np.exp(-np.pi * zeta / swift)
+    at = lambda t: np.interp(t, run.t, run.y)  # noqa: E731
+    # Samples 0.05 s apart, between which a straight line at a peak is (0.05)²/8 off.
+    assert at(np.pi) == approx(-1.0, abs=4e-4) and at(whole) == approx(kept, abs=4e-4)
+    assert run.residual < 1e-5
+
+
+def test_a_limited_power_take_off_is_what_it_says():
+    law = {"stiffness": M, "offset": 1.0, "pto_damping": 0.8 * M, "coulomb": 0.05 * M, "force_limit": 0.2 * M}
+    run = Run(mass(0.1, 5.5, preload=0.3 * M, one_way=-0.5, **law))
+
+    def rates(_, x):
+        v = x[1]
+        load = (0.5 if v > 0 else 1.0) * np.sign(v) * min(0.8 * abs(v) + 0.05, 0.2)
+        return [v, 0.3 - x[0] - load]
+
+    # Let go 1 m from equilibrium, which the preload moves by 0.3 m.
+    exact = solve_ivp(rates, (0, 5.5), [1.3, 0.0], t_eval=run.t, rtol=1e-10, atol=1e-12, max_step=2e-3).y[0]
+    assert run.y == approx(exact, abs=2e-5)
+    assert run.residual < 1e-5
+
+
+def test_a_stop_that_is_not_met_changes_nothing():
+    far = EndStops(lower=-5.0, upper=5.0, stiffness=1e7, damping=1e5)
+    bare, stopped = (
+        Run(mass(0.2, 10.0, stiffness=M, damping=0.1 * M, offset=1.0, **x)) for x in ({}, {"end_stops": far})
+    )
+    assert np.array_equal(bare.y, stopped.y) and np.array_equal(bare.state.work, stopped.state.work)
+    assert not stopped.contact.any()
+
+
+@pytest.mark.parametrize("name", ["oblique", "unequal_legs", "soft_mooring"])
+def test_pieces_of_a_step_lead_where_the_step_leads(name):
+    """Stops of next to no stiffness cut steps at every passage, with memory, waves and platform, and change nothing.
+
+    What is left is the scheme's own error, which pieces make smaller.
+    """
+    scene, known = SCENES[name]()
+    short = replace(scene.settings, duration=25.0, discard=0.0, ramp=5.0, newton_tolerance=1e-10)
+    n = len(scene.floats[0].motion)
+    stops = EndStops(lower=(-0.02,) * n, upper=(0.02,) * n, stiffness=(1e-6,) * n, damping=(1e-6,) * n)
+    floats = tuple(replace(f, end_stops=stops) for f in scene.floats)
+    ends = []
+    for items in (scene.floats, floats):
+        system = prepare(replace(scene, floats=items, settings=short), known)
+        state, hits = system.start(), 0
+        for _, output, _ in blocks(system, state, int(25.0 / system.dt)):
+            hits += output.contact[..., HITS].sum()
+        ends.append(np.concatenate([state.z, state.dz]))
+    assert hits > 3
+    assert ends[1] == approx(ends[0], abs=2e-3 * np.abs(ends[0]).max())
+
+
+def test_the_memory_of_a_piece_is_that_of_a_step():
+    scene, known = SCENES["oblique"]()
+    system = prepare(scene, known)
+    own = Memory(system.memory.residue, *(np.empty_like(part) for part in system.memory[1:]))
+    for dt in (0.3, 0.013):
+        _fill_memory(np.asarray(system.fit.beta, complex), dt, own)
+        for part, exact in zip(own, assembly.memory(system.fit, dt, own.direct.shape[2]), strict=True):
+            assert part == approx(exact, rel=1e-9, abs=1e-9 * np.abs(exact).max())
+
+
+def test_the_drive_between_samples_is_a_polynomial_through_them():
+    scene, known = SCENES["unequal_legs"]()
+    system = prepare(scene, known)
+    count, at = len(system.rows), np.arange(12.0)
+    power = np.arange(count) % 6
+    drive = system.drive((at[:, None] / 10) ** power)
+    room = new_workspace(system.bodies, system.structure, system.memory, drive)
+    for where in (0.0, 0.3, 5.5, 7.0, 10.9):
+        _sample(drive, where, 1, room)
+        exact = system.drive(((where / 10) ** power)[None])
+        for mine, theirs in zip(room.fine.drive, exact, strict=True):
+            assert mine[1] == approx(theirs[0], abs=1e-12)
+    assert isinstance(room.fine.drive, Drive)
+
+
+def test_high_seas_are_survived_on_stops(buan, coefficients):
+    """Where a float without them swings through beneath its hinge; the balance closes, hits are counted."""
+    stops = EndStops(lower=-0.9, upper=0.9, stiffness=2e7, damping=2e5)
+    rough = {"sea": buan.sea(Hs=6.0, Tp=9.0), "duration": 120.0}
+    record = simulate(buan.scene("fixed", floats=buan.floats(end_stops=stops, pto_damping=1e4), **rough), coefficients)
+    assert record.attrs["energy_residual"] < 1e-3
+    hits, load = (record.variables[name][1] for name in ("end_stop_hits", "end_stop_load"))
+    assert hits.sum() > 0 and np.nanmax(load) > 1e4
+    assert np.abs(record.variables["rotation"][1][:, :2]).max() < 0.9 + np.nanmax(load) / 2e7
+
+
+@pytest.mark.parametrize(
+    "law, told",
+    [
+        ({"end_stops": {"lower": 1.0, "upper": -1.0}}, r"floats\.mass\.end_stops\.lower = 1.*must be < upper"),
+        ({"end_stops": {"lower": (-1.0, 0.0), "upper": 1.0}}, r"end_stops\.lower = .*one number for each of surge"),
+        ({"coulomb": 5.0, "force_limit": 4.0}, r"floats\.mass\.coulomb = 5.*must be < force_limit"),
+        ({"one_way": 2.0}, r"floats\.mass\.one_way = 2.*must be <= 1"),
+    ],
+)
+def test_laws_that_cannot_be_are_refused(law, told):
+    if "end_stops" in law:
+        law = law | {"end_stops": EndStops(stiffness=1e5, **law["end_stops"])}
+    with pytest.raises(InputError, match=told):
+        mass(0.1, 1.0, **law)
+
+
+def test_methods_without_a_law_say_so(buan):
+    stops = buan.floats(end_stops=EndStops(lower=-1.0, upper=1.0, stiffness=1e6))
+    with pytest.raises(InputError, match=r"floats\.front\.end_stops = given: needs method = .time."):
+        buan.scene("fixed", floats=stops, method="frequency", froude_krylov="linear")
+    with pytest.raises(InputError, match=r"floats\.front\.coulomb = .*needs formulation = .minimal."):
+        buan.scene("fixed", floats=buan.floats(coulomb=100.0), formulation="augmented")
+    assert len(WORKS) == 7

@@ -1,0 +1,61 @@
+"""The bound on power: what a tuned body takes in linear theory, and a warning above it."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+from pytest import approx
+from scipy.interpolate import CubicSpline
+
+from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.record.bound import above, largest_power
+from solver.run import simulate
+from solver.scene import Float, Scene, Settings, Water
+from solver.sea.realization import Realization
+
+OMEGA = 1.3  # [rad/s]
+HULL = Revolution.sphere(radius=5.0, draft=5.0)
+
+
+def ball(motion, **law):
+    mass = 1000.0 * HULL.volume
+    return Float(name="ball", hull=HULL, mass=mass, inertia=(0.4 * mass * 25,) * 3, hinge=(0, 0, 0),
+                 motion=(motion,), **law)  # fmt: skip
+
+
+def scene(item, depth):
+    sea = Realization(omega=np.array([OMEGA]), amplitude=np.array([0.1 + 0j]), peak_frequency=OMEGA)
+    settings = Settings(method="frequency", froude_krylov="linear")
+    return Scene(water=Water(depth=depth, density=1000.0), sea=sea, floats=(item,), settings=settings)
+
+
+@pytest.mark.parametrize("motion, number, gain", [("heave", 1, 1.0), ("surge", 0, 2.0)])
+@pytest.mark.parametrize("depth", [inf, 9.0])
+def test_a_tuned_body_takes_just_that(motion, number, gain, depth):
+    """ω²(M + A) = C by a mechanism's inertia or a spring, and as much damping as it radiates: P = G J/k, to 1 %."""
+    known = bem.solve(
+        (HULL,), np.zeros((1, 3)), depth=depth, density=1000.0, omega=np.linspace(0.9, 1.7, 9), panels=300
+    )
+    A, B = (CubicSpline(known.omega, x[:, number, number])(OMEGA) for x in (known.added_mass, known.radiation_damping))
+    item = ball(motion)
+    missing = OMEGA**2 * (item.mass + A) - known.hydrostatic_stiffness[number, number]
+    tuned = {"stiffness": missing} if missing > 0 else {"mechanism_inertia": -missing / OMEGA**2}
+    item = replace(item, pto_damping=float(B), **tuned)
+    whole = scene(item, depth)
+    k = gain * 0.5 * 1000 * 9.81 * 0.1**2
+    (power,) = simulate(whole, known).variables["absorbed_power"][1][:, 2]
+    assert power == approx(largest_power(whole), rel=0.01)
+    if depth == inf:
+        assert largest_power(whole) == approx(k * 9.81 / (2 * OMEGA) * 9.81 / OMEGA**2, rel=1e-9)
+
+
+def test_more_than_that_is_told():
+    whole = scene(ball("heave", pto_damping=1e5), inf)
+    most = largest_power(whole)
+    assert list(above(whole, np.array([0.99 * most]))) == []
+    (told,) = above(whole, np.array([1.5 * most]))
+    assert "floats.ball absorbs" in told and "linear theory" in told
+    two = replace(whole, floats=(*whole.floats, replace(whole.floats[0], name="other", hinge=(30.0, 0, 0))))
+    assert largest_power(two) == inf
