@@ -1,9 +1,12 @@
 """The Buan platform against Heo, Koo & Kim (2022): counts, Table 3, mean stress of the legs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from solver.structure import recovery, statics, water
+from solver.structure.frame import assemble
 from solver.structure.modes import modes, modes_in, symmetric_basis
 
 RHO, W = 1025.0, 9.81
@@ -78,3 +81,14 @@ def test_sway_euler_load_of_four_guided_legs(platform):
     euler = 4 * np.pi**2 * 2.1e11 * section.Iy / 52.6**2
     assert 0.95 * euler < factor * 980e3 < euler
     assert euler == pytest.approx(1.2e6, rel=2e-2)
+
+
+def test_flooded_legs_miss_table_3(platform):
+    """29 t of water in the legs: README's frequencies, up to 30 % below the paper's; left out, they are met."""
+    members = tuple(replace(m, flooded=True if m.in_water else None) for m in platform.frame.members)
+    flooded = assemble(replace(platform.frame, members=members))
+    inner = water.inner_mass(flooded, 1025.0)
+    across = np.tile([1, 0, 0, 0, 0, 0], len(flooded.xyz))
+    assert across @ inner @ across == pytest.approx(29.2e3, rel=2e-3)
+    omega = modes(flooded.K, flooded.M + inner, flooded.free, 5).omega
+    assert omega == pytest.approx([0.391, 0.394, 2.914, 4.414, 4.415], rel=1e-3)
