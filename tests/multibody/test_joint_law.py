@@ -115,7 +115,7 @@ def test_a_zone_ends_where_the_next_one_begins(y, dy):
     here, low, high = stops_zone(LAW, 1, y, dy), -1.0, 2.0
     side = 1 if y > (low + high) / 2 else -1
     # What presses comes free before it is off the stop, if it comes off.
-    before = [OPEN, side * RELEASED] + [side * PRESSED] * (not low < y < high)
+    before = [OPEN, side * RELEASED] + [side * PRESSED] * (not low <= y <= high)
     for zone in before:
         way = [zone]
         while leaving(LAW, 1, STOP_ZONE, way[-1], y, dy) > 0:
