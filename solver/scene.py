@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, get_type_hints
 import numpy as np
 
 from solver.errors import InputError, refuse
-from solver.hydrodynamics.hull.clearance import reach, touching, uncovered
+from solver.hydrodynamics.hull.clearance import openings, reach, slips, touching
 from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -399,8 +399,9 @@ class Scene:
             yield InputError("settings.time_step", step, limit)
 
     def _open_hulls(self) -> Iterator[InputError]:
-        edges = uncovered([f.hull for f in self.floats], [f.centre for f in self.floats])
-        for f in self.floats if len(edges) else ():
+        hulls = [f.hull for f in self.floats]
+        edges = openings(hulls, [f.centre for f in self.floats])
+        for f in self.floats if len(edges) and not slips(hulls, edges) else ():
             if isinstance(f.hull, PanelHull) and len(f.hull.holes):
                 where = ", ".join(f"{x:.4g}" for x in edges[0].mean(axis=0) - f.centre)
                 limit = f"must be closed below still water: {len(edges)} open edges, the first near ({where}) m"

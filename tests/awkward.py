@@ -37,11 +37,11 @@ def scene(floats, *, depth=50.0, waves=None, platform=None, **settings) -> Scene
     )
 
 
-def known(item: Scene, low: float, high: float, count: int = 24) -> Hydrodynamics:
-    """Coefficients at `count` frequencies [rad/s]."""
+def known(item: Scene, low: float, high: float, count: int = 24, panels: int = SMALL) -> Hydrodynamics:
+    """Coefficients at `count` frequencies [rad/s] from coarse meshes."""
     return bem.solve(
         tuple(f.hull for f in item.floats), np.array([f.centre for f in item.floats]), depth=item.water.depth,
-        heading=item.sea.heading, omega=np.linspace(low, high, count), planar=item.planar, panels=SMALL,
+        heading=item.sea.heading, omega=np.linspace(low, high, count), planar=item.planar, panels=panels,
     )  # fmt: skip
 
 
@@ -117,7 +117,7 @@ def soft_mooring():
         motion=("surge", "heave", "pitch"), stiffness=(1.3 * mass * (2 * np.pi / 65) ** 2, 0, 0), damping=(2e3, 0, 0),
     )  # fmt: skip
     whole = scene([item], waves=sea(Hs=0.5, Tp=7.0, band=(0.6, 2.0)), froude_krylov="linear")
-    return whole, known(whole, 0.3, 3.5)
+    return whole, known(whole, 0.3, 3.5, panels=2 * SMALL)
 
 
 @cache

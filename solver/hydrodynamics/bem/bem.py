@@ -19,7 +19,7 @@ from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import froude_krylov, hydrostatic_stiffness, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
-from solver.hydrodynamics.hull.clearance import touching, uncovered
+from solver.hydrodynamics.hull.clearance import openings, slips, touching
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.surface import mirrored
@@ -286,8 +286,8 @@ def require_solvable(
         raise InputError("centres", centres[:, 2].tolist(), "must lie in the still-water plane, z = 0 m")
     if panels < 108:
         raise InputError("panels", panels, "must be at least 108 a body")
-    if count := len(uncovered(hulls, list(centres))):
-        raise InputError("hulls", f"{count} open edges", "must close each other's openings below still water")
+    if len(edges := openings(hulls, list(centres))) and not slips(hulls, edges):
+        raise InputError("hulls", f"{len(edges)} open edges", "must close each other's openings below still water")
     deepest = max(h.draft for h in hulls)
     if not depth > deepest:
         raise InputError("depth", depth, f"must be greater than the draft, {deepest} m")

@@ -75,14 +75,16 @@ def _rectangle(hull: Hull) -> np.ndarray:
     return hull.box if isinstance(hull, PanelHull) else reach(hull) * SQUARE
 
 
-def uncovered(hulls: Sequence[Hull], places: Sequence[np.ndarray]) -> np.ndarray:
+def openings(hulls: Sequence[Hull], places: Sequence[np.ndarray]) -> np.ndarray:
     """Open edges (n, 2, 3) [m] below still water that hulls at these points do not close among them.
 
     Bodies that adjoin, as a flap and the base that bears it, have no wetted face between them: each ends where the
-    other does. Slips of a mesh that enclose next to nothing are let pass.
+    other does.
     """
-    opened = [(h, at) for h, at in zip(hulls, places, strict=True) if isinstance(h, PanelHull) and len(h.holes)]
-    if not opened:
-        return np.zeros((0, 2, 3))
-    left = surface.unmatched(np.concatenate([h.holes + at for h, at in opened]))
-    return left if surface.enclosed(left) > SLIP * min(h.wetted_area for h, _ in opened) else left[:0]
+    opened = [h.holes + at for h, at in zip(hulls, places, strict=True) if isinstance(h, PanelHull)]
+    return surface.unmatched(np.concatenate([np.zeros((0, 2, 3)), *opened]))
+
+
+def slips(hulls: Sequence[Hull], edges: np.ndarray) -> bool:
+    """Whether openings enclose next to nothing of the hulls' surfaces, as slips of a mesh do."""
+    return surface.enclosed(edges) <= SLIP * min(h.wetted_area for h in hulls)

@@ -52,14 +52,12 @@ class PanelHull:
             raise InputError(key, f"{name}, lowest point at z = {lowest:g} m", "must reach below still water, z = 0 m")
         faces, rim, turned = surface.oriented(vertices, faces, key, name)
         sunk = vertices[rim, 2].min(axis=1) < -surface.WELD * np.ptp(vertices, axis=0).max()
-        counts = [(np.sum(~sunk), "above"), (np.sum(sunk), "below")]
-        opened = [f"open {where} still water ({n} edges): no body-nonlinear pressure" for n, where in counts if n]
         holes = vertices[rim[sunk]]
         for array in (vertices, faces, holes):
             array.setflags(write=False)
         hull = cls(
             vertices=vertices, faces=faces, closed=not len(rim), holes=holes,
-            notes=tuple(cleaned + turned + opened), name=name,
+            notes=tuple(cleaned + turned), name=name,
         )  # fmt: skip
         if not hull.volume > 0:
             raise InputError(key, f"{name}, displaced volume {hull.volume:g} m3", "must be > 0")

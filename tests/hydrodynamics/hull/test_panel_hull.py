@@ -6,7 +6,7 @@ from pytest import approx
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
-from solver.hydrodynamics.hull.clearance import touching, uncovered
+from solver.hydrodynamics.hull.clearance import openings, slips, touching
 from solver.hydrodynamics.hull.panel_hull import MeshWarning, PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from tests.hydrodynamics.shapes import box, fine_box, gdf, hst, loose, meshed, meshed_ring, nemoh, stl
@@ -91,7 +91,7 @@ def test_double_and_degenerate_panels_are_left_out():
 
 def test_a_mesh_without_its_top_is_open():
     hull = PanelHull.of(VERTICES, FACES[:5])
-    assert not hull.closed and hull.volume == approx(3.2) and "no body-nonlinear" in hull.notes[0]
+    assert not hull.closed and hull.volume == approx(3.2) and not len(hull.holes)
     wetted = PanelHull.of(*loose(hull.wetted))  # as a GDF file has it
     assert not wetted.closed and wetted.volume == approx(3.2)
 
@@ -123,8 +123,10 @@ def test_bodies_that_adjoin_close_each_others_openings():
     halves = [PanelHull.of(*loose(surface.below(box((2.0, 2.0, 1.0))[0][FACES], 0, sign=s))) for s in (1, -1)]
     assert all(not h.closed and len(h.holes) for h in halves) and sum(h.volume for h in halves) == approx(2.0)
     origin = np.zeros(3)
-    assert len(uncovered(halves, [origin, origin])) == 0 and not touching(halves[0], origin, halves[1], origin)
-    assert len(uncovered(halves, [origin, np.array([0.1, 0, 0])])) and len(uncovered(halves[:1], [origin])) == 3
+    assert len(openings(halves, [origin, origin])) == 0 and not touching(halves[0], origin, halves[1], origin)
+    apart, alone = openings(halves, [origin, np.array([0.1, 0, 0])]), openings(halves[:1], [origin])
+    assert len(alone) == 3 and not slips(halves, alone) and len(apart) and not slips(halves, apart)
+    assert slips(halves, alone / 100)
 
 
 def test_bodies_are_judged_by_their_surfaces():
