@@ -58,10 +58,12 @@ def _path(parameters: Parameters, known: object) -> dict[str, tuple[np.ndarray, 
     t = np.concatenate([[0.0], record.series["time"][1]])
     paths = {}
     for b, item in enumerate(scene.floats):
-        for quantity in (name for name, float_ in FLOAT.items() if float_ == item.name and item.motion):
-            unit = 1.0 if item.motion[0] == "surge" else 180 / np.pi
-            values = motion[:, b, 0] if motion.ndim == 3 else motion[:, b]
-            paths[quantity] = t, np.concatenate([item.per_axis("offset")[:1], values]) * unit
+        for quantity in (name for name, float_ in FLOAT.items() if float_ == item.name):
+            axis = "hinge" if quantity.startswith("flap") else quantity
+            if axis in item.motion:
+                n, unit = item.motion.index(axis), 1.0 if axis == "surge" else 180 / np.pi
+                values = motion[:, b, n] if motion.ndim == 3 else motion[:, b]
+                paths[quantity] = t, np.concatenate([item.per_axis("offset")[[n]], values]) * unit
     return paths
 
 
