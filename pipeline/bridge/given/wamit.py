@@ -153,10 +153,7 @@ def read_out(file: Attachment, _density: float, _gravity: float) -> Given:
     radiation, force = [], []
     for part in re.split(r"Wave period", text)[1:]:
         period = _period(part.splitlines()[0])
-        block = re.search(
-            r"ADDED-MASS(?: AND DAMPING)? COEFFICIENTS[^\n]*\n[^\n]*\n(.*?)(?:\n\s*\n\s*\n|\Z)", part, re.S
-        )
-        if block:
+        if block := re.search(OUT_RADIATION, part, re.S):
             radiation += [[period, *row] for row in _rows(block.group(1), 4, least=3).tolist()]
         force += _out_forces(part, period)
     table = _Table(np.array(radiation), np.array(force), np.zeros((0, 3)), np.zeros((0, 7)))

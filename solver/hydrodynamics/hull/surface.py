@@ -71,12 +71,18 @@ def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
     return vertices, faces[~(flat | twice)], [f"left out: {n} panels {what}" for n, what in counts if n]
 
 
+def _parts(links: np.ndarray, count: int) -> tuple[int, np.ndarray]:
+    """How many connected parts `count` points have with links (n, 2) between them, and the part of each (count,)."""
+    graph = scipy.sparse.coo_array((np.ones(len(links)), tuple(links.T)), shape=(count,) * 2)
+    parts, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    return int(parts), part
+
+
 def _one_each(vertices: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Points that coincide made one, and the indices of all into what is left."""
     extent = np.ptp(vertices[indices.ravel()], axis=0).max()
     near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
-    links = scipy.sparse.coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(vertices),) * 2)
-    _, place = scipy.sparse.csgraph.connected_components(links, directed=False)
+    _, place = _parts(near, len(vertices))
     return vertices[np.unique(place, return_index=True)[1]], place[indices]
 
 
@@ -102,8 +108,7 @@ def unmatched(lines: np.ndarray) -> np.ndarray:
         return lines
     vertices, pairs = _one_each(ends, np.arange(len(ends)).reshape(-1, 2))
     pairs, _ = _cut_where_corners_lie(vertices, pairs, np.zeros(len(pairs), int))
-    _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return vertices[pairs[count[place] == 1]]
+    return vertices[pairs[_alone(pairs)]]
 
 
 def enclosed(lines: np.ndarray) -> float:
@@ -111,8 +116,7 @@ def enclosed(lines: np.ndarray) -> float:
     if not len(lines):
         return 0.0
     vertices, pairs = _one_each(lines.reshape(-1, 3), np.arange(2 * len(lines)).reshape(-1, 2))
-    graph = scipy.sparse.coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(vertices),) * 2)
-    _, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    _, part = _parts(pairs, len(vertices))
     length = np.bincount(part[pairs[:, 0]], np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1))
     return float(np.sum(length**2) / (4 * np.pi))
 
@@ -142,10 +146,15 @@ def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tu
     return faces, pairs[count[place] == 1], notes
 
 
+def _alone(pairs: np.ndarray) -> np.ndarray:
+    """Which edges (ne, 2), in either sense, are there once (ne,)."""
+    _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
+    return count[place] == 1
+
+
 def _cut_where_corners_lie(vertices: np.ndarray, pairs: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Edges (ne, 2) and their faces (ne,), those of one face alone cut at the ends of others that lie on them."""
-    _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
-    alone = count[place] == 1
+    alone = _alone(pairs)
     ends = np.unique(pairs[alone])
     if not len(ends):
         return pairs, owner
@@ -183,12 +192,12 @@ def _column_volume(panels: np.ndarray) -> np.ndarray:
 def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
     """Faces to turn (count,) so that neighbours (n, 2) agree, None where no choice does; and each one's part."""
     a, b = neighbours.T if len(neighbours) else np.zeros((2, 0), int)
-    graph = scipy.sparse.coo_array((np.ones(len(a)), (a, b)), shape=(count, count)).tocsr()
-    parts, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    parts, part = _parts(neighbours.reshape(-1, 2), count)
     turned = np.zeros(count, bool)
     if not against.any():
         return turned, part
-    differs = scipy.sparse.coo_array((np.where(against, 2.0, 1.0), (a, b)), shape=(count, count)).todok()
+    graph = scipy.sparse.coo_array((np.where(against, 2.0, 1.0), (a, b)), shape=(count, count)).tocsr()
+    differs = graph.todok()
     for start in np.unique(part, return_index=True)[1]:
         sequence, before = scipy.sparse.csgraph.breadth_first_order(graph, start, directed=False)
         for face in sequence[1:]:
@@ -231,8 +240,7 @@ def alike(panels: np.ndarray, other: np.ndarray, tolerance: float) -> bool:
     first = len(triangles(panels))
     key = np.column_stack([reach * normal, np.einsum("ni,ni->n", normal, corners[:, 0])])
     near = scipy.spatial.cKDTree(key).query_pairs(4 * tolerance, output_type="ndarray")
-    links = scipy.sparse.coo_array((np.ones(len(near)), tuple(near.T)), shape=(len(key),) * 2)
-    planes, plane = scipy.sparse.csgraph.connected_components(links, directed=False)
+    planes, plane = _parts(near, len(key))
     middles = (corners + np.roll(corners, -1, axis=1)) / 2  # integrate second degrees exactly
     x = np.concatenate([np.ones((*middles.shape[:2], 1)), middles / reach], axis=2)
     moments = np.einsum("n,nki,nkj->nij", area / 3, x, x).reshape(len(x), -1)
