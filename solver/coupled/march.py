@@ -2,7 +2,7 @@
 
 from solver.coupled.energy import GAP, SCALE, open_by, stored
 from solver.coupled.modal import carry
-from solver.coupled.pieces import bends, in_contact, in_pieces, note
+from solver.coupled.pieces import Fine, bends, in_contact, in_pieces, note
 from solver.coupled.stages import State
 from solver.coupled.step import (
     EXCURSION,
@@ -31,13 +31,14 @@ GROSSLY = 0.1  # of the wave's work, by which the energy balance is never open
 
 @lean_kernel
 def march(
-    problem: Problem, drive: Drive, state: State, room: Workspace, quiet: int, output: Output
+    problem: Problem, drive: Drive, state: State, room: Workspace, fine: Fine | None, quiet: int, output: Output
 ) -> tuple[int, int, int]:
     """Advance `state` through all samples of `drive`; return (outcome, sample, iterations used).
 
-    room: see new_workspace. Every WATCH steps the energy balance is checked; a gap from before step `quiet`, by
-    the jolt of the start, is not counted. On an outcome other than OK, `sample` is where the run stopped; a state is
-    never left with NaN unnoticed.
+    room: see new_workspace. fine: see pieces.new_fine; None where no joint's law bends, and then nothing of pieces is
+    even compiled. Every WATCH steps the energy balance is checked; a gap from before step `quiet`, by the jolt of the
+    start, is not counted. On an outcome other than OK, `sample` is where the run stopped; a state is never left with
+    NaN unnoticed.
     """
     used = spent = 0
     _begin(problem, state, room)
@@ -46,16 +47,19 @@ def march(
         sample = 2 * step  # where the step starts
         if step % WATCH == 0 and not _balanced(problem, state, room, step <= quiet):
             return UNBALANCED, sample, used
-        whole = not (problem.bent.size and in_contact(problem, state, room))
+        outcome, whole = OK, True
+        if fine is not None:
+            whole = not in_contact(problem, state, room)
         if whole:
             if (step % REFRESH == 0 or spent > 2) and not refresh(problem, room):
                 return NOT_FINITE, sample, used
             outcome, spent = attempt(problem, drive, sample + 1, state, room)
             used += spent
-            whole = not (problem.bent.size and (outcome != OK or bends(problem, state, room)))
-        if not whole:
-            outcome, spent = in_pieces(problem, drive, sample, state, room, output)
-            used += spent
+        if fine is not None:
+            whole = whole and outcome == OK and not bends(problem, state, room)
+            if not whole:
+                outcome, spent = in_pieces(problem, drive, sample, state, room, fine, output)
+                used += spent
         if outcome != OK:
             return outcome, sample + 1, used
         if not within(problem.bodies.limit, room.stage.z[1]):
@@ -64,9 +68,8 @@ def march(
         if whole:
             account_work(problem, drive, sample + 1, state, room)
             put_out(room, output, sample)
-            if problem.bent.size:
-                note(problem, room, 0, output.contact[sample])
-                note(problem, room, 1, output.contact[sample + 1])
+            if fine is not None:
+                note(problem, room, output, sample, sample + 1)
             advance(problem, state, room)
     return OK, 2 * steps, used
 

@@ -11,6 +11,8 @@ the wave drives is a polynomial through its samples. On a stop, pieces follow th
 as far as the axis's acceleration is a straight line.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from solver.coupled.energy import JOINT_DAMPING, PTO
@@ -21,7 +23,6 @@ from solver.coupled.stages import State
 from solver.coupled.step import (
     HITS,
     LOAD,
-    NODES,
     NOT_CONVERGED,
     NOT_FINITE,
     OK,
@@ -37,7 +38,7 @@ from solver.coupled.step import (
     put_stage,
     refresh,
 )
-from solver.kernels import kernel, lean_kernel
+from solver.kernels import inner_kernel, kernel, lean_kernel
 from solver.multibody.joint_law import (
     HELD,
     OPEN,
@@ -63,10 +64,37 @@ CHANGES = 200  # of laws in one step, at most
 BEND = 0.01
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
+NODES = 6  # of the polynomial through the drive's samples around a piece
+ONE: Any = np.int64(1)  # a bare 1 is of another type, with which all that it is handed to would be compiled once more
 POINTS, WEIGHTS = (np.array(x) for x in np.polynomial.legendre.leggauss(8))
 
 
-@lean_kernel
+class Fine(NamedTuple):
+    """What a problem of another step length has of its own."""
+
+    memory: Memory
+    inverse: np.ndarray
+    H: np.ndarray
+    constant: np.ndarray
+    drive: Drive  # at the start, the middle and the end
+    weight: np.ndarray  # (NODES,)
+    length: np.ndarray  # (1,) [s] of the step that all this is for
+
+
+def new_fine(problem: Problem, drive: Drive) -> Fine:
+    """Room for pieces of this problem's steps, driven by so many quantities."""
+    return Fine(
+        memory=Memory(problem.memory.residue, *(np.empty_like(part) for part in problem.memory[1:])),
+        inverse=np.empty_like(problem.inverse),
+        H=np.empty_like(problem.H),
+        constant=np.empty_like(problem.constant),
+        drive=Drive(*(np.empty((3, *part.shape[1:])) for part in drive)),
+        weight=np.empty(NODES),
+        length=np.zeros(1),
+    )
+
+
+@inner_kernel
 def in_contact(problem: Problem, state: State, room: Workspace) -> bool:
     """Whether an axis swings on its stop too fast for a whole step."""
     for n in range(problem.bent.size):
@@ -76,15 +104,15 @@ def in_contact(problem: Problem, state: State, room: Workspace) -> bool:
     return False
 
 
-@lean_kernel
+@inner_kernel
 def bends(problem: Problem, state: State, room: Workspace) -> bool:
     """Whether the step that the stages hold leaves a zone, or is too long for a swing on a stop."""
     return _first(problem, state, room, problem.dt)[0] < NEVER or _too_long(problem, state, room, problem.dt)
 
 
-@lean_kernel
+@inner_kernel
 def in_pieces(
-    problem: Problem, drive: Drive, sample: int, state: State, room: Workspace, output: Output
+    problem: Problem, drive: Drive, sample: int, state: State, room: Workspace, fine: Fine, output: Output
 ) -> tuple[int, int]:
     """Advance `state` by the step from `sample` on; (outcome, iterations). Pieces end at the step's middle, too."""
     used = changes = 0
@@ -92,7 +120,7 @@ def in_pieces(
         row, done, whole = sample + half, 0.0, 0.5 * problem.dt
         while done < whole * (1 - SLIVER):
             length = _length(problem, state, room, whole - done)
-            outcome, spent = _piece(problem, drive, sample + half + 2 * done / problem.dt, length, state, room)
+            outcome, spent = _piece(problem, drive, sample + half + 2 * done / problem.dt, length, state, room, fine)
             used += spent
             if outcome != OK:
                 return outcome, used
@@ -102,12 +130,14 @@ def in_pieces(
             at, i, kind = _first(problem, state, room, length)
             if 0 < at < NEVER:
                 length *= at
-                outcome, spent = _piece(problem, drive, sample + half + 2 * done / problem.dt, length, state, room)
+                outcome, spent = _piece(
+                    problem, drive, sample + half + 2 * done / problem.dt, length, state, room, fine
+                )
                 used += spent
                 if outcome != OK:
                     return outcome, used
             if at > 0:
-                _take(problem, length, state, room, output, row)
+                _take(problem, length, state, room, fine, output, row)
                 done += length
             if at < NEVER:
                 changes += 1
@@ -115,11 +145,11 @@ def in_pieces(
                     return NOT_CONVERGED, used
                 if not _change(problem, state, room, i, kind, output.contact[row]):
                     return NOT_FINITE, used
-        put_stage(room, 1, output, row)
+        put_stage(room, ONE, output, row)
     return OK, max(used, 3)  # so that Newton's matrix is renewed
 
 
-@lean_kernel
+@inner_kernel
 def _length(problem: Problem, state: State, room: Workspace, left: float) -> float:
     """Of the next piece [s]: all that is left of the half, or a whole part of it."""
     pace = left
@@ -130,42 +160,42 @@ def _length(problem: Problem, state: State, room: Workspace, left: float) -> flo
     return left / np.ceil(left / pace - SLIVER)
 
 
-@lean_kernel
+@inner_kernel
 def _piece(
-    problem: Problem, drive: Drive, sample: float, length: float, state: State, room: Workspace
+    problem: Problem, drive: Drive, sample: float, length: float, state: State, room: Workspace, fine: Fine
 ) -> tuple[int, int]:
     """The stages of a step of this length [s] that starts at a sample, which need not be whole."""
-    other = _of_length(problem, length, room)
+    other = _of_length(problem, length, fine)
     for n in (1, 2):
-        _sample(drive, sample + n * length / problem.dt, n, room)
+        _sample(drive, sample + n * length / problem.dt, n, fine)
     if not refresh(other, room):
         return NOT_FINITE, 0
-    return attempt(other, room.fine.drive, 1, state, room)
+    return attempt(other, fine.drive, ONE, state, room)
 
 
-@lean_kernel
-def _take(problem: Problem, length: float, state: State, room: Workspace, output: Output, row: int) -> None:
+@inner_kernel
+def _take(problem: Problem, length: float, state: State, room: Workspace, fine: Fine, output: Output, row: int) -> None:
     """The piece's end becomes the next one's start; what presses on the stops is noted."""
-    other = _of_length(problem, length, room)
-    account_work(other, room.fine.drive, 1, state, room)
-    note(problem, room, 0, output.contact[row])
-    note(problem, room, 1, output.contact[row])
+    other = _of_length(problem, length, fine)
+    account_work(other, fine.drive, ONE, state, room)
+    note(problem, room, output, row, row)
     _quicken(problem, state, room, length)
     advance(other, state, room)
     _forget(state)
 
 
-@lean_kernel
-def note(problem: Problem, room: Workspace, s: int, contact: np.ndarray) -> None:
-    """The loads of stage s on the stops, if larger than those noted (number of bent axes, 3)."""
-    stage = room.stage
+@inner_kernel
+def note(problem: Problem, room: Workspace, output: Output, middle: int, end: int) -> None:
+    """The stages' loads on the stops, where larger than those noted in the rows `middle` and `end` of the output."""
+    stage, rows = room.stage, (middle, end)
     for n in range(problem.bent.size):
         i = problem.bent[n]
-        load = stop_load(problem.bodies.law, i, stage.zone[STOP_ZONE, i], stage.z[s, i], stage.dz[s, i])
-        contact[n, LOAD] = max(contact[n, LOAD], load)
+        for s in range(2):
+            load = stop_load(problem.bodies.law, i, stage.zone[STOP_ZONE, i], stage.z[s, i], stage.dz[s, i])
+            output.contact[rows[s], n, LOAD] = max(output.contact[rows[s], n, LOAD], load)
 
 
-@lean_kernel
+@inner_kernel
 def _forget(state: State) -> None:
     """Nothing to extrapolate from: pieces differ in length, and loads jump between them."""
     for n in range(2):
@@ -176,7 +206,7 @@ def _forget(state: State) -> None:
 # ---- the length of pieces
 
 
-@lean_kernel
+@inner_kernel
 def _bend(problem: Problem, state: State, room: Workspace, i: int, length: float) -> float:
     """Of coordinate i's acceleration in the stages, times their step's length, over its largest rate so far."""
     stage, nc = room.stage, problem.structure.carrier.shape[0]
@@ -185,7 +215,7 @@ def _bend(problem: Problem, state: State, room: Workspace, i: int, length: float
     return bend / rate if rate > 0 else 0.0
 
 
-@lean_kernel
+@inner_kernel
 def _too_long(problem: Problem, state: State, room: Workspace, length: float) -> bool:
     """Whether a step of this length [s] does not follow a swing on a stop."""
     for n in range(problem.bent.size):
@@ -196,7 +226,7 @@ def _too_long(problem: Problem, state: State, room: Workspace, length: float) ->
     return False
 
 
-@lean_kernel
+@inner_kernel
 def _halve(problem: Problem, state: State, room: Workspace, length: float) -> None:
     for n in range(problem.bent.size):
         i = problem.bent[n]
@@ -204,7 +234,7 @@ def _halve(problem: Problem, state: State, room: Workspace, length: float) -> No
             state.pace[i] = max(min(problem.pace[i], length), 0.5 * length)
 
 
-@lean_kernel
+@inner_kernel
 def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> None:
     """Twice the length for the next piece where an axis's acceleration is straight enough."""
     for n in range(problem.bent.size):
@@ -217,7 +247,7 @@ def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> 
 # ---- where a zone ends
 
 
-@lean_kernel
+@inner_kernel
 def _first(problem: Problem, state: State, room: Workspace, h: float) -> tuple[float, int, int]:
     """Share of a step of h [s] at which an axis is the first to leave a zone, the axis, the zone's kind; else NEVER."""
     first, axis, kind = NEVER, -1, STOP_ZONE
@@ -230,7 +260,7 @@ def _first(problem: Problem, state: State, room: Workspace, h: float) -> tuple[f
     return first, axis, kind
 
 
-@lean_kernel
+@inner_kernel
 def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, kind: int) -> float:
     """Share of the step at which axis i leaves its zone; at once if it begins beyond and goes further."""
     before = _beyond(problem, state, room, h, i, kind, 0.0)
@@ -253,7 +283,7 @@ def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, k
     return NEVER
 
 
-@lean_kernel
+@inner_kernel
 def _beyond(problem: Problem, state: State, room: Workspace, h: float, i: int, kind: int, x: float) -> float:
     """> 0 where axis i is beyond its zone at the share x of the step, by the collocation's polynomials."""
     start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]
@@ -272,7 +302,7 @@ def _beyond(problem: Problem, state: State, room: Workspace, h: float, i: int, k
 # ---- behind it
 
 
-@lean_kernel
+@inner_kernel
 def _change(problem: Problem, state: State, room: Workspace, i: int, kind: int, contact: np.ndarray) -> bool:
     """Axis i enters its next zone where the state is; False where the masses are singular."""
     start, nc = room.start, problem.structure.carrier.shape[0]
@@ -299,7 +329,7 @@ def _change(problem: Problem, state: State, room: Workspace, i: int, kind: int, 
     return True
 
 
-@lean_kernel
+@inner_kernel
 def _enter(problem: Problem, state: State, room: Workspace, i: int, kind: int, new: int) -> bool:
     """The zone, and the accelerations and powers that go with it."""
     law, stage, start = problem.bodies.law, room.stage, room.start
@@ -318,7 +348,7 @@ def _enter(problem: Problem, state: State, room: Workspace, i: int, kind: int, n
     return done
 
 
-@kernel
+@kernel(no_cpython_wrapper=True)
 def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: float) -> bool:
     """Accelerations of modes and joints after the load against an axis has changed; False where M is singular."""
     S, (nc, nm), nz = problem.structure.carrier, problem.structure.carrier.shape, state.zone.shape[1]
@@ -360,10 +390,10 @@ def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: fl
 # ---- the constants of a piece
 
 
-@lean_kernel
-def _of_length(problem: Problem, length: float, room: Workspace) -> Problem:
+@inner_kernel
+def _of_length(problem: Problem, length: float, fine: Fine) -> Problem:
     """The problem for steps of this length [s]; Newton's tolerance by its square: forces are as exact."""
-    fine, share = room.fine, length / problem.dt
+    share = length / problem.dt
     if fine.length[0] != length:
         _fill_memory(problem.beta, length, fine.memory)
         fill_flexibility(problem.structure, length, fine.inverse, fine.H)
@@ -408,9 +438,9 @@ def _fill_memory(beta: np.ndarray, h: float, memory: Memory) -> None:
 
 
 @lean_kernel
-def _sample(drive: Drive, at: float, n: int, room: Workspace) -> None:
+def _sample(drive: Drive, at: float, n: int, fine: Fine) -> None:
     """What the wave drives at a sample that need not be whole, as row n of the piece's own drive."""
-    fine, count = room.fine, min(NODES, drive.modal.shape[0])
+    count = min(NODES, drive.modal.shape[0])
     first = min(max(int(np.floor(at)) - (NODES // 2 - 1), 0), drive.modal.shape[0] - count)
     for j in range(count):
         weight = 1.0
@@ -434,7 +464,7 @@ def _sample(drive: Drive, at: float, n: int, room: Workspace) -> None:
             _add(w, drive.station[m, d], own.station[n, d])
 
 
-@lean_kernel
+@inner_kernel
 def _add(weight: float, source: np.ndarray, target: np.ndarray) -> None:
     for i in range(source.size):
         target[i] += weight * source[i]

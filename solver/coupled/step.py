@@ -45,14 +45,13 @@ from solver.coupled.stages import (
     new_stages,
     predict,
 )
-from solver.kernels import kernel, lean_kernel
+from solver.kernels import inner_kernel, kernel, lean_kernel
 from solver.multibody.joint_law import HELD, PTO_ZONE
 from solver.multibody.minimal import Bodies, PressureRoom, powers, pressure_room, pressures
 
 # Pressure and drag are evaluated again where a stage has moved by so many tolerances since; nearer than that
 # the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance.
 NEAR = 25.0
-NODES = 6  # of the polynomial through the drive's samples around a step
 
 OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED = 0, 1, 2, 3, 4
 # Of end stops: number of hits, largest rate at one [m/s or rad/s], largest load [N or N m].
@@ -101,18 +100,6 @@ class Problem(NamedTuple):
     iterations: int  # of Newton's method, at most
 
 
-class Fine(NamedTuple):
-    """Room for steps of other lengths: see pieces."""
-
-    memory: Memory
-    inverse: np.ndarray
-    H: np.ndarray
-    constant: np.ndarray
-    drive: Drive  # at the start, the middle and the end
-    weight: np.ndarray  # (NODES,)
-    length: np.ndarray  # (1,) [s] of the step that all this is for
-
-
 class Workspace(NamedTuple):
     """Scratch of a march."""
 
@@ -122,7 +109,6 @@ class Workspace(NamedTuple):
     power: np.ndarray  # (3, len(WORKS)) at the step's three points
     flow: np.ndarray  # (2, nd, ns) drag at the frame's stations, of both stages [N]
     pressure: PressureRoom
-    fine: Fine
 
 
 def new_problem(
@@ -147,10 +133,9 @@ def new_problem(
     return Problem(bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, iterations)
 
 
-def new_workspace(bodies: Bodies, structure: Structure, memory: Memory, drive: Drive) -> Workspace:
-    """Scratch for marches of these bodies and modes, with such a memory, and driven by so many quantities."""
+def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
+    """Scratch for marches of these bodies and modes."""
     nz = bodies.mechanism.size
-    nc, nm = structure.carrier.shape
     return Workspace(
         start=Start(np.empty(nz), np.empty(nz), np.empty(bodies.axes.size * bodies.active.size)),
         stage=new_stages(bodies, structure.omega.size),
@@ -158,15 +143,6 @@ def new_workspace(bodies: Bodies, structure: Structure, memory: Memory, drive: D
         power=np.zeros((3, len(WORKS))),
         flow=np.empty((2, *structure.station.shape[1:])),
         pressure=pressure_room(bodies),
-        fine=Fine(
-            memory=Memory(memory.residue, *(np.empty_like(part) for part in memory[1:])),
-            inverse=np.empty((nm, 2, 2)),
-            H=np.empty((2, nc, 2, nc)),
-            constant=np.empty((2 * nz, 2 * nz)),
-            drive=Drive(*(np.empty((3, *part.shape[1:])) for part in drive)),
-            weight=np.empty(NODES),
-            length=np.zeros(1),
-        ),
     )
 
 
@@ -186,7 +162,7 @@ def copy(source: np.ndarray, target: np.ndarray) -> None:
         target[i] = source[i]
 
 
-@lean_kernel
+@inner_kernel
 def refresh(problem: Problem, room: Workspace) -> bool:
     """Newton's matrix of the step's start, factored; False when singular."""
     newton, bodies = room.newton, problem.bodies
@@ -195,7 +171,7 @@ def refresh(problem: Problem, room: Workspace) -> bool:
     return factorize(newton.K, newton.pivot)
 
 
-@lean_kernel
+@inner_kernel
 def attempt(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
     """The stages of a step from `state`, ½ of which is at `sample`, in its start's zones; (outcome, iterations)."""
     memory_history(problem.memory, state.memory, room.start.velocity, room.stage.history)
@@ -271,7 +247,7 @@ def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
     load_bodies(problem.bodies, drive.excitation[sample : sample + 2], room.stage)
 
 
-@lean_kernel
+@inner_kernel
 def account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
     """Works by Simpson's rule over the step's three points."""
     structure, stage, power = problem.structure, room.stage, room.power
@@ -289,14 +265,14 @@ def account_work(problem: Problem, drive: Drive, sample: int, state: State, room
     copy(power[2], state.power)
 
 
-@lean_kernel
+@inner_kernel
 def put_out(room: Workspace, output: Output, row: int) -> None:
     """Both stages as rows of the output."""
-    put_stage(room, 0, output, row)
-    put_stage(room, 1, output, row + 1)
+    for s in range(2):
+        put_stage(room, s, output, row + s)
 
 
-@lean_kernel
+@inner_kernel
 def put_stage(room: Workspace, s: int, output: Output, row: int) -> None:
     """Stage s as a row of the output."""
     stage, nc = room.stage, output.carried.shape[1]
@@ -312,7 +288,7 @@ def put_stage(room: Workspace, s: int, output: Output, row: int) -> None:
         copy(room.flow[s, d], output.drag[row, d])
 
 
-@lean_kernel
+@inner_kernel
 def advance(problem: Problem, state: State, room: Workspace) -> None:
     """The step's end becomes the next one's start."""
     start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]

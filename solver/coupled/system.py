@@ -21,7 +21,7 @@ from solver.coupled.equilibrium import (
 from solver.coupled.march import GROSSLY, march
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure
-from solver.coupled.pieces import SWING
+from solver.coupled.pieces import SWING, new_fine
 from solver.coupled.stages import State
 from solver.coupled.step import (
     EXCURSION,
@@ -343,14 +343,15 @@ def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[
     """
     h, series = system.dt / 2, system.series(system.dt)
     problem, empty = system.problem(), system.drive(np.zeros((1, len(system.rows))))
-    room = new_workspace(system.bodies, system.structure, system.memory, empty)
+    room = new_workspace(system.bodies, system.structure)
+    fine = new_fine(problem, empty) if problem.bent.size else None
     # Up to the longest wave's period after the start little has been exchanged, and that with a jolt.
     quiet = int(2 * np.pi / system.scene.sea.omega.min() / system.dt)
     for first in range(done, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - first)
         samples = series.block(2 * first, 2 * count + 1)
         output = new_output(problem, 2 * count)
-        outcome, sample, _ = march(problem, system.drive(samples), state, room, quiet - first, output)
+        outcome, sample, _ = march(problem, system.drive(samples), state, room, fine, quiet - first, output)
         if outcome != OK:
             raise _failure(outcome, (2 * first + sample) * h, system, state)
         yield samples[1:], output, (2 * first + 1 + np.arange(2 * count)) * h

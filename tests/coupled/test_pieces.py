@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 from solver.coupled import assembly
 from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
-from solver.coupled.pieces import _fill_memory, _sample
-from solver.coupled.step import HITS, LOAD, RATE, Drive, new_workspace
+from solver.coupled.pieces import _fill_memory, _sample, new_fine
+from solver.coupled.step import HITS, LOAD, RATE, Drive
 from solver.coupled.system import blocks, energy_residual, prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -196,13 +196,13 @@ def test_the_drive_between_samples_is_a_polynomial_through_them():
     count, at = len(system.rows), np.arange(12.0)
     power = np.arange(count) % 6
     drive = system.drive((at[:, None] / 10) ** power)
-    room = new_workspace(system.bodies, system.structure, system.memory, drive)
+    fine = new_fine(system.problem(), drive)
     for where in (0.0, 0.3, 5.5, 7.0, 10.9):
-        _sample(drive, where, 1, room)
+        _sample(drive, where, 1, fine)
         exact = system.drive(((where / 10) ** power)[None])
-        for mine, theirs in zip(room.fine.drive, exact, strict=True):
+        for mine, theirs in zip(fine.drive, exact, strict=True):
             assert mine[1] == approx(theirs[0], abs=1e-12)
-    assert isinstance(room.fine.drive, Drive)
+    assert isinstance(fine.drive, Drive)
 
 
 def test_high_seas_are_survived_on_stops(buan, coefficients):
