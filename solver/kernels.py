@@ -28,6 +28,6 @@ fast_kernel: Compiler = partial(njit, **COMMON, _nrt=True, fastmath=FAST)
 # march. numba's private option; what a counting kernel returns must not be handed to such a one, it would leak.
 lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False)
 fast_lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False, fastmath=FAST)
-# Of those that only other kernels call, no door from Python is made: with a march's hundred arrays it would take five
-# seconds of the compiler, ten times what the rest of a short kernel takes.
+# Of those that only other kernels call, no door from Python is made (so a call from there crashes): with a march's
+# hundred arrays it would take five seconds of the compiler, ten times what the rest of a short kernel takes.
 inner_kernel: Compiler = partial(njit, **COMMON, _nrt=False, no_cpython_wrapper=True)

@@ -1,5 +1,7 @@
 """Where the solver reaches into other packages: what broke if a new version of one of them takes that away."""
 
+import re
+
 import numpy as np
 import pytest
 from numba import __version__ as numba_version
@@ -7,7 +9,7 @@ from numba import float64
 
 from solver.hydrodynamics.bem import bem, green
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.kernels import fast_kernel, fast_lean_kernel, kernel, lean_kernel
+from solver.kernels import fast_kernel, fast_lean_kernel, inner_kernel, kernel, lean_kernel
 
 FLOAT = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
 
@@ -31,6 +33,16 @@ def test_numba_leaves_the_counting_of_references_out_where_kernels_ask_for_it(co
         pytest.fail(f"{told}: {error}")
     code = function.inspect_llvm(function.signatures[0])
     assert ("NRT_decref" in code) == counts, told
+
+
+@pytest.mark.parametrize(("compiled", "doors"), [(lean_kernel, ["cpython"]), (inner_kernel, [])])
+def test_numba_makes_no_doors_that_nobody_uses(compiled, doors):
+    """Without: take both options out of solver/kernels.py; a march compiles three times as long."""
+    function = compiled(cache=False)(first_row_sum)
+    function.compile((float64[:, ::1],))
+    code = function.inspect_llvm(function.signatures[0])
+    made = [door for door in ("cpython", "cfunc") if re.search(rf"^define .*@_ZN\d+{door}", code, re.M)]
+    assert made == doors, f"numba {numba_version} no longer heeds `no_cfunc_wrapper` or `no_cpython_wrapper`"
 
 
 @pytest.fixture
