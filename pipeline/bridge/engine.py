@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import pickle
 import time
 import traceback
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline import environment
-from pipeline.bridge.geometry import Geometry, bem_arguments, geometry_of, given_hydrodynamics
+from pipeline.bridge.geometry import Geometry, bem_problem, geometry_of, given_hydrodynamics
 from pipeline.bridge.scenes import hull
 from pipeline.tasks.task import Parameters
 from solver.errors import SimulationFailed
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from pipeline.results.records import Record
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
     from solver.scene import Scene
+
+Share = Any  # of what boundary elements solve, see solver.hydrodynamics.bem.bem.part; None for coefficients from a file
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +52,19 @@ class Outcome:
 
 
 def hydrodynamics(geometry: Geometry) -> Hydrodynamics:
-    """Coefficients of the floats of a geometry, by boundary elements or from a file, and their memory as scenes use it.
+    """Coefficients of the floats of one geometry, with their memory."""
+    return _known([geometry], [share([geometry])])[0]
+
+
+def share(geometries: Sequence[Geometry], first: int = 0, step: int = 1) -> Share:
+    """What boundary elements solve for geometries that differ in heading alone, at every `step`-th frequency."""
+    from solver.hydrodynamics.bem import bem
+
+    return None if geometries[0].coefficients else bem.part(bem_problem(geometries), first, step)
+
+
+def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydrodynamics]:
+    """Coefficients by boundary elements or from a file, and their memory as scenes use it.
 
     The fit is made here, once, and not by each task: fitting amplifies rounding, and other machines round otherwise.
     """
@@ -57,13 +72,13 @@ def hydrodynamics(geometry: Geometry) -> Hydrodynamics:
     from solver.hydrodynamics.bem import bem
     from solver.scene import Settings
 
-    tolerance = Settings().memory_tolerance
-    solution = given_hydrodynamics(geometry) if geometry.coefficients else bem.solve(**bem_arguments(geometry))
+    tolerance, solved = Settings().memory_tolerance, [part for part in shares if part is not None]
+    found = bem.united(bem_problem(geometries), solved) if solved else [given_hydrodynamics(g) for g in geometries]
     try:
-        memory = remembered(solution, tuple(hull(body.hull) for body in geometry.bodies), tolerance)
+        memory = remembered(found[0], tuple(hull(body.hull) for body in geometries[0].bodies), tolerance)
     except SimulationFailed:  # said by the task that needs it
-        return solution
-    return replace(solution, memory=memory, memory_tolerance=tolerance)
+        return found
+    return [replace(one, memory=memory, memory_tolerance=tolerance) for one in found]
 
 
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
@@ -73,11 +88,12 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
     return simulate(scene, hydrodynamics)
 
 
-def coefficients(geometry: Geometry) -> bytes:
-    """The file of a geometry's coefficients."""
+def coefficients(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[bytes]:
+    """The files of coefficients of geometries that differ in heading alone, from all shares of what was solved."""
     from pipeline.bridge import cache
 
-    return cache.encode(hydrodynamics(geometry), geometry.key)
+    known = _known(geometries, shares)
+    return [cache.encode(one, geometry.key) for one, geometry in zip(known, geometries, strict=True)]
 
 
 def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
@@ -92,7 +108,6 @@ def judge(parameters: Parameters) -> Sequence[str]:
     """Build a task's scene, and the frequencies of its coefficients; what is odd about it. Raises InputError."""
     from pipeline.bridge import scenes
     from solver.balance import warnings
-    from solver.hydrodynamics.bem import bem
     from solver.hydrodynamics.bem.adopted import require_covered
 
     scene = scenes.scene(parameters)
@@ -102,8 +117,7 @@ def judge(parameters: Parameters) -> Sequence[str]:
         if scene.sea.amplitude.any():
             require_covered(known, geometry.coefficients.name, scene.sea.omega.min(), scene.sea.omega.max())
     elif geometry:
-        arguments = bem_arguments(geometry)
-        bem.require_solvable(*(arguments[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
+        bem_problem([geometry])
     return warnings(scene)
 
 
@@ -120,7 +134,8 @@ def reduce(parameters: Parameters) -> None:
 class Engine:
     """The physics as a few functions, so that the pipeline can be tested and timed without it."""
 
-    coefficients: Callable[[Geometry], bytes] = coefficients
+    share: Callable[[Sequence[Geometry], int, int], Share] = share
+    coefficients: Callable[[Sequence[Geometry], Sequence[Share]], list[bytes]] = coefficients
     compute: Callable[[Parameters, bytes | None], Record] = compute
     judge: Callable[[Parameters], Sequence[str] | None] = judge
     reduce: Callable[[Parameters], None] = reduce
@@ -134,10 +149,23 @@ class _Made(NamedTuple):
     unmet: str = ""
 
 
-def attempt_geometry(engine: Engine, geometry: Geometry) -> list[Outcome]:
-    """Coefficients, or why there are none."""
+def attempt_share(engine: Engine, geometries: Sequence[Geometry], first: int, step: int) -> list[Outcome]:
+    """A share of what is solved for coefficients, pickled, or why there is none."""
     environment.prepare()
-    return [_attempt(lambda: _Made(engine.coefficients(geometry)))]
+    return [_attempt(lambda: _Made(pickle.dumps(engine.share(geometries, first, step))))]
+
+
+def attempt_coefficients(engine: Engine, geometries: Sequence[Geometry], shares: Sequence[bytes]) -> list[Outcome]:
+    """Coefficients of each geometry, or why there are none."""
+    environment.prepare()
+    made: list[bytes] = []
+
+    def first() -> _Made:
+        made.extend(engine.coefficients(geometries, [pickle.loads(share) for share in shares]))
+        return _Made(made[0])
+
+    outcome = _attempt(first)
+    return [replace(outcome, result=made[n]) if made else outcome for n in range(len(geometries))]
 
 
 def attempt_tasks(engine: Engine, tasks: Sequence[tuple[str, Parameters]], coefficients: bytes | None) -> list[Outcome]:

@@ -16,6 +16,7 @@ from pipeline.tasks.task import Parameters, canonical, digest
 from solver.scene import Float, is_planar, panels_for
 
 if TYPE_CHECKING:
+    from solver.hydrodynamics.bem.bem import Problem
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 
 BEM_VERSION = 4  # of coefficients, and of the form of their file: raise it when either changes
@@ -47,6 +48,11 @@ class Geometry(Table):
     def key(self) -> str:
         """Name of the file that keeps the coefficients."""
         return digest(canonical(self.model_dump(mode="json", exclude_defaults=True)), BEM_VERSION)
+
+    @property
+    def radiating(self) -> Geometry:
+        """The same for waves along +x: geometries that share it share all that radiates."""
+        return self if self.coefficients else self.model_copy(update={"heading": 0.0})
 
 
 def geometry_of(parameters: Parameters) -> Geometry | None:
@@ -125,3 +131,12 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "planar": geometry.planar,
         "panels": geometry.panels,
     }
+
+
+def bem_problem(geometries: Sequence[Geometry]) -> Problem:
+    """That of geometries that differ in heading alone; raises InputError."""
+    from solver.hydrodynamics.bem.bem import Problem
+
+    arguments = bem_arguments(geometries[0])
+    del arguments["heading"]
+    return Problem.of(**arguments, headings=tuple(g.heading for g in geometries))

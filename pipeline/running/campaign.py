@@ -5,13 +5,13 @@ from __future__ import annotations
 import itertools
 import shlex
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from pipeline import environment
 from pipeline.bridge.cache import Cache
-from pipeline.bridge.engine import Engine, Failure, Outcome, attempt_geometry, attempt_tasks
+from pipeline.bridge.engine import Engine, Failure, Outcome, attempt_coefficients, attempt_share, attempt_tasks
 from pipeline.bridge.geometry import Geometry, geometry_of
 from pipeline.results.store import UNFINISHED, Store
 from pipeline.running import schedule
@@ -74,6 +74,20 @@ class Campaign:
         return shlex.join(["study", "rerun", str(self.study), task.id, *where])
 
 
+@dataclass(eq=False)
+class _Solution:
+    """Coefficients in the making, of geometries that differ in heading alone: first shares of them, then the whole."""
+
+    geometries: list[Geometry]
+    shares: list[Outcome | None]
+    united: bool = False
+
+    @property
+    def seconds(self) -> float:
+        """Time that the shares took, together [s]."""
+        return sum(share.wall_time for share in self.shares if share)
+
+
 @dataclass
 class _Run:
     """One run of a campaign on an open pool."""
@@ -109,7 +123,18 @@ class _Run:
                 self.batches.add(members, data)
             else:
                 self.waiting[geometry] = members
-                self.pool.submit(geometry, attempt_geometry, self.campaign.engine, geometry)
+        self._solve()
+
+    def _solve(self) -> None:
+        """Each worker has a share of the frequencies of whatever radiates; headings go along."""
+        alike: dict[Geometry, list[Geometry]] = {}
+        for geometry in self.waiting:
+            alike.setdefault(geometry.radiating, []).append(geometry)
+        for radiating, geometries in alike.items():
+            count = 1 if radiating.coefficients else max(1, self.pool.width)
+            solution = _Solution(geometries, [None] * count)
+            for n in range(count):
+                self.pool.submit((solution, n), attempt_share, self.campaign.engine, geometries, n, count)
 
     def _offer(self) -> None:
         """Keep as much on offer as keeps the pool busy; the rest stays here, where it costs little."""
@@ -121,8 +146,12 @@ class _Run:
 
     def _arrived(self, key: Hashable, results: list[Outcome] | Lost) -> Iterator[tuple[Task, Outcome]]:
         """Outcomes of tasks. A lost batch is tried once more, task by task; a lost task has failed."""
-        if isinstance(key, Geometry):
-            yield from self._geometry_arrived(key, _outcome(results))
+        if isinstance(key, tuple):
+            solution, n = key
+            yield from self._share_arrived(solution, n, _outcome(results))
+        elif isinstance(key, _Solution):
+            outcomes = [_outcome(results)] * len(key.geometries) if isinstance(results, Lost) else results
+            yield from self._solved(key, outcomes)
         elif isinstance(key, Batch):
             self.out -= 1
             if isinstance(results, Lost) and len(key.tasks) > 1:
@@ -133,15 +162,29 @@ class _Run:
                 self.batches.heard(outcome.wall_time)
                 yield task, outcome
 
-    def _geometry_arrived(self, geometry: Geometry, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
-        """Keep coefficients and let their tasks go; without them, the tasks have failed too."""
-        tasks = self.waiting.pop(geometry)
-        self.watch(geometry, outcome)
+    def _share_arrived(self, solution: _Solution, n: int, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
+        """With the last share, the whole can be made; without one of them, the tasks have failed too."""
+        solution.shares[n] = outcome
+        if solution.united:
+            return
         if isinstance(outcome.result, Failure):
-            yield from ((task, outcome) for task in tasks)
-        else:
-            Cache(self.campaign.results).put(geometry.key, outcome.result)
-            self.batches.add(tasks, outcome.result)
+            solution.united = True
+            yield from self._solved(solution, [outcome] * len(solution.geometries))
+        elif all(solution.shares):
+            solution.united = True
+            parts = [share.result for share in solution.shares if share]
+            self.pool.submit(solution, attempt_coefficients, self.campaign.engine, solution.geometries, parts)
+
+    def _solved(self, solution: _Solution, outcomes: Sequence[Outcome]) -> Iterator[tuple[Task, Outcome]]:
+        """Keep coefficients and let their tasks go; without them, the tasks have failed too."""
+        for geometry, outcome in zip(solution.geometries, outcomes, strict=True):
+            tasks = self.waiting.pop(geometry)
+            self.watch(geometry, replace(outcome, wall_time=outcome.wall_time + solution.seconds))
+            if isinstance(outcome.result, Failure):
+                yield from ((task, outcome) for task in tasks)
+            else:
+                Cache(self.campaign.results).put(geometry.key, outcome.result)
+                self.batches.add(tasks, outcome.result)
 
 
 def _outcome(results: list[Outcome] | Lost) -> Outcome:

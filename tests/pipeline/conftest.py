@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import cloudpickle
+import empty
 import numpy as np
 import pytest
 
@@ -113,9 +114,7 @@ def fake_compute(parameters, coefficients):
 @pytest.fixture
 def engine(monkeypatch):
     """The engine without physics, also for the command line."""
-    fake = physics.Engine(
-        coefficients=fake_coefficients, compute=fake_compute, judge=lambda _: None, reduce=lambda _: None
-    )
+    fake = empty.without_physics(fake_coefficients, fake_compute)
     monkeypatch.setattr(physics, "Engine", lambda: fake)
     monkeypatch.setattr(cache.Cache.__init__, "__defaults__", (fake_require_whole,))
     monkeypatch.setattr(actions, "REPORTED", 0)  # figures take longer than all the rest

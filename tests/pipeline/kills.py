@@ -34,11 +34,6 @@ def environment(**more) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{HERE}", **more}
 
 
-def told(stderr: str) -> str:
-    """What a command said, but for the word about compiling of a first run."""
-    return "".join(line for line in stderr.splitlines(keepends=True) if not line.startswith("compiling"))
-
-
 @contextlib.contextmanager
 def at_work(folder: Path, *words, tasks: int = 12, begun: int = 2, **env) -> Iterator[subprocess.Popen]:
     """A run in a new session that has begun so many tasks; what is left of it in the end is killed."""

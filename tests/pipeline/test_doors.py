@@ -129,7 +129,7 @@ def test_without_a_cache_of_ones_own_none_is_shared(temporary, tmp_path):
     done = subprocess.run(words, env=env, capture_output=True, text=True)
     assert done.returncode == 1
     assert done.stdout == "cache: None\n"
-    (told,) = kills.told(done.stderr).splitlines()
+    (told,) = done.stderr.splitlines()
     assert told.startswith(f"{folder}: others own it or may write to it")
 
 
@@ -142,5 +142,5 @@ def test_workers_take_no_code_from_a_shared_folder(tmp_path, temporary):
     env = kills.environment(TMPDIR=str(temporary), NUMBA_CACHE_DIR=str(tmp_path / "jit"))
     done = subprocess.run(words, env=env, capture_output=True, text=True, timeout=120)
     assert done.returncode == 1
-    (told,) = kills.told(done.stderr).splitlines()
+    (told,) = done.stderr.splitlines()
     assert told.startswith(f"{folder}: others own it or may write to it")

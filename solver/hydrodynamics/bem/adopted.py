@@ -6,7 +6,6 @@ What a file says is kept; what it leaves out follows from the hull (Froude-Krylo
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from types import MappingProxyType
 from typing import Any, SupportsIndex
 
@@ -17,7 +16,7 @@ from solver.hydrodynamics.bem import agreement
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.incident import Sea
-from solver.hydrodynamics.bem.mean_hull import froude_krylov, hydrostatic_stiffness
+from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.radiation.infinite import infinite_added_mass
 
@@ -56,7 +55,7 @@ def adopted(
     scale = _scales(six, lengths)
     refuse(_radiation_problems(six, scale, names))
     omega = six.omega
-    expected = np.array([froude_krylov(hulls, centres, DOFS, partial(sea.pressure, omega=w)) for w in omega])
+    expected = froude_krylov(hulls, centres, DOFS, sea, omega)
     floats = agreement.Floats(hulls, centres, tuple(names), sea)
     six, note = agreement.agreed(six, floats, expected)
     six = _about(six, centres)
@@ -72,16 +71,8 @@ def adopted(
         added_mass_inf=infinite[both],
         diffraction=scattered[:, index],
         froude_krylov=expected[:, index],
-        hydrostatic_stiffness=hydrostatic_stiffness(hulls, dofs, density, gravity),
-        displaced_mass=np.array([density * h.volume for h in hulls]),
-        buoyancy_centre=np.array([h.centre_of_buoyancy for h in hulls]),
-        centres=centres,
-        depth=depth,
-        density=density,
-        gravity=gravity,
-        heading=heading,
-        dofs=dofs,
         settings=MappingProxyType({"method": f"from {given.name}", "note": note}),
+        **at_rest(hulls, centres, dofs, sea),
     )
 
 

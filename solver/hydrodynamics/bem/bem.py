@@ -6,9 +6,9 @@ shares one factorization, and parts that a symmetry makes zero are never solved.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
@@ -17,7 +17,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
-from solver.hydrodynamics.bem.mean_hull import froude_krylov, hydrostatic_stiffness, unit_motions
+from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
 from solver.hydrodynamics.hull.mesh import Hull
@@ -25,7 +25,9 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.surface import mirrored
 from solver.sea.dispersion import SHALLOWEST, too_shallow
 
-__all__ = ["DOFS", "PLANAR", "Hydrodynamics", "frequency_grid", "require_solvable", "solve"]
+__all__ = [
+    "DOFS", "PLANAR", "Hydrodynamics", "Problem", "frequency_grid", "part", "require_solvable", "solve", "united",
+]  # fmt: skip
 
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
 HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it and halved
@@ -41,8 +43,13 @@ FINER = 6.0  # times the panels that a body gets, at most, where waves of the sc
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
 
 
-# A + iB/ω (nw, n, n), A∞ (n, n), diffraction force (nw, n), and the number of panels on hulls.
-Solution = tuple[np.ndarray, np.ndarray, np.ndarray, int]
+class Solution(NamedTuple):
+    """Of one mesh at nw frequencies, for nh headings."""
+
+    impedance: np.ndarray  # (nw, n, n) A + iB/ω
+    infinite: np.ndarray  # (n, n) A∞
+    diffraction: np.ndarray  # (nw, nh, n) force
+    panels: int  # on hulls
 
 
 def frequency_grid(
@@ -78,59 +85,118 @@ def frequency_grid(
     return np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1] - 1e-6)) + 1), index, omega)
 
 
-def solve(
-    hulls: tuple[Hull, ...],
-    centres: np.ndarray,
-    *,
-    depth: float,
-    density: float = 1025.0,
-    gravity: float = 9.81,
-    heading: float = 0.0,
-    omega: np.ndarray | None = None,
-    planar: bool = True,
-    panels: int = 432,
-) -> Hydrodynamics:
-    """Coefficients of `hulls` at `centres` (nb, 3) [m] in water of `depth` [m, may be inf].
+def solve(hulls: tuple[Hull, ...], centres: np.ndarray, *, heading: float = 0.0, **water: Any) -> Hydrodynamics:
+    """Coefficients of `hulls` at `centres` (nb, 3) [m] for waves towards `heading` [rad]; see Problem for the rest."""
+    problem = Problem.of(hulls, centres, headings=(heading,), **water)
+    return united(problem, [part(problem)])[0]
 
-    Each is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many. A hull
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Problem:
+    """What is solved; any number of headings share what radiates.
+
+    Each coefficient is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many. A hull
     that is a mesh is solved as it is, or halved until it has panels / 4, and with all sides halved once more.
     """
-    centres = np.asarray(centres, float).reshape(-1, 3)
-    omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
-    require_solvable(hulls, centres, depth, omega, gravity, panels)
-    dofs = PLANAR if planar else DOFS
-    sea = Sea(depth=depth, density=density, gravity=gravity, heading=heading)
-    counts = _counts(hulls, panels, sea.wavenumber(omega[-1]))
-    divisions = _divisions(hulls, centres, counts)
-    base = tuple(count // max(divisions, default=1) ** 2 for count in counts)
-    solutions = [_coefficients(hulls, centres, dofs, sea, omega, base, n) for n in divisions]
-    (impedance, impedance_inf, diffraction), left = _extrapolated(solutions, divisions, any(h.edged for h in hulls))
-    return Hydrodynamics(
-        omega=omega,
-        added_mass=impedance.real,
-        radiation_damping=impedance.imag * omega[:, None, None],
-        added_mass_inf=impedance_inf,
-        diffraction=diffraction,
-        froude_krylov=np.array([froude_krylov(hulls, centres, dofs, partial(sea.pressure, omega=w)) for w in omega]),
-        hydrostatic_stiffness=hydrostatic_stiffness(hulls, dofs, density, gravity),
-        displaced_mass=np.array([density * h.volume for h in hulls]),
-        buoyancy_centre=np.array([h.centre_of_buoyancy for h in hulls]),
-        centres=centres,
-        depth=depth,
-        density=density,
-        gravity=gravity,
-        heading=heading,
-        dofs=dofs,
-        settings=MappingProxyType(
-            {
-                "panels": solutions[0][-1],
-                "panels_coarse": solutions[-1][-1],
-                "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
-                "green_function": "Delhommeau",
-                "seabed_error": sea.seabed_error(omega, max(h.largest_radius for h in hulls)),
-            }
-        ),
-        error=MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2]),
+
+    hulls: tuple[Hull, ...]
+    centres: np.ndarray  # (nb, 3) [m]
+    depth: float  # [m, may be inf]
+    density: float
+    gravity: float
+    headings: tuple[float, ...]  # [rad]
+    omega: np.ndarray  # (nw,) [rad/s]
+    dofs: tuple[str, ...]
+    panels: int
+
+    @classmethod
+    def of(
+        cls,
+        hulls: tuple[Hull, ...],
+        centres: np.ndarray,
+        *,
+        depth: float,
+        density: float = 1025.0,
+        gravity: float = 9.81,
+        headings: tuple[float, ...] = (0.0,),
+        omega: np.ndarray | None = None,
+        planar: bool = True,
+        panels: int = 432,
+    ) -> "Problem":
+        """Checked, see require_solvable; frequencies as frequency_grid chooses them unless given."""
+        at = np.asarray(centres, float).reshape(-1, 3)
+        grid = frequency_grid(hulls, at, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
+        require_solvable(hulls, at, depth, grid, gravity, panels)
+        return cls(
+            hulls=hulls,
+            centres=at,
+            depth=depth,
+            density=density,
+            gravity=gravity,
+            headings=headings,
+            omega=grid,
+            dofs=PLANAR if planar else DOFS,
+            panels=panels,
+        )
+
+    @cached_property
+    def seas(self) -> list[Sea]:
+        """One for each heading."""
+        return [Sea(depth=self.depth, density=self.density, gravity=self.gravity, heading=h) for h in self.headings]
+
+    @cached_property
+    def counts(self) -> tuple[int, ...]:
+        """Panels of each body."""
+        return _counts(self.hulls, self.panels, self.seas[0].wavenumber(self.omega[-1]))
+
+    @cached_property
+    def divisions(self) -> tuple[int, ...]:
+        """Of the base mesh, to solve for."""
+        return _divisions(self.hulls, self.centres, self.counts)
+
+
+def part(problem: Problem, first: int = 0, step: int = 1) -> list[Solution]:
+    """Of each mesh, the finest first, frequencies `first`, first + step, and so on; infinite frequency goes with 0."""
+    divisions = problem.divisions
+    base = tuple(count // max(divisions, default=1) ** 2 for count in problem.counts)
+    return [_coefficients(problem, problem.omega[first::step], base, n, infinite=first == 0) for n in divisions]
+
+
+def united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodynamics]:
+    """Coefficients for each heading, from all parts in order of their first frequencies."""
+    hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
+    solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
+    edged = any(h.edged for h in hulls)
+    (impedance, impedance_inf, diffraction), left = _extrapolated(solutions, divisions, edged)
+    settings = {
+        "panels": solutions[0].panels,
+        "panels_coarse": solutions[-1].panels,
+        "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
+        "green_function": "Delhommeau",
+        "seabed_error": seas[0].seabed_error(omega, max(h.largest_radius for h in hulls)),
+    }
+    return [
+        Hydrodynamics(
+            omega=omega,
+            added_mass=impedance.real,
+            radiation_damping=impedance.imag * omega[:, None, None],
+            added_mass_inf=impedance_inf,
+            diffraction=diffraction[:, h],
+            froude_krylov=froude_krylov(hulls, problem.centres, problem.dofs, sea, omega),
+            settings=MappingProxyType(settings),
+            error=MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2][:, h]),
+            **at_rest(hulls, problem.centres, problem.dofs, sea),
+        )
+        for h, sea in enumerate(seas)
+    ]
+
+
+def _interleaved(pieces: Sequence[Solution]) -> Solution:
+    """The solution of one mesh at all frequencies, from that at every n-th one from the first, second ... n-th on."""
+    index = np.argsort(np.concatenate([k + len(pieces) * np.arange(len(p.impedance)) for k, p in enumerate(pieces)]))
+    return pieces[0]._replace(
+        impedance=np.concatenate([p.impedance for p in pieces])[index],
+        diffraction=np.concatenate([p.diffraction for p in pieces])[index],
     )
 
 
@@ -175,11 +241,11 @@ class _Mesh:
         motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
         return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, motions=motions)
 
-    def scattered(self, sea: Sea, omega: float) -> np.ndarray:
-        """Normal velocity (ng, nf, 1) that cancels the unit incident wave's, 0 on lids."""
-        _, velocity = sea.wave(self.whole.faces_centers + self.origin, omega)
-        normal = np.sum(velocity * self.whole.faces_normals, axis=1)
-        return -(normal.reshape(len(self.mirrors), -1) * self.wet)[..., None]
+    def scattered(self, seas: Sequence[Sea], omega: float) -> np.ndarray:
+        """Normal velocities (ng, nf, number of seas) that cancel those of the unit incident waves, 0 on lids."""
+        points, normals = self.whole.faces_centers + self.origin, self.whole.faces_normals
+        normal = np.stack([np.sum(sea.wave(points, omega)[1] * normals, axis=1) for sea in seas], axis=-1)
+        return -(normal.reshape(len(self.mirrors), -1, len(seas)) * self.wet[:, None])
 
     def solve(self, normal_velocity: np.ndarray, k: float, seabed: float) -> np.ndarray:
         """-∫ φ n dS (nc, n) of the outgoing potentials with ∂φ/∂n = normal_velocity (ng, nf, nc).
@@ -206,26 +272,24 @@ class _Mesh:
 
 
 def _coefficients(
-    hulls: tuple[Hull, ...],
-    centres: np.ndarray,
-    dofs: tuple[str, ...],
-    sea: Sea,
-    omega: np.ndarray,
-    counts: tuple[int, ...],
-    refine: int,
+    problem: Problem, omega: np.ndarray, counts: tuple[int, ...], refine: int, *, infinite: bool
 ) -> Solution:
-    """A + iB/ω (nw, n, n), A(inf) (n, n), diffraction force (nw, n), and the number of panels on hulls."""
+    """At frequencies (nw,), of one mesh; A(inf) is empty where it is not asked for."""
+    hulls, centres, dofs, seas = problem.hulls, problem.centres, problem.dofs, problem.seas
     bare = _Mesh.build(hulls, centres, dofs, counts, refine, lids=False)  # no irregular frequency at infinity
     mesh = _Mesh.build(hulls, centres, dofs, counts, refine, lids=True)
-    n, largest = mesh.motions.shape[-1], max(h.largest_radius for h in hulls)
-    infinite = sea.density * bare.solve(bare.motions, np.inf, sea.seabed(np.inf, largest)).real
-    impedance, diffraction = np.empty((len(omega), n, n), complex), np.empty((len(omega), n), complex)
+    n, largest, sea = mesh.motions.shape[-1], max(h.largest_radius for h in hulls), seas[0]
+    limit = np.zeros((0, 0))
+    if infinite:
+        limit = _symmetric(sea.density * bare.solve(bare.motions, np.inf, sea.seabed(np.inf, largest)).real)
+    impedance = np.empty((len(omega), n, n), complex)
+    diffraction = np.empty((len(omega), len(seas), n), complex)
     for i, w in enumerate(omega):
-        sources = np.concatenate([mesh.motions, mesh.scattered(sea, w)], axis=2)
+        sources = np.concatenate([mesh.motions, mesh.scattered(seas, w)], axis=2)
         k = sea.wavenumber(w)
         forces = sea.density * mesh.solve(sources, k, sea.seabed(k, largest))
-        impedance[i], diffraction[i] = _symmetric(forces[:n]), 1j * w * forces[n]
-    return impedance, _symmetric(infinite), diffraction, bare.wet.size * len(bare.mirrors)
+        impedance[i], diffraction[i] = _symmetric(forces[:n]), 1j * w * forces[n:]
+    return Solution(impedance, limit, diffraction, bare.wet.size * len(bare.mirrors))
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:

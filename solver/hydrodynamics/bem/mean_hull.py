@@ -1,11 +1,13 @@
 """Froude-Krylov force and hydrostatic stiffness of the exact hull at its mean position: no potential is solved for."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from solver.hydrodynamics.bem.coefficients import DOFS
+from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull.mesh import Hull
 
 
@@ -21,18 +23,30 @@ def unit_motions(
 
 
 def froude_krylov(
-    hulls: Sequence[Hull], centres: np.ndarray, dofs: Sequence[str], pressure: Callable[[np.ndarray], np.ndarray]
+    hulls: Sequence[Hull], centres: np.ndarray, dofs: Sequence[str], sea: Sea, omega: np.ndarray
 ) -> np.ndarray:
-    """-∫ p n dS over the exact mean wetted surface, (n,) [N/m, N].
-
-    pressure: of the incident wave of unit amplitude at points (np, 3) [Pa/m].
-    """
+    """-∫ p n dS over the exact mean wetted surface, of the unit incident wave at omega (nw,): (nw, n) [N/m, N]."""
     force = []
     for hull, centre in zip(hulls, centres, strict=True):
         points, areas = hull.surface_points()
         motions = unit_motions(points, areas, np.zeros(len(points), int), np.zeros((1, 3)), dofs)
-        force.append(-pressure(points + centre) @ motions)
-    return np.concatenate(force)
+        force.append([-sea.pressure(points + centre, w) @ motions for w in omega])
+    return np.concatenate(force, axis=1)
+
+
+def at_rest(hulls: Sequence[Hull], centres: np.ndarray, dofs: Sequence[str], sea: Sea) -> dict[str, Any]:
+    """What `Hydrodynamics` says of the hulls, the water and the waves' heading, whoever solved for its coefficients."""
+    return {
+        "hydrostatic_stiffness": hydrostatic_stiffness(hulls, dofs, sea.density, sea.gravity),
+        "displaced_mass": np.array([sea.density * h.volume for h in hulls]),
+        "buoyancy_centre": np.array([h.centre_of_buoyancy for h in hulls]),
+        "centres": centres,
+        "depth": sea.depth,
+        "density": sea.density,
+        "gravity": sea.gravity,
+        "heading": sea.heading,
+        "dofs": dofs,
+    }
 
 
 def hydrostatic_stiffness(hulls: Sequence[Hull], dofs: Sequence[str], density: float, gravity: float) -> np.ndarray:

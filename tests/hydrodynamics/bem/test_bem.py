@@ -300,3 +300,17 @@ def test_no_frequency_is_used_beyond_what_the_mesh_resolves():
     size = np.array([1.0, 1.0, 6.0]) * np.sqrt(np.diag(fine.added_mass_inf)[[0, 1, 1]])
     gap = coarse.added_mass[0] - fine.added_mass[0] + 1j * (coarse.radiation_damping - fine.radiation_damping)[0] / top
     assert np.abs(gap / np.multiply.outer(size, size)).max() < 0.03
+
+
+def test_headings_and_shares_of_the_frequencies_change_nothing():
+    """What radiates is solved once for all headings, and the frequencies on as many workers as there are."""
+    headings, run = (0.3, 1.2), {"depth": 50.0, "density": RHO, "gravity": G, "planar": False, "panels": SMALL}
+    omega = np.array([1.0, 1.5, 2.5])
+    problem = bem.Problem.of((FLOAT, FLOAT), PAIR, headings=headings, omega=omega, **run)
+    together = bem.united(problem, [bem.part(problem, n, 2) for n in range(2)])
+    assert [h.heading for h in together] == list(headings)
+    for mine, heading in zip(together, headings, strict=True):
+        alone = bem.solve((FLOAT, FLOAT), PAIR, heading=heading, omega=omega, **run)
+        for name in ("added_mass", "radiation_damping", "added_mass_inf", "diffraction", "froude_krylov"):
+            np.testing.assert_allclose(getattr(mine, name), getattr(alone, name), rtol=1e-12, atol=1e-9)
+        np.testing.assert_allclose(mine.error.diffraction, alone.error.diffraction, rtol=1e-9, atol=1e-9)

@@ -37,7 +37,7 @@ def ran(tmp_path_factory):
     folder = tmp_path_factory.mktemp("odd")
     study, results = empty.study(folder, 2), folder / "results"
     with pytest.MonkeyPatch.context() as patch:
-        engine = run.Engine(coefficients=empty.coefficients, compute=compute, judge=empty.nothing, reduce=empty.nothing)
+        engine = empty.without_physics(empty.coefficients, compute)
         patch.setattr(run, "Engine", lambda: engine)
         patch.setattr(cache.Cache.__init__, "__defaults__", (empty.require_whole,))
         patch.setattr(actions, "REPORTED", 0)

@@ -77,6 +77,40 @@ def test_coefficients_are_not_solved_again(small, tmp_path, engine):
     assert heard == ["task"] * 6
 
 
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("workers", [1, 2])
+def test_headings_share_what_radiates(small, tmp_path, engine, workers):
+    """One solution in as many shares as workers, and a file for each heading."""
+    from dataclasses import replace
+
+    def coefficients(geometries, shares):
+        assert [g.heading for g in geometries] == [0.1, 0.2]
+        assert shares == [(n, workers) for n in range(workers)]
+        return engine.coefficients(geometries, shares)
+
+    share = replace(engine, share=lambda _, first, step: (first, step), coefficients=coefficients)
+    small.write_text(small.read_text().replace("[axes]", '[axes]\n"waves.heading" = [0.1, 0.2]'))
+    _, tasks, store, failed, heard = run(small, tmp_path / "r", share, workers=workers)
+    assert not failed
+    assert heard.count("geometry") == 2
+    assert {store.look(task).state for task in tasks} == {"done"}
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_share_that_fails_fails_the_tasks_of_all_its_headings_once(small, tmp_path, engine):
+    from dataclasses import replace
+
+    def broken(_, first, step):
+        if first == step - 1:
+            raise ValueError("singular")
+
+    small.write_text(small.read_text().replace("[axes]", '[axes]\n"waves.heading" = [0.1, 0.2]'))
+    _, tasks, store, failed, heard = run(small, tmp_path / "r", replace(engine, share=broken), workers=2)
+    assert heard.count("geometry") == 2
+    assert len(failed) == len({t.id for t in failed}) == 2 * 8
+    assert {store.look(t).state for t in tasks if not geometry_of(t.parameters)} == {"done"}
+
+
 @pytest.mark.filterwarnings("default")  # dask warns while it shuts down
 def test_serial_and_two_workers_agree_bit_for_bit(small, tmp_path, engine):
     _, tasks, one, _, _ = run(small, tmp_path / "one", engine, workers=1)
@@ -118,7 +152,7 @@ def test_fail_fast_stops(small, cli):
 def test_failed_coefficients_fail_their_tasks_alone(small, tmp_path, engine):
     from dataclasses import replace
 
-    def broken(geometry):
+    def broken(*_):
         raise ValueError("singular")
 
     _, tasks, store, failed, _ = run(small, tmp_path / "r", replace(engine, coefficients=broken), workers=1)
