@@ -19,6 +19,7 @@ from pipeline.study.schema import (
     Member,
     PanelMesh,
     Platform,
+    Profile,
     Recording,
     Sphere,
     Tube,
@@ -104,7 +105,7 @@ def _sea(sea_state: SeaState, waves: Waves, seed: tuple[int, ...]) -> Realizatio
     return realizations.realize(sea_state, waves, seed)
 
 
-def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh) -> Revolution | PanelHull:
+def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder | Profile | PanelMesh) -> Revolution | PanelHull:
     """The solver's hull for a hull table."""
     from solver.hydrodynamics.hull.revolution import Revolution
 
@@ -115,6 +116,8 @@ def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh) -> R
             return Revolution.sphere(radius=shape.radius, draft=shape.draft)
         case VerticalCylinder():
             return Revolution.vertical_cylinder(radius=shape.radius, draft=shape.draft, freeboard=shape.freeboard)
+        case Profile():
+            return Revolution.profile(shape.points)
         case PanelMesh():
             return _panel_hull(shape.file, shape.origin, shape.rotation, shape.scale)
         case _:
@@ -133,7 +136,7 @@ def _panel_hull(file: Attachment, origin: Vector, rotation: Vector, scale: float
     return PanelHull.of(vertices, faces, name=file.name)
 
 
-def outline(shape: HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh) -> list[tuple[float, float]]:
+def outline(shape: HemisphereCylinder | Sphere | VerticalCylinder | Profile | PanelMesh) -> list[tuple[float, float]]:
     """A hull at rest seen along y, x and z from its reference point [m]."""
     import numpy as np
 

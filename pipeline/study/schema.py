@@ -125,6 +125,18 @@ class VerticalCylinder(Table):
     freeboard: Annotated[Positive, Unit("m"), "Height of the top above still water"]
 
 
+class Profile(Table):
+    """Any body of revolution about a vertical axis, by its meridian: a cone, a spar with a heave plate."""
+
+    shape: Annotated[Literal["profile"], "Kind of hull"]
+    points: Annotated[
+        tuple[tuple[NotNegative, Number], ...],
+        Field(min_length=2, max_length=100),
+        Unit("m"),
+        "[r, z] along the outside, upwards; straight between them, flat to the axis at both ends",
+    ]
+
+
 class PanelMesh(Table):
     """Any closed hull, as panels in a file (STL, GDF, Nemoh's .dat and others), shifted, turned, scaled.
 
@@ -140,7 +152,7 @@ class PanelMesh(Table):
     scale: Annotated[Positive, Field(ge=1e-6, le=1e6), Unit("-"), "Metres in the file's unit, 0.001 for mm"] = 1.0
 
 
-Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder | PanelMesh, Field(discriminator="shape")]
+Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder | Profile | PanelMesh, Field(discriminator="shape")]
 
 
 Motion = Literal["hinge", "surge", "sway", "heave", "roll", "pitch", "yaw"]

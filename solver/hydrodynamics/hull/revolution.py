@@ -5,6 +5,7 @@ distance from the axis. Angles on an arc are measured from the downward axis:
 r = R sin(phi), z = zc - R cos(phi).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -102,6 +103,22 @@ def _moment(segment: Segment, order: int) -> float:
     return float(primitive(z1) - primitive(z0))
 
 
+Line = tuple[tuple[float, float], tuple[float, float]]
+
+
+def _cross(one: Line, other: Line) -> bool:
+    """Whether two lines of a meridian, which share no end, have a point in common."""
+
+    def side(line: Line, point: tuple[float, float]) -> float:
+        (r0, z0), (r1, z1) = line
+        return (r1 - r0) * (point[1] - z0) - (z1 - z0) * (point[0] - r0)
+
+    apart = any(min(one[0][k], one[1][k]) > max(other[0][k], other[1][k]) for k in (0, 1))
+    apart = apart or any(max(one[0][k], one[1][k]) < min(other[0][k], other[1][k]) for k in (0, 1))
+    across = (side(a, b[0]) * side(a, b[1]) <= 0 for a, b in ((one, other), (other, one)))
+    return not apart and all(across)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Revolution:
     """A closed hull of revolution; `meridian` runs from the bottom pole to the top pole."""
@@ -159,6 +176,26 @@ class Revolution:
                 Segment(start=(radius, freeboard), end=(0.0, freeboard)),
             )
         )
+
+    @classmethod
+    def profile(cls, points: Sequence[tuple[float, float]]) -> "Revolution":
+        """Straight lines through points (r, z) [m], upwards along the outside; flat to the axis at both ends."""
+        line = [(float(r), float(z)) for r, z in points]
+        ends = ([(0.0, line[0][1])] if line[0][0] else []), ([(0.0, line[-1][1])] if line[-1][0] else [])
+        line = ends[0] + line + ends[1]
+        for (r, z), after in zip(line[1:-1], line[2:], strict=True):
+            if not r > 0 or (r, z) == after:
+                raise InputError("hull.points", (r, z), "must be off the axis, r > 0 m, and unlike the one before")
+        if not line[0][1] < 0 < line[-1][1]:
+            raise InputError("hull.points", f"z from {line[0][1]:g} to {line[-1][1]:g}", "must begin below z = 0 m")
+        pieces = list(zip(line[:-1], line[1:], strict=True))
+        for n, piece in enumerate(pieces):
+            if any(_cross(piece, other) for other in pieces[n + 2 :]):
+                raise InputError("hull.points", piece, "must not cross or touch another part of the line")
+        through = [piece for piece in pieces if (piece[0][1] < 0) != (piece[1][1] < 0)]
+        if len(through) > 1:
+            raise InputError("hull.points", through[1], "must not pass through still water, z = 0 m, a second time")
+        return cls(meridian=tuple(Segment(start=a, end=b) for a, b in pieces))
 
     def segments(self) -> np.ndarray:
         """Meridian for kernels, (ns, 8): kind (0 line, 1 arc), r0, z0, r1, z1, zc, R, 0.
