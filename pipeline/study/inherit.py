@@ -8,11 +8,12 @@ from typing import Any
 Tables = dict[str, Any]
 BASE = "base"
 FILES = ("file", "coefficients")  # keys that name files
+KINDS = ("shape", "kind")  # keys that decide which others a table has
 
 
 def merged(base: Any, upper: Any) -> Any:
-    """Tables key by key, lists of named tables name by name; anything else is replaced."""
-    if isinstance(base, dict) and isinstance(upper, dict):
+    """Tables key by key, lists of named tables name by name; anything else, and a table of another kind, is replaced."""
+    if isinstance(base, dict) and isinstance(upper, dict) and not _of_another_kind(base, upper):
         return base | {key: merged(base[key], value) if key in base else value for key, value in upper.items()}
     if _named(base) and _named(upper):
         mine = {item["name"]: item for item in upper}
@@ -20,6 +21,11 @@ def merged(base: Any, upper: Any) -> Any:
         both = [merged(item, mine.pop(item["name"], {})) for item in base]
         return both + list(mine.values()) + twice
     return upper
+
+
+def _of_another_kind(base: Tables, upper: Tables) -> bool:
+    """Whether both say what they are, and not the same: a cone has no use for a sphere's draft."""
+    return any(key in base and upper.get(key, base[key]) != base[key] for key in KINDS)
 
 
 def _named(value: Any) -> bool:

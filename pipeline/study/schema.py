@@ -130,7 +130,7 @@ class Profile(Table):
 
     shape: Annotated[Literal["profile"], "Kind of hull"]
     points: Annotated[
-        tuple[tuple[NotNegative, Number], ...],
+        tuple[tuple[Number, Number], ...],
         Field(min_length=2, max_length=100),
         Unit("m"),
         "[r, z] along the outside, upwards; straight between them, flat to the axis at both ends",

@@ -126,6 +126,7 @@ def test_symmetry_planes_are_found():
         (lambda: Revolution(meridian=(Segment(start=(0.0, -1.0), end=(1.0, 1.0)),)), "hull.meridian"),
         (lambda: Revolution(meridian=(Segment(start=(0.0, 1.0), end=(0.0, 2.0)),)), "hull.meridian"),
         (lambda: Revolution.profile([(1.0, 1.0), (1.0, 2.0)]), "hull.points"),
+        (lambda: Revolution.profile([(-1.0, -1.0), (1.0, 2.0)]), "hull.points"),
         (lambda: Revolution.profile([(1.0, -1.0), (0.0, -0.5), (1.0, 1.0)]), "hull.points"),
         (lambda: Revolution.profile([(1.0, -1.0), (1.0, -1.0), (1.0, 1.0)]), "hull.points"),
         (lambda: Revolution.profile([(1.0, -1.0), (2.0, 1.0), (1.0, -0.5), (0.5, 2.0)]), "hull.points"),

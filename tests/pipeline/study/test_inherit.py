@@ -21,6 +21,14 @@ def test_tables_merge_by_key_and_named_lists_by_name():
     }
 
 
+def test_a_table_of_another_kind_takes_nothing_over():
+    base = {"hull": {"shape": "sphere", "radius": 5.0, "draft": 5.0}}
+    assert merged(base, {"hull": {"shape": "sphere", "draft": 4.0}})["hull"]["radius"] == 5.0
+    assert merged(base, {"hull": {"draft": 4.0}})["hull"] == base["hull"] | {"draft": 4.0}
+    other = {"hull": {"shape": "profile", "points": [[1.0, -1.0], [1.0, 1.0]]}}
+    assert merged(base, other) == other
+
+
 def test_only_what_differs_is_different(small, tmp_path):
     (tmp_path / "heavy.toml").write_text('base = "small.toml"\n[[floats]]\nname = "front"\npto_damping = 2e5\n')
     base, heavy = load(small), load(tmp_path / "heavy.toml")
