@@ -12,7 +12,7 @@ KINDS = ("shape", "kind")  # keys that decide which others a table has
 
 
 def merged(base: Any, upper: Any) -> Any:
-    """Tables key by key, lists of named tables name by name; anything else, and a table of another kind, is replaced."""
+    """Tables key by key, lists of named tables name by name; all else, and a table of another kind, is replaced."""
     if isinstance(base, dict) and isinstance(upper, dict) and not _of_another_kind(base, upper):
         return base | {key: merged(base[key], value) if key in base else value for key, value in upper.items()}
     if _named(base) and _named(upper):
