@@ -103,7 +103,8 @@ def judge(parameters: Parameters) -> Sequence[str]:
             require_covered(known, geometry.coefficients.name, scene.sea.omega.min(), scene.sea.omega.max())
     elif geometry:
         arguments = bem_arguments(geometry)
-        bem.require_solvable(*(arguments[name] for name in ("hulls", "centres", "depth", "omega", "gravity", "panels")))
+        judged = ("hulls", "centres", "depth", "omega", "gravity", "panels", "interaction")
+        bem.require_solvable(**{name: arguments[name] for name in judged})
     return warnings(scene)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from solver.errors import InputError
+from solver.hydrodynamics.bem.alone import assembled
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
@@ -54,12 +55,14 @@ def frequency_grid(
     count: int = 40,
     band: tuple[float, float] | None = None,
     panels: int = 432,
+    interaction: bool = True,
 ) -> np.ndarray:
     """Frequencies [rad/s] from Ka = 0.02 (or kh = 0.11) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
 
     None above that, not of the band, which meshes of about `panels` a body do not resolve: RESOLVED.
     `count` even ones for a body alone. A wave reflected between bodies L apart turns the phase
-    of a force by 2kL: the spacing is then at most g/(4ωL), 1 rad, up to Ka = 2 and through the band.
+    of a force by 2kL: the spacing is then at most g/(4ωL), 1 rad, up to Ka = 2 and through the band. Without
+    interaction none is.
     """
     radii = [h.largest_radius for h in hulls]
     shallow = 1.001 * np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
@@ -69,7 +72,7 @@ def frequency_grid(
     if band is not None:
         low, high, resolved = min(low, band[0]), max(high, band[1]), max(resolved, band[1])
     at = np.asarray(centres, float).reshape(-1, 3)
-    apart = np.linalg.norm(at[:, None] - at, axis=-1).max()
+    apart = np.linalg.norm(at[:, None] - at, axis=-1).max() if interaction else 0.0
     # Grid points divide the integral of their density evenly, so that the spacing varies smoothly.
     omega = np.linspace(low, high, 4001)
     density = (count - 1) / (high - low) + 0.0 * omega
@@ -89,15 +92,23 @@ def solve(
     omega: np.ndarray | None = None,
     planar: bool = True,
     panels: int = 432,
+    interaction: bool = True,
 ) -> Hydrodynamics:
     """Coefficients of `hulls` at `centres` (nb, 3) [m] in water of `depth` [m, may be inf].
 
     Each is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many. A hull
     that is a mesh is solved as it is, or halved until it has panels / 4, and with all sides halved once more.
+    Without interaction each body is alone in the water, and equal ones are solved for once.
     """
     centres = np.asarray(centres, float).reshape(-1, 3)
-    omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
-    require_solvable(hulls, centres, depth, omega, gravity, panels)
+    if omega is None:
+        omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity, interaction=interaction)
+    omega = np.asarray(omega, float)
+    require_solvable(hulls, centres, depth, omega, gravity, panels, interaction=interaction)
+    if not interaction and len(hulls) > 1:
+        given: Any = {"depth": depth, "density": density, "gravity": gravity, "heading": heading, "omega": omega}
+        alone = {hull: solve((hull,), np.zeros(3), planar=planar, panels=panels, **given) for hull in {*hulls}}
+        return assembled([alone[hull] for hull in hulls], centres)
     dofs = PLANAR if planar else DOFS
     sea = Sea(depth=depth, density=density, gravity=gravity, heading=heading)
     counts = _counts(hulls, panels, sea.wavenumber(omega[-1]))
@@ -277,13 +288,24 @@ def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.nda
 
 
 def require_solvable(
-    hulls: tuple[Hull, ...], centres: np.ndarray, depth: float, omega: np.ndarray, gravity: float, panels: int
+    hulls: tuple[Hull, ...],
+    centres: np.ndarray,
+    depth: float,
+    omega: np.ndarray,
+    gravity: float,
+    panels: int,
+    *,
+    interaction: bool = True,
 ) -> None:
     """Refuse hulls, places, depth and frequencies that `solve` cannot handle; arguments as there."""
     if len(hulls) != len(centres) or not len(hulls):
         raise InputError("centres", len(centres), f"must be one for each of the {len(hulls)} hulls")
     if np.any(centres[:, 2] != 0):
         raise InputError("centres", centres[:, 2].tolist(), "must lie in the still-water plane, z = 0 m")
+    if not interaction and len(hulls) > 1:
+        for hull, centre in zip(hulls, centres, strict=True):
+            require_solvable((hull,), centre[None], depth, omega, gravity, panels)
+        return
     if panels < 108:
         raise InputError("panels", panels, "must be at least 108 a body")
     if len(edges := openings(hulls, list(centres))) and not slips(hulls, edges):
