@@ -14,8 +14,9 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     """Sentences for the user, the key first."""
     sentences = [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
-    if len(edges := openings([f.hull for f in scene.floats], [f.centre for f in scene.floats])):
-        sentences.append(f"floats: meshes leave {len(edges)} edges open below still water, a slip that is let pass")
+    for group in scene.sharing:
+        if len(edges := openings([f.hull for f in group], [f.centre for f in group])):
+            sentences.append(f"floats: meshes leave {len(edges)} edges open below still water, a slip that is let pass")
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes))
 
 

@@ -279,6 +279,7 @@ class Settings:
     ] = "body-nonlinear"
     diffraction: Annotated[bool, "Whether floats diffract waves"] = True
     radiation: Annotated[bool, "Whether floats radiate waves"] = True
+    interaction: Annotated[bool, "Whether floats feel waves that others diffract and radiate"] = True
     # Newton's last update of a position [m or rad] in a step by the shortest wave, for hulls of 1 m radius and more;
     # for smaller ones as their radius, in shorter steps as their square: forces are as exact.
     newton_tolerance: Annotated[
@@ -381,7 +382,7 @@ class Scene:
                     'must be closed for body-nonlinear pressure; or set froude_krylov = "linear"',
                 )
         yield from self._open_hulls()
-        for a, b in combinations(self.floats, 2):
+        for a, b in (pair for group in self.sharing for pair in combinations(group, 2)):
             if touching(a.hull, a.centre, b.hull, b.centre):
                 key, gap = f"distance of floats.{a.name} and floats.{b.name}", np.linalg.norm(a.centre - b.centre)
                 limit = f"must be > {reach(a.hull) + reach(b.hull):g} m, or the floats touch"
@@ -399,14 +400,15 @@ class Scene:
             yield InputError("settings.time_step", step, limit)
 
     def _open_hulls(self) -> Iterator[InputError]:
-        hulls = [f.hull for f in self.floats]
-        edges = openings(hulls, [f.centre for f in self.floats])
-        for f in self.floats if len(edges) and not slips(hulls, edges) else ():
-            if isinstance(f.hull, PanelHull) and len(f.hull.holes):
-                where = ", ".join(f"{x:.4g}" for x in edges[0].mean(axis=0) - f.centre)
-                limit = f"must be closed below still water: {len(edges)} open edges, the first near ({where}) m"
-                adjoining = "; only where floats adjoin may faces be missing"
-                yield InputError(f"floats.{f.name}.{KEY}", f.hull.name, limit + adjoining)
+        for group in self.sharing:
+            hulls = [f.hull for f in group]
+            edges = openings(hulls, [f.centre for f in group])
+            for f in group if len(edges) and not slips(hulls, edges) else ():
+                if isinstance(f.hull, PanelHull) and len(f.hull.holes):
+                    where = ", ".join(f"{x:.4g}" for x in edges[0].mean(axis=0) - f.centre)
+                    limit = f"must be closed below still water: {len(edges)} open edges, the first near ({where}) m"
+                    adjoining = "; only where floats adjoin, and interact, may faces be missing"
+                    yield InputError(f"floats.{f.name}.{KEY}", f.hull.name, limit + adjoining)
 
     def _fixed_problems(self) -> Iterator[InputError]:
         if self.settings.paths.formulation == "augmented":
@@ -455,6 +457,11 @@ class Scene:
                 yield InputError(f"floats.{f.name}.on", f.on, "must be empty: the platform carries every float")
             elif f.on and f.on not in names[:i]:
                 yield InputError(f"floats.{f.name}.on", f.on, "must name a float that is listed before")
+
+    @property
+    def sharing(self) -> tuple[tuple[Float, ...], ...]:
+        """The floats by what water they share: all of them the same, or without interaction each its own."""
+        return (self.floats,) if self.settings.interaction else tuple((f,) for f in self.floats)
 
     @property
     def carriers(self) -> tuple[int, ...]:

@@ -70,6 +70,9 @@ def _at_each_value(study: StudyFile, judge: Judge) -> Iterator[InputError]:
 def _contents(study: StudyFile) -> Iterator[InputError]:
     yield from sea_checks.problems(study)
     yield from _recording(study)
+    if study.coefficients and len(study.floats) > 1 and not study.solver.interaction:
+        limit = "must be true: `coefficients` from a file are of floats that interact"
+        yield InputError("solver.interaction", "false", limit)
     yield from _parts(study)
 
 

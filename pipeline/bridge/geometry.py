@@ -11,7 +11,7 @@ from pipeline.bridge.scenes import floating, hull
 from pipeline.study import seas
 from pipeline.study.attachments import CoefficientFile
 from pipeline.study.schema import Hull, Solver, Water
-from pipeline.study.tables import Count, Number, Positive, Table, Vector
+from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
 from solver.scene import Float, is_planar, panels_for
 
@@ -38,6 +38,7 @@ class Geometry(Table):
     heading: Number = 0.0
     planar: bool = True  # nothing leaves the plane y = 0
     panels: Count = panels_for(Solver().tolerance)
+    interaction: Flag = True  # of several bodies
     coefficients: CoefficientFile | None = (
         None  # from a file, whose bodies have these names and must have these motions
     )
@@ -76,6 +77,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         **place,
         band=seas.band(parameters.sea_state, parameters.waves),
         panels=panels_for(parameters.solver.tolerance),
+        interaction=parameters.solver.interaction or len(floats) == 1,
     )
 
 
@@ -118,18 +120,20 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
     water = geometry.water
     hulls = tuple(hull(body.hull) for body in geometry.bodies)
     centres = np.array([body.centre for body in geometry.bodies])
-    depth, gravity = water.depth, water.gravity
-    omega = frequency_grid(hulls, centres, depth=depth, gravity=gravity, band=geometry.band, panels=geometry.panels)
+    how: dict[str, Any] = {
+        "depth": water.depth,
+        "gravity": water.gravity,
+        "panels": geometry.panels,
+        "interaction": geometry.interaction,
+    }
     return {
         "hulls": hulls,
         "centres": centres,
-        "depth": water.depth,
         "density": water.density,
-        "gravity": water.gravity,
         "heading": geometry.heading,
-        "omega": omega,
+        "omega": frequency_grid(hulls, centres, band=geometry.band, **how),
         "planar": geometry.planar,
-        "panels": geometry.panels,
+        **how,
     }
 
 

@@ -82,6 +82,7 @@ class Solver(Table):
 
     if TYPE_CHECKING:
         froude_krylov: str = DEFAULT.froude_krylov
+        interaction: bool = DEFAULT.interaction
         method: str = DEFAULT.method
         accuracy: str = DEFAULT.accuracy
         tolerance: float | None = DEFAULT.tolerance

@@ -1,5 +1,7 @@
 """Hydrodynamic coefficients of a scene: the boundary element method with the arguments that the scene implies."""
 
+from typing import Any
+
 import numpy as np
 
 from solver.hydrodynamics.bem import bem
@@ -27,14 +29,13 @@ def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.H
         bands.append((scene.sea.omega.min(), scene.sea.omega.max()))
     whole = (float(np.min(bands)), float(np.max(bands))) if bands else None
     panels, depth, gravity = panels_for(scene.settings.tolerance), water.depth, water.gravity
+    how: Any = {"depth": depth, "gravity": gravity, "panels": panels, "interaction": scene.settings.interaction}
     return bem.solve(
         hulls,
         centres,
-        depth=depth,
-        gravity=gravity,
         density=water.density,
         heading=scene.sea.heading,
-        omega=bem.frequency_grid(hulls, centres, depth=depth, gravity=gravity, band=whole, panels=panels),
+        omega=bem.frequency_grid(hulls, centres, band=whole, **how),
         planar=scene.planar,
-        panels=panels,
+        **how,
     )

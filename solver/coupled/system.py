@@ -270,6 +270,9 @@ def _check_same(scene: Scene, h: Hydrodynamics) -> None:
             raise InputError(key, value, f"must be {limit:g}, that of the coefficients")
     if not np.allclose(places, h.centres, rtol=0, atol=1e-6):
         raise InputError("floats", places.tolist(), f"must be where the coefficients' floats are, {h.centres.tolist()}")
+    if len(places) > 1 and scene.settings.interaction != h.interacting:
+        said = f"must be {str(h.interacting).lower()}, as of the coefficients"
+        raise InputError("settings.interaction", scene.settings.interaction, said)
     waves = scene.sea.amplitude.any() and (scene.settings.diffraction or scene.settings.froude_krylov == "linear")
     if waves and abs(np.exp(1j * scene.sea.heading) - np.exp(1j * h.heading)) > 1e-6:
         raise InputError("sea.heading", scene.sea.heading, f"must be {h.heading:g} rad, that of the coefficients")

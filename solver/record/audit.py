@@ -262,7 +262,7 @@ def skipped(system: System) -> list[str]:
         notes.append("pressure quadrature: linear hydrostatics and Froude-Krylov (exact for a linear scene)")
     if scene.floats and system.bodies.nonlinear.any():
         notes.append(f"terms of the local wave field beyond {s.field_tolerance:g} of the sum of amplitudes")
-    for switch in ("diffraction", "radiation"):
+    for switch in ("diffraction", "radiation", "interaction"):
         if scene.floats and not getattr(s, switch):
             notes.append(f"{switch}: switched off")
     if not s.keep_series:

@@ -5,8 +5,8 @@ shares one factorization, and parts that a symmetry makes zero are never solved.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -14,6 +14,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from solver.errors import InputError
+from solver.hydrodynamics.bem.alone import assembled
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
@@ -61,12 +62,14 @@ def frequency_grid(
     count: int = 40,
     band: tuple[float, float] | None = None,
     panels: int = 432,
+    interaction: bool = True,
 ) -> np.ndarray:
     """Frequencies [rad/s] from Ka = 0.02 (or kh = 0.11) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
 
     None above that, not of the band, which meshes of about `panels` a body do not resolve: RESOLVED.
     `count` even ones for a body alone. A wave reflected between bodies L apart turns the phase
-    of a force by 2kL: the spacing is then at most g/(4ωL), 1 rad, up to Ka = 2 and through the band.
+    of a force by 2kL: the spacing is then at most g/(4ωL), 1 rad, up to Ka = 2 and through the band. Without
+    interaction none is.
     """
     radii = [h.largest_radius for h in hulls]
     shallow = 1.001 * np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
@@ -76,7 +79,7 @@ def frequency_grid(
     if band is not None:
         low, high, resolved = min(low, band[0]), max(high, band[1]), max(resolved, band[1])
     at = np.asarray(centres, float).reshape(-1, 3)
-    apart = np.linalg.norm(at[:, None] - at, axis=-1).max()
+    apart = np.linalg.norm(at[:, None] - at, axis=-1).max() if interaction else 0.0
     # Grid points divide the integral of their density evenly, so that the spacing varies smoothly.
     omega = np.linspace(low, high, 4001)
     density = (count - 1) / (high - low) + 0.0 * omega
@@ -108,6 +111,7 @@ class Problem:
     omega: np.ndarray  # (nw,) [rad/s]
     dofs: tuple[str, ...]
     panels: int
+    interaction: bool  # without, each body is alone in the water, and equal ones are solved for once
 
     @classmethod
     def of(
@@ -122,11 +126,14 @@ class Problem:
         omega: np.ndarray | None = None,
         planar: bool = True,
         panels: int = 432,
+        interaction: bool = True,
     ) -> "Problem":
         """Checked, see require_solvable; frequencies as frequency_grid chooses them unless given."""
         at = np.asarray(centres, float).reshape(-1, 3)
-        grid = frequency_grid(hulls, at, depth=depth, gravity=gravity) if omega is None else np.asarray(omega, float)
-        require_solvable(hulls, at, depth, grid, gravity, panels)
+        if omega is None:
+            omega = frequency_grid(hulls, at, depth=depth, gravity=gravity, interaction=interaction)
+        grid = np.asarray(omega, float)
+        require_solvable(hulls, at, depth, grid, gravity, panels, interaction=interaction)
         return cls(
             hulls=hulls,
             centres=at,
@@ -137,7 +144,16 @@ class Problem:
             omega=grid,
             dofs=PLANAR if planar else DOFS,
             panels=panels,
+            interaction=interaction or len(hulls) == 1,
         )
+
+    @cached_property
+    def apart(self) -> "dict[Hull, Problem]":
+        """Problems that have nothing to do with each other, one for each hull; of bodies that interact, itself."""
+        if self.interaction:
+            return {self.hulls[0]: self}
+        alone = partial(replace, self, centres=np.zeros((1, 3)), interaction=True)
+        return {hull: alone(hulls=(hull,)) for hull in self.hulls}
 
     @cached_property
     def seas(self) -> list[Sea]:
@@ -155,15 +171,33 @@ class Problem:
         return _divisions(self.hulls, self.centres, self.counts)
 
 
-def part(problem: Problem, first: int = 0, step: int = 1) -> list[Solution]:
-    """Of each mesh, the finest first, frequencies `first`, first + step, and so on; infinite frequency goes with 0."""
+def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]]:
+    """Of each problem apart, and of each mesh, the finest first: frequencies `first`, first + step, and so on.
+
+    Infinite frequency goes with 0.
+    """
+    return [_solutions(alone, first, step) for alone in problem.apart.values()]
+
+
+def _solutions(problem: Problem, first: int, step: int) -> list[Solution]:
     divisions = problem.divisions
     base = tuple(count // max(divisions, default=1) ** 2 for count in problem.counts)
     return [_coefficients(problem, problem.omega[first::step], base, n, infinite=first == 0) for n in divisions]
 
 
-def united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodynamics]:
+def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydrodynamics]:
     """Coefficients for each heading, from all parts in order of their first frequencies."""
+    found = {
+        hull: _united(alone, pieces)
+        for (hull, alone), pieces in zip(problem.apart.items(), zip(*parts, strict=True), strict=True)
+    }
+    if problem.interaction:
+        return found[problem.hulls[0]]
+    each = [found[hull] for hull in problem.hulls]
+    return [assembled(alone, problem.centres) for alone in zip(*each, strict=True)]
+
+
+def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodynamics]:
     hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
     edged = any(h.edged for h in hulls)
@@ -341,13 +375,24 @@ def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.nda
 
 
 def require_solvable(
-    hulls: tuple[Hull, ...], centres: np.ndarray, depth: float, omega: np.ndarray, gravity: float, panels: int
+    hulls: tuple[Hull, ...],
+    centres: np.ndarray,
+    depth: float,
+    omega: np.ndarray,
+    gravity: float,
+    panels: int,
+    *,
+    interaction: bool = True,
 ) -> None:
     """Refuse hulls, places, depth and frequencies that `solve` cannot handle; arguments as there."""
     if len(hulls) != len(centres) or not len(hulls):
         raise InputError("centres", len(centres), f"must be one for each of the {len(hulls)} hulls")
     if np.any(centres[:, 2] != 0):
         raise InputError("centres", centres[:, 2].tolist(), "must lie in the still-water plane, z = 0 m")
+    if not interaction and len(hulls) > 1:
+        for hull, centre in zip(hulls, centres, strict=True):
+            require_solvable((hull,), centre[None], depth, omega, gravity, panels)
+        return
     if panels < 108:
         raise InputError("panels", panels, "must be at least 108 a body")
     if len(edges := openings(hulls, list(centres))) and not slips(hulls, edges):

@@ -18,6 +18,7 @@ from solver.sea.dispersion import wavenumber
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")
+EACH_ALONE = "each alone"  # what the settings say of bodies that do not interact
 SPLINES = 16  # sets of coefficients whose curves a process keeps
 
 
@@ -70,6 +71,11 @@ class Hydrodynamics:
         if self.error is None:
             return 0.0
         return max(float(np.abs(e).max() / np.abs(getattr(self, n)).max()) for n, e in self.error._asdict().items())
+
+    @property
+    def interacting(self) -> bool:
+        """Whether each body feels the waves that the others diffract and radiate."""
+        return len(self.centres) == 1 or self.settings.get("bodies") != EACH_ALONE
 
     def excitation(self, omega: np.ndarray, kind: str = "total") -> np.ndarray:
         """Force per wave amplitude (nw', n) [N/m] at any ω in the solved range.

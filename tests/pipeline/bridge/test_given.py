@@ -250,6 +250,14 @@ def test_coefficients_of_our_own_give_the_same_answers(ours, study, tmp_path, me
             assert np.abs(theirs - value).max() <= 2e-5 * np.abs(value).max(), (name, variable)
 
 
+def test_floats_of_a_file_interact(ours, study, tmp_path):
+    wamit_files(tmp_path, ours)
+    path = study("pair.1", method="frequency")
+    path.write_text(path.read_text().replace("[solver]", "[solver]\ninteraction = false"))
+    with pytest.raises(StudyError, match=r"solver.interaction = false: must be true"):
+        load(path)
+
+
 def test_a_task_is_known_by_the_content_of_its_files(ours, study, tmp_path):
     before = only_task(study()).id
     wamit_files(tmp_path, ours)

@@ -70,3 +70,15 @@ def test_coefficients_are_those_of_the_tasks_water_direction_and_accuracy(buan_t
     assert [arguments[name] for name in ("depth", "density", "gravity", "heading")] == [40.0, 1000.0, 9.8, 0.5]
     assert arguments["panels"] == panels_for(1e-4) != panels_for(None) and not arguments["planar"]
     assert arguments["centres"].tolist() == [[-3.86, 0.0, 0.0], [3.86, 0.0, 0.0]]
+
+
+def test_floats_without_interaction_have_coefficients_of_their_own(buan_tables, study_of):
+    both = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
+    buan_tables["solver"]["interaction"] = False
+    alone = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
+    assert alone.key != both.key and bem_arguments(alone)["interaction"] is False
+    assert len(bem_arguments(alone)["omega"]) < len(bem_arguments(both)["omega"])  # nothing is reflected to and fro
+    del buan_tables["floats"][1]
+    one = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
+    buan_tables["solver"]["interaction"] = True
+    assert one.key == geometry_of(task(study_of(buan_tables), platform="fixed").parameters).key

@@ -34,6 +34,7 @@ REACHED = [
     ("sea_states.calm.Tp", 6.0, lambda p: p.sea_state.Tp),
     ("solver.froude_krylov", "linear", lambda p: p.solver.froude_krylov),
     ("solver.diffraction", False, lambda p: p.solver.diffraction),
+    ("solver.interaction", False, lambda p: p.solver.interaction),
     ("record.duration", 600.0, lambda p: p.record.duration),
 ]
 
