@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pipeline.bridge import cache
-from pipeline.bridge.engine import Engine, compute
+from pipeline.bridge.engine import Engine, compute, share
 from pipeline.bridge.engine import coefficients as file_of
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.given import reading
@@ -81,7 +81,9 @@ def only_task(path):
 
 def answer(path):
     parameters = only_task(path).parameters
-    return compute(parameters, file_of(geometry_of(parameters)))
+    geometry = [geometry_of(parameters)]
+    (file,) = file_of(geometry, [share(geometry)])
+    return compute(parameters, file)
 
 
 def with_our_own(path, h):
