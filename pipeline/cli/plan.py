@@ -74,8 +74,8 @@ class Estimate:
         count = sum(rate.tasks for rate in self.past.values())
         origin = f"from {count} {source}" if count else f"at {REAL_TIME} times real time, for there is no past run"
         time = f"{about((self._seconds() if count else self.usual) / workers)} on {workers} workers, {origin}"
-        fresh = [one for one in self.geometries if Cache(results).get(one.key) is None]
-        effort = sum(BEM_TIME * len(one.bodies) ** 2 for one in fresh) / min(workers, max(len(fresh), 1))
+        fresh = {one.radiating for one in self.geometries if Cache(results).get(one.key) is None}
+        effort = sum(BEM_TIME * len(one.bodies) ** 2 for one in fresh) / workers
         bem = f" after {len(fresh)} boundary element solutions, {about(effort)}" if fresh else ""
         return f"to run: {self.left} tasks{bem}; {time}"
 
