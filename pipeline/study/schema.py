@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from pipeline.study.attachments import CoefficientFile, File
 from pipeline.study.axes import Axes, Axis, Samples, Variant, implied_sea, variant_axis
@@ -178,12 +178,27 @@ class Material(Table):
     """Linear elastic."""
 
 
+def _word_or_number(value: Any) -> str:
+    return "<word>" if isinstance(value, str) else "<number>"
+
+
+ShearFactor = Annotated[
+    Annotated[
+        Annotated[Literal["cowper"], Tag("<word>")] | Annotated[Positive, Tag("<number>")],
+        Discriminator(_word_or_number),
+    ]
+    | None,
+    "Timoshenko's, shear area over area; cowper: Cowper's (1966); left out, the beam is Euler-Bernoulli's",
+]
+
+
 class Tube(Table):
     """A circular hollow section."""
 
     shape: Annotated[Literal["tube"], "Kind of section"]
     diameter: Annotated[Positive, Unit("m"), "Outer diameter"]
     thickness: Annotated[Positive, Unit("m"), "Thickness of the wall"]
+    shear_factor: ShearFactor = None
 
 
 class SolidRectangle(Table):
@@ -192,6 +207,7 @@ class SolidRectangle(Table):
     shape: Annotated[Literal["solid-rectangle"], "Kind of section"]
     width: Annotated[Positive, Unit("m"), "Across the beam, horizontally"]
     height: Annotated[Positive, Unit("m"), "Across the beam, the other way"]
+    shear_factor: ShearFactor = None
 
 
 Section = Annotated[Tube | SolidRectangle, Field(discriminator="shape")]

@@ -27,6 +27,11 @@ class Material:
     def __post_init__(self) -> None:
         require_ranges(self, "material")
 
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio ν = E/2G - 1 [-]."""
+        return self.E / (2 * self.G) - 1
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Member:
@@ -174,6 +179,7 @@ class FrameModel:
     free: np.ndarray  # numbers of the degrees of freedom that are not clamped
     length: np.ndarray  # (ne,) [m]
     rotation: np.ndarray  # (ne, 3, 3) rows = local axes
+    shear: np.ndarray  # (ne, 2) φ in the planes xy and xz; 0 of Euler-Bernoulli's beams
     element_stiffness: np.ndarray  # (ne, 12, 12) local axes
     K: "scipy.sparse.csr_array"  # (6n, 6n), supports not yet removed
     M: "scipy.sparse.csr_array"  # (6n, 6n), consistent and lumped
@@ -212,7 +218,10 @@ def assemble(frame: Frame) -> FrameModel:
     owner = [frame.members[i] for i in member]
     pairs = list(zip(owner, length, strict=True))
     stiffness = np.array([beam.stiffness(m.material.E, m.material.G, m.section, L) for m, L in pairs])
-    mass = np.array([beam.mass(m.material.density, m.section, L) for m, L in pairs])
+    shear = np.array([beam.shear_parameters(m.material.E, m.material.G, m.section, L) for m, L in pairs])
+    mass = np.array(
+        [beam.mass(m.material.density, m.section, L, phi) for (m, L), phi in zip(pairs, shear, strict=True)]
+    )
     size = 6 * len(xyz)
     return FrameModel(
         frame=frame,
@@ -226,6 +235,7 @@ def assemble(frame: Frame) -> FrameModel:
         free=_free(frame, node_index, size),
         length=length,
         rotation=rotation,
+        shear=shear,
         element_stiffness=stiffness,
         K=scatter(stiffness, rotation, dofs, size),
         M=scatter(mass, rotation, dofs, size) + _lumped(frame, node_index, size),

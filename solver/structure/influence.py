@@ -93,5 +93,6 @@ def element_masses(model: FrameModel, density: float, elements: np.ndarray) -> n
     steel = []
     for e in elements:
         member, T = model.member_of(e), beam.to_global(model.rotation[e])
-        steel.append(T.T @ beam.mass(member.material.density, member.section, model.length[e]) @ T)
+        local = beam.mass(member.material.density, member.section, model.length[e], model.shear[e])
+        steel.append(T.T @ local @ T)
     return water.element_masses(model, density, elements) + np.reshape(steel, (-1, 12, 12))

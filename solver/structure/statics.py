@@ -18,8 +18,8 @@ def self_weight(model: FrameModel, g: float) -> np.ndarray:
     """Consistent weight ρAg of each element, local axes [N, N m], (ne, 12)."""
     weight = np.array([m.material.density * m.section.area * g for m in model.frame.members])
     down = model.rotation @ [0.0, 0.0, -1.0]
-    pairs = zip(weight[model.member, None] * down, model.length, strict=True)
-    return np.array([beam.distributed_load(q, L) for q, L in pairs])
+    parts = zip(weight[model.member, None] * down, model.length, model.shear, strict=True)
+    return np.array([beam.distributed_load(q, L, shear=shear) for q, L, shear in parts])
 
 
 def gravity_load(model: FrameModel, g: float) -> np.ndarray:
@@ -58,8 +58,8 @@ def axial_force(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
 
 def _element_geometric(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
     """Of each element, (ne, 12, 12) in local axes."""
-    pairs = zip(axial_force(model, displacement), model.length, strict=True)
-    return np.array([beam.geometric_stiffness(N, L) for N, L in pairs])
+    parts = zip(axial_force(model, displacement), model.length, model.shear, strict=True)
+    return np.array([beam.geometric_stiffness(N, L, shear) for N, L, shear in parts])
 
 
 def geometric_stiffness(model: FrameModel, displacement: np.ndarray) -> sparse.csr_array:

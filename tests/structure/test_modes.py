@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
 from solver.errors import InputError
 from solver.structure import statics
+from solver.structure.beam import tube, tube_shear_factor
 from solver.structure.frame import Frame, Member, PointLoad, PointMass, assemble
 from solver.structure.modes import mirror, modes, modes_in, static_remainder, symmetric_basis
 
@@ -67,6 +70,41 @@ def test_clamped_and_sliding(line, steel, pipe):
     omega = modes(model.K, model.M, free, 2).omega
     # tan β + tanh β = 0
     assert omega == pytest.approx(bending([2.365020372, 5.497803919], steel, pipe), rel=2e-5)
+
+
+def timoshenko(steel, section, L, low, high):
+    """Frequencies [rad/s] of a cantilever, det = 0 of its exact transfer matrix between clamp and free end.
+
+    (v, ψ, M, V)' = A (v, ψ, M, V): v' = ψ + V/κGA, ψ' = M/EI, M' = -V - ρIω²ψ, V' = -ρAω²v (Timoshenko 1921).
+    """
+    kGA, EI = section.shear_factor * steel.G * section.area, steel.E * section.Iz
+    rA, rI = steel.density * section.area, steel.density * section.Iz
+
+    def free_end(omega):
+        w2 = omega**2
+        A = np.array([[0, 1, 0, 1 / kGA], [0, 0, 1 / EI, 0], [0, -rI * w2, 0, -1], [-rA * w2, 0, 0, 0]])
+        scale = np.array([1, 1 / L, EI / L**2, EI / L**3])  # of one size, or the determinant is rounding
+        return np.linalg.det(expm(A * scale / scale[:, None] * L)[2:, 2:])
+
+    omega = np.linspace(low, high, 4001)
+    signs = np.array([free_end(w) for w in omega])
+    return np.array([brentq(free_end, *omega[i : i + 2], xtol=1e-10) for i in np.flatnonzero(np.diff(np.sign(signs)))])
+
+
+def test_a_short_thick_cantilever_converges_to_timoshenkos_frequencies(line, steel):
+    L, section = 2.0, replace(tube(0.8, 0.1), shear_factor=tube_shear_factor(0.8, 0.1, steel.poisson))
+    exact = timoshenko(steel, section, L, 50.0, 12000.0)[:3]
+    plain = np.array([1.87510407, 4.69409113, 7.85475744]) ** 2 * np.sqrt(
+        steel.E * section.Iz / (steel.density * section.area * L**4)
+    )
+    assert np.all(exact < [0.86, 0.6, 0.45] * plain)  # what the slender theory would be off
+    meshes = np.array([8, 16, 32])
+    omega = [frequencies(line(n, end=(L, 0, 0), section=section), BENDING, 3) for n in meshes]
+    error = np.array(omega) / exact - 1
+    assert np.all(error > 0)
+    assert error[-1] == pytest.approx(0, abs=2e-3)
+    rate = -np.polyfit(np.log(meshes), np.log(error), 1)[0]
+    assert rate == pytest.approx([2, 2, 2], abs=0.1)  # where φ > 1 shapes are nearly straight
 
 
 @pytest.mark.parametrize("kind", [AXIAL, TORSION])

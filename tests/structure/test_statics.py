@@ -1,5 +1,7 @@
 """Any mesh gives beam theory's static answer; frames turn with their loads; Euler's load."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -29,6 +31,23 @@ def test_a_plank_bends_about_either_axis_by_its_own_moment(line, steel):
     tip = statics.static(model, statics.point_load(model))[model.translations("end")]
     aside, up = 0.1 * 0.3**3 / 12, 0.3 * 0.1**3 / 12
     assert tip[1:] == pytest.approx(1e3 * 12**3 / (3 * steel.E) / np.array([aside, up]), rel=ROUNDING)
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_a_shearing_cantilever_in_any_mesh(line, pipe, steel, n):
+    """Under a tip load FL³/3EI + FL/κGA; under its weight wL⁴/8EI + wL²/2κGA, and wL, wL²/2 at the foot."""
+    L, section = 1.5, replace(pipe, shear_factor=0.53)
+    kGA = 0.53 * steel.G * pipe.area
+    model = line(n, end=(L, 0, 0), section=section, loads=(PointLoad(node="end", force=TIP_LOAD),))
+    tip = statics.static(model, statics.point_load(model))[model.translations("end")]
+    assert tip[1:] == pytest.approx(np.array(TIP_LOAD[1:]) * (L**3 / (3 * steel.E * pipe.Iy) + L / kGA), rel=ROUNDING)
+    w = steel.density * pipe.area * W
+    d = statics.static(model, statics.gravity_load(model, W))
+    assert d[model.translations("end")][2] == pytest.approx(
+        -w * L**4 / (8 * steel.E * pipe.Iy) - w * L**2 / (2 * kGA), rel=ROUNDING
+    )
+    foot = recovery.section_forces(model, d, statics.self_weight(model, W))[0]
+    assert foot[[2, 4]] == pytest.approx([-w * L, w * L**2 / 2], rel=ROUNDING)
 
 
 def test_loads_on_one_node_add_up(line):
@@ -62,7 +81,7 @@ def test_column_shortens_under_its_weight_and_its_top(line, pipe, steel, n):
     assert top == pytest.approx([0, 0, -(4e4 + half_own) * W * 12 / (steel.E * pipe.area)], abs=1e-12)
 
 
-def portal(steel, pipe, turn, meshes=(3, 2, 4)):
+def portal(steel, pipe, turn, meshes=(3, 2, 4)):  # pipe: of any section that is the same all round
     """Two legs of different length and a beam, loaded at one corner, the whole turned by `turn`."""
     points = {"a": (0, 0, 0), "b": (0, 1, 8), "c": (6, -1, 8), "d": (7, 0, 1)}
     nodes = {name: tuple(turn @ np.array(point, float)) for name, point in points.items()}
@@ -73,14 +92,18 @@ def portal(steel, pipe, turn, meshes=(3, 2, 4)):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_turned_frame_moves_by_the_turned_displacements(steel, pipe, seed):
+@pytest.mark.parametrize("shear_factor", [None, 0.01])
+def test_a_turned_frame_moves_by_the_turned_displacements(steel, pipe, seed, shear_factor):
+    pipe = replace(pipe, shear_factor=shear_factor)
     turn = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
     plain, turned = portal(steel, pipe, np.eye(3)), portal(steel, pipe, turn)
     here, there = (statics.static(m, statics.point_load(m)).reshape(-1, 2, 3) for m in (plain, turned))
     assert there == pytest.approx(here @ turn.T, abs=ROUNDING * np.abs(here).max())
 
 
-def test_patch_any_mesh_of_the_members_gives_the_same_corner(steel, pipe):
+@pytest.mark.parametrize("shear_factor", [None, 0.01])
+def test_patch_any_mesh_of_the_members_gives_the_same_corner(steel, pipe, shear_factor):
+    pipe = replace(pipe, shear_factor=shear_factor)
     coarse = portal(steel, pipe, np.eye(3), meshes=(1, 1, 1))
     fine = portal(steel, pipe, np.eye(3), meshes=(13, 5, 8))
     corner = [statics.static(m, statics.point_load(m)).reshape(-1, 6)[m.node_index["c"]] for m in (coarse, fine)]
@@ -109,6 +132,20 @@ def test_cantilever_buckles_at_eulers_load_to_fourth_order(line, steel, pipe):
     # Consistent matrices bound the load from above, by (kh)⁴/720.
     assert error[-1] == pytest.approx((np.pi / 2 / 8) ** 4 / 720, rel=0.05)
     assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-4, abs=0.1)
+
+
+def test_a_shearing_column_buckles_at_engessers_load(line, steel, pipe):
+    """P = Pe/(1 + Pe/κGA) (Engesser 1891), with κ so low that shear takes a third of it."""
+    euler = euler_load(steel, pipe)
+    kGA = 2 * euler
+    section = replace(pipe, shear_factor=kGA / (steel.G * pipe.area))
+    meshes = np.array([8, 16, 32])
+    push = (PointLoad(node="end", force=(0, 0, -1e3)),)
+    column = [line(n, end=(0, 0, 12), section=section, loads=push) for n in meshes]
+    load = [1e3 * statics.buckling_factor(m, statics.point_load(m)) for m in column]
+    error = np.array(load) / (euler / (1 + euler / kGA)) - 1
+    assert 0 < error[-1] < 1e-4
+    assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-2, abs=0.1)
 
 
 def test_a_pulled_column_never_buckles(line):

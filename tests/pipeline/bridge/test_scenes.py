@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from pipeline.bridge import scenes
 from pipeline.bridge.geometry import bem_arguments, geometry_of
 from pipeline.tasks.task import expand
 from solver.scene import panels_for
-from solver.structure.beam import solid_rectangle, tube
+from solver.structure.beam import solid_rectangle, tube, tube_shear_factor
 
 
 def task(study, **labels):
@@ -37,6 +38,18 @@ def test_all_of_a_platforms_table_reaches_the_solver(buan_tables, study_of):
     assert (leg.name, leg.start, leg.end) == (row["name"], row["start"], row["end"])
     assert (leg.drag_coefficient, leg.inertia_coefficient) == (1.0, 2.0)
     assert (leg.material.E, leg.material.G, leg.material.density) == (2.1e11, 8.33e10, 8012.23)
+
+
+def test_shear_factors_are_of_the_section_and_cowpers_of_the_material(buan_tables, study_of):
+    sections = buan_tables["platform"]["sections"]
+    sections["leg"]["shear_factor"], sections["deck"]["shear_factor"] = 0.6, "cowper"
+    members = scenes.scene(task(study_of(buan_tables), platform="elastic").parameters).platform.frame.members
+    poisson = 2.1e11 / (2 * 8.33e10) - 1
+    assert members[0].section.shear_factor == 0.6
+    assert members[-1].section.shear_factor == approx(10 * (1 + poisson) / (12 + 11 * poisson))
+    sections["leg"]["shear_factor"] = "cowper"
+    leg = scenes.scene(task(study_of(buan_tables), platform="elastic").parameters).platform.frame.members[0]
+    assert leg.section.shear_factor == tube_shear_factor(0.45, 0.012, poisson)
 
 
 def test_fixed_has_no_frame_and_no_floats_has_none(buan_tables, study_of):

@@ -95,6 +95,7 @@ BAD = [
         "thickness = 0.6",
         "platform.sections.tube.thickness = 0.6: must be <= diameter / 2 = 0.5 m",
     ),
+    ("thickness = 0.05", "thickness = 0.05\nshear_factor = 0", "shear_factor = 0: must be > 0"),
     (
         'start = "foot"',
         'start = "fot"',
