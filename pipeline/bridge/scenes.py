@@ -186,6 +186,7 @@ def _platform(same: Same[Platform], floats: tuple[str, ...]) -> physics.Platform
             clamped=table.clamped,
             masses=tuple(PointMass(**dict(m)) for m in table.masses),
             loads=tuple(PointLoad(**dict(p)) for p in table.loads),
+            foundation=table.foundation,
         )
     return physics.Platform(
         frame=frame,

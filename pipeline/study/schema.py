@@ -227,7 +227,7 @@ class Member(Table):
 
 @fields_of(frame.PointMass)
 class PointMass(Table):
-    """A mass without extent on a node."""
+    """A mass on a node: without extent, or a rigid body with a lever and moments of inertia."""
 
     node: Annotated[Name, "Node that carries it"]
 
@@ -239,6 +239,17 @@ class PointLoad(Table):
     node: Annotated[Name, "Node that it acts on"]
 
 
+def _six_or_rows(value: Any) -> str:
+    return "<rows>" if isinstance(value, list | tuple) and any(isinstance(v, list | tuple) for v in value) else "<six>"
+
+
+Six = tuple[Number, Number, Number, Number, Number, Number]
+Foundation = Annotated[
+    Annotated[Six, Tag("<six>")] | Annotated[tuple[Six, Six, Six, Six, Six, Six], Tag("<rows>")],
+    Discriminator(_six_or_rows),
+]
+
+
 @fields_of(physics.Platform, ("legs", "damping_ratio", "geometric_stiffness", "wave_inertia"))
 class Platform(Table):
     """A beam frame. Nodes named hinge:<float> come with the floats; the others stand here."""
@@ -247,7 +258,12 @@ class Platform(Table):
     materials: Annotated[dict[Name, Material], "Materials, by name"]
     sections: Annotated[dict[Name, Section], "Sections, by name"]
     members: Annotated[tuple[Member, ...], "Beams between nodes"]
-    clamped: Annotated[tuple[Name, ...], "Nodes that do not move"]
+    clamped: Annotated[tuple[Name, ...], "Nodes that do not move"] = ()
+    foundation: Annotated[
+        dict[Name, Foundation],
+        Unit("N/m, N, N m"),
+        "Springs under nodes that are not clamped: along x, y, z and about them, or six rows of six",
+    ] = Field(default={})
     legs: tuple[Name, ...] = ()
     masses: Annotated[tuple[PointMass, ...], "Lumped masses"] = ()
     loads: Annotated[tuple[PointLoad, ...], "Static loads"] = ()

@@ -96,7 +96,7 @@ class Steel:
     def coords(self) -> dict[str, np.ndarray]:
         """Labels of the dimensions."""
         return {
-            "foot": np.array(self.places.clamped),
+            "foot": np.array(self.places.grounded),
             "member": np.array(self.places.members),
             "end": np.array(["start", "end"]),
             "force": np.array(FORCES[:3]),

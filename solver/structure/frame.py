@@ -1,8 +1,8 @@
 """Frozen inputs of a frame of beams, and their assembly into arrays."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
@@ -14,6 +14,12 @@ from solver.structure import beam
 from solver.structure.beam import Section
 
 COINCIDENT = 1e-9  # two nodes closer than this share of the frame's size are one
+ROUNDING = 1e-9  # of a matrix's size, by which it may fall short of being symmetric and positive
+HELD = 1e-13  # a rigid body's softest direction over its stiffest, below which nothing holds it
+DIRECTIONS = "move along x", "move along y", "move along z", "turn about x", "turn about y", "turn about z"
+
+
+Stiffness = tuple[float, ...] | tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,13 +80,43 @@ class Member:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointMass:
-    """A mass without extent on a node; it resists translation alone."""
+    """A rigid body on a node; without inertia and lever a mass that resists translation alone."""
 
     node: str
-    mass: Annotated[float, Quantity("kg", above=0), "Mass without extent; it resists translation alone"]
+    mass: Annotated[float, Quantity("kg", above=0), "Mass, without extent where nothing else is given"]
+    cog: Annotated[tuple[float, float, float], Quantity("m"), "Centre of gravity, from the node"] = (0.0, 0.0, 0.0)
+    inertia: Annotated[
+        tuple[float, float, float],
+        Quantity("kg m2", least=0),
+        "Moments of inertia about axes through the c.o.g. along the global ones",
+    ] = (0.0, 0.0, 0.0)
+    products_of_inertia: Annotated[
+        tuple[float, float, float], Quantity("kg m2"), "Integrals of xy, xz and yz over the mass, about the c.o.g."
+    ] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        require_ranges(self, f"masses.{self.node}")
+        key = f"masses.{self.node}"
+        require_ranges(self, key)
+        tensor = self.tensor
+        spread = np.trace(tensor) / 2 * np.eye(3) - tensor  # ∫ r rᵀ dm, of which no direction can have less than none
+        if np.linalg.eigvalsh(spread)[0] < -ROUNDING * np.trace(tensor):
+            limit = "no body has such moments: each principal one must be <= the sum of the other two"
+            raise InputError(f"{key}.inertia", self.inertia, limit)
+
+    @property
+    def tensor(self) -> np.ndarray:
+        """Inertia about the c.o.g. (3, 3) [kg m2]."""
+        xy, xz, yz = self.products_of_inertia
+        return np.diag(self.inertia) - np.array([[0, xy, xz], [xy, 0, yz], [xz, yz, 0]])
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Mass (6, 6) as the node has it [kg, kg m, kg m2]: the c.o.g. moves by u + θ × r."""
+        x, y, z = self.cog
+        rigid = np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]])
+        matrix = self.mass * rigid.T @ rigid
+        matrix[3:, 3:] += self.tensor
+        return matrix
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,13 +133,15 @@ class PointLoad:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
-    """Named nodes, members between them, clamped feet, lumped masses and static loads."""
+    """Named nodes, members between them, feet that are clamped or on springs, lumped masses and static loads."""
 
     nodes: Mapping[str, tuple[float, float, float]]  # name -> (x, y, z) [m]
     members: tuple[Member, ...]
-    clamped: tuple[str, ...]
+    clamped: tuple[str, ...] = ()
     masses: tuple[PointMass, ...] = ()
     loads: tuple[PointLoad, ...] = ()
+    # node -> stiffness of the ground under it along and about the global axes: six, or (6, 6) [N/m, N, N m]
+    foundation: Mapping[str, Stiffness] = field(default_factory=dict)
 
     def __hash__(self) -> int:
         """Equal frames have equal text; a mapping alone would have no hash."""
@@ -112,7 +150,18 @@ class Frame:
     def __post_init__(self) -> None:
         refuse(self._coordinate_problems())
         refuse(self._name_problems())
+        refuse(self._foundation_problems())
         refuse(self._support_problems())
+
+    @property
+    def grounded(self) -> tuple[str, ...]:
+        """The feet: clamped nodes, and those on foundations."""
+        return (*self.clamped, *self.foundation)
+
+    def foundation_matrix(self, node: str) -> np.ndarray:
+        """Stiffness (6, 6) of the ground under a node [N/m, N, N m]."""
+        given = np.array(self.foundation[node], float)
+        return np.diag(given) if given.ndim == 1 else given
 
     def _coordinate_problems(self) -> Iterator[InputError]:
         for name, xyz in self.nodes.items():
@@ -129,8 +178,8 @@ class Frame:
     def _name_problems(self) -> Iterator[InputError]:
         if not self.members:
             yield InputError("members", "[]", "needs at least one member")
-        if not self.clamped:
-            yield InputError("clamped", "[]", "needs at least one node, or the frame floats away")
+        if not self.grounded:
+            yield InputError("clamped", "[]", "needs at least one node, or one on a foundation: the frame floats away")
         for key, names in (("members", [member.name for member in self.members]), ("clamped", self.clamped)):
             for name, count in Counter(names).items():
                 if count > 1:
@@ -145,23 +194,67 @@ class Frame:
             yield f"members.{member.name}.start", member.start
             yield f"members.{member.name}.end", member.end
         yield from ((f"clamped[{i}]", node) for i, node in enumerate(self.clamped))
+        yield from ((f"foundation.{node}", node) for node in self.foundation)
         yield from ((f"masses[{i}].node", mass.node) for i, mass in enumerate(self.masses))
         yield from ((f"loads[{i}].node", load.node) for i, load in enumerate(self.loads))
 
+    def _foundation_problems(self) -> Iterator[InputError]:
+        for node, given in self.foundation.items():
+            key = f"foundation.{node}"
+            if node in self.clamped:
+                yield InputError(key, given, "is clamped, too: leave it out of one of them")
+            if np.shape(given) not in ((6,), (6, 6)) or not np.all(np.isfinite(given)):
+                yield InputError(key, given, "must be six finite stiffnesses, or six rows of six")
+                continue
+            k = self.foundation_matrix(node)
+            size = np.sqrt(np.abs(np.diag(k)))
+            k = k / np.where(size > 0, size, 1.0) / np.where(size > 0, size, 1.0)[:, None]  # of no unit
+            if np.abs(k - k.T).max() > ROUNDING:
+                yield InputError(key, given, "must be symmetric")
+            elif np.linalg.eigvalsh(k)[0] < -ROUNDING:
+                yield InputError(key, given, "must not have a negative stiffness in any direction")
+
     def _support_problems(self) -> Iterator[InputError]:
-        """Every node hangs on a clamped one, or the stiffness is singular."""
+        """Every node hangs on a clamped one or on foundations that hold it, or the stiffness is singular."""
         neighbours: dict[str, set[str]] = {name: set() for name in self.nodes}
         for member in self.members:
             neighbours[member.start].add(member.end)
             neighbours[member.end].add(member.start)
-        held: set[str] = set()
-        reached = set(self.clamped)
-        while reached:
-            held |= reached
-            reached = {other for name in reached for other in neighbours[name]} - held
+
+        def joined(reached: set[str]) -> set[str]:
+            held: set[str] = set()
+            while reached:
+                held |= reached
+                reached = {other for name in reached for other in neighbours[name]} - held
+            return held
+
+        held = joined(set(self.clamped))
+        for node in self.foundation:
+            if node not in held and neighbours[node]:
+                part = joined({node})
+                held |= part
+                yield from self._loose(part)
         floating = [name for name in self.nodes if name not in held]
         if floating:
-            yield InputError("nodes", ", ".join(floating), "must be joined to a clamped node by members")
+            limit = "must be joined to a clamped node by members, or to one on a foundation"
+            yield InputError("nodes", ", ".join(floating), limit)
+
+    def _loose(self, part: set[str]) -> Iterator[InputError]:
+        """A part that stands on foundations alone, and can move as a rigid body."""
+        feet = [node for node in self.foundation if node in part]
+        places = np.array([self.nodes[node] for node in feet])
+        size = np.ptp([self.nodes[node] for node in part], axis=0).max()
+        rigid = np.zeros((6, 6))
+        for node, arm in zip(feet, places - places.mean(axis=0), strict=True):
+            move = np.eye(6)
+            move[:3, 3:] = np.cross(np.eye(3), arm).T
+            move[:, 3:] /= size
+            rigid += move.T @ self.foundation_matrix(node) @ move
+        values, vectors = np.linalg.eigh(rigid)
+        if not values[0] > HELD * values[-1]:
+            direction = DIRECTIONS[int(np.abs(vectors[:, 0]).argmax())]
+            limit = f"must hold what stands on it, which is free to {direction}"
+            yield InputError("foundation", ", ".join(feet), limit)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -181,8 +274,9 @@ class FrameModel:
     rotation: np.ndarray  # (ne, 3, 3) rows = local axes
     shear: np.ndarray  # (ne, 2) φ in the planes xy and xz; 0 of Euler-Bernoulli's beams
     element_stiffness: np.ndarray  # (ne, 12, 12) local axes
-    K: "scipy.sparse.csr_array"  # (6n, 6n), supports not yet removed
+    K: "scipy.sparse.csr_array"  # (6n, 6n), foundations included, clamped supports not yet removed
     M: "scipy.sparse.csr_array"  # (6n, 6n), consistent and lumped
+    ground: "scipy.sparse.csr_array"  # (6n, 6n) stiffness of the foundations
     # (ne, 12, 12) local axes, what axial forces add to the stiffness; None: not taken into account
     element_geometric: np.ndarray | None = None
 
@@ -223,6 +317,8 @@ def assemble(frame: Frame) -> FrameModel:
         [beam.mass(m.material.density, m.section, L, phi) for (m, L), phi in zip(pairs, shear, strict=True)]
     )
     size = 6 * len(xyz)
+    K = scatter(stiffness, rotation, dofs, size)
+    ground = on_nodes([(name, frame.foundation_matrix(name)) for name in frame.foundation], node_index, size)
     return FrameModel(
         frame=frame,
         xyz=xyz,
@@ -237,8 +333,9 @@ def assemble(frame: Frame) -> FrameModel:
         rotation=rotation,
         shear=shear,
         element_stiffness=stiffness,
-        K=scatter(stiffness, rotation, dofs, size),
-        M=scatter(mass, rotation, dofs, size) + _lumped(frame, node_index, size),
+        K=K + ground if frame.foundation else K,
+        M=scatter(mass, rotation, dofs, size) + on_nodes([(m.node, m.matrix) for m in frame.masses], node_index, size),
+        ground=ground,
     )
 
 
@@ -271,13 +368,15 @@ def sparse_sum(
     return scipy.sparse.csr_array(scipy.sparse.coo_array((blocks.ravel(), (i, j)), shape=shape))
 
 
-def _lumped(frame: Frame, node_index: Mapping[str, int], size: int) -> "scipy.sparse.csr_array":
-    diagonal = np.zeros(size)
-    for item in frame.masses:
-        diagonal[6 * node_index[item.node] + np.arange(3)] += item.mass
-    return scipy.sparse.csr_array(scipy.sparse.diags_array(diagonal))
+def on_nodes(
+    matrices: Iterable[tuple[str, np.ndarray]], node_index: Mapping[str, int], size: int
+) -> "scipy.sparse.csr_array":
+    """Matrices (6, 6) of named nodes, summed as one sparse matrix."""
+    pairs = list(matrices)
+    dofs = np.array([6 * node_index[name] + np.arange(6) for name, _ in pairs], int).reshape(-1, 6)
+    return sparse_sum(np.array([matrix for _, matrix in pairs]).reshape(-1, 6, 6), dofs, dofs, (size, size))
 
 
 def _free(frame: Frame, node_index: Mapping[str, int], size: int) -> np.ndarray:
     clamped = [6 * node_index[name] + np.arange(6) for name in frame.clamped]
-    return np.setdiff1d(np.arange(size), np.concatenate(clamped))
+    return np.setdiff1d(np.arange(size), np.ravel(clamped))

@@ -52,6 +52,35 @@ def test_shear_factors_are_of_the_section_and_cowpers_of_the_material(buan_table
     assert leg.section.shear_factor == tube_shear_factor(0.45, 0.012, poisson)
 
 
+def test_feet_on_springs_and_masses_with_a_body_reach_the_solver(buan_tables, study_of):
+    table = buan_tables["platform"]
+    rows = (np.eye(6) * 1e8).tolist()
+    table["clamped"], six = ["foot1", "foot2"], [1e8, 1e8, 1e9, 2e9, 2e9, 1e9]
+    table["foundation"] = {"foot3": six, "foot4": rows}
+    table["masses"][0] |= {"cog": [0.0, 0.1, 2.0], "inertia": [3e3, 4e3, 5e3], "products_of_inertia": [1.0, 2.0, 3.0]}
+    platform = scenes.scene(task(study_of(buan_tables), platform="elastic-no-floats").parameters).platform
+    assert platform.frame.grounded == ("foot1", "foot2", "foot3", "foot4")
+    assert platform.frame.foundation_matrix("foot3").tolist() == np.diag(six).tolist()
+    assert platform.frame.foundation_matrix("foot4").tolist() == rows
+    body = platform.frame.masses[0]
+    assert (body.cog, body.inertia) == ((0.0, 0.1, 2.0), (3e3, 4e3, 5e3))
+    assert body.products_of_inertia == (1.0, 2.0, 3.0)
+
+
+def test_a_foundation_is_an_axis(buan_tables, study_of):
+    table = buan_tables["platform"]
+    table["clamped"] = ["foot1", "foot2", "foot3"]
+    soft, stiff = [[k] * 6 for k in (1e8, 1e10)]
+    table["foundation"] = {"foot4": soft}
+    buan_tables["axes"]["platform.foundation.foot4"] = [soft, stiff]
+    found = {
+        t.parameters.platform.foundation["foot4"]
+        for t in expand(study_of(buan_tables).content)
+        if t.parameters.platform
+    }
+    assert found == {tuple(soft), tuple(stiff)}
+
+
 def test_fixed_has_no_frame_and_no_floats_has_none(buan_tables, study_of):
     study = study_of(buan_tables)
     assert scenes.scene(task(study, platform="fixed").parameters).platform is None

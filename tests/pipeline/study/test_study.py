@@ -113,6 +113,22 @@ BAD = [
     ),
     ('clamped = ["foot"]', "clamped = []", "platform.clamped = []: needs at least one node"),
     ('clamped = ["foot"]', 'clamped = ["feet"]', "platform.clamped[0] = feet: must be one of"),
+    ('clamped = ["foot"]', "", "platform.clamped = []: needs at least one node, or one on a foundation"),
+    (
+        'clamped = ["foot"]',
+        "foundation = { foot = [1e8, 1e8, 1e8, 0, 1e9, 1e9] }",
+        "platform.foundation = foot: must hold what stands on it, which is free to turn about x",
+    ),
+    (
+        'clamped = ["foot"]',
+        "foundation = { foot = [1e8, 1e8, 1e8, 1e9, 1e9] }",
+        "platform.foundation.foot[5]: is missing",
+    ),
+    (
+        'clamped = ["foot"]',
+        "foundation = { foot = [[1, 2], [3]] }",
+        "platform.foundation.foot[0][2]: is missing",
+    ),
     ('legs = ["leg"]', 'legs = ["arm"]', "platform.legs[0] = arm: must be one of leg"),
     (
         "foot = [-1.5, 0.0, -50.0]",
