@@ -1,5 +1,7 @@
 """Tables of a study become the solver's inputs, and only there."""
 
+import tomllib
+
 import numpy as np
 import pytest
 from pytest import approx
@@ -9,6 +11,7 @@ from pipeline.bridge.geometry import bem_arguments, geometry_of
 from pipeline.tasks.task import expand
 from solver.scene import panels_for
 from solver.structure.beam import solid_rectangle, tube, tube_shear_factor
+from tests.pipeline.conftest import SMALL
 
 
 def task(study, **labels):
@@ -67,18 +70,15 @@ def test_feet_on_springs_and_masses_with_a_body_reach_the_solver(buan_tables, st
     assert body.products_of_inertia == (1.0, 2.0, 3.0)
 
 
-def test_a_foundation_is_an_axis(buan_tables, study_of):
-    table = buan_tables["platform"]
-    table["clamped"] = ["foot1", "foot2", "foot3"]
+def test_a_foundation_is_an_axis_that_is_not_called_as_a_dimension_of_records_is(study_of):
+    tables = tomllib.loads(SMALL)
     soft, stiff = [[k] * 6 for k in (1e8, 1e10)]
-    table["foundation"] = {"foot4": soft}
-    buan_tables["axes"]["platform.foundation.foot4"] = [soft, stiff]
-    found = {
-        t.parameters.platform.foundation["foot4"]
-        for t in expand(study_of(buan_tables).content)
-        if t.parameters.platform
-    }
+    tables["platform"] |= {"clamped": [], "foundation": {"foot": soft}}
+    tables["axes"] = {"sea_state": ["calm"], "platform.foundation.foot": [soft, stiff]}
+    study = study_of(tables)
+    found = {t.parameters.platform.foundation["foot"] for t in expand(study.content)}
     assert found == {tuple(soft), tuple(stiff)}
+    assert [axis.name for axis in study.content.varied] == ["platform.foundation.foot"]  # `foot` is that of reactions
 
 
 def test_fixed_has_no_frame_and_no_floats_has_none(buan_tables, study_of):
