@@ -185,10 +185,11 @@ def bare_legs():
 
 @cache
 def soft_ground():
-    """That float and platform with legs that shear, two of three feet on springs, and a deck that leans and turns."""
+    """That float and platform with legs that shear, one pinned to a deck that leans and turns, two feet on springs."""
     whole, h = unequal_legs()
     frame = whole.platform.frame
-    members = tuple(replace(m, section=replace(m.section, shear_factor=0.3)) for m in frame.members)
+    members = [replace(m, section=replace(m.section, shear_factor=0.3)) for m in frame.members]
+    members[0] = replace(members[0], end_release=("T", "My", "Mz"))
     pile = np.diag([6e7, 6e7, 4e8, 5e8, 5e8, 2e8])  # a pile's head, whose shift and turn go together
     pile[0, 4] = pile[4, 0] = -1.2e8
     pile[1, 3] = pile[3, 1] = 1.2e8
@@ -196,7 +197,7 @@ def soft_ground():
         node="deck", mass=3e4, cog=(0.5, -0.4, 1.5), inertia=(8e4, 9e4, 1.2e5), products_of_inertia=(5e3, -4e3, 3e3)
     )
     soft = {"foot a": (5e7, 8e7, 3e8, 4e8, 3e8, 1e8), "foot b": tuple(map(tuple, pile.tolist()))}
-    stands = replace(frame, members=members, masses=(deck,), clamped=("foot c",), foundation=soft)
+    stands = replace(frame, members=tuple(members), masses=(deck,), clamped=("foot c",), foundation=soft)
     return replace(whole, platform=replace(whole.platform, frame=stands)), h
 
 

@@ -213,6 +213,11 @@ class SolidRectangle(Table):
 Section = Annotated[Tube | SolidRectangle, Field(discriminator="shape")]
 
 
+def _in_order(forces: tuple[frame.Force, ...]) -> tuple[frame.Force, ...]:
+    """Each once: one meaning, one identity."""
+    return tuple(name for name in frame.FORCES if name in forces)
+
+
 @fields_of(frame.Member)
 class Member(Table):
     """A straight beam between two nodes, cut into equal elements; it takes wave loads if C_D > 0 or C_M > 1."""
@@ -223,6 +228,8 @@ class Member(Table):
     elements: Annotated[Count, Field(le=1000), "Number of equal elements"] = 1
     section: Annotated[Name, "One of [platform.sections]"]
     material: Annotated[Name, "One of [platform.materials]"]
+    start_release: Annotated[tuple[frame.Force, ...], AfterValidator(_in_order)] = ()
+    end_release: Annotated[tuple[frame.Force, ...], AfterValidator(_in_order)] = ()
 
 
 @fields_of(frame.PointMass)

@@ -7,7 +7,7 @@ import numpy as np
 from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, Forces
 from solver.record import fatigue
 from solver.scene import Fatigue, Settings
-from solver.structure.influence import FORCES
+from solver.structure.frame import FORCES
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
 

@@ -28,6 +28,7 @@ BENDING_XY, BENDING_XZ = [1, 5, 7, 11], [2, 4, 8, 10]
 FLIP = np.outer([1, -1, 1, -1], [1, -1, 1, -1])  # θy = -dw/dx
 VERTICAL = 1e-4  # sine of the angle to z below which a member counts as vertical
 ROUND = 8  # fibres of a round section, from local y towards local z
+LOOSE = 1e-12  # of a scaled stiffness: nothing holds
 GAUSS_2 = np.polynomial.legendre.leggauss(2)
 Shear = Sequence[float] | np.ndarray  # φ in the planes xy and xz
 NO_SHEAR = (0.0, 0.0)
@@ -198,6 +199,22 @@ def _rotary_mass(per_length: float, L: float, phi: float) -> np.ndarray:
     c, d = (4 + 5 * phi + 10 * phi**2) * L**2, (1 + 5 * phi - 5 * phi**2) * L**2
     rows = np.array([[a, b, -a, b], [b, c, -b, -d], [-a, -b, a, -b], [b, -d, -b, c]])
     return per_length / (30 * L) * rows / (1 + phi) ** 2
+
+
+def condensation(K: np.ndarray, released: ArrayLike) -> np.ndarray:
+    """C (12, 12): end displacements d = C dₙ of those of the nodes, released ones (12,) following without force.
+
+    d_r = -K_rr⁻¹ K_rm d_m (static condensation, Guyan 1965): CᵀKC, CᵀMC and Cᵀf are what the nodes see. Raises
+    LinAlgError where what is left does not hold the released ones.
+    """
+    r, m = np.flatnonzero(released), np.flatnonzero(~np.asarray(released))
+    C = np.diag(np.where(released, 0.0, 1.0))
+    size = 1 / np.sqrt(np.diag(K)[r])
+    scaled = size[:, None] * K[np.ix_(r, r)] * size
+    if r.size and np.linalg.eigvalsh(scaled)[0] < LOOSE:
+        raise np.linalg.LinAlgError
+    C[np.ix_(r, m)] = -size[:, None] * np.linalg.solve(scaled, size[:, None] * K[np.ix_(r, m)])
+    return C
 
 
 def geometric_stiffness(N: float, L: float, shear: Shear = NO_SHEAR) -> np.ndarray:

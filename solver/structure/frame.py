@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 import scipy  # sparse is slow to import, and the command line needs frames but rarely their matrices
@@ -19,6 +19,8 @@ HELD = 1e-13  # a rigid body's softest direction over its stiffest, below which 
 DIRECTIONS = "move along x", "move along y", "move along z", "turn about x", "turn about y", "turn about z"
 
 
+Force = Literal["N", "Vy", "Vz", "T", "My", "Mz"]  # on a section, along and about the local axes
+FORCES: tuple[Force, ...] = get_args(Force)
 Stiffness = tuple[float, ...] | tuple[tuple[float, ...], ...]
 
 
@@ -57,6 +59,9 @@ class Member:
     # True: water inside below still water, which moves with the member across its axis. False: sealed, with the
     # buoyancy of its outer volume. None: neither, as Heo et al. (2022) have it.
     flooded: Annotated[bool | None, "Whether a tube is full of water or sealed; left out, neither"] = None
+    # A pin: ("My", "Mz"). The node that the end is at moves on with the other members.
+    start_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its start does not pass on"] = ()
+    end_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its end does not pass on"] = ()
 
     def __post_init__(self) -> None:
         refuse(self._problems(f"members.{self.name}"))
@@ -71,6 +76,17 @@ class Member:
             yield InputError(f"{key}.section.diameter", 0.0, "must be > 0 m for a member with water coefficients")
         if self.flooded is not None and self.section.diameter == 0:
             yield InputError(f"{key}.flooded", self.flooded, "is of tubes: leave it out")
+        for end in ("start_release", "end_release"):
+            for name in getattr(self, end):
+                if name not in FORCES:
+                    yield InputError(f"{key}.{end}", name, f"must be one of {', '.join(FORCES)}")
+
+    def releases(self, *, start: bool = True, end: bool = True) -> np.ndarray:
+        """Which ends' displacements (12,) are released in an element that has the member's start, its end, or both."""
+        return np.array(
+            [start and name in self.start_release for name in FORCES]
+            + [end and name in self.end_release for name in FORCES]
+        )
 
     @property
     def in_water(self) -> bool:
@@ -152,6 +168,7 @@ class Frame:
         refuse(self._name_problems())
         refuse(self._foundation_problems())
         refuse(self._support_problems())
+        refuse(self._release_problems())
 
     @property
     def grounded(self) -> tuple[str, ...]:
@@ -239,6 +256,38 @@ class Frame:
             limit = "must be joined to a clamped node by members, or to one on a foundation"
             yield InputError("nodes", ", ".join(floating), limit)
 
+    def _release_problems(self) -> Iterator[InputError]:
+        """Releases that let a member, or the frame of members in one piece each, move without a force."""
+        if not any(member.releases().any() for member in self.members):
+            return
+        number = {name: 6 * i + np.arange(6) for i, name in enumerate(self.nodes)}
+        left, whole = np.zeros((2, 6 * len(number), 6 * len(number)))
+        for member in self.members:
+            ends = np.array([self.nodes[member.start], self.nodes[member.end]], float)
+            T = beam.to_global(beam.rotation(*ends))
+            L = float(np.linalg.norm(ends[1] - ends[0]))
+            k = beam.stiffness(member.material.E, member.material.G, member.section, L)
+            try:
+                C = beam.condensation(k, member.releases())
+            except np.linalg.LinAlgError:
+                limit = "with end_release leaves the member itself free to move or turn"
+                yield InputError(f"members.{member.name}.start_release", member.start_release, limit)
+                return
+            at = np.ix_(*[np.concatenate([number[member.start], number[member.end]])] * 2)
+            left[at] += T.T @ C.T @ k @ C @ T
+            whole[at] += T.T @ k @ T
+        for node in self.foundation:
+            at = np.ix_(number[node], number[node])
+            left[at] += self.foundation_matrix(node)
+            whole[at] += self.foundation_matrix(node)
+        free = _free(self, {name: i for i, name in enumerate(self.nodes)}, len(left))
+        size = 1 / np.sqrt(np.diag(whole)[free])
+        values, vectors = np.linalg.eigh(size[:, None] * left[np.ix_(free, free)] * size)
+        if free.size and values[0] < beam.LOOSE:
+            place, direction = divmod(int(free[np.abs(vectors[:, 0]).argmax()]), 6)
+            limit = f"with their releases leave {list(self.nodes)[place]} free to {DIRECTIONS[direction]}"
+            yield InputError("members", ", ".join(m.name for m in self.members if m.releases().any()), limit)
+
     def _loose(self, part: set[str]) -> Iterator[InputError]:
         """A part that stands on foundations alone, and can move as a rigid body."""
         feet = [node for node in self.foundation if node in part]
@@ -279,10 +328,18 @@ class FrameModel:
     ground: "scipy.sparse.csr_array"  # (6n, 6n) stiffness of the foundations
     # (ne, 12, 12) local axes, what axial forces add to the stiffness; None: not taken into account
     element_geometric: np.ndarray | None = None
+    condensation: Mapping[int, np.ndarray] = field(default_factory=dict)  # C (12, 12) of elements with released ends
 
     def member_of(self, element: int) -> Member:
         """The member that an element is part of."""
         return self.frame.members[self.member[element]]
+
+    def released(self, element: int, local: np.ndarray, *, both: bool = False) -> np.ndarray:
+        """A row, or rows (…, 12), of an element's end displacements as rows of its nodes'; or on both sides, CᵀAC."""
+        if element not in self.condensation:
+            return local
+        C = self.condensation[element]
+        return C.T @ local @ C if both else local @ C
 
     def translations(self, node: str) -> np.ndarray:
         """Numbers of the three translations of a named node."""
@@ -299,7 +356,7 @@ class FrameModel:
 def assemble(frame: Frame) -> FrameModel:
     """Mesh, element matrices, K and M of the paper's eq. 15, supports not yet removed.
 
-    Named nodes come first, then the members' interior nodes.
+    Named nodes come first, then the members' interior nodes. Released ends are condensed out of the matrices.
     """
     xyz, node_index, member_nodes = _mesh(frame)
     elements = np.concatenate([np.column_stack([nodes[:-1], nodes[1:]]) for nodes in member_nodes.values()])
@@ -316,6 +373,9 @@ def assemble(frame: Frame) -> FrameModel:
     mass = np.array(
         [beam.mass(m.material.density, m.section, L, phi) for (m, L), phi in zip(pairs, shear, strict=True)]
     )
+    condensation = _condensation(frame, stiffness)
+    for e, C in condensation.items():
+        stiffness[e], mass[e] = C.T @ stiffness[e] @ C, C.T @ mass[e] @ C
     size = 6 * len(xyz)
     K = scatter(stiffness, rotation, dofs, size)
     ground = on_nodes([(name, frame.foundation_matrix(name)) for name in frame.foundation], node_index, size)
@@ -336,7 +396,20 @@ def assemble(frame: Frame) -> FrameModel:
         K=K + ground if frame.foundation else K,
         M=scatter(mass, rotation, dofs, size) + on_nodes([(m.node, m.matrix) for m in frame.masses], node_index, size),
         ground=ground,
+        condensation=condensation,
     )
+
+
+def _condensation(frame: Frame, stiffness: np.ndarray) -> dict[int, np.ndarray]:
+    """C (12, 12) of the elements that have released ends."""
+    found, first = {}, 0
+    for member in frame.members:
+        for e in sorted({0, member.elements - 1}):
+            released = member.releases(start=e == 0, end=e == member.elements - 1)
+            if released.any():
+                found[first + e] = beam.condensation(stiffness[first + e], released)
+        first += member.elements
+    return found
 
 
 def _mesh(frame: Frame) -> tuple[np.ndarray, dict[str, int], dict[str, np.ndarray]]:

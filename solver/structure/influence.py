@@ -16,7 +16,6 @@ from scipy import sparse
 from solver.structure import beam, recovery, statics, water
 from solver.structure.frame import FrameModel, scatter
 
-FORCES = ("N", "Vy", "Vz", "T", "My", "Mz")  # on the face whose outward normal is local +x
 SLAB = 2**22  # numbers of an array made on the way
 
 
@@ -25,7 +24,7 @@ class Wanted:
     """Which section forces and which reactions are asked for: ny = k + nr."""
 
     end: np.ndarray  # (k,) numbered 2 e (start) and 2 e + 1 (end of element e)
-    component: np.ndarray  # (k,) which of FORCES
+    component: np.ndarray  # (k,) which of frame.FORCES, on the face whose outward normal is local +x
     grounded: np.ndarray  # (nr,) degrees of freedom, clamped or on springs
 
 
@@ -98,5 +97,5 @@ def element_masses(model: FrameModel, density: float, elements: np.ndarray) -> n
     for e in elements:
         member, T = model.member_of(e), beam.to_global(model.rotation[e])
         local = beam.mass(member.material.density, member.section, model.length[e], model.shear[e])
-        steel.append(T.T @ local @ T)
+        steel.append(T.T @ model.released(e, local, both=True) @ T)
     return water.element_masses(model, density, elements) + np.reshape(steel, (-1, 12, 12))

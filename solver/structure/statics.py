@@ -20,7 +20,8 @@ def self_weight(model: FrameModel, g: float) -> np.ndarray:
     weight = np.array([m.material.density * m.section.area * g for m in model.frame.members])
     down = model.rotation @ [0.0, 0.0, -1.0]
     parts = zip(weight[model.member, None] * down, model.length, model.shear, strict=True)
-    return np.array([beam.distributed_load(q, L, shear=shear) for q, L, shear in parts])
+    loads = [beam.distributed_load(q, L, shear=shear) for q, L, shear in parts]
+    return np.array([model.released(e, load) for e, load in enumerate(loads)])
 
 
 def gravity_load(model: FrameModel, g: float) -> np.ndarray:
@@ -61,7 +62,8 @@ def axial_force(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
 def _element_geometric(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
     """Of each element, (ne, 12, 12) in local axes."""
     parts = zip(axial_force(model, displacement), model.length, model.shear, strict=True)
-    return np.array([beam.geometric_stiffness(N, L, shear) for N, L, shear in parts])
+    elements = [beam.geometric_stiffness(N, L, shear) for N, L, shear in parts]
+    return np.array([model.released(e, Kg, both=True) for e, Kg in enumerate(elements)])
 
 
 def _geometric(model: FrameModel, elements: np.ndarray, g: float) -> sparse.csr_array:

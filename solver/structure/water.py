@@ -95,7 +95,7 @@ def _stations(model: FrameModel, points: int, longest: float, members: np.ndarra
 def _shapes(model: FrameModel, element: np.ndarray, s: np.ndarray) -> np.ndarray:
     shape = np.zeros((len(s), 3, 12))
     for i, (e, station) in enumerate(zip(element, s, strict=True)):
-        local = beam.displacement_shape(station, model.length[e], model.shear[e])
+        local = model.released(e, beam.displacement_shape(station, model.length[e], model.shear[e]))
         shape[i] = beam.in_global(local, model.rotation[e])
     return shape
 
@@ -159,7 +159,7 @@ def buoyancy(model: FrameModel, density: float, g: float) -> np.ndarray:
     area = np.array(areas)[model.member]
     up = density * g * area[:, None] * (model.rotation @ [0.0, 0.0, 1.0])
     parts = zip(up, model.length, wetted_span(model), model.shear, strict=True)
-    return np.array([beam.distributed_load(*part) for part in parts])
+    return np.array([model.released(e, beam.distributed_load(*part)) for e, part in enumerate(parts)])
 
 
 def buoyancy_load(model: FrameModel, density: float, g: float) -> np.ndarray:

@@ -152,6 +152,23 @@ def test_feet_that_hold_together_are_enough(bent):
         bent(clamped=(), foundation={"foot": SPINS, "hand": SPINS})
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "message"),
+    [
+        ({"end_release": ("Mx",)}, {}, r"members.leg.end_release = Mx: must be one of N, Vy, Vz, T, My, Mz"),
+        ({"start_release": ("T",), "end_release": ("T",)}, {}, r"members.leg.start_release = .* member itself free"),
+        ({"start_release": ("My", "Vz"), "end_release": ("My",)}, {}, r"members.leg.start_release = .* itself free"),
+        ({"end_release": ("T",)}, {}, r"members = leg: with their releases leave hand free to move along y"),
+        ({"start_release": ("My",)}, {}, r"members = leg: with their releases leave .* free to"),
+        ({"end_release": ("My",)}, {"start_release": ("My",)}, r"members = leg, arm: with their releases leave"),
+        ({}, {"start_release": ("N",)}, r"members = arm: with their releases leave hand free to move along x"),
+    ],
+)
+def test_releases_that_leave_a_mechanism_are_refused(member, bent, first, second, message):
+    with pytest.raises(InputError, match=message):
+        bent(members=(member("leg", "foot", "knee", **first), member("arm", "knee", "hand", **second)))
+
+
 def test_a_floating_part_is_refused(member, bent):
     members = (member("leg", "foot", "knee"), member("spar", "hand", "far"))
     with pytest.raises(InputError, match=r"nodes = hand, far: must be joined"):

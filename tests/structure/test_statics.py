@@ -82,6 +82,64 @@ def test_column_shortens_under_its_weight_and_its_top(line, pipe, steel, n):
     assert top == pytest.approx([0, 0, -(4e4 + half_own) * W * 12 / (steel.E * pipe.area)], abs=1e-12)
 
 
+PIN = ("My", "Mz")
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_a_propped_beam_bears_its_weight(line, pipe, steel, n):
+    """Clamped, and pinned at its end: 5wL/8 and wL²/8 at the clamp, 3wL/8 and no moment at the pin, with any mesh."""
+    model = line(n, clamped=("start", "end"), end_release=PIN)
+    w = steel.density * pipe.area * W
+    d = statics.static(model, statics.gravity_load(model, W))
+    forces = recovery.section_forces(model, d, statics.self_weight(model, W))
+    assert forces[0, [2, 4]] == pytest.approx([-5 / 8 * w * 12, w * 12**2 / 8], rel=ROUNDING)
+    assert forces[-1, [2, 4]] == pytest.approx([3 / 8 * w * 12, 0], abs=ROUNDING * w * 12**2)
+
+
+def hinged(steel, pipe, meshes=(2, 3), **hinge):
+    """Two beams of 5 m and 7 m between walls, joined by a hinge, with a load there."""
+    nodes = {"a": (0, 0, 0), "b": (3, 4, 0), "c": (3 + 4.2, 4 + 5.6, 0)}
+    made = {"section": pipe, "material": steel}
+    members = (
+        Member(name="ab", start="a", end="b", elements=meshes[0], **made, **hinge),
+        Member(name="bc", start="b", end="c", elements=meshes[1], **made),
+    )
+    load = (PointLoad(node="b", force=(0, 0, -1e4)),)
+    return assemble(Frame(nodes=nodes, members=members, clamped=("a", "c"), loads=load))
+
+
+@pytest.mark.parametrize("meshes", [(1, 1), (2, 3)])
+def test_a_hinge_between_two_cantilevers(steel, pipe, meshes):
+    """They share the load by 3EI/a³ and 3EI/b³; but for a hinge about the level axis alone My stays."""
+    EI = steel.E * pipe.Iy
+    model = hinged(steel, pipe, meshes, end_release=("My",))
+    d = statics.static(model, statics.point_load(model))
+    assert d[model.translations("b")][2] == pytest.approx(-1e4 / (3 * EI / 5**3 + 3 * EI / 7**3), rel=ROUNDING)
+    ends = (recovery.section_force_matrix(model) @ d).reshape(-1, 6)
+    assert np.abs(ends[2 * meshes[0] - 1 : 2 * meshes[0] + 1, 4]).max() < ROUNDING * 1e4
+    rigid = hinged(steel, pipe, meshes)
+    other = hinged(steel, pipe, meshes, end_release=("Mz",))
+    joined = [statics.static(m, statics.point_load(m))[m.translations("b")][2] for m in (rigid, other)]
+    assert joined[0] == pytest.approx(-1e4 * (5 * 7) ** 3 / (3 * EI * 12**3), rel=ROUNDING)
+    assert joined[1] == pytest.approx(joined[0], rel=ROUNDING)
+
+
+def test_pinned_braces_bear_no_moment(steel, pipe):
+    """A triangle whose strut is pinned at both ends bears F/cos of its slope in it but for what the post takes."""
+    nodes = {"foot": (0, 0, 0), "wall": (6, 0, 0), "top": (0, 0, 8)}
+    made = {"section": pipe, "material": steel, "elements": 1}
+    post = Member(name="post", start="foot", end="top", **made)
+    strut = Member(name="strut", start="wall", end="top", start_release=PIN, end_release=PIN, **made)
+    load = (PointLoad(node="top", force=(1e5, 0, 0)),)
+    model = assemble(Frame(nodes=nodes, members=(post, strut), clamped=("foot", "wall"), loads=load))
+    d = statics.static(model, statics.point_load(model))
+    forces = (recovery.section_force_matrix(model) @ d).reshape(-1, 6)
+    assert np.abs(forces[2:, [1, 2, 4, 5]]).max() < 1e-3
+    N, V = forces[2, 0], 3 * steel.E * pipe.Iy / 8**3 * d[model.translations("top")][0]
+    assert pytest.approx(-(1e5 - V), rel=1e-6) == N * 0.6
+    assert 0 < V < 1e3
+
+
 def test_a_mass_beside_its_node_bends_the_column_by_its_moment(line, pipe, steel):
     """At levers x and y: M L²/2EI at the top, and the foot bears M = mg r."""
     body = PointMass(node="end", mass=2e3, cog=(1.5, -0.5, 2.0), inertia=(1e3,) * 3)
@@ -204,6 +262,23 @@ def test_a_shearing_column_buckles_at_engessers_load(line, steel, pipe):
     error = np.array(load) / (euler / (1 + euler / kGA)) - 1
     assert 0 < error[-1] < 1e-4
     assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-2, abs=0.1)
+
+
+def test_a_column_between_pins_buckles_at_eulers_load(line, steel, pipe):
+    """π²EI/L² to fourth order: released ends' shapes are condensed as their stiffness is."""
+    meshes = np.array([4, 8, 16])
+    push = (PointLoad(node="end", force=(0, 0, -1e3)),)
+    pins = {"start_release": PIN, "end_release": PIN}
+    nodes = {"start": (0, 0, 0), "end": (0, 0, 12)}
+    slide = {"clamped": ("start",), "foundation": {"end": (1e15, 1e15, 0, 1e15, 1e15, 1e15)}}
+    load = []
+    for n in meshes:
+        column = Member(name="column", start="start", end="end", elements=n, section=pipe, material=steel, **pins)
+        model = assemble(Frame(nodes=nodes, members=(column,), loads=push, **slide))
+        load.append(1e3 * statics.buckling_factor(model, statics.point_load(model), W))
+    error = np.array(load) / (np.pi**2 * steel.E * pipe.Iy / 12**2) - 1
+    assert 0 < error[-1] < 1e-5
+    assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-4, abs=0.2)
 
 
 @pytest.mark.parametrize("height", [-2.0, 0.0, 3.0])

@@ -70,6 +70,16 @@ def test_feet_on_springs_and_masses_with_a_body_reach_the_solver(buan_tables, st
     assert body.products_of_inertia == (1.0, 2.0, 3.0)
 
 
+def test_releases_reach_the_solver_in_one_order(buan_tables, study_of):
+    ring = buan_tables["platform"]["members"][-1]
+    ring["start_release"], ring["end_release"] = ["Mz", "My"], ["My"]
+    study = study_of(buan_tables)
+    member = scenes.scene(task(study, platform="elastic").parameters).platform.frame.members[-1]
+    assert (member.start_release, member.end_release) == (("My", "Mz"), ("My",))
+    ring["start_release"] = ["My", "Mz", "My"]
+    assert task(study_of(buan_tables), platform="elastic").id == task(study, platform="elastic").id
+
+
 def test_a_foundation_is_an_axis_that_is_not_called_as_a_dimension_of_records_is(study_of):
     tables = tomllib.loads(SMALL)
     soft, stiff = [[k] * 6 for k in (1e8, 1e10)]

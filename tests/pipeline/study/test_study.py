@@ -140,6 +140,16 @@ BAD = [
         "foot = [-1.5, 0.0, -50.0]\nlost = [0.0, 0.0, 0.0]",
         "platform.nodes = lost: must be joined to a clamped node by members",
     ),
+    (
+        "elements = 4",
+        'elements = 4\nend_release = ["Mx"]',
+        "platform.members[0].end_release[0] = 'Mx': must be one of 'N', 'Vy', 'Vz', 'T', 'My' or 'Mz'",
+    ),
+    (
+        "elements = 4",
+        'elements = 4\nstart_release = ["My"]',
+        "platform.members = leg: with their releases leave hinge:front free to move along",
+    ),
     ("elements = 4", "elements = 0", "platform.members[0].elements = 0: must be >= 1"),
     (
         'sea_state = ["calm", "rough"]',
