@@ -183,6 +183,24 @@ def bare_legs():
     return replace(whole, floats=(), platform=replace(whole.platform, hinge_nodes={})), None
 
 
+@cache
+def soft_ground():
+    """That float and platform with legs that shear, one pinned to a deck that leans and turns, two feet on springs."""
+    whole, h = unequal_legs()
+    frame = whole.platform.frame
+    members = [replace(m, section=replace(m.section, shear_factor=0.3)) for m in frame.members]
+    members[0] = replace(members[0], end_release=("T", "My", "Mz"))
+    pile = np.diag([6e7, 6e7, 4e8, 5e8, 5e8, 2e8])  # a pile's head, whose shift and turn go together
+    pile[0, 4] = pile[4, 0] = -1.2e8
+    pile[1, 3] = pile[3, 1] = 1.2e8
+    deck = PointMass(
+        node="deck", mass=3e4, cog=(0.5, -0.4, 1.5), inertia=(8e4, 9e4, 1.2e5), products_of_inertia=(5e3, -4e3, 3e3)
+    )
+    soft = {"foot a": (5e7, 8e7, 3e8, 4e8, 3e8, 1e8), "foot b": tuple(map(tuple, pile.tolist()))}
+    stands = replace(frame, members=tuple(members), masses=(deck,), clamped=("foot c",), foundation=soft)
+    return replace(whole, platform=replace(whole.platform, frame=stands)), h
+
+
 SCENES = {
     f.__name__: f
     for f in (duck, big_beside_small, model_scale, soft_mooring, flap, oblique, unequal_legs, bare_legs)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, assert_never
 
@@ -21,6 +22,7 @@ from pipeline.study.schema import (
     Platform,
     Profile,
     Recording,
+    SolidRectangle,
     Sphere,
     Tube,
     VerticalCylinder,
@@ -187,6 +189,7 @@ def _platform(same: Same[Platform], floats: tuple[str, ...]) -> physics.Platform
             clamped=table.clamped,
             masses=tuple(PointMass(**dict(m)) for m in table.masses),
             loads=tuple(PointLoad(**dict(p)) for p in table.loads),
+            foundation=table.foundation,
         )
     return physics.Platform(
         frame=frame,
@@ -204,8 +207,9 @@ def member(item: Member, table: Platform) -> frame.Member:
 
     key = f"platform.members.{item.name}"
     section_name = _known(f"{key}.section", item.section, table.sections)
-    material = table.materials[_known(f"{key}.material", item.material, table.materials)]
-    parts = {"section": section(section_name, table), "material": frame.Material(**dict(material))}
+    material = frame.Material(**dict(table.materials[_known(f"{key}.material", item.material, table.materials)]))
+    factor = _shear_factor(table.sections[section_name], material)
+    parts = {"section": replace(section(section_name, table), shear_factor=factor), "material": material}
     with _part("platform."):
         return frame.Member(**{**dict(item), **parts})
 
@@ -216,8 +220,19 @@ def _known(key: str, name: str, table: Collection[str]) -> str:
     return name
 
 
+def _shear_factor(shape: Tube | SolidRectangle, material: frame.Material) -> float | None:
+    """Timoshenko's κ of a section's table; Cowper's goes by the material's Poisson's ratio."""
+    from solver.structure import beam
+
+    if shape.shear_factor != "cowper":
+        return shape.shear_factor
+    if isinstance(shape, Tube):
+        return beam.tube_shear_factor(shape.diameter, shape.thickness, material.poisson)
+    return beam.rectangle_shear_factor(material.poisson)
+
+
 def section(name: str, table: Platform) -> beam.Section:
-    """The solver's cross section for a table of [platform.sections]."""
+    """The solver's cross section for a table of [platform.sections], which shears by its member's material."""
     from solver.structure import beam
 
     shape = table.sections[name]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from pipeline.study.attachments import CoefficientFile, File
 from pipeline.study.axes import Axes, Axis, Samples, Variant, implied_sea, variant_axis
@@ -191,12 +191,27 @@ class Material(Table):
     """Linear elastic."""
 
 
+def _word_or_number(value: Any) -> str:
+    return "<word>" if isinstance(value, str) else "<number>"
+
+
+ShearFactor = Annotated[
+    Annotated[
+        Annotated[Literal["cowper"], Tag("<word>")] | Annotated[Positive, Tag("<number>")],
+        Discriminator(_word_or_number),
+    ]
+    | None,
+    "Timoshenko's, shear area over area; cowper: Cowper's (1966); left out, the beam is Euler-Bernoulli's",
+]
+
+
 class Tube(Table):
     """A circular hollow section."""
 
     shape: Annotated[Literal["tube"], "Kind of section"]
     diameter: Annotated[Positive, Unit("m"), "Outer diameter"]
     thickness: Annotated[Positive, Unit("m"), "Thickness of the wall"]
+    shear_factor: ShearFactor = None
 
 
 class SolidRectangle(Table):
@@ -205,9 +220,15 @@ class SolidRectangle(Table):
     shape: Annotated[Literal["solid-rectangle"], "Kind of section"]
     width: Annotated[Positive, Unit("m"), "Across the beam, horizontally"]
     height: Annotated[Positive, Unit("m"), "Across the beam, the other way"]
+    shear_factor: ShearFactor = None
 
 
 Section = Annotated[Tube | SolidRectangle, Field(discriminator="shape")]
+
+
+def _in_order(forces: tuple[frame.Force, ...]) -> tuple[frame.Force, ...]:
+    """Each once: one meaning, one identity."""
+    return tuple(name for name in frame.FORCES if name in forces)
 
 
 @fields_of(frame.Member)
@@ -220,11 +241,13 @@ class Member(Table):
     elements: Annotated[Count, Field(le=1000), "Number of equal elements"] = 1
     section: Annotated[Name, "One of [platform.sections]"]
     material: Annotated[Name, "One of [platform.materials]"]
+    start_release: Annotated[tuple[frame.Force, ...], AfterValidator(_in_order)] = ()
+    end_release: Annotated[tuple[frame.Force, ...], AfterValidator(_in_order)] = ()
 
 
 @fields_of(frame.PointMass)
 class PointMass(Table):
-    """A mass without extent on a node."""
+    """A mass on a node: without extent, or a rigid body with a lever and moments of inertia."""
 
     node: Annotated[Name, "Node that carries it"]
 
@@ -236,6 +259,17 @@ class PointLoad(Table):
     node: Annotated[Name, "Node that it acts on"]
 
 
+def _six_or_rows(value: Any) -> str:
+    return "<rows>" if isinstance(value, list | tuple) and any(isinstance(v, list | tuple) for v in value) else "<six>"
+
+
+Six = tuple[Number, Number, Number, Number, Number, Number]
+Foundation = Annotated[
+    Annotated[Six, Tag("<six>")] | Annotated[tuple[Six, Six, Six, Six, Six, Six], Tag("<rows>")],
+    Discriminator(_six_or_rows),
+]
+
+
 @fields_of(physics.Platform, ("legs", "damping_ratio", "geometric_stiffness", "wave_inertia"))
 class Platform(Table):
     """A beam frame. Nodes named hinge:<float> come with the floats; the others stand here."""
@@ -244,7 +278,12 @@ class Platform(Table):
     materials: Annotated[dict[Name, Material], "Materials, by name"]
     sections: Annotated[dict[Name, Section], "Sections, by name"]
     members: Annotated[tuple[Member, ...], "Beams between nodes"]
-    clamped: Annotated[tuple[Name, ...], "Nodes that do not move"]
+    clamped: Annotated[tuple[Name, ...], "Nodes that do not move"] = ()
+    foundation: Annotated[
+        dict[Name, Foundation],
+        Unit("N/m, N, N m"),
+        "Springs under nodes that are not clamped: along x, y, z and about them, or six rows of six",
+    ] = Field(default={})
     legs: tuple[Name, ...] = ()
     masses: Annotated[tuple[PointMass, ...], "Lumped masses"] = ()
     loads: Annotated[tuple[PointLoad, ...], "Static loads"] = ()

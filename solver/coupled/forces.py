@@ -45,12 +45,12 @@ class Feet(NamedTuple):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Places:
-    """Which of a frame's forces are asked for: of the legs' feet, the members' both ends, the clamped nodes."""
+    """Which of a frame's forces are asked for: of the legs' feet, the members' both ends, the ground."""
 
     feet: Feet
     members: tuple[str, ...]
-    clamped: tuple[str, ...]
-    foot: np.ndarray  # (nc, 3) places of the clamped nodes [m]
+    grounded: tuple[str, ...]  # nodes
+    foot: np.ndarray  # (nc, 3) their places [m]
     wanted: Wanted
     influence: Influence
 
@@ -58,7 +58,7 @@ class Places:
         """N, My, Mz at the feet (m, nl, 3), section forces (m, nm, 2, 6), reactions (m, nc, 6), of forces y (m, ny)."""
         nl, nm = len(self.feet.axes), len(self.members)
         parts = np.split(y, [3 * nl, 3 * nl + 12 * nm], axis=-1)
-        shapes = (nl, 3), (nm, 2, 6), (len(self.clamped), 6)
+        shapes = (nl, 3), (nm, 2, 6), (len(self.grounded), 6)
         feet, sections, reactions = (part.reshape(len(y), *shape) for part, shape in zip(parts, shapes, strict=True))
         return feet, sections, reactions
 
@@ -91,19 +91,19 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
     """Those that a scene's legs and outputs need."""
     frame, legs = model.frame, tuple(legs)
     members = tuple(m.name for m in frame.members) if SECTIONS in outputs else ()
-    clamped = frame.clamped if REACTIONS in outputs else ()
+    grounded = frame.grounded if REACTIONS in outputs else ()
     feet = [_foot(model, name) for name in legs]
     both = [end for name in members for end in _ends(model, name)]
-    nodes = np.array([model.node_index[name] for name in clamped], int)
+    nodes = np.array([model.node_index[name] for name in grounded], int)
     wanted = Wanted(
         end=np.concatenate([np.repeat(feet, 3), np.repeat(both, 6)]).astype(int),
         component=np.concatenate([np.tile(BENDING, len(feet)), np.tile(np.arange(6), len(both))]).astype(int),
-        clamped=(6 * nodes[:, None] + np.arange(6)).ravel(),
+        grounded=(6 * nodes[:, None] + np.arange(6)).ravel(),
     )
     return Places(
         feet=_feet(model, np.array(feet, int)),
         members=members,
-        clamped=clamped,
+        grounded=grounded,
         foot=model.xyz[nodes],
         wanted=wanted,
         influence=influence(model, wanted),

@@ -57,7 +57,7 @@ def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarra
     model = replace(model, M=model.M + water.inner_mass(model, sea.density))
     load = static_load(model, sea)
     at_rest = statics.static(model, load)
-    factor = statics.buckling_factor(model, load)
+    factor = statics.buckling_factor(model, load, sea.gravity)
     if platform.geometric_stiffness:
         if factor <= 1:
             raise InputError(
@@ -65,7 +65,7 @@ def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarra
                 True,
                 f"gravity is {1 / factor:.2f} times the Euler load",
             )
-        model = statics.with_geometric_stiffness(model, at_rest)
+        model = statics.with_geometric_stiffness(model, at_rest, sea.gravity)
     return model, at_rest, factor
 
 
@@ -130,7 +130,7 @@ def reduce_platform(
     station_shape, station_rows, drag, of_drag = _drag(model, field, sea, shapes, stations, planar)
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
-    if asked.wanted.end.size or asked.wanted.clamped.size:
+    if asked.wanted.end.size or asked.wanted.grounded.size:
         inertia = asked.influence.of_inertia(M, sea.density, shapes)
         elastic = np.arange(len(asked.influence.element)) < asked.wanted.end.size  # the ground bears damping, too
         borne = Forces(

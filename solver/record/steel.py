@@ -7,7 +7,7 @@ import numpy as np
 from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, Forces
 from solver.record import fatigue
 from solver.scene import Fatigue, Settings
-from solver.structure.influence import FORCES
+from solver.structure.frame import FORCES
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
 
@@ -96,7 +96,7 @@ class Steel:
     def coords(self) -> dict[str, np.ndarray]:
         """Labels of the dimensions."""
         return {
-            "foot": np.array(self.places.clamped),
+            "foot": np.array(self.places.grounded),
             "member": np.array(self.places.members),
             "end": np.array(["start", "end"]),
             "force": np.array(FORCES[:3]),

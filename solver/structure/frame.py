@@ -1,9 +1,9 @@
 """Frozen inputs of a frame of beams, and their assembly into arrays."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Annotated
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 import scipy  # sparse is slow to import, and the command line needs frames but rarely their matrices
@@ -14,6 +14,14 @@ from solver.structure import beam
 from solver.structure.beam import Section
 
 COINCIDENT = 1e-9  # two nodes closer than this share of the frame's size are one
+ROUNDING = 1e-9  # of a matrix's size, by which it may fall short of being symmetric and positive
+HELD = 1e-13  # a rigid body's softest direction over its stiffest, below which nothing holds it
+DIRECTIONS = "move along x", "move along y", "move along z", "turn about x", "turn about y", "turn about z"
+
+
+Force = Literal["N", "Vy", "Vz", "T", "My", "Mz"]  # on a section, along and about the local axes
+FORCES: tuple[Force, ...] = get_args(Force)
+Stiffness = tuple[float, ...] | tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,6 +34,11 @@ class Material:
 
     def __post_init__(self) -> None:
         require_ranges(self, "material")
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio ν = E/2G - 1 [-]."""
+        return self.E / (2 * self.G) - 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,6 +59,9 @@ class Member:
     # True: water inside below still water, which moves with the member across its axis. False: sealed, with the
     # buoyancy of its outer volume. None: neither, as Heo et al. (2022) have it.
     flooded: Annotated[bool | None, "Whether a tube is full of water or sealed; left out, neither"] = None
+    # A pin: ("My", "Mz"). The node that the end is at moves on with the other members.
+    start_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its start does not pass on"] = ()
+    end_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its end does not pass on"] = ()
 
     def __post_init__(self) -> None:
         refuse(self._problems(f"members.{self.name}"))
@@ -60,6 +76,17 @@ class Member:
             yield InputError(f"{key}.section.diameter", 0.0, "must be > 0 m for a member with water coefficients")
         if self.flooded is not None and self.section.diameter == 0:
             yield InputError(f"{key}.flooded", self.flooded, "is of tubes: leave it out")
+        for end in ("start_release", "end_release"):
+            for name in getattr(self, end):
+                if name not in FORCES:
+                    yield InputError(f"{key}.{end}", name, f"must be one of {', '.join(FORCES)}")
+
+    def releases(self, *, start: bool = True, end: bool = True) -> np.ndarray:
+        """Which ends' displacements (12,) are released in an element that has the member's start, its end, or both."""
+        return np.array(
+            [start and name in self.start_release for name in FORCES]
+            + [end and name in self.end_release for name in FORCES]
+        )
 
     @property
     def in_water(self) -> bool:
@@ -69,13 +96,43 @@ class Member:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointMass:
-    """A mass without extent on a node; it resists translation alone."""
+    """A rigid body on a node; without inertia and lever a mass that resists translation alone."""
 
     node: str
-    mass: Annotated[float, Quantity("kg", above=0), "Mass without extent; it resists translation alone"]
+    mass: Annotated[float, Quantity("kg", above=0), "Mass, without extent where nothing else is given"]
+    cog: Annotated[tuple[float, float, float], Quantity("m"), "Centre of gravity, from the node"] = (0.0, 0.0, 0.0)
+    inertia: Annotated[
+        tuple[float, float, float],
+        Quantity("kg m2", least=0),
+        "Moments of inertia about axes through the c.o.g. along the global ones",
+    ] = (0.0, 0.0, 0.0)
+    products_of_inertia: Annotated[
+        tuple[float, float, float], Quantity("kg m2"), "Integrals of xy, xz and yz over the mass, about the c.o.g."
+    ] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        require_ranges(self, f"masses.{self.node}")
+        key = f"masses.{self.node}"
+        require_ranges(self, key)
+        tensor = self.tensor
+        spread = np.trace(tensor) / 2 * np.eye(3) - tensor  # ∫ r rᵀ dm, of which no direction can have less than none
+        if np.linalg.eigvalsh(spread)[0] < -ROUNDING * np.trace(tensor):
+            limit = "no body has such moments: each principal one must be <= the sum of the other two"
+            raise InputError(f"{key}.inertia", self.inertia, limit)
+
+    @property
+    def tensor(self) -> np.ndarray:
+        """Inertia about the c.o.g. (3, 3) [kg m2]."""
+        xy, xz, yz = self.products_of_inertia
+        return np.diag(self.inertia) - np.array([[0, xy, xz], [xy, 0, yz], [xz, yz, 0]])
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Mass (6, 6) as the node has it [kg, kg m, kg m2]: the c.o.g. moves by u + θ × r."""
+        x, y, z = self.cog
+        rigid = np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]])
+        matrix = self.mass * rigid.T @ rigid
+        matrix[3:, 3:] += self.tensor
+        return matrix
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,13 +149,15 @@ class PointLoad:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
-    """Named nodes, members between them, clamped feet, lumped masses and static loads."""
+    """Named nodes, members between them, feet that are clamped or on springs, lumped masses and static loads."""
 
     nodes: Mapping[str, tuple[float, float, float]]  # name -> (x, y, z) [m]
     members: tuple[Member, ...]
-    clamped: tuple[str, ...]
+    clamped: tuple[str, ...] = ()
     masses: tuple[PointMass, ...] = ()
     loads: tuple[PointLoad, ...] = ()
+    # node -> stiffness of the ground under it along and about the global axes: six, or (6, 6) [N/m, N, N m]
+    foundation: Mapping[str, Stiffness] = field(default_factory=dict)
 
     def __hash__(self) -> int:
         """Equal frames have equal text; a mapping alone would have no hash."""
@@ -107,7 +166,19 @@ class Frame:
     def __post_init__(self) -> None:
         refuse(self._coordinate_problems())
         refuse(self._name_problems())
+        refuse(self._foundation_problems())
         refuse(self._support_problems())
+        refuse(self._release_problems())
+
+    @property
+    def grounded(self) -> tuple[str, ...]:
+        """The feet: clamped nodes, and those on foundations."""
+        return (*self.clamped, *self.foundation)
+
+    def foundation_matrix(self, node: str) -> np.ndarray:
+        """Stiffness (6, 6) of the ground under a node [N/m, N, N m]."""
+        given = np.array(self.foundation[node], float)
+        return np.diag(given) if given.ndim == 1 else given
 
     def _coordinate_problems(self) -> Iterator[InputError]:
         for name, xyz in self.nodes.items():
@@ -124,8 +195,8 @@ class Frame:
     def _name_problems(self) -> Iterator[InputError]:
         if not self.members:
             yield InputError("members", "[]", "needs at least one member")
-        if not self.clamped:
-            yield InputError("clamped", "[]", "needs at least one node, or the frame floats away")
+        if not self.grounded:
+            yield InputError("clamped", "[]", "needs at least one node, or one on a foundation: the frame floats away")
         for key, names in (("members", [member.name for member in self.members]), ("clamped", self.clamped)):
             for name, count in Counter(names).items():
                 if count > 1:
@@ -140,23 +211,99 @@ class Frame:
             yield f"members.{member.name}.start", member.start
             yield f"members.{member.name}.end", member.end
         yield from ((f"clamped[{i}]", node) for i, node in enumerate(self.clamped))
+        yield from ((f"foundation.{node}", node) for node in self.foundation)
         yield from ((f"masses[{i}].node", mass.node) for i, mass in enumerate(self.masses))
         yield from ((f"loads[{i}].node", load.node) for i, load in enumerate(self.loads))
 
+    def _foundation_problems(self) -> Iterator[InputError]:
+        for node, given in self.foundation.items():
+            key = f"foundation.{node}"
+            if node in self.clamped:
+                yield InputError(key, given, "is clamped, too: leave it out of one of them")
+            if np.shape(given) not in ((6,), (6, 6)) or not np.all(np.isfinite(given)):
+                yield InputError(key, given, "must be six finite stiffnesses, or six rows of six")
+                continue
+            k = self.foundation_matrix(node)
+            size = np.sqrt(np.abs(np.diag(k)))
+            k = k / np.where(size > 0, size, 1.0) / np.where(size > 0, size, 1.0)[:, None]  # of no unit
+            if np.abs(k - k.T).max() > ROUNDING:
+                yield InputError(key, given, "must be symmetric")
+            elif np.linalg.eigvalsh(k)[0] < -ROUNDING:
+                yield InputError(key, given, "must not have a negative stiffness in any direction")
+
     def _support_problems(self) -> Iterator[InputError]:
-        """Every node hangs on a clamped one, or the stiffness is singular."""
+        """Every node hangs on a clamped one or on foundations that hold it, or the stiffness is singular."""
         neighbours: dict[str, set[str]] = {name: set() for name in self.nodes}
         for member in self.members:
             neighbours[member.start].add(member.end)
             neighbours[member.end].add(member.start)
-        held: set[str] = set()
-        reached = set(self.clamped)
-        while reached:
-            held |= reached
-            reached = {other for name in reached for other in neighbours[name]} - held
+
+        def joined(reached: set[str]) -> set[str]:
+            held: set[str] = set()
+            while reached:
+                held |= reached
+                reached = {other for name in reached for other in neighbours[name]} - held
+            return held
+
+        held = joined(set(self.clamped))
+        for node in self.foundation:
+            if node not in held and neighbours[node]:
+                part = joined({node})
+                held |= part
+                yield from self._loose(part)
         floating = [name for name in self.nodes if name not in held]
         if floating:
-            yield InputError("nodes", ", ".join(floating), "must be joined to a clamped node by members")
+            limit = "must be joined to a clamped node by members, or to one on a foundation"
+            yield InputError("nodes", ", ".join(floating), limit)
+
+    def _release_problems(self) -> Iterator[InputError]:
+        """Releases that let a member, or the frame of members in one piece each, move without a force."""
+        if not any(member.releases().any() for member in self.members):
+            return
+        number = {name: 6 * i + np.arange(6) for i, name in enumerate(self.nodes)}
+        left, whole = np.zeros((2, 6 * len(number), 6 * len(number)))
+        for member in self.members:
+            ends = np.array([self.nodes[member.start], self.nodes[member.end]], float)
+            T = beam.to_global(beam.rotation(*ends))
+            L = float(np.linalg.norm(ends[1] - ends[0]))
+            k = beam.stiffness(member.material.E, member.material.G, member.section, L)
+            try:
+                C = beam.condensation(k, member.releases())
+            except np.linalg.LinAlgError:
+                limit = "with end_release leaves the member itself free to move or turn"
+                yield InputError(f"members.{member.name}.start_release", member.start_release, limit)
+                return
+            at = np.ix_(*[np.concatenate([number[member.start], number[member.end]])] * 2)
+            left[at] += T.T @ C.T @ k @ C @ T
+            whole[at] += T.T @ k @ T
+        for node in self.foundation:
+            at = np.ix_(number[node], number[node])
+            left[at] += self.foundation_matrix(node)
+            whole[at] += self.foundation_matrix(node)
+        free = _free(self, {name: i for i, name in enumerate(self.nodes)}, len(left))
+        size = 1 / np.sqrt(np.diag(whole)[free])
+        values, vectors = np.linalg.eigh(size[:, None] * left[np.ix_(free, free)] * size)
+        if free.size and values[0] < beam.LOOSE:
+            place, direction = divmod(int(free[np.abs(vectors[:, 0]).argmax()]), 6)
+            limit = f"with their releases leave {list(self.nodes)[place]} free to {DIRECTIONS[direction]}"
+            yield InputError("members", ", ".join(m.name for m in self.members if m.releases().any()), limit)
+
+    def _loose(self, part: set[str]) -> Iterator[InputError]:
+        """A part that stands on foundations alone, and can move as a rigid body."""
+        feet = [node for node in self.foundation if node in part]
+        places = np.array([self.nodes[node] for node in feet])
+        size = np.ptp([self.nodes[node] for node in part], axis=0).max()
+        rigid = np.zeros((6, 6))
+        for node, arm in zip(feet, places - places.mean(axis=0), strict=True):
+            move = np.eye(6)
+            move[:3, 3:] = np.cross(np.eye(3), arm).T
+            move[:, 3:] /= size
+            rigid += move.T @ self.foundation_matrix(node) @ move
+        values, vectors = np.linalg.eigh(rigid)
+        if not values[0] > HELD * values[-1]:
+            direction = DIRECTIONS[int(np.abs(vectors[:, 0]).argmax())]
+            limit = f"must hold what stands on it, which is free to {direction}"
+            yield InputError("foundation", ", ".join(feet), limit)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -174,15 +321,25 @@ class FrameModel:
     free: np.ndarray  # numbers of the degrees of freedom that are not clamped
     length: np.ndarray  # (ne,) [m]
     rotation: np.ndarray  # (ne, 3, 3) rows = local axes
+    shear: np.ndarray  # (ne, 2) φ in the planes xy and xz; 0 of Euler-Bernoulli's beams
     element_stiffness: np.ndarray  # (ne, 12, 12) local axes
-    K: "scipy.sparse.csr_array"  # (6n, 6n), supports not yet removed
+    K: "scipy.sparse.csr_array"  # (6n, 6n), foundations included, clamped supports not yet removed
     M: "scipy.sparse.csr_array"  # (6n, 6n), consistent and lumped
+    ground: "scipy.sparse.csr_array"  # (6n, 6n) stiffness of the foundations
     # (ne, 12, 12) local axes, what axial forces add to the stiffness; None: not taken into account
     element_geometric: np.ndarray | None = None
+    condensation: Mapping[int, np.ndarray] = field(default_factory=dict)  # C (12, 12) of elements with released ends
 
     def member_of(self, element: int) -> Member:
         """The member that an element is part of."""
         return self.frame.members[self.member[element]]
+
+    def released(self, element: int, local: np.ndarray, *, both: bool = False) -> np.ndarray:
+        """A row, or rows (…, 12), of an element's end displacements as rows of its nodes'; or on both sides, CᵀAC."""
+        if element not in self.condensation:
+            return local
+        C = self.condensation[element]
+        return C.T @ local @ C if both else local @ C
 
     def translations(self, node: str) -> np.ndarray:
         """Numbers of the three translations of a named node."""
@@ -199,7 +356,7 @@ class FrameModel:
 def assemble(frame: Frame) -> FrameModel:
     """Mesh, element matrices, K and M of the paper's eq. 15, supports not yet removed.
 
-    Named nodes come first, then the members' interior nodes.
+    Named nodes come first, then the members' interior nodes. Released ends are condensed out of the matrices.
     """
     xyz, node_index, member_nodes = _mesh(frame)
     elements = np.concatenate([np.column_stack([nodes[:-1], nodes[1:]]) for nodes in member_nodes.values()])
@@ -212,8 +369,16 @@ def assemble(frame: Frame) -> FrameModel:
     owner = [frame.members[i] for i in member]
     pairs = list(zip(owner, length, strict=True))
     stiffness = np.array([beam.stiffness(m.material.E, m.material.G, m.section, L) for m, L in pairs])
-    mass = np.array([beam.mass(m.material.density, m.section, L) for m, L in pairs])
+    shear = np.array([beam.shear_parameters(m.material.E, m.material.G, m.section, L) for m, L in pairs])
+    mass = np.array(
+        [beam.mass(m.material.density, m.section, L, phi) for (m, L), phi in zip(pairs, shear, strict=True)]
+    )
+    condensation = _condensation(frame, stiffness)
+    for e, C in condensation.items():
+        stiffness[e], mass[e] = C.T @ stiffness[e] @ C, C.T @ mass[e] @ C
     size = 6 * len(xyz)
+    K = scatter(stiffness, rotation, dofs, size)
+    ground = on_nodes([(name, frame.foundation_matrix(name)) for name in frame.foundation], node_index, size)
     return FrameModel(
         frame=frame,
         xyz=xyz,
@@ -226,10 +391,25 @@ def assemble(frame: Frame) -> FrameModel:
         free=_free(frame, node_index, size),
         length=length,
         rotation=rotation,
+        shear=shear,
         element_stiffness=stiffness,
-        K=scatter(stiffness, rotation, dofs, size),
-        M=scatter(mass, rotation, dofs, size) + _lumped(frame, node_index, size),
+        K=K + ground if frame.foundation else K,
+        M=scatter(mass, rotation, dofs, size) + on_nodes([(m.node, m.matrix) for m in frame.masses], node_index, size),
+        ground=ground,
+        condensation=condensation,
     )
+
+
+def _condensation(frame: Frame, stiffness: np.ndarray) -> dict[int, np.ndarray]:
+    """C (12, 12) of the elements that have released ends."""
+    found, first = {}, 0
+    for member in frame.members:
+        for e in sorted({0, member.elements - 1}):
+            released = member.releases(start=e == 0, end=e == member.elements - 1)
+            if released.any():
+                found[first + e] = beam.condensation(stiffness[first + e], released)
+        first += member.elements
+    return found
 
 
 def _mesh(frame: Frame) -> tuple[np.ndarray, dict[str, int], dict[str, np.ndarray]]:
@@ -261,13 +441,15 @@ def sparse_sum(
     return scipy.sparse.csr_array(scipy.sparse.coo_array((blocks.ravel(), (i, j)), shape=shape))
 
 
-def _lumped(frame: Frame, node_index: Mapping[str, int], size: int) -> "scipy.sparse.csr_array":
-    diagonal = np.zeros(size)
-    for item in frame.masses:
-        diagonal[6 * node_index[item.node] + np.arange(3)] += item.mass
-    return scipy.sparse.csr_array(scipy.sparse.diags_array(diagonal))
+def on_nodes(
+    matrices: Iterable[tuple[str, np.ndarray]], node_index: Mapping[str, int], size: int
+) -> "scipy.sparse.csr_array":
+    """Matrices (6, 6) of named nodes, summed as one sparse matrix."""
+    pairs = list(matrices)
+    dofs = np.array([6 * node_index[name] + np.arange(6) for name, _ in pairs], int).reshape(-1, 6)
+    return sparse_sum(np.array([matrix for _, matrix in pairs]).reshape(-1, 6, 6), dofs, dofs, (size, size))
 
 
 def _free(frame: Frame, node_index: Mapping[str, int], size: int) -> np.ndarray:
     clamped = [6 * node_index[name] + np.arange(6) for name in frame.clamped]
-    return np.setdiff1d(np.arange(size), np.concatenate(clamped))
+    return np.setdiff1d(np.arange(size), np.ravel(clamped))

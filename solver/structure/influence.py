@@ -4,7 +4,8 @@ The frame bends under its loads F, the inertia of its motion d̈ and its damping
 Craig, Structural Dynamics, 1981). With an element's own consistent loads f, inertia and damping among them, its end
 bears ± (k d - f): elastic forces, in balance at every node, however few shapes the motion is made of and however long
 the elements. Damping acts within the frame, so that the ground, which bears it, too, gives
-K d + C ḋ - (F - M d̈) on a clamped degree of freedom, as if K d were F - M d̈: what balances loads and inertia.
+K d + C ḋ - (F - M d̈) on a clamped degree of freedom, as if K d were F - M d̈: what balances loads and inertia. The
+springs of a foundation give -k d of that same d.
 """
 
 from dataclasses import dataclass
@@ -15,7 +16,6 @@ from scipy import sparse
 from solver.structure import beam, recovery, statics, water
 from solver.structure.frame import FrameModel, scatter
 
-FORCES = ("N", "Vy", "Vz", "T", "My", "Mz")  # on the face whose outward normal is local +x
 SLAB = 2**22  # numbers of an array made on the way
 
 
@@ -24,8 +24,8 @@ class Wanted:
     """Which section forces and which reactions are asked for: ny = k + nr."""
 
     end: np.ndarray  # (k,) numbered 2 e (start) and 2 e + 1 (end of element e)
-    component: np.ndarray  # (k,) which of FORCES
-    clamped: np.ndarray  # (nr,) degrees of freedom
+    component: np.ndarray  # (k,) which of frame.FORCES, on the face whose outward normal is local +x
+    grounded: np.ndarray  # (nr,) degrees of freedom, clamped or on springs
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -61,7 +61,7 @@ class Influence:
         forces = recovery.section_forces(self.model, displacement, element_loads)[wanted.end, wanted.component]
         size = self.model.K.shape[0]
         elastic = scatter(self.model.element_stiffness, self.model.rotation, self.model.dofs, size)
-        return np.concatenate([forces, (elastic[wanted.clamped] @ displacement) - load[wanted.clamped]])
+        return np.concatenate([forces, (elastic[wanted.grounded] @ displacement) - load[wanted.grounded]])
 
 
 def influence(model: FrameModel, wanted: Wanted) -> Influence:
@@ -74,16 +74,19 @@ def influence(model: FrameModel, wanted: Wanted) -> Influence:
     T = np.array([beam.to_global(R) for R in model.rotation[element]]).reshape(-1, 12, 12)
     face = recovery.FACE[row, None]
     blocks = face * np.einsum("ya,yab->yb", stiffness[element, row], T)
-    unit = np.zeros((model.K.shape[0], k + wanted.clamped.size))
+    unit = np.zeros((model.K.shape[0], k + wanted.grounded.size))
     unit[model.dofs[element], np.arange(k)[:, None]] = blocks
-    unit[:, k:] = model.K[wanted.clamped].toarray().T
+    clamped = ~np.isin(wanted.grounded, model.free)
+    unit[:, k:] = np.where(
+        clamped[:, None], model.K[wanted.grounded].toarray(), -model.ground[wanted.grounded].toarray()
+    ).T
     nodal = statics.static(model, unit)
-    nodal[wanted.clamped, k + np.arange(wanted.clamped.size)] -= 1.0
-    none = np.zeros((wanted.clamped.size, 12))
+    nodal[wanted.grounded[clamped], k + np.flatnonzero(clamped)] -= 1.0
+    none = np.zeros((wanted.grounded.size, 12))
     return Influence(
         model=model,
         nodal=nodal,
-        element=np.concatenate([element, np.full(wanted.clamped.size, -1)]),
+        element=np.concatenate([element, np.full(wanted.grounded.size, -1)]),
         within=np.concatenate([-face * T[np.arange(k), row], none]),
     )
 
@@ -93,5 +96,6 @@ def element_masses(model: FrameModel, density: float, elements: np.ndarray) -> n
     steel = []
     for e in elements:
         member, T = model.member_of(e), beam.to_global(model.rotation[e])
-        steel.append(T.T @ beam.mass(member.material.density, member.section, model.length[e]) @ T)
+        local = beam.mass(member.material.density, member.section, model.length[e], model.shear[e])
+        steel.append(T.T @ model.released(e, local, both=True) @ T)
     return water.element_masses(model, density, elements) + np.reshape(steel, (-1, 12, 12))

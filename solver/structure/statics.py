@@ -8,8 +8,9 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
 from solver.structure import beam
-from solver.structure.frame import FrameModel, scatter
+from solver.structure.frame import FrameModel, on_nodes, scatter
 
+TILTS = np.diag([0, 0, 0, 1.0, 1.0, 0])  # of a node about x and y
 ROUNDING = 1e-10  # a share of the largest |1/λ| that rounding alone can make positive
 
 
@@ -18,15 +19,17 @@ def self_weight(model: FrameModel, g: float) -> np.ndarray:
     """Consistent weight ρAg of each element, local axes [N, N m], (ne, 12)."""
     weight = np.array([m.material.density * m.section.area * g for m in model.frame.members])
     down = model.rotation @ [0.0, 0.0, -1.0]
-    pairs = zip(weight[model.member, None] * down, model.length, strict=True)
-    return np.array([beam.distributed_load(q, L) for q, L in pairs])
+    parts = zip(weight[model.member, None] * down, model.length, model.shear, strict=True)
+    loads = [beam.distributed_load(q, L, shear=shear) for q, L, shear in parts]
+    return np.array([model.released(e, load) for e, load in enumerate(loads)])
 
 
 def gravity_load(model: FrameModel, g: float) -> np.ndarray:
-    """Weight of the elements and of the point masses [N, N m], (6n,)."""
+    """Weight of the elements and of the point masses, at the end of their levers, [N, N m], (6n,)."""
     load = model.total(self_weight(model, g))
     for item in model.frame.masses:
-        load[model.translations(item.node)[2]] -= item.mass * g
+        x, y, _ = item.cog
+        load[model.translations(item.node)[2] + np.arange(3)] += item.mass * g * np.array([-1, -y, x])
     return load
 
 
@@ -58,29 +61,35 @@ def axial_force(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
 
 def _element_geometric(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
     """Of each element, (ne, 12, 12) in local axes."""
-    pairs = zip(axial_force(model, displacement), model.length, strict=True)
-    return np.array([beam.geometric_stiffness(N, L) for N, L in pairs])
+    parts = zip(axial_force(model, displacement), model.length, model.shear, strict=True)
+    elements = [beam.geometric_stiffness(N, L, shear) for N, L, shear in parts]
+    return np.array([model.released(e, Kg, both=True) for e, Kg in enumerate(elements)])
 
 
-def geometric_stiffness(model: FrameModel, displacement: np.ndarray) -> sparse.csr_array:
-    """Kg of the axial forces that a static displacement sets up, sparse (6n, 6n)."""
-    return scatter(_element_geometric(model, displacement), model.rotation, model.dofs, 6 * len(model.xyz))
+def _geometric(model: FrameModel, elements: np.ndarray, g: float) -> sparse.csr_array:
+    """Kg of elements (ne, 12, 12) and of the point masses' levers, sparse (6n, 6n).
+
+    A weight mg at a height h above its node falls by hθ²/2 as that tilts: -mgh about x and y. What a level lever
+    adds as the node tilts and twists is left out, as the elements' twist is.
+    """
+    Kg = scatter(elements, model.rotation, model.dofs, 6 * len(model.xyz))
+    levers = [(m.node, -m.mass * g * m.cog[2] * TILTS) for m in model.frame.masses if m.cog[2]]
+    return Kg + on_nodes(levers, model.node_index, len(model.xyz) * 6) if levers else Kg
 
 
-def with_geometric_stiffness(model: FrameModel, displacement: np.ndarray) -> FrameModel:
+def with_geometric_stiffness(model: FrameModel, displacement: np.ndarray, g: float) -> FrameModel:
     """The model with K + Kg of a static displacement: compression softens it."""
     elements = _element_geometric(model, displacement)
-    K = model.K + scatter(elements, model.rotation, model.dofs, 6 * len(model.xyz))
-    return replace(model, K=K, element_geometric=elements)
+    return replace(model, K=model.K + _geometric(model, elements, g), element_geometric=elements)
 
 
-def buckling_factor(model: FrameModel, load: np.ndarray) -> float:
+def buckling_factor(model: FrameModel, load: np.ndarray, g: float) -> float:
     """Smallest λ > 0 with det(K + λ Kg) = 0 under λ times the load; inf if it never buckles.
 
     1/λ is the largest eigenvalue of -Kg x = μ K x. Below 1 the load exceeds the Euler load.
     """
     free = model.free
-    Kg = geometric_stiffness(model, static(model, load))[free][:, free].toarray()
+    Kg = _geometric(model, _element_geometric(model, static(model, load)), g)[free][:, free].toarray()
     K = model.K[free][:, free].toarray()
     inverse = linalg.eigh(-Kg, K, eigvals_only=True)
     compressed = inverse[-1] > ROUNDING * np.abs(inverse).max()

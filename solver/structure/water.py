@@ -95,7 +95,8 @@ def _stations(model: FrameModel, points: int, longest: float, members: np.ndarra
 def _shapes(model: FrameModel, element: np.ndarray, s: np.ndarray) -> np.ndarray:
     shape = np.zeros((len(s), 3, 12))
     for i, (e, station) in enumerate(zip(element, s, strict=True)):
-        shape[i] = beam.in_global(beam.displacement_shape(station, model.length[e]), model.rotation[e])
+        local = model.released(e, beam.displacement_shape(station, model.length[e], model.shear[e]))
+        shape[i] = beam.in_global(local, model.rotation[e])
     return shape
 
 
@@ -157,8 +158,8 @@ def buoyancy(model: FrameModel, density: float, g: float) -> np.ndarray:
     areas = [m.section.area + (m.section.hollow if m.flooded is False else 0.0) for m in model.frame.members]
     area = np.array(areas)[model.member]
     up = density * g * area[:, None] * (model.rotation @ [0.0, 0.0, 1.0])
-    parts = zip(up, model.length, wetted_span(model), strict=True)
-    return np.array([beam.distributed_load(q, L, span) for q, L, span in parts])
+    parts = zip(up, model.length, wetted_span(model), model.shear, strict=True)
+    return np.array([model.released(e, beam.distributed_load(*part)) for e, part in enumerate(parts)])
 
 
 def buoyancy_load(model: FrameModel, density: float, g: float) -> np.ndarray:

@@ -94,9 +94,8 @@ def line(steel, pipe):
         material=steel,
         **fields,
     ):
-        water = {
-            key: fields.pop(key) for key in ("drag_coefficient", "inertia_coefficient", "flooded") if key in fields
-        }
+        own = ("drag_coefficient", "inertia_coefficient", "flooded", "start_release", "end_release")
+        water = {key: fields.pop(key) for key in own if key in fields}
         pile = Member(
             name="pile",
             start="start",

@@ -1,5 +1,6 @@
 """One element: equilibrium, exact integrals, section constants."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +14,8 @@ from solver.structure import beam
 L, E, G, RHO = 3.7, 2.1e11, 8.33e10, 7850.0
 PIPE = beam.tube(diameter=0.45, thickness=0.012)
 PLANK = beam.solid_rectangle(width=0.3, height=0.1)
+SHEARING = replace(PLANK, shear_factor=0.02)  # far from Euler-Bernoulli, and not alike in both planes
+PHI = beam.shear_parameters(E, G, SHEARING, L)
 ROUNDING = 1e-12  # relative to the largest entry; sums of 12 terms lose 1-2 digits of 16
 
 
@@ -31,7 +34,7 @@ def rigid_motions(x):
     return motions.reshape(12, 6)
 
 
-@pytest.mark.parametrize("section", [PIPE, PLANK])
+@pytest.mark.parametrize("section", [PIPE, PLANK, SHEARING])
 @pytest.mark.parametrize("end", [(3, 2, 1), (0, 0, 3.7), (0, 0, -3.7), (-1, 0, 0), (1e-9, 0, 2)])
 def test_rigid_motions_give_no_force(section, end):
     T = beam.to_global(beam.rotation((0, 0, 0), end))
@@ -41,9 +44,10 @@ def test_rigid_motions_give_no_force(section, end):
     assert np.abs(forces).max() < ROUNDING * np.abs(K).max() * length
 
 
-def test_stiffness_has_six_elastic_motions_and_six_rigid_ones():
+@pytest.mark.parametrize("section", [PLANK, SHEARING])
+def test_stiffness_has_six_elastic_motions_and_six_rigid_ones(section):
     scale = np.tile([1, 1, 1, 1 / L, 1 / L, 1 / L], 2)  # metres for all, or the ranks mix units
-    values = np.linalg.eigvalsh(beam.stiffness(E, G, PLANK, L) * np.outer(scale, scale))
+    values = np.linalg.eigvalsh(beam.stiffness(E, G, section, L) * np.outer(scale, scale))
     assert np.abs(values[:6]).max() < ROUNDING * values[-1]
     assert values[6] > 1e-6 * values[-1]
 
@@ -55,13 +59,75 @@ def test_mass_is_the_integral_of_the_shape_functions():
     assert pytest.approx(M, abs=ROUNDING * M.max()) == by_shapes + twist
 
 
-def test_geometric_stiffness_is_the_integral_of_the_slopes():
-    def slopes(s):
-        turn = beam.rotation_shape(s, L)[1:]
-        return -7e4 * turn.T @ turn
+def test_a_shearing_beams_mass_is_the_integral_of_its_shapes_and_rotations():
+    A, j = RHO * SHEARING.area, RHO * np.diag([SHEARING.Ip, SHEARING.Iy, SHEARING.Iz])
 
-    Kg = beam.geometric_stiffness(-7e4, L)
+    def moving(s):
+        shift, turn = beam.displacement_shape(s, L, PHI), beam.rotation_shape(s, L, PHI)
+        return A * shift.T @ shift + turn.T @ j @ turn
+
+    M = beam.mass(RHO, SHEARING, L, PHI)
+    assert pytest.approx(M, abs=ROUNDING * M.max()) == integral(moving)
+
+
+def test_a_shearing_beams_stiffness_is_its_energy_in_bending_and_shear():
+    """∫ EI ψ'² + κGA (v' - ψ)² dx in both planes; slopes by differences that are exact for cubics and parabolas."""
+    h, one = 0.5, SHEARING
+
+    def strained(s):
+        shift = [beam.displacement_shape(s + k * h, L, PHI) for k in (-2, -1, 1, 2)]
+        slope = (shift[0] - 8 * shift[1] + 8 * shift[2] - shift[3]) / (12 * h * L)
+        turn = beam.rotation_shape(s, L, PHI)
+        bent = (beam.rotation_shape(s + h, L, PHI) - beam.rotation_shape(s - h, L, PHI)) / (2 * h * L)
+        sheared = [slope[1] - turn[2], slope[2] + turn[1]]
+        kGA = one.shear_factor * G * one.area
+        parts = [
+            (E * one.area, slope[0]), (G * one.J, bent[0]), (E * one.Iy, bent[1]), (E * one.Iz, bent[2]),
+            (kGA, sheared[0]), (kGA, sheared[1]),
+        ]  # fmt: skip
+        return sum(size * np.outer(of, of) for size, of in parts)
+
+    K = beam.stiffness(E, G, one, L)
+    assert pytest.approx(integral(strained), abs=ROUNDING * K.max()) == K
+    assert min(PHI) > 0.01
+    assert PHI[0] == pytest.approx(9 * PHI[1])
+
+
+@pytest.mark.parametrize("shear", [beam.NO_SHEAR, PHI])
+def test_geometric_stiffness_is_the_integral_of_the_slopes(shear):
+    h = 0.5  # differences that are exact for cubics
+
+    def slopes(s):
+        shift = [beam.displacement_shape(s + k * h, L, shear)[1:] for k in (-2, -1, 1, 2)]
+        slope = (shift[0] - 8 * shift[1] + 8 * shift[2] - shift[3]) / (12 * h * L)
+        return -7e4 * slope.T @ slope
+
+    Kg = beam.geometric_stiffness(-7e4, L, shear)
     assert pytest.approx(integral(slopes), abs=ROUNDING * np.abs(Kg).max()) == Kg
+
+
+def test_an_unyielding_section_is_euler_bernoullis_with_rotary_inertia():
+    """κ -> ∞: stiffness and shapes are the old ones, the mass has ∫ρI v'² besides."""
+    stiff = replace(PLANK, shear_factor=1e14)
+    phi = beam.shear_parameters(E, G, stiff, L)
+    K = beam.stiffness(E, G, PLANK, L)
+    assert beam.stiffness(E, G, stiff, L) == pytest.approx(K, abs=ROUNDING * K.max())
+    assert beam.displacement_shape(0.3, L, phi) == pytest.approx(beam.displacement_shape(0.3, L), abs=ROUNDING)
+    rotary = RHO * np.diag([0, PLANK.Iy, PLANK.Iz])
+    turning = integral(lambda s: beam.rotation_shape(s, L).T @ rotary @ beam.rotation_shape(s, L))
+    M = beam.mass(RHO, PLANK, L)
+    assert beam.mass(RHO, stiff, L, phi) == pytest.approx(M + turning, abs=ROUNDING * M.max())
+
+
+# Cowper (1966), Table 1, for ν = 0, 0.3 and 0.5: circle, thin-walled round tube, rectangle.
+@pytest.mark.parametrize(
+    ("poisson", "circle", "thin", "rectangle"),
+    [(0.0, 0.857, 0.500, 0.833), (0.3, 0.886, 0.531, 0.850), (0.5, 0.900, 0.545, 0.857)],
+)
+def test_shear_factors_are_cowpers(poisson, circle, thin, rectangle):
+    assert beam.tube_shear_factor(2.0, 1.0, poisson) == pytest.approx(circle, abs=6e-4)
+    assert beam.tube_shear_factor(2.0, 1e-5, poisson) == pytest.approx(thin, abs=6e-4)
+    assert beam.rectangle_shear_factor(poisson) == pytest.approx(rectangle, abs=6e-4)
 
 
 def test_rotations_are_the_derivatives_of_displacements():
@@ -75,8 +141,9 @@ def test_rotations_are_the_derivatives_of_displacements():
 
 @pytest.mark.parametrize(("s", "first"), [(0.0, 0), (1.0, 6)])
 def test_shapes_at_the_ends_are_the_end_displacements(s, first):
-    assert beam.displacement_shape(s, L) == pytest.approx(np.eye(12)[first : first + 3])
-    assert beam.rotation_shape(s, L) == pytest.approx(np.eye(12)[first + 3 : first + 6])
+    for shear in (beam.NO_SHEAR, PHI):
+        assert beam.displacement_shape(s, L, shear) == pytest.approx(np.eye(12)[first : first + 3])
+        assert beam.rotation_shape(s, L, shear) == pytest.approx(np.eye(12)[first + 3 : first + 6])
 
 
 @given(
@@ -86,7 +153,7 @@ def test_shapes_at_the_ends_are_the_end_displacements(s, first):
 def test_shapes_reproduce_rigid_motions_in_any_direction(s, end):
     start = np.array([1.0, -2.0, 0.5])
     x = np.array([start, start + end])
-    shape = beam.in_global(beam.displacement_shape(s, np.linalg.norm(end)), beam.rotation(*x))
+    shape = beam.in_global(beam.displacement_shape(s, np.linalg.norm(end), PHI), beam.rotation(*x))
     at = x[0] + s * np.array(end)
     expected = np.hstack([np.eye(3), np.cross(np.eye(3), at).T])
     assert shape @ rigid_motions(x) == pytest.approx(expected, abs=1e-12 * 100)  # arms up to 20 m, squared
@@ -117,8 +184,9 @@ def test_uniform_load_has_the_fixed_end_moments_of_the_handbook():
 def test_load_on_parts_adds_up_to_the_load_on_the_whole(s0, s1):
     q = np.array([10.0, -20.0, 30.0])
     cuts = [0.0, *sorted((s0, s1)), 1.0]
-    parts = sum(beam.distributed_load(q, L, span) for span in pairwise(cuts))
-    assert parts == pytest.approx(beam.distributed_load(q, L), abs=1e-11)
+    for shear in (beam.NO_SHEAR, PHI):
+        parts = sum(beam.distributed_load(q, L, span, shear) for span in pairwise(cuts))
+        assert parts == pytest.approx(beam.distributed_load(q, L, shear=shear), abs=1e-11)
 
 
 def test_tube_is_the_difference_of_two_rods():
@@ -156,6 +224,7 @@ def test_torsion_of_rectangles_is_timoshenkos(ratio, k1):
         ),
         (lambda: beam.solid_rectangle(width=float("nan"), height=1), r"section.width = nan"),
         (lambda: beam.solid_rectangle(width=1, height=float("inf")), r"section.height = inf"),
+        (lambda: replace(PIPE, shear_factor=0.0), r"section.shear_factor = 0.0: must be > 0"),
     ],
 )
 def test_bad_sections_are_refused(make, message):

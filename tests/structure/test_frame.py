@@ -8,6 +8,9 @@ from solver.structure.beam import solid_rectangle
 from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass, assemble
 
 NODES = {"foot": (0, 0, -9), "knee": (0, 0, 0), "hand": (4, 0, 0)}
+ROWS = np.eye(6)
+CROSS = np.outer(np.eye(6)[0], np.eye(6)[4]) + np.outer(np.eye(6)[4], np.eye(6)[0])
+SLIDES, SPINS = (0.0, 1e6, 1e6, 1e8, 1e8, 1e8), (1e6, 1e6, 1e6, 0.0, 0.0, 0.0)
 
 
 @pytest.fixture
@@ -66,6 +69,26 @@ def test_moment_of_inertia_about_the_foot_is_that_of_rods_and_point(bent, pipe, 
     assert turn @ model.M @ turn == pytest.approx(rods + 500 * (9**2 + 4**2))
 
 
+def test_a_rigid_body_on_a_node_has_its_own_inertia_and_steiners(bent):
+    """About the foot and about axes through it: J + m(r²I - r rᵀ), products of inertia included."""
+    body = PointMass(
+        node="hand", mass=500.0, cog=(0.5, -0.7, 1.1), inertia=(900.0, 800.0, 700.0),
+        products_of_inertia=(50.0, -60.0, 70.0),
+    )  # fmt: skip
+    bare, loaded = assemble(bent()), assemble(bent(masses=(body,)))
+    arm = loaded.xyz - NODES["foot"]
+    turns = [np.hstack([np.cross(axis, arm), np.tile(axis, (len(arm), 1))]).ravel() for axis in np.eye(3)]
+    shifts = [np.tile(np.concatenate([axis, np.zeros(3)]), len(arm)) for axis in np.eye(3)]
+    rigid = np.array(shifts + turns)
+    added = rigid @ (loaded.M - bare.M) @ rigid.T
+    r = np.add(NODES["hand"], body.cog) - NODES["foot"]
+    J = np.array([[900.0, -50.0, 60.0], [-50.0, 800.0, -70.0], [60.0, -70.0, 700.0]])
+    assert added[:3, :3] == pytest.approx(500 * np.eye(3))
+    assert added[3:, 3:] == pytest.approx(J + 500 * (r @ r * np.eye(3) - np.outer(r, r)))
+    momentum = 500 * np.cross(np.eye(3), r)  # of a turn about each axis
+    assert added[3:, :3] == pytest.approx(momentum)
+
+
 def test_order_of_members_does_not_matter(bent):
     frame = bent()
     turned = bent(members=frame.members[::-1])
@@ -89,11 +112,61 @@ def test_order_of_members_does_not_matter(bent):
             r"nodes.hand = .*: must be three finite",
         ),
         ({"nodes": NODES | {"far": (9, 9, 9)}}, r"nodes = far: must be joined to a clamped node"),
+        ({"foundation": {"toe": (1.0,) * 6}}, r"foundation.toe = toe: must be one of"),
+        ({"foundation": {"foot": (1.0,) * 6}}, r"foundation.foot = .*: is clamped, too"),
+        ({"foundation": {"hand": (1.0,) * 5}}, r"foundation.hand = .*: must be six finite stiffnesses"),
+        (
+            {"foundation": {"hand": (1.0, 1.0, float("inf"), 1.0, 1.0, 1.0)}},
+            r"foundation.hand = .*: must be six finite",
+        ),
+        ({"foundation": {"hand": (1.0, 1.0, 1.0, 1.0, -1.0, 1.0)}}, r"foundation.hand = .*: must not have a negative"),
+        (
+            {"foundation": {"hand": ROWS + np.eye(6)[[1]].T @ np.eye(6)[[3]]}},
+            r"(?s)foundation.hand = .*: must be symmetric",
+        ),
+        ({"foundation": {"hand": ROWS + 2 * CROSS}}, r"(?s)foundation.hand = .*: must not have a negative"),
+        (
+            {"foundation": {"hand": np.diag([1.0, 1, 1, 1, 0, 1]) + CROSS}},
+            r"(?s)foundation.hand = .*: must not have a neg",
+        ),
+        ({"clamped": (), "foundation": {"foot": SLIDES}}, r"foundation = foot: .* free to move along x"),
+        (
+            {"clamped": (), "foundation": {"foot": SPINS, "knee": SPINS}},
+            r"foundation = foot, knee: .* free to turn about z",
+        ),
+        ({"foundation": {"far": (1.0,) * 6}, "nodes": NODES | {"far": (9, 9, 9)}}, r"nodes = far: must be joined"),
     ],
 )
 def test_bad_frames_are_refused(bent, change, message):
     with pytest.raises(InputError, match=message):
         bent(**change)
+
+
+def test_feet_that_hold_together_are_enough(bent):
+    """Pinned feet apart in x and z, and one that keeps the frame from turning about the line between them."""
+    assert bent(clamped=(), foundation={"foot": SPINS, "hand": (1e6, 1e6, 1e6, 1e3, 0.0, 0.0)}).grounded == (
+        "foot",
+        "hand",
+    )
+    with pytest.raises(InputError, match=r"foundation = foot, hand: .* is free to turn about"):
+        bent(clamped=(), foundation={"foot": SPINS, "hand": SPINS})
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "message"),
+    [
+        ({"end_release": ("Mx",)}, {}, r"members.leg.end_release = Mx: must be one of N, Vy, Vz, T, My, Mz"),
+        ({"start_release": ("T",), "end_release": ("T",)}, {}, r"members.leg.start_release = .* member itself free"),
+        ({"start_release": ("My", "Vz"), "end_release": ("My",)}, {}, r"members.leg.start_release = .* itself free"),
+        ({"end_release": ("T",)}, {}, r"members = leg: with their releases leave hand free to move along y"),
+        ({"start_release": ("My",)}, {}, r"members = leg: with their releases leave .* free to"),
+        ({"end_release": ("My",)}, {"start_release": ("My",)}, r"members = leg, arm: with their releases leave"),
+        ({}, {"start_release": ("N",)}, r"members = arm: with their releases leave hand free to move along x"),
+    ],
+)
+def test_releases_that_leave_a_mechanism_are_refused(member, bent, first, second, message):
+    with pytest.raises(InputError, match=message):
+        bent(members=(member("leg", "foot", "knee", **first), member("arm", "knee", "hand", **second)))
 
 
 def test_a_floating_part_is_refused(member, bent):
@@ -138,6 +211,16 @@ def test_bad_members_are_refused(member, fields, message):
         (lambda: Material(E=0, G=1, density=1), r"material.E = 0: must be > 0 Pa"),
         (lambda: Material(E=1, G=1, density=-1), r"material.density = -1: must be > 0 kg/m3"),
         (lambda: PointMass(node="a", mass=0), r"masses.a.mass = 0: must be > 0 kg"),
+        (
+            lambda: PointMass(node="a", mass=1, inertia=(1, -1, 1)),
+            r"masses.a.inertia = \(1, -1, 1\): must be >= 0 kg m2",
+        ),
+        (lambda: PointMass(node="a", mass=1, inertia=(1, 2, 4)), r"masses.a.inertia = \(1, 2, 4\): no body has such"),
+        (
+            lambda: PointMass(node="a", mass=1, inertia=(2, 2, 2), products_of_inertia=(1.1, 0, 0)),
+            r"masses.a.inertia = \(2, 2, 2\): no body has such moments",
+        ),
+        (lambda: PointMass(node="a", mass=1, cog=(0, 0, float("nan"))), r"masses.a.cog = .* must be finite m"),
         (lambda: PointLoad(node="a", force=(1, 2)), r"loads.a = \(1, 2\): must be three finite"),
     ],
 )

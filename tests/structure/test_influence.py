@@ -17,15 +17,18 @@ from solver.sea.realization import CALM, ramp, regular
 from solver.structure import beam, recovery, statics, water
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
-from tests.awkward import tripod, unequal_legs
+from tests.awkward import soft_ground, tripod, unequal_legs
 
 EVERYTHING = ("reactions", "section_forces", "fibre_stress")
 RHO, G = 1025.0, 9.81
 
 
-def marched(damping_ratio=0.05, **changes):
+PLATFORMS = pytest.mark.parametrize("made", [unequal_legs, soft_ground])
+
+
+def marched(made, damping_ratio=0.05, **changes):
     """A float on three unequal legs in waves at 30 degrees: the system, its steel, a block of samples."""
-    item, h = unequal_legs()
+    item, h = made()
     chosen = {"outputs": EVERYTHING, "time_step": 0.1, **changes}
     platform = replace(item.platform, damping_ratio=damping_ratio)
     system = prepare(replace(item, platform=platform, settings=replace(item.settings, **chosen)), h)
@@ -38,9 +41,10 @@ def marched(damping_ratio=0.05, **changes):
     return system, steel, turn, output, y
 
 
-def test_reactions_balance_all_loads_and_inertia():
+@PLATFORMS
+def test_reactions_balance_all_loads_and_inertia(made):
     """Forces and moments about the origin, each by integrals over the members and none by the frame's stiffness."""
-    system, steel, turn, output, y = marched()
+    system, steel, turn, output, y = marched(made)
     sea, platform = system.scene.water, system.scene.platform
     model, _, _ = support.dynamic_model(platform, sea)
     M = model.M + water.added_mass(model, sea.density)
@@ -85,22 +89,49 @@ def rigid_motions(xyz):
     return out.reshape(-1, 6)
 
 
-def test_feet_bear_what_the_ground_gives():
+def test_springs_give_what_they_are_pushed_by():
+    """-k u of the feet on foundations, static part by itself; and all reactions at rest carry all that weighs."""
+    system, steel, _, output, y = marched(soft_ground, 0.0, modes="all", newton_tolerance=1e-9)
+    platform, sea = system.scene.platform, system.scene.water
+    model, at_rest, _ = support.dynamic_model(platform, sea)
+    *_, reactions = steel.places.split(y)
+    *_, still = steel.places.split(steel.forces.at_rest[None])
+    moved = (output.p @ system.support.shapes.T).reshape(len(y), -1, 6)
+    for node in ("foot a", "foot b"):
+        k, foot = platform.frame.foundation_matrix(node), steel.places.grounded.index(node)
+        at = model.node_index[node]
+        force = -moved[:, at] @ k
+        size = np.abs(reactions[:, foot, [0, 0, 0, 4, 4, 4]]).max(axis=0)
+        assert np.all(np.abs(force - reactions[:, foot]).max(axis=0) < 1e-4 * size)
+        assert still[0, foot] == approx(-k @ at_rest.reshape(-1, 6)[at], rel=1e-6)
+    load = support.static_load(model, sea).reshape(-1, 6)
+    total = load.sum(axis=0)
+    total[3:] += np.cross(model.xyz, load[:, :3]).sum(axis=0)
+    feet = steel.places.foot
+    held = np.concatenate(
+        [still[0, :, :3].sum(axis=0), (still[0, :, 3:] + np.cross(feet, still[0, :, :3])).sum(axis=0)]
+    )
+    assert held == approx(-total, abs=1e-6 * np.abs(total).max())
+
+
+@PLATFORMS
+def test_feet_bear_what_the_ground_gives(made):
     """A foot's section forces, turned to global axes, are the ground's reaction, but for damping within the frame."""
     for damping_ratio, within in ((0.0, 1e-9), (0.01, 0.02)):
-        system, steel, _, _, y = marched(damping_ratio)
+        system, steel, _, _, y = marched(made, damping_ratio)
         model, _, _ = support.dynamic_model(system.scene.platform, system.scene.water)
         _, sections, reactions = steel.places.split(y)
         for name in ("a", "b", "c"):
-            row, foot = steel.places.members.index(name), steel.places.clamped.index("foot " + name)
+            row, foot = steel.places.members.index(name), steel.places.grounded.index("foot " + name)
             turned = sections[:, row, 0].reshape(-1, 2, 3) @ model.rotation[model.member_elements[name][0]]
             gap = np.abs(turned.reshape(-1, 6) + reactions[:, foot]).max(axis=0)
             assert np.all(gap <= within * np.abs(reactions[:, foot, [0, 0, 0, 4, 4, 4]]).max(axis=0))
 
 
-def test_sections_bear_what_the_shapes_strain():
+@PLATFORMS
+def test_sections_bear_what_the_shapes_strain(made):
     """All ends of the legs: k d of all shapes, less what acts within the elements, inertia and damping included."""
-    system, steel, turn, output, y = marched(modes="all", newton_tolerance=1e-9)
+    system, steel, turn, output, y = marched(made, modes="all", newton_tolerance=1e-9)
     model, _, _ = support.dynamic_model(system.scene.platform, system.scene.water)
     _, sections, _ = steel.places.split(y)
     strained = (output.p @ (recovery.section_force_matrix(model) @ system.support.shapes).T).reshape(len(y), -1, 6)
@@ -262,7 +293,7 @@ def test_softened_frames_balance_their_softened_stiffness():
     d = statics.static(model, load)
     _, sections, reactions = s.forces.places.split((influence.nodal.T @ load)[None])
     assert reactions.ravel() == approx(
-        model.K[s.forces.places.wanted.clamped] @ d - load[s.forces.places.wanted.clamped]
+        model.K[s.forces.places.wanted.grounded] @ d - load[s.forces.places.wanted.grounded]
     )
     e = model.member_elements["b"][-1]
     k = model.element_stiffness[e] + model.element_geometric[e]

@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
 from solver.errors import InputError
 from solver.structure import statics
+from solver.structure.beam import tube, tube_shear_factor
 from solver.structure.frame import Frame, Member, PointLoad, PointMass, assemble
 from solver.structure.modes import mirror, modes, modes_in, static_remainder, symmetric_basis
 
@@ -60,6 +63,14 @@ def test_bending_frequencies_are_fourth_order_in_the_mesh(line, steel, pipe, cla
     assert order(meshes, omega, bending(beta, steel, pipe)) == pytest.approx(4, abs=0.1)
 
 
+def test_clamped_and_pinned(line, steel, pipe):
+    """β = 3.926602312 by a release at the end; shapes of released ends keep the order of the mesh."""
+    meshes = [4, 8, 16]
+    pinned = {"clamped": ("start", "end"), "end_release": ("My", "Mz")}
+    omega = [frequencies(line(n, **pinned), BENDING, 1)[0] for n in meshes]
+    assert order(meshes, omega, bending(3.926602312047919, steel, pipe)) == pytest.approx(4, abs=0.1)
+
+
 def test_clamped_and_sliding(line, steel, pipe):
     model = line(16)
     slope = 6 * model.node_index["end"] + 5
@@ -67,6 +78,88 @@ def test_clamped_and_sliding(line, steel, pipe):
     omega = modes(model.K, model.M, free, 2).omega
     # tan β + tanh β = 0
     assert omega == pytest.approx(bending([2.365020372, 5.497803919], steel, pipe), rel=2e-5)
+
+
+def tip_body(steel, section, L, mass, inertia, lever, low, high):
+    """Frequencies [rad/s] of a cantilever with a body whose c.o.g. is `lever` beyond its end.
+
+    v = A(cos βx - cosh βx) + B(sin βx - sinh βx) with, at L, -EI v‴ = ω²m(v + d v') and
+    EI v'' = ω²[m d(v + d v') + J v'], of the body's virtual work.
+    """
+    EI, line = steel.E * section.Iz, steel.density * section.area
+
+    def free_end(beta):
+        c, s, ch, sh = np.cos(beta * L), np.sin(beta * L), np.cosh(beta * L), np.sinh(beta * L)
+        v = np.array([c - ch, s - sh])
+        dv, ddv, dddv = beta * np.array([-s - sh, c - ch]), beta**2 * np.array([-c - ch, -s - sh]), 0
+        dddv = beta**3 * np.array([s - sh, -c - ch])
+        w2 = beta**4 * EI / line
+        of_cog = v + lever * dv
+        rows = [EI * dddv + w2 * mass * of_cog, EI * ddv - w2 * (mass * lever * of_cog + inertia * dv)]
+        return np.linalg.det(np.array(rows) / [[beta**3 * EI], [beta**2 * EI]]) / ch
+
+    beta = np.linspace(low, high, 2001)
+    signs = np.sign([free_end(b) for b in beta])
+    roots = [brentq(free_end, *beta[i : i + 2], xtol=1e-13) for i in np.flatnonzero(np.diff(signs))]
+    return np.square(roots) * np.sqrt(EI / line)
+
+
+@pytest.mark.parametrize("lever", [0.0, 1.5, -0.8])
+def test_cantilever_with_a_tip_body_and_its_rotary_inertia(line, steel, pipe, lever):
+    mass, inertia = 0.7 * steel.density * pipe.area * LENGTH, 0.2 * steel.density * pipe.area * LENGTH**3 / 3
+    exact = tip_body(steel, pipe, LENGTH, mass, inertia, lever, 0.02, 0.6)[:3]
+    body = PointMass(node="end", mass=mass, cog=(lever, 0, 0), inertia=(inertia,) * 3)
+    assert frequencies(line(24, masses=(body,)), BENDING, 3) == pytest.approx(exact, rel=1e-5)
+    point = frequencies(line(24, masses=(PointMass(node="end", mass=mass),)), BENDING, 3)
+    assert np.all(np.abs(exact / point - 1)[1:] > 0.05)
+
+
+def timoshenko(steel, section, L, low, high):
+    """Frequencies [rad/s] of a cantilever, det = 0 of its exact transfer matrix between clamp and free end.
+
+    (v, ψ, M, V)' = A (v, ψ, M, V): v' = ψ + V/κGA, ψ' = M/EI, M' = -V - ρIω²ψ, V' = -ρAω²v (Timoshenko 1921).
+    """
+    kGA, EI = section.shear_factor * steel.G * section.area, steel.E * section.Iz
+    rA, rI = steel.density * section.area, steel.density * section.Iz
+
+    def free_end(omega):
+        w2 = omega**2
+        A = np.array([[0, 1, 0, 1 / kGA], [0, 0, 1 / EI, 0], [0, -rI * w2, 0, -1], [-rA * w2, 0, 0, 0]])
+        scale = np.array([1, 1 / L, EI / L**2, EI / L**3])  # of one size, or the determinant is rounding
+        return np.linalg.det(expm(A * scale / scale[:, None] * L)[2:, 2:])
+
+    omega = np.linspace(low, high, 4001)
+    signs = np.array([free_end(w) for w in omega])
+    return np.array([brentq(free_end, *omega[i : i + 2], xtol=1e-10) for i in np.flatnonzero(np.diff(np.sign(signs)))])
+
+
+def test_a_short_thick_cantilever_converges_to_timoshenkos_frequencies(line, steel):
+    L, section = 2.0, replace(tube(0.8, 0.1), shear_factor=tube_shear_factor(0.8, 0.1, steel.poisson))
+    exact = timoshenko(steel, section, L, 50.0, 12000.0)[:3]
+    plain = np.array([1.87510407, 4.69409113, 7.85475744]) ** 2 * np.sqrt(
+        steel.E * section.Iz / (steel.density * section.area * L**4)
+    )
+    assert np.all(exact < [0.86, 0.6, 0.45] * plain)  # what the slender theory would be off
+    meshes = np.array([8, 16, 32])
+    omega = [frequencies(line(n, end=(L, 0, 0), section=section), BENDING, 3) for n in meshes]
+    error = np.array(omega) / exact - 1
+    assert np.all(error > 0)
+    assert error[-1] == pytest.approx(0, abs=2e-3)
+    rate = -np.polyfit(np.log(meshes), np.log(error), 1)[0]
+    assert rate == pytest.approx([2, 2, 2], abs=0.1)  # where φ > 1 shapes are nearly straight
+
+
+def test_a_mass_on_a_light_pile_sways_on_its_foundation(line, steel, pipe):
+    """ω² = 1/m f with the flexibility f = L³/3EI + L²/k_θ + 1/k_x of pile, rocking and sliding."""
+    light = replace(steel, density=1e-4)
+    kx, rocking = 2e7, 3e8
+    flexibility = LENGTH**3 / (3 * steel.E * pipe.Iy) + LENGTH**2 / rocking + 1 / kx
+    model = line(
+        4, end=(0, 0, LENGTH), material=light, clamped=(), foundation={"start": (kx, kx, 1e9, rocking, rocking, 1e9)},
+        masses=(PointMass(node="end", mass=5e4),),
+    )  # fmt: skip
+    omega = modes(model.K, model.M, model.free, 2).omega
+    assert omega == pytest.approx([(5e4 * flexibility) ** -0.5] * 2, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", [AXIAL, TORSION])
@@ -161,7 +254,7 @@ def test_a_frame_beyond_its_euler_load_is_refused(line, steel, pipe):
     euler = np.pi**2 * steel.E * pipe.Iy / (4 * LENGTH**2)
     model = line(4, end=(0, 0, LENGTH), loads=(PointLoad(node="end", force=(0, 0, -1.1 * euler)),))
     displacement = statics.static(model, statics.point_load(model))
-    softened = statics.with_geometric_stiffness(model, displacement)
+    softened = statics.with_geometric_stiffness(model, displacement, 9.81)
     with pytest.raises(InputError, match=r"must be > 0: the frame buckles"):
         modes(softened.K, softened.M, softened.free)
 
@@ -184,5 +277,8 @@ def test_stiff_light_members_leave_slow_modes_as_they_are(steel, pipe, stiffer, 
     # What bends and weighs of the arm: 2e-2/stiffer; and rounding of K's largest entry, EA/L of the arm's elements,
     # beside the leg's 3EI/L³: 1e-16 * 4e6 * stiffer.
     within = 2e-2 / stiffer + 1e-9 * stiffer
+    lump = PointMass(node="top", mass=1e4, cog=(2.0, 0, 0))
+    lumped = assemble(replace(bare.frame, masses=(lump,)))
+    assert modes(lumped.K, lumped.M, lumped.free, 4).omega == pytest.approx(exact, rel=1e-9)
     assert modes(model.K, model.M, model.free, 4).omega == pytest.approx(exact, rel=within)
     assert modes(model.K, model.M, model.free).omega[:4] == pytest.approx(exact, rel=within)

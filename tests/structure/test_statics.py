@@ -1,7 +1,10 @@
 """Any mesh gives beam theory's static answer; frames turn with their loads; Euler's load."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from solver.structure import recovery, statics
@@ -29,6 +32,23 @@ def test_a_plank_bends_about_either_axis_by_its_own_moment(line, steel):
     tip = statics.static(model, statics.point_load(model))[model.translations("end")]
     aside, up = 0.1 * 0.3**3 / 12, 0.3 * 0.1**3 / 12
     assert tip[1:] == pytest.approx(1e3 * 12**3 / (3 * steel.E) / np.array([aside, up]), rel=ROUNDING)
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_a_shearing_cantilever_in_any_mesh(line, pipe, steel, n):
+    """Under a tip load FL³/3EI + FL/κGA; under its weight wL⁴/8EI + wL²/2κGA, and wL, wL²/2 at the foot."""
+    L, section = 1.5, replace(pipe, shear_factor=0.53)
+    kGA = 0.53 * steel.G * pipe.area
+    model = line(n, end=(L, 0, 0), section=section, loads=(PointLoad(node="end", force=TIP_LOAD),))
+    tip = statics.static(model, statics.point_load(model))[model.translations("end")]
+    assert tip[1:] == pytest.approx(np.array(TIP_LOAD[1:]) * (L**3 / (3 * steel.E * pipe.Iy) + L / kGA), rel=ROUNDING)
+    w = steel.density * pipe.area * W
+    d = statics.static(model, statics.gravity_load(model, W))
+    assert d[model.translations("end")][2] == pytest.approx(
+        -w * L**4 / (8 * steel.E * pipe.Iy) - w * L**2 / (2 * kGA), rel=ROUNDING
+    )
+    foot = recovery.section_forces(model, d, statics.self_weight(model, W))[0]
+    assert foot[[2, 4]] == pytest.approx([-w * L, w * L**2 / 2], rel=ROUNDING)
 
 
 def test_loads_on_one_node_add_up(line):
@@ -62,7 +82,122 @@ def test_column_shortens_under_its_weight_and_its_top(line, pipe, steel, n):
     assert top == pytest.approx([0, 0, -(4e4 + half_own) * W * 12 / (steel.E * pipe.area)], abs=1e-12)
 
 
-def portal(steel, pipe, turn, meshes=(3, 2, 4)):
+PIN = ("My", "Mz")
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_a_propped_beam_bears_its_weight(line, pipe, steel, n):
+    """Clamped, and pinned at its end: 5wL/8 and wL²/8 at the clamp, 3wL/8 and no moment at the pin, with any mesh."""
+    model = line(n, clamped=("start", "end"), end_release=PIN)
+    w = steel.density * pipe.area * W
+    d = statics.static(model, statics.gravity_load(model, W))
+    forces = recovery.section_forces(model, d, statics.self_weight(model, W))
+    assert forces[0, [2, 4]] == pytest.approx([-5 / 8 * w * 12, w * 12**2 / 8], rel=ROUNDING)
+    assert forces[-1, [2, 4]] == pytest.approx([3 / 8 * w * 12, 0], abs=ROUNDING * w * 12**2)
+
+
+def hinged(steel, pipe, meshes=(2, 3), **hinge):
+    """Two beams of 5 m and 7 m between walls, joined by a hinge, with a load there."""
+    nodes = {"a": (0, 0, 0), "b": (3, 4, 0), "c": (3 + 4.2, 4 + 5.6, 0)}
+    made = {"section": pipe, "material": steel}
+    members = (
+        Member(name="ab", start="a", end="b", elements=meshes[0], **made, **hinge),
+        Member(name="bc", start="b", end="c", elements=meshes[1], **made),
+    )
+    load = (PointLoad(node="b", force=(0, 0, -1e4)),)
+    return assemble(Frame(nodes=nodes, members=members, clamped=("a", "c"), loads=load))
+
+
+@pytest.mark.parametrize("meshes", [(1, 1), (2, 3)])
+def test_a_hinge_between_two_cantilevers(steel, pipe, meshes):
+    """They share the load by 3EI/a³ and 3EI/b³; but for a hinge about the level axis alone My stays."""
+    EI = steel.E * pipe.Iy
+    model = hinged(steel, pipe, meshes, end_release=("My",))
+    d = statics.static(model, statics.point_load(model))
+    assert d[model.translations("b")][2] == pytest.approx(-1e4 / (3 * EI / 5**3 + 3 * EI / 7**3), rel=ROUNDING)
+    ends = (recovery.section_force_matrix(model) @ d).reshape(-1, 6)
+    assert np.abs(ends[2 * meshes[0] - 1 : 2 * meshes[0] + 1, 4]).max() < ROUNDING * 1e4
+    rigid = hinged(steel, pipe, meshes)
+    other = hinged(steel, pipe, meshes, end_release=("Mz",))
+    joined = [statics.static(m, statics.point_load(m))[m.translations("b")][2] for m in (rigid, other)]
+    assert joined[0] == pytest.approx(-1e4 * (5 * 7) ** 3 / (3 * EI * 12**3), rel=ROUNDING)
+    assert joined[1] == pytest.approx(joined[0], rel=ROUNDING)
+
+
+def test_pinned_braces_bear_no_moment(steel, pipe):
+    """A triangle whose strut is pinned at both ends bears F/cos of its slope in it but for what the post takes."""
+    nodes = {"foot": (0, 0, 0), "wall": (6, 0, 0), "top": (0, 0, 8)}
+    made = {"section": pipe, "material": steel, "elements": 1}
+    post = Member(name="post", start="foot", end="top", **made)
+    strut = Member(name="strut", start="wall", end="top", start_release=PIN, end_release=PIN, **made)
+    load = (PointLoad(node="top", force=(1e5, 0, 0)),)
+    model = assemble(Frame(nodes=nodes, members=(post, strut), clamped=("foot", "wall"), loads=load))
+    d = statics.static(model, statics.point_load(model))
+    forces = (recovery.section_force_matrix(model) @ d).reshape(-1, 6)
+    assert np.abs(forces[2:, [1, 2, 4, 5]]).max() < 1e-3
+    N, V = forces[2, 0], 3 * steel.E * pipe.Iy / 8**3 * d[model.translations("top")][0]
+    assert pytest.approx(-(1e5 - V), rel=1e-6) == N * 0.6
+    assert 0 < V < 1e3
+
+
+def test_a_mass_beside_its_node_bends_the_column_by_its_moment(line, pipe, steel):
+    """At levers x and y: M L²/2EI at the top, and the foot bears M = mg r."""
+    body = PointMass(node="end", mass=2e3, cog=(1.5, -0.5, 2.0), inertia=(1e3,) * 3)
+    model = line(3, end=(0, 0, 12), masses=(body,))
+    load = statics.gravity_load(model, W)
+    d = statics.static(model, load)
+    top = d[model.translations("end")]
+    assert top[:2] == pytest.approx(2e3 * W * np.array([1.5, -0.5]) * 12**2 / (2 * steel.E * pipe.Iy), rel=ROUNDING)
+    foot = (model.K @ d - load)[6 * model.node_index["start"] + np.arange(6)]
+    weight = (2e3 + steel.density * pipe.area * 12) * W
+    assert foot == pytest.approx([0, 0, weight, -2e3 * W * 0.5, -2e3 * W * 1.5, 0], abs=1e-6 * weight)
+
+
+def test_a_frame_on_any_foundation_moves_as_the_spring_and_then_bends(line, pipe, steel):
+    """All six couple: the foot moves by k⁻¹ (F, M), what stands on it turns with it, and bends besides."""
+    rng = np.random.default_rng(3)
+    root = rng.normal(size=(6, 6)) * 1e4
+    k = root @ root.T
+    force = np.array(TIP_LOAD)
+    load = (PointLoad(node="end", force=TIP_LOAD),)
+    clamped = line(2, end=(3, -4, 12), loads=load)
+    model = line(2, end=(3, -4, 12), clamped=(), foundation={"start": tuple(map(tuple, k))}, loads=load)
+    foot = np.linalg.solve(k, np.concatenate([force, np.cross([3, -4, 12], force)]))
+    bent = statics.static(clamped, statics.point_load(clamped))[clamped.translations("end")]
+    d = statics.static(model, statics.point_load(model))
+    assert d[:6] == pytest.approx(foot, rel=1e-6)
+    assert d[model.translations("end")] == pytest.approx(bent + foot[:3] + np.cross(foot[3:], [3, -4, 12]), rel=1e-6)
+
+
+def frame_of_two(steel, pipe, h, span, feet):
+    """A portal in the xz plane, pushed along x at both corners by 500 N each; `feet` go to the frame."""
+    nodes = {"a": (0, 0, 0), "b": (0, 0, h), "c": (span, 0, h), "d": (span, 0, 0)}
+    members = tuple(
+        Member(name=i + j, start=i, end=j, elements=2, section=pipe, material=steel) for i, j in ("ab", "bc", "cd")
+    )
+    push = tuple(PointLoad(node=n, force=(500.0, 0, 0)) for n in "bc")
+    return assemble(Frame(nodes=nodes, members=members, loads=push, **feet))
+
+
+def test_a_portal_on_pins_and_on_stiff_springs(steel, pipe):
+    """Free to rock F h²l/12EI + F h³/6EI and 2F h³/EAl² of the legs' stretch; very stiff springs are clamps."""
+    h, span = 12.0, 7.0
+    EI, EA = steel.E * pipe.Iy, steel.E * pipe.area
+    pins = dict.fromkeys("ad", (1e20, 1e20, 1e20, 1e20, 0.0, 1e20))
+    model = frame_of_two(steel, pipe, h, span, {"foundation": pins})
+    sway = statics.static(model, statics.point_load(model))[model.translations("b")[0]]
+    pinned = 1e3 * (h**2 * span / (12 * EI) + h**3 / (6 * EI) + 2 * h**3 / (EA * span**2))
+    assert sway == pytest.approx(pinned, rel=1e-6)
+    stiff, clamped = (
+        frame_of_two(steel, pipe, h, span, feet)
+        for feet in ({"foundation": dict.fromkeys("ad", (1e16,) * 6)}, {"clamped": ("a", "d")})
+    )
+    a, b = (statics.static(m, statics.point_load(m)) for m in (stiff, clamped))
+    assert a == pytest.approx(b, abs=1e-6 * np.abs(b).max())
+    assert b[clamped.translations("b")[0]] < 0.5 * sway
+
+
+def portal(steel, pipe, turn, meshes=(3, 2, 4)):  # pipe: of any section that is the same all round
     """Two legs of different length and a beam, loaded at one corner, the whole turned by `turn`."""
     points = {"a": (0, 0, 0), "b": (0, 1, 8), "c": (6, -1, 8), "d": (7, 0, 1)}
     nodes = {name: tuple(turn @ np.array(point, float)) for name, point in points.items()}
@@ -73,14 +208,18 @@ def portal(steel, pipe, turn, meshes=(3, 2, 4)):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_turned_frame_moves_by_the_turned_displacements(steel, pipe, seed):
+@pytest.mark.parametrize("shear_factor", [None, 0.01])
+def test_a_turned_frame_moves_by_the_turned_displacements(steel, pipe, seed, shear_factor):
+    pipe = replace(pipe, shear_factor=shear_factor)
     turn = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
     plain, turned = portal(steel, pipe, np.eye(3)), portal(steel, pipe, turn)
     here, there = (statics.static(m, statics.point_load(m)).reshape(-1, 2, 3) for m in (plain, turned))
     assert there == pytest.approx(here @ turn.T, abs=ROUNDING * np.abs(here).max())
 
 
-def test_patch_any_mesh_of_the_members_gives_the_same_corner(steel, pipe):
+@pytest.mark.parametrize("shear_factor", [None, 0.01])
+def test_patch_any_mesh_of_the_members_gives_the_same_corner(steel, pipe, shear_factor):
+    pipe = replace(pipe, shear_factor=shear_factor)
     coarse = portal(steel, pipe, np.eye(3), meshes=(1, 1, 1))
     fine = portal(steel, pipe, np.eye(3), meshes=(13, 5, 8))
     corner = [statics.static(m, statics.point_load(m)).reshape(-1, 6)[m.node_index["c"]] for m in (coarse, fine)]
@@ -104,21 +243,66 @@ def euler_load(steel, pipe):
 def test_cantilever_buckles_at_eulers_load_to_fourth_order(line, steel, pipe):
     meshes = np.array([1, 2, 4, 8])
     column = [line(n, end=(0, 0, 12), loads=(PointLoad(node="end", force=(0, 0, -1e3)),)) for n in meshes]
-    load = [1e3 * statics.buckling_factor(m, statics.point_load(m)) for m in column]
+    load = [1e3 * statics.buckling_factor(m, statics.point_load(m), W) for m in column]
     error = np.array(load) / euler_load(steel, pipe) - 1
     # Consistent matrices bound the load from above, by (kh)⁴/720.
     assert error[-1] == pytest.approx((np.pi / 2 / 8) ** 4 / 720, rel=0.05)
     assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-4, abs=0.1)
 
 
+def test_a_shearing_column_buckles_at_engessers_load(line, steel, pipe):
+    """P = Pe/(1 + Pe/κGA) (Engesser 1891), with κ so low that shear takes a third of it."""
+    euler = euler_load(steel, pipe)
+    kGA = 2 * euler
+    section = replace(pipe, shear_factor=kGA / (steel.G * pipe.area))
+    meshes = np.array([8, 16, 32])
+    push = (PointLoad(node="end", force=(0, 0, -1e3)),)
+    column = [line(n, end=(0, 0, 12), section=section, loads=push) for n in meshes]
+    load = [1e3 * statics.buckling_factor(m, statics.point_load(m), W) for m in column]
+    error = np.array(load) / (euler / (1 + euler / kGA)) - 1
+    assert 0 < error[-1] < 1e-4
+    assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-2, abs=0.1)
+
+
+def test_a_column_between_pins_buckles_at_eulers_load(line, steel, pipe):
+    """π²EI/L² to fourth order: released ends' shapes are condensed as their stiffness is."""
+    meshes = np.array([4, 8, 16])
+    push = (PointLoad(node="end", force=(0, 0, -1e3)),)
+    pins = {"start_release": PIN, "end_release": PIN}
+    nodes = {"start": (0, 0, 0), "end": (0, 0, 12)}
+    slide = {"clamped": ("start",), "foundation": {"end": (1e15, 1e15, 0, 1e15, 1e15, 1e15)}}
+    load = []
+    for n in meshes:
+        column = Member(name="column", start="start", end="end", elements=n, section=pipe, material=steel, **pins)
+        model = assemble(Frame(nodes=nodes, members=(column,), loads=push, **slide))
+        load.append(1e3 * statics.buckling_factor(model, statics.point_load(model), W))
+    error = np.array(load) / (np.pi**2 * steel.E * pipe.Iy / 12**2) - 1
+    assert 0 < error[-1] < 1e-5
+    assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-4, abs=0.2)
+
+
+@pytest.mark.parametrize("height", [-2.0, 0.0, 3.0])
+def test_a_weight_on_a_lever_buckles_its_column_sooner(line, steel, pipe, height):
+    """tan kL = 1/kh, k² = P/EI, of a weight at a height h above the end that it turns with."""
+    model = line(
+        8,
+        end=(0, 0, 12),
+        material=replace(steel, density=1e-6),
+        masses=(PointMass(node="end", mass=1e3, cog=(0, 0, height)),),
+    )
+    factor = statics.buckling_factor(model, statics.gravity_load(model, W), W)
+    k = brentq(lambda k: np.cos(12 * k) - k * height * np.sin(12 * k), 1e-6, np.pi / 12)
+    assert factor * 1e3 * W == pytest.approx(k**2 * steel.E * pipe.Iy, rel=1e-4)
+
+
 def test_a_pulled_column_never_buckles(line):
     model = line(4, end=(0, 0, 12), loads=(PointLoad(node="end", force=(0, 0, 1e3)),))
-    assert statics.buckling_factor(model, statics.point_load(model)) == np.inf
+    assert statics.buckling_factor(model, statics.point_load(model), W) == np.inf
 
 
 def test_own_weight_buckles_a_column_at_greenhills_height(line, steel, pipe):
     model = line(16, end=(0, 0, 12))
-    factor = statics.buckling_factor(model, statics.gravity_load(model, W))
+    factor = statics.buckling_factor(model, statics.gravity_load(model, W), W)
     w = steel.density * pipe.area * W
     # Greenhill: w L³ / EI = 9/4 j², j = 1.866350859 the first zero of J_{-1/3}. The force is
     # constant in each element (its mean), so second order: 16 elements leave about 1e-3.
@@ -130,7 +314,7 @@ def test_compression_softens_and_tension_stiffens(line, steel, pipe):
         force = (1e3, 0, axial)
         model = line(8, end=(0, 0, 12), loads=(PointLoad(node="end", force=force),))
         load = statics.point_load(model)
-        softened = statics.with_geometric_stiffness(model, statics.static(model, load))
+        softened = statics.with_geometric_stiffness(model, statics.static(model, load), 9.81)
         return statics.static(softened, load)[model.translations("end")[0]]
 
     # Beam-column under a tip load: δ = P/(N k) (tan kL - kL), k² = N/EI (Timoshenko & Gere, 1.28).

@@ -1,13 +1,17 @@
 """Tables of a study become the solver's inputs, and only there."""
 
+import tomllib
+
 import numpy as np
 import pytest
+from pytest import approx
 
 from pipeline.bridge import scenes
 from pipeline.bridge.geometry import bem_arguments, geometry_of
 from pipeline.tasks.task import expand
 from solver.scene import panels_for
-from solver.structure.beam import solid_rectangle, tube
+from solver.structure.beam import solid_rectangle, tube, tube_shear_factor
+from tests.pipeline.conftest import SMALL
 
 
 def task(study, **labels):
@@ -37,6 +41,54 @@ def test_all_of_a_platforms_table_reaches_the_solver(buan_tables, study_of):
     assert (leg.name, leg.start, leg.end) == (row["name"], row["start"], row["end"])
     assert (leg.drag_coefficient, leg.inertia_coefficient) == (1.0, 2.0)
     assert (leg.material.E, leg.material.G, leg.material.density) == (2.1e11, 8.33e10, 8012.23)
+
+
+def test_shear_factors_are_of_the_section_and_cowpers_of_the_material(buan_tables, study_of):
+    sections = buan_tables["platform"]["sections"]
+    sections["leg"]["shear_factor"], sections["deck"]["shear_factor"] = 0.6, "cowper"
+    members = scenes.scene(task(study_of(buan_tables), platform="elastic").parameters).platform.frame.members
+    poisson = 2.1e11 / (2 * 8.33e10) - 1
+    assert members[0].section.shear_factor == 0.6
+    assert members[-1].section.shear_factor == approx(10 * (1 + poisson) / (12 + 11 * poisson))
+    sections["leg"]["shear_factor"] = "cowper"
+    leg = scenes.scene(task(study_of(buan_tables), platform="elastic").parameters).platform.frame.members[0]
+    assert leg.section.shear_factor == tube_shear_factor(0.45, 0.012, poisson)
+
+
+def test_feet_on_springs_and_masses_with_a_body_reach_the_solver(buan_tables, study_of):
+    table = buan_tables["platform"]
+    rows = (np.eye(6) * 1e8).tolist()
+    table["clamped"], six = ["foot1", "foot2"], [1e8, 1e8, 1e9, 2e9, 2e9, 1e9]
+    table["foundation"] = {"foot3": six, "foot4": rows}
+    table["masses"][0] |= {"cog": [0.0, 0.1, 2.0], "inertia": [3e3, 4e3, 5e3], "products_of_inertia": [1.0, 2.0, 3.0]}
+    platform = scenes.scene(task(study_of(buan_tables), platform="elastic-no-floats").parameters).platform
+    assert platform.frame.grounded == ("foot1", "foot2", "foot3", "foot4")
+    assert platform.frame.foundation_matrix("foot3").tolist() == np.diag(six).tolist()
+    assert platform.frame.foundation_matrix("foot4").tolist() == rows
+    body = platform.frame.masses[0]
+    assert (body.cog, body.inertia) == ((0.0, 0.1, 2.0), (3e3, 4e3, 5e3))
+    assert body.products_of_inertia == (1.0, 2.0, 3.0)
+
+
+def test_releases_reach_the_solver_in_one_order(buan_tables, study_of):
+    ring = buan_tables["platform"]["members"][-1]
+    ring["start_release"], ring["end_release"] = ["Mz", "My"], ["My"]
+    study = study_of(buan_tables)
+    member = scenes.scene(task(study, platform="elastic").parameters).platform.frame.members[-1]
+    assert (member.start_release, member.end_release) == (("My", "Mz"), ("My",))
+    ring["start_release"] = ["My", "Mz", "My"]
+    assert task(study_of(buan_tables), platform="elastic").id == task(study, platform="elastic").id
+
+
+def test_a_foundation_is_an_axis_that_is_not_called_as_a_dimension_of_records_is(study_of):
+    tables = tomllib.loads(SMALL)
+    soft, stiff = [[k] * 6 for k in (1e8, 1e10)]
+    tables["platform"] |= {"clamped": [], "foundation": {"foot": soft}}
+    tables["axes"] = {"sea_state": ["calm"], "platform.foundation.foot": [soft, stiff]}
+    study = study_of(tables)
+    found = {t.parameters.platform.foundation["foot"] for t in expand(study.content)}
+    assert found == {tuple(soft), tuple(stiff)}
+    assert [axis.name for axis in study.content.varied] == ["platform.foundation.foot"]  # `foot` is that of reactions
 
 
 def test_fixed_has_no_frame_and_no_floats_has_none(buan_tables, study_of):

@@ -95,6 +95,7 @@ BAD = [
         "thickness = 0.6",
         "platform.sections.tube.thickness = 0.6: must be <= diameter / 2 = 0.5 m",
     ),
+    ("thickness = 0.05", "thickness = 0.05\nshear_factor = 0", "shear_factor = 0: must be > 0"),
     (
         'start = "foot"',
         'start = "fot"',
@@ -112,6 +113,22 @@ BAD = [
     ),
     ('clamped = ["foot"]', "clamped = []", "platform.clamped = []: needs at least one node"),
     ('clamped = ["foot"]', 'clamped = ["feet"]', "platform.clamped[0] = feet: must be one of"),
+    ('clamped = ["foot"]', "", "platform.clamped = []: needs at least one node, or one on a foundation"),
+    (
+        'clamped = ["foot"]',
+        "foundation = { foot = [1e8, 1e8, 1e8, 0, 1e9, 1e9] }",
+        "platform.foundation = foot: must hold what stands on it, which is free to turn about x",
+    ),
+    (
+        'clamped = ["foot"]',
+        "foundation = { foot = [1e8, 1e8, 1e8, 1e9, 1e9] }",
+        "platform.foundation.foot[5]: is missing",
+    ),
+    (
+        'clamped = ["foot"]',
+        "foundation = { foot = [[1, 2], [3]] }",
+        "platform.foundation.foot[0][2]: is missing",
+    ),
     ('legs = ["leg"]', 'legs = ["arm"]', "platform.legs[0] = arm: must be one of leg"),
     (
         "foot = [-1.5, 0.0, -50.0]",
@@ -122,6 +139,16 @@ BAD = [
         "foot = [-1.5, 0.0, -50.0]",
         "foot = [-1.5, 0.0, -50.0]\nlost = [0.0, 0.0, 0.0]",
         "platform.nodes = lost: must be joined to a clamped node by members",
+    ),
+    (
+        "elements = 4",
+        'elements = 4\nend_release = ["Mx"]',
+        "platform.members[0].end_release[0] = 'Mx': must be one of 'N', 'Vy', 'Vz', 'T', 'My' or 'Mz'",
+    ),
+    (
+        "elements = 4",
+        'elements = 4\nstart_release = ["My"]',
+        "platform.members = leg: with their releases leave hinge:front free to move along",
     ),
     ("elements = 4", "elements = 0", "platform.members[0].elements = 0: must be >= 1"),
     (
