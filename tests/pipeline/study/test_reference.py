@@ -20,7 +20,17 @@ STUDIES = Path(__file__).parents[3] / "studies"
 PURE = {"gamma", "components", "base_seed", "elements", "count", "seed", "axis", "start", "to", "mean", "std"}
 PURE |= {"modes", "azimuths", "arc_points", "line_points", "panel_size", "field_tolerance", "memory_tolerance"}
 PURE |= {"one_way", "stations_per_element", "newton_tolerance", "tolerance", "critical_damping", "damping_ratio"}
-PURE |= {"drag_coefficient", "inertia_coefficient", "from", "scale", "scf", "exponent", '"PATH"'}
+PURE |= {
+    "generating",
+    "motoring",
+    "drag_coefficient",
+    "inertia_coefficient",
+    "from",
+    "scale",
+    "scf",
+    "exponent",
+    '"PATH"',
+}
 
 
 def test_every_key_has_a_meaning_and_every_quantity_a_unit():
