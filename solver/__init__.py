@@ -9,6 +9,7 @@ from typing import Any
 
 _HOMES = {
     "errors": ("InputError", "SimulationFailed"),
+    "mooring": ("Mooring",),
     "scene": ("Float", "Platform", "Scene", "Settings", "Water"),
     "hydrodynamics.hull.revolution": ("Revolution",),
     "hydrodynamics.hull.panel_hull": ("PanelHull",),

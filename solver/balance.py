@@ -28,11 +28,11 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list
     displaced = water.density * item.hull.volume
     told = f"mass {item.mass:g} kg, displaced {displaced:g} kg ({item.mass / displaced - 1:+.2%})"
     sentences = []
-    for name in item.motion:
+    for name, pull in zip(item.motion, item.moored.pretension, strict=True):
         weight, buoyancy = (_work(item, name, *load) for load in _loads(item, displaced, water.gravity))
         carried = [f for f in floats if f.on == item.name]
         weight += sum(_work(item, name, np.array(f.hinge), _lift(f, water, floats)) for f in carried)
-        excess = abs(weight + buoyancy)
+        excess = abs(weight + buoyancy + pull)
         if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
             moments = f"; {name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
             sentences.append(
@@ -58,8 +58,7 @@ def _work(item: Float, name: str, point: np.ndarray, force: float) -> float:
     """Work of a vertical force at a point for a unit of the axis [N or N m]."""
     if name in DOFS[:3]:
         return force if name == "heave" else 0.0
-    axis = np.divide(item.axis, np.linalg.norm(item.axis)) if name == "hinge" else np.eye(3)[DOFS.index(name) - 3]
-    return float(force * np.cross(axis, point - item.hinge)[2])
+    return float(force * np.cross(item.direction(name), point - item.hinge)[2])
 
 
 def _least(item: Float, name: str, buoyancy: float) -> float:

@@ -15,12 +15,14 @@ from solver.hydrodynamics.hull.clearance import openings, reach, slips, touching
 from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.mooring import SIX, AxisMooring, Mooring, none
 from solver.quantities import Quantity, out_of_range, require_ranges
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 
 STEPS = 9  # in the shortest period that a scene has to follow
-OUTPUTS = ("reactions", "section_forces", "fibre_stress", "fatigue")
+OF_STEEL = ("reactions", "section_forces", "fibre_stress", "fatigue")
+OUTPUTS = (*OF_STEEL, "pto_force")
 MOST_SECTIONS = 200  # members whose section forces are put out
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 
@@ -53,6 +55,22 @@ class EndStops:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PtoEfficiency:
+    """Of a power take-off in each direction; what it does to the water is told by its forces, not by these."""
+
+    generating: Annotated[
+        float, Quantity("-", above=0, most=1), "Electrical power over mechanical, while it is absorbed"
+    ] = 1.0
+    motoring: Annotated[
+        float, Quantity("-", above=0, most=1), "Mechanical power over electrical, while it is given back"
+    ] = 1.0
+
+    def electrical(self, power: np.ndarray) -> np.ndarray:
+        """Electrical power of mechanical power P [W]: η P where P > 0, P/η_m where it flows back."""
+        return np.where(power > 0, self.generating * power, power / self.motoring)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Float:
     """A rigid float on a rigid, massless arm, joined to the support, or to another float, at the hinge point.
 
@@ -82,6 +100,12 @@ class Float:
     motion: Annotated[tuple[str, ...], "What the joint leaves free, in order from the support"] = ("hinge",)
     on: Annotated[str, 'The float, listed before, that carries the hinge; "" is the platform or the ground'] = ""
     pto_damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Damping of the power take-off"] = 0.0
+    pto_stiffness: Annotated[
+        PerAxis,
+        Quantity("N m/rad or N/m"),
+        "Stiffness of the power take-off; < 0 for reactive control",
+    ] = 0.0
+    pto_efficiency: Annotated[PtoEfficiency | None, "Of the power take-off, for electrical_power"] = None
     damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Linear damping besides the PTO"] = 0.0
     critical_damping: Annotated[
         PerAxis,
@@ -91,7 +115,7 @@ class Float:
     quadratic_damping: Annotated[
         PerAxis, Quantity("N m s2/rad2 or N s2/m2", least=0), "Damping by the square of the velocity"
     ] = 0.0
-    stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m", least=0), "Of a linear spring, at ease at rest"] = 0.0
+    stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m"), "Of a linear spring, at ease at rest"] = 0.0
     preload: Annotated[PerAxis, Quantity("N m or N"), "A constant load along the axis"] = 0.0
     # As hydraulics have at constant pressure.
     coulomb: Annotated[
@@ -108,6 +132,7 @@ class Float:
         "Share that the power take-off's load lacks in motion in the negative sense; < 0: in the positive",
     ] = 0.0
     end_stops: Annotated[EndStops | None, "Springs and dampers at the ends of the stroke"] = None
+    mooring: Annotated[Mooring | None, "Lines whose load along an axis depends on the other axes, too"] = None
     mechanism_inertia: Annotated[
         PerAxis, Quantity("kg m2 or kg", least=0), "Of what moves with the axis besides the float"
     ] = 0.0
@@ -115,8 +140,9 @@ class Float:
 
     def __post_init__(self) -> None:
         key = f"floats.{self.name}"
-        stops = out_of_range(self.end_stops, f"{key}.end_stops") if self.end_stops is not None else ()
-        refuse([*out_of_range(self, key), *stops, *self._joint_problems(key), *self._body_problems(key)])
+        tables = [(name, getattr(self, name)) for name in ("end_stops", "pto_efficiency")]
+        within = [e for name, table in tables if table is not None for e in out_of_range(table, f"{key}.{name}")]
+        refuse([*out_of_range(self, key), *within, *self._joint_problems(key), *self._body_problems(key)])
 
     def _joint_problems(self, key: str) -> Iterator[InputError]:
         if "hinge" in self.motion and not np.any(self.axis):
@@ -131,10 +157,17 @@ class Float:
             yield InputError(f"{key}.{name}", given[name], limit)
         if not unfit:
             yield from self._law_problems(key)
+        n = len(self.motion)
+        if self.mooring is not None and (not n or len(self.mooring.stiffness) not in (n, SIX)):
+            limit = f"must be {n} x {n}, for {', '.join(self.motion)}, or 6 x 6"
+            limit = limit if n else "must be left out: a fixed body has no axis"
+            yield InputError(f"{key}.mooring.stiffness", self.mooring.stiffness, limit)
 
     def _law_problems(self, key: str) -> Iterator[InputError]:
         if np.any(self.per_axis("coulomb") >= self.per_axis("force_limit")):
             yield InputError(f"{key}.coulomb", self.coulomb, "must be < force_limit")
+        if np.any((self.per_axis("pto_stiffness") != 0) & np.isfinite(self.per_axis("force_limit"))):
+            yield InputError(f"{key}.pto_stiffness", self.pto_stiffness, "must be 0 beside a force_limit")
         if self.end_stops is not None:
             low, high = self.per_axis("end_stops.lower"), self.per_axis("end_stops.upper")
             some = (self.per_axis("end_stops.stiffness") > 0) | (self.per_axis("end_stops.damping") > 0)
@@ -161,6 +194,21 @@ class Float:
         table, _, part = name.rpartition(".")
         holder = getattr(self, table) if table else self
         return getattr(holder, part) if holder is not None else None
+
+    def direction(self, name: str) -> np.ndarray:
+        """Of an axis of the joint, along which it slides or about which it turns (3,)."""
+        return np.divide(self.axis, np.linalg.norm(self.axis)) if name == "hinge" else np.eye(3)[DOFS.index(name) % 3]
+
+    @property
+    def moored(self) -> AxisMooring:
+        """The mooring along the joint's axes; zero without one."""
+        if self.mooring is None:
+            return none(len(self.motion))
+        J = np.zeros((6, len(self.motion)))  # of the reference point by the axes, at rest
+        for i, name in enumerate(self.motion):
+            d, slides = self.direction(name), name in DOFS[:3]
+            J[:, i] = (*d, 0, 0, 0) if slides else (*np.cross(d, self.arm), *d)
+        return self.mooring.on_axes(J)
 
     @property
     def centre(self) -> np.ndarray:
@@ -290,8 +338,8 @@ class Settings:
     keep_series: bool = False
     rao: Annotated[bool, "Whether motion per wave amplitude is put out, wave by wave"] = False
     outputs: Annotated[
-        tuple[Literal["reactions", "section_forces", "fibre_stress", "fatigue"], ...],
-        "What else is put out of an elastic platform's steel",
+        tuple[Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force"], ...],
+        "What else is put out: of an elastic platform's steel, and the power take-offs' forces",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
     # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.
@@ -434,6 +482,9 @@ class Scene:
     def _law_problems(self) -> Iterator[InputError]:
         """Joint laws that the method does not have."""
         s, bent = self.settings, ("coulomb", "one_way", "force_limit", "end_stops")
+        for f in self.floats if s.method == "frequency" else ():
+            if f.pto_efficiency is not None:
+                yield InputError(f"floats.{f.name}.pto_efficiency", "given", 'needs method = "time": it is not linear')
         for f in self.floats:
             for name in bent:
                 value = "given" if name == "end_stops" else getattr(f, name)

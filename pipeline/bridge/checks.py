@@ -30,6 +30,7 @@ from pipeline.tasks.task import (
     supports,
 )
 from solver.errors import InputError
+from solver.scene import OF_STEEL
 
 # Far more than anybody has asked for, and already days of work or all of a machine's memory.
 MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
@@ -186,8 +187,10 @@ def _recording(study: StudyFile) -> Iterator[InputError]:
     record = study.record
     if record.ramp > record.discard:
         yield InputError("record.ramp", record.ramp, f"must be <= record.discard = {record.discard:g} s")
-    if record.outputs and not study.platform:
-        yield InputError("record.outputs", list(record.outputs), "are of an elastic platform: needs a [platform] table")
+    if (steel := [name for name in record.outputs if name in OF_STEEL]) and not study.platform:
+        yield InputError("record.outputs", steel, "are of an elastic platform: needs a [platform] table")
+    if "pto_force" in record.outputs and not study.floats:
+        yield InputError("record.outputs", "pto_force", "is of floats: needs [[floats]]")
     longest, step = record.discard + record.duration, study.solver.time_step
     if step is not None and study.solver.tolerance is None and longest > MOST_STEPS * step:
         limit = f"must be >= {longest / MOST_STEPS:.3g} s, or {longest:g} s take more than {MOST_STEPS} steps"

@@ -64,8 +64,12 @@ def objections(build: Callable[[], object]) -> Iterator[InputError]:
         build()
     except InputError as first:
         for error in (first, *first.others):
-            value = list(error.value) if isinstance(error.value, tuple) else error.value
-            yield InputError(_key(error.key), value, error.limit)
+            yield InputError(_key(error.key), _as_written(error.value), error.limit)
+
+
+def _as_written(value: object) -> object:
+    """Lists as a study file has them."""
+    return [_as_written(item) for item in value] if isinstance(value, tuple) else value
 
 
 def _key(theirs: str) -> str:
@@ -156,11 +160,13 @@ def outline(shape: HemisphereCylinder | Sphere | VerticalCylinder | Profile | Pa
 def floating(item: Float) -> physics.Float:
     """The solver's float for a table of [[floats]]; tasks that differ in other things share it."""
     from solver import scene as physics
+    from solver.mooring import Mooring
 
+    kinds = {"end_stops": physics.EndStops, "mooring": Mooring, "pto_efficiency": physics.PtoEfficiency}
     with _part(f"floats.{item.name}."):  # a hull does not know whose it is
-        body = hull(item.hull)
-    stops = physics.EndStops(**dict(item.end_stops)) if item.end_stops else None
-    return physics.Float(**{**dict(item), "hull": body, "end_stops": stops})
+        parts = {name: of(**dict(table)) for name, of in kinds.items() if (table := getattr(item, name)) is not None}
+        parts["hull"] = hull(item.hull)
+    return physics.Float(**{**dict(item), **parts})
 
 
 def in_place(item: Float, water: Water) -> None:

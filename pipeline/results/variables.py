@@ -31,6 +31,8 @@ VARIABLES = {
     "rao_phase": Meaning("rad", "Lag of that motion behind the elevation at the origin"),
     "wave_frequency": Meaning("rad s-1", "Angular frequency of each wave of the realization"),
     "absorbed_power": Meaning("W", "Mechanical power absorbed by the power take-off"),
+    "electrical_power": Meaning("W", "Electrical power of the power take-off, what its stiffness exchanges included"),
+    "pto_force": Meaning("J {axis}-1", "Load of the power take-off on the float along each free axis: N, or N m"),
     "hinge_force": Meaning("N", "Force of the hinge on the float"),
     "end_stop_hits": Meaning("1", "Number of times that the float met an end stop of its joint in the analysed time"),
     "impact_rate": Meaning("{axis} s-1", "Largest rate at which an axis of the joint met an end stop"),

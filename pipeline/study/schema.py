@@ -27,6 +27,7 @@ from pipeline.study.tables import (
     unit_of,
 )
 from solver import scene as physics
+from solver.mooring import Mooring as Moored
 from solver.structure import frame
 
 
@@ -43,7 +44,7 @@ class Water(Table):
 DEFAULT = physics.Settings()
 
 
-Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue"]
+Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force"]
 
 
 # An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
@@ -68,7 +69,9 @@ class Recording(Table):
         "Time series that records keep; decimated: four samples in the shortest wave",
     ] = "none"
     outputs: Annotated[
-        tuple[Output, ...], AfterValidator(_once), "What else is put out of an elastic platform's steel"
+        tuple[Output, ...],
+        AfterValidator(_once),
+        "What else is put out: of an elastic platform's steel, and the power take-offs' forces",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
     if TYPE_CHECKING:
@@ -168,6 +171,16 @@ class EndStops(Table):
         upper: float | tuple[float, ...]
 
 
+@fields_of(physics.PtoEfficiency)
+class PtoEfficiency(Table):
+    """Of a power take-off in each direction; it does nothing to the motion."""
+
+
+@fields_of(Moored)
+class Mooring(Table):
+    """Lines about a float's place at rest, linear: stiffness, damping and pretension that couple its axes."""
+
+
 @fields_of(physics.Float)
 class Float(Table):
     """A rigid float on a massless arm, joined to the platform, to fixed ground or to another float.
@@ -181,6 +194,8 @@ class Float(Table):
     hull: Annotated[Hull, "Shape of the float"]
     motion: tuple[Motion, ...]
     end_stops: EndStops | None = None
+    mooring: Mooring | None = None
+    pto_efficiency: PtoEfficiency | None = None
     if TYPE_CHECKING:
         hinge: Vector
         pto_damping: float | tuple[float, ...]

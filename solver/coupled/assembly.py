@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from solver import limits
 from solver.coupled.memory import Memory
@@ -16,9 +17,9 @@ from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadra
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.multibody.chain import PRISMATIC, REVOLUTE
-from solver.multibody.joint_law import EndStops, JointLaw, end_stops
+from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops
 from solver.multibody.minimal import Bodies
-from solver.scene import DOFS, Float, Scene
+from solver.scene import DOFS, PER_AXIS, Float, Scene
 from solver.sea.field import WaveField
 
 Axis = tuple[bool, np.ndarray, tuple[float, float, float], int]  # see _chains
@@ -109,18 +110,21 @@ def _chains(scene: Scene, freedoms: np.ndarray) -> list[list[Axis]]:
 
 def _axis(item: Float, name: str) -> tuple[bool, np.ndarray]:
     """Whether a joint's axis turns, and its direction (3,)."""
-    if name == "hinge":
-        return True, np.divide(item.axis, np.linalg.norm(item.axis))
-    number = DOFS.index(name)
-    return number >= SPIN, np.eye(3)[number % 3]
+    return not limits.slides(name), item.direction(name)
 
 
 def joint_law(floats: Iterable[Float], carriers: int = 0) -> JointLaw:
     """The law of all joints' axes, its fields those of the floats; on the `carriers` coordinates before it is zero."""
     items = tuple(floats)
-    law = {name: _per_axis(items, name, carriers) for name in JointLaw._fields if name != "end_stops"}
+    law = {name: _per_axis(items, name, carriers) for name in JointLaw._fields if name in PER_AXIS}
     stops = end_stops(*(_per_axis(items, f"end_stops.{name}", carriers) for name in EndStops._fields))
-    return JointLaw(**law, end_stops=stops)
+    lines = [f.moored for f in items]
+    K, C = (block_diag(np.zeros((carriers, carriers)), *(each[i] for each in lines)) for i in range(2))
+    law["stiffness"] += law["pto_stiffness"] + np.diag(K)
+    law["damping"] += np.diag(C)
+    law["preload"] += np.concatenate([np.zeros(carriers), *(each.pretension for each in lines)])
+    row, column = np.nonzero(((K != 0) | (C != 0)) & ~np.eye(len(K), dtype=bool))
+    return JointLaw(**law, end_stops=stops, couplings=Couplings(row, column, K[row, column], C[row, column]))
 
 
 def _per_axis(floats: Iterable[Float], name: str, carriers: int) -> np.ndarray:

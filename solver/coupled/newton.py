@@ -9,7 +9,7 @@ from solver.coupled.modal import Structure
 from solver.coupled.scheme import AA, A
 from solver.coupled.stages import Stages
 from solver.kernels import inner_kernel, kernel, lean_kernel
-from solver.multibody.joint_law import HELD, PTO_ZONE, STOP_ZONE, axis_damping, tangent
+from solver.multibody.joint_law import HELD, PTO_ZONE, STOP_ZONE, add_coupled_damping, axis_damping, tangent
 from solver.multibody.minimal import Bodies, Motion, mass_matrix, move, new_motion, project_active
 
 
@@ -105,6 +105,8 @@ def constant_part(bodies: Bodies, memory: Memory, stiffness: np.ndarray, dt: flo
                 for k in range(nz):
                     constant[s * nz + i, l * nz + k] += dt * dt * AA[s, l] * stiffness[i, k]
                 constant[s * nz + i, l * nz + i] += dt * A[s, l] * axis_damping(bodies.law, i)
+            block = constant[s * nz : (s + 1) * nz, l * nz : (l + 1) * nz]
+            add_coupled_damping(bodies.law, dt * A[s, l], block)
 
 
 @kernel

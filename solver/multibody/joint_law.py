@@ -8,14 +8,15 @@ stop is a spring and a damper beyond its bound, δ deep, that do not pull:
     f_stop = max(0, k_s δ + c_s δ̇) = k_s δ (stored) + max(c_s δ̇, -k_s δ) (lost),    δ > 0
 
 WEC-Sim's stops are these (Simscape's "damped rebound") but for the pull of their damper on a float that leaves fast.
+Lines couple the axes of a float: axis i has Σ Kᵢⱼ yⱼ more of f_spring and Σ Cᵢⱼ ẏⱼ more of f_loss, j its other axes.
 At rest F_c holds the axis against up to as much. Powers f_pto ẏ (absorbed) and f_loss ẏ leave the scene, that of
 f_spring is stored. Motion, powers, record, both formulations and the linear model ask here.
 
 The law is smooth but where an axis leaves a zone: it meets a stop or comes free of it, turns round under F_c, or its
 power take-off reaches F_max. In a zone each formula goes on beyond that; `leaving` tells where the zone ends.
 
-A further kind of law is a field of JointLaw, called as the Float's, and its terms in `axis_load` and, if it stores
-energy, `axis_energy`; if it bends, zones for it in `leaving` and what they call.
+A further kind of law of an axis is a field of JointLaw, called as the Float's, and its terms in `axis_load` and, if it
+stores energy, `axis_energy`; if it bends, zones for it in `leaving` and what they call.
 """
 
 from typing import NamedTuple
@@ -40,6 +41,15 @@ class EndStops(NamedTuple):
     damping: np.ndarray  # (n,) [N s/m or N m s/rad]
 
 
+class Couplings(NamedTuple):
+    """Of lines that couple axes: the e entries off the diagonals of the floats' matrices, both of each pair."""
+
+    row: np.ndarray  # (e,) i
+    column: np.ndarray  # (e,) j
+    stiffness: np.ndarray  # (e,) [N/m, N/rad or N m/rad]
+    damping: np.ndarray  # (e,) [N s/m, N s/rad or N m s/rad]
+
+
 class JointLaw(NamedTuple):
     """Numbers of n axes: [N s/m], [N s²/m²] and [N/m] of those that slide, [N m s/rad] ... of those that turn."""
 
@@ -47,11 +57,13 @@ class JointLaw(NamedTuple):
     damping: np.ndarray  # (n,) other linear damping
     quadratic_damping: np.ndarray  # (n,) quadratic damping
     stiffness: np.ndarray  # (n,) linear spring about y = 0
+    pto_stiffness: np.ndarray  # (n,) the power take-off's part of it
     preload: np.ndarray  # (n,) constant load in the axis's positive sense
     coulomb: np.ndarray  # (n,) load of the power take-off whatever the rate, against it
     force_limit: np.ndarray  # (n,) that the power take-off's load does not exceed
     one_way: np.ndarray  # (n,) by how much that load is less for motion in the negative sense; < 0: in the positive
     end_stops: EndStops
+    couplings: Couplings
 
 
 def end_stops(lower: np.ndarray, upper: np.ndarray, stiffness: np.ndarray, damping: np.ndarray) -> EndStops:
@@ -146,6 +158,42 @@ def axis_energy(law: JointLaw, i: int, y: float) -> float:
     depth = max(0.0, y - law.end_stops.upper[i], law.end_stops.lower[i] - y)
     stored = 0.5 * law.stiffness[i] * y * y - law.preload[i] * y
     return stored + 0.5 * law.end_stops.stiffness[i] * depth * depth
+
+
+@kernel(inline="always")
+def add_coupled(law: JointLaw, y: np.ndarray, dy: np.ndarray, load: np.ndarray) -> None:
+    """What couplings put against the axes at positions y and rates dy (n,) is taken from their load (n,)."""
+    row, column, stiffness, damping = law.couplings
+    for e in range(row.size):
+        load[row[e]] -= stiffness[e] * y[column[e]] + damping[e] * dy[column[e]]
+
+
+@kernel(inline="always")
+def coupled_loss(law: JointLaw, dy: np.ndarray) -> float:
+    """Power that couplings take at rates dy (n,) [W]."""
+    row, column, _, damping = law.couplings
+    power = 0.0
+    for e in range(row.size):
+        power += dy[row[e]] * damping[e] * dy[column[e]]
+    return power
+
+
+@kernel(inline="always")
+def add_coupled_damping(law: JointLaw, share: float, matrix: np.ndarray) -> None:
+    """matrix (n, n) += a share of the couplings' damping, for Newton's matrix."""
+    row, column, _, damping = law.couplings
+    for e in range(row.size):
+        matrix[row[e], column[e]] += share * damping[e]
+
+
+@kernel(inline="always")
+def coupled_energy(law: JointLaw, y: np.ndarray) -> float:
+    """Energy stored in the couplings at positions y (n,) [J]: half of each entry's, for both of a pair are there."""
+    row, column, stiffness, _ = law.couplings
+    energy = 0.0
+    for e in range(row.size):
+        energy += 0.5 * stiffness[e] * y[row[e]] * y[column[e]]
+    return energy
 
 
 @kernel(inline="always")
@@ -249,7 +297,21 @@ def joint_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> JointLoads:
             stops, zone = stops_zone(law, i, y[s, i], dy[s, i]), pto_zone(law, i, dy[s, i])
             load = axis_load(law, i, stops, zone, y[s, i], dy[s, i])
             pto[s, i], loss[s, i], spring[s, i] = load.pto, load.loss, load.spring
+        row, column, stiffness, damping = law.couplings
+        for e in range(row.size):
+            spring[s, row[e]] += stiffness[e] * y[s, column[e]]
+            loss[s, row[e]] += damping[e] * dy[s, column[e]]
     return JointLoads(pto, loss, spring)
+
+
+def pto_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
+    """Load of the power take-offs against their axes (m, n), stiffness included; that by which one holds is not."""
+    return joint_loads(law, y, dy).pto + law.pto_stiffness * y
+
+
+def pto_bounds(law: JointLaw) -> np.ndarray:
+    """What the magnitude of a power take-off's load cannot exceed (n,)."""
+    return np.where(law.pto_stiffness == 0, law.force_limit, np.inf)
 
 
 @kernel
@@ -265,7 +327,7 @@ def stop_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
 @kernel
 def joint_energy(law: JointLaw, y: np.ndarray) -> float:
     """Energy stored in all axes at positions y (n,) [J]."""
-    energy = 0.0
+    energy = coupled_energy(law, y)
     for i in range(y.size):
         energy += axis_energy(law, i, y[i])
     return energy

@@ -21,7 +21,16 @@ from solver.hydrodynamics.pressure.froude_krylov import (
 from solver.hydrodynamics.pressure.wetted_panels import PanelsRoom, WettedPanels, panels_pressure, panels_room
 from solver.kernels import fast_lean_kernel, inner_kernel, kernel, lean_kernel
 from solver.multibody.chain import Chain, cross, kinematics, rotated
-from solver.multibody.joint_law import PTO_ZONE, STOP_ZONE, JointLaw, axis_energy, axis_load
+from solver.multibody.joint_law import (
+    PTO_ZONE,
+    STOP_ZONE,
+    JointLaw,
+    add_coupled,
+    axis_energy,
+    axis_load,
+    coupled_energy,
+    coupled_loss,
+)
 
 
 class Bodies(NamedTuple):
@@ -243,6 +252,7 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
     for i in range(at.z.size):
         load = axis_load(bodies.law, i, at.zone[STOP_ZONE, i], at.zone[PTO_ZONE, i], at.z[i], at.dz[i])
         out.residual[i] -= load.pto + load.loss + load.spring + bodies.mechanism[i] * at.ddz[i]
+    add_coupled(bodies.law, at.z, at.dz, out.residual)
 
 
 @kernel(inline="always")
@@ -277,7 +287,7 @@ def powers(
         load = axis_load(bodies.law, i, at.zone[STOP_ZONE, i], at.zone[PTO_ZONE, i], at.z[i], at.dz[i])
         pto += load.pto * at.dz[i]
         loss += load.loss * at.dz[i]
-    return waves, radiation, pto, loss
+    return waves, radiation, pto, loss + coupled_loss(bodies.law, at.dz)
 
 
 @inner_kernel
@@ -384,4 +394,4 @@ def stored_energy(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion)
             energy += 0.5 * v[i] * bodies.added_mass[i, j] * v[j]
     for i in range(z.size):
         energy += axis_energy(bodies.law, i, z[i]) + 0.5 * bodies.mechanism[i] * dz[i] * dz[i]
-    return energy
+    return energy + coupled_energy(bodies.law, z)

@@ -9,7 +9,7 @@ from solver.coupled.assembly import Layout, joint_law
 from solver.coupled.natural import SystemModes
 from solver.coupled.step import CONTACT, HITS, Output
 from solver.coupled.support import Support
-from solver.multibody.joint_law import bent, joint_loads, stopped
+from solver.multibody.joint_law import bent, joint_loads, pto_bounds, pto_loads, stopped
 from solver.record import steel
 from solver.record.spectra import Harmonics
 from solver.record.steel import Steel
@@ -36,6 +36,8 @@ DIMS = {
     "rotation": ("float",),
     "motion": ("float", "axis"),
     "absorbed_power": ("float",),
+    "electrical_power": ("float",),
+    "pto_force": ("float", "axis"),
     "hinge_force": ("float", "direction"),
     "top_displacement": ("leg", "direction"),
     "bottom_stress": ("leg",),
@@ -125,7 +127,7 @@ class Channels:
             variables[CONTACT[HITS]] = ("float",), np.array(hits)
             for name, values in zip(CONTACT[1:], contact.T[1:], strict=True):
                 variables[name] = ("float", "axis"), self.by_axis(values[None])[0]
-        if "motion" in tables or rao is not None or contact is not None:
+        if {"motion", "pto_force"} & tables.keys() or rao is not None or contact is not None:
             coords["axis"] = np.array(self.axes)
         kept = {name: (("time", *DIMS.get(name, ())), values) for name, values in (series or {}).items()}
         return Record(variables=variables, coords=coords, attrs=attrs, series=kept)
@@ -191,6 +193,7 @@ class Recorder:
             yield from channels.motions(joint)
             absorbed = joint_loads(self.law, joint, rate).pto * rate
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))
+            yield from self._pto(joint, rate)
             yield "hinge_force", channels.hinge_force(output.wrench[kept])
         if channels.steel is None:
             return
@@ -207,11 +210,32 @@ class Recorder:
             self.feet.append(channels.steel.places.split(y)[0])
         yield from channels.steel.channels(y)
 
+    def _pto(self, joint: np.ndarray, rate: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+        """Force and electrical power of the power take-offs at positions and rates (m, nj), where asked for."""
+        floats, channels = self.scene.floats, self.channels
+        wanted = "pto_force" in self.scene.settings.outputs
+        if not wanted and all(f.pto_efficiency is None for f in floats):
+            return
+        load = pto_loads(self.law, joint, rate)
+        if wanted:
+            yield "pto_force", channels.by_axis(-load)
+        electrical = np.full((len(joint), len(floats)), np.nan)
+        for b, f in enumerate(floats):
+            if f.pto_efficiency is not None:
+                own = channels.owner == b
+                electrical[:, b] = f.pto_efficiency.electrical(load[:, own] * rate[:, own]).sum(axis=1)
+        if not np.isnan(electrical).all():
+            yield "electrical_power", electrical
+
     def tables(self) -> dict[str, np.ndarray]:
         """Statistics (…, 5) of each channel."""
         ends = np.cumsum([np.prod(shape, dtype=int) for shape in self.shapes.values()])
         tables = np.split(self.statistics.table(), ends[:-1])
-        return {name: t.reshape(*shape, -1) for (name, shape), t in zip(self.shapes.items(), tables, strict=True)}
+        known = {name: t.reshape(*shape, -1) for (name, shape), t in zip(self.shapes.items(), tables, strict=True)}
+        if "pto_force" in known:  # a parabola does not know where a force is cut off
+            bound = self.channels.by_axis(pto_bounds(self.law)[None])[0][..., None]
+            known["pto_force"][..., :2] = np.clip(known["pto_force"][..., :2], -bound, bound)
+        return known
 
     @property
     def mean_power(self) -> np.ndarray:

@@ -19,6 +19,7 @@ from solver.multibody.joint_law import (
     RELEASED,
     SLIPS,
     STOP_ZONE,
+    Couplings,
     JointLaw,
     absorbing,
     axis_damping,
@@ -43,6 +44,7 @@ LAW = JointLaw(
     damping=np.array([1e3, 2e3, 0.0, 0.0, 0.0]),
     quadratic_damping=np.array([2e3, 0.0, 0.0, 0.0, 0.0]),
     stiffness=np.array([5e3, 0.0, 7e3, 0.0, 0.0]),
+    pto_stiffness=np.array([-1e3, 0.0, 0.0, 0.0, 0.0]),
     preload=np.array([0.0, 0.0, -2e3, 0.0, 0.0]),
     coulomb=np.array([0.0, 0.0, 0.0, 500.0, 0.0]),
     force_limit=np.array([np.inf, np.inf, np.inf, 4e3, 6e3]),
@@ -53,6 +55,7 @@ LAW = JointLaw(
         np.array([0.0, 6e3, 0.0, 0.0, 0.0]),
         np.array([0.0, 3e3, 0.0, 0.0, 2e3]),
     ),
+    couplings=Couplings(*np.zeros((2, 0), np.int64), *np.zeros((2, 0))),
 )
 AXES = range(LAW.pto_damping.size)
 values = st.floats(-10, 10)

@@ -61,6 +61,7 @@ def test_all_that_belongs_to_a_joint_reaches_the_solver(study_with):
     values = {name: item.per_axis(name).tolist() for name in PER_AXIS}
     assert values == {
         "pto_damping": [1, 2, 3],
+        "pto_stiffness": [0, 0, 0],
         "damping": [0, 5, 0],
         "critical_damping": [0.25, 0, 0],
         "quadratic_damping": [7, 0, 8],
@@ -138,6 +139,31 @@ def test_a_float_out_of_equilibrium_is_told_of_and_not_refused(study_with):
     assert "floats.only" in told and "2200 kg" in told and "2146.75 kg" in told
 
 
+def test_lines_and_efficiency_reach_the_solver_and_leave_other_ids_alone(study_with):
+    plain = task(study_with(FREE)).id
+    keys = FREE + (
+        "pto_stiffness = [0, -2e3, 0]\npto_efficiency = { generating = 0.9, motoring = 0.8 }\n"
+        "mooring = { stiffness = [[1e4, 0, -3e3], [0, 0, 0], [-3e3, 0, 5e4]], pretension = [100, 0, 0] }\n"
+    )
+    (item,) = scenes.scene(task(study_with(keys)).parameters).floats
+    assert item.per_axis("pto_stiffness").tolist() == [0, -2e3, 0]
+    assert (item.pto_efficiency.generating, item.pto_efficiency.motoring) == (0.9, 0.8)
+    assert item.moored.stiffness.tolist() == [[1e4, 0, -3e3], [0, 0, 0], [-3e3, 0, 5e4]]
+    assert (item.moored.pretension.tolist(), item.mooring.damping) == ([100, 0, 0], None)
+    assert task(study_with(keys)).id != plain == task(study_with(FREE + "pto_stiffness = [0.0, 0.0, 0.0]")).id
+    axis = '\n[axes]\n"floats.only.mooring.stiffness" = [[[1.0]], [[2.0]]]\n'
+    moored = study_with(HINGED + "mooring = { stiffness = [[1.0]] }" + axis)
+    found = [scenes.scene(t.parameters).floats[0].moored.stiffness[0, 0] for t in expand(moored.content)]
+    assert found == [1.0, 2.0]
+
+
+def test_forces_of_power_take_offs_need_no_platform(study_with):
+    study = study_with(HINGED + '[record]\noutputs = ["pto_force"]\n')
+    assert scenes.scene(task(study).parameters).settings.outputs == ("pto_force",)
+    with pytest.raises(StudyError, match=r"record.outputs = \['reactions'\]: are of an elastic platform"):
+        study_with(HINGED + '[record]\noutputs = ["pto_force", "reactions"]\n')
+
+
 BAD = [
     ('motion = ["heave", "heave"]', "floats.only.motion = ['heave', 'heave']: must name each axis once"),
     ('motion = ["heaves"]', "floats[0].motion[0] = 'heaves': must be one of 'hinge', 'surge'"),
@@ -162,6 +188,20 @@ BAD = [
         "end_stops = { lower = -1, upper = [1, 2], stiffness = 1.0 }",
         "floats.only.end_stops.upper = [1.0, 2.0]: needs one number for each of hinge",
     ),
+    (
+        "mooring = { stiffness = [[1.0, 0.0]] }",
+        "floats.only.mooring.stiffness = [[1.0, 0.0]]: must be square, with 1 rows as `stiffness` has",
+    ),
+    (
+        "mooring = { stiffness = [[1.0, 0.0], [0.0, 1.0]] }",
+        "floats.only.mooring.stiffness = [[1.0, 0.0], [0.0, 1.0]]: must be 1 x 1, for hinge, or 6 x 6",
+    ),
+    ('mooring = { stiffness = [["a"]] }', "floats[0].mooring.stiffness[0][0] = 'a': must be a number"),
+    ("mooring = { stiffness = 3.0 }", "floats[0].mooring.stiffness = 3.0: must be a list"),
+    ("mooring = { pretension = [1.0] }", "floats[0].mooring.stiffness: is missing"),
+    ("pto_efficiency = { generating = 0.0 }", "floats[0].pto_efficiency.generating = 0.0: must be > 0"),
+    ("pto_efficiency = { motoring = 1.2 }", "floats[0].pto_efficiency.motoring = 1.2: must be <= 1"),
+    ("pto_stiffness = -1.0\nforce_limit = 4.0", "floats.only.pto_stiffness = -1.0: must be 0 beside a force_limit"),
     ("force_limit = 0.0", "floats[0].force_limit = 0.0: must be > 0 N m or N"),
     ("force_limit = inf", "floats[0].force_limit = inf: must be a finite number [N m or N]"),
     ("coulomb = 5.0\nforce_limit = 4.0", "floats.only.coulomb = 5.0: must be < force_limit"),
