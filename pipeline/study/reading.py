@@ -178,6 +178,7 @@ def dotted(parts: Iterable[int | str]) -> str:
         "hemisphere-cylinder",
         "sphere",
         "vertical-cylinder",
+        "duck",
         "mesh",
         "tube",
         "solid-rectangle",
