@@ -284,6 +284,11 @@ class StudyFile(Table):
     record: Annotated[Recording, "What is analysed and kept"] = Recording()
     solver: Annotated[Solver, "Numerical choices"] = Solver()
     floats: Annotated[tuple[Float, ...], "The floats, each on its joint"] = ()
+    left_out: Annotated[
+        tuple[Name, ...],
+        AfterValidator(lambda names: tuple(sorted(set(names)))),
+        "Floats that are not there, as in a variant with one alone",
+    ] = ()
     platform: Annotated[Platform | None, "The elastic platform that carries them"] = None
     axes: Annotated[Axes, "What is varied"] = Axes()
     variants: Annotated[dict[Label, Variant], "Named sets of values, along the dimension variant"] = Field(default={})
