@@ -1,12 +1,18 @@
-"""Warnings about a scene: floats out of equilibrium, mended hulls, records cut short."""
+"""Weight against buoyancy of floats at rest: what balances them, and warnings about a scene that is odd.
 
-from collections.abc import Iterator
+Mended hulls and records cut short are told here, too.
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from solver.errors import InputError
 from solver.hydrodynamics.hull.clearance import openings
 from solver.scene import DOFS, Float, Scene, Water
 
+LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 
 
@@ -30,8 +36,8 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list
     sentences = []
     for name, pull in zip(item.motion, item.moored.pretension, strict=True):
         weight, buoyancy = (_work(item, name, *load) for load in _loads(item, displaced, water.gravity))
-        carried = [f for f in floats if f.on == item.name]
-        weight += sum(_work(item, name, np.array(f.hinge), _lift(f, water, floats)) for f in carried)
+        force, moment = _carried(item, water, floats)
+        weight += float(item.direction(name) @ moment) if name not in DOFS[:3] else force * (name == "heave")
         excess = abs(weight + buoyancy + pull)
         if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
             moments = f"; {name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
@@ -48,19 +54,85 @@ def _loads(item: Float, displaced: float, gravity: float) -> Iterator[tuple[np.n
     yield item.centre + item.hull.buoyancy_point, displaced * gravity
 
 
-def _lift(item: Float, water: Water, floats: tuple[Float, ...]) -> float:
-    """Buoyancy less weight of a float and of all that it carries [N]."""
-    excess = (water.density * item.hull.volume - item.mass) * water.gravity
-    return excess + sum(_lift(f, water, floats) for f in floats if f.on == item.name)
+def _carried(item: Float, water: Water, floats: Sequence[Float]) -> tuple[float, np.ndarray]:
+    """Vertical force [N] and moment about a float's joint (3,) [N m], at rest, of the floats that it carries."""
+    force, moment = 0.0, np.zeros(3)
+    for f in floats:
+        if f.on == item.name:
+            lift, turning = _passed_on(f, water, floats)
+            force += lift
+            moment += turning + _moment(np.subtract(f.hinge, item.hinge), lift)
+    return force, moment
+
+
+def _passed_on(item: Float, water: Water, floats: Sequence[Float]) -> tuple[float, np.ndarray]:
+    """Vertical force [N] and moment (3,) [N m] of a float on its joint, along the axes that it does not leave free."""
+    force, moment = _carried(item, water, floats)
+    for point, load in _loads(item, water.density * item.hull.volume, water.gravity):
+        force += load
+        moment += _moment(point - item.hinge, load)
+    free = np.array([item.direction(name) for name in item.motion if name not in DOFS[:3]]).reshape(-1, 3)
+    return (0.0 if "heave" in item.motion else force), moment - np.linalg.pinv(free) @ free @ moment
+
+
+def _moment(lever: np.ndarray, force: float) -> np.ndarray:
+    """Of a vertical force (3,) [N m]."""
+    return np.cross(lever, (0.0, 0.0, force))
 
 
 def _work(item: Float, name: str, point: np.ndarray, force: float) -> float:
     """Work of a vertical force at a point for a unit of the axis [N or N m]."""
     if name in DOFS[:3]:
         return force if name == "heave" else 0.0
-    return float(force * np.cross(item.direction(name), point - item.hinge)[2])
+    return float(item.direction(name) @ _moment(point - item.hinge, force))
 
 
 def _least(item: Float, name: str, buoyancy: float) -> float:
     """Moments are small where both forces pass by the axis: then the hull's size is the lever."""
     return 0.0 if name in DOFS[:3] else buoyancy * item.hull.scale
+
+
+def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[str]]) -> tuple[Float, ...]:
+    """Floats with the mass and the place of the c.o.g. that hold them at rest as they are given.
+
+    sought: for each float, of "mass", whose weight is the buoyancy less the vertical load of what the float carries,
+    and of "x" and "y", the place of the c.o.g. from which no moment turns the float about its joint; where only one of
+    the two is sought, about the hinge's axis, if it has one. What is not sought stays.
+    """
+    done = list(floats)
+    for i in reversed(range(len(done))):  # what is carried is listed after what carries it
+        if sought[i]:
+            done[i] = _balanced(done[i], water, done, sought[i])
+    return tuple(done)
+
+
+def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collection[str]) -> Float:
+    displaced = water.density * item.hull.volume
+    force, moment = _carried(item, water, floats)
+    for name, pull in zip(item.motion, item.moored.pretension, strict=True):
+        force += pull * (name == "heave")
+        moment = moment + pull * item.direction(name) * (name not in DOFS[:3])
+    mass = displaced + force / water.gravity if "mass" in sought else item.mass
+    if not mass > 0:
+        limit = f"leaves nothing: {displaced:.6g} kg displaced do not bear what the float carries"
+        raise InputError(f"floats.{item.name}.mass", "balance", limit)
+    places = [axis for axis in "xy" if axis in sought]
+    if not places:
+        return replace(item, mass=mass)
+    moment = moment + _moment(item.centre + item.hull.buoyancy_point - item.hinge, displaced * water.gravity)
+    lever = (item.centre + item.cog - item.hinge)[:2]
+    weight = mass * water.gravity
+    whole = np.array([-moment[1], moment[0]]) / weight  # from which no moment is left: (y, -x) of the weight's lever
+    if len(places) == 2:
+        lever = whole
+    else:
+        k = "xy".index(places[0])
+        axis = item.direction("hinge")[:2] if "hinge" in item.motion else np.eye(2)[1 - k]
+        if abs(axis[1 - k]) < LEVEL:
+            limit = f"does not turn the float about its hinge's axis ({axis[0]:g}, {axis[1]:g}, ...)"
+            raise InputError(f"floats.{item.name}.cog", f"balance along {places[0]}", limit)
+        lever[k] = whole[k] + axis[k] / axis[1 - k] * (lever[1 - k] - whole[1 - k])
+    found = lever + np.subtract(item.hinge, item.centre)[:2]
+    found[np.abs(found) < LEVEL * item.hull.size] = 0.0  # rounding, which would be no mirror image
+    x, y = (float(found[k]) if axis in places else item.cog[k] for k, axis in enumerate("xy"))
+    return replace(item, mass=mass, cog=(x, y, item.cog[2]))

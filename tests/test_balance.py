@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver.balance import imbalance, warnings
+from solver.balance import balanced, imbalance, warnings
+from solver.errors import InputError
+from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.scene import Float, Scene, Water
+from solver.mooring import Mooring
+from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import CALM, measured
 
 DEEP = Water(depth=np.inf, density=1000.0)
@@ -50,3 +53,106 @@ def test_notes_of_the_sea_are_told():
     calm = Scene(water=DEEP, sea=CALM, floats=(ball(),))
     assert warnings(calm) == ()
     assert [text.split(":")[0] for text in warnings(replace(calm, sea=sea))] == ["sea"]
+
+
+ROTOR = duck(radius=3.0, beak=6.0, elevation=0.5, submergence=1.5, width=8.0)
+AFT = duck(radius=3.0, beak=6.0, elevation=np.pi - 0.5, submergence=1.5, width=8.0)
+HULL = Revolution.vertical_cylinder(radius=6.0, draft=5.0, freeboard=3.0)
+
+
+def rotor(name="rotor", at=(-20.0, 0.0), hull=ROTOR, **changes):
+    fields = {"mass": 0.8 * 1000 * hull.volume, "cog": (0, 0, -1.0), "hinge": (*at, -1.5), "arm": (0, 0, 1.5)} | changes
+    return Float(name=name, hull=hull, inertia=(2e6,) * 3, **fields)
+
+
+def raft(**changes):
+    """A moored hull under whatever it carries, free in all six motions."""
+    fields = {"mass": 1.0, "hinge": (2.0, 1.0, 0.0), "arm": (-2.0, -1.0, 0.0), "cog": (0, 0, -2.0)} | changes
+    motion = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+    fields = {"motion": motion, "stiffness": (1e5, 1e5, 0, 0, 0, 1e7)} | fields
+    return Float(name="raft", hull=HULL, inertia=(5e6,) * 3, **fields)
+
+
+def test_a_rotor_of_given_mass_has_its_weight_where_its_moment_is_that_of_the_buoyancy():
+    """m x_g = rho V x_b about the axis, which lies below the reference point."""
+    (found,) = balanced([rotor()], DEEP, [("x",)])
+    assert found.cog == pytest.approx((ROTOR.buoyancy_point[0] / 0.8, 0, -1.0), rel=1e-12)
+    assert found.mass == 0.8 * 1000 * ROTOR.volume
+    assert len(imbalance(rotor(), DEEP)) == 1 and imbalance(found, DEEP) == []
+
+
+def test_mass_and_place_together():
+    (found,) = balanced([rotor()], DEEP, [("mass", "x", "y")])
+    assert found.mass == pytest.approx(1000 * ROTOR.volume, rel=1e-12)
+    assert found.cog == pytest.approx((*ROTOR.buoyancy_point[:2], -1.0), abs=1e-12)
+    assert found.cog[1] == 0.0
+
+
+@pytest.mark.parametrize("k", [0, 1])
+def test_about_an_oblique_axis_either_place_will_do(k):
+    item = rotor(axis=(0.6, 0.8, 0.1), cog=(0.3, -0.2, -1.0))
+    (found,) = balanced([item], DEEP, ["xy"[k]])
+    assert found.cog[1 - k] == item.cog[1 - k] and found.cog[k] != item.cog[k]
+    weight, buoyancy = (
+        found.mass * (found.centre + found.cog - found.hinge),
+        1000 * ROTOR.volume * (found.centre + ROTOR.buoyancy_point - found.hinge),
+    )
+    assert np.cross(weight - buoyancy, [0, 0, 1.0]) @ [0.6, 0.8, 0.1] == pytest.approx(0, abs=1e-6)
+
+
+def test_a_platform_bears_what_its_rotors_weigh_in_water():
+    """Two light rotors that differ, one of them locked, aside of the middle: force and moments by hand."""
+    light, locked = rotor(at=(-20.0, 4.0)), rotor("locked", (15.0, -3.0), AFT, motion=(), mass=1e5)
+    light = replace(light, on="raft")
+    locked = replace(locked, on="raft")
+    base, first, second = balanced([raft(), light, locked], DEEP, [("mass", "x", "y"), ("x",), ()])
+    lift = 0.2 * 1000 * ROTOR.volume  # kg, of the light one at its hinge
+    down, up = 1e5 * np.array([15.0, -3.0]), 1000 * AFT.volume * (np.array([15.0, -3.0]) + AFT.buoyancy_point[:2])
+    mass = 1000 * HULL.volume + lift + 1000 * AFT.volume - 1e5
+    assert base.mass == pytest.approx(mass, rel=1e-12)
+    assert base.cog == pytest.approx((*((lift * np.array([-20.0, 4.0]) + up - down) / mass), -2.0), rel=1e-12)
+    assert second == locked and first.cog[0] == pytest.approx(ROTOR.buoyancy_point[0] / 0.8)
+    for item in (base, first, second):
+        assert imbalance(item, DEEP, (base, first, second)) == []
+
+
+def test_lines_that_pull_are_balanced_too():
+    """1e5 N down where a float's buoyancy is, 3 m from its joint: that much less mass, in the same place."""
+    down = (0.0, 0.0, -1e5, 0.0, 0.0, 0.0)
+    lines = Mooring(stiffness=((0.0,) * 6,) * 6, pretension=down)
+    item = ball(arm=(3.0, 0, 0), motion=("heave", "pitch"), mooring=lines)
+    (found,) = balanced([item], DEEP, [("mass", "x")])
+    assert found.mass == pytest.approx(DISPLACED - 1e5 / DEEP.gravity)
+    assert found.centre[0] + found.cog[0] - found.hinge[0] == pytest.approx(3.0)
+    assert imbalance(found, DEEP) == []
+
+
+def test_the_solver_finds_what_was_balanced_at_rest():
+    """Its own statics, on another path: joints and platform stay where they are."""
+    from solver.coupled.system import prepare
+    from solver.hydrodynamics.bem import bem
+
+    floats = balanced(
+        [raft(), replace(rotor(at=(-20.0, 4.0)), on="raft"), replace(rotor("aft", (15.0, -9.0), AFT), on="raft")],
+        DEEP, [("mass", "x", "y"), ("x",), ("mass", "x")],
+    )  # fmt: skip
+    scene = Scene(water=DEEP, floats=floats, settings=Settings(diffraction=False, radiation=False))
+    known = bem.solve(
+        tuple(f.hull for f in floats), np.array([f.centre for f in floats]), depth=np.inf, density=1000.0,
+        omega=np.array([0.8, 1.2]), planar=False, panels=108,
+    )  # fmt: skip
+    rest, _ = prepare(scene, known).equilibrium
+    assert np.abs(rest).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("floats", "sought", "key", "words"),
+    [
+        ([rotor(axis=(1, 0, 0))], ["x"], "floats.rotor.cog", "does not turn the float about its hinge's axis"),
+        ([raft(), replace(rotor(mass=2e6), on="raft")], [("mass",), ()], "floats.raft.mass", "do not bear what"),
+    ],
+)
+def test_what_no_weight_balances_is_refused(floats, sought, key, words):
+    with pytest.raises(InputError, match=words) as caught:
+        balanced(floats, DEEP, sought)
+    assert caught.value.key == key

@@ -74,6 +74,7 @@ def _contents(study: StudyFile) -> Iterator[InputError]:
     if study.coefficients and len(study.floats) > 1 and not study.solver.interaction:
         limit = "must be true: `coefficients` from a file are of floats that interact"
         yield InputError("solver.interaction", "false", limit)
+    yield from _left_out(study)
     yield from _parts(study)
 
 
@@ -195,6 +196,15 @@ def _recording(study: StudyFile) -> Iterator[InputError]:
     if step is not None and study.solver.tolerance is None and longest > MOST_STEPS * step:
         limit = f"must be >= {longest / MOST_STEPS:.3g} s, or {longest:g} s take more than {MOST_STEPS} steps"
         yield InputError("solver.time_step", step, limit)
+
+
+def _left_out(study: StudyFile) -> Iterator[InputError]:
+    names = [f.name for f in study.floats]
+    for name in study.left_out:
+        if name not in names:
+            yield InputError("left_out", name, f"must be one of the floats: {', '.join(names[:MOST_NAMED])}")
+    if study.left_out and not set(names) - set(study.left_out) and not study.platform:
+        yield InputError("left_out", list(study.left_out), "leaves nothing to simulate")
 
 
 def _parts(study: StudyFile) -> Iterator[InputError]:

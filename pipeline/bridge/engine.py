@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from pipeline import environment
 from pipeline.bridge.geometry import Geometry, bem_problem, geometry_of, given_hydrodynamics
 from pipeline.bridge.scenes import hull
@@ -19,6 +21,7 @@ from solver.errors import SimulationFailed
 if TYPE_CHECKING:
     from pipeline.results.records import Record
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+    from solver.record import recorder
     from solver.scene import Scene
 
 Share = Any  # of what boundary elements solve, see solver.hydrodynamics.bem.bem.part; None for coefficients from a file
@@ -81,7 +84,7 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     return [replace(one, memory=memory, memory_tolerance=tolerance) for one in found]
 
 
-def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
+def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> recorder.Record:
     """Statistics of one simulation."""
     from solver.run import simulate
 
@@ -100,8 +103,13 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
     """One task, from its parameters and its geometry's file."""
     from pipeline.bridge import cache, scenes
 
-    known = cache.decode(coefficients) if coefficients else None
-    return simulate(scenes.scene(parameters), known)
+    known, scene = cache.decode(coefficients) if coefficients else None, scenes.scene(parameters)
+    record = simulate(scene, known)
+    if not any(map(scenes.found, parameters.floats)):
+        return record
+    mass, cog = (np.array([getattr(f, name) for f in scene.floats]) for name in ("mass", "cog"))
+    told = {"mass": (("float",), mass), "cog": (("float", "direction"), cog)}
+    return replace(record, variables={**record.variables, **told})
 
 
 def judge(parameters: Parameters) -> Sequence[str]:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.bridge.scenes import floating, hull
+from pipeline.bridge import scenes
+from pipeline.bridge.scenes import hull
 from pipeline.study import seas
 from pipeline.study.attachments import CoefficientFile
 from pipeline.study.schema import Hull, Solver, Water
@@ -60,7 +61,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     """What the boundary element method must solve for a task; None without floats."""
     if not parameters.floats:
         return None
-    floats = [floating(table) for table in parameters.floats]
+    floats = scenes.floats(parameters)
     centres = [tuple(map(float, item.centre)) for item in floats]
     planar = is_planar(floats, parameters.waves.heading)
     place = {

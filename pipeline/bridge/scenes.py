@@ -15,8 +15,10 @@ from pipeline.bridge import realizations
 from pipeline.study.attachments import Attachment
 from pipeline.study.layout import HINGE
 from pipeline.study.schema import (
+    Duck,
     Float,
     HemisphereCylinder,
+    Hull,
     Member,
     PanelMesh,
     Platform,
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
     from solver.structure import beam, frame
 
 
+FOUND = "balance"  # in place of a number: found from weight and buoyancy
 # First word of a key of the solver's -> where a study file has it.
 PLACES = {"band": "waves.band", "components": "waves.components"}
 
@@ -52,7 +55,7 @@ def scene(parameters: Parameters, waves: Realization | None = None) -> physics.S
     return physics.Scene(
         water=physics.Water(**dict(parameters.water)),
         sea=waves or sea(parameters),
-        floats=tuple(floating(f) for f in parameters.floats),
+        floats=floats(parameters),
         platform=platform(parameters.platform, parameters.floats) if parameters.platform else None,
         settings=settings(parameters),
     )
@@ -111,8 +114,9 @@ def _sea(sea_state: SeaState, waves: Waves, seed: tuple[int, ...]) -> Realizatio
     return realizations.realize(sea_state, waves, seed)
 
 
-def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder | Profile | PanelMesh) -> Revolution | PanelHull:
+def hull(shape: Hull) -> Revolution | PanelHull:
     """The solver's hull for a hull table."""
+    from solver.hydrodynamics.hull.duck import duck
     from solver.hydrodynamics.hull.revolution import Revolution
 
     match shape:
@@ -124,6 +128,8 @@ def hull(shape: HemisphereCylinder | Sphere | VerticalCylinder | Profile | Panel
             return Revolution.vertical_cylinder(radius=shape.radius, draft=shape.draft, freeboard=shape.freeboard)
         case Profile():
             return Revolution.profile(shape.points)
+        case Duck():
+            return duck(**shape.model_dump(exclude={"shape"}))
         case PanelMesh():
             return _panel_hull(shape.file, shape.origin, shape.rotation, shape.scale)
         case _:
@@ -142,7 +148,7 @@ def _panel_hull(file: Attachment, origin: Vector, rotation: Vector, scale: float
     return PanelHull.of(vertices, faces, name=file.name)
 
 
-def outline(shape: HemisphereCylinder | Sphere | VerticalCylinder | Profile | PanelMesh) -> list[tuple[float, float]]:
+def outline(shape: Hull) -> list[tuple[float, float]]:
     """A hull at rest seen along y, x and z from its reference point [m]."""
     import numpy as np
 
@@ -158,7 +164,7 @@ def outline(shape: HemisphereCylinder | Sphere | VerticalCylinder | Profile | Pa
 
 @lru_cache(maxsize=1024)
 def floating(item: Float) -> physics.Float:
-    """The solver's float for a table of [[floats]]; tasks that differ in other things share it."""
+    """The solver's float for a table of [[floats]], with stand-ins for what is found; tasks alike in it share it."""
     from solver import scene as physics
     from solver.mooring import Mooring
 
@@ -166,7 +172,27 @@ def floating(item: Float) -> physics.Float:
     with _part(f"floats.{item.name}."):  # a hull does not know whose it is
         parts = {name: of(**dict(table)) for name, of in kinds.items() if (table := getattr(item, name)) is not None}
         parts["hull"] = hull(item.hull)
+    x, y, z = (0.0 if place == FOUND else place for place in item.cog)
+    parts |= {"mass": 1.0 if item.mass == FOUND else item.mass, "cog": (x, y, z)}
     return physics.Float(**{**dict(item), **parts})
+
+
+def floats(parameters: Parameters) -> tuple[physics.Float, ...]:
+    """The solver's floats of a task, with what is found from weight and buoyancy."""
+    given, sought = tuple(map(floating, parameters.floats)), tuple(map(found, parameters.floats))
+    if not any(sought):
+        return given
+    from solver import scene as physics
+    from solver.balance import balanced
+
+    return balanced(given, physics.Water(**dict(parameters.water)), sought)
+
+
+def found(item: Float) -> tuple[str, ...]:
+    """Of mass and place of the c.o.g., what is found from weight and buoyancy."""
+    return tuple(
+        name for name, value in zip(("mass", "x", "y"), (item.mass, *item.cog[:2]), strict=True) if value == FOUND
+    )
 
 
 def in_place(item: Float, water: Water) -> None:

@@ -30,6 +30,8 @@ VARIABLES = {
     "rao": Meaning("{axis} m-1", "Amplitude of the motion along each free axis per wave amplitude"),
     "rao_phase": Meaning("rad", "Lag of that motion behind the elevation at the origin"),
     "wave_frequency": Meaning("rad s-1", "Angular frequency of each wave of the realization"),
+    "mass": Meaning("kg", "Mass of the float, given or found from weight and buoyancy"),
+    "cog": Meaning("m", "Centre of gravity of the float, from its reference point, given or found"),
     "absorbed_power": Meaning("W", "Mechanical power absorbed by the power take-off"),
     "electrical_power": Meaning("W", "Electrical power of the power take-off, what its stiffness exchanges included"),
     "pto_force": Meaning("J {axis}-1", "Load of the power take-off on the float along each free axis: N, or N m"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping
+from fnmatch import fnmatchcase
 from typing import Any
 
 from pydantic import ValidationError
@@ -22,7 +23,10 @@ class PathError(Exception):
 
 
 def with_value(study: StudyFile, path: str, value: Any) -> StudyFile:
-    """The study with a value at a path; names stand for floats, members, nodes and others, `*` for all of them."""
+    """The study with a value at a path; names stand for floats, members, nodes and others.
+
+    `*` stands for all of them, `rotor-*` for those whose names begin so.
+    """
     head, dot, rest = path.partition(".")
     whole = f"sea_states.{ALL}.{rest}" if head == SEA and dot else path
     changed = _changed(study, whole, value, "")
@@ -93,8 +97,8 @@ def _is_container(value: Any) -> bool:
 def _named(names: list[str], path: str, above: str) -> tuple[list[str], str]:
     """The names that a path begins with, and its rest; names may have dots in them."""
     head, _, rest = path.partition(".")
-    if head == ALL:
-        return names, rest
+    if ALL in head and (head == ALL or any(fnmatchcase(name, head) for name in names)):
+        return [name for name in names if fnmatchcase(name, head)], rest
     fitting = [name for name in names if path == name or path.startswith(f"{name}.")]
     if not fitting:
         raise PathError(_nowhere(head, rest, names, above))

@@ -179,6 +179,7 @@ def dotted(parts: Iterable[int | str]) -> str:
         "sphere",
         "vertical-cylinder",
         "profile",
+        "duck",
         "mesh",
         "tube",
         "solid-rectangle",

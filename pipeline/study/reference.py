@@ -78,7 +78,11 @@ def json_schema() -> Node:
     raw = described()
     schema = _draft4(raw) | {"definitions": {name: _draft4(node) for name, node in raw["$defs"].items()}}
     for name in ("Axes", "Together", "Samples", "Variant"):
-        _open_to_paths(schema["definitions"][name], ["sea", *(key for key in raw["properties"] if key not in FIXED)])
+        tables = [
+            "sea",
+            *(key for key, node in raw["properties"].items() if key not in FIXED and _tables(node, key)[0]),
+        ]
+        _open_to_paths(schema["definitions"][name], tables)
     schema["definitions"]["Variant"]["properties"]["axes"]["additionalProperties"] = {"type": ["array", "object"]}
     axes = schema["definitions"]["Axes"]["properties"]
     for name in axes.keys() - {"together"}:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -14,6 +15,8 @@ from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import (
     Count,
     Depth,
+    FoundMass,
+    FoundPlace,
     Label,
     Name,
     NotNegative,
@@ -141,6 +144,25 @@ class Profile(Table):
     ]
 
 
+class Duck(Table):
+    """A Salter's duck: a stern that is round about the axis of rotation, and a beak of two flat sides, tangents to it.
+
+    The axis lies along y below the reference point; a hinge there is at z = -submergence.
+    """
+
+    shape: Annotated[Literal["duck"], "Kind of hull"]
+    radius: Annotated[Positive, Unit("m"), "Of the round stern"]
+    beak: Annotated[Positive, Unit("m"), "From the axis to the beak's tip"]
+    elevation: Annotated[
+        Number,
+        Field(ge=-2 * math.pi, le=2 * math.pi),
+        Unit("rad"),
+        "Of the tip as seen from the axis, from -x upwards; pi less it is the mirror image, towards +x",
+    ]
+    submergence: Annotated[Number, Unit("m"), "Depth of the axis below still water"]
+    width: Annotated[Positive, Unit("m"), "Along the axis"]
+
+
 class PanelMesh(Table):
     """Any closed hull, as panels in a file (STL, GDF, Nemoh's .dat and others), shifted, turned, scaled.
 
@@ -156,7 +178,9 @@ class PanelMesh(Table):
     scale: Annotated[Positive, Field(ge=1e-6, le=1e6), Unit("-"), "Metres in the file's unit, 0.001 for mm"] = 1.0
 
 
-Hull = Annotated[HemisphereCylinder | Sphere | VerticalCylinder | Profile | PanelMesh, Field(discriminator="shape")]
+Hull = Annotated[
+    HemisphereCylinder | Sphere | VerticalCylinder | Profile | Duck | PanelMesh, Field(discriminator="shape")
+]
 
 
 Motion = Literal["hinge", "surge", "sway", "heave", "roll", "pitch", "yaw"]
@@ -192,6 +216,14 @@ class Float(Table):
 
     name: Annotated[Name, "Name of the float, in paths, outputs and the node hinge:<name>"]
     hull: Annotated[Hull, "Shape of the float"]
+    mass: Annotated[
+        FoundMass,
+        'Mass of the float; "balance": what it displaces, less what the floats that it carries weigh in water',
+    ]
+    cog: Annotated[
+        tuple[FoundPlace, FoundPlace, Number],
+        'Centre of gravity, from the reference point at still water; "balance" for x or y: so that nothing turns it',
+    ] = (0.0, 0.0, 0.0)
     motion: tuple[Motion, ...]
     end_stops: EndStops | None = None
     mooring: Mooring | None = None
@@ -321,6 +353,11 @@ class StudyFile(Table):
     record: Annotated[Recording, "What is analysed and kept"] = Recording()
     solver: Annotated[Solver, "Numerical choices"] = Solver()
     floats: Annotated[tuple[Float, ...], "The floats, each on its joint"] = ()
+    left_out: Annotated[
+        tuple[Name, ...],
+        AfterValidator(lambda names: tuple(sorted(set(names)))),
+        "Floats that are not there, as in a variant with one alone",
+    ] = ()
     platform: Annotated[Platform | None, "The elastic platform that carries them"] = None
     axes: Annotated[Axes, "What is varied"] = Axes()
     variants: Annotated[dict[Label, Variant], "Named sets of values, along the dimension variant"] = Field(default={})

@@ -74,6 +74,16 @@ Flag = Annotated[bool, Field(strict=True)]
 Vector = tuple[Number, Number, Number]
 
 
+def _word_or_number(value: Any) -> str:
+    return "<word>" if isinstance(value, str) else "<number>"
+
+
+# Numbers, or the word for one that is found from weight and buoyancy.
+Balance = Annotated[Literal["balance"], Tag("<word>")]
+FoundMass = Annotated[Annotated[Positive, Tag("<number>")] | Balance, Discriminator(_word_or_number)]
+FoundPlace = Annotated[Annotated[Number, Tag("<number>")] | Balance, Discriminator(_word_or_number)]
+
+
 def _one_line(text: str) -> str:
     if any(unicodedata.category(letter) == "Cc" for letter in text):
         raise PydanticCustomError("control_character", "in a line")

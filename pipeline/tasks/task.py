@@ -228,7 +228,9 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     if study.platform and labels["platform"] != "fixed":
         platform = _with_hinges(Same(study.platform), tuple(hinge_nodes(floats).items()))
     sea = study.sea_states[str(labels["sea_state"])]
-    floats = () if labels["platform"] == "elastic-no-floats" else floats
+    floats = (
+        () if labels["platform"] == "elastic-no-floats" else tuple(f for f in floats if f.name not in study.left_out)
+    )
     return Parameters(
         water=study.water,
         waves=seas.deciding(sea, study.waves),

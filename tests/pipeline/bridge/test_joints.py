@@ -5,12 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.bridge import preflight, scenes
+from pipeline.bridge import engine, preflight, scenes
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import dimensions, expand
+from solver.record.recorder import Record
 from solver.scene import PER_AXIS
 
 TEXT = """
@@ -252,3 +253,59 @@ clamped = ["foot"]
     with pytest.raises(StudyError) as caught:
         load(Path(path))
     assert [line.split(": ", 1)[1].split(" = ")[0] for line in caught.value.problems] == ["platform.members.arm.end"]
+
+
+DUCK = """
+[[floats]]
+name = "rotor"
+on = "only"
+hull = { shape = "duck", radius = 1.2, beak = 2.4, elevation = 0.5, submergence = 0.6, width = 3.0 }
+mass = 5e3
+cog = ["balance", 0.0, -0.5]
+inertia = [6e3, 4e3, 6e3]
+hinge = [-5.0, 0.0, -0.6]
+arm = [0.0, 0.0, 0.6]
+"""
+
+
+def test_mass_and_place_are_found_and_told(study_with, monkeypatch):
+    """A carrier that bears its rotor; the geometry is that of the same floats with numbers."""
+    study = study_with(FREE + DUCK)
+    path = study.path
+    path.write_text(path.read_text().replace("mass = 2147.0", 'mass = "balance"\ncog = ["balance", "balance", -0.1]'))
+    parameters = task(load(path)).parameters
+    carrier, rotor = scenes.scene(parameters).floats
+    lift = 1025 * rotor.hull.volume - 5e3
+    assert rotor.mass == 5e3 and rotor.cog[0] == pytest.approx(
+        1025 * rotor.hull.volume * rotor.hull.buoyancy_point[0] / 5e3
+    )
+    assert carrier.mass == pytest.approx(1025 * carrier.hull.volume + lift)
+    assert carrier.cog == pytest.approx((-5.0 * lift / carrier.mass, 0.0, -0.1)) and carrier.cog[1] == 0.0
+    assert geometry_of(parameters).key == geometry_of(task(study).parameters).key
+    bare = Record(variables={}, coords={}, attrs={})
+    monkeypatch.setattr(engine, "simulate", lambda scene, known: bare)
+    told = engine.compute(parameters, None).variables
+    assert told["mass"][0] == ("float",) and told["mass"][1].tolist() == [carrier.mass, 5e3]
+    assert told["cog"][0] == ("float", "direction") and told["cog"][1].tolist() == [[*carrier.cog], [*rotor.cog]]
+    assert engine.compute(task(study_with(FREE)).parameters, None) is bare
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("mass = 2147.0", 'mass = "balanced"', r"floats[0].mass = 'balanced': must be one of 'balance'"),
+        ("mass = 2147.0", "mass = 0.0", "floats[0].mass = 0.0: must be > 0 kg"),
+        ('["balance", 0.0, -0.5]', '[0.0, 0.0, "balance"]', "floats[1].cog[2] = 'balance': must be a number"),
+        ("mass = 5e3", "mass = 8e5", "floats.only.mass = balance: leaves nothing"),
+        ("beak = 2.4", "beak = 1.1", "floats.rotor.hull.beak = 1.1: must be > radius, 1.2 m"),
+        ("elevation = 0.5", "elevation = 2.0, sides = 8", "floats[1].hull.sides = 8: unknown key"),
+    ],
+)
+def test_what_cannot_be_balanced_or_built_is_refused_with_the_key(study_with, old, new, message):
+    path = study_with(FREE + DUCK).path
+    path.write_text(path.read_text().replace(old, new, 1))
+    if "leaves nothing" in message:
+        path.write_text(path.read_text().replace("mass = 2147.0", 'mass = "balance"'))
+    with pytest.raises(StudyError) as caught:
+        preflight.judge(study := load(path), expand(study.content), Engine())
+    assert message in str(caught.value)

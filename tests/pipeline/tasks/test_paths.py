@@ -56,7 +56,43 @@ def test_a_name_may_have_dots(small):
     assert (content.sea_states["calm"].Hs, content.sea_states["calm.2"].Hs) == (0.5, 0.3)
 
 
+def with_more(small, *others):
+    """The text of the small study without its platform, and with floats like `front` beside it, by name and place."""
+    text = small.read_text()
+    text = text[: text.index("[platform]")] + text[text.index("[axes]") :]
+    text = text.replace('["elastic", "fixed", "elastic-no-floats"]', '["fixed"]')
+    first = text[text.index("[[floats]]") : text.index("[axes]")]
+    more = [first.replace('"front"', f'"{name}"').replace("[-1.5, 0.0", f"[{x}, 0.0") for name, x in others]
+    return text.replace("[axes]", "".join(more) + "[axes]", 1)
+
+
+def test_a_star_stands_for_the_rest_of_a_name(small):
+    """front and far but not rear; a pattern that fits nobody is a slip."""
+    small.write_text(with_more(small, ("far", -9.5), ("rear", 9.5)))
+    content = with_value(load(small).content, "floats.f*.mass", 2000.0)
+    assert [f.mass for f in content.floats] == [2000.0, 2000.0, 2147.0]
+    with pytest.raises(PathError, match="leads nowhere: floats has front, far, rear"):
+        with_value(content, "floats.g*.mass", 2000.0)
+
+
+def test_a_float_left_out_is_as_one_never_named(small):
+    """The same tasks, left out by the study or by a variant of it."""
+    both = with_more(small, ("second", 9.5))
+    small.write_text(with_more(small))
+    alone = {task.id for task in load(small).tasks}
+    small.write_text(both)
+    assert alone.isdisjoint(task.id for task in load(small).tasks)
+    small.write_text('left_out = ["second"]\n' + both)
+    assert {task.id for task in load(small).tasks} == alone
+    small.write_text(
+        both.replace("[sea_states]", "[variants.both]\n[variants.alone]\nleft_out = ['second']\n[sea_states]")
+    )
+    tasks = list(load(small).tasks)
+    assert {task.id for task in tasks if task.labels["variant"] == "alone"} == alone and len(tasks) == 2 * len(alone)
+
+
 WRONG = [
+    ("left_out = ['rear']", "left_out = rear: must be one of the floats: front"),
     ('"floats.*.pto_damping" = [-1.0]', 'axes."floats.*.pto_damping" = -1.0: must be >= 0 N m s/rad'),
     ('"floats.frnt.mass" = [1.0]', 'axes."floats.frnt.mass" = 1.0: leads nowhere; did you mean floats.front.mass?'),
     ('"floats.front.mas" = [1.0]', "did you mean floats.front.mass?"),
@@ -113,6 +149,7 @@ WRONG = [
 def test_a_wrong_path_or_value_is_refused_with_its_key(small, line, message):
     text = small.read_text()
     under = "[sea_states" if line.startswith("[") else "seed = "
+    under = "[water]" if line.startswith("left_out") else under
     small.write_text(text.replace(under, f"{line}\n{under}", 1))
     with pytest.raises(StudyError) as caught:
         load(small)
