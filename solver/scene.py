@@ -435,10 +435,10 @@ class Scene:
                 key, gap = f"distance of floats.{a.name} and floats.{b.name}", np.linalg.norm(a.centre - b.centre)
                 limit = f"must be > {reach(a.hull) + reach(b.hull):g} m, or the floats touch"
                 yield InputError(key, f"{gap:g} m", limit)
-        for name, place in self.platform.frame.nodes.items() if self.platform else ():
+        for key, place in self.platform.frame.places() if self.platform else ():
             if place[2] < -self.water.depth - STILL_WATER:
                 limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
-                yield InputError(f"platform.nodes.{name}", place, limit)
+                yield InputError(f"platform.{key}", place, limit)
         yield from self._output_problems()
         yield from self._law_problems()
         settings, longest = self.settings, self.longest_step

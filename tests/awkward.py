@@ -185,11 +185,12 @@ def bare_legs():
 
 @cache
 def soft_ground():
-    """That float and platform with legs that shear, one pinned to a deck that leans and turns, two feet on springs."""
+    """That float and platform with legs that shear, one pinned, one off its nodes, on springs, with a leaning deck."""
     whole, h = unequal_legs()
     frame = whole.platform.frame
     members = [replace(m, section=replace(m.section, shear_factor=0.3)) for m in frame.members]
     members[0] = replace(members[0], end_release=("T", "My", "Mz"))
+    members[1] = replace(members[1], start_offset=(0.3, -0.2, 0.5), end_offset=(-0.4, 0.5, -0.6))
     pile = np.diag([6e7, 6e7, 4e8, 5e8, 5e8, 2e8])  # a pile's head, whose shift and turn go together
     pile[0, 4] = pile[4, 0] = -1.2e8
     pile[1, 3] = pile[3, 1] = 1.2e8

@@ -36,7 +36,8 @@ def members(study: StudyFile) -> Iterator[list[Point]]:
         section = study.platform.sections[member.section]
         width = section.diameter if isinstance(section, Tube) else section.height
         (x0, _, z0), (x1, _, z1) = nodes[member.start], nodes[member.end]
-        yield _bar((x0, z0), (x1, z1), width)
+        (dx0, _, dz0), (dx1, _, dz1) = member.start_offset, member.end_offset
+        yield _bar((x0 + dx0, z0 + dz0), (x1 + dx1, z1 + dz1), width)
 
 
 def _bar(start: Point, end: Point, width: float) -> list[Point]:

@@ -290,6 +290,9 @@ class Member(Table):
     material: Annotated[Name, "One of [platform.materials]"]
     start_release: Annotated[tuple[frame.Force, ...], AfterValidator(_in_order)] = ()
     end_release: Annotated[tuple[frame.Force, ...], AfterValidator(_in_order)] = ()
+    if TYPE_CHECKING:
+        start_offset: Vector
+        end_offset: Vector
 
 
 @fields_of(frame.PointMass)

@@ -21,6 +21,7 @@ DIRECTIONS = "move along x", "move along y", "move along z", "turn about x", "tu
 
 Force = Literal["N", "Vy", "Vz", "T", "My", "Mz"]  # on a section, along and about the local axes
 FORCES: tuple[Force, ...] = get_args(Force)
+Vector = tuple[float, float, float]
 Stiffness = tuple[float, ...] | tuple[tuple[float, ...], ...]
 
 
@@ -62,6 +63,12 @@ class Member:
     # A pin: ("My", "Mz"). The node that the end is at moves on with the other members.
     start_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its start does not pass on"] = ()
     end_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its end does not pass on"] = ()
+    start_offset: Annotated[Vector, Quantity("m"), "From its first node to its start, rigid, along the global axes"] = (
+        0.0, 0.0, 0.0,
+    )  # fmt: skip
+    end_offset: Annotated[Vector, Quantity("m"), "From its last node to its end, rigid, along the global axes"] = (
+        0.0, 0.0, 0.0,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         refuse(self._problems(f"members.{self.name}"))
@@ -100,14 +107,14 @@ class PointMass:
 
     node: str
     mass: Annotated[float, Quantity("kg", above=0), "Mass, without extent where nothing else is given"]
-    cog: Annotated[tuple[float, float, float], Quantity("m"), "Centre of gravity, from the node"] = (0.0, 0.0, 0.0)
+    cog: Annotated[Vector, Quantity("m"), "Centre of gravity, from the node"] = (0.0, 0.0, 0.0)
     inertia: Annotated[
-        tuple[float, float, float],
+        Vector,
         Quantity("kg m2", least=0),
         "Moments of inertia about axes through the c.o.g. along the global ones",
     ] = (0.0, 0.0, 0.0)
     products_of_inertia: Annotated[
-        tuple[float, float, float], Quantity("kg m2"), "Integrals of xy, xz and yz over the mass, about the c.o.g."
+        Vector, Quantity("kg m2"), "Integrals of xy, xz and yz over the mass, about the c.o.g."
     ] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
@@ -128,8 +135,7 @@ class PointMass:
     @property
     def matrix(self) -> np.ndarray:
         """Mass (6, 6) as the node has it [kg, kg m, kg m2]: the c.o.g. moves by u + θ × r."""
-        x, y, z = self.cog
-        rigid = np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]])
+        rigid = beam.lever(self.cog)[:3]
         matrix = self.mass * rigid.T @ rigid
         matrix[3:, 3:] += self.tensor
         return matrix
@@ -140,7 +146,7 @@ class PointLoad:
     """A constant force on a node."""
 
     node: str
-    force: Annotated[tuple[float, float, float], Quantity("N"), "Constant force, along the global axes"]
+    force: Annotated[Vector, Quantity("N"), "Constant force, along the global axes"]
 
     def __post_init__(self) -> None:
         if np.shape(self.force) != (3,) or not np.all(np.isfinite(self.force)):
@@ -151,7 +157,7 @@ class PointLoad:
 class Frame:
     """Named nodes, members between them, feet that are clamped or on springs, lumped masses and static loads."""
 
-    nodes: Mapping[str, tuple[float, float, float]]  # name -> (x, y, z) [m]
+    nodes: Mapping[str, Vector]  # name -> (x, y, z) [m]
     members: tuple[Member, ...]
     clamped: tuple[str, ...] = ()
     masses: tuple[PointMass, ...] = ()
@@ -166,6 +172,7 @@ class Frame:
     def __post_init__(self) -> None:
         refuse(self._coordinate_problems())
         refuse(self._name_problems())
+        refuse(self._offset_problems())
         refuse(self._foundation_problems())
         refuse(self._support_problems())
         refuse(self._release_problems())
@@ -191,6 +198,31 @@ class Frame:
             gap = np.linalg.norm(places[:i] - places[i], axis=1)
             if gap.min() <= COINCIDENT * size:
                 yield InputError(f"nodes.{name}", self.nodes[name], f"must not coincide with {names[gap.argmin()]}")
+
+    def ends(self, member: Member) -> np.ndarray:
+        """Places of a member's start and end (2, 3) [m], at the ends of their rigid offsets."""
+        nodes = np.array([self.nodes[member.start], self.nodes[member.end]], float)
+        return nodes + np.array([member.start_offset, member.end_offset])
+
+    def places(self) -> Iterator[tuple[str, tuple[float, ...]]]:
+        """Keys and places [m] of the nodes, and of the ends of members that rigid offsets move."""
+        for name, place in self.nodes.items():
+            yield f"nodes.{name}", place
+        for member in self.members:
+            for end, offset, place in zip(
+                ("start", "end"), (member.start_offset, member.end_offset), self.ends(member), strict=True
+            ):
+                if any(offset):
+                    yield f"members.{member.name}.{end}_offset", tuple(place.tolist())
+
+    def _offset_problems(self) -> Iterator[InputError]:
+        """Offsets that leave nothing of a member, or turn it round."""
+        for member in self.members:
+            apart, between = np.subtract(self.nodes[member.end], self.nodes[member.start]), self.ends(member)
+            if not (between[1] - between[0]) @ apart > COINCIDENT * apart @ apart:
+                offsets = member.start_offset, member.end_offset
+                limit = "must leave some of the way between its nodes, offsets"
+                yield InputError(f"members.{member.name}.start_offset", offsets, limit)
 
     def _name_problems(self) -> Iterator[InputError]:
         if not self.members:
@@ -263,8 +295,9 @@ class Frame:
         number = {name: 6 * i + np.arange(6) for i, name in enumerate(self.nodes)}
         left, whole = np.zeros((2, 6 * len(number), 6 * len(number)))
         for member in self.members:
-            ends = np.array([self.nodes[member.start], self.nodes[member.end]], float)
-            T = beam.to_global(beam.rotation(*ends))
+            ends = self.ends(member)
+            offset = scipy.linalg.block_diag(beam.lever(member.start_offset), beam.lever(member.end_offset))
+            T = beam.to_global(beam.rotation(*ends)) @ offset
             L = float(np.linalg.norm(ends[1] - ends[0]))
             k = beam.stiffness(member.material.E, member.material.G, member.section, L)
             try:
@@ -321,6 +354,8 @@ class FrameModel:
     free: np.ndarray  # numbers of the degrees of freedom that are not clamped
     length: np.ndarray  # (ne,) [m]
     rotation: np.ndarray  # (ne, 3, 3) rows = local axes
+    levers: Mapping[int, np.ndarray]  # (2, 3) from the nodes to the ends [m], of elements with rigid offsets
+    transform: np.ndarray  # (ne, 12, 12) T: displacements of the ends in local axes, of those of the nodes
     shear: np.ndarray  # (ne, 2) φ in the planes xy and xz; 0 of Euler-Bernoulli's beams
     element_stiffness: np.ndarray  # (ne, 12, 12) local axes
     K: "scipy.sparse.csr_array"  # (6n, 6n), foundations included, clamped supports not yet removed
@@ -333,6 +368,11 @@ class FrameModel:
     def member_of(self, element: int) -> Member:
         """The member that an element is part of."""
         return self.frame.members[self.member[element]]
+
+    @property
+    def ends(self) -> np.ndarray:
+        """Places of the elements' ends (ne, 2, 3) [m]."""
+        return _ends(self.xyz[self.elements], self.levers)
 
     def released(self, element: int, local: np.ndarray, *, both: bool = False) -> np.ndarray:
         """A row, or rows (…, 12), of an element's end displacements as rows of its nodes'; or on both sides, CᵀAC."""
@@ -348,6 +388,8 @@ class FrameModel:
     def total(self, loads: np.ndarray) -> np.ndarray:
         """Element loads (ne, 12) in local axes, summed as one vector (6n,) in global axes."""
         in_global = np.einsum("ekj,eak->eaj", self.rotation, loads.reshape(-1, 4, 3))
+        for e, arms in self.levers.items():
+            in_global[e, 1::2] += np.cross(arms, in_global[e, ::2])
         vector = np.zeros(6 * len(self.xyz))
         np.add.at(vector, self.dofs, in_global.reshape(-1, 12))
         return vector
@@ -364,8 +406,13 @@ def assemble(frame: Frame) -> FrameModel:
     member = np.repeat(np.arange(len(counts)), counts)
     ends = np.cumsum(counts)
     dofs = (6 * elements[:, :, None] + np.arange(6)).reshape(-1, 12)
-    length = np.linalg.norm(xyz[elements[:, 1]] - xyz[elements[:, 0]], axis=1)
-    rotation = np.array([beam.rotation(*xyz[pair]) for pair in elements])
+    levers = _levers(frame)
+    places = _ends(xyz[elements], levers)
+    length = np.linalg.norm(places[:, 1] - places[:, 0], axis=1)
+    rotation = np.array([beam.rotation(*pair) for pair in places])
+    T = np.array([beam.to_global(R) for R in rotation])
+    for e, arms in levers.items():
+        T[e] = T[e] @ scipy.linalg.block_diag(*map(beam.lever, arms))
     owner = [frame.members[i] for i in member]
     pairs = list(zip(owner, length, strict=True))
     stiffness = np.array([beam.stiffness(m.material.E, m.material.G, m.section, L) for m, L in pairs])
@@ -377,8 +424,8 @@ def assemble(frame: Frame) -> FrameModel:
     for e, C in condensation.items():
         stiffness[e], mass[e] = C.T @ stiffness[e] @ C, C.T @ mass[e] @ C
     size = 6 * len(xyz)
-    K = scatter(stiffness, rotation, dofs, size)
-    ground = on_nodes([(name, frame.foundation_matrix(name)) for name in frame.foundation], node_index, size)
+    K = scatter(stiffness, T, dofs, size)
+    ground = on_nodes([(node_index[name], frame.foundation_matrix(name)) for name in frame.foundation], size)
     return FrameModel(
         frame=frame,
         xyz=xyz,
@@ -391,13 +438,35 @@ def assemble(frame: Frame) -> FrameModel:
         free=_free(frame, node_index, size),
         length=length,
         rotation=rotation,
+        levers=levers,
+        transform=T,
         shear=shear,
         element_stiffness=stiffness,
         K=K + ground if frame.foundation else K,
-        M=scatter(mass, rotation, dofs, size) + on_nodes([(m.node, m.matrix) for m in frame.masses], node_index, size),
+        M=scatter(mass, T, dofs, size) + on_nodes([(node_index[m.node], m.matrix) for m in frame.masses], size),
         ground=ground,
         condensation=condensation,
     )
+
+
+def _levers(frame: Frame) -> dict[int, np.ndarray]:
+    """From nodes to ends (2, 3), of the elements at the ends of members with rigid offsets."""
+    found: dict[int, np.ndarray] = {}
+    first = 0
+    for member in frame.members:
+        for place, e, offset in ((0, 0, member.start_offset), (1, member.elements - 1, member.end_offset)):
+            if any(offset):
+                found.setdefault(first + e, np.zeros((2, 3)))[place] = offset
+        first += member.elements
+    return found
+
+
+def _ends(places: np.ndarray, levers: Mapping[int, np.ndarray]) -> np.ndarray:
+    """Places of the elements' ends (ne, 2, 3) [m], of those of their nodes."""
+    ends = places.copy()
+    for e, arms in levers.items():
+        ends[e] += arms
+    return ends
 
 
 def _condensation(frame: Frame, stiffness: np.ndarray) -> dict[int, np.ndarray]:
@@ -419,16 +488,16 @@ def _mesh(frame: Frame) -> tuple[np.ndarray, dict[str, int], dict[str, np.ndarra
     member_nodes = {}
     for member in frame.members:
         start, end = node_index[member.start], node_index[member.end]
-        line = np.linspace(xyz[start], xyz[end], member.elements + 1)
+        first, last = frame.ends(member)
+        line = np.linspace(first, last, member.elements + 1)
         inner = np.arange(len(xyz), len(xyz) + member.elements - 1)
         xyz.extend(line[1:-1])
         member_nodes[member.name] = np.array([start, *inner, end])
     return np.array(xyz), node_index, member_nodes
 
 
-def scatter(matrices: np.ndarray, rotation: np.ndarray, dofs: np.ndarray, size: int) -> "scipy.sparse.csr_array":
-    """Element matrices (ne, 12, 12) in local axes, summed as one sparse matrix in global axes."""
-    T = np.array([beam.to_global(R) for R in rotation])
+def scatter(matrices: np.ndarray, T: np.ndarray, dofs: np.ndarray, size: int) -> "scipy.sparse.csr_array":
+    """Element matrices (ne, 12, 12) in local axes, summed as one sparse matrix in global axes; T as in FrameModel."""
     return sparse_sum(T.transpose(0, 2, 1) @ matrices @ T, dofs, dofs, (size, size))
 
 
@@ -441,12 +510,10 @@ def sparse_sum(
     return scipy.sparse.csr_array(scipy.sparse.coo_array((blocks.ravel(), (i, j)), shape=shape))
 
 
-def on_nodes(
-    matrices: Iterable[tuple[str, np.ndarray]], node_index: Mapping[str, int], size: int
-) -> "scipy.sparse.csr_array":
-    """Matrices (6, 6) of named nodes, summed as one sparse matrix."""
+def on_nodes(matrices: Iterable[tuple[int, np.ndarray]], size: int) -> "scipy.sparse.csr_array":
+    """Matrices (6, 6) of nodes, summed as one sparse matrix."""
     pairs = list(matrices)
-    dofs = np.array([6 * node_index[name] + np.arange(6) for name, _ in pairs], int).reshape(-1, 6)
+    dofs = np.array([6 * node + np.arange(6) for node, _ in pairs], int).reshape(-1, 6)
     return sparse_sum(np.array([matrix for _, matrix in pairs]).reshape(-1, 6, 6), dofs, dofs, (size, size))
 
 

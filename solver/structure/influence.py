@@ -60,7 +60,7 @@ class Influence:
         """(ny,) of the static displacement (6n,) under `load`, of which element_loads (ne, 12) are spread; no P-Δ."""
         forces = recovery.section_forces(self.model, displacement, element_loads)[wanted.end, wanted.component]
         size = self.model.K.shape[0]
-        elastic = scatter(self.model.element_stiffness, self.model.rotation, self.model.dofs, size)
+        elastic = scatter(self.model.element_stiffness, self.model.transform, self.model.dofs, size)
         return np.concatenate([forces, (elastic[wanted.grounded] @ displacement) - load[wanted.grounded]])
 
 
@@ -71,7 +71,7 @@ def influence(model: FrameModel, wanted: Wanted) -> Influence:
     stiffness = model.element_stiffness
     if model.element_geometric is not None:
         stiffness = stiffness + model.element_geometric
-    T = np.array([beam.to_global(R) for R in model.rotation[element]]).reshape(-1, 12, 12)
+    T = model.transform[element]
     face = recovery.FACE[row, None]
     blocks = face * np.einsum("ya,yab->yb", stiffness[element, row], T)
     unit = np.zeros((model.K.shape[0], k + wanted.grounded.size))
@@ -83,11 +83,13 @@ def influence(model: FrameModel, wanted: Wanted) -> Influence:
     nodal = statics.static(model, unit)
     nodal[wanted.grounded[clamped], k + np.flatnonzero(clamped)] -= 1.0
     none = np.zeros((wanted.grounded.size, 12))
+    # Loads of the ends in local axes are T⁻ᵀ of those of the nodes: T itself where no arm is between them.
+    to_ends = [np.linalg.inv(t).T if e in model.levers else t for e, t in zip(element.tolist(), T, strict=True)]
     return Influence(
         model=model,
         nodal=nodal,
         element=np.concatenate([element, np.full(wanted.grounded.size, -1)]),
-        within=np.concatenate([-face * T[np.arange(k), row], none]),
+        within=np.concatenate([-face * np.reshape(to_ends, (-1, 12, 12))[np.arange(k), row], none]),
     )
 
 
@@ -95,7 +97,7 @@ def element_masses(model: FrameModel, density: float, elements: np.ndarray) -> n
     """Mass of some elements with the water's (k, 12, 12), global axes [kg, kg m, kg m2]."""
     steel = []
     for e in elements:
-        member, T = model.member_of(e), beam.to_global(model.rotation[e])
+        member, T = model.member_of(e), model.transform[e]
         local = beam.mass(member.material.density, member.section, model.length[e], model.shear[e])
         steel.append(T.T @ model.released(e, local, both=True) @ T)
     return water.element_masses(model, density, elements) + np.reshape(steel, (-1, 12, 12))

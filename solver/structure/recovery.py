@@ -9,7 +9,6 @@ from functools import lru_cache
 import numpy as np
 from scipy import sparse
 
-from solver.structure import beam
 from solver.structure.frame import FrameModel, sparse_sum
 
 FACE = np.repeat([-1.0, 1.0], 6)  # nodal forces at the start act on the face -x
@@ -22,8 +21,7 @@ def section_force_matrix(model: FrameModel) -> sparse.csr_array:
     Of the nodal displacements alone; what a load spread within an element adds is in
     `section_forces`.
     """
-    T = np.array([beam.to_global(R) for R in model.rotation])
-    blocks = FACE[:, None] * (model.element_stiffness @ T)
+    blocks = FACE[:, None] * (model.element_stiffness @ model.transform)
     rows = np.arange(model.dofs.size).reshape(-1, 12)
     return sparse_sum(blocks, rows, model.dofs, (model.dofs.size, model.K.shape[0]))
 

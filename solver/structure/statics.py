@@ -4,13 +4,13 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
 from solver.structure import beam
 from solver.structure.frame import FrameModel, on_nodes, scatter
 
-TILTS = np.diag([0, 0, 0, 1.0, 1.0, 0])  # of a node about x and y
 ROUNDING = 1e-10  # a share of the largest |1/λ| that rounding alone can make positive
 
 
@@ -55,6 +55,8 @@ def static(model: FrameModel, load: np.ndarray) -> np.ndarray:
 def axial_force(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
     """Mean axial force of each element, tension positive: EA/L (u2 - u1) [N], (ne,)."""
     ends = displacement.reshape(-1, 6)[model.elements, :3]
+    for e, arms in model.levers.items():
+        ends[e] += np.cross(displacement.reshape(-1, 6)[model.elements[e], 3:], arms)
     stretch = np.einsum("ei,ei->e", ends[:, 1] - ends[:, 0], model.rotation[:, 0])
     return model.element_stiffness[:, 0, 0] * stretch
 
@@ -66,21 +68,36 @@ def _element_geometric(model: FrameModel, displacement: np.ndarray) -> np.ndarra
     return np.array([model.released(e, Kg, both=True) for e, Kg in enumerate(elements)])
 
 
-def _geometric(model: FrameModel, elements: np.ndarray, g: float) -> sparse.csr_array:
-    """Kg of elements (ne, 12, 12) and of the point masses' levers, sparse (6n, 6n).
+def _geometric(model: FrameModel, displacement: np.ndarray, elements: np.ndarray, g: float) -> sparse.csr_array:
+    """Kg of elements (ne, 12, 12), of rigid offsets and of the point masses' levers, sparse (6n, 6n)."""
+    size = 6 * len(model.xyz)
+    Kg = scatter(elements, model.transform, model.dofs, size)
+    levers = [(model.node_index[m.node], [0, 0, -m.mass * g], m.cog) for m in model.frame.masses if any(m.cog)]
+    N = axial_force(model, displacement) if model.levers else np.zeros(0)
+    for e, arms in model.levers.items():  # the element pulls its nodes towards each other
+        pull = N[e] * model.rotation[e, 0]
+        levers += zip(model.elements[e], (pull, -pull), arms, strict=True)
+    return Kg + on_nodes([(node, _tilting(*by)) for node, *by in levers], size) if levers else Kg
 
-    A weight mg at a height h above its node falls by hθ²/2 as that tilts: -mgh about x and y. What a level lever
-    adds as the node tilts and twists is left out, as the elements' twist is.
+
+def _tilting(force: ArrayLike, arm: ArrayLike) -> np.ndarray:
+    """Stiffness (6, 6) [N m] of a force (3,) that stays as it is at the end of an arm (3,) that its node turns.
+
+    Its point moves by θ × r and, to second order, θ × (θ × r)/2: F·r about the two axes across the force. What
+    other arms add as the node tilts and twists at once is left out, as the elements' twist is.
     """
-    Kg = scatter(elements, model.rotation, model.dofs, 6 * len(model.xyz))
-    levers = [(m.node, -m.mass * g * m.cog[2] * TILTS) for m in model.frame.masses if m.cog[2]]
-    return Kg + on_nodes(levers, model.node_index, len(model.xyz) * 6) if levers else Kg
+    K = np.zeros((6, 6))
+    size = float(np.linalg.norm(force))
+    if size:
+        along = np.divide(force, size)
+        K[3:, 3:] = np.dot(force, arm) * (np.eye(3) - np.outer(along, along))
+    return K
 
 
 def with_geometric_stiffness(model: FrameModel, displacement: np.ndarray, g: float) -> FrameModel:
     """The model with K + Kg of a static displacement: compression softens it."""
     elements = _element_geometric(model, displacement)
-    return replace(model, K=model.K + _geometric(model, elements, g), element_geometric=elements)
+    return replace(model, K=model.K + _geometric(model, displacement, elements, g), element_geometric=elements)
 
 
 def buckling_factor(model: FrameModel, load: np.ndarray, g: float) -> float:
@@ -89,7 +106,8 @@ def buckling_factor(model: FrameModel, load: np.ndarray, g: float) -> float:
     1/λ is the largest eigenvalue of -Kg x = μ K x. Below 1 the load exceeds the Euler load.
     """
     free = model.free
-    Kg = _geometric(model, _element_geometric(model, static(model, load)), g)[free][:, free].toarray()
+    displacement = static(model, load)
+    Kg = _geometric(model, displacement, _element_geometric(model, displacement), g)[free][:, free].toarray()
     K = model.K[free][:, free].toarray()
     inverse = linalg.eigh(-Kg, K, eigvals_only=True)
     compressed = inverse[-1] > ROUNDING * np.abs(inverse).max()

@@ -22,7 +22,7 @@ EXACT = 4  # stations for the product of two cubics (order 6), however deep the 
 
 def wetted_span(model: FrameModel) -> np.ndarray:
     """Part (s0, s1) of each element below z = 0, (ne, 2); s0 = s1 for a dry one."""
-    z = model.xyz[model.elements, 2]
+    z = model.ends[:, :, 2]
     rise = z[:, 1] - z[:, 0]
     waterline = np.clip(-z[:, 0] / np.where(rise == 0, 1, rise), 0, 1)
     s0 = np.where(z[:, 0] < 0, 0, waterline)
@@ -77,7 +77,7 @@ def _stations(model: FrameModel, points: int, longest: float, members: np.ndarra
     wet, size = np.repeat(wet, pieces), np.repeat(np.diff(span[wet]) / pieces[:, None], pieces, axis=0)
     element = np.repeat(wet, points)
     s = (span[wet, :1] + size * (part[:, None] + (node + 1) / 2)).ravel()
-    start, end = model.xyz[model.elements[element]].transpose(1, 0, 2)
+    start, end = model.ends[element].transpose(1, 0, 2)
     owner = [model.member_of(e) for e in element.tolist()]
     return Stations(
         position=start + s[:, None] * (end - start),
@@ -96,7 +96,7 @@ def _shapes(model: FrameModel, element: np.ndarray, s: np.ndarray) -> np.ndarray
     shape = np.zeros((len(s), 3, 12))
     for i, (e, station) in enumerate(zip(element, s, strict=True)):
         local = model.released(e, beam.displacement_shape(station, model.length[e], model.shear[e]))
-        shape[i] = beam.in_global(local, model.rotation[e])
+        shape[i] = beam.in_global(local, model.transform[e])
     return shape
 
 

@@ -94,7 +94,15 @@ def line(steel, pipe):
         material=steel,
         **fields,
     ):
-        own = ("drag_coefficient", "inertia_coefficient", "flooded", "start_release", "end_release")
+        own = (
+            "drag_coefficient",
+            "inertia_coefficient",
+            "flooded",
+            "start_release",
+            "end_release",
+            "start_offset",
+            "end_offset",
+        )
         water = {key: fields.pop(key) for key in own if key in fields}
         pile = Member(
             name="pile",

@@ -153,7 +153,7 @@ def test_shapes_at_the_ends_are_the_end_displacements(s, first):
 def test_shapes_reproduce_rigid_motions_in_any_direction(s, end):
     start = np.array([1.0, -2.0, 0.5])
     x = np.array([start, start + end])
-    shape = beam.in_global(beam.displacement_shape(s, np.linalg.norm(end), PHI), beam.rotation(*x))
+    shape = beam.in_global(beam.displacement_shape(s, np.linalg.norm(end), PHI), beam.to_global(beam.rotation(*x)))
     at = x[0] + s * np.array(end)
     expected = np.hstack([np.eye(3), np.cross(np.eye(3), at).T])
     assert shape @ rigid_motions(x) == pytest.approx(expected, abs=1e-12 * 100)  # arms up to 20 m, squared

@@ -169,6 +169,15 @@ def test_releases_that_leave_a_mechanism_are_refused(member, bent, first, second
         bent(members=(member("leg", "foot", "knee", **first), member("arm", "knee", "hand", **second)))
 
 
+def test_offsets_that_leave_nothing_of_a_member_are_refused(member, bent):
+    with pytest.raises(InputError, match=r"members.leg.start_offset = .* must leave some of the way"):
+        bent(members=(member("leg", "foot", "knee", start_offset=(0, 0, 5.0), end_offset=(0, 0, -4.0)),))
+    with pytest.raises(InputError, match=r"members.leg.end_offset = .*: must be finite m"):
+        member("leg", "foot", "knee", end_offset=(0, 0, float("inf")))
+    moved = bent(members=(member("leg", "foot", "knee"), member("arm", "knee", "hand", start_offset=(0.5, 0, -20.0))))
+    assert dict(moved.places())["members.arm.start_offset"] == (0.5, 0, -20.0)
+
+
 def test_a_floating_part_is_refused(member, bent):
     members = (member("leg", "foot", "knee"), member("spar", "hand", "far"))
     with pytest.raises(InputError, match=r"nodes = hand, far: must be joined"):

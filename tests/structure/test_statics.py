@@ -140,6 +140,48 @@ def test_pinned_braces_bear_no_moment(steel, pipe):
     assert 0 < V < 1e3
 
 
+@pytest.mark.parametrize("n", [1, 3])
+def test_a_rigid_end_carries_on_what_bends_before_it(line, pipe, steel, n):
+    """F at 3 m beyond and 0.8 m above the end of 9 m: v + hθ under F and Fh, and what its arm twists."""
+    EI, L, h, up = steel.E * pipe.Iy, 9.0, 3.0, 0.8
+    push = (0.0, 2e3, 5e3)
+    model = line(n, end=(12, 0, up), end_offset=(-h, 0, -up), loads=(PointLoad(node="end", force=push),))
+    d = statics.static(model, statics.point_load(model))
+    bent = L**3 / (3 * EI) + 2 * h * L**2 / (2 * EI) + h**2 * L / EI  # of a unit force
+    twist = 2e3 * -up * L / (steel.G * pipe.J)
+    assert d[model.translations("end")] == pytest.approx(
+        [5e3 * up * -(L**2 / 2 + h * L) / EI, 2e3 * bent - up * twist, 5e3 * bent], rel=ROUNDING
+    )
+    ends = recovery.section_forces(model, d, np.zeros((n, 12)))
+    assert ends[0] == pytest.approx([0, 2e3, 5e3, 2e3 * -up, -5e3 * 12, 2e3 * 12], abs=1e-4)
+    assert ends[-1] == pytest.approx([0, 2e3, 5e3, 2e3 * -up, -5e3 * h, 2e3 * h], abs=1e-4)
+
+
+def test_frames_with_offsets_move_rigidly_and_weigh_where_their_members_are(steel, pipe):
+    made = {"section": pipe, "material": steel, "elements": 3}
+    nodes = {"a": (0, 0, 0), "b": (0, 1, 8), "c": (6, -1, 8)}
+    off = {"start_offset": (0.5, -0.4, 0.3), "end_offset": (-0.2, 0.6, -0.7)}
+    members = (
+        Member(name="ab", start="a", end="b", **made, **off),
+        Member(name="bc", start="b", end="c", **made, **off),
+    )
+    model = assemble(Frame(nodes=nodes, members=members, clamped=("a",)))
+    rigid = np.zeros((len(model.xyz), 6, 6))
+    rigid[:, :3, :3] = rigid[:, 3:, 3:] = np.eye(3)
+    rigid[:, :3, 3:] = np.array([np.cross(np.eye(3), x).T for x in model.xyz])
+    rigid = rigid.reshape(-1, 6)
+    assert np.abs(model.K @ rigid).max() < 1e-10 * abs(model.K).max()
+    weight, moment, mass = np.zeros(3), np.zeros(3), 0.0
+    for member in members:
+        start, end = np.add(nodes[member.start], off["start_offset"]), np.add(nodes[member.end], off["end_offset"])
+        own = steel.density * pipe.area * np.linalg.norm(end - start)
+        mass += own
+        weight += [0, 0, -own * W]
+        moment += np.cross((start + end) / 2, [0, 0, -own * W])
+    assert rigid.T @ statics.gravity_load(model, W) == pytest.approx([*weight, *moment])
+    assert (rigid.T @ model.M @ rigid)[:3, :3] == pytest.approx(mass * np.eye(3))
+
+
 def test_a_mass_beside_its_node_bends_the_column_by_its_moment(line, pipe, steel):
     """At levers x and y: M L²/2EI at the top, and the foot bears M = mg r."""
     body = PointMass(node="end", mass=2e3, cog=(1.5, -0.5, 2.0), inertia=(1e3,) * 3)
@@ -293,6 +335,17 @@ def test_a_weight_on_a_lever_buckles_its_column_sooner(line, steel, pipe, height
     factor = statics.buckling_factor(model, statics.gravity_load(model, W), W)
     k = brentq(lambda k: np.cos(12 * k) - k * height * np.sin(12 * k), 1e-6, np.pi / 12)
     assert factor * 1e3 * W == pytest.approx(k**2 * steel.E * pipe.Iy, rel=1e-4)
+
+
+@pytest.mark.parametrize("offset", ["end", "start"])
+def test_a_column_with_a_rigid_end_buckles_sooner(line, steel, pipe, offset):
+    """tan kL = 1/kh where the upper end, h long, is rigid; π²EI/4L² of what bends where the foot is."""
+    h, push = 3.0, (PointLoad(node="end", force=(0, 0, -1e3)),)
+    arm = {"end_offset": (0, 0, -h)} if offset == "end" else {"start_offset": (0, 0, h)}
+    model = line(8, end=(0, 0, 12), loads=push, **arm)
+    factor = statics.buckling_factor(model, statics.point_load(model), W)
+    k = brentq(lambda k: np.cos(9 * k) - k * h * np.sin(9 * k), 1e-6, np.pi / 9) if offset == "end" else np.pi / 18
+    assert factor * 1e3 == pytest.approx(k**2 * steel.E * pipe.Iy, rel=1e-4)
 
 
 def test_a_pulled_column_never_buckles(line):
