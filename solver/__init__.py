@@ -10,6 +10,7 @@ from typing import Any
 _HOMES = {
     "errors": ("InputError", "SimulationFailed"),
     "mooring": ("Mooring",),
+    "power_takeoff": ("PtoEfficiency", "PtoTable"),
     "scene": ("Float", "Platform", "Scene", "Settings", "Water"),
     "hydrodynamics.hull.revolution": ("Revolution",),
     "hydrodynamics.hull.panel_hull": ("PanelHull",),

@@ -32,8 +32,9 @@ class Mooring:
     ] = None
 
     def __post_init__(self) -> None:
-        for problems in (self._shapes, lambda: out_of_range(self, "mooring"), self._meaning):
-            refuse(problems())
+        refuse(self._shapes())
+        refuse(out_of_range(self, "mooring"))
+        refuse(self._meaning())
 
     def _shapes(self) -> Iterator[InputError]:
         size = len(self.stiffness)

@@ -16,6 +16,7 @@ from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import SIX, AxisMooring, Mooring, none
+from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.quantities import Quantity, out_of_range, require_ranges
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
@@ -55,22 +56,6 @@ class EndStops:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PtoEfficiency:
-    """Of a power take-off in each direction; what it does to the water is told by its forces, not by these."""
-
-    generating: Annotated[
-        float, Quantity("-", above=0, most=1), "Electrical power over mechanical, while it is absorbed"
-    ] = 1.0
-    motoring: Annotated[
-        float, Quantity("-", above=0, most=1), "Mechanical power over electrical, while it is given back"
-    ] = 1.0
-
-    def electrical(self, power: np.ndarray) -> np.ndarray:
-        """Electrical power of mechanical power P [W]: η P where P > 0, P/η_m where it flows back."""
-        return np.where(power > 0, self.generating * power, power / self.motoring)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Float:
     """A rigid float on a rigid, massless arm, joined to the support, or to another float, at the hinge point.
 
@@ -105,6 +90,7 @@ class Float:
         Quantity("N m/rad or N/m"),
         "Stiffness of the power take-off; < 0 for reactive control",
     ] = 0.0
+    pto_table: Annotated[PtoTable | None, "Load of the power take-off by rate, in place of its damping"] = None
     pto_efficiency: Annotated[PtoEfficiency | None, "Of the power take-off, for electrical_power"] = None
     damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Linear damping besides the PTO"] = 0.0
     critical_damping: Annotated[
@@ -164,6 +150,8 @@ class Float:
             yield InputError(f"{key}.mooring.stiffness", self.mooring.stiffness, limit)
 
     def _law_problems(self, key: str) -> Iterator[InputError]:
+        if self.pto_table is not None:
+            yield from self._table_problems(f"{key}.pto_table", self.pto_table.axis)
         if np.any(self.per_axis("coulomb") >= self.per_axis("force_limit")):
             yield InputError(f"{key}.coulomb", self.coulomb, "must be < force_limit")
         if np.any((self.per_axis("pto_stiffness") != 0) & np.isfinite(self.per_axis("force_limit"))):
@@ -173,6 +161,15 @@ class Float:
             some = (self.per_axis("end_stops.stiffness") > 0) | (self.per_axis("end_stops.damping") > 0)
             if np.any(some & ~(low < high)):
                 yield InputError(f"{key}.end_stops.lower", self.end_stops.lower, "must be < upper")
+
+    def _table_problems(self, key: str, axis: str) -> Iterator[InputError]:
+        if axis not in self.motion and (axis or len(self.motion) != 1):
+            yield InputError(f"{key}.axis", axis, f"must be one of {', '.join(self.motion) or 'no axis: it is fixed'}")
+            return
+        i = self.motion.index(axis) if axis else 0
+        for name in ("pto_damping", "coulomb", "force_limit", "one_way"):
+            if self.per_axis(name)[i] != STARTS[name]:
+                yield InputError(key, "given", f"needs {name} to be left out on that axis: the table has it all")
 
     def _body_problems(self, key: str) -> Iterator[InputError]:
         moments = sorted(self.inertia)
@@ -209,6 +206,14 @@ class Float:
             d, slides = self.direction(name), name in DOFS[:3]
             J[:, i] = (*d, 0, 0, 0) if slides else (*np.cross(d, self.arm), *d)
         return self.mooring.on_axes(J)
+
+    @property
+    def pto_points(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Rates and loads of the power take-off's table, for each axis; none where there is no table."""
+        points = [(np.zeros(0), np.zeros(0))] * len(self.motion)
+        if self.pto_table is not None:
+            points[self.motion.index(self.pto_table.axis or self.motion[0])] = self.pto_table.points
+        return points
 
     @property
     def centre(self) -> np.ndarray:
@@ -483,8 +488,9 @@ class Scene:
         """Joint laws that the method does not have."""
         s, bent = self.settings, ("coulomb", "one_way", "force_limit", "end_stops")
         for f in self.floats if s.method == "frequency" else ():
-            if f.pto_efficiency is not None:
-                yield InputError(f"floats.{f.name}.pto_efficiency", "given", 'needs method = "time": it is not linear')
+            for name in ("pto_efficiency", "pto_table"):
+                if getattr(f, name) is not None:
+                    yield InputError(f"floats.{f.name}.{name}", "given", 'needs method = "time": it is not linear')
         for f in self.floats:
             for name in bent:
                 value = "given" if name == "end_stops" else getattr(f, name)

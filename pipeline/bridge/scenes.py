@@ -12,6 +12,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, assert_never
 
 from pipeline.bridge import realizations
+from pipeline.study import columns
 from pipeline.study.attachments import Attachment
 from pipeline.study.layout import HINGE
 from pipeline.study.schema import (
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from solver import scene as physics
     from solver.hydrodynamics.hull.panel_hull import PanelHull
     from solver.hydrodynamics.hull.revolution import Revolution
+    from solver.power_takeoff import PtoTable
     from solver.sea.realization import Realization
     from solver.structure import beam, frame
 
@@ -167,8 +169,14 @@ def floating(item: Float) -> physics.Float:
     """The solver's float for a table of [[floats]], with stand-ins for what is found; tasks alike in it share it."""
     from solver import scene as physics
     from solver.mooring import Mooring
+    from solver.power_takeoff import PtoEfficiency
 
-    kinds = {"end_stops": physics.EndStops, "mooring": Mooring, "pto_efficiency": physics.PtoEfficiency}
+    kinds: dict[str, Callable[..., object]] = {
+        "end_stops": physics.EndStops,
+        "mooring": Mooring,
+        "pto_efficiency": PtoEfficiency,
+        "pto_table": pto_table,
+    }
     with _part(f"floats.{item.name}."):  # a hull does not know whose it is
         parts = {name: of(**dict(table)) for name, of in kinds.items() if (table := getattr(item, name)) is not None}
         parts["hull"] = hull(item.hull)
@@ -193,6 +201,15 @@ def found(item: Float) -> tuple[str, ...]:
     return tuple(
         name for name, value in zip(("mass", "x", "y"), (item.mass, *item.cog[:2]), strict=True) if value == FOUND
     )
+
+
+def pto_table(file: Attachment, axis: str) -> PtoTable:
+    """The solver's table for a file of rates and loads."""
+    from solver.power_takeoff import PtoTable
+
+    with _part("pto_table.", "pto_table."):
+        read = columns.read(file, ("velocity", "force"))
+        return PtoTable(velocity=tuple(read["velocity"].tolist()), force=tuple(read["force"].tolist()), axis=axis)
 
 
 def in_place(item: Float, water: Water) -> None:

@@ -36,6 +36,8 @@ QUANTITIES = {
     "omega": Column({"rad/s": 1.0}, least=0.0),
     # People mean either by this word, and a factor of 2π is not for us to guess.
     "frequency": Column({"Hz": TURN, "rad/s": 1.0}, least=0.0, implied=False),
+    "velocity": Column({"m/s": 1.0, "rad/s": 1.0}),
+    "force": Column({"N": 1.0, "N m": 1.0}),
     "S": Column({"m2 s/rad": 1.0, "m2/Hz": 1 / TURN}, least=0.0),
 }
 ALIASES = {"omega": ("omega", "frequency")}

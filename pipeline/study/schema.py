@@ -29,6 +29,7 @@ from pipeline.study.tables import (
     fields_of,
     unit_of,
 )
+from solver import power_takeoff as takeoff
 from solver import scene as physics
 from solver.mooring import Mooring as Moored
 from solver.structure import frame
@@ -195,9 +196,17 @@ class EndStops(Table):
         upper: float | tuple[float, ...]
 
 
-@fields_of(physics.PtoEfficiency)
+@fields_of(takeoff.PtoEfficiency)
 class PtoEfficiency(Table):
     """Of a power take-off in each direction; it does nothing to the motion."""
+
+
+@fields_of(takeoff.PtoTable, ("axis",))
+class PtoTable(Table):
+    """Load of a power take-off by rate, from a file: velocity [m/s] (or [rad/s]), force [N] (or [N m])."""
+
+    file: Annotated[File, "CSV file beside the study: velocity [m/s], force [N], or in rad/s and N m"]
+    axis: Annotated[Motion | Literal[""], "The axis of `motion` that it acts on; left out, the only one"] = ""
 
 
 @fields_of(Moored)
@@ -228,6 +237,7 @@ class Float(Table):
     end_stops: EndStops | None = None
     mooring: Mooring | None = None
     pto_efficiency: PtoEfficiency | None = None
+    pto_table: PtoTable | None = None
     if TYPE_CHECKING:
         hinge: Vector
         pto_damping: float | tuple[float, ...]

@@ -160,6 +160,8 @@ class System:
         zone = np.zeros((2, z.size), np.int64)
         joint_law.zones_at_rest(self.bodies.law, z, zone)
         zone[joint_law.PTO_ZONE, joint_law.turning(self.bodies.law)] = joint_law.HELD
+        for i in np.flatnonzero(joint_law.tabled(self.bodies.law)):
+            zone[joint_law.PTO_ZONE, i] = joint_law.pto_zone(self.bodies.law, int(i), 0.0)
         return zone
 
     @property

@@ -2,8 +2,9 @@
 
     f_pto = σ min(c_pto |ẏ| + F_c, F_max) sign ẏ,    f_loss = (c + d|ẏ|) ẏ,    f_spring = k y - F₀
 
-against the axis [N or N m]; σ is the share that is left in a sense which the power take-off is not made for. An end
-stop is a spring and a damper beyond its bound, δ deep, that do not pull:
+against the axis [N or N m]; σ is the share that is left in a sense which the power take-off is not made for. Or f_pto
+follows a table by rate, straight between its points and level beyond them. An end stop is a spring and a damper
+beyond its bound, δ deep, that do not pull:
 
     f_stop = max(0, k_s δ + c_s δ̇) = k_s δ (stored) + max(c_s δ̇, -k_s δ) (lost),    δ > 0
 
@@ -13,12 +14,15 @@ At rest F_c holds the axis against up to as much. Powers f_pto ẏ (absorbed) an
 f_spring is stored. Motion, powers, record, both formulations and the linear model ask here.
 
 The law is smooth but where an axis leaves a zone: it meets a stop or comes free of it, turns round under F_c, or its
-power take-off reaches F_max. In a zone each formula goes on beyond that; `leaving` tells where the zone ends.
+power take-off reaches F_max or a point of its table. In a zone each formula goes on beyond that; `leaving` tells where
+the zone ends.
 
 A further kind of law of an axis is a field of JointLaw, called as the Float's, and its terms in `axis_load` and, if it
 stores energy, `axis_energy`; if it bends, zones for it in `leaving` and what they call.
 """
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +33,7 @@ from solver.kernels import kernel
 FAR = 40.0  # standard deviations
 OPEN, PRESSED, RELEASED = 0, 1, 2  # zones of the stops; + at the upper one, - at the lower one
 LINEAR, SLIPS, LIMITED, HELD = 0, 1, 2, 3  # of the power take-off; SLIPS and LIMITED with the sign of the rate
+TABLE = 4  # and from there on the pieces of a table: below its first point, between that and the next, ...
 STOP_ZONE, PTO_ZONE = 0, 1  # rows of zones (2, n)
 
 
@@ -50,6 +55,15 @@ class Couplings(NamedTuple):
     damping: np.ndarray  # (e,) [N s/m, N s/rad or N m s/rad]
 
 
+class Tables(NamedTuple):
+    """Load of the power take-offs by rate, of those that have a table; t points of all axes, one axis after another."""
+
+    first: np.ndarray  # (n + 1,) of each axis's points, and t
+    rate: np.ndarray  # (t,) [m/s or rad/s], increasing along an axis
+    load: np.ndarray  # (t,) against the axis [N or N m]
+    slope: np.ndarray  # (n,) ∂f_pto/∂ẏ at rest, between those of the two senses; 0 without a table
+
+
 class JointLaw(NamedTuple):
     """Numbers of n axes: [N s/m], [N s²/m²] and [N/m] of those that slide, [N m s/rad] ... of those that turn."""
 
@@ -64,6 +78,19 @@ class JointLaw(NamedTuple):
     one_way: np.ndarray  # (n,) by how much that load is less for motion in the negative sense; < 0: in the positive
     end_stops: EndStops
     couplings: Couplings
+    tables: Tables
+
+
+def tables(points: Sequence[tuple[np.ndarray, np.ndarray]]) -> Tables:
+    """Of n axes from the rates and loads of each, none where it has no table."""
+    ends = np.cumsum([0, *(rate.size for rate, _ in points)])
+    rate, load = (np.concatenate([np.zeros(0), *(p[k] for p in points)]) for k in range(2))
+    return Tables(ends, rate, load, np.array([_slope_at_rest(*p) for p in points]))
+
+
+def _slope_at_rest(rate: np.ndarray, load: np.ndarray) -> float:
+    step = 0.5 * np.diff(rate).min(initial=np.inf)
+    return float(np.diff(np.interp([-step, step], rate, load))[0] / (2 * step)) if rate.size else 0.0
 
 
 def end_stops(lower: np.ndarray, upper: np.ndarray, stiffness: np.ndarray, damping: np.ndarray) -> EndStops:
@@ -107,7 +134,7 @@ def axis_load(law: JointLaw, i: int, stops: int, pto: int, y: float, dy: float) 
 @kernel(inline="always")
 def _slope(law: JointLaw, i: int) -> float:
     """∂f_pto/∂ẏ at rest, without F_c: between those of the two senses."""
-    return law.pto_damping[i] * (1 - 0.5 * abs(law.one_way[i]))
+    return law.pto_damping[i] * (1 - 0.5 * abs(law.one_way[i])) + law.tables.slope[i]
 
 
 @kernel(inline="always")
@@ -121,10 +148,52 @@ def _kinked_load(law: JointLaw, i: int, pto: int, dy: float) -> float:
     """f_pto in a zone other than LINEAR; what holds an axis does no work and is found by the motion."""
     if pto == HELD:
         return 0.0
+    if pto >= TABLE:
+        return _table_load(law, i, pto - TABLE, dy)
     sense = 1 if pto > 0 else -1
     if pto * sense == LIMITED:
         return _share(law, i, sense) * sense * law.force_limit[i]
     return _share(law, i, sense) * (law.pto_damping[i] * dy + sense * _constant(law, i))
+
+
+@kernel(inline="always")
+def _table_slope(law: JointLaw, i: int, piece: int) -> float:
+    """∂f_pto/∂ẏ on a piece of axis i's table; 0 beyond its ends."""
+    after = law.tables.first[i] + piece
+    if piece == 0 or after == law.tables.first[i + 1]:
+        return 0.0
+    rate, load = law.tables.rate, law.tables.load
+    return (load[after] - load[after - 1]) / (rate[after] - rate[after - 1])
+
+
+@kernel(inline="always")
+def _table_load(law: JointLaw, i: int, piece: int, dy: float) -> float:
+    """f_pto by the formula of a piece of axis i's table."""
+    at = law.tables.first[i] + max(piece - 1, 0)
+    return law.tables.load[at] + _table_slope(law, i, piece) * (dy - law.tables.rate[at])
+
+
+@kernel(inline="always")
+def _table_piece(law: JointLaw, i: int, dy: float) -> int:
+    """The piece of axis i's table that dy lies in."""
+    first, after = law.tables.first[i], law.tables.first[i]
+    while after < law.tables.first[i + 1] and dy > law.tables.rate[after]:
+        after += 1
+    return after - first
+
+
+@kernel(inline="always")
+def _beyond_piece(law: JointLaw, i: int, piece: int, dy: float) -> tuple[float, float]:
+    """> 0 where dy is below, and above, a piece of axis i's table."""
+    after = law.tables.first[i] + piece
+    below = law.tables.rate[after - 1] - dy if piece > 0 else -np.inf
+    above = dy - law.tables.rate[after] if after < law.tables.first[i + 1] else -np.inf
+    return below, above
+
+
+@kernel(inline="always")
+def _tabled(law: JointLaw, i: int) -> bool:
+    return law.tables.first[i + 1] > law.tables.first[i]
 
 
 @kernel(inline="always")
@@ -208,7 +277,9 @@ def tangent(law: JointLaw, i: int, stops: int, pto: int) -> tuple[float, float]:
     stiffness = damping = 0.0
     if abs(stops) == PRESSED:
         stiffness, damping = law.end_stops.stiffness[i], law.end_stops.damping[i]
-    if abs(pto) == SLIPS:
+    if pto >= TABLE:
+        damping += _table_slope(law, i, pto - TABLE) - _slope(law, i)
+    elif abs(pto) == SLIPS:
         damping += _share(law, i, pto) * law.pto_damping[i] - _slope(law, i)
     elif pto != LINEAR:
         damping -= _slope(law, i)
@@ -238,6 +309,8 @@ def stops_zone(law: JointLaw, i: int, y: float, dy: float) -> int:
 @kernel(inline="always")
 def pto_zone(law: JointLaw, i: int, dy: float) -> int:
     """The zone of the power take-off that dy lies in; HELD at rest where F_c, or another sense, begins there."""
+    if _tabled(law, i):
+        return TABLE + _table_piece(law, i, dy)
     sense = 1 if dy > 0 else -1
     if abs(dy) > _limiting_rate(law, i):
         return sense * LIMITED
@@ -258,6 +331,9 @@ def leaving(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) ->
         return -press if zone * side == PRESSED else max(-depth, press)
     if zone == HELD:
         return -1.0
+    if zone >= TABLE:
+        below, above = _beyond_piece(law, i, zone - TABLE, dy)
+        return max(below, above)
     rate = _limiting_rate(law, i)
     if zone == LINEAR:
         return abs(dy) - rate
@@ -279,6 +355,9 @@ def next_zone(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) 
         depth = y - law.end_stops.upper[i] if side > 0 else law.end_stops.lower[i] - y
         press = law.end_stops.stiffness[i] * depth + law.end_stops.damping[i] * side * dy
         return side * PRESSED if press > -depth else OPEN
+    if zone >= TABLE:
+        below, above = _beyond_piece(law, i, zone - TABLE, dy)
+        return zone + 1 if above > below else zone - 1
     sense = 1 if dy > 0 else -1
     if zone == LINEAR:
         return sense * LIMITED
@@ -311,7 +390,9 @@ def pto_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
 
 def pto_bounds(law: JointLaw) -> np.ndarray:
     """What the magnitude of a power take-off's load cannot exceed (n,)."""
-    return np.where(law.pto_stiffness == 0, law.force_limit, np.inf)
+    tables = [law.tables.load[a:b] for a, b in pairwise(law.tables.first)]
+    largest = [np.abs(load).max() if load.size else limit for load, limit in zip(tables, law.force_limit, strict=True)]
+    return np.where(law.pto_stiffness == 0, largest, np.inf)
 
 
 @kernel
@@ -387,7 +468,12 @@ def drag(law: JointLaw) -> np.ndarray:
 
 def absorbing(law: JointLaw) -> np.ndarray:
     """Which axes absorb power (n,)."""
-    return (law.pto_damping > 0) | (law.coulomb > 0)
+    return (law.pto_damping > 0) | (law.coulomb > 0) | tabled(law)
+
+
+def tabled(law: JointLaw) -> np.ndarray:
+    """Which axes have a power take-off by a table (n,)."""
+    return np.diff(law.tables.first) > 0
 
 
 def stopped(law: JointLaw) -> np.ndarray:
@@ -403,7 +489,7 @@ def turning(law: JointLaw) -> np.ndarray:
 def bent(law: JointLaw) -> np.ndarray:
     """Which axes have more than one zone (n,)."""
     limited = np.isfinite(law.force_limit) & (law.pto_damping > 0)
-    return stopped(law) | turning(law) | limited
+    return stopped(law) | turning(law) | limited | tabled(law)
 
 
 def stop_rates(law: JointLaw, compliance: np.ndarray) -> np.ndarray:

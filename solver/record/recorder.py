@@ -218,7 +218,7 @@ class Recorder:
             return
         load = pto_loads(self.law, joint, rate)
         if wanted:
-            yield "pto_force", channels.by_axis(-load)
+            yield "pto_force", channels.by_axis(0.0 - load)
         electrical = np.full((len(joint), len(floats)), np.nan)
         for b, f in enumerate(floats):
             if f.pto_efficiency is not None:

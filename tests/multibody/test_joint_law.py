@@ -36,6 +36,7 @@ from solver.multibody.joint_law import (
     pto_zone,
     stop_load,
     stops_zone,
+    tables,
     tangent,
 )
 
@@ -56,6 +57,7 @@ LAW = JointLaw(
         np.array([0.0, 3e3, 0.0, 0.0, 2e3]),
     ),
     couplings=Couplings(*np.zeros((2, 0), np.int64), *np.zeros((2, 0))),
+    tables=tables([(np.zeros(0), np.zeros(0))] * 5),
 )
 AXES = range(LAW.pto_damping.size)
 values = st.floats(-10, 10)

@@ -10,8 +10,9 @@ from pytest import approx
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.power_takeoff import PtoEfficiency
 from solver.run import simulate
-from solver.scene import Float, PtoEfficiency, Scene, Settings, Water
+from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import regular
 from tests import awkward
 

@@ -158,6 +158,28 @@ def test_lines_and_efficiency_reach_the_solver_and_leave_other_ids_alone(study_w
     assert found == [1.0, 2.0]
 
 
+def test_a_table_comes_from_a_file_by_its_content(study_with, tmp_path):
+    def written(text, name="load.csv", more=""):
+        (tmp_path / name).write_text(text)
+        return study_with(f'{HINGED}pto_table = {{ file = "{name}" }}\n{more}')
+
+    text = "velocity [rad/s], force [N m]\n0, 0\n0.5, 2e4\n1.0, 3e4\n"
+    study = written(text)
+    (item,) = scenes.scene(task(study).parameters).floats
+    assert [list(part) for part in item.pto_points[0]] == [[-1, -0.5, 0, 0.5, 1], [-3e4, -2e4, 0, 2e4, 3e4]]
+    assert task(written(text, "other.csv")).id == task(study).id != task(written(text.replace("2e4", "1e4"))).id
+    for wrong, message in [
+        ("velocity [km/h], force [N]\n0, 0\n", "line 1, column velocity: needs its unit, [m/s] or [rad/s]"),
+        ("velocity, force\n0, x\n", "line 2, column force: 'x' must be a finite number"),
+        ("velocity, force\n0, 0\n1, -2\n", "floats.only.pto_table.force = -2.0: must take power"),
+    ]:
+        with pytest.raises(StudyError) as caught:
+            written(wrong)
+        assert message in str(caught.value)
+    with pytest.raises(StudyError, match=r'pto_table = given: needs method = "time"'):
+        written(text, more='[solver]\nmethod = "frequency"\n')
+
+
 def test_forces_of_power_take_offs_need_no_platform(study_with):
     study = study_with(HINGED + '[record]\noutputs = ["pto_force"]\n')
     assert scenes.scene(task(study).parameters).settings.outputs == ("pto_force",)
