@@ -208,7 +208,7 @@ class Frame:
         """Keys and places [m] of the nodes, and of the ends of members that rigid offsets move."""
         for name, place in self.nodes.items():
             yield f"nodes.{name}", place
-        for member in self.members:
+        for member in (m for m in self.members if any((*m.start_offset, *m.end_offset))):
             for end, offset, place in zip(
                 ("start", "end"), (member.start_offset, member.end_offset), self.ends(member), strict=True
             ):
@@ -217,7 +217,7 @@ class Frame:
 
     def _offset_problems(self) -> Iterator[InputError]:
         """Offsets that leave nothing of a member, or turn it round."""
-        for member in self.members:
+        for member in (m for m in self.members if any((*m.start_offset, *m.end_offset))):
             apart, between = np.subtract(self.nodes[member.end], self.nodes[member.start]), self.ends(member)
             if not (between[1] - between[0]) @ apart > COINCIDENT * apart @ apart:
                 offsets = member.start_offset, member.end_offset
@@ -289,37 +289,43 @@ class Frame:
             yield InputError("nodes", ", ".join(floating), limit)
 
     def _release_problems(self) -> Iterator[InputError]:
-        """Releases that let a member, or the frame of members in one piece each, move without a force."""
+        """Releases that let a member, or a node among members in one piece each, move without a force or a mass."""
         if not any(member.releases().any() for member in self.members):
             return
         number = {name: 6 * i + np.arange(6) for i, name in enumerate(self.nodes)}
-        left, whole = np.zeros((2, 6 * len(number), 6 * len(number)))
+        left, whole = np.zeros(
+            (2, 2, 6 * len(number), 6 * len(number))
+        )  # stiffness and mass, with releases and without
         for member in self.members:
-            ends = self.ends(member)
-            offset = scipy.linalg.block_diag(beam.lever(member.start_offset), beam.lever(member.end_offset))
-            T = beam.to_global(beam.rotation(*ends)) @ offset
+            ends, section, material = self.ends(member), member.section, member.material
             L = float(np.linalg.norm(ends[1] - ends[0]))
-            k = beam.stiffness(member.material.E, member.material.G, member.section, L)
+            arms = scipy.linalg.block_diag(beam.lever(member.start_offset), beam.lever(member.end_offset))
+            T = beam.to_global(beam.rotation(*ends)) @ arms
+            shear = beam.shear_parameters(material.E, material.G, section, L)
+            stiffness = beam.stiffness(material.E, material.G, section, L)
+            own = np.array([stiffness, beam.mass(material.density, section, L, shear)])
             try:
-                C = beam.condensation(k, member.releases())
+                C = beam.condensation(stiffness, member.releases())
             except np.linalg.LinAlgError:
                 limit = "with end_release leaves the member itself free to move or turn"
                 yield InputError(f"members.{member.name}.start_release", member.start_release, limit)
                 return
-            at = np.ix_(*[np.concatenate([number[member.start], number[member.end]])] * 2)
-            left[at] += T.T @ C.T @ k @ C @ T
-            whole[at] += T.T @ k @ T
-        for node in self.foundation:
-            at = np.ix_(number[node], number[node])
-            left[at] += self.foundation_matrix(node)
-            whole[at] += self.foundation_matrix(node)
-        free = _free(self, {name: i for i, name in enumerate(self.nodes)}, len(left))
-        size = 1 / np.sqrt(np.diag(whole)[free])
-        values, vectors = np.linalg.eigh(size[:, None] * left[np.ix_(free, free)] * size)
-        if free.size and values[0] < beam.LOOSE:
-            place, direction = divmod(int(free[np.abs(vectors[:, 0]).argmax()]), 6)
-            limit = f"with their releases leave {list(self.nodes)[place]} free to {DIRECTIONS[direction]}"
-            yield InputError("members", ", ".join(m.name for m in self.members if m.releases().any()), limit)
+            at = np.concatenate([number[member.start], number[member.end]])
+            left[:, at[:, None], at] += T.T @ C.T @ own @ C @ T
+            whole[:, at[:, None], at] += T.T @ own @ T
+        on_nodes = [(0, node, self.foundation_matrix(node)) for node in self.foundation]
+        on_nodes += [(1, item.node, item.matrix) for item in self.masses]
+        for kind, node, matrix in on_nodes:
+            at = number[node]
+            left[kind, at[:, None], at] += matrix
+            whole[kind, at[:, None], at] += matrix
+        free = _free(self, {name: i for i, name in enumerate(self.nodes)}, left.shape[1])
+        names = ", ".join(m.name for m in self.members if m.releases().any())
+        for kept, before, word in zip(left, whole, ("free to", "without inertia to"), strict=True):
+            if free.size and (loose := _loosest(kept, before, free)) is not None:
+                node, direction = list(self.nodes)[loose // 6], DIRECTIONS[loose % 6]
+                yield InputError("members", names, f"with their releases leave {node} {word} {direction}")
+                return
 
     def _loose(self, part: set[str]) -> Iterator[InputError]:
         """A part that stands on foundations alone, and can move as a rigid body."""
@@ -339,7 +345,7 @@ class Frame:
             yield InputError("foundation", ", ".join(feet), limit)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FrameModel:
     """A frame as arrays: n nodes, ne elements; (ux, uy, uz, θx, θy, θz) at each node."""
 
@@ -515,6 +521,13 @@ def on_nodes(matrices: Iterable[tuple[int, np.ndarray]], size: int) -> "scipy.sp
     pairs = list(matrices)
     dofs = np.array([6 * node + np.arange(6) for node, _ in pairs], int).reshape(-1, 6)
     return sparse_sum(np.array([matrix for _, matrix in pairs]).reshape(-1, 6, 6), dofs, dofs, (size, size))
+
+
+def _loosest(kept: np.ndarray, whole: np.ndarray, free: np.ndarray) -> int | None:
+    """The degree of freedom that takes most part in a motion which releases leave without stiffness or mass, if any."""
+    size = 1 / np.sqrt(np.diag(whole)[free])
+    values, vectors = np.linalg.eigh(size[:, None] * kept[np.ix_(free, free)] * size)
+    return None if values[0] >= beam.LOOSE else int(free[np.abs(vectors[:, 0]).argmax()])
 
 
 def _free(frame: Frame, node_index: Mapping[str, int], size: int) -> np.ndarray:

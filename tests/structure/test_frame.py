@@ -6,6 +6,7 @@ import pytest
 from solver.errors import InputError
 from solver.structure.beam import solid_rectangle
 from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass, assemble
+from solver.structure.modes import modes
 
 NODES = {"foot": (0, 0, -9), "knee": (0, 0, 0), "hand": (4, 0, 0)}
 ROWS = np.eye(6)
@@ -167,6 +168,20 @@ def test_feet_that_hold_together_are_enough(bent):
 def test_releases_that_leave_a_mechanism_are_refused(member, bent, first, second, message):
     with pytest.raises(InputError, match=message):
         bent(members=(member("leg", "foot", "knee", **first), member("arm", "knee", "hand", **second)))
+
+
+def test_a_node_that_nothing_turns_needs_no_spring_but_inertia(member, bent):
+    """A foot that springs keep from turning under a pinned leg: it has stiffness, and nothing that turns with it."""
+    leg = member("leg", "foot", "knee", start_release=("My", "Mz"))
+    stands = {"clamped": ("hand",), "foundation": {"foot": (1e8,) * 6}}
+    members = (leg, member("arm", "knee", "hand"))
+    with pytest.raises(
+        InputError, match=r"members = leg: with their releases leave foot without inertia to turn about"
+    ):
+        bent(members=members, **stands)
+    base = PointMass(node="foot", mass=1e3, inertia=(1e3,) * 3)
+    model = assemble(bent(members=members, masses=(base,), **stands))
+    assert np.all(np.isfinite(modes(model.K, model.M, model.free).omega))
 
 
 def test_offsets_that_leave_nothing_of_a_member_are_refused(member, bent):

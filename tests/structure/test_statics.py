@@ -313,10 +313,11 @@ def test_a_column_between_pins_buckles_at_eulers_load(line, steel, pipe):
     pins = {"start_release": PIN, "end_release": PIN}
     nodes = {"start": (0, 0, 0), "end": (0, 0, 12)}
     slide = {"clamped": ("start",), "foundation": {"end": (1e15, 1e15, 0, 1e15, 1e15, 1e15)}}
+    base = (PointMass(node="end", mass=1.0, inertia=(1.0,) * 3),)  # which turns with the node alone
     load = []
     for n in meshes:
         column = Member(name="column", start="start", end="end", elements=n, section=pipe, material=steel, **pins)
-        model = assemble(Frame(nodes=nodes, members=(column,), loads=push, **slide))
+        model = assemble(Frame(nodes=nodes, members=(column,), loads=push, masses=base, **slide))
         load.append(1e3 * statics.buckling_factor(model, statics.point_load(model), W))
     error = np.array(load) / (np.pi**2 * steel.E * pipe.Iy / 12**2) - 1
     assert 0 < error[-1] < 1e-5
