@@ -62,6 +62,8 @@ def hydrodynamics(geometry: Geometry) -> Hydrodynamics:
 
     tolerance = Settings().memory_tolerance
     solution = given_hydrodynamics(geometry) if geometry.coefficients else bem.solve(**bem_arguments(geometry))
+    if not geometry.memory:
+        return solution
     try:
         memory = remembered(solution, tuple(hull(body.hull) for body in geometry.bodies), tolerance)
     except SimulationFailed:  # said by the task that needs it
