@@ -10,7 +10,7 @@ export NUMBA_NUM_THREADS := 1
 # numba's cache misses an edit in another file: a new folder for each state of the sources.
 export NUMBA_CACHE_DIR := $(CURDIR)/.jit/$(shell find solver -name '*.py' | LC_ALL=C sort | xargs cat | cksum | tr -d ' ')
 
-.PHONY: study-buan paper test nightly validate bench bench-pipeline stress test-python kills faults fuzz figure lint setup clean
+.PHONY: study-buan paper jeju test nightly validate bench bench-pipeline stress test-python kills faults fuzz figure lint setup clean
 
 study-buan: $(READY)
 	$(VENV)/bin/study run studies/buan.toml
@@ -21,6 +21,11 @@ paper: $(READY)
 	set -e; for study in studies/paper.toml studies/buan-series.toml; do \
 		echo $$study; $(VENV)/bin/study run $$study > /dev/null || test $$? -eq 1; done
 	$(VENV)/bin/python -m studies.paper
+
+# Six rotors on a moored platform, held, and on fixed axes; a table and studies/jeju.png.
+jeju: $(READY)
+	$(VENV)/bin/study run studies/jeju.toml
+	$(VENV)/bin/python -m studies.jeju
 
 # On two cores; a third process fills them while one waits for others or for the compiler. As on other machines:
 # make test ORDER=7 OPENBLAS_NUM_THREADS=2 OPENBLAS_CORETYPE=Haswell, with a random order and random examples of that seed.

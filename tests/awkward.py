@@ -8,8 +8,10 @@ from functools import cache
 
 import numpy as np
 
+from solver.balance import balanced
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.hull.duck import duck as duck_hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Platform, Scene, Settings, Water
@@ -142,6 +144,31 @@ def oblique():
     ]
     whole = scene(floats, waves=sea(Hs=0.8, heading=np.pi / 6))
     return whole, known(whole, 0.4, 6.0, 20)
+
+
+def rotors(*, front=None, rear=None, **changes) -> Scene:
+    """Two ducks that differ, beaks fore and aft, hinged off the middle of a moored barge that their weight trims.
+
+    front, rear: other fields of theirs; changes: of the barge.
+    """
+    fields = {"motion": ("surge", "heave", "pitch"), "stiffness": (4e4, 0, 0), "damping": (4e3, 1e3, 1e4)} | changes
+    barge = Float(
+        name="barge", hull=prism([(-4, -1.5), (4, -1.5), (4, 1.5), (-4, 1.5)], 10.0), mass=1.0, inertia=(9e5, 7e5, 1e6),
+        hinge=(0.5, 0, 0.0), arm=(-0.5, 0, 0), cog=(0, 0, -0.4), **fields,
+    )  # fmt: skip
+    small = duck_hull(radius=1.0, beak=2.2, elevation=0.3, submergence=0.5, width=5.0)
+    large = duck_hull(radius=1.3, beak=2.6, elevation=np.pi - 0.5, submergence=0.7, width=7.0)
+    first = Float(
+        name="front", on="barge", hull=small, mass=0.8 * RHO * small.volume, inertia=(2e4, 1.2e4, 2e4),
+        hinge=(-7.0, 0, -0.5), arm=(0, 0, 0.5), cog=(0, 0, -0.6), **{"pto_damping": 4e4, **(front or {})},
+    )  # fmt: skip
+    second = Float(
+        name="rear", on="barge", hull=large, mass=1.0, inertia=(5e4, 3e4, 5e4), hinge=(7.5, 0, -0.6),
+        arm=(0.2, 0, 0.6), cog=(0, 0, -0.7), **{"pto_damping": 6e4, **(rear or {})},
+    )  # fmt: skip
+    floats = balanced([barge, first, second], Water(depth=np.inf, density=RHO), [("mass", "x"), ("x",), ("mass", "x")])
+    waves = sea(Hs=0.5, Tp=4.5, band=(0.8, 3.0))
+    return scene(floats, depth=np.inf, waves=waves, froude_krylov="linear")
 
 
 def tripod(elements: int = 2) -> Platform:

@@ -77,6 +77,8 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
 
     tolerance, solved = Settings().memory_tolerance, [part for part in shares if part is not None]
     found = bem.united(bem_problem(geometries), solved) if solved else [given_hydrodynamics(g) for g in geometries]
+    if not geometries[0].memory:
+        return found
     try:
         memory = remembered(found[0], tuple(hull(body.hull) for body in geometries[0].bodies), tolerance)
     except SimulationFailed:  # said by the task that needs it

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from solver.hydrodynamics.bem.bem import Problem
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 
+MANY = 24  # motions, from which on the memory's fit takes longer than the boundary elements, and far more memory
 BEM_VERSION = 4  # of coefficients, and of the form of their file: raise it when either changes
 
 
@@ -45,6 +46,7 @@ class Geometry(Table):
     )
     names: tuple[str, ...] = ()
     needed: tuple[tuple[str, ...], ...] = ()
+    memory: bool = True  # whether the radiation memory is fitted along
 
     @property
     def key(self) -> str:
@@ -79,6 +81,8 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         band=seas.band(parameters.sea_state, parameters.waves),
         panels=panels_for(parameters.solver.tolerance),
         interaction=parameters.solver.interaction or len(floats) == 1,
+        # One file serves both methods, but for large arrays: the frequency domain has no use for a memory.
+        memory=parameters.solver.method == "time" or len(floats) * (3 if planar else 6) <= MANY,
     )
 
 

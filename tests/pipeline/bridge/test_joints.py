@@ -331,3 +331,33 @@ def test_what_cannot_be_balanced_or_built_is_refused_with_the_key(study_with, ol
     with pytest.raises(StudyError) as caught:
         preflight.judge(study := load(path), expand(study.content), Engine())
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(("count", "memory"), [(4, True), (5, False)])
+def test_the_frequency_domain_of_a_large_array_has_no_memory_fitted(study_with, count, memory):
+    """Of six motions a float; smaller scenes share one file with the time domain."""
+    path = study_with(FREE).path
+    text = path.read_text()
+    first = text[text.index("[[floats]]") : text.index("[sea_states]")]
+    more = [
+        first.replace('"only"', f'"f{i}"').replace("[0.0, 0.0, 0.0]", f"[0.0, {9.0 * i}, 0.0]", 1)
+        for i in range(1, count)
+    ]
+    text = text.replace("[sea_states]", "".join(more) + "[sea_states]")
+    geometries = []
+    for method in ("time", "frequency"):
+        path.write_text(f'{text}\n[solver]\nfroude_krylov = "linear"\nmethod = "{method}"\n')
+        geometries.append(geometry_of(task(load(path)).parameters))
+    time, frequency = geometries
+    assert time.memory and frequency.memory is memory and (time.key == frequency.key) is memory
+
+
+def test_without_need_of_a_memory_none_is_fitted(study_with, monkeypatch):
+    from solver.coupled import system
+    from solver.hydrodynamics.bem import bem
+
+    known, fitted = object(), []
+    monkeypatch.setattr(bem, "solve", lambda **arguments: known)
+    monkeypatch.setattr(system, "remembered", lambda *arguments: fitted.append(arguments))
+    geometry = geometry_of(task(study_with(FREE)).parameters)
+    assert engine.hydrodynamics(geometry.model_copy(update={"memory": False})) is known and not fitted
