@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from solver.coupled.assembly import joint_law
 from solver.coupled.energy import PTO
 from solver.errors import InputError
+from solver.mooring import Mooring
 from solver.multibody.joint_law import (
     OPEN,
     PTO_ZONE,
@@ -101,6 +102,24 @@ def test_in_waves_energy_closes_and_the_reference_path_agrees():
     y = slow.series["motion"][1][:, 0]
     # Which does not end its steps where the table bends.
     assert y == approx(fast.series["motion"][1][: len(y), 0], abs=1e-3 * np.abs(y).max())
+
+
+def test_on_an_elastic_platform_a_line_is_a_damper_and_a_mooring_of_one_axis_a_spring():
+    whole, known = awkward.unequal_legs()
+    whole = replace(whole, settings=replace(whole.settings, duration=20.0, discard=5.0, ramp=5.0, time_step=0.1))
+    (item,) = whole.floats
+    table = PtoTable(velocity=(0.0, 0.02, 5.0), force=(0.0, 2e3, 5e5))
+    lines = Mooring(stiffness=((3e4,),), damping=((2e3,),), pretension=(500.0,))
+    pairs = [
+        (replace(item, pto_damping=0.0, pto_table=table), item, 1e-4),
+        (replace(item, mooring=lines), replace(item, stiffness=3e4, damping=2e3, preload=500.0), 0.0),
+    ]
+    for ours, plain, apart in pairs:
+        a, b = (simulate(replace(whole, floats=(f,)), known) for f in (ours, plain))
+        for name in ("rotation", "absorbed_power", "hinge_force", "top_displacement", "bottom_stress"):
+            values = b.variables[name][1][..., 2:]
+            assert a.variables[name][1][..., 2:] == approx(values, rel=0, abs=apart * np.abs(values).max()), name
+        assert a.attrs["energy_residual"] < 1e-3
 
 
 @pytest.mark.parametrize(

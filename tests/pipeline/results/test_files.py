@@ -61,10 +61,12 @@ CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
 STOPS = "lower = -0.3, upper = 2.0, stiffness = 1e7, damping = 1e5"
 MORE = "lower = [0, -1.0], upper = [0, 1.0], stiffness = [0, 1e7]"  # on one axis of two
 MOORED = '["surge", "heave"]\nstiffness = [2e5, 0]'
+TAKEOFF = "offset = 0.5\npto_damping = 1e4\npto_efficiency = { generating = 0.9 }"
+FORCES = 'outputs = ["pto_force"]\n'
 # Every kind of scene, sea, path and output.
 REAL = {
     "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
-    "heave": SPHERE + SHORT + "rao = true\n[solver]\ntolerance = 0.05\n",
+    "heave": SPHERE.replace("offset = 0.5", TAKEOFF) + SHORT + FORCES + "rao = true\n[solver]\ntolerance = 0.05\n",
     "floating": SPHERE.replace('["heave"]\noffset = 0.5', MOORED).replace(STOPS, MORE) + CARRIED + SHORT,
     "steel": SMALL[: SMALL.index("[axes]")] + CALM + SHORT + OUTPUTS,
     "lines": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("full", "none") + LINES,
