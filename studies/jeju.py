@@ -31,6 +31,7 @@ ARRAYS = {
 }
 SINGLE = ("one alone", "#777777")
 RHO, G = 1025.0, 9.81
+WIDTH = 60.0  # m, of the six rotors
 SHOWN = 1e6  # N m s/rad, the damping of the figure
 
 
@@ -71,21 +72,23 @@ def by_period(data: xr.Dataset) -> xr.Dataset:
 def table(data: xr.Dataset) -> str:
     """Mean power, capture width over the rotors' width, and q of every sea and damping."""
     power, q, flux = mean_power(data), q_factor(data), energy_flux(data)
-    lines = [f"{'sea':15}{'damping':>9}  " + "".join(f"{name:>23}" for name in ("single", *ARRAYS))]
+    lines = [f"{'sea':15}{'damping':>9}  " + "".join(f"{name:>23}" for name in ("six single", *ARRAYS))]
     lines.append(f"{'':15}{'MN m s':>9}  " + "".join(f"{'kW':>9}{'width':>7}{'q':>7}" for _ in range(1 + len(ARRAYS))))
-    for sea in (str(s) for s in data.sea_state.values if s != "noise"):
+    for sea in (str(s) for s in data.sea_state.values if s not in ("noise", "small")):
         for damping in data.pto_damping.values:
             cells = []
             for name in ("single", *ARRAYS):
                 at = {"sea_state": sea, "pto_damping": damping, "variant": name}
-                share = power.sel(at) / flux.sel(at) / (10.0 if name == "single" else 60.0)
-                cells.append(f"{float(power.sel(at)) / 1e3:9.1f}{float(share):7.2f}{float(q.sel(at)):7.2f}")
+                times = 6 if name == "single" else 1
+                share = times * power.sel(at) / flux.sel(at) / WIDTH
+                cells.append(
+                    f"{times * float(power.sel(at)) / 1e3:9.1f}{float(share):7.2f}{times * float(q.sel(at)):7.2f}"
+                )
             lines.append(f"{sea:15}{damping / 1e6:9.1f}  " + "".join(cells))
-    for name in ("floating-time", "fixed-axis-time"):
-        for sea in ("rated", "near-resonance"):
-            at = {"sea_state": sea, "pto_damping": 2e6}
-            ours, lines_ = (float(power.sel(at, variant=v)) for v in (name, name.removesuffix("-time")))
-            lines.append(f"{name}, {sea}: {ours / 1e3:.1f} kW, {ours / lines_ - 1:+.2%} from the frequency domain")
+    for sea in ("small", "regular"):
+        at = {"sea_state": sea, "pto_damping": 2e6}
+        march, linear = (float(power.sel({**at, "variant": name})) for name in ("pair-time", "pair"))
+        lines.append(f"two amidships, {sea}: {march:.4g} W in the time domain, {linear:.4g} W in frequency")
     return "\n".join(lines)
 
 

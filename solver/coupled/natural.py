@@ -66,12 +66,26 @@ def _settled(stiffness: np.ndarray, added: Added, i: int) -> tuple[float, np.nda
     omega, shape = float(np.sqrt(max(stiffness[i], 0.0))), np.eye(len(stiffness))[i]
     for _ in range(ROUNDS):
         mass = np.eye(len(stiffness)) + added(omega)
-        values, shapes = linalg.eigh(np.diag(stiffness), (mass + mass.T) / 2)
+        values, shapes = _squares(stiffness, (mass + mass.T) / 2)
         same = int(np.argmax(np.abs(shapes.T @ mass @ shape)))
         before, omega, shape = omega, float(np.sqrt(max(values[same], 0.0))), shapes[:, same]
         if abs(omega - before) <= AGREED * omega:
             break
     return omega, shape
+
+
+def _squares(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """ω² (m,) and shapes (n, m) of stiffness (n,) and mass (n, n).
+
+    Waves caught between bodies may make the added mass so negative that a shape has none in all, and no frequency:
+    1/ω² of the others is what the inverse problem has above zero.
+    """
+    if linalg.eigvalsh(mass, subset_by_index=(0, 0))[0] > 0:
+        return linalg.eigh(np.diag(stiffness), mass)
+    held = np.maximum(stiffness, -UNSTABLE * stiffness.max())
+    inverse, shapes = linalg.eigh(mass, np.diag(held))
+    real = inverse > 0
+    return 1 / inverse[real], shapes[:, real] / np.sqrt(inverse[real])
 
 
 def _added(system: System, model: LinearModel, h: Hydrodynamics | None) -> Added:

@@ -8,7 +8,7 @@ from pytest import approx
 from scipy.interpolate import CubicSpline
 
 from solver.coupled.linear import linear_model
-from solver.coupled.natural import require_stable, system_modes, with_critical_damping, with_usual_step
+from solver.coupled.natural import _settled, require_stable, system_modes, with_critical_damping, with_usual_step
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.run import simulate
@@ -178,3 +178,14 @@ def test_waves_alone_have_the_step_of_the_shortest():
 def test_two_digits_never_lengthen_a_step():
     for step, rounded in ((0.2053, 0.20), (0.2, 0.2), (0.0999, 0.099), (1.0, 1.0), (12.9, 12.0), (3e-7, 3e-7)):
         assert two_digits(step) == approx(rounded, rel=1e-12)
+
+
+def test_a_shape_whose_mass_in_water_is_negative_has_no_frequency():
+    """Of two coupled ones that the added mass leaves one: K = diag(1, 4), M = [[1, 0.2], [0.2, -0.5]] by hand."""
+    omega, shape = _settled(np.array([1.0, 4.0]), lambda _: np.array([[0.0, 0.2], [0.2, -1.5]]), 0)
+    # det(K - xM) = -0.54 x² - 3.5 x + 4
+    assert omega**2 == approx((-3.5 + np.sqrt(3.5**2 + 4 * 0.54 * 4)) / (2 * 0.54), rel=1e-12)
+    mass = np.array([[1.0, 0.2], [0.2, -0.5]])
+    assert np.array([1.0, 4.0]) * shape == approx(omega**2 * mass @ shape, rel=1e-9) and shape @ mass @ shape == approx(
+        1
+    )
