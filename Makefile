@@ -24,7 +24,7 @@ paper: $(READY)
 
 # Six rotors on a moored platform, held, and on fixed axes; a table and studies/jeju.png.
 jeju: $(READY)
-	$(VENV)/bin/study run studies/jeju.toml
+	$(VENV)/bin/study run studies/jeju-rotors.toml
 	$(VENV)/bin/python -m studies.jeju
 
 # On two cores; a third process fills them while one waits for others or for the compiler. As on other machines:

@@ -23,7 +23,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 
 HERE = Path(__file__).parent
-STUDY = HERE / "jeju.toml"
+STUDY = HERE / "jeju-rotors.toml"
 ARRAYS = {
     "fixed-axis": ("fixed axes", "#1f6fb4"),
     "held": ("platform held", "#2f8f4e"),
@@ -37,7 +37,7 @@ SHOWN = 1e6  # N m s/rad, the damping of the figure
 
 def opened(results: Path) -> xr.Dataset:
     """The collected dataset."""
-    path = results / "jeju" / "statistics.nc"
+    path = results / "jeju-rotors" / "statistics.nc"
     if not path.exists():
         sys.exit(f"{path}: not there yet; `make jeju` makes it")
     with xr.open_dataset(path) as data:
