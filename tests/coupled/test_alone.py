@@ -71,6 +71,7 @@ def test_equal_hulls_are_solved_once_and_one_alone_as_ever(monkeypatch):
     assert dict(ours.settings) == dict(plain.settings) and ours.interacting
 
 
+@pytest.mark.slow
 def test_far_apart_it_makes_next_to_no_difference():
     # A wave scattered by one has fallen to (a/L)^½ of itself, in a share (ka)² of the incident one: some 2 % there.
     left, right = (replace(f, hinge=(f.hinge[0] + x, f.hinge[1], f.hinge[2]))

@@ -37,7 +37,7 @@ def test_nothing_is_out_of_balance():
     assert np.abs(prepare(item, coefficients()).equilibrium[0]).max() < 1e-9
 
 
-@pytest.mark.parametrize("how", ["stiff", "heavy"])
+@pytest.mark.parametrize("how", [pytest.param("stiff", marks=pytest.mark.slow), "heavy"])
 def test_a_platform_that_hardly_moves_is_a_fixed_axis(how):
     """By the mooring alone, or by its mass, whose weight a constant load bears; in proportion to how little."""
     h, gaps = coefficients(), []
@@ -92,6 +92,7 @@ def pair(*distances):
     return scene(floats, depth=np.inf, froude_krylov="linear")
 
 
+@pytest.mark.slow
 def test_rotors_far_apart_are_single_ones():
     """What the other sends spreads over a circle: its share falls as the root of the distance, here to 0.41."""
     alone = response(pair(), known(pair(), 0.8, 3.0, 12))[:, 0]

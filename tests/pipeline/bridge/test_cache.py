@@ -99,9 +99,10 @@ def test_a_file_counts_under_its_own_name_alone(coefficients, tmp_path):
 
 
 def test_workers_write_the_key_into_the_file(coefficients, monkeypatch):
-    monkeypatch.setattr(run, "hydrodynamics", lambda _: coefficients)
-    geometry = SimpleNamespace(key="0123456789abcdef")
-    cache.require_whole(run.coefficients(geometry), geometry.key)
+    monkeypatch.setattr(run, "_known", lambda geometries, _: [coefficients] * len(geometries))
+    geometries = [SimpleNamespace(key=16 * digit) for digit in "ab"]
+    for file, geometry in zip(run.coefficients(geometries, []), geometries, strict=True):
+        cache.require_whole(file, geometry.key)
 
 
 def test_a_file_found_whole_is_opened_again_only_if_it_is_another(coefficients, tmp_path):

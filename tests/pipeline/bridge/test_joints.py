@@ -357,7 +357,8 @@ def test_without_need_of_a_memory_none_is_fitted(study_with, monkeypatch):
     from solver.hydrodynamics.bem import bem
 
     known, fitted = object(), []
-    monkeypatch.setattr(bem, "solve", lambda **arguments: known)
+    monkeypatch.setattr(bem, "part", lambda *arguments: [])
+    monkeypatch.setattr(bem, "united", lambda *arguments: [known])
     monkeypatch.setattr(system, "remembered", lambda *arguments: fitted.append(arguments))
     geometry = geometry_of(task(study_with(FREE)).parameters)
     assert engine.hydrodynamics(geometry.model_copy(update={"memory": False})) is known and not fitted

@@ -63,10 +63,11 @@ MORE = "lower = [0, -1.0], upper = [0, 1.0], stiffness = [0, 1e7]"  # on one axi
 MOORED = '["surge", "heave"]\nstiffness = [2e5, 0]'
 TAKEOFF = "offset = 0.5\npto_damping = 1e4\npto_efficiency = { generating = 0.9 }"
 FORCES = 'outputs = ["pto_force"]\n'
+BALANCED = SPHERE.replace("mass = 261.8e3", 'mass = "balance"')
 # Every kind of scene, sea, path and output.
 REAL = {
     "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
-    "heave": SPHERE.replace("offset = 0.5", TAKEOFF) + SHORT + FORCES + "rao = true\n[solver]\ntolerance = 0.05\n",
+    "heave": BALANCED.replace("offset = 0.5", TAKEOFF) + SHORT + FORCES + "rao = true\n[solver]\ntolerance = 0.05\n",
     "floating": SPHERE.replace('["heave"]\noffset = 0.5', MOORED).replace(STOPS, MORE) + CARRIED + SHORT,
     "steel": SMALL[: SMALL.index("[axes]")] + CALM + SHORT + OUTPUTS,
     "lines": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("full", "none") + LINES,
