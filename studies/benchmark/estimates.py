@@ -23,7 +23,6 @@ SECONDS = 900.0  # analysed, of Buan; the other scenes are as they are
 PARTS = ("discretization_error", "quadrature_error")
 TOLERANCES = [3e-2, 1e-2, 3e-3, 1e-3]
 FINER = 8  # times shorter steps
-FINER_FIT = 0.5  # of the record's error of the memory: a fit that is not finer by so much is the same
 FINE = {
     "modes": 40, "stations_per_element": 6, "azimuths": 48, "arc_points": 16, "line_points": 10, "panel_size": 0.12,
     "field_tolerance": 1e-9, "newton_tolerance": 1e-9, "memory_tolerance": 3e-4,
@@ -66,9 +65,9 @@ def true_and_told(item: Scene, known: Hydrodynamics | None) -> tuple[float, floa
 
 
 def told(record: Record, exact: Record) -> float:
-    """The record's estimate, but for what the exact one shares with it: coefficients, and a fit of them if no finer."""
-    finer = float(exact.attrs["memory_error"]) < FINER_FIT * float(record.attrs["memory_error"])
-    return together(float(record.attrs[name]) for name in (*PARTS, *["memory_effect"] * finer))
+    """The record's estimate, but for what the exact one shares with it: coefficients, and a memory that is the same."""
+    same = exact.attrs["memory_error"] == record.attrs["memory_error"]
+    return together(float(record.attrs[name]) for name in (*PARTS, *["memory_effect"] * (not same)))
 
 
 def tolerances() -> None:
