@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from solver.errors import InputError, refuse
-from solver.quantities import Quantity, out_of_range
+from solver.quantities import Quantity, of_no_unit, out_of_range
 
 Matrix = tuple[tuple[float, ...], ...]
 SIX = 6  # rows of matrices of the reference point's motion
@@ -85,6 +85,4 @@ def _unsymmetric(matrix: np.ndarray) -> str:
 
 def _drives(damping: np.ndarray) -> bool:
     """Whether a symmetric matrix brings power to some motion; axes may be of different kinds and sizes."""
-    size = np.sqrt(np.abs(np.diag(damping)))
-    size[size == 0] = 1.0
-    return bool(np.linalg.eigvalsh(damping / np.outer(size, size))[0] < -PASSIVE)
+    return bool(np.linalg.eigvalsh(of_no_unit(damping))[0] < -PASSIVE)

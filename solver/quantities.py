@@ -72,3 +72,10 @@ def require_positive(key: str, value: float, unit: str = "-") -> None:
     """Refuse a number that is not finite and > 0."""
     if limit := Quantity(unit, above=0).limit(value):
         raise InputError(key, value, limit)
+
+
+def of_no_unit(matrix: np.ndarray) -> np.ndarray:
+    """A matrix (n, n) scaled to a diagonal of ±1 where it is not zero; its rows may be of different units and sizes."""
+    size = np.sqrt(np.abs(np.diag(matrix)))
+    size[size == 0] = 1.0
+    return matrix / np.outer(size, size)

@@ -75,12 +75,15 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     from solver.hydrodynamics.bem import bem
     from solver.scene import Settings
 
-    tolerance, solved = Settings().memory_tolerance, [part for part in shares if part is not None]
-    found = bem.united(bem_problem(geometries), solved) if solved else [given_hydrodynamics(g) for g in geometries]
-    if not geometries[0].memory:
+    first, tolerance = geometries[0], Settings().memory_tolerance
+    if first.coefficients:
+        found = [given_hydrodynamics(geometry) for geometry in geometries]
+    else:
+        found = bem.united(bem_problem(geometries), shares)
+    if not first.memory:
         return found
     try:
-        memory = remembered(found[0], tuple(hull(body.hull) for body in geometries[0].bodies), tolerance)
+        memory = remembered(found[0], tuple(hull(body.hull) for body in first.bodies), tolerance)
     except SimulationFailed:  # said by the task that needs it
         return found
     return [replace(one, memory=memory, memory_tolerance=tolerance) for one in found]

@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # sparse is slow to import, and the command line needs frames but rarely their matrices
 
 from solver.errors import InputError, refuse
-from solver.quantities import Quantity, out_of_range, require_ranges
+from solver.quantities import Quantity, of_no_unit, out_of_range, require_ranges
 from solver.structure import beam
 from solver.structure.beam import Section
 
@@ -255,9 +255,7 @@ class Frame:
             if np.shape(given) not in ((6,), (6, 6)) or not np.all(np.isfinite(given)):
                 yield InputError(key, given, "must be six finite stiffnesses, or six rows of six")
                 continue
-            k = self.foundation_matrix(node)
-            size = np.sqrt(np.abs(np.diag(k)))
-            k = k / np.where(size > 0, size, 1.0) / np.where(size > 0, size, 1.0)[:, None]  # of no unit
+            k = of_no_unit(self.foundation_matrix(node))
             if np.abs(k - k.T).max() > ROUNDING:
                 yield InputError(key, given, "must be symmetric")
             elif np.linalg.eigvalsh(k)[0] < -ROUNDING:
