@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from solver.structure import recovery, water
-from solver.structure.frame import FrameModel
+from solver.structure.frame_model import FrameModel
 from solver.structure.influence import Influence, Wanted, influence
 from solver.structure.legs import BENDING
 

@@ -21,7 +21,7 @@ from solver.scene import Platform, Water
 from solver.sea.field import WaveField
 from solver.structure import legs, statics, water
 from solver.structure import modes as natural
-from solver.structure.frame import FrameModel, assemble
+from solver.structure.frame_model import FrameModel, assemble
 from solver.structure.legs import Legs
 
 PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out

@@ -1,12 +1,12 @@
-"""Frozen inputs of a frame of beams, and their assembly into arrays."""
+"""Frozen inputs of a frame of beams, and what is refused among them; `frame_model` makes arrays of them."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal, get_args
 
 import numpy as np
-import scipy  # sparse is slow to import, and the command line needs frames but rarely their matrices
+import scipy  # its parts are imported when first used: the command line needs frames but rarely their matrices
 
 from solver.errors import InputError, refuse
 from solver.quantities import Quantity, of_no_unit, out_of_range, require_ranges
@@ -187,6 +187,11 @@ class Frame:
         given = np.array(self.foundation[node], float)
         return np.diag(given) if given.ndim == 1 else given
 
+    def free(self, node_index: Mapping[str, int], size: int) -> np.ndarray:
+        """Which of 6n = size degrees of freedom are not clamped, of nodes numbered by name."""
+        clamped = [6 * node_index[name] + np.arange(6) for name in self.clamped]
+        return np.setdiff1d(np.arange(size), np.ravel(clamped))
+
     def _coordinate_problems(self) -> Iterator[InputError]:
         for name, xyz in self.nodes.items():
             if np.shape(xyz) != (3,) or not np.all(np.isfinite(xyz)):
@@ -317,7 +322,7 @@ class Frame:
             at = number[node]
             left[kind, at[:, None], at] += matrix
             whole[kind, at[:, None], at] += matrix
-        free = _free(self, {name: i for i, name in enumerate(self.nodes)}, left.shape[1])
+        free = self.free({name: i for i, name in enumerate(self.nodes)}, left.shape[1])
         names = ", ".join(m.name for m in self.members if m.releases().any())
         for kept, before, word in zip(left, whole, ("free to", "without inertia to"), strict=True):
             if free.size and (loose := _loosest(kept, before, free)) is not None:
@@ -343,191 +348,8 @@ class Frame:
             yield InputError("foundation", ", ".join(feet), limit)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FrameModel:
-    """A frame as arrays: n nodes, ne elements; (ux, uy, uz, θx, θy, θz) at each node."""
-
-    frame: Frame
-    xyz: np.ndarray  # (n, 3) [m]
-    node_index: Mapping[str, int]  # named nodes
-    elements: np.ndarray  # (ne, 2) node numbers
-    dofs: np.ndarray  # (ne, 12) numbers of the element's degrees of freedom
-    member: np.ndarray  # (ne,) index of the element's member
-    member_elements: Mapping[str, range]  # in order from start to end
-    member_nodes: Mapping[str, np.ndarray]  # in order from start to end
-    free: np.ndarray  # numbers of the degrees of freedom that are not clamped
-    length: np.ndarray  # (ne,) [m]
-    rotation: np.ndarray  # (ne, 3, 3) rows = local axes
-    levers: Mapping[int, np.ndarray]  # (2, 3) from the nodes to the ends [m], of elements with rigid offsets
-    transform: np.ndarray  # (ne, 12, 12) T: displacements of the ends in local axes, of those of the nodes
-    shear: np.ndarray  # (ne, 2) φ in the planes xy and xz; 0 of Euler-Bernoulli's beams
-    element_stiffness: np.ndarray  # (ne, 12, 12) local axes
-    K: "scipy.sparse.csr_array"  # (6n, 6n), foundations included, clamped supports not yet removed
-    M: "scipy.sparse.csr_array"  # (6n, 6n), consistent and lumped
-    ground: "scipy.sparse.csr_array"  # (6n, 6n) stiffness of the foundations
-    # (ne, 12, 12) local axes, what axial forces add to the stiffness; None: not taken into account
-    element_geometric: np.ndarray | None = None
-    condensation: Mapping[int, np.ndarray] = field(default_factory=dict)  # C (12, 12) of elements with released ends
-
-    def member_of(self, element: int) -> Member:
-        """The member that an element is part of."""
-        return self.frame.members[self.member[element]]
-
-    @property
-    def ends(self) -> np.ndarray:
-        """Places of the elements' ends (ne, 2, 3) [m]."""
-        return _ends(self.xyz[self.elements], self.levers)
-
-    def released(self, element: int, local: np.ndarray, *, both: bool = False) -> np.ndarray:
-        """A row, or rows (…, 12), of an element's end displacements as rows of its nodes'; or on both sides, CᵀAC."""
-        if element not in self.condensation:
-            return local
-        C = self.condensation[element]
-        return C.T @ local @ C if both else local @ C
-
-    def translations(self, node: str) -> np.ndarray:
-        """Numbers of the three translations of a named node."""
-        return 6 * self.node_index[node] + np.arange(3)
-
-    def total(self, loads: np.ndarray) -> np.ndarray:
-        """Element loads (ne, 12) in local axes, summed as one vector (6n,) in global axes."""
-        in_global = np.einsum("ekj,eak->eaj", self.rotation, loads.reshape(-1, 4, 3))
-        for e, arms in self.levers.items():
-            in_global[e, 1::2] += np.cross(arms, in_global[e, ::2])
-        vector = np.zeros(6 * len(self.xyz))
-        np.add.at(vector, self.dofs, in_global.reshape(-1, 12))
-        return vector
-
-
-def assemble(frame: Frame) -> FrameModel:
-    """Mesh, element matrices, K and M of the paper's eq. 15, supports not yet removed.
-
-    Named nodes come first, then the members' interior nodes. Released ends are condensed out of the matrices.
-    """
-    xyz, node_index, member_nodes = _mesh(frame)
-    elements = np.concatenate([np.column_stack([nodes[:-1], nodes[1:]]) for nodes in member_nodes.values()])
-    counts = [member.elements for member in frame.members]
-    member = np.repeat(np.arange(len(counts)), counts)
-    ends = np.cumsum(counts)
-    dofs = (6 * elements[:, :, None] + np.arange(6)).reshape(-1, 12)
-    levers = _levers(frame)
-    places = _ends(xyz[elements], levers)
-    length = np.linalg.norm(places[:, 1] - places[:, 0], axis=1)
-    rotation = np.array([beam.rotation(*pair) for pair in places])
-    T = np.array([beam.to_global(R) for R in rotation])
-    for e, arms in levers.items():
-        T[e] = T[e] @ scipy.linalg.block_diag(*map(beam.lever, arms))
-    owner = [frame.members[i] for i in member]
-    pairs = list(zip(owner, length, strict=True))
-    stiffness = np.array([beam.stiffness(m.material.E, m.material.G, m.section, L) for m, L in pairs])
-    shear = np.array([beam.shear_parameters(m.material.E, m.material.G, m.section, L) for m, L in pairs])
-    mass = np.array(
-        [beam.mass(m.material.density, m.section, L, phi) for (m, L), phi in zip(pairs, shear, strict=True)]
-    )
-    condensation = _condensation(frame, stiffness)
-    for e, C in condensation.items():
-        stiffness[e], mass[e] = C.T @ stiffness[e] @ C, C.T @ mass[e] @ C
-    size = 6 * len(xyz)
-    K = scatter(stiffness, T, dofs, size)
-    ground = on_nodes([(node_index[name], frame.foundation_matrix(name)) for name in frame.foundation], size)
-    return FrameModel(
-        frame=frame,
-        xyz=xyz,
-        node_index=node_index,
-        elements=elements,
-        dofs=dofs,
-        member=member,
-        member_elements={m.name: range(end - m.elements, end) for m, end in zip(frame.members, ends, strict=True)},
-        member_nodes=member_nodes,
-        free=_free(frame, node_index, size),
-        length=length,
-        rotation=rotation,
-        levers=levers,
-        transform=T,
-        shear=shear,
-        element_stiffness=stiffness,
-        K=K + ground if frame.foundation else K,
-        M=scatter(mass, T, dofs, size) + on_nodes([(node_index[m.node], m.matrix) for m in frame.masses], size),
-        ground=ground,
-        condensation=condensation,
-    )
-
-
-def _levers(frame: Frame) -> dict[int, np.ndarray]:
-    """From nodes to ends (2, 3), of the elements at the ends of members with rigid offsets."""
-    found: dict[int, np.ndarray] = {}
-    first = 0
-    for member in frame.members:
-        for place, e, offset in ((0, 0, member.start_offset), (1, member.elements - 1, member.end_offset)):
-            if any(offset):
-                found.setdefault(first + e, np.zeros((2, 3)))[place] = offset
-        first += member.elements
-    return found
-
-
-def _ends(places: np.ndarray, levers: Mapping[int, np.ndarray]) -> np.ndarray:
-    """Places of the elements' ends (ne, 2, 3) [m], of those of their nodes."""
-    ends = places.copy()
-    for e, arms in levers.items():
-        ends[e] += arms
-    return ends
-
-
-def _condensation(frame: Frame, stiffness: np.ndarray) -> dict[int, np.ndarray]:
-    """C (12, 12) of the elements that have released ends."""
-    found, first = {}, 0
-    for member in frame.members:
-        for e in sorted({0, member.elements - 1}):
-            released = member.releases(start=e == 0, end=e == member.elements - 1)
-            if released.any():
-                found[first + e] = beam.condensation(stiffness[first + e], released)
-        first += member.elements
-    return found
-
-
-def _mesh(frame: Frame) -> tuple[np.ndarray, dict[str, int], dict[str, np.ndarray]]:
-    """Coordinates, named node numbers, and the nodes along each member."""
-    xyz = [np.asarray(point, float) for point in frame.nodes.values()]
-    node_index = {name: i for i, name in enumerate(frame.nodes)}
-    member_nodes = {}
-    for member in frame.members:
-        start, end = node_index[member.start], node_index[member.end]
-        first, last = frame.ends(member)
-        line = np.linspace(first, last, member.elements + 1)
-        inner = np.arange(len(xyz), len(xyz) + member.elements - 1)
-        xyz.extend(line[1:-1])
-        member_nodes[member.name] = np.array([start, *inner, end])
-    return np.array(xyz), node_index, member_nodes
-
-
-def scatter(matrices: np.ndarray, T: np.ndarray, dofs: np.ndarray, size: int) -> "scipy.sparse.csr_array":
-    """Element matrices (ne, 12, 12) in local axes, summed as one sparse matrix in global axes; T as in FrameModel."""
-    return sparse_sum(T.transpose(0, 2, 1) @ matrices @ T, dofs, dofs, (size, size))
-
-
-def sparse_sum(
-    blocks: np.ndarray, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]
-) -> "scipy.sparse.csr_array":
-    """Sparse sum of dense blocks (nb, r, c) placed at rows (nb, r) and columns (nb, c)."""
-    i = np.broadcast_to(rows[:, :, None], blocks.shape).ravel()
-    j = np.broadcast_to(columns[:, None, :], blocks.shape).ravel()
-    return scipy.sparse.csr_array(scipy.sparse.coo_array((blocks.ravel(), (i, j)), shape=shape))
-
-
-def on_nodes(matrices: Iterable[tuple[int, np.ndarray]], size: int) -> "scipy.sparse.csr_array":
-    """Matrices (6, 6) of nodes, summed as one sparse matrix."""
-    pairs = list(matrices)
-    dofs = np.array([6 * node + np.arange(6) for node, _ in pairs], int).reshape(-1, 6)
-    return sparse_sum(np.array([matrix for _, matrix in pairs]).reshape(-1, 6, 6), dofs, dofs, (size, size))
-
-
 def _loosest(kept: np.ndarray, whole: np.ndarray, free: np.ndarray) -> int | None:
     """The degree of freedom that takes most part in a motion which releases leave without stiffness or mass, if any."""
     size = 1 / np.sqrt(np.diag(whole)[free])
     values, vectors = np.linalg.eigh(size[:, None] * kept[np.ix_(free, free)] * size)
     return None if values[0] >= beam.LOOSE else int(free[np.abs(vectors[:, 0]).argmax()])
-
-
-def _free(frame: Frame, node_index: Mapping[str, int], size: int) -> np.ndarray:
-    clamped = [6 * node_index[name] + np.arange(6) for name in frame.clamped]
-    return np.setdiff1d(np.arange(size), np.ravel(clamped))

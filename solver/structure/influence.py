@@ -14,7 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from solver.structure import beam, recovery, statics, water
-from solver.structure.frame import FrameModel, scatter
+from solver.structure.frame_model import FrameModel, scatter
 
 SLAB = 2**22  # numbers of an array made on the way
 

@@ -11,7 +11,8 @@ from solver.errors import InputError
 from solver.kernels import fast_lean_kernel
 from solver.statistics import vertex
 from solver.structure import recovery, statics, water
-from solver.structure.frame import COINCIDENT, FrameModel
+from solver.structure.frame import COINCIDENT
+from solver.structure.frame_model import FrameModel
 
 BENDING = [0, 4, 5]  # N, My, Mz among the section forces
 MIRROR = np.array([1.0, -1.0, 1.0])  # a displacement seen in the plane y = 0

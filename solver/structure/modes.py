@@ -7,7 +7,7 @@ from scipy import linalg, sparse
 from scipy.spatial import cKDTree
 
 from solver.errors import InputError
-from solver.structure.frame import FrameModel
+from solver.structure.frame_model import FrameModel
 from solver.structure.statics import static
 
 MIRROR_Y = np.array([1, -1, 1, -1, 1, -1])  # a displacement and an axial vector seen in the plane y = 0

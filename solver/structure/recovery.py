@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import sparse
 
-from solver.structure.frame import FrameModel, sparse_sum
+from solver.structure.frame_model import FrameModel, sparse_sum
 
 FACE = np.repeat([-1.0, 1.0], 6)  # nodal forces at the start act on the face -x
 

@@ -9,7 +9,7 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
 from solver.structure import beam
-from solver.structure.frame import FrameModel, on_nodes, scatter
+from solver.structure.frame_model import FrameModel, on_nodes, scatter
 
 ROUNDING = 1e-10  # a share of the largest |1/λ| that rounding alone can make positive
 

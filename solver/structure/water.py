@@ -15,7 +15,7 @@ from scipy import sparse
 
 from solver.errors import InputError
 from solver.structure import beam
-from solver.structure.frame import FrameModel, sparse_sum
+from solver.structure.frame_model import FrameModel, sparse_sum
 
 EXACT = 4  # stations for the product of two cubics (order 6), however deep the water reaches into an element
 

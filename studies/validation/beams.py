@@ -4,7 +4,8 @@ import numpy as np
 
 from solver.structure import statics
 from solver.structure.beam import tube
-from solver.structure.frame import Frame, FrameModel, Material, Member, PointLoad, PointMass, assemble
+from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
+from solver.structure.frame_model import FrameModel, assemble
 from solver.structure.modes import modes
 from studies.validation import drawing
 from studies.validation.cases import buan

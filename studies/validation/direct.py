@@ -10,7 +10,7 @@ from solver.scene import Scene
 from solver.sea.field import WaveField
 from solver.sea.realization import ramp
 from solver.structure import water
-from solver.structure.frame import FrameModel, assemble
+from solver.structure.frame_model import FrameModel, assemble
 from studies.validation import drawing
 from studies.validation.cases import buan
 from studies.validation.checks import Check

@@ -15,7 +15,8 @@ from solver.sea.field import WaveField
 from solver.sea.realization import Realization
 from solver.structure import water
 from solver.structure.beam import tube
-from solver.structure.frame import Frame, Material, Member, assemble
+from solver.structure.frame import Frame, Material, Member
+from solver.structure.frame_model import assemble
 
 OCEAN = Water(depth=30.0)
 OMEGA = 2 * np.pi / 12.0

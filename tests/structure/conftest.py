@@ -3,7 +3,8 @@
 import pytest
 
 from solver.structure.beam import solid_rectangle, tube
-from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass, assemble
+from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
+from solver.structure.frame_model import assemble
 
 G_ACC = 9.81
 DECK_WEIGHT = 980e3  # [N], a quarter on each leg top

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver.structure import recovery, statics, water
-from solver.structure.frame import assemble
+from solver.structure.frame_model import assemble
 from solver.structure.modes import modes, modes_in, symmetric_basis
 
 RHO, W = 1025.0, 9.81

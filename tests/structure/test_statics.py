@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from solver.structure import recovery, statics
 from solver.structure.beam import solid_rectangle
-from solver.structure.frame import Frame, Member, PointLoad, PointMass, assemble
+from solver.structure.frame import Frame, Member, PointLoad, PointMass
+from solver.structure.frame_model import assemble
 
 ROUNDING = 1e-8  # K of fine meshes is conditioned about 1e7: 1e-16 becomes 1e-9
 TIP_LOAD = (3e3, -2e3, 5e3)
