@@ -18,7 +18,6 @@ from solver.sea.realization import CALM, regular
 from tests.hydrodynamics.shapes import box, fine_box, meshed
 
 HULL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
-MESH = meshed(HULL, 30)
 BARGE = fine_box((2.0, 3.0, 1.5), (0, 0, 0.25), 0.5)  # 0.5 m of draft
 WATER = Water(depth=50.0)
 PANELS = {"panels": 108, "depth": 50.0, "omega": np.linspace(0.3, 7.0, 20)}
@@ -48,7 +47,8 @@ def test_a_meshed_float_moves_as_the_one_of_revolution(buan):
     floats = hinged(HULL), hinged(HULL, "rear", 1)
     known = coefficients((HULL, HULL), tuple(map(tuple, (f.centre for f in floats))))
     whole = series(simulate(scene(*floats, sea=buan.sea()), known))
-    mixed = replace(floats[0], hull=MESH, mass=1025 * MESH.volume)
+    mesh = meshed(HULL, 30)
+    mixed = replace(floats[0], hull=mesh, mass=1025 * mesh.volume)
     ours = series(simulate(scene(mixed, floats[1], sea=buan.sea()), known))
     # The same coefficients; 30 panels along the meridian give the load to 1e-3.
     assert np.sqrt(np.mean((ours - whole) ** 2)) < 3e-3 * np.sqrt(np.mean(whole**2))
