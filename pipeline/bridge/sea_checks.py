@@ -32,7 +32,7 @@ def problems(study: StudyFile) -> Iterator[InputError]:
         return
     if waves.form != "peak" and "form" not in realizations.keys_of(waves.spectrum):
         yield _foreign("waves", "form", waves.form, waves.spectrum)
-    for label, sea in study.sea_states.items():
+    for label, sea in study.seas.items():
         key = f"sea_states.{label}"
         alone = list(_sea(key, sea, study))
         yield from alone or [*_coverage(key, sea, study), *_resolution(key, sea, study)]
@@ -40,7 +40,7 @@ def problems(study: StudyFile) -> Iterator[InputError]:
 
 def highest_frequency(study: StudyFile) -> float:
     """Of all waves in the study [rad/s]; next to nothing if there are none."""
-    spans = (seas.frequencies(sea, study.waves) for sea in study.sea_states.values())
+    spans = (seas.frequencies(sea, study.waves) for sea in study.seas.values())
     return max((span[1] for span in spans if span), default=1e-9)
 
 

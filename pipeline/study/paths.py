@@ -14,7 +14,7 @@ from pipeline.study.schema import StudyFile, units
 from pipeline.study.tables import Table
 
 ALL = "*"
-SEA = "sea"  # stands for every sea state
+SEA = "sea"  # stands for every sea state that the study has tasks in
 FIXED = ("axes", "title", "variants", "samples")  # what no axis varies
 
 
@@ -28,10 +28,9 @@ def with_value(study: StudyFile, path: str, value: Any) -> StudyFile:
     `*` stands for all of them, `rotor-*` for those whose names begin so.
     """
     head, dot, rest = path.partition(".")
-    whole = f"sea_states.{ALL}.{rest}" if head == SEA and dot else path
-    changed = _changed(study, whole, value, "")
-    assert isinstance(changed, StudyFile), "of a study a study is made"
-    return changed
+    for whole in [f"sea_states.{name}.{rest}" for name in study.seas or (ALL,)] if head == SEA and dot else [path]:
+        study = _changed(study, whole, value, "")
+    return study
 
 
 def unit(path: str) -> str:

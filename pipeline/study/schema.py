@@ -383,6 +383,12 @@ class StudyFile(Table):
         variants = (variant_axis(self.variants),) if self.variants else ()
         return (*variants, *self.axes.over_keys, *((self.samples.axis,) if self.samples else ()))
 
+    @property
+    def seas(self) -> dict[str, SeaState]:
+        """The sea states that there are tasks in; `base` may bring others."""
+        labels = self.axes.sea_state or tuple(self.sea_states)
+        return {label: self.sea_states[label] for label in labels if label in self.sea_states}
+
     @model_validator(mode="before")
     @classmethod
     def _imply_a_sea(cls, data: Any) -> Any:

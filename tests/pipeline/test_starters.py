@@ -9,7 +9,7 @@ from typing import get_args
 
 import pytest
 import xarray as xr
-from draft4 import faults
+from jsonschema import Draft4Validator
 from typer.testing import CliRunner
 
 from pipeline.cli.cli import app
@@ -32,7 +32,7 @@ def test_every_starter_can_be_planned_as_it_is(kind, tmp_path):
     assert all("#" in line for line in text.splitlines() if line.startswith(("depth", "duration", "cog", "arm = [-")))
     planned = study("plan", path, "--results", tmp_path / "r")
     assert planned.exit_code == 0 and "missing" in planned.output and "warning" not in planned.output
-    assert list(faults(json_schema(), tomllib.loads(text), json_schema())) == []
+    assert Draft4Validator(json_schema()).is_valid(tomllib.loads(text))
 
 
 def test_a_starter_runs_as_it_is(tmp_path):

@@ -234,6 +234,17 @@ def test_a_product_of_seas_needs_none_by_name(small):
     assert dimensions(study.content)[-3:] == ["Hs", "Tp", "seed"]
 
 
+def test_seas_without_tasks_are_left_alone(small):
+    """As a base may bring: one that has no Hs, far outside the band."""
+    ripple = 'ripple = { kind = "regular", period = 0.2, height = 0.001 }\n'
+    text = small.read_text() + ripple
+    small.write_text(text.replace('["calm", "rough"]', '["calm"]\n"sea.Hs" = [0.4, 0.6]'))
+    assert {task.parameters.sea_state.Hs for task in expand(load(small).content)} == {0.4, 0.6}
+    small.write_text(text.replace('["calm", "rough"]', '["calm", "ripple"]'))
+    with pytest.raises(StudyError, match=r"sea_states\.ripple\.period = 0\.2: must put its frequency"):
+        load(small)
+
+
 def test_parts_are_chosen_by_name_path_or_range(small):
     study = varied(small, '"floats.*.mass" = { from = 2000.0, to = 2200.0, count = 5 }')
     each = len(select(study, "platform=fixed,mass=2000"))
