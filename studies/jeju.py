@@ -30,7 +30,6 @@ ARRAYS = {
     "floating": ("afloat", "#e07b16"),
 }
 SINGLE = ("one alone", "#777777")
-RHO, G = 1025.0, 9.81
 WIDTH = 60.0  # m, of the six rotors
 SHOWN = 1e6  # N m s/rad, the damping of the figure
 
@@ -55,11 +54,6 @@ def q_factor(data: xr.Dataset) -> xr.DataArray:
     return power / (6 * power.sel(variant="single"))
 
 
-def energy_flux(data: xr.Dataset) -> xr.DataArray:
-    """Of random deep-water waves a metre of their crest [W/m], rho g² Hm0² Te/(64 pi)."""
-    return RHO * G**2 * data.Hm0**2 * data.Te / (64 * np.pi)
-
-
 def by_period(data: xr.Dataset) -> xr.Dataset:
     """Rotation per wave amplitude [rad/m] of each rotor, and q, over the period of the waves of white noise."""
     noise = data.sel(sea_state="noise", pto_damping=SHOWN)
@@ -71,7 +65,7 @@ def by_period(data: xr.Dataset) -> xr.Dataset:
 
 def table(data: xr.Dataset) -> str:
     """Mean power, capture width over the rotors' width, and q of every sea and damping."""
-    power, q, flux = mean_power(data), q_factor(data), energy_flux(data)
+    power, q = mean_power(data), q_factor(data)
     lines = [f"{'sea':15}{'damping':>9}  " + "".join(f"{name:>23}" for name in ("six single", *ARRAYS))]
     lines.append(f"{'':15}{'MN m s':>9}  " + "".join(f"{'kW':>9}{'width':>7}{'q':>7}" for _ in range(1 + len(ARRAYS))))
     for sea in (str(s) for s in data.sea_state.values if s not in ("noise", "small")):
@@ -80,7 +74,7 @@ def table(data: xr.Dataset) -> str:
             for name in ("single", *ARRAYS):
                 at = {"sea_state": sea, "pto_damping": damping, "variant": name}
                 times = 6 if name == "single" else 1
-                share = times * power.sel(at) / flux.sel(at) / WIDTH
+                share = times * power.sel(at) / data.wave_power.sel(at) / WIDTH
                 cells.append(
                     f"{times * float(power.sel(at)) / 1e3:9.1f}{float(share):7.2f}{times * float(q.sel(at)):7.2f}"
                 )

@@ -123,7 +123,8 @@ def joint_law(floats: Iterable[Float], carriers: int = 0) -> JointLaw:
     law["stiffness"] += law["pto_stiffness"] + np.diag(K)
     law["damping"] += np.diag(C)
     law["preload"] += np.concatenate([np.zeros(carriers), *(each.pretension for each in lines)])
-    row, column = np.nonzero(((K != 0) | (C != 0)) & ~np.eye(len(K), dtype=bool))
+    # Side by side in memory as all other arrays are: kernels are compiled once more for any that are not.
+    row, column = np.array(np.nonzero(((K != 0) | (C != 0)) & ~np.eye(len(K), dtype=bool)))
     couplings = Couplings(row, column, K[row, column], C[row, column])
     points = [(np.zeros(0), np.zeros(0))] * carriers + [axis for f in items for axis in f.pto_points]
     return JointLaw(**law, end_stops=stops, couplings=couplings, tables=tables(points))

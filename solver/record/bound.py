@@ -1,4 +1,4 @@
-"""What waves can give at most: the mean power of a body of revolution, in linear theory.
+"""What waves carry, and what they can give at most: the mean power of a body of revolution, in linear theory.
 
 A body that radiates as its motion lets it takes at most G J/k from a wave of power J [W/m] and wavenumber k: G = 1 for
 heave, 2 for surge, pitch, sway and roll, and 3 for all of them or for a hinge, whose motion is a mixture (Budal and
@@ -22,14 +22,24 @@ def largest_power(scene: Scene) -> float:
     return _gain(scene.floats[0]) * power_per_wavenumber(scene)
 
 
+def wave_power(scene: Scene) -> float:
+    """J of the scene's sea [W/m], which its waves carry through a metre of their crests: Σ ρg|a|²/2 · ∂ω/∂k."""
+    return float(_transport(scene)[0].sum())
+
+
 def power_per_wavenumber(scene: Scene) -> float:
     """Σ J/k over the waves of the scene's sea [W]."""
+    power, k = _transport(scene)
+    return float(np.sum(power / k))
+
+
+def _transport(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """J [W/m] and k [rad/m] of each wave."""
     water, sea = scene.water, scene.sea
     k = wavenumber(sea.omega, water.depth, water.gravity)
     kh = np.minimum(k * water.depth, 300.0)
     speed = sea.omega / (2 * k) * (1 + 2 * kh / np.sinh(2 * kh))
-    per_width = 0.5 * water.density * water.gravity * np.abs(sea.amplitude) ** 2 * speed
-    return float(np.sum(per_width / k))
+    return 0.5 * water.density * water.gravity * np.abs(sea.amplitude) ** 2 * speed, k
 
 
 def _gain(item: Float) -> float:

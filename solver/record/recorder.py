@@ -11,6 +11,7 @@ from solver.coupled.step import CONTACT, HITS, Output
 from solver.coupled.support import Support
 from solver.multibody.joint_law import bent, joint_loads, pto_bounds, pto_loads, stopped
 from solver.record import steel
+from solver.record.bound import wave_power
 from solver.record.spectra import Harmonics
 from solver.record.steel import Steel
 from solver.scene import Scene
@@ -110,6 +111,9 @@ class Channels:
             variables |= self.steel.variables() | dict(counted[0])
             unmet = "; ".join(note for note in (str(attrs.get("unmet", "")), *counted[1]) if note)
             attrs = {**attrs, **self.steel.attrs(), "unmet": unmet}
+        attrs = {**attrs, "wave_power": (flux := wave_power(self.scene))}
+        if self.scene.floats and flux > 0:
+            variables["capture_width"] = ("float",), tables["absorbed_power"][:, STATISTICS.index("mean")] / flux
         for name, values in zip(("displacement_envelope", "stress_envelope"), envelopes or (), strict=False):
             variables[name] = ("leg", "height"), values
         if self.frequencies.size:
@@ -189,7 +193,7 @@ class Recorder:
         nb, nj = len(self.scene.floats), channels.owner.size
         if nb:
             first = output.z.shape[1] - nj
-            joint, rate = output.z[kept, first:], output.dz[kept, first:]
+            joint, rate = (np.ascontiguousarray(part[kept, first:]) for part in (output.z, output.dz))
             yield from channels.motions(joint)
             absorbed = joint_loads(self.law, joint, rate).pto * rate
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))

@@ -136,7 +136,7 @@ def half(mesh: Mesh) -> Mesh | None:
     if np.any((y.min(axis=1) < -near) & (y.max(axis=1) > near)):
         return None
     used, faces = np.unique(mesh.faces[y.max(axis=1) > near], return_inverse=True)
-    return Mesh(mesh.vertices[used], faces.reshape(-1, 4))
+    return Mesh(mesh.vertices[used], np.ascontiguousarray(faces.reshape(-1, 4)))
 
 
 # Sines and exponentials without branches or calls, so that the sum over components runs four wide: as

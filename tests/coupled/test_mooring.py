@@ -6,6 +6,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from numba import typeof
 from pytest import approx
 from scipy.linalg import expm, solve
 
@@ -13,6 +14,7 @@ from solver.balance import warnings
 from solver.coupled.assembly import joint_law
 from solver.coupled.linear import linear_model
 from solver.coupled.natural import require_stable, system_modes
+from solver.coupled.step import new_output, new_workspace
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -20,7 +22,7 @@ from solver.mooring import Mooring
 from solver.multibody.joint_law import joint_loads
 from solver.multibody.minimal import move, new_motion
 from solver.run import simulate
-from solver.scene import DOFS, Float, Scene, Settings, Water
+from solver.scene import DOFS, EndStops, Float, Scene, Settings, Water
 from tests import awkward
 
 M, TURNING = 2000.0, 800.0  # [kg], [kg m²]
@@ -78,6 +80,21 @@ def test_a_free_body_swings_on_a_coupled_spring_as_its_matrices_say(size):
     # What the lines' damping takes is what the body had; nothing is left of it after many periods.
     left = 0.5 * start @ K @ start
     assert simulate(dry(item, 60.0), None).attrs["work_joint_damping"] == approx(left, rel=1e-4)
+
+
+def test_kernels_are_not_compiled_once_more_for_lines_legs_or_stops():
+    """All that a march is handed is of one type, whatever the scene has: another type is minutes of the compiler."""
+    frame, _ = awkward.bare_legs()
+    stops = EndStops(lower=(-1.0,) * 3, upper=(1.0,) * 3, stiffness=(1e4,) * 3, damping=(0.0,) * 3)
+    bodies = floating(mooring=lines(K, C)), floating(), floating(end_stops=stops, coulomb=(9.0,) * 3)
+    scenes = [*map(dry, bodies), replace(frame, settings=replace(frame.settings, radiation=False))]
+    assert len({typeof(handed(prepare(item, None))) for item in scenes}) == 1
+
+
+def handed(system):
+    problem = system.problem()
+    parts = system.drive(np.zeros((3, len(system.rows)))), system.start(), new_output(problem, 2)
+    return problem, *parts, new_workspace(system.bodies, system.structure)
 
 
 def test_periods_and_the_linear_model_have_the_matrices():

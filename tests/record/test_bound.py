@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.record.bound import above, largest_power
+from solver.record.bound import above, largest_power, wave_power
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import Realization
@@ -45,10 +45,24 @@ def test_a_tuned_body_takes_just_that(motion, number, gain, depth):
     item = replace(item, pto_damping=float(B), **tuned)
     whole = scene(item, depth)
     k = gain * 0.5 * 1000 * 9.81 * 0.1**2
-    (power,) = simulate(whole, known).variables["absorbed_power"][1][:, 2]
+    variables = simulate(whole, known).variables
+    (power,), (width,) = variables["absorbed_power"][1][:, 2], variables["capture_width"][1]
     assert power == approx(largest_power(whole), rel=0.01)
+    assert width == approx(power / wave_power(whole), rel=1e-12)
     if depth == inf:
         assert largest_power(whole) == approx(k * 9.81 / (2 * OMEGA) * 9.81 / OMEGA**2, rel=1e-9)
+
+
+def test_waves_carry_what_their_group_does():
+    """Deep, ρg²H²T/32π; in a hundredth of a wave's length of water ρgH²/8 √gh, to (kh)²/2; two waves are a sum."""
+    deep, period = scene(ball("heave"), inf), 2 * np.pi / OMEGA
+    assert wave_power(deep) == approx(1000 * 9.81**2 * 0.2**2 * period / (32 * np.pi), rel=1e-12)
+    slow = Realization(omega=np.array([0.05]), amplitude=np.array([0.1j]), peak_frequency=0.05)
+    shallow = replace(deep, water=Water(depth=15.0, density=1000.0), sea=slow)
+    assert wave_power(shallow) == approx(1000 * 9.81 * 0.1**2 / 2 * np.sqrt(9.81 * 15.0), rel=0.05**2 * 15 / 9.81)
+    both = Realization(omega=np.array([0.05, OMEGA]), amplitude=np.array([0.1j, 0.1]), peak_frequency=OMEGA)
+    parts = wave_power(shallow) + wave_power(replace(shallow, sea=deep.sea))
+    assert wave_power(replace(shallow, sea=both)) == approx(parts, rel=1e-12)
 
 
 def test_more_than_that_is_told():
