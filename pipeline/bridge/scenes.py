@@ -25,7 +25,7 @@ from pipeline.study.schema import (
     Platform,
     Profile,
     Recording,
-    SolidRectangle,
+    Section,
     Sphere,
     Tube,
     VerticalCylinder,
@@ -269,7 +269,7 @@ def _known(key: str, name: str, table: Collection[str]) -> str:
     return name
 
 
-def _shear_factor(shape: Tube | SolidRectangle, material: frame.Material) -> float | None:
+def _shear_factor(shape: Section, material: frame.Material) -> float | None:
     """Timoshenko's κ of a section's table; Cowper's goes by the material's Poisson's ratio."""
     from solver.structure import beam
 
@@ -284,8 +284,13 @@ def section(name: str, table: Platform) -> beam.Section:
     """The solver's cross section for a table of [platform.sections], which shears by its member's material."""
     from solver.structure import beam
 
-    shape = table.sections[name]
+    makers: dict[str, Callable[..., beam.Section]] = {
+        "tube": beam.tube,
+        "solid-rectangle": beam.solid_rectangle,
+        "box": beam.box,
+        "i-beam": beam.i_beam,
+        "general": beam.general,
+    }
+    numbers = {key: value for key, value in table.sections[name] if key not in ("shape", "shear_factor")}
     with _part(f"platform.sections.{name}.", "section."):
-        if isinstance(shape, Tube):
-            return beam.tube(shape.diameter, shape.thickness)
-        return beam.solid_rectangle(shape.width, shape.height)
+        return makers[table.sections[name].shape](**numbers)

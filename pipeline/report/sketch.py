@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline.report.drawing import INK, SAND, STEEL, WATER, canvas, colour
 from pipeline.study.layout import hinge_nodes
-from pipeline.study.schema import Float, StudyFile, Tube
+from pipeline.study.schema import Float, General, Section, StudyFile, Tube
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,10 +34,17 @@ def members(study: StudyFile) -> Iterator[list[Point]]:
     nodes = dict(study.platform.nodes) | hinge_nodes(study.floats)
     for member in study.platform.members:
         section = study.platform.sections[member.section]
-        width = section.diameter if isinstance(section, Tube) else section.height
+        width = _width(section)
         (x0, _, z0), (x1, _, z1) = nodes[member.start], nodes[member.end]
         (dx0, _, dz0), (dx1, _, dz1) = member.start_offset, member.end_offset
         yield _bar((x0 + dx0, z0 + dz0), (x1 + dx1, z1 + dz1), width)
+
+
+def _width(section: Section) -> float:
+    """As it is drawn [m]."""
+    if isinstance(section, Tube):
+        return section.diameter
+    return 2 * max(abs(z) for _, z in section.fibres) if isinstance(section, General) else section.height
 
 
 def _bar(start: Point, end: Point, width: float) -> list[Point]:

@@ -280,7 +280,47 @@ class SolidRectangle(Table):
     shear_factor: ShearFactor = None
 
 
-Section = Annotated[Tube | SolidRectangle, Field(discriminator="shape")]
+ShearNumber = Annotated[Positive | None, "Timoshenko's, shear area over area; left out, the beam is Euler-Bernoulli's"]
+
+
+class Box(Table):
+    """A rectangular hollow section."""
+
+    shape: Annotated[Literal["box"], "Kind of section"]
+    width: Annotated[Positive, Unit("m"), "Across the beam, horizontally"]
+    height: Annotated[Positive, Unit("m"), "Across the beam, the other way"]
+    thickness: Annotated[Positive, Unit("m"), "Thickness of the walls"]
+    shear_factor: ShearNumber = None
+
+
+class IBeam(Table):
+    """Two flanges on a web."""
+
+    shape: Annotated[Literal["i-beam"], "Kind of section"]
+    width: Annotated[Positive, Unit("m"), "Of the flanges, across the beam, horizontally"]
+    height: Annotated[Positive, Unit("m"), "From flange to flange, both included"]
+    flange: Annotated[Positive, Unit("m"), "Thickness of each flange"]
+    web: Annotated[Positive, Unit("m"), "Thickness of the web"]
+    shear_factor: ShearNumber = None
+
+
+class General(Table):
+    """Any section about its principal axes, y level in a member that is not vertical."""
+
+    shape: Annotated[Literal["general"], "Kind of section"]
+    area: Annotated[Positive, Unit("m2"), "Of the cross section"]
+    Iy: Annotated[Positive, Unit("m4"), "Second moment of area about the axis y: bending up and down"]
+    Iz: Annotated[Positive, Unit("m4"), "About the axis z: bending sideways"]
+    J: Annotated[Positive, Unit("m4"), "Torsion constant"]
+    fibres: Annotated[
+        tuple[tuple[Number, Number], ...], Field(min_length=1), Unit("m"), "Places y, z at which stress is put out"
+    ]
+    wall: Annotated[Positive, Unit("m"), "Thickness of its plates, by which fatigue goes"]
+    diameter: Annotated[NotNegative, Unit("m"), "Of the tube that the water sees; 0 for no wave loads"] = 0.0
+    shear_factor: ShearNumber = None
+
+
+Section = Annotated[Tube | SolidRectangle | Box | IBeam | General, Field(discriminator="shape")]
 
 
 def _in_order(forces: tuple[frame.Force, ...]) -> tuple[frame.Force, ...]:

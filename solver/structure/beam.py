@@ -92,17 +92,82 @@ def solid_rectangle(width: float, height: float) -> Section:
     """
     require_positive("section.width", width, "m")
     require_positive("section.height", height, "m")
-    Iy, Iz = width * height**3 / 12, height * width**3 / 12
-    return Section(
+    return _of_plates(
         area=width * height,
-        Iy=Iy,
-        Iz=Iz,
+        Iy=width * height**3 / 12,
+        Iz=height * width**3 / 12,
         J=_rectangle_torsion(max(width, height), min(width, height)),
-        Ip=Iy + Iz,
-        fibre=np.hypot(width, height) / 2,
+        outline=(width, height),
         wall=min(width, height),
-        corners=tuple((y * width / 2, z * height / 2) for y, z in ((1, 1), (-1, 1), (-1, -1), (1, -1))),
     )
+
+
+def box(width: float, height: float, thickness: float) -> Section:
+    """Rectangular tube, width along local y, height along local z, outer, and wall [m]; takes no water load.
+
+    Torsion by Bredt's formula for thin walls, J = 4 Aₘ²/∮ds/t, with the wall's own J besides: ∮t³ds/3.
+    """
+    require_positive("section.width", width, "m")
+    require_positive("section.height", height, "m")
+    require_positive("section.thickness", thickness, "m")
+    if not thickness < min(width, height) / 2:
+        limit = f"must be < half the smaller side, {min(width, height) / 2:g} m"
+        raise InputError("section.thickness", thickness, limit)
+    b, h = width - 2 * thickness, height - 2 * thickness
+    round_wall, enclosed = 2 * (width + height - 2 * thickness), (width - thickness) * (height - thickness)
+    return _of_plates(
+        area=width * height - b * h,
+        Iy=(width * height**3 - b * h**3) / 12,
+        Iz=(height * width**3 - h * b**3) / 12,
+        J=4 * enclosed**2 * thickness / round_wall + round_wall * thickness**3 / 3,
+        outline=(width, height),
+        wall=thickness,
+    )
+
+
+def i_beam(width: float, height: float, flange: float, web: float) -> Section:
+    """Two flanges of this width, along local y, and thickness, on a web along local z [m]; takes no water load.
+
+    Torsion of open thin walls, J = Σ b t³/3; what warping restrained at the ends adds is left out.
+    """
+    for name, value in (("width", width), ("height", height), ("flange", flange), ("web", web)):
+        require_positive(f"section.{name}", value, "m")
+    if not flange < height / 2:
+        raise InputError("section.flange", flange, f"must be < half the height, {height / 2:g} m")
+    if not web <= width:
+        raise InputError("section.web", web, f"must be <= the width, {width:g} m")
+    inner = height - 2 * flange
+    return _of_plates(
+        area=2 * width * flange + inner * web,
+        Iy=(width * height**3 - (width - web) * inner**3) / 12,
+        Iz=(2 * flange * width**3 + inner * web**3) / 12,
+        J=(2 * width * flange**3 + (height - flange) * web**3) / 3,
+        outline=(width, height),
+        wall=max(flange, web),
+    )
+
+
+def general(
+    area: float,
+    Iy: float,
+    Iz: float,
+    J: float,
+    fibres: Sequence[tuple[float, float]],
+    wall: float,
+    diameter: float = 0.0,
+) -> Section:
+    """Any section about its principal axes, stressed at these fibres (y, z) [m]."""
+    far = float(np.hypot(*np.array(fibres, float).T).max())
+    return Section(
+        area=area, Iy=Iy, Iz=Iz, J=J, Ip=Iy + Iz, fibre=far, diameter=diameter, wall=wall, corners=tuple(fibres)
+    )
+
+
+def _of_plates(*, area: float, Iy: float, Iz: float, J: float, outline: tuple[float, float], wall: float) -> Section:
+    """A doubly symmetric section whose extreme fibres are the corners of its outline."""
+    y, z = outline[0] / 2, outline[1] / 2
+    corners = ((y, z), (-y, z), (-y, -z), (y, -z))
+    return Section(area=area, Iy=Iy, Iz=Iz, J=J, Ip=Iy + Iz, fibre=np.hypot(y, z), wall=wall, corners=corners)
 
 
 def tube_shear_factor(diameter: float, thickness: float, poisson: float) -> float:

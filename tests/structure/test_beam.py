@@ -1,5 +1,6 @@
 """One element: equilibrium, exact integrals, section constants."""
 
+import operator
 from dataclasses import replace
 from itertools import pairwise
 
@@ -196,6 +197,41 @@ def test_tube_is_the_difference_of_two_rods():
     assert (PIPE.fibre, PIPE.diameter) == (0.225, 0.45)
 
 
+@pytest.mark.parametrize(
+    "section, solid, holes",
+    [
+        (beam.box(0.4, 0.6, 0.05), (0.4, 0.6), [(0.3, 0.5, 0.0)]),
+        (beam.i_beam(0.4, 0.6, 0.05, 0.03), (0.4, 0.6), [(0.185, 0.5, 0.1075), (0.185, 0.5, -0.1075)]),
+    ],
+)
+def test_sections_of_plates_are_rectangles_less_rectangles(section, solid, holes):
+    """Holes by width, height and y of their middle."""
+    b, h = solid
+    assert section.area == pytest.approx(b * h - sum(w * t for w, t, _ in holes), rel=1e-12)
+    assert section.Iy == pytest.approx((b * h**3 - sum(w * t**3 for w, t, _ in holes)) / 12, rel=1e-12)
+    assert section.Iz == pytest.approx(
+        b**3 * h / 12 - sum(w**3 * t / 12 + w * t * y**2 for w, t, y in holes), rel=1e-12
+    )
+    assert section.Ip == pytest.approx(section.Iy + section.Iz) and section.fibre == pytest.approx(np.hypot(b, h) / 2)
+    assert {(abs(y), abs(z)) for y, z in section.fibres} == {(b / 2, h / 2)} and len(section.fibres) == 4
+
+
+def test_torsion_of_thin_walls():
+    """Closed: a square tube of side a has J = a³t, as far as t is small; open: strips one beside another."""
+    torsion = operator.attrgetter("J")
+    for t in (1e-2, 1e-3):
+        assert torsion(beam.box(1 + t, 1 + t, t)) == pytest.approx(t, rel=2 * t)
+    strips = sum(torsion(beam.solid_rectangle(a, b)) for a, b in ((0.4, 0.004), (0.4, 0.004), (0.6, 0.003)))
+    assert torsion(beam.i_beam(0.4, 0.6, 0.004, 0.003)) == pytest.approx(strips, rel=0.01)
+
+
+def test_a_general_section_is_what_is_said_of_it():
+    box = beam.box(0.4, 0.6, 0.05)
+    same = beam.general(area=box.area, Iy=box.Iy, Iz=box.Iz, J=box.J, fibres=box.corners, wall=0.05)
+    assert same == box
+    assert beam.general(0.1, 1e-3, 2e-3, 1e-3, [(0.0, 0.5), (0.1, -0.2)], 0.02, 1.2).fibre == 0.5
+
+
 def test_second_moments_are_the_integrals_over_the_section():
     """Iy = ∫z² dA, Iz = ∫y² dA: width along y, height along z."""
     b, h, R = 0.3, 0.1, 0.2
@@ -223,6 +259,9 @@ def test_torsion_of_rectangles_is_timoshenkos(ratio, k1):
             r"section.thickness = 0.6: must be <= .* 0.5 m",
         ),
         (lambda: beam.solid_rectangle(width=float("nan"), height=1), r"section.width = nan"),
+        (lambda: beam.box(0.4, 0.6, 0.2), r"section.thickness = 0.2: must be < half the smaller side, 0.2 m"),
+        (lambda: beam.i_beam(0.4, 0.6, 0.3, 0.1), r"section.flange = 0.3: must be < half the height"),
+        (lambda: beam.i_beam(0.4, 0.6, 0.1, 0.5), r"section.web = 0.5: must be <= the width"),
         (lambda: beam.solid_rectangle(width=1, height=float("inf")), r"section.height = inf"),
         (lambda: replace(PIPE, shear_factor=0.0), r"section.shear_factor = 0.0: must be > 0"),
     ],

@@ -1,6 +1,7 @@
 """Tables of a study become the solver's inputs, and only there."""
 
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,9 +9,10 @@ from pytest import approx
 
 from pipeline.bridge import scenes
 from pipeline.bridge.geometry import bem_arguments, geometry_of
+from pipeline.report import sketch
 from pipeline.tasks.task import expand
 from solver.scene import panels_for
-from solver.structure.beam import solid_rectangle, tube, tube_shear_factor
+from solver.structure.beam import box, general, i_beam, solid_rectangle, tube, tube_shear_factor
 from tests.pipeline.conftest import SMALL
 
 
@@ -41,6 +43,24 @@ def test_all_of_a_platforms_table_reaches_the_solver(buan_tables, study_of):
     assert (leg.name, leg.start, leg.end) == (row["name"], row["start"], row["end"])
     assert (leg.drag_coefficient, leg.inertia_coefficient) == (1.0, 2.0)
     assert (leg.material.E, leg.material.G, leg.material.density) == (2.1e11, 8.33e10, 8012.23)
+
+
+GENERAL = {"area": 0.1, "Iy": 2e-3, "Iz": 1e-3, "J": 1e-3, "fibres": [[0.1, 0.2], [0.0, -0.3]], "wall": 0.02}
+SECTIONS = {
+    "box": ({"width": 0.6, "height": 0.5, "thickness": 0.02}, box(0.6, 0.5, 0.02)),
+    "i-beam": ({"width": 0.6, "height": 0.5, "flange": 0.03, "web": 0.02}, i_beam(0.6, 0.5, 0.03, 0.02)),
+    "general": (GENERAL, general(0.1, 2e-3, 1e-3, 1e-3, ((0.1, 0.2), (0.0, -0.3)), 0.02)),
+}
+
+
+@pytest.mark.parametrize("shape", SECTIONS)
+def test_sections_of_every_shape_reach_the_solver(buan_tables, study_of, shape):
+    numbers, section = SECTIONS[shape]
+    buan_tables["platform"]["sections"]["deck"] = {"shape": shape, "shear_factor": 0.5, **numbers}
+    study = study_of(buan_tables)
+    members = scenes.scene(task(study, platform="elastic").parameters).platform.frame.members
+    assert {m.section for m in members} == {tube(0.45, 0.012), replace(section, shear_factor=0.5)}
+    assert len(list(sketch.members(study.content))) == len(members)
 
 
 def test_shear_factors_are_of_the_section_and_cowpers_of_the_material(buan_tables, study_of):
