@@ -43,7 +43,7 @@ validate: $(READY)
 bench: $(READY)
 	$(VENV)/bin/python -m studies.bench
 
-# Where the solver is stable and accurate and where it stops: some 380 scenes, then more random ones of each invariant.
+# Where the solver is stable and accurate and where it stops: some 480 scenes, then more random ones of each invariant.
 stress: $(READY)
 	$(VENV)/bin/python -m studies.stress
 	EXAMPLES=40 $(VENV)/bin/python -m pytest -q tests/test_invariants.py --hypothesis-profile=random

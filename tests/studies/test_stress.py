@@ -19,13 +19,19 @@ def test_cases_are_study_files_and_differ():
     names = [case.name for case in cases]
     assert len(set(names)) == len(names) > 300
     refused = []
-    for case in cases:
-        if case.family == "PTO":  # refused by its type already
-            continue
+    for case in few(cases):
         content = StudyFile.model_validate(tables(case))
         refused += [case.name] if any(checks.problems(content)) else []
     families = {name.split(":")[0] for name in refused}
     assert families == {"step x stiffness", "step x Hs", "Hs x Tp", "Hs x Tp, stops", "gap"}
+
+
+def few(cases):
+    """The first, the last and some between of each family; those of PTO are refused by their type already."""
+    for family in {case.family for case in cases} - {"PTO"}:
+        alike = [case for case in cases if case.family == family]
+        yield from alike[:: max(1, len(alike) // 8)]
+        yield alike[-1]
 
 
 def job(number):

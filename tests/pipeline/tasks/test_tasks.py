@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -215,10 +214,3 @@ def test_knobs_are_strict(buan_tables, value):
         buan_tables["solver"] = {knob: value}
         with pytest.raises(ValidationError):
             StudyFile.model_validate(buan_tables)
-
-
-def test_studies_of_the_project_are_good():
-    from pipeline.bridge.loading import load
-
-    for path in (Path(__file__).parents[3] / "studies").glob("*.toml"):
-        assert len(list(expand(load(path).content))) > 0
