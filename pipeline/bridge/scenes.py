@@ -25,6 +25,7 @@ from pipeline.study.schema import (
     Platform,
     Profile,
     Recording,
+    Ring,
     Section,
     Sphere,
     Tube,
@@ -120,6 +121,7 @@ def hull(shape: Hull) -> Revolution | PanelHull:
     """The solver's hull for a hull table."""
     from solver.hydrodynamics.hull.duck import duck
     from solver.hydrodynamics.hull.revolution import Revolution
+    from solver.hydrodynamics.hull.ring import ring
 
     match shape:
         case HemisphereCylinder():
@@ -130,6 +132,8 @@ def hull(shape: Hull) -> Revolution | PanelHull:
             return Revolution.vertical_cylinder(radius=shape.radius, draft=shape.draft, freeboard=shape.freeboard)
         case Profile():
             return Revolution.profile(shape.points)
+        case Ring():
+            return ring(shape.points)
         case Duck():
             return duck(**shape.model_dump(exclude={"shape"}))
         case PanelMesh():

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from pipeline.study.inherit import BASE, merged, rooted
-from pipeline.study.schema import StudyFile, units
+from pipeline.study.schema import StudyFile, shapes, units
 from solver.errors import InputError
 
 LIMITS = {
@@ -174,18 +174,7 @@ def limit_of(error: ErrorDetails) -> str:
 
 def dotted(parts: Iterable[int | str]) -> str:
     """floats[0].hull.radius; the tag of a union (the hull's shape, or in angle brackets) is no key and left out."""
-    tags = (
-        "hemisphere-cylinder",
-        "sphere",
-        "vertical-cylinder",
-        "profile",
-        "duck",
-        "mesh",
-        "tube",
-        "solid-rectangle",
-        "keys",
-        "[key]",
-    )
+    tags = {*shapes(), "keys", "[key]"}
     text = ""
     for part in parts:
         if isinstance(part, int):

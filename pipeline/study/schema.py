@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import fields
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
@@ -145,6 +145,18 @@ class Profile(Table):
     ]
 
 
+class Ring(Table):
+    """A ring round a well, as the float of a two-body point absorber, by the closed outline of its section."""
+
+    shape: Annotated[Literal["ring"], "Kind of hull"]
+    points: Annotated[
+        tuple[tuple[Number, Number], ...],
+        Field(min_length=3, max_length=100),
+        Unit("m"),
+        "[r, z] of the outline's corners, in order; the last is joined to the first",
+    ]
+
+
 class Duck(Table):
     """A Salter's duck: a stern that is round about the axis of rotation, and a beak of two flat sides, tangents to it.
 
@@ -180,7 +192,7 @@ class PanelMesh(Table):
 
 
 Hull = Annotated[
-    HemisphereCylinder | Sphere | VerticalCylinder | Profile | Duck | PanelMesh, Field(discriminator="shape")
+    HemisphereCylinder | Sphere | VerticalCylinder | Profile | Ring | Duck | PanelMesh, Field(discriminator="shape")
 ]
 
 
@@ -446,6 +458,12 @@ def units() -> dict[str, str]:
             if (symbol := unit_of(field)) != "-":
                 symbols[key] = symbol
     return symbols
+
+
+def shapes() -> frozenset[str]:
+    """Of hulls and sections: what tells their tables apart."""
+    fields = (table.model_fields.get("shape") for table in tables())
+    return frozenset(word for field in fields if field for word in get_args(field.annotation))
 
 
 def tables(above: type[Table] = Table) -> Iterator[type[Table]]:

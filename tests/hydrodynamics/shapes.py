@@ -33,17 +33,6 @@ def meshed(hull: Revolution, along: int) -> PanelHull:
     return PanelHull.of(*revolution_mesh(hull, along=along, around=2 * along))
 
 
-def meshed_ring(outer, inner, draft=1.0, freeboard=1.0, around=32):
-    """A ring about a round well, of quadrilaterals."""
-    section = np.array([(outer, -draft), (outer, freeboard), (inner, freeboard), (inner, -draft)])
-    turn = 2 * np.pi * np.arange(around + 1) / around
-    points = np.stack([section[:, None, 0] * np.cos(turn), section[:, None, 0] * np.sin(turn)], axis=-1)
-    points = np.concatenate([points, np.broadcast_to(section[:, None, 1:], (4, around + 1, 1))], axis=-1)
-    after = np.roll(points, -1, axis=0)
-    panels = np.stack([points[:, :-1], points[:, 1:], after[:, 1:], after[:, :-1]], axis=2)
-    return PanelHull.of(*loose(panels.reshape(-1, 4, 3)))
-
-
 def stl(panels, *, text=False):
     corners = triangles(panels)
     if text:

@@ -9,7 +9,8 @@ from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
 from solver.hydrodynamics.hull.panel_hull import MeshWarning, PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
-from tests.hydrodynamics.shapes import box, fine_box, gdf, hst, loose, meshed, meshed_ring, nemoh, stl
+from solver.hydrodynamics.hull.ring import ring
+from tests.hydrodynamics.shapes import box, fine_box, gdf, hst, loose, meshed, nemoh, stl
 
 SIZE, CENTRE = (4.0, 2.0, 1.0), (0.5, 0.0, 0.1)  # 0.4 m of draft
 VERTICES, FACES = box(SIZE, CENTRE)
@@ -129,11 +130,14 @@ def test_bodies_that_adjoin_close_each_others_openings():
     assert slips(halves, alone / 100)
 
 
+SECTION = ((3.0, -1.0), (3.0, 1.0), (2.0, 1.0), (2.0, -1.0))
+
+
 def test_bodies_are_judged_by_their_surfaces():
     """A ring about a cylinder, the same cylinder moved into the ring, and a box that shares a wall with another."""
-    ring, inner, away = meshed_ring(3.0, 2.0), Revolution.vertical_cylinder(radius=1.0, draft=1.0, freeboard=1.0), 1.5
-    assert not touching(ring, np.zeros(3), inner, np.zeros(3)) and touching(
-        ring, np.zeros(3), inner, np.array([away, 0, 0])
+    well, inner, away = ring(SECTION), Revolution.vertical_cylinder(radius=1.0, draft=1.0, freeboard=1.0), 1.5
+    assert not touching(well, np.zeros(3), inner, np.zeros(3)) and touching(
+        well, np.zeros(3), inner, np.array([away, 0, 0])
     )
     small, large = (PanelHull.of(*box((a, a, 1.0))) for a in (1.0, 4.0))
     assert touching(large, np.zeros(3), small, np.array([1.0, 0, 0]))  # wholly within
