@@ -37,6 +37,7 @@ from solver.coupled.step import (
 )
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
+from solver.hydrodynamics.bem.mean_hull import motion_lengths
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.radiation import memory as radiation
 from solver.limits import slides
@@ -287,8 +288,8 @@ def remembered(h: Hydrodynamics, hulls: tuple[Hull, ...], tolerance: float) -> r
     """The memory of a set of coefficients: tasks that differ in sea, damping or support share its fit."""
     if h.memory is not None and h.memory_tolerance == tolerance:
         return h.memory
-    lengths = np.array([1.0 if DOFS.index(d) < 3 else hull.largest_radius for hull in hulls for d in h.dofs])
-    return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths=lengths)
+    lengths = motion_lengths(hulls, h.dofs)
+    return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths)
 
 
 def _reach(scene: Scene, b: int, height: float) -> float:

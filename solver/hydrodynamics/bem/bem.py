@@ -18,12 +18,13 @@ from solver.hydrodynamics.bem.alone import assembled
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
-from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, unit_motions
+from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.surface import mirrored
+from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
 from solver.sea.dispersion import SHALLOWEST, too_shallow
 
 __all__ = [
@@ -200,8 +201,8 @@ def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydr
 def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodynamics]:
     hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
-    edged = any(h.edged for h in hulls)
-    (impedance, impedance_inf, diffraction), left = _extrapolated(solutions, divisions, edged)
+    edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
+    (impedance, impedance_inf, diffraction), left = _extrapolated(solutions, divisions, edged, lengths)
     settings = {
         "panels": solutions[0].panels,
         "panels_coarse": solutions[-1].panels,
@@ -351,17 +352,22 @@ def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, 
 
 
 def _extrapolated(
-    solutions: list[Solution], divisions: tuple[int, ...], edged: bool
+    solutions: list[Solution], divisions: tuple[int, ...], edged: bool, lengths: np.ndarray
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
-    solution counts as its limit, and how far off follows from its panels alone.
+    solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
+    at a frequency that goes with the mesh there is no such limit, and the finest mesh stands. lengths: of the motions.
     """
     *finest, count = solutions[0]
     if len(solutions) == 1:
         return finest, [ONE_MESH / np.sqrt(count) * x for x in finest]
     best = _limits(solutions[:2], divisions[:2])
+    of_limit, of_finest = (least_damping(each[0].imag, lengths) for each in (best, finest))
+    lost = (of_limit < -UNPASSIVE) & (of_limit < 2 * of_finest)
+    for k in (0, 2):  # what has a frequency
+        best[k][lost] = finest[k][lost]
     if len(solutions) == 2:
         return best, [TWO_MESHES * (b - f) for b, f in zip(best, finest, strict=True)]
     left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if edged else NEXT_SMOOTH)

@@ -22,6 +22,11 @@ def unit_motions(
     return each.reshape(len(points), -1)
 
 
+def motion_lengths(hulls: Sequence[Hull], dofs: Sequence[str]) -> np.ndarray:
+    """By which motions are told apart from those that radiate nothing (n,) [m]: 1, or the body's size if it turns."""
+    return np.array([1.0 if DOFS.index(d) < 3 else hull.largest_radius for hull in hulls for d in dofs])
+
+
 def froude_krylov(
     hulls: Sequence[Hull], centres: np.ndarray, dofs: Sequence[str], sea: Sea, omega: np.ndarray
 ) -> np.ndarray:

@@ -10,14 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.errors import InputError, SimulationFailed
-from solver.hydrodynamics.radiation.passivity import Constraint, enforce
+from solver.hydrodynamics.radiation.passivity import SILENT, UNPASSIVE, Constraint, enforce, least_damping
 from solver.hydrodynamics.radiation.rational import basis, complex_residues, relocated, starting_poles
 
 PAIRS = 30  # of poles, at most
 FALL = 6  # misfits count less beyond the peak of the diagonal, as its frequency over ω to this power
-SILENT = 1e-3  # a motion with y_i, over its squared length, below this share of the largest radiates mesh error only
 PATIENCE = 3  # orders without gain once least squares alone would do
 HOPELESS = 4  # times the tolerance: so far away no weights will help
+LOST = 1.0  # a misfit as large as what is fitted
 SETTLE, EQUALIZE = 4, 12  # relocations of the poles: with even weights, then with weights that lower the largest misfit
 
 
@@ -58,15 +58,24 @@ def fit(
     about so fast, seas with ω^-2.5, the wave's force on a hull with ω^-2, and mass with ω^-1; and waves
     reflected between bodies ripple there faster than the BEM's frequencies show. A∞ is fitted along:
     the BEM's has an error too.
-    Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell motions that
-    radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size
-    for rotations; ones by default.
+    Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
+    boundary elements say nothing. Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell
+    motions that radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size for
+    rotations; ones by default.
     """
     if not tolerance > 0:
         raise InputError("memory_tolerance", tolerance, "must be > 0")
-    data = _Data.of(omega, added_mass, radiation_damping, added_mass_inf, lengths)
+    lengths = np.ones(len(added_mass_inf)) if lengths is None else np.asarray(lengths, float)
+    sound = least_damping(radiation_damping, lengths) >= -UNPASSIVE
+    if sound.mean() < 0.5:
+        worst = float(omega[least_damping(radiation_damping, lengths).argmin()])
+        raise SimulationFailed(
+            f"radiation memory: the damping takes power from the waves it radiates at {(~sound).sum()} of {omega.size}"
+            f" frequencies, most at {worst:.4g} rad/s: these are no coefficients of passive bodies"
+        )
+    data = _Data.of(omega[sound], added_mass[sound], radiation_damping[sound], added_mass_inf, lengths)
     tried, best, stale = [], None, 0
-    for pairs in range(2, min(PAIRS, len(omega) // 2) + 1):
+    for pairs in range(2, min(PAIRS, len(data.omega) // 2) + 1):
         tried.append(data.unconstrained(pairs, tolerance))
         if tried[-1].error > tolerance:
             continue
@@ -77,7 +86,14 @@ def fit(
         best, stale = (memory, 0) if better else (best, stale + 1)
         if stale == PATIENCE:  # the data themselves are not passive
             break
-    return best if best is not None else data.nearest(tried)
+    memory = best if best is not None else data.nearest(tried)
+    if not memory.error < LOST:
+        raise SimulationFailed(
+            f"radiation memory: no passive fit comes closer to the coefficients than {memory.error:.2g} of their size;"
+            " where water resonates in a gap between bodies they are too sharp: interaction = false leaves that out,"
+            ' and method = "frequency" needs no memory'
+        )
+    return memory
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -115,10 +131,9 @@ class _Data:
         added_mass: np.ndarray,
         damping: np.ndarray,
         infinite: np.ndarray,
-        lengths: np.ndarray | None = None,
+        lengths: np.ndarray,
     ) -> "_Data":
         """Samples of the motions that radiate; arguments as of `fit`."""
-        lengths = np.ones(len(infinite)) if lengths is None else np.asarray(lengths, float)
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
         diagonal = np.abs(np.einsum("wii->wi", transfer))
         largest = diagonal.max(axis=0) / lengths**2

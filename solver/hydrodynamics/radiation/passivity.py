@@ -20,6 +20,23 @@ LARGE = 300_000  # entries of a problem of least distance that is worth reducing
 MARGIN = 1e-7  # of the scaled transfer: cuts ask for so much more than zero, so that rounds end
 
 
+SILENT = 1e-3  # a motion whose transfer over its squared length is less, of the largest's, radiates mesh error only
+UNPASSIVE = 0.05  # of the largest damping: where data take as much power from the waves they radiate, they are an error
+
+
+def least_damping(damping: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Least eigenvalue (nw,) of B (nw, n, n) over the largest at any frequency, motions scaled to one size.
+
+    lengths: (n,) [m], as of `memory.fit`; motions that radiate next to nothing are not enlarged.
+    """
+    size = np.abs(np.einsum("wii->wi", damping)).max(axis=0) / lengths**2
+    scale = lengths * np.sqrt(np.maximum(size, SILENT * size.max()))
+    scaled = (damping + np.swapaxes(damping, 1, 2)) / (2 * np.multiply.outer(scale, scale))
+    values = np.linalg.eigvalsh(scaled)
+    largest = values.max(initial=0.0)
+    return values[:, 0] / largest if largest > 0 else np.where(values[:, 0] < 0, -np.inf, 0.0)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Constraint:
     """G(ω) = (ω/ω0 + ω0/ω)² Re H(iω), finite and not zero at both ends when H(0) = 0.

@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad_vec
 
-from solver.errors import InputError
+from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation import passivity
 from solver.hydrodynamics.radiation.memory import RadiationMemory, fit, retardation
 from solver.hydrodynamics.radiation.passivity import Constraint, enforce
@@ -84,6 +84,33 @@ def test_a_known_kernel_is_recovered_exactly():
     t = np.linspace(0, 10, 50)
     assert fitted.impulse(t) == pytest.approx(memory.impulse(t), abs=1e-5)
     assert fitted.added_mass_inf == pytest.approx(memory.added_mass_inf, abs=1e-5)
+
+
+def test_a_frequency_at_which_the_data_are_nonsense_is_left_out():
+    memory = known()
+    A, B = coefficients(memory, OMEGA)
+    A[7], B[7] = 30 * A[7], B[7] - 5 * B.max() * np.eye(2)
+    fitted = fit(OMEGA, A, B, memory.added_mass_inf, 1e-6)
+    t = np.linspace(0, 10, 50)
+    assert fitted.impulse(t) == pytest.approx(memory.impulse(t), abs=1e-5)
+
+
+def test_data_that_no_passive_body_has_are_refused(monkeypatch):
+    memory = known()
+    A, B = coefficients(memory, OMEGA)
+    with pytest.raises(SimulationFailed, match=rf"takes power .* at {OMEGA.size} of {OMEGA.size} frequencies"):
+        fit(OMEGA, A, -B, memory.added_mass_inf, 1e-3)
+    monkeypatch.setattr("solver.hydrodynamics.radiation.memory.LOST", 1e-12)
+    with pytest.raises(SimulationFailed, match="no passive fit comes closer to the coefficients than"):
+        fit(*hulme(), 1e-13)
+
+
+def test_a_motion_that_hardly_radiates_is_not_enlarged():
+    """Mesh error of the second, by itself, would look as much against passivity as the first for it."""
+    B = np.array([np.diag([1.0, -1e-9]), np.diag([0.5, 1e-9])])
+    assert passivity.least_damping(B, np.ones(2)) == pytest.approx([-1e-6, 1e-6])
+    assert passivity.least_damping(B, np.array([1.0, 1e-4])) == pytest.approx([-1.0, 0.5])
+    assert passivity.least_damping(-B[:, :1, :1], np.ones(1)) == pytest.approx([-np.inf, -np.inf])
 
 
 def test_units_do_not_matter():
