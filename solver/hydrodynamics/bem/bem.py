@@ -364,7 +364,7 @@ def _extrapolated(
     if len(solutions) == 1:
         return finest, [ONE_MESH / np.sqrt(count) * x for x in finest]
     best = _limits(solutions[:2], divisions[:2])
-    of_limit, of_finest = (least_damping(each[0].imag, lengths) for each in (best, finest))
+    of_limit, of_finest = (least_damping(each[0], lengths) for each in (best, finest))
     lost = (of_limit < -UNPASSIVE) & (of_limit < 2 * of_finest)
     for k in (0, 2):  # what has a frequency
         best[k][lost] = finest[k][lost]

@@ -66,9 +66,10 @@ def fit(
     if not tolerance > 0:
         raise InputError("memory_tolerance", tolerance, "must be > 0")
     lengths = np.ones(len(added_mass_inf)) if lengths is None else np.asarray(lengths, float)
-    sound = least_damping(radiation_damping, lengths) >= -UNPASSIVE
+    least = least_damping(added_mass + 1j * radiation_damping / omega[:, None, None], lengths)
+    sound = least >= -UNPASSIVE
     if sound.mean() < 0.5:
-        worst = float(omega[least_damping(radiation_damping, lengths).argmin()])
+        worst = float(omega[least.argmin()])
         raise SimulationFailed(
             f"radiation memory: the damping takes power from the waves it radiates at {(~sound).sum()} of {omega.size}"
             f" frequencies, most at {worst:.4g} rad/s: these are no coefficients of passive bodies"

@@ -21,20 +21,19 @@ MARGIN = 1e-7  # of the scaled transfer: cuts ask for so much more than zero, so
 
 
 SILENT = 1e-3  # a motion whose transfer over its squared length is less, of the largest's, radiates mesh error only
-UNPASSIVE = 0.05  # of the largest damping: where data take as much power from the waves they radiate, they are an error
+UNPASSIVE = 0.5  # of the added mass: where B/ω takes as much power from the waves it radiates, the data are an error
 
 
-def least_damping(damping: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-    """Least eigenvalue (nw,) of B (nw, n, n) over the largest at any frequency, motions scaled to one size.
+def least_damping(impedance: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Least eigenvalue (nw,) of B/ω, motions scaled so that none has more than 1 of A + iB/ω = impedance (nw, n, n).
 
-    lengths: (n,) [m], as of `memory.fit`; motions that radiate next to nothing are not enlarged.
+    lengths: (n,) [m], as of `memory.fit`; motions that have next to nothing of it are left out.
     """
-    size = np.abs(np.einsum("wii->wi", damping)).max(axis=0) / lengths**2
-    scale = lengths * np.sqrt(np.maximum(size, SILENT * size.max()))
-    scaled = (damping + np.swapaxes(damping, 1, 2)) / (2 * np.multiply.outer(scale, scale))
-    values = np.linalg.eigvalsh(scaled)
-    largest = values.max(initial=0.0)
-    return values[:, 0] / largest if largest > 0 else np.where(values[:, 0] < 0, -np.inf, 0.0)
+    size = np.abs(np.einsum("wii->wi", impedance)).max(axis=0)
+    heard = np.flatnonzero(size / lengths**2 >= SILENT * (size / lengths**2).max())
+    scale = np.sqrt(size[heard])
+    both = impedance[:, heard[:, None], heard] / np.multiply.outer(scale, scale)
+    return np.asarray(np.linalg.eigvalsh((both + np.swapaxes(both, 1, 2)).imag / 2)[:, 0])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
