@@ -26,6 +26,7 @@ from pipeline.study.schema import (
     Profile,
     Recording,
     SolidRectangle,
+    Solver,
     Sphere,
     Tube,
     VerticalCylinder,
@@ -98,9 +99,14 @@ def _part(place: str, word: str = "") -> Iterator[None]:
 
 def settings(parameters: Parameters) -> physics.Settings:
     """Record and numerics; how series are thinned is decided in `results.records`."""
+    return _settings(parameters.record, parameters.solver)
+
+
+@lru_cache(maxsize=64)
+def _settings(recording: Recording, solver: Solver) -> physics.Settings:
     from solver import scene as physics
 
-    knobs = {**dict(parameters.record), **dict(parameters.solver)}
+    knobs = {**dict(recording), **dict(solver)}
     fatigue = physics.Fatigue(**dict(knobs.pop("fatigue")))
     return physics.Settings(keep_series=knobs.pop("series") != "none", fatigue=fatigue, **knobs)
 
@@ -116,6 +122,7 @@ def _sea(sea_state: SeaState, waves: Waves, seed: tuple[int, ...]) -> Realizatio
     return realizations.realize(sea_state, waves, seed)
 
 
+@lru_cache(maxsize=64)
 def hull(shape: Hull) -> Revolution | PanelHull:
     """The solver's hull for a hull table."""
     from solver.hydrodynamics.hull.duck import duck

@@ -158,6 +158,12 @@ def reduce_platform(
 
 
 @lru_cache(maxsize=KNOWN)
+def damped(support: Support, ratio: float) -> Support:
+    """With the damping ratio of all modes."""
+    return replace(support, forces=support.forces.damped(ratio)) if support.forces is not None else support
+
+
+@lru_cache(maxsize=KNOWN)
 def _places(platform: Platform, sea: Water, outputs: tuple[str, ...]) -> Places:
     return forces.places(dynamic_model(platform, sea)[0], platform.legs, outputs)
 
