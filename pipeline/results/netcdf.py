@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import io
+import math
 import struct
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 SLAB = 2**24  # bytes written at a time
 DIMENSION, VARIABLE, ATTRIBUTE = 10, 11, 12  # lists in a netCDF-3 file
+MAGIC = b"CDF\x02"
+INTEGER, PLACE = struct.Struct(">i"), struct.Struct(">q")
 TYPES = {"S1": ("S1", 2), "i1": (">i1", 1), "i2": (">i2", 3), "i4": (">i4", 4), "f4": (">f4", 5), "f8": (">f8", 6)}
 
 
@@ -27,6 +29,9 @@ class Variable(NamedTuple):
     dims: tuple[str, ...]
     values: np.ndarray
     attrs: Mapping[str, Any]
+
+
+LETTERS = {code: (letter, np.dtype(letter).itemsize) for letter, code in TYPES.values()}
 
 
 def to_bytes(variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> bytes:
@@ -50,7 +55,7 @@ def to_bytes(variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> byt
         heads.append(_name(name) + shape + _listed_once(tuple(var_attrs.items())) + _integers(code, len(body)))
         bodies.append(body)
     lengths = [_name(dim) + _integers(size) for dim, size in sizes.items()]
-    start = b"CDF\x02" + _integers(0) + _list(DIMENSION, lengths) + _listed(attrs.items())
+    start = MAGIC + _integers(0) + _list(DIMENSION, lengths) + _listed(attrs.items())
     # Each head ends with the place of its body, of eight bytes.
     place, whole = len(start) + 8 + sum(len(head) + 8 for head in heads), []
     for head, body in zip(heads, bodies, strict=True):
@@ -148,27 +153,81 @@ def _slabs(array: np.ndarray) -> Iterator[slice]:
 
 
 def from_bytes(data: bytes) -> tuple[dict[str, Variable], dict[str, Any]]:
-    """Variables and global attributes of a netCDF-3 file held in memory; raises ValueError if it is none."""
-    from scipy.io import netcdf_file
+    """Variables and global attributes of a netCDF-3 file of `to_bytes` held in memory; raises ValueError if it is none.
 
+    As scipy has them, in a third of its time, which is what collecting many records takes.
+    """
     try:
-        file = netcdf_file(io.BytesIO(data), "r", mmap=False)
-        return {name: _variable(v) for name, v in file.variables.items()}, _attributes(file._attributes)
-    except (TypeError, KeyError, IndexError, AssertionError, AttributeError) as error:
+        return _Reader(data).file()
+    except (struct.error, KeyError, IndexError, TypeError, UnicodeDecodeError) as error:
         raise ValueError(f"no netCDF-3 file: {error}") from None
 
 
-def _variable(stored: Any) -> Variable:
-    attrs, dims, array = _attributes(stored._attributes), stored.dimensions, stored.data
-    if attrs.pop("_Encoding", None):
-        rows = np.ascontiguousarray(array)
-        text = np.char.decode(rows.view(f"S{rows.shape[-1]}")[..., 0], "utf-8")
-        return Variable(dims[:-1], text, attrs)
-    return Variable(dims, array.astype(array.dtype.newbyteorder("="), copy=False), attrs)
+class _Reader:
+    """Goes through a file's head; what it says is held against the length of the whole."""
 
+    def __init__(self, data: bytes):
+        self.data, self.at = data, len(MAGIC) + 4
+        if not data.startswith(MAGIC + _integers(0)):
+            raise ValueError("no netCDF-3 file with 64-bit offsets and fixed dimensions")
 
-def _attributes(stored: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value.decode() if isinstance(value, bytes) else value for key, value in stored.items()}
+    def file(self) -> tuple[dict[str, Variable], dict[str, Any]]:
+        """Variables in the file's order, and attributes."""
+        sizes = [(self._text(), self._integer()) for _ in range(self._count(DIMENSION))]
+        attrs = self._attributes()
+        return dict(self._variable(sizes) for _ in range(self._count(VARIABLE))), attrs
+
+    def _integer(self) -> int:
+        (value,) = INTEGER.unpack_from(self.data, self.at)
+        self.at += 4
+        if value < 0:
+            raise ValueError("no netCDF-3 file: a number below zero in its head")
+        return int(value)
+
+    def _count(self, tag: int) -> int:
+        found, count = self._integer(), self._integer()
+        if found != tag and (found or count):
+            raise ValueError(f"no netCDF-3 file: list {found} in place of {tag}")
+        return count
+
+    def _bytes(self, count: int) -> bytes:
+        part = self.data[self.at : self.at + count]
+        if len(part) < count:
+            raise ValueError("no netCDF-3 file: cut off")
+        self.at += count + -count % 4
+        return part
+
+    def _text(self) -> str:
+        return self._bytes(self._integer()).decode()
+
+    def _attributes(self) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for _ in range(self._count(ATTRIBUTE)):
+            name, (letter, width) = self._text(), LETTERS[self._integer()]
+            part = self._bytes(self._integer() * width)
+            if letter == "S1":
+                found[name] = part.rstrip(b"\0").decode()
+            else:
+                values = np.frombuffer(part, letter)
+                found[name] = values[0] if values.size == 1 else values
+        return found
+
+    def _variable(self, sizes: list[tuple[str, int]]) -> tuple[str, Variable]:
+        name = self._text()
+        of = [sizes[self._integer()] for _ in range(self._integer())]
+        dims, shape, attrs = tuple(dim for dim, _ in of), tuple(size for _, size in of), self._attributes()
+        letter, width = LETTERS[self._integer()]
+        count = math.prod(shape)
+        self._integer()  # what the body takes, with its padding
+        (place,) = PLACE.unpack_from(self.data, self.at)
+        self.at += PLACE.size
+        if place + count * width > len(self.data):
+            raise ValueError("no netCDF-3 file: cut off")
+        array = np.frombuffer(self.data, letter, count, place).reshape(shape)
+        if attrs.pop("_Encoding", None):
+            rows = np.ascontiguousarray(array)
+            return name, Variable(dims[:-1], np.char.decode(rows.view(f"S{shape[-1]}")[..., 0], "utf-8"), attrs)
+        return name, Variable(dims, array.astype(array.dtype.newbyteorder("=")), attrs)
 
 
 def content(variables: Mapping[str, Variable], attrs: Mapping[str, Any] = MappingProxyType({})) -> str:

@@ -15,7 +15,7 @@ from scipy.io import netcdf_file
 from pipeline.bridge import cache, engine
 from pipeline.bridge.loading import load
 from pipeline.results import dataset, netcdf, records
-from pipeline.results.netcdf import Variable, content, to_bytes
+from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.results.store import Store
 from pipeline.results.variables import COORDINATES, KNOBS, SERIES, VARIABLES
 from pipeline.running.campaign import Campaign
@@ -148,9 +148,22 @@ def test_files_are_those_of_scipy():
     for key, value in attrs.items():
         setattr(file, key, _as_scipy(value))
     file.flush()
-    assert to_bytes(variables, attrs) == buffer.getvalue()
+    whole = to_bytes(variables, attrs)
+    assert whole == buffer.getvalue()
+    read, said = from_bytes(whole)
+    assert content(read, said) == content({name: variable_as_kept(v) for name, v in variables.items()}, attrs)
+    head = whole.index(b"Conventions")
+    for length in (*range(0, head, 3), *range(head, len(whole) - 3)):
+        with pytest.raises(ValueError, match=r"netCDF-3|buffer"):
+            from_bytes(whole[:length])
     with pytest.raises(ValueError, match="dimension leg is 3 and 4 long"):
         to_bytes({**variables, "more": Variable(("leg",), np.arange(4.0), {})}, attrs)
+
+
+def variable_as_kept(variable):
+    """With whole numbers of 32 bits."""
+    array = np.asarray(variable.values)
+    return variable._replace(values=array.astype("i4") if array.dtype.kind == "i" else array)
 
 
 def _as_scipy(value):
