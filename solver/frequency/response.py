@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solver.coupled import linear_drag
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.modal import Structure
 from solver.coupled.system import System
 from solver.errors import SimulationFailed
-from solver.frequency import drag
-from solver.frequency.gaussian import covariance
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 
@@ -93,7 +92,7 @@ def _agreed(
             push = force.copy()
             push[:, :nm] += of_water
         if quadratic.any():
-            damping[nm:, nm:] += np.diag(quadratic * _equivalent(rate[:, nm:, None])[:, 0, 0])
+            damping[nm:, nm:] += np.diag(quadratic * linear_drag.of_lines(rate[:, None, nm:])[:, 0, 0])
         if bent:
             pto = _taking(system, rate[:, nm:])
             damping[nm:, nm:] += np.diag(pto - at_rest)
@@ -117,7 +116,7 @@ class _Stations:
     """
 
     def __init__(self, frame: Structure, water: np.ndarray):
-        self.frame, self.size, self.one = frame, frame.drag.size, len(water) == 1
+        self.frame, self.size = frame, frame.drag.size
         nm, nd, ns = frame.station.shape
         self.shape = frame.station.reshape(nm, nd * ns)
         self.water = np.concatenate([water.real, water.imag])
@@ -130,34 +129,22 @@ class _Stations:
 
     def equivalent(self, rate: np.ndarray) -> np.ndarray:
         """K (ns, nd, nd) [N s/m] at modal rates (nw, nm)."""
-        u = self._flow(rate)
-        if self.one:
-            K = drag.of_harmonic((u[0] + 1j * u[1]).T)
-        else:
-            nd = u.shape[1]
-            S = np.empty((self.size, nd, nd))
-            for d, e in np.ndindex(nd, nd):
-                S[:, d, e] = 0.5 * np.sum(u[:, d] * u[:, e], axis=0)
-            K = drag.of_gaussian(S)
-        return K * self.frame.drag[:, None, None]
+        flow = self._flow(rate)
+        half = len(flow) // 2
+        return linear_drag.of_lines(flow[:half] + 1j * flow[half:]) * self.frame.drag[:, None, None]
 
     def on_modes(self, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Damping (nm, nm) of the modes, and the water's force on them (nw, nm)."""
-        carried = _by_station(self.frame.station, K).reshape(self.shape.shape)
+        carried = linear_drag.by_station(K, self.frame.station).reshape(self.shape.shape)
         force = self.water @ carried.T
         half = len(force) // 2
         return carried @ self.shape.T, force[:half] + 1j * force[half:]
 
     def load(self, K: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """On the frame (nw, nd, ns) [N]."""
-        load = _by_station(self._flow(rate), K)
+        load = linear_drag.by_station(K, self._flow(rate))
         half = len(load) // 2
         return load[:half] + 1j * load[half:]
-
-
-def _by_station(u: np.ndarray, K: np.ndarray) -> np.ndarray:
-    """K u (m, nd, ns) of vectors u (m, nd, ns) at ns stations and symmetric K (ns, nd, nd)."""
-    return np.stack([sum(K[:, d, e] * u[:, e] for e in range(u.shape[1])) for d in range(u.shape[1])], axis=1)
 
 
 def _taking(system: System, rate: np.ndarray) -> np.ndarray:
@@ -169,11 +156,6 @@ def _taking(system: System, rate: np.ndarray) -> np.ndarray:
         return joint_law.damping_of_harmonic(law, size)[nc:]
     size[nc:] = np.sqrt(0.5 * np.sum(np.abs(rate) ** 2, axis=0))
     return joint_law.damping_of_gaussian(law, size)[nc:]
-
-
-def _equivalent(u: np.ndarray) -> np.ndarray:
-    """K (n, d, d) of velocities (nw, n, d): of one harmonic, or of a Gaussian process."""
-    return drag.of_harmonic(u[0]) if len(u) == 1 else drag.of_gaussian(covariance(u, u))
 
 
 def _solved(Z: np.ndarray, force: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from solver.errors import InputError
 from solver.frequency import gaussian
 from solver.frequency.response import Response, respond
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
-from solver.record.audit import coefficient_effects
+from solver.record.audit import coefficient_effects, shapes_effect, together
 from solver.record.bound import above
 from solver.record.recorder import Channels, Record
 from solver.scene import Scene
@@ -30,10 +30,12 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     require_stable(system)
     response, channels = respond(system, hydrodynamics), Channels(scene, system.support)
     tables = dict(_tables(system, response, channels))
-    _, effect = coefficient_effects(system, hydrodynamics)
+    _, mesh = coefficient_effects(system, hydrodynamics)
+    shapes = shapes_effect(system, hydrodynamics)
     attrs: dict[str, float | str] = {
-        "estimated_error": effect,
-        "mesh_effect": effect,
+        "estimated_error": together((mesh, shapes)),
+        "mesh_effect": mesh,
+        "shapes_effect": shapes,
         "seabed_error": seabed_error(hydrodynamics),
         "drag_rounds": response.rounds,
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.coupled import assembly
+from solver.coupled import assembly, linear_drag
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.stages import State
 from solver.coupled.step import Output
@@ -75,6 +75,7 @@ class Probe:
                 "quadrature_error": quadrature_error(self.system, self),
                 "memory_effect": memory_effect,
                 "mesh_effect": mesh_effect,
+                "shapes_effect": shapes_effect(self.system, hydrodynamics),
             }
             self._errors = {**parts, "estimated_error": together(parts.values())}
             self.seconds = time.perf_counter() - clock
@@ -89,7 +90,7 @@ def together(errors: Iterable[float]) -> float:
 def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
     """Relative errors of any mean, rms or std, what was asked and not met, and what was left out.
 
-    `estimated_error` is that of step, quadrature, memory and BEM mesh together.
+    `estimated_error` is that of step, quadrature, memory, BEM mesh and the frame's shapes together.
     """
     system = probe.system
     errors = probe.errors(hydrodynamics)
@@ -214,13 +215,41 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     return _response_error(system, model, omega, fitted, exact), _response_error(system, model, omega, shifted, exact)
 
 
-def _waves(system: System, model: LinearModel, h: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
-    """X (nw, n) in the scene's sea, with linear pressure."""
+def _waves(
+    system: System, model: LinearModel, h: Hydrodynamics | None, Y: np.ndarray, drag: np.ndarray | float = 0.0
+) -> np.ndarray:
+    """X (nw, n) in the scene's sea, with linear pressure, and drag (nw, nm) on the modes."""
     s, sea = system.scene.settings, system.scene.sea
     kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
-    excitation = sum((h.excitation(sea.omega, kind) for kind in kinds), np.zeros((sea.omega.size, len(model.active))))
-    force = wave_force(model, excitation * sea.amplitude[:, None], system.rows[system.layout.modal])
-    return model.response(sea.omega, Y, force)
+    excitation = np.zeros((sea.omega.size, len(model.active)), complex)
+    if h is not None:
+        for kind in kinds:
+            excitation += h.excitation(sea.omega, kind)
+    modal = system.rows[system.layout.modal] + np.transpose(drag)
+    return model.response(sea.omega, Y, wave_force(model, excitation * sea.amplitude[:, None], modal))
+
+
+def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
+    """What the shapes left out of a frame's motion change of the std of its legs' tops in the linear response.
+
+    In this sea, with drag linearised by the water's own velocity.
+    """
+    support, model, sea = system.support, linear_model(system), system.scene.sea
+    if support is None or not support.left_out.waves.size or not sea.amplitude.any():
+        return 0.0
+    station = system.structure.station
+    water = system.rows[system.layout.station].T.reshape(sea.omega.size, *station.shape[1:])
+    drag = system.structure.drag * linear_drag.by_station(linear_drag.of_lines(water), water)
+    Y = impedance(system, h, sea.omega) if h is not None else np.zeros((sea.omega.size, 0, 0))
+    drag = drag.reshape(len(drag), station[0].size)
+    X = _waves(system, model, h, Y, drag @ station.reshape(len(station), station[0].size).T)
+    p = X[:, : len(station)]
+    usual = p @ support.shapes[support.left_out.tops].T
+    rest = support.left_out
+    more = rest.waves.T + drag @ rest.drag + sea.omega[:, None] ** 2 * (p @ rest.inertia)
+    std = [np.linalg.norm(lines, axis=0) for lines in (usual + more, usual)]
+    used = std[1] > FAINT * std[1].max()
+    return float(np.abs(std[0][used] / std[1][used] - 1).max(initial=0.0))
 
 
 def _decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
@@ -256,7 +285,7 @@ def skipped(system: System) -> list[str]:
     if system.support is not None:
         notes.append(
             f"modes: {system.structure.omega.size} shapes for {system.support.dry_omega.size},"
-            " the rest as static load shapes (discretization of the frame, see the benchmark's knob `modes`)"
+            " the rest as static load shapes (see `shapes_effect`)"
         )
     if scene.floats and s.froude_krylov == "linear":
         notes.append("pressure quadrature: linear hydrostatics and Froude-Krylov (exact for a linear scene)")

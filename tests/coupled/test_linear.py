@@ -11,7 +11,7 @@ from solver.coupled import natural
 from solver.coupled import system as systems
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import prepare
-from solver.record.audit import coefficient_effects
+from solver.record.audit import coefficient_effects, shapes_effect
 from solver.run import simulate
 from solver.scene import DOFS
 from tests.awkward import SCENES
@@ -77,6 +77,21 @@ def test_modes_eliminated_answer_as_all_together(name):
     w = omega[:, None, None]
     Z = model.stiffness - w**2 * model.mass - 1j * w * (model.damping + model.active.T @ Y @ model.active)
     assert model.dynamic_stiffness(omega, Y) == approx(Z, abs=1e-12 * np.abs(Z).max())
+
+
+@pytest.mark.parametrize("name", ["unequal_legs", "bare_legs"])
+def test_shapes_effect_is_what_all_shapes_show(name):
+    scene, h = SCENES[name]()
+    linear = replace(scene, settings=replace(scene.settings, froude_krylov="linear", method="frequency"))
+
+    def stds(modes):
+        whole = replace(linear, settings=replace(linear.settings, modes=modes))
+        return simulate(whole, h).variables["top_displacement"][1][..., 4], shapes_effect(prepare(whole, h), h)
+
+    (usual, told), (exact, none) = stds(6), stds("all")
+    true = np.abs(usual / exact - 1)[exact > 1e-3 * exact.max()].max()
+    assert told > 1e-5 and 1 / 3 < true / told < 3
+    assert none < 1e-9
 
 
 def test_what_is_kept_of_another_damping_changes_no_bit():

@@ -7,9 +7,10 @@ import pytest
 from pytest import approx
 from scipy.integrate import dblquad
 
+from solver.coupled import linear_drag as drag
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
-from solver.frequency import drag, gaussian
+from solver.frequency import gaussian
 from solver.frequency.response import respond
 from solver.run import simulate
 from solver.scene import Settings
