@@ -35,8 +35,8 @@ def probed(scene: Scene, steps: int) -> Scene:
     """
     s = scene.settings
     assert s.time_step is not None, "asked of a scene that runs, with its step"
-    changes: dict[str, Any] = {"discard": 0.0, "duration": steps * s.time_step, "outputs": (), "rao": False}
-    return replace(scene, settings=replace(s, **changes, keep_series=True))
+    changes: dict[str, Any] = {"discard": 0.0, "duration": steps * s.time_step, "outputs": ()}
+    return replace(scene, settings=replace(s, **changes, rao=False, spectra=False, keep_series=True))
 
 
 class Probe:
