@@ -13,7 +13,7 @@ from solver.errors import InputError
 from solver.frequency import gaussian
 from solver.frequency.response import Response, respond
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
-from solver.record.audit import coefficient_effects, shapes_effect, together
+from solver.record.audit import coefficient_effects, left_out_effect, together
 from solver.record.bound import above
 from solver.record.recorder import ELEVATION, Channels, Record
 from solver.record.spectra import bands, cross_spectra
@@ -33,7 +33,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     found = list(_tables(system, response, channels))
     tables = {name: table for name, table, _ in found}
     _, mesh = coefficient_effects(system, hydrodynamics)
-    shapes = shapes_effect(system, hydrodynamics)
+    shapes = left_out_effect(system, response.X, response.drag)
     attrs: dict[str, float | str] = {
         "estimated_error": together((mesh, shapes)),
         "mesh_effect": mesh,

@@ -235,21 +235,30 @@ def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
     In this sea, with drag linearised by the water's own velocity.
     """
     support, model, sea = system.support, linear_model(system), system.scene.sea
-    if support is None or not support.left_out.waves.size or not sea.amplitude.any():
+    if support is None or not sea.amplitude.any():
         return 0.0
     station = system.structure.station
     water = system.rows[system.layout.station].T.reshape(sea.omega.size, *station.shape[1:])
     drag = system.structure.drag * linear_drag.by_station(linear_drag.of_lines(water), water)
     Y = impedance(system, h, sea.omega) if h is not None else np.zeros((sea.omega.size, 0, 0))
-    drag = drag.reshape(len(drag), station[0].size)
-    X = _waves(system, model, h, Y, drag @ station.reshape(len(station), station[0].size).T)
-    p = X[:, : len(station)]
-    usual = p @ support.shapes[support.left_out.tops].T
-    rest = support.left_out
-    more = rest.waves.T + drag @ rest.drag + sea.omega[:, None] ** 2 * (p @ rest.inertia)
-    std = [np.linalg.norm(lines, axis=0) for lines in (usual + more, usual)]
-    used = std[1] > FAINT * std[1].max()
-    return float(np.abs(std[0][used] / std[1][used] - 1).max(initial=0.0))
+    shapes = station.reshape(len(station), station[0].size)
+    X = _waves(system, model, h, Y, drag.reshape(len(drag), station[0].size) @ shapes.T)
+    waves = np.abs(sea.amplitude) > 0
+    return left_out_effect(system, X[waves], drag[waves])
+
+
+def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
+    """The same of the response X (nw, n) and drag (nw, nd, ns) to the waves that are not of zero height."""
+    support, sea = system.support, system.scene.sea
+    if support is None or not support.left_out.tops.size:
+        return 0.0
+    rest, waves = support.left_out, np.abs(sea.amplitude) > 0
+    p, w = X[:, : len(support.omega)], sea.omega[waves, None]
+    usual = p @ support.shapes[rest.tops].T
+    more = rest.waves[:, waves].T + drag.reshape(len(drag), len(rest.drag)) @ rest.drag + w**2 * (p @ rest.inertia)
+    std, exact = np.linalg.norm(usual, axis=0), np.linalg.norm(usual + more, axis=0)
+    used = std > FAINT * std.max()
+    return float(np.abs(exact[used] / std[used] - 1).max(initial=0.0))
 
 
 def _decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
