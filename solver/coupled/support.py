@@ -171,7 +171,7 @@ def reduce_platform(
         drag=drag,
         left_out=LeftOut(
             waves=rest.T @ nodal,
-            drag=station_rest.transpose(1, 0, 2).reshape(-1, rest.shape[1]),
+            drag=station_rest.transpose(1, 0, 2).reshape(station_rest.shape[0] * station_rest.shape[1], tops.size),
             inertia=shapes.T @ (M @ rest),
             tops=tops,
         ),

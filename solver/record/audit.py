@@ -239,7 +239,9 @@ def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
         return 0.0
     station = system.structure.station
     water = system.rows[system.layout.station].T.reshape(sea.omega.size, *station.shape[1:])
-    drag = system.structure.drag * linear_drag.by_station(linear_drag.of_lines(water), water)
+    drag = np.zeros(water.shape, complex)
+    if drag.size:
+        drag = system.structure.drag * linear_drag.by_station(linear_drag.of_lines(water), water)
     Y = impedance(system, h, sea.omega) if h is not None else np.zeros((sea.omega.size, 0, 0))
     shapes = station.reshape(len(station), station[0].size)
     X = _waves(system, model, h, Y, drag.reshape(len(drag), station[0].size) @ shapes.T)

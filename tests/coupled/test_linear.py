@@ -94,6 +94,20 @@ def test_shapes_effect_is_what_all_shapes_show(name):
     assert none < 1e-9
 
 
+@pytest.mark.parametrize(("drag", "legs"), [(0.0, True), (1.0, False), (0.0, False)])
+def test_shapes_effect_without_drag_or_legs(drag, legs):
+    """Legs that the waves do not drag on, and none whose tops are put out."""
+    scene, _ = SCENES["bare_legs"]()
+    frame = scene.platform.frame
+    members = tuple(replace(m, drag_coefficient=drag if m.in_water else 0.0) for m in frame.members)
+    platform = replace(scene.platform, frame=replace(frame, members=members), legs=scene.platform.legs if legs else ())
+    system = prepare(replace(scene, platform=platform), None)
+    assert (shapes_effect(system, None) > 0) == legs
+    lines = replace(scene.settings, froude_krylov="linear", method="frequency")
+    told = simulate(replace(scene, platform=platform, settings=lines), None).attrs["shapes_effect"]
+    assert (told > 0) == legs
+
+
 def test_what_is_kept_of_another_damping_changes_no_bit():
     """Equilibrium and natural periods are those of a process that knows no other scene."""
     scene, h = SCENES["unequal_legs"]()
