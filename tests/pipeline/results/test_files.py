@@ -17,7 +17,7 @@ from pipeline.bridge.loading import load
 from pipeline.results import dataset, netcdf, records
 from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.results.store import Store
-from pipeline.results.variables import COORDINATES, KNOBS, SERIES, VARIABLES
+from pipeline.results.variables import COORDINATES, KNOBS, SERIES, SPECTRA, VARIABLES
 from pipeline.running.campaign import Campaign
 from pipeline.running.schedule import Place
 from pipeline.study.schema import Recording
@@ -64,12 +64,13 @@ STOPS = "lower = -0.3, upper = 2.0, stiffness = 1e7, damping = 1e5"
 MORE = "lower = [0, -1.0], upper = [0, 1.0], stiffness = [0, 1e7]"  # on one axis of two
 MOORED = '["surge", "heave"]\nstiffness = [2e5, 0]'
 TAKEOFF = "offset = 0.5\npto_damping = 1e4\npto_efficiency = { generating = 0.9 }"
+PER_WAVE = "rao = true\nspectra = true\n"
 FORCES = 'outputs = ["pto_force"]\n'
 BALANCED = SPHERE.replace("mass = 261.8e3", 'mass = "balance"')
 # Every kind of scene, sea, path and output.
 REAL = {
     "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
-    "heave": BALANCED.replace("offset = 0.5", TAKEOFF) + SHORT + FORCES + "rao = true\n[solver]\ntolerance = 0.05\n",
+    "heave": BALANCED.replace("offset = 0.5", TAKEOFF) + SHORT + FORCES + PER_WAVE + "[solver]\ntolerance = 0.05\n",
     "floating": SPHERE.replace('["heave"]\noffset = 0.5', MOORED).replace(STOPS, MORE) + CARRIED + SHORT,
     "steel": SMALL[: SMALL.index("[axes]")] + CALM + SHORT + OUTPUTS,
     "lines": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("full", "none") + LINES,
@@ -193,7 +194,10 @@ def test_the_one_table_names_all_that_runs_leave_and_nothing_else(real):
         mixed = path.is_relative_to(real / "floating") and "axis" in dims
         assert "units" in attrs or kind in "OSU" or mixed, (path, name)
     listed = VARIABLES.keys() | KNOBS.keys() | COORDINATES.keys()
-    assert {name.removesuffix(SERIES) for _, name in left} == listed
+    assert {re.sub(f"({'|'.join([SERIES, *SPECTRA])})$", "", name) for _, name in left} == listed
+    with xr.open_dataset(real / "heave" / "statistics.nc") as data:
+        told = [data[name].attrs.get("units") for name in ("motion_spectrum", "pto_force_response", "motion_coherence")]
+        assert told == ["m2 s rad-1", "J m-1 m-1", "1"]
 
 
 def test_motion_along_an_axis_has_its_unit(real):
