@@ -3,6 +3,7 @@
 depth: Annotated[float, Quantity("m", above=0), "Depth of the water"]
 """
 
+import operator
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -27,15 +28,20 @@ class Quantity:
     def limit(self, values: Any) -> str:
         """The limit that numbers outside the range break, as text; empty if all are inside."""
         bounds = {
-            ">": (self.above, np.greater), ">=": (self.least, np.greater_equal),
-            "<": (self.below, np.less), "<=": (self.most, np.less_equal),
+            ">": (self.above, operator.gt), ">=": (self.least, operator.ge),
+            "<": (self.below, operator.lt), "<=": (self.most, operator.le),
         }  # fmt: skip
         for sign, (bound, holds) in bounds.items():
-            if bound is not None and not np.all(holds(values, bound)):
+            if bound is not None and not _all(holds(values, bound)):
                 return f"must be {sign} {bound:g} {self.unit}".removesuffix(" -")
-        if not (np.all(np.isfinite(values)) or (self.infinite and not np.any(np.isnan(values)))):
+        if not (_all(np.isfinite(values)) or (self.infinite and not np.any(np.isnan(values)))):
             return f"must be finite {self.unit}".removesuffix(" -")
         return ""
+
+
+def _all(holds: Any) -> bool:
+    """Of a truth or an array of them; np.all takes ten times as long for one."""
+    return bool(holds.all()) if isinstance(holds, np.ndarray) else bool(holds)
 
 
 @lru_cache
@@ -59,7 +65,9 @@ def out_of_range(inputs: Any, key: str) -> Iterator[InputError]:
     marked = quantities(type(inputs))  # type: ignore[arg-type]  # mypy takes the class's __hash__ for its instances'
     for name, quantity in marked.items():
         value = getattr(inputs, name)
-        if value is not None and not isinstance(value, str) and (limit := quantity.limit(np.asarray(value, float))):
+        if value is None or isinstance(value, str):
+            continue
+        if limit := quantity.limit(value if isinstance(value, (float, int)) else np.asarray(value, float)):
             yield InputError(f"{key}.{name}", value, limit)
 
 

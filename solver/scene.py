@@ -263,8 +263,8 @@ class Platform:
         refuse([*out_of_range(self, "platform"), *unknown])
 
     def __hash__(self) -> int:
-        """Equal platforms have equal text; what no wave changes is kept for the next task with this one."""
-        return hash(repr(self))
+        """By names alone, which is quick; what no wave changes is kept for the next task with an equal platform."""
+        return hash((self.legs, *self.frame.nodes, *self.hinge_nodes))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -342,6 +342,9 @@ class Settings:
     method: Annotated[Literal["time", "frequency"], "March in time, or response of the linear model"] = "time"
     keep_series: bool = False
     rao: Annotated[bool, "Whether motion per wave amplitude is put out, wave by wave"] = False
+    spectra: Annotated[
+        bool, "Whether each output's response per wave amplitude, coherence with the waves and spectrum are put out"
+    ] = False
     outputs: Annotated[
         tuple[Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force"], ...],
         "What else is put out: of an elastic platform's steel, and the power take-offs' forces",

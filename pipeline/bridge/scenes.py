@@ -27,6 +27,7 @@ from pipeline.study.schema import (
     Recording,
     Ring,
     Section,
+    Solver,
     Sphere,
     Tube,
     VerticalCylinder,
@@ -99,9 +100,14 @@ def _part(place: str, word: str = "") -> Iterator[None]:
 
 def settings(parameters: Parameters) -> physics.Settings:
     """Record and numerics; how series are thinned is decided in `results.records`."""
+    return _settings(parameters.record, parameters.solver)
+
+
+@lru_cache(maxsize=64)
+def _settings(recording: Recording, solver: Solver) -> physics.Settings:
     from solver import scene as physics
 
-    knobs = {**dict(parameters.record), **dict(parameters.solver)}
+    knobs = {**dict(recording), **dict(solver)}
     fatigue = physics.Fatigue(**dict(knobs.pop("fatigue")))
     return physics.Settings(keep_series=knobs.pop("series") != "none", fatigue=fatigue, **knobs)
 
@@ -117,6 +123,7 @@ def _sea(sea_state: SeaState, waves: Waves, seed: tuple[int, ...]) -> Realizatio
     return realizations.realize(sea_state, waves, seed)
 
 
+@lru_cache(maxsize=64)
 def hull(shape: Hull) -> Revolution | PanelHull:
     """The solver's hull for a hull table."""
     from solver.hydrodynamics.hull.duck import duck

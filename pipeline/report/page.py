@@ -16,6 +16,7 @@ from pipeline.report.envelopes import envelopes
 from pipeline.report.figures import Results
 from pipeline.report.overview import TEXT, overview
 from pipeline.report.periods import natural_periods
+from pipeline.report.responses import responses
 from pipeline.report.template import PAGE
 from pipeline.results import dataset
 from pipeline.results.store import write_atomic
@@ -174,6 +175,11 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
             "Extremes of the hinge force",
             f"Least and largest force in each realization, one dot each. {fixed}{crosses}{held}",
             strips.hinge_forces,
+        ),
+        (
+            "Response to the waves",
+            f"Per wave amplitude; sea state {results.sea}, first realization. Dashed: the frequency domain.{held}",
+            responses,
         ),
         *series.entries(results),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),

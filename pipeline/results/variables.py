@@ -27,6 +27,7 @@ WAVE = "sea_surface_wave_"
 VARIABLES = {
     "rotation": Meaning("rad", "Rotation of the float about its hinge axis, from rest, right-handed"),
     "motion": Meaning("{axis}", "Motion of the float along each free axis of its joint, from rest"),
+    "band_frequency": Meaning("rad s-1", "Middle of the band of frequencies"),
     "rao": Meaning("{axis} m-1", "Amplitude of the motion along each free axis per wave amplitude"),
     "rao_phase": Meaning("rad", "Lag of that motion behind the elevation at the origin"),
     "wave_frequency": Meaning("rad s-1", "Angular frequency of each wave of the realization"),
@@ -104,6 +105,7 @@ VARIABLES = {
         "1", "Relative error that the misfit of the radiation memory makes in the linear response"
     ),
     "mesh_effect": Meaning("1", "Relative error that the boundary elements' mesh makes in the linear response"),
+    "shapes_effect": Meaning("1", "Relative error that the frame's left-out shapes make in the linear response"),
     "memory_error": Meaning("1", "Largest relative misfit of the radiation memory"),
     "memory_poles": Meaning("1", "Number of exponentials of the radiation memory"),
     "drag_rounds": Meaning("1", "Rounds until the linearised drag agreed with its own result"),
@@ -158,6 +160,7 @@ COORDINATES = {
     "statistic": Meaning(None, "Over the analysed time; max, min of parabolas through samples, std with ddof 0"),
     "mode": Meaning("1", "Number of the mode, from 1"),
     "system_mode": Meaning("1", "Number of the system's shape, from 1; a record's system_shapes says what moves"),
+    "frequency_band": Meaning("1", "Number of the band of frequencies that spectra are means over, from 1"),
     "elapsed_time": Meaning("s", "Time since the start of the simulation"),
 }
 
@@ -165,6 +168,13 @@ COORDINATES = {
 RENAMED = {"Tp": "Tp_realized", "time": "elapsed_time"}
 # What a time series is called beside the statistics of the same variable.
 SERIES = "_series"
+# What an output's spectra are called after it: unit from its own, and meaning.
+SPECTRA = {
+    "_response": ("{} m-1", "Amplitude per wave amplitude"),
+    "_response_phase": ("rad", "Lag behind the elevation at the origin"),
+    "_coherence": ("1", "Share of the variance that follows the waves linearly"),
+    "_spectrum": ("{}2 s rad-1", "Variance density by angular frequency"),
+}
 SLIDING = {"surge", "sway", "heave"}  # the other axes turn
 
 
@@ -179,12 +189,23 @@ def meaning(name: str, axes: Iterable[str] = ()) -> dict[str, str]:
     axes: of the joints; where some slide and some turn, what goes with both has no unit but theirs.
     """
     name = name.removesuffix(SERIES)
+    for suffix, (pattern, words) in SPECTRA.items():
+        if name.endswith(suffix):
+            return _spectral(meaning(name.removesuffix(suffix), axes), pattern, words)
     known = VARIABLES.get(name) or KNOBS.get(name) or COORDINATES.get(name)
     attrs = known.attrs() if known else {"long_name": name.replace("_", " ")}
     if "{axis}" in attrs.get("units", ""):
         pattern, units = attrs.pop("units"), set(axis_units(axes))
         attrs |= {"units": pattern.format(axis=units.pop())} if len(units) == 1 else {}
     return attrs | {"positive": "up"} if name == "height" else attrs
+
+
+def _spectral(of: dict[str, str], pattern: str, words: str) -> dict[str, str]:
+    """Attributes of an output's spectrum and the like, from the output's own; without units where that has none."""
+    own = of.get("units", "")
+    squared = f"({own})" if " " in own and pattern.startswith("{}2") else own
+    units = {"units": pattern.format(squared)} if own or "{}" not in pattern else {}
+    return {**units, "long_name": f"{words}: {of['long_name']}"}
 
 
 def meaning_of(axis: Axis, motions: Collection[str]) -> dict[str, str]:

@@ -62,7 +62,7 @@ def _once(outputs: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in physics.OUTPUTS if name in outputs)
 
 
-@fields_of(physics.Settings, ("duration", "discard", "ramp", "ramp_form", "rao", "outputs"))
+@fields_of(physics.Settings, ("duration", "discard", "ramp", "ramp_form", "rao", "spectra", "outputs"))
 class Recording(Table):
     """What of the simulated time is analysed."""
 
@@ -81,6 +81,7 @@ class Recording(Table):
     if TYPE_CHECKING:
         ramp: float = DEFAULT.ramp
         rao: bool = DEFAULT.rao
+        spectra: bool = DEFAULT.spectra
 
 
 @fields_of(physics.Settings, {f.name for f in fields(physics.Settings)} - {*Recording.model_fields, "keep_series"})

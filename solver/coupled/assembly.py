@@ -1,6 +1,7 @@
 """The seam between objects and kernels: a scene becomes the arrays that the march reads."""
 
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadrature
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
+from solver.keys import shared
 from solver.multibody.chain import PRISMATIC, REVOLUTE
 from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops, tables
 from solver.multibody.minimal import Bodies
@@ -23,6 +25,7 @@ from solver.scene import DOFS, PER_AXIS, Float, Scene
 from solver.sea.field import WaveField
 
 Axis = tuple[bool, np.ndarray, tuple[float, float, float], int]  # see _chains
+KNOWN = 8  # seas with a platform and floats' coefficients whose rows a process keeps
 SPIN = 3  # number of the first rotation among the six DOF
 
 
@@ -148,10 +151,12 @@ def _rule(hull: Revolution, scene: Scene, field: WaveField) -> WettedQuadrature:
 
 
 def rules(scene: Scene, field: WaveField) -> dict[str, Any]:
-    """Fields of Bodies by which the pressure on each float is integrated."""
-    quadratures = [None if isinstance(f.hull, PanelHull) else _rule(f.hull, scene, field) for f in scene.floats]
+    """Fields of Bodies by which the pressure on each float is integrated; nothing where it is linear."""
+    nonlinear = scene.settings.froude_krylov == "body-nonlinear"
+    hulls = [None if isinstance(f.hull, PanelHull) else f.hull for f in scene.floats]
+    quadratures = [_rule(hull, scene, field) if nonlinear and hull else None for hull in hulls]
     return {
-        "meshed": np.array([r is None for r in quadratures], bool),
+        "meshed": np.array([hull is None for hull in hulls], bool),
         "rule": _stacked(quadratures),
         "patches": np.array([len(r.patch) if r else 0 for r in quadratures], np.int64),
         "panels": _panels(scene, field),
@@ -246,11 +251,27 @@ def wave_rows(
     scene: Scene, field: WaveField, support: Support | None, hydrodynamics: Hydrodynamics | None, terms: int
 ) -> tuple[np.ndarray, Layout]:
     """All rows (m, n) that the wave drives and where each quantity is."""
-    n = scene.sea.omega.size
-    nb = len(scene.floats)
+    wanted = ("diffraction",) * scene.settings.diffraction
+    wanted += ("froude_krylov",) * (scene.settings.froude_krylov == "linear")
+    # Still water has a frequency for form's sake, which the coefficients need not cover.
+    known = hydrodynamics if scene.sea.amplitude.any() else None
+    return _rows(field, tuple(tuple(f.centre.tolist()) for f in scene.floats), support, known, terms, wanted)
+
+
+@lru_cache(maxsize=KNOWN)
+def _rows(
+    field: WaveField,
+    centres: tuple[tuple[float, float, float], ...],
+    support: Support | None,
+    hydrodynamics: Hydrodynamics | None,
+    terms: int,
+    wanted: tuple[str, ...],
+) -> tuple[np.ndarray, Layout]:
+    """Tasks that differ in their joints alone share them."""
+    n, nb = field.sea.omega.size, len(centres)
     parts = [
-        np.array([field.local_pressure(f.centre, terms) for f in scene.floats]).reshape(-1, n),
-        _excitation(scene, hydrodynamics).reshape(-1, n) if nb else np.zeros((0, n)),
+        np.array([field.local_pressure(np.array(c), terms) for c in centres]).reshape(-1, n),
+        _excitation(field, nb, hydrodynamics, wanted).reshape(-1, n) if nb else np.zeros((0, n)),
         support.wave_rows if support else np.zeros((0, n)),
         support.station_rows.transpose(1, 0, 2).reshape(-1, n) if support else np.zeros((0, n)),
         field.elevation(np.zeros((1, 3))),
@@ -258,21 +279,18 @@ def wave_rows(
     ]
     ends = np.cumsum([0] + [len(p) for p in parts])
     columns = [slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
-    return np.concatenate(parts).astype(complex), Layout(*columns)
+    return shared(np.concatenate(parts).astype(complex)), Layout(*columns)
 
 
-def _excitation(scene: Scene, hydrodynamics: Hydrodynamics | None) -> np.ndarray:
+def _excitation(field: WaveField, nb: int, hydrodynamics: Hydrodynamics | None, wanted: Iterable[str]) -> np.ndarray:
     """Rows (nb, 6, n): diffraction, and linear Froude-Krylov where the scene asks for it."""
-    wanted = ["diffraction"] * scene.settings.diffraction
-    wanted += ["froude_krylov"] * (scene.settings.froude_krylov == "linear")
-    n = scene.sea.omega.size
-    # Still water has a frequency for form's sake, which the coefficients need not cover.
-    if hydrodynamics is None or not scene.sea.amplitude.any():
-        return np.zeros((len(scene.floats), 6, n), complex)
-    force = sum((hydrodynamics.excitation(scene.sea.omega, kind) for kind in wanted), np.zeros((n, 1)))
-    force = np.broadcast_to(force, (n, len(scene.floats) * len(hydrodynamics.dofs)))
-    nb, nr = len(scene.floats), len(hydrodynamics.dofs)
-    rows = np.zeros((nb, 6, scene.sea.omega.size), complex)
+    sea, n = field.sea, field.sea.omega.size
+    rows = np.zeros((nb, 6, n), complex)
+    if hydrodynamics is None:
+        return rows
+    nr, force = len(hydrodynamics.dofs), np.zeros((n, nb * len(hydrodynamics.dofs)), complex)
+    for kind in wanted:
+        force += hydrodynamics.excitation(sea.omega, kind)
     index = [DOFS.index(d) for d in hydrodynamics.dofs]
-    rows[:, index] = (force * scene.sea.amplitude[:, None]).T.reshape(nb, nr, -1)
+    rows[:, index] = (force * sea.amplitude[:, None]).T.reshape(nb, nr, -1)
     return rows

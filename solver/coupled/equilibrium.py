@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.modal import Structure
 from solver.errors import SimulationFailed
 from solver.kernels import lean_kernel
 from solver.multibody.joint_law import zones_at_rest
@@ -100,13 +99,6 @@ def symmetric_stiffness(residual: np.ndarray) -> np.ndarray:
     return -(residual + residual.T) / 2
 
 
-def tangent(body: Bodies, z: np.ndarray) -> np.ndarray:
-    """Stiffness (nz, nz) at z, at rest in still water."""
-    steps = STEP * np.eye(z.size)
-    low, high = balance(body, np.stack([z - steps, z + steps]))[0]
-    return symmetric_stiffness((high - low) / (2 * STEP))
-
-
 def weights(body: Bodies) -> float:
     """Of all floats on a metre, on their arms and on the way to their centres of gravity [N m]."""
     hinge = body.point[:, :1].sum(axis=1)  # the first axis's; without floats there is none
@@ -114,20 +106,20 @@ def weights(body: Bodies) -> float:
     return float(body.gravity * np.sum(body.mass * (1 + lever)))
 
 
-def equilibrium(body: Bodies, frame: Structure, stride: float) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates z (nz,) of the floats and amplitudes p (nm,) of the modes at rest in still water.
+def equilibrium(body: Bodies, omega: np.ndarray, carrier: np.ndarray, stride: float) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates z (nz,) of the floats and amplitudes p (nm,) of modes of frequencies omega (nm,) at rest.
 
-    The structure bends under what the floats put on it, p = Sᵀ JᵀW/ω² with carriers S p, and the floats
+    In still water. The structure bends under what the floats put on it, p = Sᵀ JᵀW/ω² with carriers S p, and the floats
     follow it by at most `stride` [m or rad] at a time, in turn until nothing moves.
     """
-    nc, nm = frame.carrier.shape
+    nc, nm = carrier.shape
     z, p = np.zeros(body.mechanism.size), np.zeros(nm)
     for _ in range(ROUNDS):
         before = z.copy()
         if z.size > nc:
             _settle_joints(body, z, nc, stride)
-        p = frame.carrier.T @ balance(body, z)[0][:nc] / frame.omega**2
-        z[:nc] = frame.carrier @ p
+        p = carrier.T @ balance(body, z)[0][:nc] / omega**2
+        z[:nc] = carrier @ p
         if np.abs(z - before).max(initial=0.0) < SETTLED:
             return z, p
     raise SimulationFailed(f"no static equilibrium of floats and structure after {ROUNDS} rounds: it is too soft")
@@ -158,8 +150,10 @@ def _settle_joints(body: Bodies, z: np.ndarray, nc: int, stride: float) -> None:
 
 def _downhill(body: Bodies, z: np.ndarray, nc: int) -> tuple[np.ndarray, np.ndarray]:
     """Newton's step of the joints (nj,) with all curvatures taken as positive, and the load there (nj,)."""
-    r = balance(body, z)[0][nc:]
-    value, vector = np.linalg.eigh(tangent(body, z)[nc:, nc:])
+    n, steps = z.size, STEP * np.eye(z.size)
+    load = balance(body, np.concatenate([z - steps, z + steps, z[None]]))[0]
+    r, tangent = load[-1, nc:], symmetric_stiffness((load[n : 2 * n] - load[:n]) / (2 * STEP))
+    value, vector = np.linalg.eigh(tangent[nc:, nc:])
     # Nothing holds a free float in surge or yaw, and nothing pushes it; rounding is 1e-7 of the rest.
     held = np.abs(value) > 1e-6 * np.abs(value).max()
     return vector[:, held] @ (vector[:, held].T @ r / np.abs(value[held])), r

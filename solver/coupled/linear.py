@@ -36,15 +36,47 @@ class LinearModel:
     stiffness: np.ndarray  # C (n, n)
     length: np.ndarray  # (n,) [m]: how far the structure or a hull moves, at most, for one unit
     wrench: np.ndarray  # W (3, nb, 6, n): ∂W/∂x, ∂W/∂ẋ, ∂W/∂ẍ [N, N m, ...]
+    modes: np.ndarray  # (3, nm) ω², 2ζω, 1
+    floats: np.ndarray  # (3, nz, nz): -∂JᵀW/∂z, -∂JᵀW/∂ż, -∂JᵀW/∂z̈
+    radiating: np.ndarray  # (na, nz): what radiates, by z
 
     def dynamic_stiffness(self, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
         """-ω²M - iω(D + EᵀY(ω)E) + C (nw, n, n) for radiation impedance Y (nw, na, na)."""
-        w = omega[:, None, None]
-        return self.stiffness - w**2 * self.mass - 1j * w * (self.damping + self.active.T @ Y @ self.active)
+        L, (nz, n), nm = self._of_floats(omega, Y), self.shape.shape, self.modes.shape[1]
+        nw = len(omega)
+        half = (L.reshape(nw * nz, nz) @ self.shape).reshape(nw, nz, n).transpose(0, 2, 1)
+        Z = (half.reshape(nw * n, nz) @ self.shape).reshape(nw, n, n).transpose(0, 2, 1)
+        Z[:, range(nm), range(nm)] += self._of_modes(omega)
+        return Z
 
     def response(self, omega: np.ndarray, Y: np.ndarray, force: np.ndarray) -> np.ndarray:
-        """X (nw, n) to wave force F (nw, n)."""
-        return np.linalg.solve(self.dynamic_stiffness(omega, Y), force[..., None])[..., 0]
+        """X (nw, n) to wave force F (nw, n).
+
+        Modes with damping of their own are eliminated: with L z the floats' loads, on their carriers S p, and d a
+        mode's own dynamic stiffness, p = (F - Sᵀ L z)/d, so that only z is solved for.
+        """
+        (nz, n), nm = self.shape.shape, self.modes.shape[1]
+        if not (nm and np.all(self.modes[1] > 0)):
+            return np.linalg.solve(self.dynamic_stiffness(omega, Y), force[..., None])[..., 0]
+        nc, d, L = nz - (n - nm), self._of_modes(omega), self._of_floats(omega, Y)
+        S, system = self.shape[: nz - (n - nm), :nm], L.copy()
+        flexibility = ((1 / d) @ (S[:, None] * S).reshape(nc * nc, nm).T).reshape(len(omega), nc, nc)
+        system[:, :nc] = flexibility @ L[:, :nc]
+        system[:, range(nc), range(nc)] += 1
+        known = np.concatenate([(force[:, :nm] / d) @ S.T, force[:, nm:]], axis=1)
+        z = np.linalg.solve(system, known[..., None])
+        p = (force[:, :nm] - (L[:, :nc] @ z)[..., 0] @ S) / d
+        return np.concatenate([p, z[:, nc:, 0]], axis=1)
+
+    def _of_modes(self, omega: np.ndarray) -> np.ndarray:
+        """ω_m² - 2iζω_mω - ω² (nw, nm)."""
+        w = omega[:, None]
+        return self.modes[0] - 1j * w * self.modes[1] - w**2 * self.modes[2]
+
+    def _of_floats(self, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
+        """Load against z for unit z (nw, nz, nz)."""
+        w, (K, D, M) = omega[:, None, None], self.floats
+        return K - w**2 * M - 1j * w * (D + self.radiating.T @ Y @ self.radiating)
 
 
 @lru_cache(maxsize=1)
@@ -55,20 +87,25 @@ def linear_model(system: System) -> LinearModel:
     T = np.zeros((nz, nm + nz - nc))
     T[:nc, :nm], T[nc:, nm:] = frame.carrier, np.eye(nz - nc)
     loads = system.differences
+    floats = np.stack([system.stiffness, *(-loads.residual[1:])])
     modal = np.zeros((3, nm + nz - nc))
     modal[:, :nm] = frame.omega**2, 2 * frame.damping * frame.omega, np.ones(nm)
-    parts = zip((system.stiffness, *(-loads.residual[1:])), modal, strict=True)
+    parts = zip(floats, modal, strict=True)
     stiffness, damping, mass = (T.T @ of_floats @ T + np.diag(of_modes) for of_floats, of_modes in parts)
     J = _jacobian(system, z)
+    radiating = J[:, system.bodies.active].reshape(len(J) * system.bodies.active.size, nz)
     reach = np.linalg.norm(J[:, :3], axis=1) + _sizes(system)[:, None] * np.linalg.norm(J[:, 3:], axis=1)
     return LinearModel(
         shape=T,
-        active=J[:, system.bodies.active].reshape(len(J) * system.bodies.active.size, nz) @ T,
+        active=radiating @ T,
         mass=mass,
         damping=damping,
         stiffness=stiffness,
         length=np.concatenate([frame.scale, reach.max(axis=0, initial=0.0)[nc:]]),
         wrench=loads.wrench @ T,
+        modes=modal[:, :nm],
+        floats=floats,
+        radiating=radiating,
     )
 
 

@@ -1,7 +1,9 @@
 """What the linear model says of a scene: stability, natural periods and shapes, critical damping, the usual step."""
 
+import contextlib
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -9,13 +11,16 @@ from scipy import linalg
 from scipy.interpolate import CubicSpline
 
 from solver.coupled.linear import LinearModel, linear_model
+from solver.coupled.support import Support
 from solver.coupled.system import System, prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.keys import Bits, shared
 from solver.scene import STEPS, Scene, two_digits
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
 PLATFORM = 6  # lowest shapes of the platform that are told, besides all joints
+KNOWN = 32  # undamped scenes that a process keeps
 SPARE = 20  # shapes beyond those told, of which they are made where the added mass is another
 ROUNDS, AGREED = 50, 1e-9  # of added mass and frequency in turn
 MOVES = 0.3  # of the largest motion: what moves by less is not part of a shape's name
@@ -44,9 +49,29 @@ def system_modes(system: System, h: Hydrodynamics | None) -> SystemModes:
     All joints' shapes and the platform's lowest. Beyond the frequencies solved for the nearest one's added mass
     stands; what nothing holds has ω = 0.
     """
-    model = linear_model(system)
-    added, n = _added(system, model, h), len(model.mass)
-    count = min(n, n - system.structure.omega.size + PLATFORM)
+    model, radiates = linear_model(system), system.scene.settings.radiation
+    undamped = _Undamped(model.stiffness, model.mass, model.active, model.length, system.bodies.added_mass)
+    return _system_modes(Bits(undamped), h if radiates else None, _joints(system.scene), system.support)
+
+
+class _Undamped(NamedTuple):
+    """Of a linear model what has no part in damping, see there; and A∞ (na, na)."""
+
+    stiffness: np.ndarray
+    mass: np.ndarray
+    active: np.ndarray
+    length: np.ndarray
+    added_mass: np.ndarray
+
+
+@lru_cache(maxsize=KNOWN)
+def _system_modes(
+    undamped: Bits[_Undamped], h: Hydrodynamics | None, joints: tuple[str, ...], support: Support | None
+) -> SystemModes:
+    """Scenes that differ in what damps them share their modes."""
+    model = undamped.value
+    added, n = _added(model.active, model.added_mass, h), len(model.mass)
+    count = min(n, len(joints) + PLATFORM)
     if not count:
         return SystemModes(np.zeros(0), np.zeros((n, 0)), ())
     kept = min(n, count + SPARE)
@@ -54,8 +79,8 @@ def system_modes(system: System, h: Hydrodynamics | None) -> SystemModes:
     pairs = [_settled(value, lambda omega: basis.T @ added(omega).real @ basis, i) for i in range(count)]
     omega, shapes = np.array([w for w, _ in pairs]), basis @ np.array([s for _, s in pairs]).T
     order = np.argsort(omega)
-    shapes = shapes[:, order]
-    return SystemModes(omega[order], shapes, tuple(_name(system, model, s) for s in shapes.T))
+    omega, shapes = shared(omega[order]), shared(shapes[:, order])
+    return SystemModes(omega, shapes, tuple(_name(joints, model.length, s, support) for s in shapes.T))
 
 
 def _settled(stiffness: np.ndarray, added: Added, i: int) -> tuple[float, np.ndarray]:
@@ -80,7 +105,7 @@ def _squares(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.nd
     Waves caught between bodies may make the added mass so negative that a shape has none in all, and no frequency:
     1/ω² of the others is what the inverse problem has above zero.
     """
-    if linalg.eigvalsh(mass, subset_by_index=(0, 0))[0] > 0:
+    with contextlib.suppress(np.linalg.LinAlgError):  # of a mass that is not positive
         return linalg.eigh(np.diag(stiffness), mass)
     held = np.maximum(stiffness, -UNSTABLE * stiffness.max())
     inverse, shapes = linalg.eigh(mass, np.diag(held))
@@ -88,23 +113,24 @@ def _squares(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.nd
     return 1 / inverse[real], shapes[:, real] / np.sqrt(inverse[real])
 
 
-def _added(system: System, model: LinearModel, h: Hydrodynamics | None) -> Added:
-    if h is None or not system.scene.settings.radiation:
-        return lambda _: np.zeros(model.mass.shape, complex)
-    curve = CubicSpline(h.omega, h.added_mass - system.bodies.added_mass + 1j * h.radiation_damping)
-    return lambda omega: model.active.T @ curve(np.clip(omega, h.omega[0], h.omega[-1])) @ model.active
+def _added(active: np.ndarray, added_mass: np.ndarray, h: Hydrodynamics | None) -> Added:
+    """Of what radiates E x; added_mass: A∞. Without coefficients nothing radiates."""
+    if h is None:
+        return lambda _: np.zeros((active.shape[1],) * 2, complex)
+    curve = CubicSpline(h.omega, h.added_mass - added_mass + 1j * h.radiation_damping)
+    return lambda omega: active.T @ curve(np.clip(omega, h.omega[0], h.omega[-1])) @ active
 
 
-def _joints(scene: Scene) -> list[str]:
-    return [f"{f.name} {axis}" for f in scene.floats for axis in f.motion]
+def _joints(scene: Scene) -> tuple[str, ...]:
+    return tuple(f"{f.name} {axis}" for f in scene.floats for axis in f.motion)
 
 
-def _name(system: System, model: LinearModel, shape: np.ndarray) -> str:
+def _name(joints: tuple[str, ...], length: np.ndarray, shape: np.ndarray, support: Support | None) -> str:
     """What moves, the largest first, against it with a minus sign: "front hinge - rear hinge", "platform x"."""
-    nm = system.structure.omega.size
-    motions = dict(zip(_joints(system.scene), shape[nm:] * model.length[nm:], strict=True))
-    if system.support is not None:
-        moved = (system.support.shapes @ shape[:nm]).reshape(-1, 6)[:, :3]
+    nm = len(shape) - len(joints)
+    motions = dict(zip(joints, shape[nm:] * length[nm:], strict=True))
+    if support is not None:
+        moved = (support.shapes @ shape[:nm]).reshape(-1, 6)[:, :3]
         node, axis = np.unravel_index(np.argmax(np.abs(moved)), moved.shape)
         motions[FRAME + "xyz"[axis]] = moved[node, axis]
     first, *rest = sorted(motions, key=lambda name: -abs(motions[name]))
@@ -166,7 +192,8 @@ def with_critical_damping(scene: Scene, h: Hydrodynamics | None) -> Scene:
         return scene
     system = prepare(scene, h)
     model = linear_model(system)
-    added, coordinate, floats = _added(system, model, h), system.structure.omega.size, []
+    added = _added(model.active, system.bodies.added_mass, h if scene.settings.radiation else None)
+    coordinate, floats = system.structure.omega.size, []
     for f in scene.floats:
         damping = f.per_axis("damping").copy()
         for i, ratio in enumerate(f.per_axis("critical_damping")):

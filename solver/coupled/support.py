@@ -6,10 +6,10 @@ The static shapes carry what the left-out modes would have added quasi-staticall
 includes the added mass of the wetted members, because that is the mass that moves.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy import linalg, sparse
@@ -33,6 +33,19 @@ KNOWN = 8  # platforms that a process keeps, by themselves and in one sea
 PLANAR = np.array([0, 2, 4])
 
 
+class LeftOut(NamedTuple):
+    """What the kept shapes lack of the legs' tops' displacement, all directions of one top after another (nt,) [m].
+
+    For loads f and amplitudes p, K⁻¹(f - Mφp̈) less the part of it in the shapes: the static answer to what they do not
+    balance.
+    """
+
+    waves: np.ndarray  # (nt, n) complex, to the wave inertia load
+    drag: np.ndarray  # (nd ns, nt) to unit drag at the stations
+    inertia: np.ndarray  # (nm, nt) to unit p̈, with its sign changed
+    tops: np.ndarray  # (nt,) degrees of freedom
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Support:
     """Arrays of a platform for one sea; nm modes, nc carrier coordinates, ns drag stations."""
@@ -47,6 +60,7 @@ class Support:
     drag: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
     legs: Legs | None
     forces: Forces | None  # None where neither legs nor outputs ask for any
+    left_out: LeftOut
     buckling_factor: float  # gravity times this buckles the frame
 
 
@@ -127,7 +141,11 @@ def reduce_platform(
     nodal = _nodal_load(model, at, inertia_rows)
     loads = np.concatenate([nodal, _nodal_load(model, at, _drag_rows(at, field, sea))], axis=1)
     omega, shapes = kept if modes == "all" else _basis(model, M, kept, symmetric, dof.ravel(), loads)
-    station_shape, station_rows, drag, of_drag = _drag(model, field, sea, shapes, stations, planar)
+    tops = _tops(model, platform.legs)
+    rest = _rest(model, tops, symmetric, omega, shapes)
+    both = np.concatenate([shapes, rest], axis=1)
+    station_shape, station_rows, drag, of_drag = _drag(model, field, sea, both, omega.size, stations, planar=planar)
+    station_shape, station_rest = np.split(station_shape, [omega.size], axis=2)
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
     if asked.wanted.end.size or asked.wanted.grounded.size:
@@ -151,10 +169,22 @@ def reduce_platform(
         station_shape=station_shape,
         station_rows=station_rows,
         drag=drag,
+        left_out=LeftOut(
+            waves=rest.T @ nodal,
+            drag=station_rest.transpose(1, 0, 2).reshape(station_rest.shape[0] * station_rest.shape[1], tops.size),
+            inertia=shapes.T @ (M @ rest),
+            tops=tops,
+        ),
         legs=legs.outputs(platform.legs, model, sea.density, sea.gravity, at_rest, shapes) if platform.legs else None,
         forces=borne,
         buckling_factor=factor,
     )
+
+
+@lru_cache(maxsize=KNOWN)
+def damped(support: Support, ratio: float) -> Support:
+    """With the damping ratio of all modes."""
+    return replace(support, forces=support.forces.damped(ratio)) if support.forces is not None else support
 
 
 @lru_cache(maxsize=KNOWN)
@@ -229,12 +259,31 @@ def _basis(
     return omega, basis @ mix
 
 
+def _tops(model: FrameModel, names: Iterable[str]) -> np.ndarray:
+    """Degrees of freedom (nt,): x, y and z of each leg's upper end."""
+    ends = [model.member_nodes[name][[0, -1]] for name in names]
+    nodes = np.array([pair[np.argmax(model.xyz[pair, 2])] for pair in ends], int)
+    return (6 * nodes[:, None] + np.arange(3)).ravel()
+
+
+def _rest(
+    model: FrameModel, tops: np.ndarray, symmetric: sparse.csr_array | None, omega: np.ndarray, shapes: np.ndarray
+) -> np.ndarray:
+    """(6n, nt): displacement of some degrees of freedom (nt,) for unit loads, less that in the shapes, φ φᵀ/ω²."""
+    unit = np.zeros((len(shapes), tops.size))
+    unit[tops, np.arange(tops.size)] = 1.0
+    if symmetric is not None:
+        unit = symmetric @ (symmetric.T @ unit)
+    return statics.static(model, unit) - shapes @ (shapes[tops] / omega**2).T
+
+
 def _drag(
-    model: FrameModel, field: WaveField, sea: Water, shapes: np.ndarray, points: int, planar: bool
+    model: FrameModel, field: WaveField, sea: Water, shapes: np.ndarray, modes: int, points: int, *, planar: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, Callable[[Places], np.ndarray]]:
     """Normal shapes, velocity rows and coefficients of the drag stations, and what their drag does to forces asked for.
 
-    In a planar scene a station and its mirror image in y = 0 are loaded alike: one counts twice.
+    The first `modes` of the shapes move. In a planar scene a station and its mirror image in y = 0 are loaded alike:
+    one counts twice.
     """
     at = water.stations(model, points, DRAG * field.mean_length)
     normal = _normal(at)
@@ -244,6 +293,7 @@ def _drag(
     if planar:
         drag = drag * np.where(np.abs(y) < SAME, 1.0, 2.0)
     wet = (drag > 0) & ((y > -SAME) | (not planar))
-    moving = np.array([np.abs(shape[:, d]).max(initial=0) > 1e-9 * np.abs(shape).max(initial=0) for d in range(3)])
+    size = np.abs(shape[..., :modes]).max(axis=(0, 2), initial=0)
+    moving = size > 1e-9 * size.max()
     borne = partial(forces.of_drag, at=at, kept=wet, directions=moving, planar=planar)
     return shape[wet][:, moving], rows[wet][:, moving], drag[wet], borne

@@ -40,17 +40,19 @@ from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.bem.mean_hull import motion_lengths
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.radiation import memory as radiation
+from solver.keys import Bits, shared
 from solver.limits import slides
 from solver.multibody import joint_law
 from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
 from solver.scene import Float, Scene
-from solver.sea.field import Factored, WaveField, WaveSeries, factored
+from solver.sea.field import Factored, WaveField, WaveSeries, factored, wave_field
 from solver.sea.realization import ramp
 
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
 ROUNDING = 1e-12  # of the weights' energy and work: 2e-16 a step, in some 1e6 steps of either sign
 BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's work
+KNOWN = 32  # scenes at rest that a process keeps
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
 
@@ -73,7 +75,9 @@ class System:
     def equilibrium(self) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates z (nz,) and modal amplitudes p (nm,) at rest in still water."""
         stride = 0.1 * min(1.0, *(f.hull.size for f in self.scene.floats), 1.0)
-        return equilibrium(self.bodies, self.structure, stride)
+        frame, law = self.structure, joint_law.at_rest(self.bodies.law)
+        z, p = _equilibrium(Bits((self.bodies._replace(law=law), frame.omega, frame.carrier)), stride)
+        return z.copy(), p.copy()  # kernels are compiled once more for arrays that nobody may write to
 
     @cached_property
     def differences(self) -> Differences:
@@ -212,16 +216,23 @@ class System:
         )
 
 
+@lru_cache(maxsize=KNOWN)
+def _equilibrium(scene: Bits[tuple[Bodies, np.ndarray, np.ndarray]], stride: float) -> tuple[np.ndarray, np.ndarray]:
+    """Of floats, frequencies and carriers of the structure; scenes that differ in what damps them share it."""
+    z, p = equilibrium(*scene.value, stride)
+    return shared(z), shared(p)
+
+
 def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     """The scene as arrays; InputError for coefficients of another scene."""
     settings, water = scene.settings, scene.water
     dt = scene.usual_step if settings.time_step is None else settings.time_step
     if hydrodynamics is not None and scene.floats:
         _check_same(scene, hydrodynamics)
-    waves = WaveField(scene.sea, water.depth, water.gravity)
+    waves = wave_field(scene.sea, water.depth, water.gravity)
     support = None
     if scene.platform is not None:
-        support = platform.reduce_platform(
+        reduced = platform.reduce_platform(
             replace(scene.platform, damping_ratio=0.0),  # which changes none of it
             waves,
             water,
@@ -231,8 +242,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
             stations=settings.stations_per_element,
             outputs=settings.outputs,
         )
-        if support.forces is not None:
-            support = replace(support, forces=support.forces.damped(scene.platform.damping_ratio))
+        support = platform.damped(reduced, scene.platform.damping_ratio)
     fit = None
     if scene.floats and settings.radiation and settings.method == "time":
         fit = remembered(hydrodynamics, tuple(f.hull for f in scene.floats), settings.memory_tolerance)

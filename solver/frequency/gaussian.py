@@ -5,9 +5,12 @@ extremes those that a narrow band is expected to have in a time T (Cartwright an
 μ ± (u + γ/u) √m₀, u² = 2 ln N, N = T √(m₂/m₀)/2π cycles; never more than Σ|X|. One line is a harmonic.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.special import erf
 
+from solver.keys import shared
 from solver.statistics import moments
 
 EULER = 0.5772156649015329
@@ -18,7 +21,8 @@ FAR = 8.0  # times its std: how far from zero a mean must be for the length of i
 
 def covariance(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
     """½ Re Σ X Y* (…, n, m) of lines X (nw, …, n), Y (nw, …, m)."""
-    return 0.5 * np.einsum("k...n,k...m->...nm", X, Y.conj()).real
+    X, Y = (np.moveaxis(np.concatenate([Z.real, Z.imag]), 0, -1) for Z in (X, Y))
+    return 0.5 * X @ np.swapaxes(Y, -1, -2)
 
 
 def cycles(X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
@@ -102,10 +106,11 @@ def _length(m: np.ndarray, S: np.ndarray) -> tuple[float, float, np.ndarray]:
     return size, m @ m + np.trace(S) - size**2, quarter * (sign @ e)
 
 
+@lru_cache
 def _directions(count: int) -> np.ndarray:
     """(count, 2), all round."""
     angle = 2 * np.pi * np.arange(count) / count
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return shared(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
 
 def _sampled(X: np.ndarray) -> np.ndarray:

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solver.coupled import linear_drag
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.modal import Structure
 from solver.coupled.system import System
 from solver.errors import SimulationFailed
-from solver.frequency import drag
-from solver.frequency.gaussian import covariance
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 
@@ -44,7 +43,7 @@ def respond(system: System, h: Hydrodynamics | None) -> Response:
     force = wave_force(model, radiating.reshape(omega.size, len(model.active)), rows[system.layout.modal])
     X, drag_load, pto, rounds = _agreed(system, model, omega, Y, force, rows[system.layout.station].T)
     w = omega[:, None]
-    radiated = np.einsum("kij,kj->ki", Y, -1j * w * (X @ model.active.T))
+    radiated = Y @ (-1j * w * (X @ model.active.T))[..., None]
     excitation[..., system.bodies.active] -= radiated.reshape(radiating.shape)
     by_motion = sum(np.tensordot((-1j * w) ** k * X, part, axes=(1, 2)) for k, part in enumerate(model.wrench))
     waves = rows[system.layout.modal].T
@@ -65,7 +64,8 @@ def _carried(frame: Structure, w: np.ndarray, P: np.ndarray, waves: np.ndarray, 
     if not frame.carrier.size:
         return np.zeros((len(P), frame.carrier.shape[0]), complex)
     force = (-(w**2) - 2j * frame.damping * frame.omega * w + frame.omega**2) * P - waves
-    force -= np.tensordot(drag_load, frame.station, axes=([1, 2], [1, 2]))
+    at_stations = drag_load[0].size
+    force -= drag_load.reshape(len(P), at_stations) @ frame.station.reshape(len(frame.station), at_stations).T
     return np.linalg.lstsq(frame.carrier.T, force.T, rcond=None)[0].T
 
 
@@ -76,37 +76,75 @@ def _agreed(
 
     force (nw, n): the waves', without drag; water (nw, nd ns): velocity at the drag stations.
     """
-    frame = system.structure
-    nm, (_, nd, ns), nc = frame.omega.size, frame.station.shape, frame.carrier.shape[0]
-    water = water.reshape(omega.size, nd, ns)
-    law, height = system.bodies.law, float(np.abs(system.scene.sea.amplitude).sum())
+    frame, law = system.structure, system.bodies.law
+    nm, nc = frame.omega.size, frame.carrier.shape[0]
+    stations, height = _Stations(frame, water), float(np.abs(system.scene.sea.amplitude).sum())
     quadratic, bent = joint_law.drag(law)[nc:], joint_law.bent(law).any()
     at_rest = pto = joint_law.damping_of_gaussian(law, np.zeros(system.bodies.mechanism.size))[nc:]
     Z, w = model.dynamic_stiffness(omega, Y), omega[:, None, None]
     rate = np.zeros((omega.size, len(model.mass)), complex)
-    std, K = np.zeros(len(model.mass)), np.zeros((ns, nd, nd))
+    std = np.zeros(len(model.mass))
     for rounds in range(1, ROUNDS + 1):
         damping, push = np.zeros(model.damping.shape), force  # damping by drag
-        if ns:
-            flow = water - np.tensordot(rate[:, :nm], frame.station, axes=1)
-            K = _equivalent(np.moveaxis(flow, -1, 1)) * frame.drag[:, None, None]
-            carried = np.einsum("mds,sde->mes", frame.station, K)
-            damping[:nm, :nm] += np.tensordot(carried, frame.station, axes=([1, 2], [1, 2]))
+        if stations.size:
+            K = stations.equivalent(rate[:, :nm])
+            damping[:nm, :nm], of_water = stations.on_modes(K)
             push = force.copy()
-            push[:, :nm] += np.tensordot(water, carried, axes=([1, 2], [1, 2]))
+            push[:, :nm] += of_water
         if quadratic.any():
-            damping[nm:, nm:] += np.diag(quadratic * _equivalent(rate[:, nm:, None])[:, 0, 0])
+            damping[nm:, nm:] += np.diag(quadratic * linear_drag.of_lines(rate[:, None, nm:])[:, 0, 0])
         if bent:
             pto = _taking(system, rate[:, nm:])
             damping[nm:, nm:] += np.diag(pto - at_rest)
-        X = _solved(Z - 1j * w * damping if damping.any() else Z, push)
+        damped = Z
+        if damping.any():
+            damped = Z.copy()
+            damped.imag -= w * damping
+        X = _solved(damped, push)
         _require_bounded(model, omega, X, height)
         rate, before, std = -1j * omega[:, None] * X, std, np.sqrt(np.sum(np.abs(X) ** 2, axis=0))
-        if not (ns or quadratic.any() or bent) or np.all(np.abs(std - before) <= AGREED * std):
-            past = water - np.tensordot(rate[:, :nm], frame.station, axes=1)
-            return X, np.einsum("sde,kes->kds", K, past), pto, rounds
+        if not (stations.size or quadratic.any() or bent) or np.all(np.abs(std - before) <= AGREED * std):
+            return X, stations.load(K, rate[:, :nm]) if stations.size else stations.none, pto, rounds
     what = "drag or power take-off" if bent else "drag"
     raise SimulationFailed(f"linearised {what} does not agree with its own result after {ROUNDS} rounds")
+
+
+class _Stations:
+    """The frame's drag at its ns stations, in nd directions, in water of velocity (nw, nd ns).
+
+    Lines are taken as twice as many real ones, for products with real shapes.
+    """
+
+    def __init__(self, frame: Structure, water: np.ndarray):
+        self.frame, self.size = frame, frame.drag.size
+        nm, nd, ns = frame.station.shape
+        self.shape = frame.station.reshape(nm, nd * ns)
+        self.water = np.concatenate([water.real, water.imag])
+        self.none = water.reshape(len(water), *frame.station.shape[1:])
+
+    def _flow(self, rate: np.ndarray) -> np.ndarray:
+        """Of the water past the frame (2 nw, nd, ns) at modal rates (nw, nm)."""
+        flow = self.water - np.concatenate([rate.real, rate.imag]) @ self.shape
+        return flow.reshape(len(flow), *self.frame.station.shape[1:])
+
+    def equivalent(self, rate: np.ndarray) -> np.ndarray:
+        """K (ns, nd, nd) [N s/m] at modal rates (nw, nm)."""
+        flow = self._flow(rate)
+        half = len(flow) // 2
+        return linear_drag.of_lines(flow[:half] + 1j * flow[half:]) * self.frame.drag[:, None, None]
+
+    def on_modes(self, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Damping (nm, nm) of the modes, and the water's force on them (nw, nm)."""
+        carried = linear_drag.by_station(K, self.frame.station).reshape(self.shape.shape)
+        force = self.water @ carried.T
+        half = len(force) // 2
+        return carried @ self.shape.T, force[:half] + 1j * force[half:]
+
+    def load(self, K: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """On the frame (nw, nd, ns) [N]."""
+        load = linear_drag.by_station(K, self._flow(rate))
+        half = len(load) // 2
+        return load[:half] + 1j * load[half:]
 
 
 def _taking(system: System, rate: np.ndarray) -> np.ndarray:
@@ -118,11 +156,6 @@ def _taking(system: System, rate: np.ndarray) -> np.ndarray:
         return joint_law.damping_of_harmonic(law, size)[nc:]
     size[nc:] = np.sqrt(0.5 * np.sum(np.abs(rate) ** 2, axis=0))
     return joint_law.damping_of_gaussian(law, size)[nc:]
-
-
-def _equivalent(u: np.ndarray) -> np.ndarray:
-    """K (n, d, d) of velocities (nw, n, d): of one harmonic, or of a Gaussian process."""
-    return drag.of_harmonic(u[0]) if len(u) == 1 else drag.of_gaussian(covariance(u, u))
 
 
 def _solved(Z: np.ndarray, force: np.ndarray) -> np.ndarray:

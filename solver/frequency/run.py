@@ -13,9 +13,10 @@ from solver.errors import InputError
 from solver.frequency import gaussian
 from solver.frequency.response import Response, respond
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
-from solver.record.audit import coefficient_effects
+from solver.record.audit import coefficient_effects, left_out_effect, together
 from solver.record.bound import above
-from solver.record.recorder import Channels, Record
+from solver.record.recorder import ELEVATION, Channels, Record
+from solver.record.spectra import bands, cross_spectra
 from solver.scene import Scene
 from solver.statistics import STATISTICS
 
@@ -29,11 +30,14 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     system = prepare(scene, hydrodynamics)
     require_stable(system)
     response, channels = respond(system, hydrodynamics), Channels(scene, system.support)
-    tables = dict(_tables(system, response, channels))
-    _, effect = coefficient_effects(system, hydrodynamics)
+    found = list(_tables(system, response, channels))
+    tables = {name: table for name, table, _ in found}
+    _, mesh = coefficient_effects(system, hydrodynamics)
+    shapes = left_out_effect(system, response.X, response.drag)
     attrs: dict[str, float | str] = {
-        "estimated_error": effect,
-        "mesh_effect": effect,
+        "estimated_error": together((mesh, shapes)),
+        "mesh_effect": mesh,
+        "shapes_effect": shapes,
         "seabed_error": seabed_error(hydrodynamics),
         "drag_rounds": response.rounds,
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
@@ -48,11 +52,19 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     if scene.settings.rao and scene.floats:
         rao = np.full((scene.sea.omega.size, channels.owner.size), np.nan, complex)
         rao[np.abs(scene.sea.amplitude) > 0] = _joints(system, response)
+    spectra = None
+    if scene.settings.spectra:
+        at = bands(scene.sea.omega, scene.settings.duration)
+        linear = {name: lines for name, _, lines in found if lines is not None}
+        wave = linear[ELEVATION]
+        parts = {name: lines.reshape(len(wave), -1) for name, lines in linear.items()}
+        responses = {name: cross_spectra(response.omega, wave, lines, at) for name, lines in parts.items()}
+        spectra = channels.spectra(at, {name: (r, linear[name].shape[1:]) for name, r in responses.items()})
     modes = system_modes(system, hydrodynamics)
     counted = None
     if channels.steel is not None and channels.steel.counts:
         counted = channels.steel.expected(_forces(system, response, channels.steel.forces)[1], response.omega)
-    return channels.record(tables, attrs, modes=modes, rao=rao, counted=counted or ({}, ()))
+    return channels.record(tables, attrs, modes=modes, rao=rao, counted=counted or ({}, ()), spectra=spectra)
 
 
 def _joints(system: System, response: Response) -> np.ndarray:
@@ -60,41 +72,45 @@ def _joints(system: System, response: Response) -> np.ndarray:
     return response.Z[:, system.structure.carrier.shape[0] :]
 
 
-def _tables(system: System, response: Response, channels: Channels) -> Iterator[tuple[str, np.ndarray]]:
+def _tables(
+    system: System, response: Response, channels: Channels
+) -> Iterator[tuple[str, np.ndarray, np.ndarray | None]]:
+    """Name, statistics and lines of each output; those that no line makes have none."""
     scene, omega, duration = system.scene, response.omega, system.scene.settings.duration
     (z, p), amplitude = system.equilibrium, scene.sea.amplitude
 
-    def table(mean: np.ndarray, lines: np.ndarray) -> np.ndarray:
-        return gaussian.table(mean, lines, omega, duration)
+    def table(name: str, mean: np.ndarray, lines: np.ndarray) -> tuple[str, np.ndarray, np.ndarray | None]:
+        return name, gaussian.table(mean, lines, omega, duration), lines
 
-    yield "wave_elevation", table(np.zeros(()), amplitude[np.abs(amplitude) > 0])
+    yield table(ELEVATION, np.zeros(()), amplitude[np.abs(amplitude) > 0])
     if scene.floats:
         nc, joints = system.structure.carrier.shape[0], _joints(system, response)
         means = dict(channels.motions(z[None, nc:]))
         for name, lines in channels.motions(joints):
-            yield name, table(means[name][0], lines)
+            yield table(name, means[name][0], lines)
         pto, rates = response.pto, -1j * omega[:, None] * joints
         owned = [channels.owner == b for b in range(len(scene.floats))]
-        yield "absorbed_power", np.array([gaussian.power_table(pto[i], rates[:, i], omega, duration) for i in owned])
+        powers = [gaussian.power_table(pto[i], rates[:, i], omega, duration) for i in owned]
+        yield "absorbed_power", np.array(powers), None
         if "pto_force" in scene.settings.outputs:
             k = np.concatenate([f.per_axis("pto_stiffness") for f in scene.floats])
             mean, lines = channels.by_axis(-(k * z[nc:])[None])[0], channels.by_axis(-(pto * rates + k * joints))
-            yield "pto_force", table(mean, lines)
+            yield table("pto_force", mean, lines)
         at_rest = channels.hinge_force(balance(system.bodies, z)[1][None])[0]
-        yield "hinge_force", table(at_rest, channels.hinge_force(response.wrench))
+        yield table("hinge_force", at_rest, channels.hinge_force(response.wrench))
     if channels.legs is not None:
         tops, X = channels.legs.tops, response.X[:, : p.size]
-        yield "top_displacement", table(np.tensordot(p, tops, axes=1), np.tensordot(X, tops, axes=1))
+        yield table("top_displacement", np.tensordot(p, tops, axes=1), np.tensordot(X, tops, axes=1))
     if channels.steel is None:
         return
     level, lines = _forces(system, response, channels.steel.forces)
     if channels.legs is not None:
         means, feet = channels.steel.compression(level)[0], channels.steel.compression(lines)
         tables = [gaussian.compression_table(means[i], feet[:, i], omega, duration) for i in range(len(means))]
-        yield "bottom_stress", np.array(tables)
+        yield "bottom_stress", np.array(tables), None
     means = dict(channels.steel.channels(level))
     for name, values in channels.steel.channels(lines):
-        yield name, table(means[name][0], values)
+        yield table(name, means[name][0], values)
 
 
 def _forces(system: System, response: Response, forces: Forces) -> tuple[np.ndarray, np.ndarray]:

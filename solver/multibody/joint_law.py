@@ -461,6 +461,12 @@ def _limit(law: JointLaw, share: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(law.force_limit), law.force_limit, 0.0) * share
 
 
+def at_rest(law: JointLaw) -> JointLaw:
+    """Without what only motion brings about: the loads at rest of all laws that differ in their damping alone."""
+    still = np.zeros(law.damping.shape)
+    return law._replace(pto_damping=still, damping=still, quadratic_damping=still)
+
+
 def drag(law: JointLaw) -> np.ndarray:
     """Of a linear model (n,): what times |ẏ|ẏ is to be linearised."""
     return law.quadratic_damping

@@ -16,6 +16,7 @@ MEMORIES = [5e-3, 2e-3, 1e-3, 3e-4]
 MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
 # What the estimate's square may be made of; the BEM's mesh is chosen before, see scene.panels_for.
 SHARE = {"discretization_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
+SHAPES = 0.25  # and of the frame's shapes, which are cheap
 STEP_ORDER = 4
 USUAL = 5e-4  # of the usual step, where the guess starts from
 DEFAULT = 1e-3  # what the step may err by where none is given
@@ -50,6 +51,8 @@ def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
     finer = settings
     if over["discretization_error"] > 1:
         finer = _shorter(finer, over["discretization_error"])
+    if isinstance(settings.modes, int) and told["shapes_effect"] > (SHAPES * left) ** 0.5:
+        finer = replace(finer, modes=2 * settings.modes)
     at = RULES.index((settings.azimuths, settings.arc_points, settings.line_points))
     if over["quadrature_error"] > 1 and at + 1 < len(RULES):
         azimuths, arc, line = RULES[at + 1]

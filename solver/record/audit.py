@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.coupled import assembly
+from solver.coupled import assembly, linear_drag
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.stages import State
 from solver.coupled.step import Output
@@ -35,8 +35,8 @@ def probed(scene: Scene, steps: int) -> Scene:
     """
     s = scene.settings
     assert s.time_step is not None, "asked of a scene that runs, with its step"
-    changes: dict[str, Any] = {"discard": 0.0, "duration": steps * s.time_step, "outputs": (), "rao": False}
-    return replace(scene, settings=replace(s, **changes, keep_series=True))
+    changes: dict[str, Any] = {"discard": 0.0, "duration": steps * s.time_step, "outputs": ()}
+    return replace(scene, settings=replace(s, **changes, rao=False, spectra=False, keep_series=True))
 
 
 class Probe:
@@ -75,6 +75,7 @@ class Probe:
                 "quadrature_error": quadrature_error(self.system, self),
                 "memory_effect": memory_effect,
                 "mesh_effect": mesh_effect,
+                "shapes_effect": shapes_effect(self.system, hydrodynamics),
             }
             self._errors = {**parts, "estimated_error": together(parts.values())}
             self.seconds = time.perf_counter() - clock
@@ -89,7 +90,7 @@ def together(errors: Iterable[float]) -> float:
 def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
     """Relative errors of any mean, rms or std, what was asked and not met, and what was left out.
 
-    `estimated_error` is that of step, quadrature, memory and BEM mesh together.
+    `estimated_error` is that of step, quadrature, memory, BEM mesh and the frame's shapes together.
     """
     system = probe.system
     errors = probe.errors(hydrodynamics)
@@ -214,13 +215,52 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     return _response_error(system, model, omega, fitted, exact), _response_error(system, model, omega, shifted, exact)
 
 
-def _waves(system: System, model: LinearModel, h: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
-    """X (nw, n) in the scene's sea, with linear pressure."""
+def _waves(
+    system: System, model: LinearModel, h: Hydrodynamics | None, Y: np.ndarray, drag: np.ndarray | float = 0.0
+) -> np.ndarray:
+    """X (nw, n) in the scene's sea, with linear pressure, and drag (nw, nm) on the modes."""
     s, sea = system.scene.settings, system.scene.sea
     kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
-    excitation = sum((h.excitation(sea.omega, kind) for kind in kinds), np.zeros((sea.omega.size, len(model.active))))
-    force = wave_force(model, excitation * sea.amplitude[:, None], system.rows[system.layout.modal])
-    return model.response(sea.omega, Y, force)
+    excitation = np.zeros((sea.omega.size, len(model.active)), complex)
+    if h is not None:
+        for kind in kinds:
+            excitation += h.excitation(sea.omega, kind)
+    modal = system.rows[system.layout.modal] + np.transpose(drag)
+    return model.response(sea.omega, Y, wave_force(model, excitation * sea.amplitude[:, None], modal))
+
+
+def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
+    """What the shapes left out of a frame's motion change of the std of its legs' tops in the linear response.
+
+    In this sea, with drag linearised by the water's own velocity.
+    """
+    support, model, sea = system.support, linear_model(system), system.scene.sea
+    if support is None or not sea.amplitude.any():
+        return 0.0
+    station = system.structure.station
+    water = system.rows[system.layout.station].T.reshape(sea.omega.size, *station.shape[1:])
+    drag = np.zeros(water.shape, complex)
+    if drag.size:
+        drag = system.structure.drag * linear_drag.by_station(linear_drag.of_lines(water), water)
+    Y = impedance(system, h, sea.omega) if h is not None else np.zeros((sea.omega.size, 0, 0))
+    shapes = station.reshape(len(station), station[0].size)
+    X = _waves(system, model, h, Y, drag.reshape(len(drag), station[0].size) @ shapes.T)
+    waves = np.abs(sea.amplitude) > 0
+    return left_out_effect(system, X[waves], drag[waves])
+
+
+def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
+    """The same of the response X (nw, n) and drag (nw, nd, ns) to the waves that are not of zero height."""
+    support, sea = system.support, system.scene.sea
+    if support is None or not support.left_out.tops.size:
+        return 0.0
+    rest, waves = support.left_out, np.abs(sea.amplitude) > 0
+    p, w = X[:, : len(support.omega)], sea.omega[waves, None]
+    usual = p @ support.shapes[rest.tops].T
+    more = rest.waves[:, waves].T + drag.reshape(len(drag), len(rest.drag)) @ rest.drag + w**2 * (p @ rest.inertia)
+    std, exact = np.linalg.norm(usual, axis=0), np.linalg.norm(usual + more, axis=0)
+    used = std > FAINT * std.max()
+    return float(np.abs(exact[used] / std[used] - 1).max(initial=0.0))
 
 
 def _decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
@@ -256,7 +296,7 @@ def skipped(system: System) -> list[str]:
     if system.support is not None:
         notes.append(
             f"modes: {system.structure.omega.size} shapes for {system.support.dry_omega.size},"
-            " the rest as static load shapes (discretization of the frame, see the benchmark's knob `modes`)"
+            " the rest as static load shapes (see `shapes_effect`)"
         )
     if scene.floats and s.froude_krylov == "linear":
         notes.append("pressure quadrature: linear hydrostatics and Froude-Krylov (exact for a linear scene)")

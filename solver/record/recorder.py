@@ -12,11 +12,12 @@ from solver.coupled.support import Support
 from solver.multibody.joint_law import bent, joint_loads, pto_bounds, pto_loads, stopped
 from solver.record import steel
 from solver.record.bound import wave_power
-from solver.record.spectra import Harmonics
+from solver.record.spectra import Bands, Harmonics, Response, bands, cross_spectra, lines_of
 from solver.record.steel import Steel
 from solver.scene import Scene
 from solver.statistics import STATISTICS, Statistics
 
+ELEVATION = "wave_elevation"
 FAINT = 1e-3  # a wave below this share of the largest one says nothing of a float
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
@@ -92,6 +93,7 @@ class Channels:
         rao: np.ndarray | None = None,
         series: Mapping[str, np.ndarray] | None = None,
         counted: tuple[Mapping[str, Labelled], tuple[str, ...]] = ({}, ()),
+        spectra: Mapping[str, Labelled] | None = None,
         contact: np.ndarray | None = None,
     ) -> Record:
         """The record of statistics (…, 5) of each channel, of the legs' envelopes, and of motions per wave (nw, nj).
@@ -126,6 +128,9 @@ class Channels:
         if rao is not None:
             variables |= self._rao(rao)
             coords["component"] = np.arange(1, self.scene.sea.omega.size + 1)
+        if spectra is not None:
+            variables |= spectra
+            coords["frequency_band"] = np.arange(1, len(variables["band_frequency"][1]) + 1)
         if contact is not None:
             hits = [np.nansum(contact[self.owner == b, HITS]) for b in range(len(self.scene.floats))]
             variables[CONTACT[HITS]] = ("float",), np.array(hits)
@@ -135,6 +140,19 @@ class Channels:
             coords["axis"] = np.array(self.axes)
         kept = {name: (("time", *DIMS.get(name, ())), values) for name, values in (series or {}).items()}
         return Record(variables=variables, coords=coords, attrs=attrs, series=kept)
+
+    def spectra(self, at: Bands, responses: Mapping[str, tuple[Response, tuple[int, ...]]]) -> dict[str, Labelled]:
+        """Variables of each output's response (nf, m) and its own shape, of m numbers in all."""
+        out: dict[str, Labelled] = {"band_frequency": (("frequency_band",), at.omega)}
+        for name, (response, shape) in responses.items():
+            parts = {"spectrum": response.density}
+            if name != ELEVATION:
+                H = response.transfer
+                parts |= {"response": np.abs(H), "response_phase": np.angle(H), "coherence": response.coherence}
+            for part, values in parts.items():
+                numbers = np.moveaxis(values, 0, -1).reshape(*shape, len(at.omega))
+                out[f"{name}_{part}"] = (*DIMS[name], "frequency_band"), numbers
+        return out
 
     def _rao(self, amplitudes: np.ndarray) -> dict[str, Labelled]:
         """Motion per wave amplitude, wave by wave; NaN where a wave is too small to divide by."""
@@ -165,6 +183,8 @@ class Recorder:
         self.seconds = [np.inf, -np.inf]
         wanted = scene.settings.rao and self.channels.axes and scene.sea.amplitude.any()
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
+        waves = scene.settings.spectra and scene.sea.amplitude.any()
+        self.bands = bands(scene.sea.omega, scene.settings.duration) if waves else None
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block; statistics begin after `discard` and end after `duration`."""
@@ -181,7 +201,7 @@ class Recorder:
             self.contact = np.maximum(self.contact, output.contact[kept].max(axis=0))
             self.contact[:, HITS] = hits
         self.statistics.add(np.concatenate([v.reshape(len(v), -1) for v in channels.values()], axis=1))
-        if s.keep_series:
+        if s.keep_series or self.bands is not None:
             for name, values in {**channels, "time": times[kept]}.items():
                 self.series.setdefault(name, []).append(values)
         if self.harmonics is not None:
@@ -263,10 +283,23 @@ class Recorder:
             modes=modes,
             envelopes=legs.envelopes(largest) if legs is not None and largest is not None else None,
             rao=self.harmonics.amplitudes() if self.harmonics is not None else None,
-            series=self.samples(),
+            series=self.samples() if self.scene.settings.keep_series else None,
             counted=counted,
+            spectra=self._spectra() if self.bands is not None and self.series else None,
             contact=self._at_stops() if stopped(self.law).any() else None,
         )
+
+    def _spectra(self) -> dict[str, Labelled]:
+        """Of all channels, by cross-spectra of their samples with the elevation's."""
+        assert self.bands is not None, "asked of a record that has them"
+        samples = self.samples()
+        step = float(np.diff(samples.pop("time")[:2])[0])
+        omega, wave = lines_of(samples[ELEVATION][:, None], step, self.bands)
+        responses = {}
+        for name, values in samples.items():
+            lines = lines_of(values.reshape(len(values), -1), step, self.bands)[1]
+            responses[name] = cross_spectra(omega, wave[:, 0], lines, self.bands), values.shape[1:]
+        return self.channels.spectra(self.bands, responses)
 
     def _at_stops(self) -> np.ndarray:
         """(nj, 3) of CONTACT over the record; NaN on axes without stops."""

@@ -1,7 +1,61 @@
-"""Spectra and response amplitude operators from time records."""
+"""Spectra and response amplitude operators from time records, and from lines of a linear model."""
+
+from typing import NamedTuple
 
 import numpy as np
 from scipy import linalg
+
+BANDS = 60  # frequencies at which spectra are put out
+LEAST = 4.0  # of the record's own resolution, 2π/T: a band's width at least
+REACH = 5.0  # widths within which a band sees a line
+
+
+class Bands(NamedTuple):
+    """Gaussian bands of one width, about frequencies that the waves have."""
+
+    omega: np.ndarray  # (nf,) [rad/s]
+    width: float  # standard deviation [rad/s]
+
+
+class Response(NamedTuple):
+    """Of m outputs to the waves, band by band; NaN where there is nothing to divide by."""
+
+    transfer: np.ndarray  # (nf, m) complex, per wave amplitude
+    coherence: np.ndarray  # (nf, m) share of the variance that follows the waves linearly
+    density: np.ndarray  # (nf, m) of the output [unit² s/rad]
+
+
+def bands(omega: np.ndarray, duration: float) -> Bands:
+    """For waves of frequencies omega (nw,) [rad/s], some of several waves each, and a record of a duration [s]."""
+    low, high = float(omega.min()), float(omega.max())
+    count = BANDS if high > low else 1
+    return Bands(np.linspace(low, high, count), max((high - low) / BANDS, LEAST * 2 * np.pi / duration))
+
+
+def cross_spectra(omega: np.ndarray, wave: np.ndarray, lines: np.ndarray, at: Bands) -> Response:
+    """H = S_xy/S_xx (Heo et al. 2022, eq. 22), γ² = |S_xy|²/(S_xx S_yy) and S_yy, of lines at omega (n,).
+
+    wave x (n,) and outputs y (n, m): amplitudes in Re Σ X exp(-iωt). Spectra are means over the bands, ½ Σ g X* Y.
+    """
+    g = np.exp(-0.5 * ((at.omega[:, None] - omega) / at.width) ** 2) / (at.width * np.sqrt(2 * np.pi))
+    x = wave[:, None]
+    xx, xy, yy = (0.5 * g @ product for product in (np.abs(x) ** 2, x.conj() * lines, np.abs(lines) ** 2))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return Response(xy / xx, np.abs(xy) ** 2 / (xx * yy), yy)
+
+
+def lines_of(record: np.ndarray, step: float, at: Bands) -> tuple[np.ndarray, np.ndarray]:
+    """ω (n,) and amplitudes (n, m) within reach of the bands that an evenly sampled record (nt, m) is made of.
+
+    Tapered (Hann), so that what is far off does not leak in; ½ Σ|Y|² is the record's variance.
+    """
+    n = len(record)
+    taper = np.hanning(n + 2)[1:-1]
+    omega = 2 * np.pi * np.fft.rfftfreq(n, step)
+    reach = REACH * at.width
+    near = (omega > 0) & (omega > at.omega[0] - reach) & (omega < at.omega[-1] + reach)
+    tapered = taper[:, None] * (record - record.mean(axis=0))
+    return omega[near], 2 * np.fft.rfft(tapered, axis=0)[near].conj() / np.sqrt(n * np.sum(taper**2))
 
 
 class Harmonics:

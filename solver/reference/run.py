@@ -23,7 +23,7 @@ from solver.coupled.system import BALANCE, System, energy_residual, prepare, unb
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
 from solver.multibody.joint_law import bent, joint_energy, stop_loads
-from solver.record.audit import PROBE, coefficient_effects, probed, statistics_error, together, unmet
+from solver.record.audit import PROBE, coefficient_effects, probed, shapes_effect, statistics_error, together, unmet
 from solver.record.bound import above
 from solver.record.recorder import Record, Recorder
 from solver.reference import axes as joint_axes
@@ -311,5 +311,6 @@ def _errors(
         "discretization_error": step,
         "memory_effect": 0.0 if s.memory == "convolution" else memory,
         "mesh_effect": mesh,
+        "shapes_effect": shapes_effect(case.system, h),
     }
     return {**parts, "estimated_error": together(parts.values())}

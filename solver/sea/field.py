@@ -20,6 +20,7 @@ from solver.sea.realization import Realization
 
 ROUNDING = 1e-14  # of what is factored: sums of 130 waves are little better
 MOST_TERMS = 120  # of the field around a float
+FIELDS = 32  # seas that a process keeps
 LOST = 1e-4  # share of the amplitudes that rounding may take from that series
 
 
@@ -91,14 +92,7 @@ class WaveField:
         """Terms so that the tail Σ|aᵢ|(kᵢr)ⁿ/n! within `radius` [m] is below tolerance·Σ|aᵢ|."""
         if not self.sea.amplitude.any():
             return 1
-        # Terms grow to e^kr before they fall: what is rounded off them must stay small.
-        amplitude, growth = np.abs(self.sea.amplitude), np.exp(np.minimum(self.k * radius, 700.0))
-        if ROUNDING * (amplitude @ growth) < LOST * amplitude.sum():
-            for n in range(2, MOST_TERMS):
-                if self._tail(n, radius) < tolerance:
-                    return n
-        shortest = f"waves down to {2 * np.pi / self.k.max():.3g} m"
-        raise InputError("sea", shortest, f"too short for a series {radius:.3g} m around a float: end the band lower")
+        return _terms(self, radius, tolerance)
 
     def radius_for(self, terms: int, tolerance: float) -> float:
         """Radius [m] within which `terms` leave out no more than tolerance·Σ|aᵢ|; inf without waves."""
@@ -107,20 +101,38 @@ class WaveField:
         low, high = 0.0, 10 * terms / self.k.max()
         for _ in range(40):
             middle = (low + high) / 2
-            low, high = (middle, high) if self._tail(terms, middle) < tolerance else (low, middle)
+            low, high = (middle, high) if self.tail(terms, middle) < tolerance else (low, middle)
         return low
 
     def left_out(self, terms: int, radius: float) -> float:
         """Bound on the tail after `terms` within `radius` [m], as a share of Σ|aᵢ|; 0 without waves."""
-        return self._tail(terms, radius) if self.sea.amplitude.any() else 0.0
+        return self.tail(terms, radius) if self.sea.amplitude.any() else 0.0
 
-    def _tail(self, n: int, radius: float) -> float:
+    def tail(self, n: int, radius: float) -> float:
         """Bound on Σ|aᵢ|(kᵢr)ᵐ/m! over m >= n, relative to Σ|aᵢ|: the first term times 1/(1 - kr/(n+1))."""
         amplitude, kr = np.abs(self.sea.amplitude), self.k * radius
         ratio = np.minimum(kr / (n + 1), 0.9)
         with np.errstate(over="ignore"):  # inf is as good a bound as any that large
             term = kr**n / factorial(n)
         return float(np.sum(amplitude * term / (1 - ratio)) / amplitude.sum())
+
+
+@lru_cache(maxsize=FIELDS)
+def wave_field(sea: Realization, depth: float, gravity: float) -> WaveField:
+    """Of a sea; tasks in the same one share it."""
+    return WaveField(sea, depth, gravity)
+
+
+@lru_cache(maxsize=FIELDS)
+def _terms(field: WaveField, radius: float, tolerance: float) -> int:
+    # Terms grow to e^kr before they fall: what is rounded off them must stay small.
+    amplitude, growth = np.abs(field.sea.amplitude), np.exp(np.minimum(field.k * radius, 700.0))
+    if ROUNDING * (amplitude @ growth) < LOST * amplitude.sum():
+        for n in range(2, MOST_TERMS):
+            if field.tail(n, radius) < tolerance:
+                return n
+    shortest = f"waves down to {2 * np.pi / field.k.max():.3g} m"
+    raise InputError("sea", shortest, f"too short for a series {radius:.3g} m around a float: end the band lower")
 
 
 class Factored(NamedTuple):

@@ -20,7 +20,7 @@ from studies.benchmark.case import coefficients, scene, timed, with_settings, wo
 from tests.awkward import SCENES
 
 SECONDS = 900.0  # analysed, of Buan; the other scenes are as they are
-PARTS = ("discretization_error", "quadrature_error")
+PARTS = ("discretization_error", "quadrature_error", "shapes_effect")
 TOLERANCES = [3e-2, 1e-2, 3e-3, 1e-3]
 FINER = 8  # times shorter steps
 FINE = {

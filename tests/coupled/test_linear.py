@@ -7,9 +7,11 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
-from solver.coupled.linear import linear_model
+from solver.coupled import natural
+from solver.coupled import system as systems
+from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import prepare
-from solver.record.audit import coefficient_effects
+from solver.record.audit import coefficient_effects, shapes_effect
 from solver.run import simulate
 from solver.scene import DOFS
 from tests.awkward import SCENES
@@ -58,6 +60,68 @@ def test_tangent_of_nonlinear_pressure_is_the_linear_stiffness(name):
     _, _, C = hinged_by_hand(scene, h)
     # Panels and quadrature, on hulls that are not plane; the duck's waterline lies on slanted panels.
     assert linear_model(prepare(scene, h)).stiffness == approx(C, rel=2e-3, abs=1e-3 * np.abs(C).max())
+
+
+@pytest.mark.parametrize("name", ["unequal_legs", "bare_legs"])
+def test_modes_eliminated_answer_as_all_together(name):
+    """Each frequency's whole matrix solved at once, and the floats alone on the modes' flexibility."""
+    scene, h = SCENES[name]()
+    linear = replace(scene, settings=replace(scene.settings, froude_krylov="linear", method="frequency"))
+    system = prepare(linear, h)
+    model, omega = linear_model(system), scene.sea.omega
+    Y = impedance(system, h, omega) if h is not None else np.zeros((omega.size, 0, 0))
+    force = np.random.default_rng(0).normal(size=(omega.size, 2, len(model.mass))) @ np.diag(1 / model.length)
+    force = model.modes.max() * (force[:, 0] + 1j * force[:, 1])
+    whole = np.linalg.solve(model.dynamic_stiffness(omega, Y), force[..., None])[..., 0]
+    assert model.response(omega, Y, force) == approx(whole, rel=1e-8, abs=1e-10 * np.abs(whole).max())
+    w = omega[:, None, None]
+    Z = model.stiffness - w**2 * model.mass - 1j * w * (model.damping + model.active.T @ Y @ model.active)
+    assert model.dynamic_stiffness(omega, Y) == approx(Z, abs=1e-12 * np.abs(Z).max())
+
+
+@pytest.mark.parametrize("name", ["unequal_legs", "bare_legs"])
+def test_shapes_effect_is_what_all_shapes_show(name):
+    scene, h = SCENES[name]()
+    linear = replace(scene, settings=replace(scene.settings, froude_krylov="linear", method="frequency"))
+
+    def stds(modes):
+        whole = replace(linear, settings=replace(linear.settings, modes=modes))
+        return simulate(whole, h).variables["top_displacement"][1][..., 4], shapes_effect(prepare(whole, h), h)
+
+    (usual, told), (exact, none) = stds(6), stds("all")
+    true = np.abs(usual / exact - 1)[exact > 1e-3 * exact.max()].max()
+    assert told > 1e-5 and 1 / 3 < true / told < 3
+    assert none < 1e-9
+
+
+@pytest.mark.parametrize(("drag", "legs"), [(0.0, True), (1.0, False), (0.0, False)])
+def test_shapes_effect_without_drag_or_legs(drag, legs):
+    """Legs that the waves do not drag on, and none whose tops are put out."""
+    scene, _ = SCENES["bare_legs"]()
+    frame = scene.platform.frame
+    members = tuple(replace(m, drag_coefficient=drag if m.in_water else 0.0) for m in frame.members)
+    platform = replace(scene.platform, frame=replace(frame, members=members), legs=scene.platform.legs if legs else ())
+    system = prepare(replace(scene, platform=platform), None)
+    assert (shapes_effect(system, None) > 0) == legs
+    lines = replace(scene.settings, froude_krylov="linear", method="frequency")
+    told = simulate(replace(scene, platform=platform, settings=lines), None).attrs["shapes_effect"]
+    assert (told > 0) == legs
+
+
+def test_what_is_kept_of_another_damping_changes_no_bit():
+    """Equilibrium and natural periods are those of a process that knows no other scene."""
+    scene, h = SCENES["unequal_legs"]()
+    scene = replace(scene, settings=replace(scene.settings, froude_krylov="linear", method="frequency"))
+    other = replace(scene, floats=tuple(replace(f, pto_damping=3 * f.pto_damping, damping=1e5) for f in scene.floats))
+    simulate(scene, h)
+    before = natural._system_modes.cache_info().hits, systems._equilibrium.cache_info().hits
+    after = simulate(other, h)
+    assert before < (natural._system_modes.cache_info().hits, systems._equilibrium.cache_info().hits)
+    for kept in (natural._system_modes, systems._equilibrium, linear_model):
+        kept.cache_clear()
+    alone = simulate(other, h)
+    for name, (_, values) in alone.variables.items():
+        assert np.asarray(values).tobytes() == np.asarray(after.variables[name][1]).tobytes()
 
 
 @pytest.mark.parametrize("name", ["duck", "soft_mooring", "flap", "oblique"])

@@ -7,9 +7,10 @@ import pytest
 from pytest import approx
 from scipy.integrate import dblquad
 
+from solver.coupled import linear_drag as drag
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
-from solver.frequency import drag, gaussian
+from solver.frequency import gaussian
 from solver.frequency.response import respond
 from solver.run import simulate
 from solver.scene import Settings
@@ -216,6 +217,27 @@ def test_motions_per_wave():
     one = replace(item, sea=regular(height=2.0, period=2 * np.pi / item.sea.omega[20]))
     response = respond(prepare(linear(one, method="frequency"), h), h)
     assert record.variables["rao"][1][0, 0, 20] == approx(abs(response.Z[0, 0]))
+
+
+def test_spectra_of_a_linear_march_are_those_of_the_lines():
+    """Cross-spectra of a quarter of an hour: every output's response, coherence near one, spectrum."""
+    item, h = SCENES["duck"]()
+    small = replace(item, sea=replace(item.sea, amplitude=item.sea.amplitude / 20))
+    march = simulate(linear(small, spectra=True, duration=900.0), h).variables
+    lines = frequency(small, h, spectra=True, duration=900.0).variables
+    assert "absorbed_power_coherence" in march and "absorbed_power_coherence" not in lines
+    waves = lines["wave_elevation_spectrum"][1]
+    some = waves > 0.05 * waves.max()
+    for key in ("rotation", "hinge_force"):
+        H = [v[f"{key}_response"][1] * np.exp(1j * v[f"{key}_response_phase"][1]) for v in (march, lines)]
+        assert H[0][..., some] == approx(H[1][..., some], abs=0.05 * np.nanmax(np.abs(H[1])))
+        S = [v[f"{key}_spectrum"][1][..., some] for v in (march, lines)]
+        assert S[0].sum() == approx(S[1].sum(), rel=0.05)
+        # Where the response changes within a band neither of them is one.
+        coherence = [v[f"{key}_coherence"][1][..., some] for v in (march, lines)]
+        assert coherence[0] == approx(coherence[1], abs=0.02, nan_ok=True)
+    assert march["rotation_coherence"][1][..., some][..., :10].min() > 0.99
+    assert lines["rotation_response"][0] == ("float", "frequency_band")
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,10 @@ def oblique_hull_in_head_seas():
     return scene, known(scene, 0.4, 6.0, 16)
 
 
-GOOD = {"discretization_error": 1e-5, "quadrature_error": 1e-5, "memory_effect": 1e-5, "mesh_effect": 0.0}
+GOOD = {
+    "discretization_error": 1e-5, "quadrature_error": 1e-5, "memory_effect": 1e-5, "mesh_effect": 0.0,
+    "shapes_effect": 0.0,
+}  # fmt: skip
 
 
 def told(**errors):
@@ -78,6 +81,9 @@ def test_settings_are_refined_by_their_own_share_alone(buan):
     assert finer.time_step == settings.time_step and finer.memory_tolerance < settings.memory_tolerance
     finer = refined(settings, told(quadrature_error=1e-2))
     assert finer.azimuths > settings.azimuths and finer.panel_size == settings.panel_size / 2
+    finer = refined(settings, told(shapes_effect=1e-2))
+    assert (finer.modes, finer.time_step) == (2 * settings.modes, settings.time_step)
+    assert refined(replace(settings, modes="all"), told(shapes_effect=1e-2)) is None
     assert refined(settings, told(mesh_effect=1e-2)) is None  # not to be had by settings
 
 

@@ -14,12 +14,14 @@ from scipy.interpolate import CubicSpline
 
 from solver.errors import InputError
 from solver.hydrodynamics.radiation.memory import RadiationMemory
+from solver.keys import Bits, shared
 from solver.sea.dispersion import wavenumber
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")
 EACH_ALONE = "each alone"  # what the settings say of bodies that do not interact
 SPLINES = 16  # sets of coefficients whose curves a process keeps
+SEAS = 32  # seas and coefficients at whose frequencies it keeps them
 
 
 class MeshError(NamedTuple):
@@ -83,16 +85,11 @@ class Hydrodynamics:
         kind: "total", "diffraction" or "froude_krylov". Cubic splines of X exp(-ik·x_b): without the
         phase of the wave's arrival at the body the curves are smooth.
         """
-        omega = np.atleast_1d(np.asarray(omega, float))
-        low, high = self.omega[[0, -1]]
-        # A band that ends on the grid may miss it by rounding.
-        if omega.min() < low * (1 - 1e-9) or omega.max() > high * (1 + 1e-9):
-            raise InputError("omega", (omega.min(), omega.max()), f"must be within {low:.6g} to {high:.6g} rad/s")
-        return _smooth(self, kind)(omega) * self.arrival(omega)
+        return _excitation(self, Bits(np.atleast_1d(np.asarray(omega, float))), kind)
 
     def impedance(self, omega: np.ndarray) -> np.ndarray:
         """B - iωA (nw', n, n) at any ω in the solved range, by cubic splines."""
-        return _impedance(self)(omega)
+        return _impedance(self, Bits(omega))
 
     def arrival(self, omega: np.ndarray) -> np.ndarray:
         """exp(ik(x_b cosβ + y_b sinβ)) for each degree of freedom, (nw, n)."""
@@ -111,8 +108,22 @@ def _smooth(h: Hydrodynamics, kind: str) -> CubicSpline:
     return CubicSpline(h.omega, force * h.arrival(h.omega).conj())
 
 
+@lru_cache(maxsize=SEAS)
+def _excitation(h: Hydrodynamics, frequencies: Bits[np.ndarray], kind: str) -> np.ndarray:
+    omega, (low, high) = frequencies.value, h.omega[[0, -1]]
+    # A band that ends on the grid may miss it by rounding.
+    if omega.min() < low * (1 - 1e-9) or omega.max() > high * (1 + 1e-9):
+        raise InputError("omega", (omega.min(), omega.max()), f"must be within {low:.6g} to {high:.6g} rad/s")
+    return shared(_smooth(h, kind)(omega) * h.arrival(omega))
+
+
+@lru_cache(maxsize=SEAS)
+def _impedance(h: Hydrodynamics, omega: Bits[np.ndarray]) -> np.ndarray:
+    return shared(_smooth_impedance(h)(omega.value))
+
+
 @lru_cache(maxsize=SPLINES)
-def _impedance(h: Hydrodynamics) -> CubicSpline:
+def _smooth_impedance(h: Hydrodynamics) -> CubicSpline:
     return CubicSpline(h.omega, h.radiation_damping - 1j * h.omega[:, None, None] * h.added_mass)
 
 

@@ -67,7 +67,7 @@ def reach(hull: Hull) -> float:
     """Radius of a whole hull of revolution, or of the wetted part of a mesh, whose deck may overhang [m]."""
     if isinstance(hull, PanelHull):
         return hull.largest_radius
-    return float(max(s.at(np.linspace(0, 1, 65))[:, 0].max() for s in hull.meridian))
+    return max(s.widest for s in hull.meridian)
 
 
 def _rectangle(hull: Hull) -> np.ndarray:

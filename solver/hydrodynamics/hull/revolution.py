@@ -66,6 +66,16 @@ class Segment:
         """∫ π r² z^order dz from start to end [m^(3 + order)]."""
         return _moment(self, order)
 
+    @property
+    def widest(self) -> float:
+        """Largest radius [m]."""
+        return _extent(self)[0]
+
+    @property
+    def furthest(self) -> float:
+        """Largest distance from the reference point [m]."""
+        return _extent(self)[1]
+
     def at(self, fraction: ArrayLike) -> np.ndarray:
         """Points (r, z) at fractions of the length, (..., 2) [m]."""
         t = np.asarray(fraction)[..., None]
@@ -101,6 +111,13 @@ def _moment(segment: Segment, order: int) -> float:
     z = np.polynomial.Polynomial([0.0, 1.0])
     primitive = (np.pi * segment.squared_radius * z**order).integ()
     return float(primitive(z1) - primitive(z0))
+
+
+@lru_cache(maxsize=256)
+def _extent(segment: Segment) -> tuple[float, float]:
+    """Largest radius, and largest distance from the reference point [m]."""
+    points = segment.at(np.linspace(0, 1, 65))
+    return float(points[:, 0].max()), float(np.hypot(*points.T).max())
 
 
 Line = tuple[tuple[float, float], tuple[float, float]]
@@ -240,12 +257,12 @@ class Revolution:
     @property
     def largest_radius(self) -> float:
         """Largest radius below still water [m]."""
-        return float(max(s.at(np.linspace(0, 1, 65))[:, 0].max() for s in self.wetted()))
+        return max(s.widest for s in self.wetted())
 
     @property
     def size(self) -> float:
         """Distance from the reference point within which the whole hull lies [m]."""
-        return float(max(np.hypot(*s.at(np.linspace(0, 1, 65)).T).max() for s in self.meridian))
+        return max(s.furthest for s in self.meridian)
 
     @property
     def waterplane_radius(self) -> float:

@@ -1,6 +1,7 @@
 """The report as a page, and the figures in it, of a small made-up dataset."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from pipeline.report import envelopes, figures, overview, page, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, svg
 from pipeline.report.report import COLUMNS, published
+from pipeline.report.responses import responses
 from pipeline.tasks.study import Study
 
 HEIGHTS = np.array([0.0, 20.0, 52.6])
@@ -305,3 +307,27 @@ def test_a_long_scatter_table_is_cut(results):
     long = figures.Results(study=results.study, data=many)
     with plain():
         assert len(figures.sea_states(long).axes[0].get_yticks()) == figures.ROOM
+
+
+def test_responses_stand_beside_the_frequency_domains(results):
+    """Lines of the record, dashed ones of theory over them; a component that hardly responds is left out."""
+    assert responses(results) is None
+    omega, bands = np.linspace(0.5, 2.0, 6), ("frequency_band",)
+    size = np.array([1.0, 0.5, 0.01])[:, None] * np.linspace(2.0, 1.0, 6)
+    cells = np.ones((2, 3, 2, 2))
+    dims = ("sea_state", "platform", "seed", "method", "float", "direction", *bands)
+    waves = cells[..., None] * np.array([1e-9, 1.0, 2.0, 1.0, 0.5, 1e-9])
+    added = {
+        "hinge_force_response": (dims, cells[..., None, None, None] * size[None], {"units": "N m-1"}),
+        "hinge_force_coherence": (dims, cells[..., None, None, None] * np.ones((1, 3, 6))),
+        "wave_elevation_spectrum": ((*dims[:4], *bands), waves),
+        "band_frequency": ((*dims[:4], *bands), cells[..., None] * omega),
+    }
+    data = results.data.expand_dims(method=["time", "frequency"]).assign(added)
+    both = replace(results, data=data)
+    figure = responses(both)
+    upper, lower = figure.axes
+    assert [line.get_label() for line in upper.lines[:2]] == ["front, x", "front, y"]
+    assert [line.get_linestyle() for line in upper.lines] == ["-", "-", "--", "--"]
+    assert upper.lines[0].get_xdata() == pytest.approx(omega[1:5]) and upper.get_title() == "hinge force [N m-1]"
+    assert upper.lines[1].get_ydata() == pytest.approx(size[1, 1:5]) and lower.get_ylabel() == "coherence"

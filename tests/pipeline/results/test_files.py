@@ -1,5 +1,6 @@
 """What others make of the files: compliance checker, xarray; and time series."""
 
+import io
 import json
 import re
 import warnings
@@ -9,13 +10,14 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import SMALL
+from scipy.io import netcdf_file
 
 from pipeline.bridge import cache, engine
 from pipeline.bridge.loading import load
-from pipeline.results import dataset, records
-from pipeline.results.netcdf import Variable, content, to_bytes
+from pipeline.results import dataset, netcdf, records
+from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.results.store import Store
-from pipeline.results.variables import COORDINATES, KNOBS, SERIES, VARIABLES
+from pipeline.results.variables import COORDINATES, KNOBS, SERIES, SPECTRA, VARIABLES
 from pipeline.running.campaign import Campaign
 from pipeline.running.schedule import Place
 from pipeline.study.schema import Recording
@@ -62,12 +64,13 @@ STOPS = "lower = -0.3, upper = 2.0, stiffness = 1e7, damping = 1e5"
 MORE = "lower = [0, -1.0], upper = [0, 1.0], stiffness = [0, 1e7]"  # on one axis of two
 MOORED = '["surge", "heave"]\nstiffness = [2e5, 0]'
 TAKEOFF = "offset = 0.5\npto_damping = 1e4\npto_efficiency = { generating = 0.9 }"
+PER_WAVE = "rao = true\nspectra = true\n"
 FORCES = 'outputs = ["pto_force"]\n'
 BALANCED = SPHERE.replace("mass = 261.8e3", 'mass = "balance"')
 # Every kind of scene, sea, path and output.
 REAL = {
     "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
-    "heave": BALANCED.replace("offset = 0.5", TAKEOFF) + SHORT + FORCES + "rao = true\n[solver]\ntolerance = 0.05\n",
+    "heave": BALANCED.replace("offset = 0.5", TAKEOFF) + SHORT + FORCES + PER_WAVE + "[solver]\ntolerance = 0.05\n",
     "floating": SPHERE.replace('["heave"]\noffset = 0.5', MOORED).replace(STOPS, MORE) + CARRIED + SHORT,
     "steel": SMALL[: SMALL.index("[axes]")] + CALM + SHORT + OUTPUTS,
     "lines": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("full", "none") + LINES,
@@ -120,6 +123,54 @@ def complaints(path, tmp_path):
     return [m for level in ("high", "medium", "low") for r in told_of[f"{level}_priorities"] for m in r["msgs"]]
 
 
+def test_files_are_those_of_scipy():
+    """Bit for bit: text, whole numbers, doubles, scalars, empty words, sizes that are no multiple of four."""
+    variables = {
+        "float": Variable(("float",), np.array(["front", "größer"]), {"long_name": "Name"}),
+        "power": Variable(("float", "statistic"), np.arange(6.0).reshape(2, 3), {"units": "W", "_FillValue": np.nan}),
+        "statistic": Variable(("statistic",), np.array(["max", "min", "ab"]), {}),
+        "leg": Variable(("leg",), np.arange(1, 4), {"long_name": ""}),
+        "few": Variable(("few",), np.arange(5), {"valid_min": 0}),
+        "task": Variable((), np.array("0123abcde"), {"units": "1", "number": 3}),
+        "error": Variable((), np.asarray(1e-3), {}),
+    }
+    attrs = {"Conventions": "CF-1.11", "unmet": "", "wall_time": 0.5, "count": 7}
+    buffer = io.BytesIO()
+    file = netcdf_file(buffer, "w", version=2)
+    for name, plain in variables.items():
+        dims, array, var_attrs = netcdf._classic(plain)
+        for dim, size in zip(dims, array.shape, strict=True):
+            if dim not in file.dimensions:
+                file.createDimension(dim, size)
+        variable = file.createVariable(name, array.dtype, dims)
+        variable[...] = array
+        for key, value in var_attrs.items():
+            setattr(variable, key, _as_scipy(value))
+    for key, value in attrs.items():
+        setattr(file, key, _as_scipy(value))
+    file.flush()
+    whole = to_bytes(variables, attrs)
+    assert whole == buffer.getvalue()
+    read, said = from_bytes(whole)
+    assert content(read, said) == content({name: variable_as_kept(v) for name, v in variables.items()}, attrs)
+    head = whole.index(b"Conventions")
+    for length in (*range(0, head, 3), *range(head, len(whole) - 3)):
+        with pytest.raises(ValueError, match=r"netCDF-3|buffer"):
+            from_bytes(whole[:length])
+    with pytest.raises(ValueError, match="dimension leg is 3 and 4 long"):
+        to_bytes({**variables, "more": Variable(("leg",), np.arange(4.0), {})}, attrs)
+
+
+def variable_as_kept(variable):
+    """With whole numbers of 32 bits."""
+    array = np.asarray(variable.values)
+    return variable._replace(values=array.astype("i4") if array.dtype.kind == "i" else array)
+
+
+def _as_scipy(value):
+    return value.encode() if isinstance(value, str) else np.float64(value) if isinstance(value, float) else value
+
+
 def test_dataset_and_records_are_clean_under_cf(ran, tmp_path):
     study, store, tasks = ran
     assert complaints(dataset.collect(study, store)[0], tmp_path) == []
@@ -143,7 +194,10 @@ def test_the_one_table_names_all_that_runs_leave_and_nothing_else(real):
         mixed = path.is_relative_to(real / "floating") and "axis" in dims
         assert "units" in attrs or kind in "OSU" or mixed, (path, name)
     listed = VARIABLES.keys() | KNOBS.keys() | COORDINATES.keys()
-    assert {name.removesuffix(SERIES) for _, name in left} == listed
+    assert {re.sub(f"({'|'.join([SERIES, *SPECTRA])})$", "", name) for _, name in left} == listed
+    with xr.open_dataset(real / "heave" / "statistics.nc") as data:
+        told = [data[name].attrs.get("units") for name in ("motion_spectrum", "pto_force_response", "motion_coherence")]
+        assert told == ["m2 s rad-1", "J m-1 m-1", "1"]
 
 
 def test_motion_along_an_axis_has_its_unit(real):

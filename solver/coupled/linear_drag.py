@@ -38,3 +38,21 @@ def of_harmonic(U: np.ndarray) -> np.ndarray:
     u = (U[..., None] * turn).real
     size = np.linalg.norm(u, axis=-2, keepdims=True)
     return (size * u) @ np.swapaxes(u, -1, -2) @ np.linalg.pinv(u @ np.swapaxes(u, -1, -2), hermitian=True)
+
+
+def of_lines(u: np.ndarray) -> np.ndarray:
+    """K (n, d, d) of velocities of lines (nw, d, n): of one harmonic, or of a Gaussian process."""
+    if len(u) == 1:
+        return of_harmonic(u[0].T)
+    parts = np.concatenate([u.real, u.imag])
+    d, n = u.shape[1:]
+    S = np.empty((n, d, d))
+    for i, j in np.ndindex(d, d):
+        S[:, i, j] = 0.5 * np.sum(parts[:, i] * parts[:, j], axis=0)
+    return of_gaussian(S)
+
+
+def by_station(K: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """K u (m, d, n) of vectors u (m, d, n) at n stations, K (n, d, d) symmetric."""
+    d = range(u.shape[1])
+    return np.stack([sum(K[:, i, j] * u[:, j] for j in d) for i in d], axis=1)

@@ -1,0 +1,81 @@
+"""Responses to the waves by frequency: of time records and, beside them, of the frequency domain."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipeline.report.drawing import PAPER, canvas, colour
+from pipeline.report.figures import Results
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+OUTPUTS = ("rotation", "motion", "hinge_force", "top_displacement", "pto_force", "fibre_stress")
+PANELS = 3  # outputs that are drawn
+LINES = 4  # of each, the largest
+SMALL = 0.05  # share of the largest response below which a component is left out
+FAINT = 1e-3  # share of the largest wave spectrum below which a band has no waves to speak of
+METHOD, BAND = "method", "frequency_band"
+
+
+def responses(results: Results) -> Figure | None:
+    """Response per wave amplitude and coherence; the frequency domain as dashed lines where a study has both."""
+    shown = [name for name in OUTPUTS if results.has(f"{name}_response")][:PANELS]
+    if not shown:
+        return None
+    figure = canvas(9.0, 4.6)
+    grid = figure.subplots(2, len(shown), sharex=True, squeeze=False, height_ratios=[3, 1])
+    for name, (upper, lower) in zip(shown, grid.T, strict=True):
+        for method in results.labels(METHOD) or [None]:
+            at = {} if method is None else {METHOD: method}
+            theory = method == "frequency" and len(results.labels(METHOD)) > 1
+            style: dict[str, Any] = {"linestyle": "--", "color": PAPER, "linewidth": 0.9} if theory else {}
+            omega, bands = _bands(results, at)
+            for i, (words, place) in enumerate(_largest(results, name, at)):
+                look = {"color": colour(i), "linewidth": 1.6} | style
+                label = None if theory else words
+                values = (_part(results, f"{name}_{kind}", at).sel(place) for kind in ("response", "coherence"))
+                for axes, numbers in zip((upper, lower), values, strict=True):
+                    axes.plot(omega[bands], numbers.values[bands], label=label, **look)
+        unit = results.data[f"{name}_response"].attrs.get("units", "")
+        upper.set_title(name.replace("_", " ") + (f" [{unit}]" if unit else ""))
+        upper.legend(frameon=False)
+        upper.set_ylim(bottom=0.0)
+        lower.set_ylim(0.0, 1.05)
+        lower.set_xlabel("frequency [rad/s]")
+    grid[1][0].set_ylabel("coherence")
+    return figure
+
+
+def _part(results: Results, variable: str, at: dict[str, Any]) -> xr.DataArray:
+    """A variable in the report's sea, at these labels and the first of the study's other axes."""
+    values = results.data[variable]
+    if "platform" in values.dims:
+        values = values.dropna("platform", how="all")
+    if "sea_state" in values.dims:
+        values = values.sel(sea_state=results.sea)
+    values = values.sel({dim: label for dim, label in at.items() if dim in values.dims})
+    own = {*results.first, "platform", "seed"}
+    return values.isel({dim: 0 for dim in values.dims if dim in own})
+
+
+def _bands(results: Results, at: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies (n,), and which of them (n,) have waves."""
+    waves = _part(results, "wave_elevation_spectrum", at).values
+    return _part(results, "band_frequency", at).values, waves > FAINT * np.nanmax(waves)
+
+
+def _largest(results: Results, name: str, at: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """Words and labels of the components that respond most."""
+    values = _part(results, f"{name}_response", at)
+    inner = [str(dim) for dim in values.dims if dim != BAND]
+    size = values.where(_bands(results, at)[1]).max(BAND)
+    places = [dict(zip(inner, labels, strict=True)) for labels in product(*(values[d].values.tolist() for d in inner))]
+    sizes = [float(size.sel(place)) for place in places]
+    order = sorted((i for i in range(len(places)) if sizes[i] > SMALL * max(sizes)), key=lambda i: -sizes[i])
+    chosen = [places[i] for i in sorted(order[:LINES])]
+    return [(", ".join(f"{d} {x}" if d in ("leg", "fibre") else str(x) for d, x in p.items()), p) for p in chosen]

@@ -1,0 +1,37 @@
+"""Arrays as keys of caches: what is made of the same bits is made once."""
+
+from collections.abc import Iterator
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+T = TypeVar("T")
+
+
+class Bits(Generic[T]):
+    """Something that equals all that have the same types, shapes and bits: arrays, numbers, tuples of them."""
+
+    def __init__(self, value: T):
+        self.value = value
+        self._bits = tuple(_bits(value))
+
+    def __hash__(self) -> int:
+        return hash(self._bits)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Bits) and self._bits == other._bits
+
+
+def _bits(value: Any) -> Iterator[tuple[str, tuple[int, ...], bytes]]:
+    if isinstance(value, tuple):
+        for part in value:
+            yield from _bits(part)
+    else:
+        array = np.asarray(value)
+        yield array.dtype.str, array.shape, array.tobytes()
+
+
+def shared(array: np.ndarray) -> np.ndarray:
+    """The array, which nobody may write to any more: others have it, too."""
+    array.setflags(write=False)
+    return array
