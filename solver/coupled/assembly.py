@@ -17,7 +17,8 @@ from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadra
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.multibody.chain import PRISMATIC, REVOLUTE
-from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops, tables
+from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops
+from solver.multibody.load_table import NO_POINTS, Points, tables
 from solver.multibody.minimal import Bodies
 from solver.scene import DOFS, PER_AXIS, Float, Scene
 from solver.sea.field import WaveField
@@ -123,10 +124,11 @@ def joint_law(floats: Iterable[Float], carriers: int = 0) -> JointLaw:
     law["stiffness"] += law["pto_stiffness"] + np.diag(K)
     law["damping"] += np.diag(C)
     law["preload"] += np.concatenate([np.zeros(carriers), *(each.pretension for each in lines)])
-    row, column = np.nonzero(((K != 0) | (C != 0)) & ~np.eye(len(K), dtype=bool))
+    # Not views of one array: kernels would be compiled for those once more.
+    row, column = map(np.ascontiguousarray, np.nonzero(((K != 0) | (C != 0)) & ~np.eye(len(K), dtype=bool)))
     couplings = Couplings(row, column, K[row, column], C[row, column])
-    points = [(np.zeros(0), np.zeros(0))] * carriers + [axis for f in items for axis in f.pto_points]
-    return JointLaw(**law, end_stops=stops, couplings=couplings, tables=tables(points))
+    given = [NO_POINTS if axis is None else Points(*axis) for f in items for axis in f.pto_points]
+    return JointLaw(**law, end_stops=stops, couplings=couplings, tables=tables([NO_POINTS] * carriers + given))
 
 
 def _per_axis(floats: Iterable[Float], name: str, carriers: int) -> np.ndarray:

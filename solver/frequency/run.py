@@ -76,6 +76,8 @@ def _tables(system: System, response: Response, channels: Channels) -> Iterator[
         pto, rates = response.pto, -1j * omega[:, None] * joints
         owned = [channels.owner == b for b in range(len(scene.floats))]
         yield "absorbed_power", np.array([gaussian.power_table(pto[i], rates[:, i], omega, duration) for i in owned])
+        if "pto_stroke" in scene.settings.outputs:
+            yield "pto_rate", table(np.zeros(()), channels.by_axis(rates))
         if "pto_force" in scene.settings.outputs:
             k = np.concatenate([f.per_axis("pto_stiffness") for f in scene.floats])
             mean, lines = channels.by_axis(-(k * z[nc:])[None])[0], channels.by_axis(-(pto * rates + k * joints))
