@@ -33,11 +33,17 @@ class PtoEfficiency:
 class PtoTable:
     """Load of a power take-off by the rate of its axis, which it is against: straight lines, level beyond their ends.
 
-    From rate 0 on it is for both senses alike.
+    From rate 0 on it is for both senses alike. With positions it is bilinear between them, and level beyond, too; it
+    may then give power, and have a load at rest.
     """
 
     velocity: Annotated[tuple[float, ...], Quantity("rad/s or m/s"), "Rates of the axis, increasing"]
-    force: Annotated[tuple[float, ...], Quantity("N m or N"), "Load against the motion at these, as a positive power"]
+    force: Annotated[
+        tuple[float, ...],
+        Quantity("N m or N"),
+        "Load against the motion at these, as a positive power; with positions at all rates of the first, of the next",
+    ]
+    position: Annotated[tuple[float, ...], Quantity("rad or m"), "Positions of the axis from rest, increasing"] = ()
     axis: Annotated[str, "The axis of `motion` that it acts on; the only one where it is left out"] = ""
 
     def __post_init__(self) -> None:
@@ -45,25 +51,47 @@ class PtoTable:
         refuse(self._problems())
 
     def _problems(self) -> Iterator[InputError]:
-        v, f = np.array(self.velocity), np.array(self.force)
-        if v.size != f.size or not 2 <= v.size <= MOST_POINTS:
-            limit = f"must be 2 to {MOST_POINTS} rates, and a load for each; there are {f.size} loads"
+        v, y = np.array(self.velocity), np.array(self.position)
+        if y.size and not 2 <= y.size <= MOST_POINTS:
+            yield InputError("pto_table.position", y.size, f"must be 2 to {MOST_POINTS} positions")
+        elif len(self.force) != v.size * max(y.size, 1) or not 2 <= v.size <= MOST_POINTS:
+            each = "and a load for each" if not y.size else f"and loads for each at each of {y.size} positions"
+            limit = f"must be 2 to {MOST_POINTS} rates, {each}; there are {len(self.force)} loads"
             yield InputError("pto_table.velocity", v.size, limit)
-        elif np.any(falls := np.diff(v) <= 0):
-            yield InputError("pto_table.velocity", v[1:][falls][0], f"must increase; it follows {v[:-1][falls][0]:g}")
+        elif falling := [(name, x) for name, x in (("velocity", v), ("position", y)) if np.any(np.diff(x) <= 0)]:
+            name, x = falling[0]
+            falls = np.diff(x) <= 0
+            limit = f"must increase; it follows {x[:-1][falls][0]:g}"
+            yield InputError(f"pto_table.{name}", x[1:][falls][0], limit)
         elif not v[0] <= 0 < v[-1]:
             limit = "must begin at 0, for both senses alike, or below, and end above 0"
             yield InputError("pto_table.velocity", (v[0], v[-1]), limit)
-        elif np.any(gives := f * v < 0):
+        elif v[0] == 0 or not y.size:
+            yield from self._at_rest()
+
+    def _at_rest(self) -> Iterator[InputError]:
+        """A load by rate alone takes power; one for both senses alike is none at rest."""
+        v, f = np.array(self.velocity), np.array(self.force).reshape(-1, len(self.velocity))
+        if not self.position and np.any(gives := f[0] * v < 0):
             limit = f"must take power: no load along the motion, here at {v[gives][0]:g}"
-            yield InputError("pto_table.force", f[gives][0], limit)
-        elif abs(at_rest := float(np.interp(0.0, v, f))) > ROUNDING * np.abs(f).max():
-            yield InputError("pto_table.force", at_rest, "must be 0 at rate 0; `coulomb` is a load that jumps there")
+            yield InputError("pto_table.force", f[0][gives][0], limit)
+        else:
+            at_rest = max((float(np.interp(0.0, v, line)) for line in f), key=abs)
+            if abs(at_rest) > ROUNDING * np.abs(f).max():
+                limit = "must be 0 at rate 0; `coulomb` is a load that jumps there"
+                yield InputError("pto_table.force", at_rest, limit)
 
     @property
-    def points(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rates and loads of both senses."""
-        v, f = np.array(self.velocity, float), np.array(self.force, float)
+    def alike(self) -> bool:
+        """Whether it goes by rate alone, and is as large in both senses."""
+        _, v, f = self.points
+        return not self.position and np.allclose(np.interp(-v, v, f[0]), -f[0], rtol=0, atol=ROUNDING * np.abs(f).max())
+
+    @property
+    def points(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Positions (p,), rates of both senses (t,), and loads (max(p, 1), t)."""
+        y, v = np.array(self.position, float), np.array(self.velocity, float)
+        f = np.array(self.force, float).reshape(-1, v.size)
         if v[0] < 0:
-            return v, f
-        return np.concatenate([-v[:0:-1], v]), np.concatenate([-f[:0:-1], f])
+            return y, v, f
+        return y, np.concatenate([-v[:0:-1], v]), np.concatenate([-f[:, :0:-1], f], axis=1)

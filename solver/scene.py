@@ -23,7 +23,7 @@ from solver.structure.frame import Frame
 
 STEPS = 9  # in the shortest period that a scene has to follow
 OF_STEEL = ("reactions", "section_forces", "fibre_stress", "fatigue")
-OUTPUTS = (*OF_STEEL, "pto_force")
+OUTPUTS = (*OF_STEEL, "pto_force", "pto_stroke")
 MOST_SECTIONS = 200  # members whose section forces are put out
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 
@@ -112,6 +112,16 @@ class Float:
     force_limit: Annotated[
         PerAxis, Quantity("N m or N", above=0, infinite=True), "That the power take-off's load does not exceed"
     ] = np.inf
+    declutch_load: Annotated[
+        PerAxis,
+        Quantity("N m or N", above=0, infinite=True),
+        "Of the power take-off, beyond which it lets go of the axis until that turns round",
+    ] = np.inf
+    latch_load: Annotated[
+        PerAxis,
+        Quantity("N m or N", least=0),
+        "Up to which a latch holds an axis that has come to rest; beyond, it lets go until the next rest",
+    ] = 0.0
     one_way: Annotated[
         PerAxis,
         Quantity("-", least=-1, most=1),
@@ -152,10 +162,16 @@ class Float:
     def _law_problems(self, key: str) -> Iterator[InputError]:
         if self.pto_table is not None:
             yield from self._table_problems(f"{key}.pto_table", self.pto_table.axis)
-        if np.any(self.per_axis("coulomb") >= self.per_axis("force_limit")):
-            yield InputError(f"{key}.coulomb", self.coulomb, "must be < force_limit")
-        if np.any((self.per_axis("pto_stiffness") != 0) & np.isfinite(self.per_axis("force_limit"))):
-            yield InputError(f"{key}.pto_stiffness", self.pto_stiffness, "must be 0 beside a force_limit")
+        for name in ("force_limit", "declutch_load"):
+            if np.any(self.per_axis("coulomb") >= self.per_axis(name)):
+                yield InputError(f"{key}.coulomb", self.coulomb, f"must be < {name}")
+            if np.any((self.per_axis("pto_stiffness") != 0) & np.isfinite(self.per_axis(name))):
+                yield InputError(f"{key}.pto_stiffness", self.pto_stiffness, f"must be 0 beside a {name}")
+        lets_go = np.isfinite(self.per_axis("declutch_load"))
+        if lets_go.any() and not np.any(lets_go & (self.per_axis("pto_damping") > 0)):
+            yield InputError(f"{key}.declutch_load", self.declutch_load, "needs pto_damping, which reaches it")
+        if np.any(lets_go & np.isfinite(self.per_axis("force_limit"))):
+            yield InputError(f"{key}.declutch_load", self.declutch_load, "must be left out beside a force_limit")
         if self.end_stops is not None:
             low, high = self.per_axis("end_stops.lower"), self.per_axis("end_stops.upper")
             some = (self.per_axis("end_stops.stiffness") > 0) | (self.per_axis("end_stops.damping") > 0)
@@ -167,7 +183,7 @@ class Float:
             yield InputError(f"{key}.axis", axis, f"must be one of {', '.join(self.motion) or 'no axis: it is fixed'}")
             return
         i = self.motion.index(axis) if axis else 0
-        for name in ("pto_damping", "coulomb", "force_limit", "one_way"):
+        for name in ("pto_damping", "coulomb", "force_limit", "declutch_load", "latch_load", "one_way"):
             if self.per_axis(name)[i] != STARTS[name]:
                 yield InputError(key, "given", f"needs {name} to be left out on that axis: the table has it all")
 
@@ -208,9 +224,9 @@ class Float:
         return self.mooring.on_axes(J)
 
     @property
-    def pto_points(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Rates and loads of the power take-off's table, for each axis; none where there is no table."""
-        points = [(np.zeros(0), np.zeros(0))] * len(self.motion)
+    def pto_points(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray] | None]:
+        """Positions, rates and loads of the power take-off's table, for each axis; None where there is no table."""
+        points: list[tuple[np.ndarray, np.ndarray, np.ndarray] | None] = [None] * len(self.motion)
         if self.pto_table is not None:
             points[self.motion.index(self.pto_table.axis or self.motion[0])] = self.pto_table.points
         return points
@@ -346,7 +362,7 @@ class Settings:
         bool, "Whether each output's response per wave amplitude, coherence with the waves and spectrum are put out"
     ] = False
     outputs: Annotated[
-        tuple[Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force"], ...],
+        tuple[Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force", "pto_stroke"], ...],
         "What else is put out: of an elastic platform's steel, and the power take-offs' forces",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
@@ -489,22 +505,22 @@ class Scene:
 
     def _law_problems(self) -> Iterator[InputError]:
         """Joint laws that the method does not have."""
-        s, bent = self.settings, ("coulomb", "one_way", "force_limit", "end_stops")
+        s, jumping = self.settings, ("coulomb", "one_way", "latch_load", "declutch_load")
         for f in self.floats if s.method == "frequency" else ():
-            for name in ("pto_efficiency", "pto_table"):
-                if getattr(f, name) is not None:
-                    yield InputError(f"floats.{f.name}.{name}", "given", 'needs method = "time": it is not linear')
+            if f.pto_efficiency is not None:
+                yield InputError(f"floats.{f.name}.pto_efficiency", "given", 'needs method = "time": it is not linear')
+            if f.pto_table is not None and not f.pto_table.alike:
+                limit = 'needs method = "time": it goes by position, or is not alike in both senses'
+                yield InputError(f"floats.{f.name}.pto_table", "given", limit)
         for f in self.floats:
-            for name in bent:
+            for name in (*jumping, "force_limit", "end_stops"):
                 value = "given" if name == "end_stops" else getattr(f, name)
                 if f.end_stops is None if name == "end_stops" else not np.any(f.per_axis(name) != STARTS[name]):
                     continue
-                if s.method == "frequency" and name in ("end_stops", "one_way"):
+                if s.method == "frequency" and name in ("end_stops", "one_way", "latch_load", "declutch_load"):
                     yield InputError(f"floats.{f.name}.{name}", value, 'needs method = "time": it is not linear')
-                elif s.paths.formulation == "augmented" and name in ("coulomb", "one_way"):
-                    yield InputError(
-                        f"floats.{f.name}.{name}", value, 'needs formulation = "minimal": it jumps at rest'
-                    )
+                elif s.paths.formulation == "augmented" and name in jumping:
+                    yield InputError(f"floats.{f.name}.{name}", value, 'needs formulation = "minimal": it jumps')
 
     def _carrier_problems(self) -> Iterator[InputError]:
         names = [f.name for f in self.floats]

@@ -14,10 +14,12 @@ from functools import partial
 import numpy as np
 
 from pipeline.bridge import scenes, sea_checks
+from pipeline.study import seas
 from pipeline.study.axes import TAKEN, UNCHANGED, Axes, Axis
 from pipeline.study.layout import HINGE
 from pipeline.study.paths import PathError, with_value
 from pipeline.study.schema import StudyFile
+from pipeline.study.tables import Same
 from pipeline.tasks.task import (
     AXES,
     Label,
@@ -28,6 +30,7 @@ from pipeline.tasks.task import (
     first_labels,
     known_as,
     supports,
+    surviving,
 )
 from solver.errors import InputError
 from solver.scene import OF_STEEL
@@ -39,6 +42,7 @@ MOST_AXES = 24  # over keys, each of which is a dimension of the dataset
 MOST_FLOATS = 100
 MOST_NAMED = 20  # labels of an axis in a message
 MOST_ELEMENTS = 10_000  # of a platform
+SURVIVING = ("floats", "left_out", "platform", "solver")  # tables and keys of which others may hold in high seas
 
 Judge = Callable[[StudyFile], Iterable[InputError]]
 
@@ -82,6 +86,8 @@ def _each_value(study: StudyFile) -> Iterator[tuple[StudyFile, tuple[str, object
     """The study at the first labels of its axes over keys, and at each other label of one; which that is."""
     first = first_labels(study)
     yield at_labels(study, first), None
+    if study.survival:
+        yield surviving(Same(at_labels(study, first))), ("survival.Hs", study.survival.Hs)
     for axis in study.varied:
         for place, label in list(enumerate(axis.labels))[1:]:
             changed = at_labels(study, {**first, axis.name: label})
@@ -115,12 +121,41 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
                     yield InputError(_place(axis, path, label), value, str(error))
                     break
         yield from _repeated(f'axes."{next(iter(axis.keys)) if axis.own else axis.name}"', axis.labels)
+    yield from _survival(study)
     names = Counter(axis.name for axis in study.varied)
     for name in (name for name, count in names.items() if count > 1):
         yield InputError("axes", name, "is the name of two dimensions; rename one in [[axes.together]]")
     paths = Counter(path for axis in study.varied for path in axis.keys)
     for path in (path for path, count in paths.items() if count > 1):
         yield InputError("axes", f'"{path}"', "is varied along two dimensions, of which the second would decide alone")
+
+
+def _survival(study: StudyFile) -> Iterator[InputError]:
+    """Values in high seas that lead nowhere, or that nothing would come of."""
+    if study.survival is None:
+        return
+    for path, value in study.survival.keys.items():
+        where, first = f'survival."{path}"', path.partition(".")[0]
+        if first not in SURVIVING:
+            yield InputError(where, value, f"must be a key of {', '.join(SURVIVING)}")
+            continue
+        if path.endswith(".pto_damping") and study.axes.pto_damping:
+            yield InputError(where, value, "must be left out beside axes.pto_damping, which would decide alone")
+        try:
+            with_value(study, path, value)
+        except PathError as error:
+            yield InputError(where, value, str(error))
+    if not study.survival.keys:
+        yield InputError("survival", "{}", 'needs keys that change, as "floats.*.coulomb" = 1e9, or left_out')
+    labels = study.axes.sea_state or tuple(study.sea_states)
+    if any(path.startswith("sea") for axis in study.varied for path in axis.keys) or set(labels) - set(
+        study.sea_states
+    ):
+        return  # which are judged elsewhere
+    heights = [seas.labels(study.sea_states[label]).get("Hs", 0.0) for label in labels]
+    if not max(heights) > study.survival.Hs:
+        limit = f"no irregular sea of the study is above it: the highest has Hs = {max(heights):g} m"
+        yield InputError("survival.Hs", study.survival.Hs, limit)
 
 
 def _place(axis: Axis, path: str, label: Label) -> str:
@@ -190,8 +225,9 @@ def _recording(study: StudyFile) -> Iterator[InputError]:
         yield InputError("record.ramp", record.ramp, f"must be <= record.discard = {record.discard:g} s")
     if (steel := [name for name in record.outputs if name in OF_STEEL]) and not study.platform:
         yield InputError("record.outputs", steel, "are of an elastic platform: needs a [platform] table")
-    if "pto_force" in record.outputs and not study.floats:
-        yield InputError("record.outputs", "pto_force", "is of floats: needs [[floats]]")
+    for name in ("pto_force", "pto_stroke"):
+        if name in record.outputs and not study.floats:
+            yield InputError("record.outputs", name, "is of floats: needs [[floats]]")
     longest, step = record.discard + record.duration, study.solver.time_step
     if step is not None and study.solver.tolerance is None and longest > MOST_STEPS * step:
         limit = f"must be >= {longest / MOST_STEPS:.3g} s, or {longest:g} s take more than {MOST_STEPS} steps"
@@ -242,7 +278,7 @@ def _scenes(study: StudyFile) -> Iterator[InputError]:
 def _as_it_is(study: StudyFile) -> StudyFile:
     """Without its axes over keys."""
     axes = Axes.model_validate({name: values for name in AXES if (values := getattr(study.axes, name)) is not None})
-    return study.model_copy(update={"axes": axes, "variants": {}, "samples": None})
+    return study.model_copy(update={"axes": axes, "variants": {}, "samples": None, "survival": None})
 
 
 def _configurations(study: StudyFile) -> Iterator[dict[str, Label]]:

@@ -187,13 +187,19 @@ def floating(item: Float) -> physics.Float:
         "mooring": Mooring,
         "pto_efficiency": PtoEfficiency,
         "pto_table": pto_table,
+        "pto_law": pto_law,
     }
     with _part(f"floats.{item.name}."):  # a hull does not know whose it is
         parts = {name: of(**dict(table)) for name, of in kinds.items() if (table := getattr(item, name)) is not None}
         parts["hull"] = hull(item.hull)
+    if law := parts.pop("pto_law", None):
+        if item.pto_table:
+            raise InputError(f"floats.{item.name}.pto_law", "given", "must be left out beside pto_table")
+        parts["pto_table"] = law
     x, y, z = (0.0 if place == FOUND else place for place in item.cog)
     parts |= {"mass": 1.0 if item.mass == FOUND else item.mass, "cog": (x, y, z)}
-    return physics.Float(**{**dict(item), **parts})
+    given = {name: value for name, value in item if name != "pto_law"}
+    return physics.Float(**{**given, **parts})
 
 
 def floats(parameters: Parameters) -> tuple[physics.Float, ...]:
@@ -215,12 +221,39 @@ def found(item: Float) -> tuple[str, ...]:
 
 
 def pto_table(file: Attachment, axis: str) -> PtoTable:
-    """The solver's table for a file of rates and loads."""
+    """The solver's table for a file of rates and loads, or of positions, rates and loads in any order."""
+    import numpy as np
+
     from solver.power_takeoff import PtoTable
 
     with _part("pto_table.", "pto_table."):
-        read = columns.read(file, ("velocity", "force"))
-        return PtoTable(velocity=tuple(read["velocity"].tolist()), force=tuple(read["force"].tolist()), axis=axis)
+        if not columns.has(file, "position"):
+            v, f = columns.read(file, ("velocity", "force")).values()
+            return PtoTable(velocity=tuple(v.tolist()), force=tuple(f.tolist()), axis=axis)
+        y, v, f = columns.read(file, ("position", "velocity", "force")).values()
+        places, rates = np.unique(y), np.unique(v)
+        order = np.lexsort((v, y))
+        whole = np.array([(a, b) for a in places for b in rates]) if f.size == places.size * rates.size else None
+        if whole is None or not np.array_equal(whole, np.stack([y, v], axis=1)[order]):
+            limit = f"needs one load for each of {rates.size} velocities at each of {places.size} positions"
+            raise InputError("file", file, f"{limit}; has {f.size} lines")
+        force = tuple(f[order].tolist())
+        return PtoTable(position=tuple(places.tolist()), velocity=tuple(rates.tolist()), force=force, axis=axis)
+
+
+def pto_law(
+    file: Attachment,
+    velocity: tuple[float, float],
+    position: tuple[float, float] | None,
+    error: float,
+    parameters: tuple[float, ...],
+    axis: str,
+) -> PtoTable:
+    """The solver's table for a user's function."""
+    from pipeline.bridge.pto_law import table
+
+    with _part("pto_law.", "pto_table."):
+        return table(file, velocity, position, error, parameters, axis)
 
 
 def in_place(item: Float, water: Water) -> None:

@@ -37,8 +37,14 @@ VARIABLES = {
     "capture_width": Meaning("m", "Width of the waves' crests that carries the mean power which the float absorbs"),
     "electrical_power": Meaning("W", "Electrical power of the power take-off, what its stiffness exchanges included"),
     "pto_force": Meaning("J {axis}-1", "Load of the power take-off on the float along each free axis: N, or N m"),
+    "pto_rate": Meaning("{axis} s-1", "Rate of each free axis, at which the power take-off works"),
+    "pto_stroke": Meaning("{axis}", "Farthest way of an axis from one end to the other in the analysed time"),
+    "pto_travel": Meaning("{axis} h-1", "Way of an axis to and fro, an hour"),
+    "latched": Meaning("1", "Whether the axis is held by its latch or brake; the mean is the share of the time"),
+    "declutched": Meaning("1", "Whether the power take-off has let go of the axis; the mean is the share of the time"),
     "hinge_force": Meaning("N", "Force of the hinge on the float"),
     "end_stop_hits": Meaning("1", "Number of times that the float met an end stop of its joint in the analysed time"),
+    "end_stop_hit_rate": Meaning("h-1", "Number of times that the float met an end stop of its joint, an hour"),
     "impact_rate": Meaning("{axis} s-1", "Largest rate at which an axis of the joint met an end stop"),
     "end_stop_load": Meaning("J {axis}-1", "Largest load of an end stop on an axis of the joint: N, or N m"),
     "top_displacement": Meaning("m", "Displacement of the top of the leg from static equilibrium"),
@@ -115,7 +121,8 @@ VARIABLES = {
     "unmet": Meaning(None, "What was asked of the task and not met, empty if all was"),
 }
 
-AT_STOPS = ("end_stop_hits", "impact_rate", "end_stop_load")  # one number each for a record
+# One number each for a record.
+AT_STOPS = ("end_stop_hits", "end_stop_hit_rate", "impact_rate", "end_stop_load", "pto_stroke", "pto_travel")
 
 # Numerical choices. A dataset has those that are the same in all its tasks as attributes of the file.
 KNOBS = {

@@ -215,6 +215,23 @@ class Variant(Table):
         return {key: _listed(key, value) for key, value in by_path(table, ranges=True).items()}
 
 
+class Survival(Table):
+    """Other values of any keys in irregular seas above a significant wave height, by dotted paths or in tables."""
+
+    Hs: Annotated[Positive, Unit("m"), "Significant wave height above which they hold"]
+    keys: Annotated[dict[str, Any], "Another value of any key of floats, left_out, platform or solver"] = Field(
+        default={}
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _gather(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or "keys" in data:
+            return data
+        named = {key: data[key] for key in ("Hs",) if key in data}
+        return named | {"keys": by_path({key: value for key, value in data.items() if key not in named})}
+
+
 def variant_axis(variants: Mapping[str, Variant]) -> Axis:
     """The dimension `variant`."""
     paths = dict.fromkeys(path for variant in variants.values() for path in variant.keys)

@@ -36,6 +36,7 @@ QUANTITIES = {
     "omega": Column({"rad/s": 1.0}, least=0.0),
     # People mean either by this word, and a factor of 2π is not for us to guess.
     "frequency": Column({"Hz": TURN, "rad/s": 1.0}, least=0.0, implied=False),
+    "position": Column({"m": 1.0, "rad": 1.0}),
     "velocity": Column({"m/s": 1.0, "rad/s": 1.0}),
     "force": Column({"N": 1.0, "N m": 1.0}),
     "S": Column({"m2 s/rad": 1.0, "m2/Hz": 1 / TURN}, least=0.0),
@@ -56,6 +57,12 @@ def read(file: Attachment, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
     if not numbers[wanted[0]]:
         raise InputError("file", file, "has a header and no numbers")
     return {name: np.array(values) for name, values in numbers.items()}
+
+
+def has(file: Attachment, name: str) -> bool:
+    """Whether a file has a column of that name."""
+    _, header = next(_rows(file), (1, [""]))
+    return name in [cell.partition("[")[0].strip() for cell in header]
 
 
 def _rows(file: Attachment) -> Iterator[tuple[int, list[str]]]:

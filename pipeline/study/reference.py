@@ -77,7 +77,7 @@ def json_schema() -> Node:
     """For editors: draft 4; nothing is required below the top, for a study that stands on another may leave it out."""
     raw = described()
     schema = _draft4(raw) | {"definitions": {name: _draft4(node) for name, node in raw["$defs"].items()}}
-    for name in ("Axes", "Together", "Samples", "Variant"):
+    for name in ("Axes", "Together", "Samples", "Variant", "Survival"):
         tables = [
             "sea",
             *(key for key, node in raw["properties"].items() if key not in FIXED and _tables(node, key)[0]),

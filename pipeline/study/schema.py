@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from pipeline.study.attachments import CoefficientFile, File
-from pipeline.study.axes import Axes, Axis, Samples, Variant, implied_sea, variant_axis
+from pipeline.study.axes import Axes, Axis, Samples, Survival, Variant, implied_sea, variant_axis
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import (
     Count,
@@ -48,7 +48,7 @@ class Water(Table):
 DEFAULT = physics.Settings()
 
 
-Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force"]
+Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force", "pto_stroke"]
 
 
 # An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
@@ -75,7 +75,7 @@ class Recording(Table):
     outputs: Annotated[
         tuple[Output, ...],
         AfterValidator(_once),
-        "What else is put out: of an elastic platform's steel, and the power take-offs' forces",
+        "What else is put out: of an elastic platform's steel, and the power take-offs' forces and strokes",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
     if TYPE_CHECKING:
@@ -216,9 +216,28 @@ class PtoEfficiency(Table):
 
 @fields_of(takeoff.PtoTable, ("axis",))
 class PtoTable(Table):
-    """Load of a power take-off by rate, from a file: velocity [m/s] (or [rad/s]), force [N] (or [N m])."""
+    """Load of a power take-off from a file: velocity [m/s] (or [rad/s]), force [N] (or [N m]), and, where it goes by
+    that, too, position [m] (or [rad]): a line for each rate at each position.
+    """
 
-    file: Annotated[File, "CSV file beside the study: velocity [m/s], force [N], or in rad/s and N m"]
+    file: Annotated[File, "CSV file beside the study: velocity [m/s], force [N], or in rad/s and N m; position [m]"]
+    axis: Annotated[Motion | Literal[""], "The axis of `motion` that it acts on; left out, the only one"] = ""
+
+
+class PtoLaw(Table):
+    """Load of a power take-off by a function of your own; the solver follows a table of it, level beyond its ends."""
+
+    file: Annotated[File, "Python file beside the study: def load(y, dy), against the motion [N] or [N m]"]
+    velocity: Annotated[tuple[Number, Number], Unit("m/s or rad/s"), "Least and largest rate at which it is followed"]
+    position: Annotated[
+        tuple[Number, Number] | None,
+        Unit("m or rad"),
+        "Least and largest position, from rest; left out, the load goes by rate alone, load(0, dy)",
+    ] = None
+    error: Annotated[
+        Number, Field(ge=1e-4, le=0.1), Unit("-"), "Share of the largest load by which the table may miss it"
+    ] = 0.01
+    parameters: Annotated[tuple[Number, ...], "More arguments of load, after y and dy"] = ()
     axis: Annotated[Motion | Literal[""], "The axis of `motion` that it acts on; left out, the only one"] = ""
 
 
@@ -251,6 +270,7 @@ class Float(Table):
     mooring: Mooring | None = None
     pto_efficiency: PtoEfficiency | None = None
     pto_table: PtoTable | None = None
+    pto_law: Annotated[PtoLaw | None, "Load of the power take-off by a function of your own"] = None
     if TYPE_CHECKING:
         hinge: Vector
         pto_damping: float | tuple[float, ...]
@@ -427,6 +447,7 @@ class StudyFile(Table):
     platform: Annotated[Platform | None, "The elastic platform that carries them"] = None
     axes: Annotated[Axes, "What is varied"] = Axes()
     variants: Annotated[dict[Label, Variant], "Named sets of values, along the dimension variant"] = Field(default={})
+    survival: Annotated[Survival | None, "Other values in the sea states above a significant wave height"] = None
     samples: Annotated[Samples | None, "Points of a design space, along the dimension sample"] = None
     sea_states: Annotated[dict[Label, SeaState], "The seas, by label"]
 

@@ -223,11 +223,13 @@ def cell(study: StudyFile, labels: Mapping[str, Label], varied: tuple[str, ...],
 
 def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     study = at_labels(study, labels)
+    sea = study.sea_states[str(labels["sea_state"])]
+    if study.survival and seas.labels(sea).get("Hs", 0.0) > study.survival.Hs:
+        study = surviving(Same(study))
     floats = _floats(study, labels)
     platform = None
     if study.platform and labels["platform"] != "fixed":
         platform = _with_hinges(Same(study.platform), tuple(hinge_nodes(floats).items()))
-    sea = study.sea_states[str(labels["sea_state"])]
     floats = (
         () if labels["platform"] == "elastic-no-floats" else tuple(f for f in floats if f.name not in study.left_out)
     )
@@ -242,6 +244,15 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
         coefficients=study.coefficients if floats else None,
         seed=int(labels["seed"]) if seas.is_random(sea) else 0,
     )
+
+
+@lru_cache(maxsize=128)  # one for tasks that share it
+def surviving(same: Same[StudyFile]) -> StudyFile:
+    """The study with the values that hold above survival.Hs; PathError where that cannot be."""
+    study = same.table
+    for path, value in study.survival.keys.items() if study.survival else ():
+        study = with_value(study, path, value)
+    return study
 
 
 @lru_cache(maxsize=128)  # one for tasks that share it

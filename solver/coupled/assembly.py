@@ -19,7 +19,8 @@ from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_si
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import shared
 from solver.multibody.chain import PRISMATIC, REVOLUTE
-from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops, tables
+from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops
+from solver.multibody.load_table import NO_POINTS, Points, tables
 from solver.multibody.minimal import Bodies
 from solver.scene import DOFS, PER_AXIS, Float, Scene
 from solver.sea.field import WaveField
@@ -129,8 +130,8 @@ def joint_law(floats: Iterable[Float], carriers: int = 0) -> JointLaw:
     # Side by side in memory as all other arrays are: kernels are compiled once more for any that are not.
     row, column = np.array(np.nonzero(((K != 0) | (C != 0)) & ~np.eye(len(K), dtype=bool)))
     couplings = Couplings(row, column, K[row, column], C[row, column])
-    points = [(np.zeros(0), np.zeros(0))] * carriers + [axis for f in items for axis in f.pto_points]
-    return JointLaw(**law, end_stops=stops, couplings=couplings, tables=tables(points))
+    given = [NO_POINTS if axis is None else Points(*axis) for f in items for axis in f.pto_points]
+    return JointLaw(**law, end_stops=stops, couplings=couplings, tables=tables([NO_POINTS] * carriers + given))
 
 
 def _per_axis(floats: Iterable[Float], name: str, carriers: int) -> np.ndarray:

@@ -69,7 +69,7 @@ def march(
             account_work(problem, drive, sample + 1, state, room)
             put_out(room, output, sample)
             if fine is not None:
-                note(problem, room, output, sample, sample + 1)
+                note(problem, room, output, problem.dt, sample, sample + 1)
             advance(problem, state, room)
     return OK, 2 * steps, used
 

@@ -70,10 +70,11 @@ def fill_flexibility(structure: Structure, dt: float, inverse: np.ndarray, H: np
     H[:] = 0.0
     for m in range(nm):
         c, k = 2 * structure.damping[m] * structure.omega[m] * dt, (structure.omega[m] * dt) ** 2
-        D = np.eye(2) + c * A + k * AA
-        det = D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
-        inverse[m, 0, 0], inverse[m, 1, 1] = D[1, 1] / det, D[0, 0] / det
-        inverse[m, 0, 1], inverse[m, 1, 0] = -D[0, 1] / det, -D[1, 0] / det
+        d00, d01 = 1.0 + c * A[0, 0] + k * AA[0, 0], c * A[0, 1] + k * AA[0, 1]
+        d10, d11 = c * A[1, 0] + k * AA[1, 0], 1.0 + c * A[1, 1] + k * AA[1, 1]
+        det = d00 * d11 - d01 * d10
+        inverse[m, 0, 0], inverse[m, 1, 1] = d11 / det, d00 / det
+        inverse[m, 0, 1], inverse[m, 1, 0] = -d01 / det, -d10 / det
         for s in range(2):
             for l in range(2):
                 for i in range(nc):

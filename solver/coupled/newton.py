@@ -104,9 +104,32 @@ def constant_part(bodies: Bodies, memory: Memory, stiffness: np.ndarray, dt: flo
             for i in range(nz):
                 for k in range(nz):
                     constant[s * nz + i, l * nz + k] += dt * dt * AA[s, l] * stiffness[i, k]
-                constant[s * nz + i, l * nz + i] += dt * A[s, l] * axis_damping(bodies.law, i)
+    _add_damping(bodies, dt, constant)
+
+
+@kernel(inline="always")
+def _add_damping(bodies: Bodies, dt: float, constant: np.ndarray) -> None:
+    """The joints' part of it."""
+    nz = bodies.mechanism.size
+    for s in range(2):
+        for l in range(2):
             block = constant[s * nz : (s + 1) * nz, l * nz : (l + 1) * nz]
+            for i in range(nz):
+                block[i, i] += dt * A[s, l] * axis_damping(bodies.law, i)
             add_coupled_damping(bodies.law, dt * A[s, l], block)
+
+
+@inner_kernel
+def shorter_part(bodies: Bodies, whole: np.ndarray, dt: float, length: float, constant: np.ndarray) -> None:
+    """constant_part for steps of a length [s] from that, `whole`, of longer ones of dt.
+
+    The joints' damping goes by dt, stiffness by dt², and so does the radiation memory, nearly.
+    """
+    share = length / dt
+    for i in range(whole.shape[0]):
+        for j in range(whole.shape[0]):
+            constant[i, j] = share * share * whole[i, j]
+    _add_damping(bodies, length - share * share * dt, constant)
 
 
 @kernel

@@ -18,10 +18,12 @@ import numpy as np
 from solver.coupled.energy import JOINT_DAMPING, PTO
 from solver.coupled.memory import Memory
 from solver.coupled.modal import fill_flexibility
-from solver.coupled.newton import constant_part, factorize, substitute
+from solver.coupled.newton import factorize, shorter_part, substitute
 from solver.coupled.stages import State
 from solver.coupled.step import (
     HITS,
+    HOLDS,
+    LET_GO,
     LOAD,
     NOT_CONVERGED,
     NOT_FINITE,
@@ -40,6 +42,7 @@ from solver.coupled.step import (
 )
 from solver.kernels import inner_kernel, kernel, lean_kernel
 from solver.multibody.joint_law import (
+    GONE,
     HELD,
     OPEN,
     PRESSED,
@@ -61,7 +64,7 @@ NEVER = 2.0  # shares of a step
 CHANGES = 200  # of laws in one step, at most
 # Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
 # swings. Pieces above it are halved, those an eighth below are doubled, whose bend is then eight times as large.
-BEND = 0.01
+BEND = 0.03
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
 NODES = 6  # of the polynomial through the drive's samples around a piece
@@ -178,21 +181,26 @@ def _take(problem: Problem, length: float, state: State, room: Workspace, fine: 
     """The piece's end becomes the next one's start; what presses on the stops is noted."""
     other = _of_length(problem, length, fine)
     account_work(other, fine.drive, ONE, state, room)
-    note(problem, room, output, row, row)
+    note(problem, room, output, length, row, row)
     _quicken(problem, state, room, length)
     advance(other, state, room)
     _forget(state)
 
 
 @inner_kernel
-def note(problem: Problem, room: Workspace, output: Output, middle: int, end: int) -> None:
-    """The stages' loads on the stops, where larger than those noted in the rows `middle` and `end` of the output."""
+def note(problem: Problem, room: Workspace, output: Output, length: float, middle: int, end: int) -> None:
+    """Of a step of this length [s], of which half goes to each of the output's rows `middle` and `end`: the stages'
+    loads on the stops, where larger than those noted there, and what axes are held or let go of."""
     stage, rows = room.stage, (middle, end)
     for n in range(problem.bent.size):
         i = problem.bent[n]
+        pto = stage.zone[PTO_ZONE, i]
         for s in range(2):
             load = stop_load(problem.bodies.law, i, stage.zone[STOP_ZONE, i], stage.z[s, i], stage.dz[s, i])
-            output.contact[rows[s], n, LOAD] = max(output.contact[rows[s], n, LOAD], load)
+            contact = output.contact[rows[s], n]
+            contact[LOAD] = max(contact[LOAD], load)
+            contact[HOLDS] += length / problem.dt if pto == HELD else 0.0
+            contact[LET_GO] = 1.0 if abs(pto) == GONE else 0.0
 
 
 @inner_kernel
@@ -392,12 +400,12 @@ def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: fl
 
 @inner_kernel
 def _of_length(problem: Problem, length: float, fine: Fine) -> Problem:
-    """The problem for steps of this length [s]; Newton's tolerance by its square: forces are as exact."""
+    """The problem for steps of this length [s]; Newton's tolerance goes by that: on a stop loads are large."""
     share = length / problem.dt
     if fine.length[0] != length:
         _fill_memory(problem.beta, length, fine.memory)
         fill_flexibility(problem.structure, length, fine.inverse, fine.H)
-        constant_part(problem.bodies, fine.memory, problem.stiffness, length, fine.constant)
+        shorter_part(problem.bodies, problem.constant, problem.dt, length, fine.constant)
         fine.length[0] = length
     return Problem(
         problem.bodies,
@@ -411,7 +419,7 @@ def _of_length(problem: Problem, length: float, fine: Fine) -> Problem:
         problem.bent,
         problem.pace,
         length,
-        max(problem.tolerance * share * share, LEAST),
+        max(problem.tolerance * share, LEAST),
         problem.iterations,
     )
 

@@ -57,6 +57,8 @@ OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED = 0, 1, 2, 3, 4
 # Of end stops: number of hits, largest rate at one [m/s or rad/s], largest load [N or N m].
 CONTACT = ("end_stop_hits", "impact_rate", "end_stop_load")
 HITS, RATE, LOAD = range(len(CONTACT))
+# And of an axis that is held, the share of the time; whether its power take-off has let go at the sample.
+HOLDS, LET_GO = len(CONTACT), len(CONTACT) + 1
 
 
 class Drive(NamedTuple):
@@ -79,7 +81,7 @@ class Output(NamedTuple):
     ddp: np.ndarray  # (m, nm)
     carried: np.ndarray  # (m, nc) load of the floats on the support's nodes, along their carriers [N, N m]
     drag: np.ndarray  # (m, nd, ns) of the water on the frame at its stations [N]
-    contact: np.ndarray  # (m, number of bent axes, 3) since the sample before, see CONTACT
+    contact: np.ndarray  # (m, number of bent axes, 5) since the sample before: CONTACT, HOLDS, LET_GO
 
 
 class Problem(NamedTuple):
@@ -151,7 +153,7 @@ def new_output(problem: Problem, samples: int) -> Output:
     bodies, structure = problem.bodies, problem.structure
     nz, nb, (nc, nm) = bodies.mechanism.size, bodies.axes.size, structure.carrier.shape
     shapes = ((nz,), (nz,), (nm,), (nb, 6), (nm,), (nm,), (nc,), structure.station.shape[1:])
-    contact = np.zeros((samples, problem.bent.size, len(CONTACT)))
+    contact = np.zeros((samples, problem.bent.size, LET_GO + 1))
     return Output(*[*(np.empty((samples, *shape)) for shape in shapes), contact])
 
 

@@ -166,7 +166,7 @@ class System:
         joint_law.zones_at_rest(self.bodies.law, z, zone)
         zone[joint_law.PTO_ZONE, joint_law.turning(self.bodies.law)] = joint_law.HELD
         for i in np.flatnonzero(joint_law.tabled(self.bodies.law)):
-            zone[joint_law.PTO_ZONE, i] = joint_law.pto_zone(self.bodies.law, int(i), 0.0)
+            zone[joint_law.PTO_ZONE, i] = joint_law.pto_zone(self.bodies.law, int(i), z[i], 0.0)
         return zone
 
     @property

@@ -92,6 +92,8 @@ def _tables(
         owned = [channels.owner == b for b in range(len(scene.floats))]
         powers = [gaussian.power_table(pto[i], rates[:, i], omega, duration) for i in owned]
         yield "absorbed_power", np.array(powers), None
+        if "pto_stroke" in scene.settings.outputs:
+            yield table("pto_rate", np.zeros(()), channels.by_axis(rates))
         if "pto_force" in scene.settings.outputs:
             k = np.concatenate([f.per_axis("pto_stiffness") for f in scene.floats])
             mean, lines = channels.by_axis(-(k * z[nc:])[None])[0], channels.by_axis(-(pto * rates + k * joints))

@@ -3,25 +3,26 @@
     f_pto = σ min(c_pto |ẏ| + F_c, F_max) sign ẏ,    f_loss = (c + d|ẏ|) ẏ,    f_spring = k y - F₀
 
 against the axis [N or N m]; σ is the share that is left in a sense which the power take-off is not made for. Or f_pto
-follows a table by rate, straight between its points and level beyond them. An end stop is a spring and a damper
-beyond its bound, δ deep, that do not pull:
+follows a table by rate, or by position and rate: straight between its points (bilinear) and level beyond them. An end
+stop is a spring and a damper beyond its bound, δ deep, that do not pull:
 
     f_stop = max(0, k_s δ + c_s δ̇) = k_s δ (stored) + max(c_s δ̇, -k_s δ) (lost),    δ > 0
 
 WEC-Sim's stops are these (Simscape's "damped rebound") but for the pull of their damper on a float that leaves fast.
 Lines couple the axes of a float: axis i has Σ Kᵢⱼ yⱼ more of f_spring and Σ Cᵢⱼ ẏⱼ more of f_loss, j its other axes.
-At rest F_c holds the axis against up to as much. Powers f_pto ẏ (absorbed) and f_loss ẏ leave the scene, that of
-f_spring is stored. Motion, powers, record, both formulations and the linear model ask here.
+At rest F_c holds the axis against up to as much, and so does a latch, which once it gives way does nothing until the
+axis comes to rest again. A power take-off that lets go beyond a load takes the axis again as it turns round. Powers
+f_pto ẏ (absorbed) and f_loss ẏ leave the scene, that of f_spring is stored. Motion, powers, record, both formulations
+and the linear model ask here.
 
-The law is smooth but where an axis leaves a zone: it meets a stop or comes free of it, turns round under F_c, or its
-power take-off reaches F_max or a point of its table. In a zone each formula goes on beyond that; `leaving` tells where
-the zone ends.
+The law is smooth but where an axis leaves a zone: it meets a stop or comes free of it, turns round under F_c or a
+latch, or its power take-off reaches F_max, lets go, or comes to a line of its table. In a zone each formula goes on
+beyond that; `leaving` tells where the zone ends.
 
 A further kind of law of an axis is a field of JointLaw, called as the Float's, and its terms in `axis_load` and, if it
 stores energy, `axis_energy`; if it bends, zones for it in `leaving` and what they call.
 """
 
-from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -29,11 +30,23 @@ import numpy as np
 from scipy.special import erf
 
 from solver.kernels import kernel
+from solver.multibody.load_table import (
+    Tables,
+    beyond_piece,
+    equivalent_damping,
+    has_positions,
+    has_table,
+    next_piece,
+    table_load,
+    table_piece,
+    table_slopes,
+)
 
 FAR = 40.0  # standard deviations
 OPEN, PRESSED, RELEASED = 0, 1, 2  # zones of the stops; + at the upper one, - at the lower one
 LINEAR, SLIPS, LIMITED, HELD = 0, 1, 2, 3  # of the power take-off; SLIPS and LIMITED with the sign of the rate
-TABLE = 4  # and from there on the pieces of a table: below its first point, between that and the next, ...
+GONE = 4  # the power take-off has let go, with the sign of the rate
+TABLE = 5  # and from there on the pieces of a table, by rate: below its first, between that and the next, ...
 STOP_ZONE, PTO_ZONE = 0, 1  # rows of zones (2, n)
 
 
@@ -55,15 +68,6 @@ class Couplings(NamedTuple):
     damping: np.ndarray  # (e,) [N s/m, N s/rad or N m s/rad]
 
 
-class Tables(NamedTuple):
-    """Load of the power take-offs by rate, of those that have a table; t points of all axes, one axis after another."""
-
-    first: np.ndarray  # (n + 1,) of each axis's points, and t
-    rate: np.ndarray  # (t,) [m/s or rad/s], increasing along an axis
-    load: np.ndarray  # (t,) against the axis [N or N m]
-    slope: np.ndarray  # (n,) ∂f_pto/∂ẏ at rest, between those of the two senses; 0 without a table
-
-
 class JointLaw(NamedTuple):
     """Numbers of n axes: [N s/m], [N s²/m²] and [N/m] of those that slide, [N m s/rad] ... of those that turn."""
 
@@ -75,22 +79,12 @@ class JointLaw(NamedTuple):
     preload: np.ndarray  # (n,) constant load in the axis's positive sense
     coulomb: np.ndarray  # (n,) load of the power take-off whatever the rate, against it
     force_limit: np.ndarray  # (n,) that the power take-off's load does not exceed
+    declutch_load: np.ndarray  # (n,) of the power take-off, beyond which it lets go until the axis turns round
+    latch_load: np.ndarray  # (n,) up to which an axis that has come to rest is held there
     one_way: np.ndarray  # (n,) by how much that load is less for motion in the negative sense; < 0: in the positive
     end_stops: EndStops
     couplings: Couplings
     tables: Tables
-
-
-def tables(points: Sequence[tuple[np.ndarray, np.ndarray]]) -> Tables:
-    """Of n axes from the rates and loads of each, none where it has no table."""
-    ends = np.cumsum([0, *(rate.size for rate, _ in points)])
-    rate, load = (np.concatenate([np.zeros(0), *(p[k] for p in points)]) for k in range(2))
-    return Tables(ends, rate, load, np.array([_slope_at_rest(*p) for p in points]))
-
-
-def _slope_at_rest(rate: np.ndarray, load: np.ndarray) -> float:
-    step = 0.5 * np.diff(rate).min(initial=np.inf)
-    return float(np.diff(np.interp([-step, step], rate, load))[0] / (2 * step)) if rate.size else 0.0
 
 
 def end_stops(lower: np.ndarray, upper: np.ndarray, stiffness: np.ndarray, damping: np.ndarray) -> EndStops:
@@ -128,7 +122,7 @@ def axis_load(law: JointLaw, i: int, stops: int, pto: int, y: float, dy: float) 
         loss += law.end_stops.damping[i] * dy if stops * side == PRESSED else -elastic
     if pto == LINEAR:
         return AxisLoad(_slope(law, i) * dy, loss, spring)
-    return AxisLoad(_kinked_load(law, i, pto, dy), loss, spring)
+    return AxisLoad(_kinked_load(law, i, pto, y, dy), loss, spring)
 
 
 @kernel(inline="always")
@@ -144,81 +138,47 @@ def _share(law: JointLaw, i: int, sense: int) -> float:
 
 
 @kernel(inline="always")
-def _kinked_load(law: JointLaw, i: int, pto: int, dy: float) -> float:
+def _kinked_load(law: JointLaw, i: int, pto: int, y: float, dy: float) -> float:
     """f_pto in a zone other than LINEAR; what holds an axis does no work and is found by the motion."""
-    if pto == HELD:
-        return 0.0
     if pto >= TABLE:
-        return _table_load(law, i, pto - TABLE, dy)
+        return table_load(law.tables, i, pto - TABLE, y, dy)
+    if pto == HELD or abs(pto) == GONE:
+        return 0.0
     sense = 1 if pto > 0 else -1
     if pto * sense == LIMITED:
-        return _share(law, i, sense) * sense * law.force_limit[i]
+        return _share(law, i, sense) * sense * _largest(law, i)
     return _share(law, i, sense) * (law.pto_damping[i] * dy + sense * _constant(law, i))
 
 
 @kernel(inline="always")
-def _table_slope(law: JointLaw, i: int, piece: int) -> float:
-    """∂f_pto/∂ẏ on a piece of axis i's table; 0 beyond its ends."""
-    after = law.tables.first[i] + piece
-    if piece == 0 or after == law.tables.first[i + 1]:
-        return 0.0
-    rate, load = law.tables.rate, law.tables.load
-    return (load[after] - load[after - 1]) / (rate[after] - rate[after - 1])
-
-
-@kernel(inline="always")
-def _table_load(law: JointLaw, i: int, piece: int, dy: float) -> float:
-    """f_pto by the formula of a piece of axis i's table."""
-    at = law.tables.first[i] + max(piece - 1, 0)
-    return law.tables.load[at] + _table_slope(law, i, piece) * (dy - law.tables.rate[at])
-
-
-@kernel(inline="always")
-def _table_piece(law: JointLaw, i: int, dy: float) -> int:
-    """The piece of axis i's table that dy lies in."""
-    first, after = law.tables.first[i], law.tables.first[i]
-    while after < law.tables.first[i + 1] and dy > law.tables.rate[after]:
-        after += 1
-    return after - first
-
-
-@kernel(inline="always")
-def _beyond_piece(law: JointLaw, i: int, piece: int, dy: float) -> tuple[float, float]:
-    """> 0 where dy is below, and above, a piece of axis i's table."""
-    after = law.tables.first[i] + piece
-    below = law.tables.rate[after - 1] - dy if piece > 0 else -np.inf
-    above = dy - law.tables.rate[after] if after < law.tables.first[i + 1] else -np.inf
-    return below, above
-
-
-@kernel(inline="always")
-def _tabled(law: JointLaw, i: int) -> bool:
-    return law.tables.first[i + 1] > law.tables.first[i]
-
-
-@kernel(inline="always")
 def _constant(law: JointLaw, i: int) -> float:
-    return min(law.coulomb[i], law.force_limit[i])
+    return min(law.coulomb[i], _largest(law, i))
+
+
+@kernel(inline="always")
+def _largest(law: JointLaw, i: int) -> float:
+    """F_max, or the load beyond which the power take-off lets go."""
+    return min(law.force_limit[i], law.declutch_load[i])
 
 
 @kernel(inline="always")
 def holding(law: JointLaw, i: int, sense: int) -> float:
     """The largest load that an axis at rest withstands without moving in a sense, +1 or -1 [N or N m]."""
-    return _share(law, i, sense) * _constant(law, i)
+    return max(law.latch_load[i], _share(law, i, sense) * _constant(law, i))
 
 
 @kernel(inline="always")
 def _turns_at_rest(law: JointLaw, i: int) -> bool:
-    """Whether the law is another for each sense of motion."""
-    return law.coulomb[i] > 0 or law.one_way[i] != 0
+    """Whether the law is another for each sense of motion, or holds the axis between them."""
+    return law.coulomb[i] > 0 or law.one_way[i] != 0 or law.latch_load[i] > 0
 
 
 @kernel(inline="always")
 def _limiting_rate(law: JointLaw, i: int) -> float:
-    """|ẏ| at which the power take-off reaches F_max."""
+    """|ẏ| at which the power take-off reaches F_max, or lets go."""
     if not law.pto_damping[i] > 0:
         return np.inf
-    return (law.force_limit[i] - _constant(law, i)) / law.pto_damping[i]
+    return (_largest(law, i) - _constant(law, i)) / law.pto_damping[i]
 
 
 @kernel(inline="always")
@@ -278,7 +238,9 @@ def tangent(law: JointLaw, i: int, stops: int, pto: int) -> tuple[float, float]:
     if abs(stops) == PRESSED:
         stiffness, damping = law.end_stops.stiffness[i], law.end_stops.damping[i]
     if pto >= TABLE:
-        damping += _table_slope(law, i, pto - TABLE) - _slope(law, i)
+        slopes = table_slopes(law.tables, i, pto - TABLE)
+        stiffness += slopes[0]
+        damping += slopes[1] - _slope(law, i)
     elif abs(pto) == SLIPS:
         damping += _share(law, i, pto) * law.pto_damping[i] - _slope(law, i)
     elif pto != LINEAR:
@@ -307,10 +269,13 @@ def stops_zone(law: JointLaw, i: int, y: float, dy: float) -> int:
 
 
 @kernel(inline="always")
-def pto_zone(law: JointLaw, i: int, dy: float) -> int:
-    """The zone of the power take-off that dy lies in; HELD at rest where F_c, or another sense, begins there."""
-    if _tabled(law, i):
-        return TABLE + _table_piece(law, i, dy)
+def pto_zone(law: JointLaw, i: int, y: float, dy: float) -> int:
+    """The zone of the power take-off that y, dy lie in; HELD at rest where F_c, or another sense, begins there.
+
+    One that has let go is not told from one at work.
+    """
+    if has_table(law.tables, i):
+        return TABLE + table_piece(law.tables, i, y, dy)
     sense = 1 if dy > 0 else -1
     if abs(dy) > _limiting_rate(law, i):
         return sense * LIMITED
@@ -332,14 +297,15 @@ def leaving(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) ->
     if zone == HELD:
         return -1.0
     if zone >= TABLE:
-        below, above = _beyond_piece(law, i, zone - TABLE, dy)
-        return max(below, above)
+        return beyond_piece(law.tables, i, zone - TABLE, y, dy)
     rate = _limiting_rate(law, i)
     if zone == LINEAR:
         return abs(dy) - rate
     sense = 1 if zone > 0 else -1
     if zone * sense == LIMITED:
         return rate - sense * dy
+    if zone * sense == GONE:
+        return -sense * dy
     return max(-sense * dy, sense * dy - rate)
 
 
@@ -356,24 +322,26 @@ def next_zone(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) 
         press = law.end_stops.stiffness[i] * depth + law.end_stops.damping[i] * side * dy
         return side * PRESSED if press > -depth else OPEN
     if zone >= TABLE:
-        below, above = _beyond_piece(law, i, zone - TABLE, dy)
-        return zone + 1 if above > below else zone - 1
+        return TABLE + next_piece(law.tables, i, zone - TABLE, y, dy)
     sense = 1 if dy > 0 else -1
+    reached = sense * (GONE if law.declutch_load[i] < np.inf else LIMITED)
     if zone == LINEAR:
-        return sense * LIMITED
+        return reached
+    if abs(zone) == GONE:
+        return HELD if _turns_at_rest(law, i) else LINEAR
     if abs(zone) == LIMITED:
         return (1 if zone > 0 else -1) * SLIPS if _turns_at_rest(law, i) else LINEAR
     rate = _limiting_rate(law, i)
-    return HELD if abs(dy) < 0.5 * rate else sense * LIMITED
+    return HELD if abs(dy) < 0.5 * rate else reached
 
 
 @kernel
 def joint_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> JointLoads:
-    """Loads of all axes from positions and rates (m, n), in the zones where these lie."""
+    """Loads of all axes from positions and rates (m, n), in the zones where these lie: no power take-off has let go."""
     pto, loss, spring = np.empty(y.shape), np.empty(y.shape), np.empty(y.shape)
     for s in range(y.shape[0]):
         for i in range(y.shape[1]):
-            stops, zone = stops_zone(law, i, y[s, i], dy[s, i]), pto_zone(law, i, dy[s, i])
+            stops, zone = stops_zone(law, i, y[s, i], dy[s, i]), pto_zone(law, i, y[s, i], dy[s, i])
             load = axis_load(law, i, stops, zone, y[s, i], dy[s, i])
             pto[s, i], loss[s, i], spring[s, i] = load.pto, load.loss, load.spring
         row, column, stiffness, damping = law.couplings
@@ -390,8 +358,10 @@ def pto_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
 
 def pto_bounds(law: JointLaw) -> np.ndarray:
     """What the magnitude of a power take-off's load cannot exceed (n,)."""
-    tables = [law.tables.load[a:b] for a, b in pairwise(law.tables.first)]
-    largest = [np.abs(load).max() if load.size else limit for load, limit in zip(tables, law.force_limit, strict=True)]
+    limit = np.minimum(law.force_limit, law.declutch_load)
+    limit = np.where(law.pto_damping > 0, limit, np.minimum(limit, law.coulomb))
+    loads = [law.tables.load[a:b] for a, b in pairwise(law.tables.first_load)]
+    largest = [np.abs(load).max() if load.size else most for load, most in zip(loads, limit, strict=True)]
     return np.where(law.pto_stiffness == 0, largest, np.inf)
 
 
@@ -416,22 +386,29 @@ def joint_energy(law: JointLaw, y: np.ndarray) -> float:
 
 @kernel
 def zones_at_rest(law: JointLaw, y: np.ndarray, zones: np.ndarray) -> None:
-    """zones (2, n) in which small motions about rest at y (n,) are linear."""
+    """zones (2, n) in which small motions about rest at y (n,) are linear.
+
+    A table by rate alone bends at rest and has no load there; one by position, too, may have.
+    """
     for i in range(y.size):
         zones[STOP_ZONE, i], zones[PTO_ZONE, i] = stops_zone(law, i, y[i], 0.0), LINEAR
+        if has_positions(law.tables, i):
+            zones[PTO_ZONE, i] = pto_zone(law, i, y[i], 0.0)
 
 
 def damping_of_gaussian(law: JointLaw, std: np.ndarray) -> np.ndarray:
     """⟨f_pto ẏ⟩/⟨ẏ²⟩ (n,) of Gaussian rates with std (n,): the linear damping that takes as much power.
 
     With a = (F_max - F_c)/c_pto and x = a/σ: c (erf(x/√2) - √(2/π) x exp(-x²/2)) for what is linear, and
-    √(2/π)/σ times F_c (1 - exp(-x²/2)) + F_max exp(-x²/2). At σ = 0 that of the linear part alone.
+    √(2/π)/σ times F_c (1 - exp(-x²/2)) + F_max exp(-x²/2). At σ = 0 that of the linear part alone. Of tables the mean
+    slope.
     """
     x, rate, constant = _reached(law, std)
     beyond = np.exp(-0.5 * x**2)
     with_limit = np.sqrt(2 / np.pi) * (constant * (1 - beyond) + _limit(law, beyond)) / rate
     linear = law.pto_damping * (erf(x / np.sqrt(2)) - np.sqrt(2 / np.pi) * np.minimum(x, FAR) * beyond)
-    return np.where(std > 0, linear + with_limit, law.pto_damping)
+    whole = np.where(std > 0, linear + with_limit, law.pto_damping)
+    return whole + equivalent_damping(law.tables, std, lambda x: 0.5 * erf(x / np.sqrt(2)))
 
 
 def damping_of_harmonic(law: JointLaw, amplitude: np.ndarray) -> np.ndarray:
@@ -444,7 +421,14 @@ def damping_of_harmonic(law: JointLaw, amplitude: np.ndarray) -> np.ndarray:
     beyond = np.where(x < 1, np.cos(at), 0.0)
     linear = law.pto_damping * (at / 2 - np.sin(2 * at) / 4)
     total = 4 / np.pi * (linear + (constant * (1 - beyond) + _limit(law, beyond)) / rate)
-    return np.where(amplitude > 0, total, law.pto_damping)
+    whole = np.where(amplitude > 0, total, law.pto_damping)
+    return whole + equivalent_damping(law.tables, amplitude, _share_of_harmonic)
+
+
+def _share_of_harmonic(x: np.ndarray) -> np.ndarray:
+    """∫ 2 cos²θ dθ/2π of the phases at which sin θ is below x, from those of the mean."""
+    at = np.arcsin(np.clip(x, -1, 1))
+    return 2 / np.pi * (at / 2 + np.sin(2 * at) / 4)
 
 
 def _reached(law: JointLaw, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -488,13 +472,23 @@ def stopped(law: JointLaw) -> np.ndarray:
 
 
 def turning(law: JointLaw) -> np.ndarray:
-    """Which axes have a law that is another for each sense of motion (n,)."""
-    return (law.coulomb > 0) | (law.one_way != 0)
+    """Which axes have a law that is another for each sense of motion, or a latch (n,)."""
+    return (law.coulomb > 0) | (law.one_way != 0) | latched(law)
+
+
+def latched(law: JointLaw) -> np.ndarray:
+    """Which axes have a latch (n,)."""
+    return law.latch_load > 0
+
+
+def declutched(law: JointLaw) -> np.ndarray:
+    """Which axes have a power take-off that lets go (n,)."""
+    return np.isfinite(law.declutch_load) & (law.pto_damping > 0)
 
 
 def bent(law: JointLaw) -> np.ndarray:
     """Which axes have more than one zone (n,)."""
-    limited = np.isfinite(law.force_limit) & (law.pto_damping > 0)
+    limited = np.isfinite(np.minimum(law.force_limit, law.declutch_load)) & (law.pto_damping > 0)
     return stopped(law) | turning(law) | limited | tabled(law)
 
 

@@ -7,9 +7,18 @@ import numpy as np
 
 from solver.coupled.assembly import Layout, joint_law
 from solver.coupled.natural import SystemModes
-from solver.coupled.step import CONTACT, HITS, Output
+from solver.coupled.step import CONTACT, HITS, HOLDS, LET_GO, Output
 from solver.coupled.support import Support
-from solver.multibody.joint_law import bent, joint_loads, pto_bounds, pto_loads, stopped
+from solver.multibody.joint_law import (
+    bent,
+    declutched,
+    joint_loads,
+    latched,
+    pto_bounds,
+    pto_loads,
+    stopped,
+)
+from solver.power_takeoff import PtoEfficiency
 from solver.record import steel
 from solver.record.bound import wave_power
 from solver.record.spectra import Bands, Harmonics, Response, bands, cross_spectra, lines_of
@@ -40,6 +49,9 @@ DIMS = {
     "absorbed_power": ("float",),
     "electrical_power": ("float",),
     "pto_force": ("float", "axis"),
+    "pto_rate": ("float", "axis"),
+    "latched": ("float", "axis"),
+    "declutched": ("float", "axis"),
     "hinge_force": ("float", "direction"),
     "top_displacement": ("leg", "direction"),
     "bottom_stress": ("leg",),
@@ -94,11 +106,11 @@ class Channels:
         series: Mapping[str, np.ndarray] | None = None,
         counted: tuple[Mapping[str, Labelled], tuple[str, ...]] = ({}, ()),
         spectra: Mapping[str, Labelled] | None = None,
-        contact: np.ndarray | None = None,
+        at_joints: Mapping[str, Labelled] | None = None,
     ) -> Record:
         """The record of statistics (…, 5) of each channel, of the legs' envelopes, and of motions per wave (nw, nj).
 
-        counted: other variables, and what failed of them. contact: CONTACT (nj, 3).
+        counted: other variables of the steel, and what failed of them. at_joints: other variables of floats and axes.
         """
         variables: dict[str, Labelled] = {name: ((*DIMS[name], "statistic"), table) for name, table in tables.items()}
         coords = {
@@ -131,12 +143,8 @@ class Channels:
         if spectra is not None:
             variables |= spectra
             coords["frequency_band"] = np.arange(1, len(variables["band_frequency"][1]) + 1)
-        if contact is not None:
-            hits = [np.nansum(contact[self.owner == b, HITS]) for b in range(len(self.scene.floats))]
-            variables[CONTACT[HITS]] = ("float",), np.array(hits)
-            for name, values in zip(CONTACT[1:], contact.T[1:], strict=True):
-                variables[name] = ("float", "axis"), self.by_axis(values[None])[0]
-        if {"motion", "pto_force"} & tables.keys() or rao is not None or contact is not None:
+        variables |= at_joints or {}
+        if any("axis" in dims for dims, _ in variables.values()):
             coords["axis"] = np.array(self.axes)
         kept = {name: (("time", *DIMS.get(name, ())), values) for name, values in (series or {}).items()}
         return Record(variables=variables, coords=coords, attrs=attrs, series=kept)
@@ -179,6 +187,8 @@ class Recorder:
         self.largest = legs.nothing() if legs is not None else None
         self.contact = np.zeros((int(bent(self.law).sum()), len(CONTACT)))  # of the axes that may have stops
         self.series: dict[str, list[np.ndarray]] = {}
+        self.strokes = Statistics()  # of positions and of the sizes of rates, if asked for
+        self.rates = Statistics()  # of the axes, where their power take-offs' loads are bounded
         self.feet: list[np.ndarray] = []  # N, My, Mz where samples are counted
         self.seconds = [np.inf, -np.inf]
         wanted = scene.settings.rao and self.channels.axes and scene.sea.amplitude.any()
@@ -197,8 +207,9 @@ class Recorder:
         self.seconds = [min(self.seconds[0], times[kept][0]), times[kept][-1]]
         self.shapes = {name: values.shape[1:] for name, values in channels.items()}
         if self.contact.size:
-            hits = self.contact[:, HITS] + output.contact[kept, :, HITS].sum(axis=0)
-            self.contact = np.maximum(self.contact, output.contact[kept].max(axis=0))
+            contact = output.contact[kept, :, : len(CONTACT)]
+            hits = self.contact[:, HITS] + contact[..., HITS].sum(axis=0)
+            self.contact = np.maximum(self.contact, contact.max(axis=0))
             self.contact[:, HITS] = hits
         self.statistics.add(np.concatenate([v.reshape(len(v), -1) for v in channels.values()], axis=1))
         if s.keep_series or self.bands is not None:
@@ -215,9 +226,16 @@ class Recorder:
             first = output.z.shape[1] - nj
             joint, rate = (np.ascontiguousarray(part[kept, first:]) for part in (output.z, output.dz))
             yield from channels.motions(joint)
-            absorbed = joint_loads(self.law, joint, rate).pto * rate
+            at_work = self._at_work(output.contact[kept], joint)
+            absorbed = joint_loads(self.law, joint, rate).pto * rate * at_work
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))
-            yield from self._pto(joint, rate)
+            if np.isfinite(pto_bounds(self.law)).any():
+                self.rates.add(rate)
+            if "pto_stroke" in self.scene.settings.outputs:
+                self.strokes.add(np.concatenate([joint, np.abs(rate)], axis=1))
+                yield "pto_rate", channels.by_axis(rate)
+            yield from self._pto(joint, rate, at_work)
+            yield from self._control(output.contact[kept])
             yield "hinge_force", channels.hinge_force(output.wrench[kept])
         if channels.steel is None:
             return
@@ -234,13 +252,28 @@ class Recorder:
             self.feet.append(channels.steel.places.split(y)[0])
         yield from channels.steel.channels(y)
 
-    def _pto(self, joint: np.ndarray, rate: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    def _at_work(self, contact: np.ndarray, joint: np.ndarray) -> np.ndarray:
+        """(m, nj) 0 where a power take-off has let go of its axis, else 1."""
+        at_work = np.ones(joint.shape)
+        if declutched(self.law).any():
+            at_work[:, bent(self.law)] -= contact[:, :, LET_GO]
+        return at_work
+
+    def _control(self, contact: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+        """Share of the time in which axes are held by a latch, or let go of; NaN on axes without the one or other."""
+        for name, some, column in (("latched", latched, HOLDS), ("declutched", declutched, LET_GO)):
+            if (axes := some(self.law)).any():
+                share = np.full((len(contact), axes.size), np.nan)
+                share[:, axes] = contact[:, axes[bent(self.law)], column]
+                yield name, self.channels.by_axis(share)
+
+    def _pto(self, joint: np.ndarray, rate: np.ndarray, at_work: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """Force and electrical power of the power take-offs at positions and rates (m, nj), where asked for."""
         floats, channels = self.scene.floats, self.channels
         wanted = "pto_force" in self.scene.settings.outputs
         if not wanted and all(f.pto_efficiency is None for f in floats):
             return
-        load = pto_loads(self.law, joint, rate)
+        load = pto_loads(self.law, joint, rate) * at_work
         if wanted:
             yield "pto_force", channels.by_axis(0.0 - load)
         electrical = np.full((len(joint), len(floats)), np.nan)
@@ -256,10 +289,25 @@ class Recorder:
         ends = np.cumsum([np.prod(shape, dtype=int) for shape in self.shapes.values()])
         tables = np.split(self.statistics.table(), ends[:-1])
         known = {name: t.reshape(*shape, -1) for (name, shape), t in zip(self.shapes.items(), tables, strict=True)}
-        if "pto_force" in known:  # a parabola does not know where a force is cut off
-            bound = self.channels.by_axis(pto_bounds(self.law)[None])[0][..., None]
-            known["pto_force"][..., :2] = np.clip(known["pto_force"][..., :2], -bound, bound)
+        for name, bound in self._bounds():  # a parabola does not know where a quantity is cut off, or jumps
+            if name in known:
+                known[name][..., :2] = np.clip(known[name][..., :2], *bound)
         return known
+
+    def _bounds(self) -> Iterator[tuple[str, tuple[np.ndarray | float, np.ndarray | float]]]:
+        """The least and largest value that a channel can have, by the laws of the joints."""
+        channels, load = self.channels, pto_bounds(self.law)
+        yield from ((name, (0.0, 1.0)) for name in ("latched", "declutched"))
+        bound = channels.by_axis(load[None])[0][..., None]
+        yield "pto_force", (-bound, bound)
+        if self.rates.count:
+            fastest = np.abs(self.rates.table()[:, :2]).max(axis=1)
+            power = np.multiply(load, fastest, out=np.full(load.size, np.inf), where=np.isfinite(load))
+            most = np.array([power[channels.owner == b].sum() for b in range(len(self.scene.floats))])[:, None]
+            yield "absorbed_power", (-most, most)
+            given = [f.pto_efficiency or PtoEfficiency() for f in self.scene.floats]
+            ends = [np.array([e.electrical(x) for e, x in zip(given, side, strict=True)]) for side in (-most, most)]
+            yield "electrical_power", (ends[0], ends[1])
 
     @property
     def mean_power(self) -> np.ndarray:
@@ -286,7 +334,7 @@ class Recorder:
             series=self.samples() if self.scene.settings.keep_series else None,
             counted=counted,
             spectra=self._spectra() if self.bands is not None and self.series else None,
-            contact=self._at_stops() if stopped(self.law).any() else None,
+            at_joints=dict(self._at_joints()),
         )
 
     def _spectra(self) -> dict[str, Labelled]:
@@ -301,8 +349,19 @@ class Recorder:
             responses[name] = cross_spectra(omega, wave[:, 0], lines, self.bands), values.shape[1:]
         return self.channels.spectra(self.bands, responses)
 
-    def _at_stops(self) -> np.ndarray:
-        """(nj, 3) of CONTACT over the record; NaN on axes without stops."""
-        out, some = np.full((self.channels.owner.size, len(CONTACT)), np.nan), stopped(self.law)
-        out[some] = self.contact[some[bent(self.law)]]
-        return out
+    def _at_joints(self) -> Iterator[tuple[str, Labelled]]:
+        """CONTACT of axes with stops over the record, hits also an hour; the stroke of power take-offs if asked for."""
+        channels, hours = self.channels, (self.seconds[1] - self.seconds[0]) / 3600
+        if (some := stopped(self.law)).any():
+            contact = np.full((channels.owner.size, len(CONTACT)), np.nan)
+            contact[some] = self.contact[some[bent(self.law)]]
+            hits = np.array([np.nansum(contact[channels.owner == b, HITS]) for b in range(len(self.scene.floats))])
+            yield CONTACT[HITS], (("float",), hits)
+            if hours > 0:
+                yield "end_stop_hit_rate", (("float",), hits / hours)
+            for name, values in zip(CONTACT[1:], contact.T[1:], strict=True):
+                yield name, (("float", "axis"), channels.by_axis(values[None])[0])
+        if self.strokes.count:
+            way, size = np.split(self.strokes.table(), 2)
+            for name, values in (("pto_stroke", way[:, 0] - way[:, 1]), ("pto_travel", 3600 * size[:, 2])):
+                yield name, (("float", "axis"), channels.by_axis(values[None])[0])

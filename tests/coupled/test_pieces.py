@@ -15,7 +15,7 @@ from solver.coupled import assembly
 from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
 from solver.coupled.pieces import _fill_memory, _sample, new_fine
-from solver.coupled.step import HITS, LOAD, RATE, Drive
+from solver.coupled.step import HITS, HOLDS, LOAD, RATE, Drive
 from solver.coupled.system import blocks, energy_residual, prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -50,7 +50,9 @@ class Run:
         parts = list(blocks(self.system, self.state, round(scene.settings.duration / self.system.dt)))
         self.t = np.concatenate([times for _, _, times in parts])
         self.y, self.dy = (np.concatenate([getattr(o, n)[:, 0] for _, o, _ in parts]) for n in ("z", "dz"))
-        self.contact = np.concatenate([out.contact for _, out, _ in parts])[:, :1].sum(axis=1)
+        contact = np.concatenate([out.contact for _, out, _ in parts])[:, :1]
+        self.contact = contact.sum(axis=1)
+        self.held = contact[:, 0, HOLDS] if contact.size else np.zeros(len(self.t))
 
     def work(self, kind):
         return self.state.work[kind]
@@ -72,14 +74,14 @@ def restitution(zeta):
 @pytest.mark.parametrize("zeta", [0.0, 0.1, 0.5])
 @pytest.mark.parametrize("dt", [0.4, 0.13])
 def test_a_mass_bounces_between_stops_with_their_restitution(zeta, dt):
-    """To 2e-4 of its rate at each hit, which is the swing's own at SWING pieces; between the hits nothing acts."""
+    """To 5e-4 of its rate at each hit, which is what pieces as bent as BEND leave; between the hits nothing acts."""
     damping = 2 * zeta * np.sqrt(STIFF) * M
     stops = EndStops(lower=-0.7, upper=1.0, stiffness=STIFF * M, damping=damping)
     run = Run(mass(dt, 7.8, end_stops=stops), rate=1.0)
     hits = run.contact[:, HITS].sum()
     e = restitution(zeta)
     # At the bound at 1 s, free after (π - 2 asin ζ)/ω' from where it then is.
-    assert hits >= 2 and abs(run.dy[-1]) == approx(e**hits, rel=3e-4 * hits)
+    assert hits >= 2 and abs(run.dy[-1]) == approx(e**hits, rel=5e-4 * hits)
     assert run.contact[:, RATE].max() == approx(1.0, rel=1e-6)
     lost = 0.5 * M * (1 - e ** (2 * hits))
     assert run.work(JOINT_DAMPING) == approx(lost, abs=1e-3 * 0.5 * M)
@@ -96,6 +98,7 @@ def test_pieces_are_of_fourth_order():
         {"stiffness": M, "offset": 1.0, "coulomb": 0.03 * M},
         {"stiffness": M, "offset": 1.0, "pto_damping": 0.5 * M, "force_limit": 0.2 * M},
         {"stiffness": M, "offset": 1.0, "pto_damping": 0.5 * M, "one_way": 1.0},
+        {"stiffness": M, "offset": 1.0, "pto_damping": 0.5 * M, "declutch_load": 0.2 * M},
     ]
     for law in laws:
         ends = [Run(mass(dt, 8.0, **law)).y[-1] for dt in (*steps, 0.0125)]
@@ -213,6 +216,7 @@ def test_high_seas_are_survived_on_stops(buan, coefficients):
     assert record.attrs["energy_residual"] < 1e-3
     hits, load = (record.variables[name][1] for name in ("end_stop_hits", "end_stop_load"))
     assert hits.sum() > 0 and np.nanmax(load) > 1e4
+    assert record.variables["end_stop_hit_rate"][1] == approx(hits * 3600 / 120.0, rel=0.01)
     assert np.abs(record.variables["rotation"][1][:, :2]).max() < 0.9 + np.nanmax(load) / 2e7
 
 

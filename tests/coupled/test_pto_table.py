@@ -59,7 +59,7 @@ def test_level_beyond_its_end_it_is_a_damper_with_a_limit():
 
 
 def test_a_lopsided_table_is_followed_to_fourth_order_and_its_power_accounted_for():
-    v, f = LOPSIDED.points
+    _, v, (f,) = LOPSIDED.points
 
     def rates(t, x):
         return [x[1], -x[0] - np.interp(x[1], v, f) / M]
@@ -74,15 +74,15 @@ def test_a_lopsided_table_is_followed_to_fourth_order_and_its_power_accounted_fo
 
 def test_the_law_is_the_table_and_its_zones_are_its_pieces():
     law = joint_law([replace(awkward.soft_mooring()[0].floats[0], pto_table=replace(LOPSIDED, axis="heave"))])
-    v, f = LOPSIDED.points
+    _, v, (f,) = LOPSIDED.points
     assert bent(law).tolist() == absorbing(law).tolist() == [False, True, False]
     for dy in np.random.default_rng(0).uniform(-1, 1, 40):
-        zone = pto_zone(law, 1, dy)
+        zone = pto_zone(law, 1, 0.0, dy)
         assert axis_load(law, 1, OPEN, zone, 0.0, dy).pto == approx(np.interp(dy, v, f), abs=1e-9)
         assert not leaving(law, 1, PTO_ZONE, zone, 0.0, dy) > 0
         slope = (np.interp(dy + 1e-7, v, f) - np.interp(dy - 1e-7, v, f)) / 2e-7
         assert tangent(law, 1, OPEN, zone)[1] + axis_damping(law, 1) == approx(slope + 0.0, abs=1e-3)
-        other = pto_zone(law, 1, -dy)
+        other = pto_zone(law, 1, 0.0, -dy)
         while leaving(law, 1, PTO_ZONE, other, 0.0, dy) > 0:
             other = next_zone(law, 1, PTO_ZONE, other, 0.0, dy)
         assert other == zone

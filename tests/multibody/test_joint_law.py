@@ -36,9 +36,9 @@ from solver.multibody.joint_law import (
     pto_zone,
     stop_load,
     stops_zone,
-    tables,
     tangent,
 )
+from solver.multibody.load_table import NO_POINTS, tables
 
 LAW = JointLaw(
     pto_damping=np.array([3e3, 0.0, 0.0, 2e3, 4e3]),
@@ -49,6 +49,8 @@ LAW = JointLaw(
     preload=np.array([0.0, 0.0, -2e3, 0.0, 0.0]),
     coulomb=np.array([0.0, 0.0, 0.0, 500.0, 0.0]),
     force_limit=np.array([np.inf, np.inf, np.inf, 4e3, 6e3]),
+    declutch_load=np.full(5, np.inf),
+    latch_load=np.zeros(5),
     one_way=np.array([0.0, 0.0, 0.0, 0.0, -0.75]),
     end_stops=end_stops(
         np.array([0.0, -1.0, 0.0, 0.0, -2.0]),
@@ -57,7 +59,7 @@ LAW = JointLaw(
         np.array([0.0, 3e3, 0.0, 0.0, 2e3]),
     ),
     couplings=Couplings(*np.zeros((2, 0), np.int64), *np.zeros((2, 0))),
-    tables=tables([(np.zeros(0), np.zeros(0))] * 5),
+    tables=tables([NO_POINTS] * 5),
 )
 AXES = range(LAW.pto_damping.size)
 values = st.floats(-10, 10)
@@ -65,7 +67,7 @@ values = st.floats(-10, 10)
 
 def load_at(i, y, dy):
     """In the zones where y, dy lie."""
-    return axis_load(LAW, i, stops_zone(LAW, i, y, dy), pto_zone(LAW, i, dy), y, dy)
+    return axis_load(LAW, i, stops_zone(LAW, i, y, dy), pto_zone(LAW, i, y, dy), y, dy)
 
 
 @given(y=values, dy=values)
@@ -98,7 +100,7 @@ def test_a_stop_is_a_spring_and_a_damper_beyond_its_bound_that_do_not_pull(y, dy
     for i, (low, high, k, c) in {1: (-1.0, 2.0, 6e3, 3e3), 4: (-2.0, 3.0, 0.0, 2e3)}.items():
         over, under = max(0.0, y - high), max(0.0, low - y)
         push = max(0.0, k * over + c * dy) if over else -max(0.0, k * under - c * dy) if under else 0.0
-        bare = axis_load(LAW, i, OPEN, pto_zone(LAW, i, dy), y, dy)
+        bare = axis_load(LAW, i, OPEN, pto_zone(LAW, i, y, dy), y, dy)
         load = load_at(i, y, dy)
         total = load.loss + load.spring - bare.loss - bare.spring
         assert total == approx(push, abs=1e-9)
@@ -115,7 +117,7 @@ def test_a_power_take_off_has_a_constant_part_a_limit_and_a_sense(dy):
 def test_a_zone_ends_where_the_next_one_begins(y, dy):
     """Where y, dy lie nothing is left; from the zone before, what comes next leads there."""
     for i in (1, 3, 4):
-        for kind, here in ((STOP_ZONE, stops_zone(LAW, i, y, dy)), (PTO_ZONE, pto_zone(LAW, i, dy))):
+        for kind, here in ((STOP_ZONE, stops_zone(LAW, i, y, dy)), (PTO_ZONE, pto_zone(LAW, i, y, dy))):
             assert not leaving(LAW, i, kind, here, y, dy) > 0
     here, low, high = stops_zone(LAW, 1, y, dy), -1.0, 2.0
     side = 1 if y > (low + high) / 2 else -1

@@ -55,6 +55,7 @@ def test_all_that_belongs_to_a_joint_reaches_the_solver(study_with):
         "critical_damping = [0.25, 0.0, 0.0]\nquadratic_damping = [7.0, 0.0, 8.0]\n"
         "stiffness = [1e3, 0.0, 0.0]\nmechanism_inertia = [0.0, 0.0, 9.0]\noffset = [0.0, -0.5, 0.1]\n"
         "preload = [4.0, 0.0, -4.0]\ncoulomb = [0.0, 6.0, 0.0]\nforce_limit = [1e3, 2e3, 3e3]\none_way = [0, 1, -0.5]\n"
+        "latch_load = [0.0, 0.0, 5e3]\n"
         "end_stops = { lower = [-1.0, -2.0, 0.0], upper = [1.0, 2.0, 0.0], stiffness = [1e6, 1e7, 0.0] }\n"
     )
     (item,) = scenes.scene(task(study_with(keys)).parameters).floats
@@ -72,6 +73,8 @@ def test_all_that_belongs_to_a_joint_reaches_the_solver(study_with):
         "preload": [4, 0, -4],
         "coulomb": [0, 6, 0],
         "force_limit": [1e3, 2e3, 3e3],
+        "declutch_load": [np.inf] * 3,
+        "latch_load": [0, 0, 5e3],
         "one_way": [0, 1, -0.5],
         "end_stops.lower": [-1, -2, 0],
         "end_stops.upper": [1, 2, 0],
@@ -166,7 +169,8 @@ def test_a_table_comes_from_a_file_by_its_content(study_with, tmp_path):
     text = "velocity [rad/s], force [N m]\n0, 0\n0.5, 2e4\n1.0, 3e4\n"
     study = written(text)
     (item,) = scenes.scene(task(study).parameters).floats
-    assert [list(part) for part in item.pto_points[0]] == [[-1, -0.5, 0, 0.5, 1], [-3e4, -2e4, 0, 2e4, 3e4]]
+    _, rates, loads = item.pto_points[0]
+    assert [rates.tolist(), loads[0].tolist()] == [[-1, -0.5, 0, 0.5, 1], [-3e4, -2e4, 0, 2e4, 3e4]]
     assert task(written(text, "other.csv")).id == task(study).id != task(written(text.replace("2e4", "1e4"))).id
     for wrong, message in [
         ("velocity [km/h], force [N]\n0, 0\n", "line 1, column velocity: needs its unit, [m/s] or [rad/s]"),
@@ -176,8 +180,69 @@ def test_a_table_comes_from_a_file_by_its_content(study_with, tmp_path):
         with pytest.raises(StudyError) as caught:
             written(wrong)
         assert message in str(caught.value)
+    in_frequency = '[solver]\nmethod = "frequency"\n'
+    assert scenes.scene(task(written(text, more=in_frequency)).parameters).settings.method == "frequency"
     with pytest.raises(StudyError, match=r'pto_table = given: needs method = "time"'):
-        written(text, more='[solver]\nmethod = "frequency"\n')
+        written(text.replace("0, 0\n", "-1.0, -1e4\n0, 0\n"), more=in_frequency)
+
+
+def test_a_table_by_position_comes_from_a_file_in_any_order(study_with, tmp_path):
+    lines = ["0.5, -1, -3e4", "-0.5, 0, 0", "-0.5, 1, 1e4", "0.5, 1, 2e4", "0.5, 0, 5e2", "-0.5, -1, -1e4"]
+    (tmp_path / "load.csv").write_text("position [rad], velocity [rad/s], force [N m]\n" + "\n".join(lines))
+    study = study_with(f'{HINGED}pto_table = {{ file = "load.csv" }}\n')
+    y, v, f = scenes.scene(task(study).parameters).floats[0].pto_points[0]
+    assert (y.tolist(), v.tolist()) == ([-0.5, 0.5], [-1, 0, 1]) and f.tolist() == [[-1e4, 0, 1e4], [-3e4, 5e2, 2e4]]
+    for wrong in (lines[:-1], [*lines, lines[0]], [*lines[:-1], lines[0]]):
+        (tmp_path / "load.csv").write_text("position, velocity, force\n" + "\n".join(wrong))
+        with pytest.raises(StudyError, match=r"needs one load for each of 3 velocities at each of 2 positions; has"):
+            study_with(f'{HINGED}pto_table = {{ file = "load.csv" }}\n')
+
+
+LAW = "import math\ndef load(y, dy, c=3e4):\n    return c * (1 + y * y) * math.tanh(dy / 0.3)\n"
+
+
+def test_a_law_of_ones_own_becomes_a_table_within_its_error(study_with, tmp_path):
+    """Anywhere, also between the points that it was made of; a task goes by the file's content and the parameters."""
+
+    def written(text, more="", name="law.py"):
+        (tmp_path / name).write_text(text)
+        return study_with(f'{HINGED}pto_law = {{ file = "{name}", velocity = [-1, 1]{more} }}\n')
+
+    study = written(LAW, ", position = [-0.8, 0.6], error = 0.02")
+    y, v, f = scenes.scene(task(study).parameters).floats[0].pto_points[0]
+    largest, dice = 3e4 * 1.64 * np.tanh(1 / 0.3), np.random.default_rng(0)
+    for at in dice.uniform((-0.8, -1), (0.6, 1), (300, 2)):
+        got = np.interp(at[0], y, [np.interp(at[1], v, row) for row in f])
+        assert got == pytest.approx(3e4 * (1 + at[0] ** 2) * np.tanh(at[1] / 0.3), abs=0.02 * largest)
+    assert y.size < 10 and v.size < 20 and 0 in v
+    flat = written(LAW, ", parameters = [1e4]")
+    y, v, f = scenes.scene(task(flat).parameters).floats[0].pto_points[0]
+    assert y.size == 0 and f[0][-1] == pytest.approx(1e4 * np.tanh(1 / 0.3), rel=1e-12)
+    ids = [task(written(text, ", parameters = [1e4]", name)).id for text, name in
+           ((LAW, "law.py"), (LAW, "other.py"), (LAW + "# another\n", "law.py"))]  # fmt: skip
+    assert ids[0] == ids[1] == task(flat).id != ids[2]
+    assert task(written(LAW, ", parameters = [2e4]")).id != ids[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("def load(y, dy) return dy", "cannot be run: SyntaxError"),
+        ("raise SystemExit(3)", "cannot be run: SystemExit: 3"),
+        ("def lode(y, dy): return dy", "needs a function load(y, dy)"),
+        ("def load(y): return y", "load(0, -1) fails: TypeError"),
+        ("def load(y, dy): return 1 / dy", "load(0, 0) fails: ZeroDivisionError"),
+        ("def load(y, dy): return float('nan')", "load(0, -1) must be a finite number, is nan"),
+        ("def load(y, dy): return [dy]", "load(0, -1) must be a finite number, is [-1.0]"),
+        ("def load(y, dy): return (dy > 0) - (dy < 0)", "a table misses it by 0.5 of its largest load"),
+        ("def load(y, dy): return -dy", "floats.only.pto_law.force = 1.0: must take power"),
+    ],
+)  # fmt: skip
+def test_a_law_that_is_none_is_refused(study_with, tmp_path, text, message):
+    (tmp_path / "law.py").write_text(text)
+    with pytest.raises(StudyError) as caught:
+        study_with(f'{HINGED}pto_law = {{ file = "law.py", velocity = [-1, 1] }}\n')
+    assert message in str(caught.value) and "floats.only.pto_law." in str(caught.value)
 
 
 def test_forces_of_power_take_offs_need_no_platform(study_with):

@@ -91,7 +91,40 @@ def test_a_float_left_out_is_as_one_never_named(small):
     assert {task.id for task in tasks if task.labels["variant"] == "alone"} == alone and len(tasks) == 2 * len(alone)
 
 
+def test_above_a_height_other_values_hold_and_calm_seas_keep_their_tasks(small):
+    """A brake, or floats lifted out; the task is that of a study that says so of its floats in all seas."""
+    plain = small.read_text()
+
+    def ids(above, below=""):
+        small.write_text(below + plain.replace("[sea_states]", f"{above}\n[sea_states]"))
+        return {(t.labels["sea_state"], t.labels["platform"], t.labels["seed"]): t.id for t in load(small).tasks}
+
+    usual, rough = ids(""), load(small).content.sea_states["rough"].Hs
+    assert rough > 0.5 == load(small).content.sea_states["calm"].Hs
+    braked = ids("[survival]\nHs = 0.5\n'floats.*.coulomb' = 1e9")
+    everywhere = ids("[variants.a]\n'floats.*.coulomb' = 1e9")
+    for where, name in usual.items():
+        bare = where[1] == "elastic-no-floats"
+        assert braked[where] == (name if where[0] == "calm" or bare else everywhere[where])
+        assert (everywhere[where] == name) == bare
+    # Below the height, and where a variant says never, nothing changes.
+    assert ids(f"[survival]\nHs = {rough - 1e-6}\n[survival.floats.front]\ncoulomb = 1e9") == braked
+    off = ids("[survival]\nHs = 0.5\n'floats.*.coulomb' = 1e9\n[variants.off]\n'survival.Hs' = 100.0")
+    assert off == usual
+    small.write_text(plain.replace("[sea_states]", "[survival]\nHs = 0.5\nleft_out = ['front']\n[sea_states]")
+                     .replace('["elastic", "fixed", "elastic-no-floats"]', '["elastic"]'))  # fmt: skip
+    lifted = {t.labels["sea_state"]: [f.name for f in t.parameters.floats] for t in load(small).tasks}
+    assert lifted == {"calm": ["front"], "rough": []}
+
+
 WRONG = [
+    ("[survival]\n'floats.*.coulomb' = 1e9", "survival.Hs: is missing"),
+    ("[survival]\nHs = 50.0\n'floats.*.coulomb' = 1e9", "survival.Hs = 50.0: no irregular sea of the study is above"),
+    ("[survival]\nHs = 0.5", "survival = {}: needs keys that change"),
+    ("[survival]\nHs = 0.5\n'floats.*.coulom' = 1e9", "leads nowhere; did you mean floats.front.coulomb?"),
+    ("[survival]\nHs = 0.5\n'floats.*.coulomb' = -1.0", 'survival."floats.*.coulomb" = -1.0: must be >= 0'),
+    ("[survival]\nHs = 0.5\n'sea.Hs' = 1.0", 'survival."sea.Hs" = 1.0: must be a key of floats, left_out'),
+    ("[survival]\nHs = 0.5\n'floats.*.damping' = [1.0, 2.0]", "survival.Hs = 0.5: floats.front.damping = "),
     ("left_out = ['rear']", "left_out = rear: must be one of the floats: front"),
     ('"floats.*.pto_damping" = [-1.0]', 'axes."floats.*.pto_damping" = -1.0: must be >= 0 N m s/rad'),
     ('"floats.frnt.mass" = [1.0]', 'axes."floats.frnt.mass" = 1.0: leads nowhere; did you mean floats.front.mass?'),

@@ -1,0 +1,136 @@
+"""A power take-off's law from a user's Python file, as the table by which the solver follows it to a stated error.
+
+The file has a function load(y, dy), with more arguments where the study gives `parameters`: the load against the motion
+[N or N m] at position y [m or rad] and rate dy. It is called on a dense grid before anything runs; lines of the table
+are laid where straight (bilinear) pieces between those that are there miss it most, until they do not miss it by more
+than the error, and that is checked once more between the grid's points.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+from pipeline.study.attachments import Attachment
+from solver.errors import InputError
+from solver.power_takeoff import MOST_POINTS, PtoTable
+
+RATES = 401  # of the grid, where the load goes by rate alone
+GRID = 161  # points of the grid along either
+AMPLY = 0.8  # share of the error to which lines are laid, for what lies between the grid's points
+
+Load = Callable[[float, float], float]
+Ends = tuple[float, float]
+
+
+@lru_cache(maxsize=32)
+def table(
+    file: Attachment, velocity: Ends, position: Ends | None, error: float, parameters: tuple[float, ...], axis: str
+) -> PtoTable:
+    """The solver's table for the law in a file; InputError where there is none."""
+    if position and not position[0] < position[1]:
+        raise InputError("pto_table.position", list(position), "must increase")
+    load = _function(file, parameters)
+    v = _points(velocity, GRID if position else RATES)
+    y = _points(position, GRID) if position else np.zeros(1)
+    exact = _sampled(load, y, v)
+    rows, columns = _lines(file, y, v, exact, error)
+    _check_between(file, load, (y[rows], v[columns], exact[np.ix_(rows, columns)]), (y, v), error)
+    return PtoTable(
+        position=tuple(y[rows].tolist()) if position else (),
+        velocity=tuple(v[columns].tolist()),
+        force=tuple(exact[np.ix_(rows, columns)].ravel().tolist()),
+        axis=axis,
+    )
+
+
+def _points(ends: Ends, count: int) -> np.ndarray:
+    """Evenly between the ends, and zero."""
+    inside = [0.0] if ends[0] < 0 < ends[1] else []
+    return np.unique([*np.linspace(*ends, count), *inside])
+
+
+def _function(file: Attachment, parameters: tuple[float, ...]) -> Load:
+    """The file's function, which gives a finite number or an InputError that says what it gave."""
+    names: dict[str, object] = {"__name__": "pto_law"}
+    try:
+        exec(compile(file.data, file.name, "exec"), names)  # the study's own code, asked for by its writer
+    except (Exception, SystemExit) as error:
+        raise InputError("pto_table.file", file, f"cannot be run: {_told(error)}") from None
+    load = names.get("load")
+    if not callable(load):
+        raise InputError("pto_table.file", file, "needs a function load(y, dy)")
+
+    def checked(y: float, dy: float) -> float:
+        try:
+            value = load(y, dy, *parameters)
+        except (Exception, SystemExit) as error:
+            raise refused(y, dy, f"fails: {_told(error)}") from None
+        if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
+            raise refused(y, dy, f"must be a finite number, is {str(value)[:40]}")
+        return float(value)
+
+    def refused(y: float, dy: float, why: str) -> InputError:
+        call = f"load({', '.join(f'{x:g}' for x in (y, dy, *parameters))})"
+        return InputError("pto_table.file", file, f"{call} {why}")
+
+    return checked
+
+
+def _told(error: BaseException) -> str:
+    line = f", line {error.lineno}" if isinstance(error, SyntaxError) else ""
+    return f"{type(error).__name__}: {str(error)[:80]}{line}"
+
+
+def _sampled(load: Load, y: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return np.array([[load(a, b) for b in v.tolist()] for a in y.tolist()])
+
+
+def _between(lines: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Shares (x.size, lines.size) of values on the lines that make up those at x; one line does for all."""
+    return np.array([np.interp(x, lines, unit) for unit in np.eye(lines.size)]).T
+
+
+def _lines(
+    file: Attachment, y: np.ndarray, v: np.ndarray, exact: np.ndarray, error: float
+) -> tuple[list[int], list[int]]:
+    """Rows and columns of the grid (y.size, v.size) between which straight pieces miss it by no more than the error."""
+    rows, columns = ({0, x.size - 1, int(np.abs(x).argmin())} for x in (y, v))
+    allowed = AMPLY * error * np.abs(exact).max()
+    while True:
+        at = sorted(rows), sorted(columns)
+        along_v = exact[:, at[1]] @ _between(v[at[1]], v).T
+        along_y = _between(y[at[0]], y) @ exact[at[0]]
+        missed = np.abs(_between(y[at[0]], y) @ along_v[at[0]] - exact)
+        i, j = divmod(int(missed.argmax()), v.size)
+        if missed[i, j] <= allowed:
+            return at
+        if len(rows) >= MOST_POINTS or len(columns) >= MOST_POINTS:
+            raise _unlike(file, y[i], v[j], missed[i, j] / np.abs(exact).max(), error)
+        by_rate = abs(along_v[i, j] - exact[i, j]) >= abs(along_y[i, j] - exact[i, j])
+        if (by_rate and j not in columns) or i in rows:
+            columns.add(j)
+        else:
+            rows.add(i)
+
+
+def _check_between(
+    file: Attachment, load: Load, lines: tuple[np.ndarray, ...], grid: tuple[np.ndarray, np.ndarray], error: float
+) -> None:
+    """Refuse a law that the table misses between the grid's points."""
+    y, v = (x if x.size == 1 else (x[1:] + x[:-1]) / 2 for x in grid)
+    exact = _sampled(load, y, v)
+    missed = np.abs(_between(lines[0], y) @ lines[2] @ _between(lines[1], v).T - exact)
+    i, j = divmod(int(missed.argmax()), v.size)
+    largest = max(np.abs(exact).max(), np.abs(lines[2]).max())
+    if missed[i, j] > error * largest:
+        raise _unlike(file, y[i], v[j], missed[i, j] / largest, error)
+
+
+def _unlike(file: Attachment, y: float, dy: float, missed: float, error: float) -> InputError:
+    where = f"near load({y:.4g}, {dy:.4g}) a table misses it by {missed:.2g} of its largest load"
+    jump = "`coulomb`, `force_limit`, `declutch_load` and `end_stops` are loads that jump or bend"
+    return InputError("pto_table.file", file, f"{where}, which must be <= {error:g}; {jump}")

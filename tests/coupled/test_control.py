@@ -1,0 +1,243 @@
+"""Latches, power take-offs that let go, loads by position and rate: each against a solution of its own.
+
+A float that surges and sways in still water without radiation is a mass on springs that couple both.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from solver.coupled.assembly import joint_law
+from solver.coupled.energy import PTO
+from solver.coupled.step import HOLDS
+from solver.coupled.system import prepare
+from solver.errors import InputError
+from solver.mooring import Mooring
+from solver.multibody import load_table
+from solver.multibody.joint_law import damping_of_gaussian, damping_of_harmonic
+from solver.multibody.load_table import Points, tables
+from solver.power_takeoff import PtoTable
+from solver.run import simulate
+from tests import awkward
+from tests.coupled.test_pieces import M, Run, mass
+
+SPRINGS = np.array([[2.0, 0.5], [0.5, 1.0]])  # of surge and sway, over the mass [1/s²]
+LATCH, DAMPING = 0.3, 1.0  # of surge, over the mass [m/s², 1/s]
+
+
+def latched(dt, seconds):
+    """Surge on a latch, driven by the sway to which a spring couples it."""
+    bare = mass(dt, seconds)
+    lines = Mooring(stiffness=tuple(map(tuple, (SPRINGS * M).tolist())))
+    item = replace(bare.floats[0], motion=("surge", "sway"), mooring=lines, latch_load=(LATCH * M, 0.0),
+                   damping=(DAMPING * M, 0.0),
+                   offset=(0.0, 1.0))  # fmt: skip
+    return replace(bare, floats=(item,))
+
+
+def stages_of_a_latch(seconds):
+    """[(start, whether it is held, surge, sway and their rates there)], each stage by its exponential."""
+    free = np.block([[np.zeros((2, 2)), np.eye(2)], [-SPRINGS, np.diag([-DAMPING, 0.0])]])
+    held = free.copy()
+    held[[0, 2]] = 0.0
+    stages, t, x, holds = [], 0.0, np.array([0.0, 1.0, 0.0, 0.0]), True
+    while t < seconds:
+        over = abs(SPRINGS[0] @ x[:2]) > LATCH
+        stages.append((t, holds and not over, x))
+        matrix = held if stages[-1][1] else free
+        leaves = (lambda y: abs(SPRINGS[0] @ y[:2]) - LATCH) if stages[-1][1] else (lambda y: y[2])
+        at = np.linspace(1e-6, 20.0, 4001)
+        step, way = expm(matrix * (at[1] - at[0])), [expm(matrix * at[0]) @ x]
+        for _ in at[1:]:
+            way.append(step @ way[-1])
+        sign = np.array([leaves(y) for y in way])
+        n = int(np.flatnonzero(sign[1:] * sign[:-1] < 0)[0])
+        tau = brentq(lambda s: leaves(expm(matrix * s) @ x), at[n], at[n + 1], xtol=1e-14)  # noqa: B023
+        t, x, holds = t + tau, expm(matrix * tau) @ x, not stages[-1][1]
+        x = np.where([0, 0, holds, 0], 0.0, x)
+    return stages, held, free
+
+
+def test_a_latched_oscillator_rests_until_the_load_passes_its_threshold():
+    """To fourth order; it takes no energy, and the share of the time in which it holds is told."""
+    seconds = 20.0
+    stages, held, free = stages_of_a_latch(seconds)
+    assert len(stages) > 6 and sum(s[1] for s in stages) >= 3
+    starts = np.array([s[0] for s in stages])
+    exact_at = lambda t, s: expm((held if s[1] else free) * (t - s[0])) @ s[2]  # noqa: E731
+    errors = []
+    for dt in (0.2, 0.1):
+        run = Run(latched(dt, seconds))
+        exact = [exact_at(t, stages[np.searchsorted(starts, t) - 1])[0] for t in run.t]
+        errors.append(np.abs(run.y - exact).max())
+        assert run.residual < 5e-5 and run.work(PTO) == 0.0
+    assert errors[1] < 2e-5 and errors[1] < errors[0] / 8
+    ends = np.minimum(np.append(starts[1:], seconds), seconds)
+    lasting = sum(b - a for a, b, s in zip(starts, ends, stages, strict=True) if s[1])
+    assert run.held.mean() == approx(lasting / seconds, abs=1e-4)
+
+
+def test_a_power_take_off_lets_go_beyond_a_load_until_the_axis_turns_round():
+    c, most = 0.5, 0.2
+    run = Run(mass(0.1, 9.0, stiffness=M, offset=1.0, pto_damping=c * M, declutch_load=most * M))
+    x, t, parts, taken, at_work = np.array([1.0, 0.0]), 0.0, [], 0.0, True
+    while t < 9.0:
+        rate = c if at_work else 0.0
+        ends = (lambda _, y: most - c * abs(y[1])) if at_work else (lambda _, y: y[1])
+        ends.terminal = True
+        solved = solve_ivp(lambda _, y: [y[1], -y[0] - rate * y[1], rate * y[1] ** 2],  # noqa: B023
+                           (t, 9.0), [*x, 0.0], events=ends, rtol=1e-11, atol=1e-13, dense_output=True,
+                           first_step=1e-3)  # fmt: skip
+        parts.append((t, solved.sol))
+        t, x, taken, at_work = solved.t[-1], solved.y[:2, -1], taken + solved.y[2, -1], not at_work
+    assert len(parts) > 4
+    starts = [p[0] for p in parts]
+    exact = [parts[np.searchsorted(starts, s) - 1][1](s)[0] for s in run.t]
+    assert run.y == approx(exact, abs=2e-5)
+    assert run.work(PTO) == approx(M * taken, rel=1e-4) and run.residual < 1e-5
+
+
+POSITIONS, RATES = (-0.7, -0.1, 0.25, 0.9), (-1.5, -0.4, 0.0, 0.3, 1.6)
+
+
+def grid(load, positions=POSITIONS, rates=RATES):
+    return PtoTable(position=positions, velocity=rates, force=tuple(M * load(y, v) for y in positions for v in rates))
+
+
+def test_a_load_straight_in_position_and_rate_is_a_spring_and_a_damper():
+    law = {"offset": 0.8, "stiffness": 0.6 * M}
+    ours = Run(mass(0.1, 8.0, pto_table=grid(lambda y, v: 0.4 * y + 0.3 * v), **law))
+    plain = Run(mass(0.1, 8.0, pto_damping=0.3 * M, **law | {"stiffness": M}))
+    assert ours.y == approx(plain.y, abs=2e-6)
+
+
+def test_a_bilinear_load_is_followed_and_its_power_accounted_for():
+    """Level beyond its ends, which the swing passes; what it gives back counts as less absorbed."""
+
+    def load(y, v):
+        return 0.1 + 0.2 * y + 0.5 * v + 0.6 * y * v
+
+    def rates(_, x):
+        inside = np.clip(x[0], POSITIONS[0], POSITIONS[-1]), np.clip(x[1], RATES[0], RATES[-1])
+        f = load(*inside)
+        return [x[1], -x[0] - f, f * x[1]]
+
+    run = Run(mass(0.1, 8.0, stiffness=M, offset=1.6, pto_table=grid(load)))
+    start = run.system.start().z[0]
+    exact = solve_ivp(rates, (0, 8.0), (start, 0.0, 0.0), t_eval=run.t, rtol=1e-10, atol=1e-12, max_step=5e-3).y
+    assert run.y == approx(exact[0], abs=2e-5)
+    assert run.work(PTO) == approx(M * exact[2, -1], rel=1e-4) and run.residual < 1e-5
+    # At rest it pushes: 0.1 + 1.2 y = 0.
+    assert run.system.equilibrium[0] == approx([-0.1 / 1.2], abs=1e-9)
+
+
+def test_pieces_of_a_table_meet_at_its_lines():
+    dice = np.random.default_rng(1)
+    y, v = np.array(POSITIONS), np.array(RATES)
+    points = Points(y, v, dice.normal(size=(y.size, v.size)))
+    one = tables([load_table.NO_POINTS, points])
+    for at in dice.uniform(-2, 2, (60, 2)):
+        piece = load_table.table_piece(one, 1, *at)
+        inner = np.clip(at[0], y[0], y[-1]), np.clip(at[1], v[0], v[-1])
+        lines = [np.interp(inner[1], v, row) for row in points.load]
+        assert load_table.table_load(one, 1, piece, *at) == approx(np.interp(inner[0], y, lines), abs=1e-12)
+        assert not load_table.beyond_piece(one, 1, piece, *at) > 0
+        way = [load_table.table_piece(one, 1, *dice.uniform(-2, 2, 2))]
+        while load_table.beyond_piece(one, 1, way[-1], *at) > 0:
+            way.append(load_table.next_piece(one, 1, way[-1], *at))
+            assert len(way) < 10
+        assert way[-1] == piece
+
+
+def test_tables_are_linearised_as_they_take_power():
+    """Against means of f ẏ over a sine's phases and over the normal distribution; at rest the mean slope."""
+    table = PtoTable(velocity=(0.0, 0.3, 0.5, 1.1), force=(0.0, 6e3, 7e3, 5e3))
+    law = joint_law([mass(0.1, 1.0, pto_table=table).floats[0]])
+    (_, v, (f,)), phase, x = table.points, (np.arange(20000) + 0.5) * np.pi / 20000, np.linspace(-9, 9, 40001)
+    gaussian = np.exp(-(x**2) / 2) / np.exp(-(x**2) / 2).sum()
+    cases = [
+        (damping_of_harmonic, np.sin(phase), np.full(phase.size, 1 / phase.size)),
+        (damping_of_gaussian, x, gaussian),
+    ]
+    for equivalent, shape, weight in cases:
+        for size in (0.1, 0.4, 3.0):
+            rate = size * shape
+            taken = np.sum(weight * np.interp(rate, v, f) * rate) / np.sum(weight * rate**2)
+            assert equivalent(law, np.array([size])) == approx([taken], rel=1e-5)
+        assert equivalent(law, np.zeros(1)) == approx([2e4])
+    assert table.alike and not grid(lambda y, v: v).alike
+    assert not PtoTable(velocity=(-1.0, 0.0, 1.0), force=(-2.0, 0, 1)).alike
+
+
+LAWS = {
+    "latch": {"latch_load": (0.0, 4e4, 0.0), "pto_damping": (0.0, 1e5, 0.0)},
+    "declutch": {"pto_damping": (0.0, 1e5, 0.0), "declutch_load": (np.inf, 1e4, np.inf)},
+    "table": {"pto_table": PtoTable(position=(-0.1, 0.1), velocity=(-0.2, 0.0, 0.2), axis="heave",
+                                    force=(-2e4, 0.0, 1e4, -1e4, 2e3, 3e4))},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_control_in_waves_closes_the_balance_and_is_told(law):
+    whole, known = awkward.soft_mooring()
+    settings = replace(whole.settings, duration=30.0, discard=10.0, ramp=5.0, outputs=("pto_force", "pto_stroke"))
+    record = simulate(replace(whole, floats=(replace(whole.floats[0], **LAWS[law]),), settings=settings), known)
+    assert record.attrs["energy_residual"] < 1e-3 and record.attrs["work_pto"] > 0
+    share = {name: values[1][0, 1] for name, values in record.variables.items() if name in ("latched", "declutched")}
+    assert set(share) == {"latch": {"latched"}, "declutch": {"declutched"}, "table": set()}[law]
+    stroke, travel, motion, rate = (
+        record.variables[n][1][0] for n in ("pto_stroke", "pto_travel", "motion", "pto_rate")
+    )
+    assert stroke == approx(motion[:, 0] - motion[:, 1], rel=1e-12) and record.variables["pto_stroke"][0][1] == "axis"
+    # Of a Gaussian rate the mean size is 0.8 of the rms, and in no case more than that.
+    assert np.all((0.5 * rate[:, 3] < travel / 3600) & (travel / 3600 < rate[:, 3]))
+    for of in share.values():
+        assert 0.02 < of[2] < 0.98 and of[0] == 1.0 and of[1] == 0.0
+    if law == "declutch":
+        power, force = (record.variables[name][1] for name in ("absorbed_power", "pto_force"))
+        assert np.abs(force[0, 1, :2]).max() <= 1e4 and power[0, 1] >= 0
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: mass(0.1, 1.0, declutch_load=1e3), r"declutch_load = 1000.*needs pto_damping, which reaches it"),
+        (lambda: mass(0.1, 1.0, declutch_load=1e3, force_limit=1e3, pto_damping=1.0), r"left out beside a force_limit"),
+        (lambda: mass(0.1, 1.0, declutch_load=1e3, pto_damping=1.0, coulomb=2e3), r"coulomb = 2000.*< declutch_load"),
+        (lambda: mass(0.1, 1.0, declutch_load=1e3, pto_damping=1.0, pto_stiffness=1.0), r"0 beside a declutch_load"),
+        (lambda: mass(0.1, 1.0, latch_load=1.0, pto_table=grid(lambda y, v: v)), r"needs latch_load to be left out"),
+        (lambda: PtoTable(position=(0.0,), velocity=(-1.0, 1.0), force=(0.0, 1.0)), r"position = 1: must be 2 to 100"),
+        (lambda: PtoTable(position=(0, 1), velocity=(-1, 1), force=(0.0, 1)), r"at each of 2 positions; there are 2"),
+        (lambda: PtoTable(position=(1, 0), velocity=(-1, 1), force=(0.0,) * 4), r"position = 0: must increase"),
+        (lambda: PtoTable(position=(0, 1), velocity=(0, 1), force=(0.0, 1, 0.5, 1)), r"force = 0.5: must be 0 at rate"),
+    ],
+)  # fmt: skip
+def test_control_that_cannot_be_is_refused(build, message):
+    with pytest.raises(InputError, match=message):
+        build()
+
+
+def test_methods_without_control_say_so():
+    bare = mass(0.1, 1.0, latch_load=5.0)
+    for path in ({"method": "frequency", "froude_krylov": "linear"}, {"formulation": "augmented"}):
+        with pytest.raises(InputError, match=r"floats\.mass\.latch_load = 5.*needs"):
+            replace(bare, settings=replace(bare.settings, **path))
+    assert prepare(bare, None).bent.tolist() == [0] and HOLDS == 3
+
+
+def test_a_straight_table_is_a_damper_in_the_frequency_domain():
+    whole, known = awkward.soft_mooring()
+    settings = replace(whole.settings, method="frequency", outputs=("pto_force", "pto_stroke"))
+    table = PtoTable(velocity=(0.0, 0.02, 9.0), force=(0.0, 2e3, 9e5), axis="heave")
+    laws = ({"pto_table": table}, {"pto_damping": (0.0, 1e5, 0.0)})
+    ours, plain = (
+        simulate(replace(whole, floats=(replace(whole.floats[0], **law),), settings=settings), known) for law in laws
+    )
+    for name in ("motion", "absorbed_power", "pto_force", "pto_rate"):
+        values = plain.variables[name][1]
+        assert ours.variables[name][1] == approx(values, rel=1e-6, abs=1e-9 * np.abs(values).max()), name
