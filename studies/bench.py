@@ -63,7 +63,9 @@ def of_parts() -> dict[str, float]:
             print(f"  {name:32s}{each:8.2f} µs x {calls:g}")
     fit = parts.memory_fit()
     print(f"fit of the pair's radiation memory: {fit:.2f} s, once a geometry")
-    return {"memory_fit": fit}
+    linear = parts.frequency_task()
+    print(f"a task in the frequency domain, elastic, another damping each: {1e3 * linear:.0f} ms")
+    return {"memory_fit": fit, "frequency_task": linear}
 
 
 def of_pressure() -> dict[str, float]:

@@ -1,6 +1,8 @@
 """What a step is made of; one float's pressure load both ways; the paper's method on the same seconds."""
 
+import itertools
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
@@ -16,7 +18,7 @@ from solver.multibody.minimal import Coordinates, Loads, WaterLoads, loads, move
 from solver.reference.panels import panel_load, revolution_mesh, waves_at
 from solver.run import simulate
 from solver.sea.field import WaveField
-from studies.benchmark.case import coefficients, median, scene
+from studies.benchmark.case import coefficients, median, scene, with_settings
 
 CALLS = 2000
 
@@ -100,6 +102,19 @@ def pressure_pair() -> tuple[float, float, float]:
 def _one_load(position, rotation, rule, waves, room, load):
     """`pressure_load` is inlined where it is called, and `each` can only call what is not."""
     pressure_load(position, rotation, rule, waves, room, load)
+
+
+def frequency_task() -> float:
+    """Median time [s] of a task in the frequency domain, elastic, each with another damping, all else known."""
+    item, (known, _) = with_settings(scene("elastic"), method="frequency", froude_krylov="linear"), coefficients()
+    dampings = itertools.count(1)
+
+    def one() -> None:
+        floats = tuple(replace(f, pto_damping=1e4 * next(dampings)) for f in item.floats)
+        simulate(replace(item, floats=floats), known)
+
+    one()
+    return median(one, 15)
 
 
 def memory_fit() -> float:
