@@ -223,8 +223,7 @@ class Dask:
         while True:
             if not self._hear() and not self._ended:
                 self.width = self._threads()
-                # Without its scheduler a client knows of no workers either; that is told by `_result`.
-                if not self._client.nthreads() and self._client.status == "running" and not silent:
+                if not self._client.nthreads() and not silent:
                     self._say("the cluster has no workers; waiting for some")
                     silent = True
             if late := next((n for n in self._running if self._late(n) and n not in self._ended), ""):

@@ -153,7 +153,11 @@ def test_a_scheduler_that_is_killed_is_one_line(tmp_path):
         os.kill(listening, signal.SIGKILL)
         told = client.communicate(timeout=120)[1]
     assert client.returncode == 1
-    assert told == f"lost the scheduler at {address}; {KEPT}\n"
+    # On a loaded machine the workers come after the client.
+    assert (
+        told.removeprefix("the cluster has no workers; waiting for some\n")
+        == f"lost the scheduler at {address}; {KEPT}\n"
+    )
 
 
 def test_no_scheduler_there(small_study, tmp_path):
