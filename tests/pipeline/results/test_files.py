@@ -218,6 +218,7 @@ def test_motion_along_an_axis_has_its_unit(real):
             }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_what_the_solver_itself_leaves_is_clean_under_cf(real, tmp_path):
     for path in [
         *(real / name / "statistics.nc" for name in ("floating", "steel")),

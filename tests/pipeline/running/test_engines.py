@@ -110,6 +110,7 @@ def test_bitwise_the_same_wherever_it_runs(tmp_path, small_study, small, solver)
 
 
 @pytest.mark.skipif(not shutil.which("openssl"), reason="needs openssl")
+@pytest.mark.slow
 def test_tls_is_passed_through(tmp_path, small_study):
     key, cert = tmp_path / "key.pem", tmp_path / "cert.pem"
     make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]
@@ -124,6 +125,7 @@ def test_tls_is_passed_through(tmp_path, small_study):
     assert refused.stderr == f"--scheduler = {address}: needs --tls CA CERT KEY, or dask's own tls settings\n"
 
 
+@pytest.mark.slow
 def test_a_worker_with_other_sources_gets_no_more_work(tmp_path, small_study):
     """The other worker does all."""
     with cluster(tmp_path, strangers=1) as address:
@@ -143,6 +145,7 @@ def test_tasks_for_which_there_are_only_other_sources_stay_missing(tmp_path, sma
     assert "12 tasks: 12 missing" in study("status", small_study, "--results", tmp_path / "r").stdout
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_killed_is_one_line(tmp_path):
     with cluster(tmp_path) as address, kills.at_work(tmp_path, "--scheduler", address, tasks=3000, begun=0) as client:
         while not kills.finished(tmp_path / "results"):
