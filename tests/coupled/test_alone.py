@@ -58,6 +58,7 @@ def test_each_block_is_that_of_the_body_alone_in_its_place():
     assert h.mesh_error > 0 and not h.interacting
 
 
+@pytest.mark.slow
 def test_equal_hulls_are_solved_once_and_one_alone_as_ever(monkeypatch):
     solved, plain = [], bem._coefficients
     monkeypatch.setattr(bem, "_coefficients", lambda own, *a, **k: solved.append(own.hulls) or plain(own, *a, **k))

@@ -208,6 +208,7 @@ def test_the_drive_between_samples_is_a_polynomial_through_them():
     assert isinstance(fine.drive, Drive)
 
 
+@pytest.mark.slow
 def test_high_seas_are_survived_on_stops(buan, coefficients):
     """Where a float without them swings through beneath its hinge; the balance closes, hits are counted."""
     stops = EndStops(lower=-0.9, upper=0.9, stiffness=2e7, damping=2e5)

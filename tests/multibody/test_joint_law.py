@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
@@ -148,6 +148,7 @@ def test_only_what_has_several_zones_is_bent():
     assert axis_energy(LAW, 1, 3.0) == 3e3 and axis_energy(LAW, 1, 1.9) == 0.0
 
 
+@settings(max_examples=15)
 @given(size=st.floats(0.01, 20))
 def test_linearised_power_take_offs_absorb_as_much(size):
     """Against means of f ẏ over a sine's phases and over the normal distribution; at rest what is linear is left."""

@@ -224,6 +224,7 @@ def test_a_mark_of_byte_order_is_no_text(small):
     assert load(small).content == plain
 
 
+@pytest.mark.slow
 def test_letters_that_a_locale_lacks(tmp_path):
     path = empty.study(tmp_path, 1)
     path.write_text('title = "Überlast µ 波"\n' + path.read_text(), encoding="utf-8")

@@ -64,6 +64,7 @@ def test_pendulum_of_the_benchmark_library():
     assert run.position[-1, 0, :2] == approx(PENDULUM[10.0], abs=2e-6)
 
 
+@pytest.mark.slow
 def test_four_bar_passes_its_singular_positions():
     """A02, N = 2, through the flat position several times; three rotations share one DOF."""
     bodies, run = four_bars(2, 10.0, 0.01)

@@ -219,6 +219,7 @@ def test_a_platform_without_floats():
     assert apart("top_displacement", slow, fast) < 1e-7 and apart("bottom_stress", slow, fast) < 1e-7
 
 
+@pytest.mark.slow
 def test_accuracy_reference_turns_every_approximation_off(coefficients):
     item = scene(duration=0.6, time_step=0.15, ramp=0.0, accuracy="reference", elastic=True)
     paths = item.settings.paths

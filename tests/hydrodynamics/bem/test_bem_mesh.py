@@ -37,6 +37,7 @@ def test_meshed_sphere_approaches_the_sphere_at_second_order():
     assert error[1] < 0.01
 
 
+@pytest.mark.slow
 def test_meshed_cylinder_in_finite_depth():
     exact = solve((CYLINDER,), [[0, 0, 0]], depth=10.0, omega=OMEGA[:2])
     ours = solve((meshed(CYLINDER, 16),), [[0, 0, 0]], depth=10.0, omega=OMEGA[:2])

@@ -87,7 +87,8 @@ def computed(results):
     return records, coefficients, kills.dataset(results, root.name)
 
 
-@pytest.mark.parametrize("solver", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", [False, True])
 def test_bitwise_the_same_wherever_it_runs(tmp_path, small_study, small, solver):
     """Serial, 1 worker, 2 workers, a cluster started from the command line, and reruns of single tasks."""
     if solver:

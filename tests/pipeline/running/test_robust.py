@@ -42,6 +42,7 @@ def results(tmp_path):
     return tmp_path / "results"
 
 
+@pytest.mark.slow
 def test_random_study_files_are_refused_with_a_key(tmp_path):
     assert sum(fuzz.files(tmp_path, 60, seed=3).values()) == 60
 
