@@ -147,12 +147,10 @@ def _survival(study: StudyFile) -> Iterator[InputError]:
             yield InputError(where, value, str(error))
     if not study.survival.keys:
         yield InputError("survival", "{}", 'needs keys that change, as "floats.*.coulomb" = 1e9, or left_out')
-    labels = study.axes.sea_state or tuple(study.sea_states)
-    if any(path.startswith("sea") for axis in study.varied for path in axis.keys) or set(labels) - set(
-        study.sea_states
-    ):
+    unknown = set(study.axes.sea_state or ()) - study.sea_states.keys()
+    if unknown or any(path.startswith("sea") for axis in study.varied for path in axis.keys):
         return  # which are judged elsewhere
-    heights = [seas.labels(study.sea_states[label]).get("Hs", 0.0) for label in labels]
+    heights = [seas.labels(sea).get("Hs", 0.0) for sea in study.seas.values()]
     if not max(heights) > study.survival.Hs:
         limit = f"no irregular sea of the study is above it: the highest has Hs = {max(heights):g} m"
         yield InputError("survival.Hs", study.survival.Hs, limit)
