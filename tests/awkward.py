@@ -9,7 +9,6 @@ from functools import cache
 import numpy as np
 
 from solver.balance import balanced
-from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.duck import duck as duck_hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -19,6 +18,7 @@ from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointMass
+from tests.once import solve
 
 RHO, SMALL = 1025.0, 108
 BALL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
@@ -41,7 +41,7 @@ def scene(floats, *, depth=50.0, waves=None, platform=None, **settings) -> Scene
 
 def known(item: Scene, low: float, high: float, count: int = 24, panels: int = SMALL) -> Hydrodynamics:
     """Coefficients at `count` frequencies [rad/s] from coarse meshes."""
-    return bem.solve(
+    return solve(
         tuple(f.hull for f in item.floats), np.array([f.centre for f in item.floats]), depth=item.water.depth,
         heading=item.sea.heading, omega=np.linspace(low, high, count), planar=item.planar, panels=panels,
     )  # fmt: skip

@@ -2,6 +2,8 @@
 
 import os
 import random
+import shutil
+import tempfile
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -11,13 +13,13 @@ from filelock import FileLock
 from hypothesis import HealthCheck, settings
 from numba.core.dispatcher import Dispatcher
 
-from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import Realization, realize
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
+from tests.once import FOLDER, solve
 
 # How long an example takes is the machine's affair, and a run can be repeated; "random" goes by --hypothesis-seed.
 UNTIMED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -28,6 +30,17 @@ settings.load_profile("same")
 HULL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
 WATER = Water(depth=50.0)
 DISPLACED = 1025 * 2 / 3 * np.pi  # of the hemisphere [kg]
+
+
+def pytest_configure(config):
+    if FOLDER not in os.environ:  # workers have it from the process that starts them
+        os.environ[FOLDER] = config.coefficients = tempfile.mkdtemp()
+
+
+def pytest_unconfigure(config):
+    if folder := getattr(config, "coefficients", None):
+        del os.environ[FOLDER]
+        shutil.rmtree(folder)
 
 
 def pytest_addoption(parser):
@@ -140,4 +153,4 @@ def buan():
 def coefficients():
     """Coarse coefficients of the pair: enough to test the solver, too coarse to publish."""
     centres = np.array([f.centre for f in floats()])
-    return bem.solve((HULL, HULL), centres, depth=50.0, omega=np.linspace(0.3, 7.0, 36), panels=108)
+    return solve((HULL, HULL), centres, depth=50.0, omega=np.linspace(0.3, 7.0, 36), panels=108)

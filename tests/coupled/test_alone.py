@@ -15,6 +15,7 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate
 from solver.scene import Scene, Water
 from tests import awkward
+from tests.once import solve
 
 OMEGA = np.array([1.0, 2.0])
 RUN = {"depth": 20.0, "heading": 0.4, "omega": OMEGA, "planar": False, "panels": awkward.SMALL}
@@ -32,7 +33,7 @@ def alone_beside():
 
 def known(item, **changed):
     given = {"depth": item.water.depth, "omega": np.linspace(0.3, 4.0, 28), "planar": item.planar}
-    return bem.solve(
+    return solve(
         tuple(f.hull for f in item.floats), np.array([f.centre for f in item.floats]), heading=item.sea.heading,
         panels=awkward.SMALL, **({"interaction": False} | given | changed),
     )  # fmt: skip

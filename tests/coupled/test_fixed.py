@@ -17,6 +17,7 @@ from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
+from tests.once import solve
 
 RHO = 1025.0
 BALL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
@@ -39,7 +40,7 @@ def scene(*floats, **settings):
 def known():
     """Of pillar and ball."""
     omega = np.linspace(0.5, 7.0, 22)
-    return bem.solve((PILLAR, BALL), np.array([[0.0, 0, 0], [5.0, 0, 0]]), depth=30.0, omega=omega, panels=108)
+    return solve((PILLAR, BALL), np.array([[0.0, 0, 0], [5.0, 0, 0]]), depth=30.0, omega=omega, panels=108)
 
 
 FIXED = replace(heaving("pillar", PILLAR, 0.0), motion=())
@@ -71,7 +72,7 @@ def test_a_fixed_body_alone_bears_the_waves():
 
 @cache
 def known_alone():
-    return bem.solve((PILLAR,), np.zeros((1, 3)), depth=30.0, omega=np.linspace(0.5, 7.0, 22), panels=108)
+    return solve((PILLAR,), np.zeros((1, 3)), depth=30.0, omega=np.linspace(0.5, 7.0, 22), panels=108)
 
 
 def test_a_fixed_body_has_no_joint_and_no_augmented_path():
@@ -146,4 +147,4 @@ def test_linear_scenes_may_drift_as_far_as_they_do():
 
 @cache
 def solo():
-    return bem.solve((BALL,), np.zeros((1, 3)), depth=30.0, omega=np.linspace(0.5, 7.0, 22), panels=108)
+    return solve((BALL,), np.zeros((1, 3)), depth=30.0, omega=np.linspace(0.5, 7.0, 22), panels=108)

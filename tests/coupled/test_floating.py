@@ -9,12 +9,12 @@ from pytest import approx
 from solver.balance import warnings
 from solver.coupled.system import BALANCE, prepare
 from solver.errors import InputError
-from solver.hydrodynamics.bem.bem import solve
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import CALM, realize
 from solver.sea.spectrum import PiersonMoskowitz
+from tests.once import solve
 from tests.reference.test_reference import FINE, HULL, alike, apart, both, pile
 from tests.test_invariants import alone
 

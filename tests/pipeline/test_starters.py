@@ -35,6 +35,7 @@ def test_every_starter_can_be_planned_as_it_is(kind, tmp_path):
     assert Draft4Validator(json_schema()).is_valid(tomllib.loads(text))
 
 
+@pytest.mark.slow
 def test_a_starter_runs_as_it_is(tmp_path):
     """From `new` to power against damping: the sphere absorbs something for each, in each sea."""
     assert study("new", tmp_path / "mine").exit_code == 0

@@ -8,7 +8,6 @@ from pytest import approx
 
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
-from solver.hydrodynamics.bem.bem import solve
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.reference.convolution import Convolution, CosineTransform
@@ -20,6 +19,7 @@ from solver.sea.realization import CALM, realize
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointMass
+from tests.once import solve
 
 HULL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
 CENTRES = np.array([[-3.86, 0, 0], [3.86, 0, 0]])

@@ -12,6 +12,7 @@ from solver.hydrodynamics.bem.adopted import adopted, require_covered
 from solver.hydrodynamics.bem.given import Given
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.infinite import infinite_added_mass
+from tests.once import solve
 
 HULLS = (
     Revolution.hemisphere_cylinder(radius=1.0, height=0.6),
@@ -26,7 +27,7 @@ WATER = {"depth": 20.0, "density": 1025.0, "gravity": 9.81, "heading": 0.3}
 def ours():
     """Of two unlike floats, in all motions."""
     omega = np.linspace(0.6, 6.6, 21)
-    return bem.solve(HULLS, CENTRES, **WATER, omega=omega, planar=False, panels=108)
+    return solve(HULLS, CENTRES, **WATER, omega=omega, planar=False, panels=108)
 
 
 def told(h=None, **changes):

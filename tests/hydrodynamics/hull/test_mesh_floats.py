@@ -8,7 +8,6 @@ import pytest
 from pytest import approx
 
 from solver.errors import InputError
-from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.reference.run import simulate_reference
@@ -16,6 +15,7 @@ from solver.run import prepare, simulate
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import CALM, regular
 from tests.hydrodynamics.shapes import box, fine_box, meshed
+from tests.once import solve
 
 HULL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
 BARGE = fine_box((2.0, 3.0, 1.5), (0, 0, 0.25), 0.5)  # 0.5 m of draft
@@ -25,7 +25,7 @@ PANELS = {"panels": 108, "depth": 50.0, "omega": np.linspace(0.3, 7.0, 20)}
 
 @cache
 def coefficients(hulls, centres, planar=True):
-    return bem.solve(hulls, np.array(centres), planar=planar, **PANELS)
+    return solve(hulls, np.array(centres), planar=planar, **PANELS)
 
 
 def hinged(hull, name="front", side=-1, **changes):

@@ -122,12 +122,23 @@ def test_units_do_not_matter():
     assert big.impulse(t / 10) == pytest.approx(1e8 * small.impulse(t), abs=1e-6 * 1e8 * np.abs(small.impulse(t)).max())
 
 
-@settings(max_examples=4)
-@given(st.integers(0, 10_000), st.integers(1, 3), st.floats(0.0, 0.05))
+@settings(max_examples=2)
+@given(st.integers(0, 10_000), st.just(1), st.floats(0.0, 0.05))
 @example(0, 1, 1 / 64)  # terms that cancel at ω = 0 are far larger than B
-@example(7977, 3, 0.05)
 @example(3723, 2, 0.015407671804895032)  # with some roundings both eigenvalues agree at two neighbours of the grid
 def test_the_fit_is_passive_even_if_the_data_are_not_quite(seed, n, spoil):
+    passive_though_spoilt(seed, n, spoil)
+
+
+@pytest.mark.slow
+@settings(max_examples=20)
+@given(st.integers(0, 10_000), st.integers(1, 3), st.floats(0.0, 0.05))
+@example(7977, 3, 0.05)
+def test_fits_of_several_motions_are_passive(seed, n, spoil):
+    passive_though_spoilt(seed, n, spoil)
+
+
+def passive_though_spoilt(seed, n, spoil):
     # Sums of passive pairs, spoilt by a share that makes the damping negative somewhere, also near ω = 0.
     random = np.random.default_rng(seed)
     beta = -random.uniform(0.1, 1.5, 3) + 1j * random.uniform(0.5, 6.0, 3)

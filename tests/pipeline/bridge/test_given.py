@@ -18,8 +18,8 @@ from pipeline.bridge.preflight import judge
 from pipeline.study.attachments import Attachment
 from pipeline.study.reading import StudyError
 from pipeline.tasks.tasklist import Tasks
-from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.revolution import Revolution
+from tests.once import solve
 
 RHO, G, DEPTH = 1025.0, 9.81, 30.0
 BALL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
@@ -58,7 +58,7 @@ FLOATS = FLOAT.format(name="front", hinge=-1.5, arm=-2.36) + FLOAT.format(name="
 def ours():
     """Of the study's pair, in all motions."""
     omega = np.linspace(0.5, 7.5, 24)
-    return bem.solve((BALL, BALL), CENTRES, depth=DEPTH, density=RHO, gravity=G, omega=omega, planar=False, panels=108)
+    return solve((BALL, BALL), CENTRES, depth=DEPTH, density=RHO, gravity=G, omega=omega, planar=False, panels=108)
 
 
 @pytest.fixture

@@ -5,7 +5,6 @@ import errno
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import time
@@ -73,7 +72,7 @@ def test_a_second_run_waits_and_says_so(small_study, results, tmp_path):
     assert "nothing to run" in second.communicate()[0]
 
 
-@pytest.mark.parametrize("compiled", ["", "1"])
+@pytest.mark.parametrize("compiled", [pytest.param("", marks=pytest.mark.slow), "1"])
 def test_a_task_that_hangs_is_stopped_and_the_others_go_on(tmp_path, results, compiled):
     """Compiled code holds the interpreter and cannot be spoken to; it is stopped and not tried again all the same."""
     path, log = empty.study(tmp_path, 4), tmp_path / "log"
@@ -89,7 +88,7 @@ def test_a_task_that_hangs_is_stopped_and_the_others_go_on(tmp_path, results, co
 INTERRUPTED = "interrupted; finished tasks are kept, and the same command goes on from here\n"
 
 
-@pytest.mark.parametrize(("times", "workers"), [(1, 1), (1, 2), (2, 2)])
+@pytest.mark.parametrize(("times", "workers"), [pytest.param(1, 1, marks=pytest.mark.slow), (1, 2), (2, 2)])
 def test_ctrl_c_says_what_is_kept_in_one_line(tmp_path, times, workers):
     """A terminal sends it to workers as well. The second one waits for nobody."""
     pause = "1" if times == 1 else "300"
@@ -167,33 +166,23 @@ def test_read_only_results(tmp_path, small_study):
         assert study("status", small_study, "--results", folder).returncode == 2
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """A study file beside its results, all done."""
-    folder = tmp_path_factory.mktemp("whole")
-    assert study("run", empty.study(folder, 12), "--results", folder / "results", "--workers", 1).returncode == 0
-    return folder
-
-
-@pytest.mark.parametrize("damage", ["cut", "flip", "empty", "gone", "status"])
-def test_damaged_results_are_named_and_made_again(whole, tmp_path, damage):
-    small_study, results = tmp_path / "empty.toml", tmp_path / "results"
-    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
+def test_damaged_results_are_named_and_made_again(tmp_path, small_study, results):
+    """Cut, a bit flipped, empty, gone; and half a status."""
+    assert study("run", small_study, "--results", results, "--workers", 1).returncode == 0
     before = contents(results)
-    record = next(results.rglob("record.nc"))
-    data = bytearray(record.read_bytes())
+    cut, flipped, empty_, gone, half, *_ = sorted(results.rglob("record.nc"))
+    cut.write_bytes(cut.read_bytes()[:100])
+    data = bytearray(flipped.read_bytes())
     data[len(data) // 2] ^= 16
-    status = record.with_name("status.json")
-    if damage == "gone":
-        record.unlink()
-    elif damage == "status":
-        status.write_bytes(status.read_bytes()[:50])
-    else:
-        record.write_bytes({"cut": data[:100], "flip": data, "empty": b""}[damage])
+    flipped.write_bytes(data)
+    empty_.write_bytes(b"")
+    gone.unlink()
+    status = half.with_name("status.json")
+    status.write_bytes(status.read_bytes()[:50])
     verified = study("verify", small_study, "--results", results)
-    assert ("1 missing" if damage == "status" else "1 damaged") in verified.stdout
+    assert "4 damaged" in verified.stdout and "1 missing" in verified.stdout
     again = study("run", small_study, "--results", results, "--workers", 1)
-    assert "12 done; 1 run now" in again.stdout
+    assert "12 done; 5 run now" in again.stdout
     assert contents(results) == before
 
 
