@@ -16,6 +16,7 @@ from pipeline.study import columns
 from pipeline.study.attachments import Attachment
 from pipeline.study.layout import HINGE
 from pipeline.study.schema import (
+    BoxHull,
     Duck,
     Float,
     HemisphereCylinder,
@@ -126,6 +127,7 @@ def _sea(sea_state: SeaState, waves: Waves, seed: tuple[int, ...]) -> Realizatio
 @lru_cache(maxsize=64)
 def hull(shape: Hull) -> Revolution | PanelHull:
     """The solver's hull for a hull table."""
+    from solver.hydrodynamics.hull.box import box
     from solver.hydrodynamics.hull.duck import duck
     from solver.hydrodynamics.hull.revolution import Revolution
     from solver.hydrodynamics.hull.ring import ring
@@ -141,6 +143,8 @@ def hull(shape: Hull) -> Revolution | PanelHull:
             return Revolution.profile(shape.points)
         case Ring():
             return ring(shape.points)
+        case BoxHull():
+            return box(**shape.model_dump(exclude={"shape"}))
         case Duck():
             return duck(**shape.model_dump(exclude={"shape"}))
         case PanelMesh():

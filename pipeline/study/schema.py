@@ -158,6 +158,16 @@ class Ring(Table):
     ]
 
 
+class BoxHull(Table):
+    """A box: a barge, a pontoon, a caisson, a flap; under water as a whole where its draft exceeds its height."""
+
+    shape: Annotated[Literal["box"], "Kind of hull"]
+    length: Annotated[Positive, Unit("m"), "Along x"]
+    width: Annotated[Positive, Unit("m"), "Along y"]
+    height: Annotated[Positive, Unit("m"), "Along z"]
+    draft: Annotated[Positive, Unit("m"), "Depth of the bottom"]
+
+
 class Duck(Table):
     """A Salter's duck: a stern that is round about the axis of rotation, and a beak of two flat sides, tangents to it.
 
@@ -193,7 +203,8 @@ class PanelMesh(Table):
 
 
 Hull = Annotated[
-    HemisphereCylinder | Sphere | VerticalCylinder | Profile | Ring | Duck | PanelMesh, Field(discriminator="shape")
+    HemisphereCylinder | Sphere | VerticalCylinder | Profile | Ring | BoxHull | Duck | PanelMesh,
+    Field(discriminator="shape"),
 ]
 
 
