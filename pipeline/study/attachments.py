@@ -18,6 +18,8 @@ from pydantic_core import PydanticCustomError
 
 LARGEST = 100e6  # bytes; a larger file would clog the way to the workers
 WAMIT = (".1", ".2", ".3", ".3fk", ".hst")  # files of one run of WAMIT, which differ in this alone
+# Files of one run of Nemoh; the last lies in the folder above.
+NEMOH = ("RadiationCoefficients.tec", "ExcitationForce.tec", "FKForce.tec", "Nemoh.cal")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,16 +68,26 @@ def _attach(value: Any, info: ValidationInfo) -> Any:
 
 
 def _attach_with_others(value: Any, info: ValidationInfo) -> Any:
-    """The file of a path, and where its name is one of WAMIT's the others of the same run, as one text."""
-    kind = "." + str(value).rpartition(".")[2]
-    if isinstance(value, Attachment) or kind.lower() not in WAMIT:
-        return _attach(value, info)
-    stem, named = str(value).removesuffix(kind), _attach(value, info)
+    """The file of a path, and where its name is one of WAMIT's or Nemoh's the others of the same run, as one text."""
+    named = _attach(value, info)
+    if isinstance(value, Attachment) or not (others := _of_one_run(value)):
+        return named
     folder = (info.context or {}).get("folder", Path())
-    there = {k: f"{stem}{k}" for k in WAMIT if k != kind.lower() and (folder / f"{stem}{k}").is_file()}
-    texts = {k: _attach(name, info) for k, name in there.items()} | {kind.lower(): named}
-    whole = json.dumps({k: texts[k].data.decode("latin-1") for k in sorted(texts)})
+    there = {part: str(path) for part, path in others.items() if (folder / path).is_file()}
+    texts = {part: _attach(path, info) if path != value else named for part, path in there.items()}
+    whole = json.dumps({part: texts[part].data.decode("latin-1") for part in sorted(texts)})
     return Attachment.of(value, whole.encode())
+
+
+def _of_one_run(value: str) -> dict[str, Path]:
+    """Where the files of a run lie by what they are, this one among them; none where one file says all."""
+    path = Path(value)
+    if (kind := path.suffix.lower()) in WAMIT:
+        return {part: path.with_suffix(part) for part in WAMIT} | {kind: path}
+    if path.name in NEMOH:
+        *tables, case = NEMOH
+        return {name: path.with_name(name) for name in tables} | {case: path.parent / ".." / case}
+    return {}
 
 
 # The type of a key that names a file.

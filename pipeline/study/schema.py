@@ -443,7 +443,7 @@ class StudyFile(Table):
     title: Annotated[Title, "What the study is, in a line"] = ""
     coefficients: Annotated[
         CoefficientFile | None,
-        "From others' boundary elements: capytaine's .nc, BEMIO's .h5, WAMIT's .1 beside .3 and .hst, .out",
+        "From others' boundary elements: capytaine's .nc, BEMIO's .h5, WAMIT's .1 (.3, .hst) or .out, Nemoh's .tec",
     ] = None
     water: Annotated[Water, "The water"]
     waves: Annotated[Waves, "What sea states have in common"] = Waves()

@@ -1,4 +1,6 @@
-"""Coefficients from a file, by its name: capytaine's netCDF, BEMIO's HDF5, WAMIT's .1 with .3 and .hst, or its .out."""
+"""Coefficients from a file, by its name: capytaine's netCDF, BEMIO's HDF5, WAMIT's .1 with .3 and .hst or its .out, and
+Nemoh's .tec.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from pipeline.bridge.given import bemio, capytaine, wamit
+from pipeline.bridge.given import bemio, capytaine, nemoh, wamit
 from pipeline.study.attachments import WAMIT, Attachment
 from solver.errors import InputError
 
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
 
 Reader = Callable[[Attachment, float, float], "Given"]
 READERS: dict[str, Reader] = {".nc": capytaine.read, ".h5": bemio.read, ".hdf5": bemio.read, ".out": wamit.read_out}
-READERS |= dict.fromkeys(WAMIT, wamit.read)
+READERS |= dict.fromkeys(WAMIT, wamit.read) | {".tec": nemoh.read}
 
 
 @lru_cache(maxsize=4)
