@@ -34,10 +34,7 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list
     displaced = water.density * item.hull.volume
     told = f"mass {item.mass:g} kg, displaced {displaced:g} kg ({item.mass / displaced - 1:+.2%})"
     sentences = []
-    for name, pull in zip(item.motion, item.moored.pretension, strict=True):
-        weight, buoyancy = (_work(item, name, *load) for load in _loads(item, displaced, water.gravity))
-        force, moment = _carried(item, water, floats)
-        weight += float(item.direction(name) @ moment) if name not in DOFS[:3] else force * (name == "heave")
+    for name, weight, buoyancy, pull in _along(item, water, floats):
         excess = abs(weight + buoyancy + pull)
         if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
             moments = f"; {name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
@@ -46,6 +43,21 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list
                 " It settles before the run begins"
             )
     return sentences
+
+
+def _along(item: Float, water: Water, floats: Sequence[Float]) -> Iterator[tuple[str, float, float, float]]:
+    """Axes of a joint; along each the load at rest of weight and what is carried, of buoyancy, and of the joint."""
+    displaced = water.density * item.hull.volume
+    force, moment = _carried(item, water, floats)
+    for name, pull in zip(item.motion, _pulls(item), strict=True):
+        weight, buoyancy = (_work(item, name, *load) for load in _loads(item, displaced, water.gravity))
+        weight += float(item.direction(name) @ moment) if name not in DOFS[:3] else force * (name == "heave")
+        yield name, weight, buoyancy, pull
+
+
+def _pulls(item: Float) -> np.ndarray:
+    """Constant loads of a joint along its axes, of lines too (n,) [N or N m]."""
+    return np.asarray(item.moored.pretension) + item.per_axis("preload")
 
 
 def _loads(item: Float, displaced: float, gravity: float) -> Iterator[tuple[np.ndarray, float]]:
@@ -66,13 +78,17 @@ def _carried(item: Float, water: Water, floats: Sequence[Float]) -> tuple[float,
 
 
 def _passed_on(item: Float, water: Water, floats: Sequence[Float]) -> tuple[float, np.ndarray]:
-    """Vertical force [N] and moment (3,) [N m] of a float on its joint, along the axes that it does not leave free."""
+    """Vertical force [N] and moment (3,) [N m] of a float on its joint: what its axes leave, and their preloads."""
     force, moment = _carried(item, water, floats)
     for point, load in _loads(item, water.density * item.hull.volume, water.gravity):
         force += load
         moment += _moment(point - item.hinge, load)
     free = np.array([item.direction(name) for name in item.motion if name not in DOFS[:3]]).reshape(-1, 3)
-    return (0.0 if "heave" in item.motion else force), moment - np.linalg.pinv(free) @ free @ moment
+    force, moment = (0.0 if "heave" in item.motion else force), moment - np.linalg.pinv(free) @ free @ moment
+    for name, pull in zip(item.motion, item.per_axis("preload"), strict=True):
+        force -= pull * (name == "heave")
+        moment = moment - pull * item.direction(name) * (name not in DOFS[:3])
+    return force, moment
 
 
 def _moment(lever: np.ndarray, force: float) -> np.ndarray:
@@ -93,23 +109,27 @@ def _least(item: Float, name: str, buoyancy: float) -> float:
 
 
 def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[str]]) -> tuple[Float, ...]:
-    """Floats with the mass and the place of the c.o.g. that hold them at rest as they are given.
+    """Floats with the mass, the place of the c.o.g. and the preloads that hold them at rest as they are given.
 
     sought: for each float, of "mass", whose weight is the buoyancy less the vertical load of what the float carries,
     and of "x" and "y", the place of the c.o.g. from which no moment turns the float about its joint; where only one of
-    the two is sought, about the hinge's axis, if it has one. What is not sought stays.
+    the two is sought, about the hinge's axis, if it has one. What is not sought stays. "hold" adds to the preloads what
+    is then still out of balance along each axis.
     """
     done = list(floats)
     for i in reversed(range(len(done))):  # what is carried is listed after what carries it
-        if sought[i]:
+        if {*sought[i]} - {"hold"}:
             done[i] = _balanced(done[i], water, done, sought[i])
+        if "hold" in sought[i]:
+            left = np.array([weight + buoyancy + pull for _, weight, buoyancy, pull in _along(done[i], water, done)])
+            done[i] = replace(done[i], preload=tuple((done[i].per_axis("preload") - left).tolist()))
     return tuple(done)
 
 
 def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collection[str]) -> Float:
     displaced = water.density * item.hull.volume
     force, moment = _carried(item, water, floats)
-    for name, pull in zip(item.motion, item.moored.pretension, strict=True):
+    for name, pull in zip(item.motion, _pulls(item), strict=True):
         force += pull * (name == "heave")
         moment = moment + pull * item.direction(name) * (name not in DOFS[:3])
     mass = displaced + force / water.gravity if "mass" in sought else item.mass

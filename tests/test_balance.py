@@ -127,15 +127,32 @@ def test_lines_that_pull_are_balanced_too():
     assert imbalance(found, DEEP) == []
 
 
-def test_the_solver_finds_what_was_balanced_at_rest():
+def test_a_held_float_has_the_load_that_is_missing():
+    """A ball 20 t too light, a rotor; what is held twice is held as once."""
+    light = ball(mass=DISPLACED - 2e4, preload=500.0)
+    (held,) = balanced([light], DEEP, [("hold",)])
+    assert held.preload == pytest.approx((-2e4 * DEEP.gravity,)) and held.mass == light.mass
+    assert len(imbalance(light, DEEP)) == 1 and imbalance(held, DEEP) == []
+    assert balanced([held], DEEP, [("hold",)])[0].preload == pytest.approx(held.preload)
+    (turned,) = balanced([rotor(cog=(0.7, 0, -1.0))], DEEP, [("hold",)])
+    about = 1000 * ROTOR.volume * DEEP.gravity * (0.8 * 0.7 - ROTOR.buoyancy_point[0])  # of weight less buoyancy
+    assert turned.preload == pytest.approx((-about,))
+
+
+@pytest.mark.parametrize(
+    "sought",
+    [[("mass", "x", "y"), ("x",), ("mass", "x")], [("mass", "x", "y"), ("hold",), ("hold",)], [("hold",)] * 3],
+)
+def test_the_solver_finds_what_was_balanced_at_rest(sought):
     """Its own statics, on another path: joints and platform stay where they are."""
     from solver.coupled.system import prepare
     from solver.hydrodynamics.bem import bem
 
     floats = balanced(
         [raft(), replace(rotor(at=(-20.0, 4.0)), on="raft"), replace(rotor("aft", (15.0, -9.0), AFT), on="raft")],
-        DEEP, [("mass", "x", "y"), ("x",), ("mass", "x")],
+        DEEP, sought,
     )  # fmt: skip
+    assert [imbalance(item, DEEP, floats) for item in floats] == [[], [], []]
     scene = Scene(water=DEEP, floats=floats, settings=Settings(diffraction=False, radiation=False))
     known = bem.solve(
         tuple(f.hull for f in floats), np.array([f.centre for f in floats]), depth=np.inf, density=1000.0,

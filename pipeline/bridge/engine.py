@@ -110,11 +110,19 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
 
     known, scene = cache.decode(coefficients) if coefficients else None, scenes.scene(parameters)
     record = simulate(scene, known)
-    if not any(map(scenes.found, parameters.floats)):
-        return record
-    mass, cog = (np.array([getattr(f, name) for f in scene.floats]) for name in ("mass", "cog"))
-    told = {"mass": (("float",), mass), "cog": (("float", "direction"), cog)}
-    return replace(record, variables={**record.variables, **told})
+    sought = {name for item in parameters.floats for name in scenes.found(item)}
+    if sought - {"hold"}:
+        mass, cog = (np.array([getattr(f, name) for f in scene.floats]) for name in ("mass", "cog"))
+        told = {"mass": (("float",), mass), "cog": (("float", "direction"), cog)}
+        record = replace(record, variables={**record.variables, **told})
+    if "hold" in sought:
+        axes = list(dict.fromkeys(name for f in scene.floats for name in f.motion))
+        preload = np.full((len(scene.floats), len(axes)), np.nan)
+        for row, item in zip(preload, scene.floats, strict=True):
+            row[[axes.index(name) for name in item.motion]] = item.per_axis("preload")
+        variables = {**record.variables, "preload": (("float", "axis"), preload)}
+        record = replace(record, variables=variables, coords={**record.coords, "axis": np.array(axes)})
+    return record
 
 
 def judge(parameters: Parameters) -> Sequence[str]:

@@ -202,7 +202,7 @@ def floating(item: Float) -> physics.Float:
         parts["pto_table"] = law
     x, y, z = (0.0 if place == FOUND else place for place in item.cog)
     parts |= {"mass": 1.0 if item.mass == FOUND else item.mass, "cog": (x, y, z)}
-    given = {name: value for name, value in item if name != "pto_law"}
+    given = {name: value for name, value in item if name not in ("pto_law", "hold")}
     return physics.Float(**{**given, **parts})
 
 
@@ -218,10 +218,9 @@ def floats(parameters: Parameters) -> tuple[physics.Float, ...]:
 
 
 def found(item: Float) -> tuple[str, ...]:
-    """Of mass and place of the c.o.g., what is found from weight and buoyancy."""
-    return tuple(
-        name for name, value in zip(("mass", "x", "y"), (item.mass, *item.cog[:2]), strict=True) if value == FOUND
-    )
+    """Of mass, place of the c.o.g. and preloads ("hold"), what is found from weight and buoyancy."""
+    balanced = ("mass", item.mass), *zip("xy", item.cog[:2], strict=True)
+    return (*(name for name, value in balanced if value == FOUND), *(["hold"] if item.hold else ()))
 
 
 def pto_table(file: Attachment, axis: str) -> PtoTable:

@@ -33,6 +33,7 @@ VARIABLES = {
     "wave_frequency": Meaning("rad s-1", "Angular frequency of each wave of the realization"),
     "mass": Meaning("kg", "Mass of the float, given or found from weight and buoyancy"),
     "cog": Meaning("m", "Centre of gravity of the float, from its reference point, given or found"),
+    "preload": Meaning("J {axis}-1", "Constant load along the axis, given or found to hold the float: N, or N m"),
     "absorbed_power": Meaning("W", "Mechanical power absorbed by the power take-off"),
     "capture_width": Meaning("m", "Width of the waves' crests that carries the mean power which the float absorbs"),
     "electrical_power": Meaning("W", "Electrical power of the power take-off, what its stiffness exchanges included"),

@@ -15,6 +15,7 @@ from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import (
     Count,
     Depth,
+    Flag,
     FoundMass,
     FoundPlace,
     Label,
@@ -277,6 +278,9 @@ class Float(Table):
         'Centre of gravity, from the reference point at still water; "balance" for x or y: so that nothing turns it',
     ] = (0.0, 0.0, 0.0)
     motion: tuple[Motion, ...]
+    hold: Annotated[
+        Flag, "A preload that keeps it at rest where it is, its weight and buoyancy being out of balance or not"
+    ] = False
     end_stops: EndStops | None = None
     mooring: Mooring | None = None
     pto_efficiency: PtoEfficiency | None = None

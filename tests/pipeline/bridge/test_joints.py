@@ -377,6 +377,24 @@ def test_mass_and_place_are_found_and_told(study_with, monkeypatch):
     assert engine.compute(task(study_with(FREE)).parameters, None) is bare
 
 
+def test_a_float_that_is_held_has_its_preload_told(study_with, monkeypatch):
+    """And moves as with that preload as a number; the others' are told beside it."""
+    study = study_with(FREE + DUCK.replace('"balance"', "0.4"))
+    before = task(study)
+    study.path.write_text(study.path.read_text().replace("arm = [0.0, 0.0, 0.6]", "arm = [0.0, 0.0, 0.6]\nhold = true"))
+    held = task(load(study.path))
+    assert held.id != before.id
+    carrier, rotor = scenes.scene(held.parameters).floats
+    lever = 1025 * rotor.hull.volume * rotor.hull.buoyancy_point[0] - 5e3 * 0.4
+    assert rotor.preload == pytest.approx((9.81 * lever,))  # up at a lever along x turns towards -y
+    assert np.all(carrier.per_axis("preload") == 0)
+    monkeypatch.setattr(engine, "simulate", lambda scene, known: Record(variables={}, coords={}, attrs={}))
+    told = engine.compute(held.parameters, None)
+    dims, load_ = told.variables["preload"]
+    at = [told.coords["axis"].tolist().index("hinge")]
+    assert dims == ("float", "axis") and load_[1, at] == pytest.approx(rotor.preload) and np.isnan(load_[0, at])
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
