@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pytest import approx
 
-from solver.statistics import Statistics
+from solver.statistics import Statistics, apart
 
 
 @given(seed=st.integers(0, 1000), cuts=st.lists(st.integers(0, 200), max_size=5), offset=st.floats(-1e3, 1e3))
@@ -55,3 +55,11 @@ def test_ends_count_and_what_stays_positive_does_not_cross_zero():
     assert high >= power.max() and 0 <= low <= power.min()
     power[7] = np.nan
     assert np.isnan(whole(power[:, None])).all()
+
+
+def test_tables_are_apart_by_their_largest_error_of_either_sign():
+    """Of mean by the rms, of rms and std by themselves; what is faint beside the others counts as zero."""
+    exact = np.array([[3.0, -3.0, 0.6, 1.0, 0.8], [1e-9, -1e-9, 0.0, 1e-9, 1e-9]])
+    for off, error in (([0, 0, -0.05, 0, 0], 0.05), ([0, 0, 0.02, 0, 0.016], 0.02), ([0, 0, 0, 0, -0.08], 0.1)):
+        assert apart(exact + np.array([off, [0.0] * 5]), exact) == approx(error)
+    assert apart(exact + np.array([[0.0] * 5, [0, 0, 0, 1e-9, 0]]), exact) < 1e-5

@@ -193,3 +193,8 @@ def test_nobody_else_reads_the_laws_numbers():
     reading = re.compile(r"\blaw\.\w|pto_damping|quadratic_damping|force_limit")
     readers = {str(p.relative_to(home)) for p in home.rglob("*.py") if reading.search(p.read_text())}
     assert readers == {"multibody/joint_law.py", "scene.py"}
+
+
+def test_what_has_neither_stiffness_nor_damping_has_no_stops():
+    assert LAW.end_stops.lower.tolist() == [-np.inf, -1.0, -np.inf, -np.inf, -2.0]
+    assert LAW.end_stops.upper.tolist() == [np.inf, 2.0, np.inf, np.inf, 3.0]

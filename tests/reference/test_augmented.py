@@ -178,6 +178,24 @@ def test_spinning_body_keeps_its_angular_momentum():
     assert np.abs(R @ np.swapaxes(R, 1, 2) - np.eye(3)).max() < 1e-14
 
 
+def test_a_body_seen_from_beside_its_centre_of_gravity_spins_about_that():
+    """Free in space: the centre of gravity, that is at rest, stays where it is, and the origin goes round it."""
+    turning, cog, place = np.array([0.3, -1.1, 2.0]), np.array([0.3, 0.2, -0.4]), np.array([1.0, 2.0, 3.0])
+    start = (*-np.cross(turning, cog), *turning)
+    body = (Body(mass=2.0, inertia=(1.0, 1.0, 1.0), position=tuple(place), cog=tuple(cog), velocity=start),)
+    run = simulate_mechanism(body, (), None, 3.0, 0.02, gravity=(0, 0, 0))
+    centre = run.position[:, 0] + run.rotation[:, 0] @ cog
+    assert np.abs(centre - (place + cog)).max() < 1e-6
+    assert np.ptp(run.position[:, 0], axis=0).min() > 0.3
+
+
+def test_a_hinge_bears_the_moment_of_what_hangs_beside_it():
+    """A weight 0.7 m along the axis: W up, and 0.7 W about x."""
+    body = (Body(mass=2.0, inertia=LIGHT, position=(0, 0.7, -1.5)),)
+    run = simulate_mechanism(body, (Hinge(first=GROUND, second=0, point=(0, 0, 0)),), None, 0.1, 0.05)
+    assert run.joint_load[-1, 0] == approx(2 * 9.81 * np.array([0, 0, 1, 0.7, 0, 0]), abs=1e-9)
+
+
 def test_hinge_force_of_a_hanging_and_a_swinging_weight():
     """At rest the hinge carries the weight; at the bottom of a 90° swing three times as much."""
     body = (Body(mass=2.0, inertia=LIGHT, position=(0, 0, -1.5)),)

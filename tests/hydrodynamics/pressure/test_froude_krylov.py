@@ -6,6 +6,7 @@ from pytest import approx
 
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature, quadrature_room
+from solver.sea.dispersion import wavenumber
 from solver.sea.field import WaveField
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
@@ -55,6 +56,38 @@ def test_tilted_hull_in_still_water_has_no_sway_and_archimedes_moment():
     # A wedge of waterplane emerges and another submerges: the exact moment is that of the displaced volume.
     fine = load(BUAN, np.zeros(3), 0.3, STILL, azimuths=512, arc=40, line=40)
     assert force == approx(fine, abs=1e-5 * RHO_G)
+    # Pressure on the sphere passes by its centre; on the wall, wet up to tan θ cos φ: π/16 tan³θ cos θ.
+    assert fine[4] == approx(-RHO_G * np.pi / 16 * np.tan(0.3) ** 3 * np.cos(0.3), abs=1e-5 * RHO_G)
+    # A wedge of the hemisphere comes out, one of the cylinder goes in.
+    assert fine[2] == approx(RHO_G * 2 / 3 * (np.pi - 0.3 + np.tan(0.3)), abs=1e-5 * RHO_G)
+
+
+@pytest.mark.parametrize("wheeler", [False, True])
+def test_load_in_waves_is_the_sum_of_every_waves_pressure(wheeler):
+    """Shifted, pitched, in 12 m of water: ρg(head - z) under the surface, wave by wave, on a fine lattice."""
+    depth, t, shift, angle = 12.0, 37.3, np.array([0.3, 0.0, 0.1]), 0.2
+    sea = realize(PiersonMoskowitz(Hs=1.28, Tp=5.46), components=40, band=(0.7, 3.4), seed=1)
+    rows = WaveField(sea, depth, 9.81).local_pressure(CENTRE, 24)
+    field = np.ascontiguousarray((rows * np.exp(-1j * sea.omega * t)).sum(axis=-1).real)
+    got = load(BUAN, shift, angle, field, azimuths=64, arc=24, line=24, wheeler=wheeler, depth=depth)
+
+    k = wavenumber(sea.omega, depth, 9.81)
+    phi = 2 * np.pi * (np.arange(64) + 0.5) / 64
+    psi, up = np.pi / 2 * (np.arange(600) + 0.5) / 600, 0.6 * (np.arange(600) + 0.5) / 600
+    out, down = np.concatenate([np.sin(psi), np.ones(600)]), np.concatenate([-np.cos(psi), up])
+    along = np.concatenate([np.sin(psi) * np.pi / 2 / 600, np.full(600, 0.6 / 600)])  # r ds
+    slope = np.concatenate([-np.cos(psi), np.zeros(600)])  # of the normal, downwards
+    body = np.stack([np.outer(out, np.cos(phi)), np.outer(out, np.sin(phi)), np.outer(down, np.ones(64))], -1)
+    normal = np.stack([np.outer(out, np.cos(phi)), np.outer(out, np.sin(phi)), np.outer(slope, np.ones(64))], -1)
+    lever, normal = body @ pitched(angle).T, normal @ pitched(angle).T
+    x, z = (CENTRE + shift + lever)[..., 0], (shift + lever)[..., 2]
+    arrived = sea.amplitude * np.exp(1j * (k * x[..., None] - sea.omega * t))
+    eta = arrived.sum(-1).real
+    at = ((z - eta) / (1 + eta / depth) if wheeler else z)[..., None]
+    head = (arrived * np.cosh(k * (at + depth)) / np.cosh(k * depth)).sum(-1).real
+    force = -(RHO_G * np.where(z < eta, head - z, 0) * along[:, None] * 2 * np.pi / 64)[..., None] * normal
+    expected = np.concatenate([force.sum(axis=(0, 1)), np.cross(lever, force).sum(axis=(0, 1))])
+    assert got == approx(expected, abs=3e-3 * RHO_G)
 
 
 def test_slope_of_buoyancy_is_the_waterplane():

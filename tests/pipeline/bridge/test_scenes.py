@@ -11,6 +11,7 @@ from pipeline.bridge import scenes
 from pipeline.bridge.geometry import bem_arguments, geometry_of
 from pipeline.report import sketch
 from pipeline.tasks.task import expand
+from solver.errors import InputError, refuse
 from solver.scene import panels_for
 from solver.structure.beam import box, general, i_beam, solid_rectangle, tube, tube_shear_factor
 from tests.pipeline.conftest import SMALL
@@ -154,3 +155,9 @@ def test_floats_without_interaction_have_coefficients_of_their_own(buan_tables, 
     one = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
     buan_tables["solver"]["interaction"] = True
     assert one.key == geometry_of(task(study_of(buan_tables), platform="fixed").parameters).key
+
+
+def test_all_that_the_solver_has_against_a_part_is_told():
+    keys = [f"floats.buoy.{name}" for name in ("mass", "inertia", "cog")]
+    told = scenes.objections(lambda: refuse(InputError(key, -1.0, "must be > 0") for key in keys))
+    assert [error.key for error in told] == keys

@@ -15,7 +15,7 @@ from pipeline.bridge import engine as run
 from pipeline.bridge.loading import load
 from pipeline.cli import actions
 from pipeline.cli.cli import app
-from pipeline.results.status import Status
+from pipeline.results.status import Status, read_status
 from pipeline.results.store import Store
 
 VERBS = (
@@ -98,3 +98,15 @@ def test_no_verb_minds_what_a_status_says(ran, changes, other, verbs):
         file.write_bytes(json.dumps(told).encode() if other is None else other)
     for words in verbs:
         call(*words)
+
+
+TYPES = ('{"state": "done", "bytes": "12"}', '{"state": "done", "wall_time": true}', '{"state": 1}', "[]")
+
+
+@pytest.mark.parametrize("text", ['{"state": "failed"}', *TYPES])
+def test_a_status_of_another_shape_is_that_of_a_missing_task(tmp_path, text):
+    path = tmp_path / "status.json"
+    path.write_text(text)
+    assert read_status(path) == Status()
+    path.write_text('{"state": "done", "bytes": 12}')
+    assert read_status(path).bytes == 12

@@ -54,6 +54,20 @@ def test_a_record_without_status_is_not_done(store, task, monkeypatch):
     assert store.look(task).state == "missing"
 
 
+def test_an_outcome_is_withdrawn_before_another_is_written(store, task, monkeypatch):
+    """A task run again that is killed in between has no outcome, and not the older one beside another record."""
+    store.done(task, b"record", {})
+
+    def crash(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(module.os, "replace", crash)
+        with pytest.raises(KeyboardInterrupt):
+            store.done(task, b"other", {})
+    assert store.look(task).state == "missing" and store.look(task).record.read_bytes() == b"record"
+
+
 def test_done_and_failed(store, task):
     assert store.look(task).state == "missing"
     store.failed(task, ERROR)

@@ -1,5 +1,7 @@
 """Many tasks as numbers are the tasks that the study has."""
 
+from collections import Counter
+
 import pytest
 
 from pipeline.bridge.loading import load
@@ -45,6 +47,10 @@ def test_a_task_is_found_by_the_beginning_of_its_id_if_no_other_begins_so(study)
     assert find(study, [one.id, other.id[:15]]) == {one.id, other.id}
     with pytest.raises(StudyError, match="12 tasks begin so"):
         find(study, [""])
+    first = Counter(task.id[0] for task in study.tasks)
+    shared = next(digit for digit, count in first.items() if 1 < count < 12)
+    with pytest.raises(StudyError, match=f"task = {shared}: {first[shared]} tasks begin so; give more digits"):
+        find(study, [shared])
     with pytest.raises(StudyError, match="task = x: no such task"):
         find(study, ["x"])
 
