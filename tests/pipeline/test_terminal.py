@@ -1,12 +1,14 @@
 """A pass that takes long shows itself on a terminal, and nowhere else."""
 
 import io
+from collections import Counter
 from types import SimpleNamespace
 
 import pytest
 from rich.console import Console
 
 from pipeline import terminal
+from pipeline.cli.console import Tally
 
 
 @pytest.fixture
@@ -37,3 +39,17 @@ def test_elsewhere_a_long_pass_is_quiet(screen, monkeypatch):
     monkeypatch.setattr(terminal, "err", Console(file=screen))
     assert list(terminal.passing(iter(range(640)), 640, "naming tasks")) == list(range(640))
     assert screen.getvalue() == ""
+
+
+@pytest.mark.parametrize(
+    ("states", "code"),
+    [
+        (["done"], 0),
+        (["done", "failed", "missing"], 1),
+        (["missing", "done"], 2),
+        (["damaged", "done"], 2),
+        (["stale"], 0),
+    ],
+)
+def test_the_exit_status_is_that_of_the_worst_task(states, code):
+    assert Tally(counts=Counter(states.split())).code == code

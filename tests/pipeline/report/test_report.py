@@ -47,6 +47,16 @@ def test_selection_units_and_spread(data, tmp_path, selection, mean, low, high):
     assert (mine.mean, mine.low, mine.high) == (mean, low, high)
 
 
+def test_minus_counts_the_other_way_round_and_prefixes_are_thousands(tmp_path):
+    values = np.array([[-3e6, 7e6], [-1e6, 5e6]])
+    stress = xr.Dataset(
+        {"stress": (("seed", "statistic"), values)}, coords={"seed": [0, 1], "statistic": ["min", "max"]}
+    )
+    for statistic, unit, mean in (("-min", "MPa", 2.0), ("max", "MPa", 6.0), ("max", "kPa", 6e3), ("min", "Pa", -2e6)):
+        mine = report.ours(stress, row(tmp_path / "p.csv", f"T,stress,stress,,{statistic},2.0,{unit},"))
+        assert mine.mean == pytest.approx(mean) and mine.low <= mine.mean <= mine.high
+
+
 @pytest.mark.parametrize("selection", ["platform=elastic", "platform=fixed;leg=1", "sea_state=rough"])
 def test_what_is_not_there_is_not_invented(data, tmp_path, selection):
     assert report.ours(data, row(tmp_path / "p.csv", f"T,power,absorbed_power,{selection},,2.0,kW,")) is None

@@ -1,0 +1,36 @@
+"""Variables over the cells of a study: each number where its labels are, in whatever order records have them."""
+
+import numpy as np
+
+from pipeline.results.arrays import Arrays
+from pipeline.results.netcdf import Variable, content
+
+
+def record(floats, values):
+    """Two motions of each float, the float's dimension last."""
+    return {
+        "float": Variable(("float",), np.array(floats, object), {}),
+        "axis": Variable(("axis",), np.array(["heave", "surge"], object), {}),
+        "motion": Variable(("axis", "float"), np.array(values, float), {}),
+    }
+
+
+def test_numbers_stand_where_their_labels_are_whatever_the_order(tmp_path):
+    arrays = Arrays((2,), tmp_path)
+    arrays.add((0,), record(["rear", "front"], [[1, 2], [3, 4]]))
+    arrays.add((1,), record(["front", "aft", "rear"], [[5, 6, 7], [8, 9, 10]]))
+    arrays.sort("float")
+    assert list(arrays.labels["float"]) == ["aft", "front", "rear"] and list(arrays.labels["axis"]) == [
+        "heave",
+        "surge",
+    ]
+    assert arrays.dims["motion"] == ("float", "axis")
+    expected = [[[np.nan] * 2, [2, 4], [1, 3]], [[6, 9], [5, 8], [7, 10]]]
+    np.testing.assert_array_equal(arrays.whole("motion"), expected)
+
+
+def test_content_knows_values_of_the_same_bits_by_their_type():
+    whole, real, other = (Variable(("x",), np.zeros(3, kind), {}) for kind in ("i8", "f8", "f8"))
+    assert content({"a": real}) == content({"a": other}) != content({"a": whole})
+    assert content({"a": real}) != content({"a": real._replace(attrs={"units": "m"})})
+    assert content({"a": real}) != content({"a": real._replace(dims=("y",))})
