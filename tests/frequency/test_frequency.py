@@ -10,7 +10,7 @@ from scipy.integrate import dblquad
 from solver.coupled import linear_drag as drag
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
-from solver.frequency import gaussian
+from solver.frequency import gaussian, response
 from solver.frequency.response import respond
 from solver.run import simulate
 from solver.scene import Settings
@@ -173,6 +173,20 @@ def test_drag_of_the_legs_is_the_marchs(coefficient, least, most):
     assert least < table / exact < most
 
 
+def test_drag_agrees_with_its_own_result(monkeypatch):
+    """Rounds that end early are as exact as they say; changes that each are a third of the last add up to its half."""
+    bare, _ = SCENES["bare_legs"]()
+    system = prepare(linear(bare, method="frequency"), None)
+    soon = respond(system, None)
+    monkeypatch.setattr(response, "AGREED", 1e-13)
+    exact = respond(system, None)
+    std, known = (np.linalg.norm(r.X, axis=0) for r in (soon, exact))
+    assert 3 <= soon.rounds < exact.rounds
+    assert np.all(np.abs(std - known) < 1e-5 * known)
+    assert response._ahead(0.9, 0.3) == approx(0.15)
+    assert response._ahead(0.3, 0.3) == response._ahead(np.inf, 1.0) == np.inf
+
+
 def test_quadratic_damping_of_a_joint_is_the_marchs():
     item, h = SCENES["duck"]()
     item = linear(
@@ -215,8 +229,8 @@ def test_motions_per_wave():
     item, h = SCENES["duck"]()
     record = frequency(item, h, rao=True)
     one = replace(item, sea=regular(height=2.0, period=2 * np.pi / item.sea.omega[20]))
-    response = respond(prepare(linear(one, method="frequency"), h), h)
-    assert record.variables["rao"][1][0, 0, 20] == approx(abs(response.Z[0, 0]))
+    lines = respond(prepare(linear(one, method="frequency"), h), h)
+    assert record.variables["rao"][1][0, 0, 20] == approx(abs(lines.Z[0, 0]))
 
 
 def test_spectra_of_a_linear_march_are_those_of_the_lines():
