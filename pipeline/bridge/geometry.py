@@ -12,7 +12,7 @@ from pipeline.bridge import scenes
 from pipeline.bridge.scenes import hull
 from pipeline.study import seas
 from pipeline.study.attachments import CoefficientFile
-from pipeline.study.schema import Hull, Solver, Water
+from pipeline.study.schema import Hull, Solver, StudyFile, Water
 from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
 from solver.scene import STARTS, Float, is_planar, panels_for
@@ -25,6 +25,16 @@ if TYPE_CHECKING:
 UNLOADED = {name: value for name, value in STARTS.items() if "." not in name}
 MANY = 24  # motions, from which on the memory's fit takes longer than the boundary elements, and far more memory
 BEM_VERSION = 4  # of coefficients, and of the form of their file: raise it when either changes
+
+
+def of_joints(study: StudyFile) -> set[str]:
+    """The axes along which joints' loads alone change: tasks side by side along them share sea and platform."""
+    held = (axis.name for axis in study.varied if all(map(_of_joint, axis.keys)))
+    return {"pto_damping", *held}
+
+
+def _of_joint(path: str) -> bool:
+    return path.startswith("floats.") and path.rpartition(".")[2] in UNLOADED
 
 
 class Body(Table):

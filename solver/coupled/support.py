@@ -158,7 +158,7 @@ def reduce_platform(
             damping=2 * omega[:, None] * inertia * elastic,
             carried=asked.influence.nodal[dof.ravel()],
             drag=of_drag(asked),
-            at_rest=_forces_at_rest(model, at_rest, sea, asked),
+            at_rest=_forces_at_rest(platform, sea, asked),
         )
     return Support(
         dry_omega=_dry_frequencies(model),
@@ -192,10 +192,12 @@ def _places(platform: Platform, sea: Water, outputs: tuple[str, ...]) -> Places:
     return forces.places(dynamic_model(platform, sea)[0], platform.legs, outputs)
 
 
-def _forces_at_rest(model: FrameModel, at_rest: np.ndarray, sea: Water, asked: Places) -> np.ndarray:
+@lru_cache(maxsize=KNOWN)
+def _forces_at_rest(platform: Platform, sea: Water, asked: Places) -> np.ndarray:
     """(ny,) under weight, point loads and buoyancy."""
+    model, at_rest, _ = dynamic_model(platform, sea)
     spread = statics.self_weight(model, sea.gravity) + water.buoyancy(model, sea.density, sea.gravity)
-    return asked.influence.at_rest(asked.wanted, at_rest, static_load(model, sea), spread)
+    return shared(asked.influence.at_rest(asked.wanted, at_rest, static_load(model, sea), spread))
 
 
 def _normal(at: water.Stations) -> np.ndarray:
@@ -206,7 +208,7 @@ def _normal(at: water.Stations) -> np.ndarray:
 @lru_cache(maxsize=2)
 def _flow(at: water.Stations, field: WaveField) -> np.ndarray:
     """Particle velocity normal to the member at each station (ns, 3, n)."""
-    return shared(_normal(at) @ field.velocity(at.position))
+    return shared((_normal(at) @ field.velocity(at.position).view(float)).view(complex))
 
 
 def _inertia_rows(platform: Platform, at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
@@ -312,7 +314,7 @@ def _drag(
     """
     at = water.stations(model, points, DRAG * field.mean_length)
     normal = _normal(at)
-    shape, rows = normal @ at.project(shapes), normal @ field.velocity(at.position)
+    shape, rows = normal @ at.project(shapes), _flow(at, field)
     drag = _drag_size(at, sea)
     y = at.position[:, 1]
     if planar:

@@ -60,8 +60,11 @@ class WaveField:
         image = np.zeros_like(rise) if np.isinf(self.depth) else np.exp(-self.k * (z[:, None] + 2 * self.depth))
         scale = 0.0 if np.isinf(self.depth) else np.exp(-2 * self.k * self.depth)
         common = self.sea.omega * self._phase(points) / (1 - scale)
-        along, up = common * (rise + image)[place], -1j * common * (rise - image)[place]
-        return self.direction[:, None] * along[..., None, :] + np.array([0, 0, 1.0])[:, None] * up[..., None, :]
+        along = common * (rise + image)[place]
+        velocity = np.empty((*place.shape, 3, self.k.size), complex)
+        velocity[..., :2, :] = self.direction[:2, None] * along[..., None, :]
+        velocity[..., 2, :] = -1j * common * (rise - image)[place]
+        return velocity
 
     def acceleration(self, points: ArrayLike) -> np.ndarray:
         """∂u/∂t [m/s²]: rows (…, 3, n)."""
