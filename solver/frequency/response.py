@@ -9,6 +9,7 @@ from solver.coupled.linear import LinearModel, impedance, linear_model, wave_for
 from solver.coupled.modal import Structure
 from solver.coupled.system import System
 from solver.errors import SimulationFailed
+from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 
@@ -82,7 +83,7 @@ def _agreed(
     stations, height = _Stations(frame, water), float(np.abs(system.scene.sea.amplitude).sum())
     quadratic, bent = joint_law.drag(law)[nc:], joint_law.bent(law).any()
     at_rest = pto = joint_law.damping_of_gaussian(law, np.zeros(system.bodies.mechanism.size))[nc:]
-    Z, w = model.dynamic_stiffness(omega, Y), omega[:, None, None]
+    equation: Condensed | None = None
     rate = np.zeros((omega.size, len(model.mass)), complex)
     std, change = np.zeros(len(model.mass)), np.inf
     for rounds in range(1, ROUNDS + 1):
@@ -97,11 +98,8 @@ def _agreed(
         if bent:
             pto = _taking(system, rate[:, nm:])
             damping[nm:, nm:] += np.diag(pto - at_rest)
-        damped = Z
-        if damping.any():
-            damped = Z.copy()
-            damped.imag -= w * damping
-        X = _solved(damped, push)
+        equation = equation or Condensed(model, omega, Y, damping[:nm, :nm])
+        X = equation.response(push, damping, rate)
         _require_bounded(model, omega, X, height)
         rate, before, std = -1j * omega[:, None] * X, std, np.linalg.norm(X, axis=0)
         last, change = change, _change(before, std)
@@ -170,14 +168,6 @@ def _taking(system: System, rate: np.ndarray) -> np.ndarray:
         return joint_law.damping_of_harmonic(law, size)[nc:]
     size[nc:] = np.sqrt(0.5 * np.sum(np.abs(rate) ** 2, axis=0))
     return joint_law.damping_of_gaussian(law, size)[nc:]
-
-
-def _solved(Z: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """X (nw, n); not a number where Z is singular."""
-    try:
-        return np.linalg.solve(Z, force[..., None])[..., 0]
-    except np.linalg.LinAlgError:  # which does not say where
-        return np.full(force.shape, np.nan, complex)
 
 
 def _require_bounded(model: LinearModel, omega: np.ndarray, X: np.ndarray, height: float) -> None:
