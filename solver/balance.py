@@ -93,7 +93,8 @@ def _passed_on(item: Float, water: Water, floats: Sequence[Float]) -> tuple[floa
 
 def _moment(lever: np.ndarray, force: float) -> np.ndarray:
     """Of a vertical force (3,) [N m]."""
-    return np.cross(lever, (0.0, 0.0, force))
+    x, y, _ = lever
+    return np.array([y * force, -x * force, 0.0])
 
 
 def _work(item: Float, name: str, point: np.ndarray, force: float) -> float:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pipeline import environment
-from pipeline.bridge.geometry import Geometry, bem_problem, geometry_of, given_hydrodynamics
+from pipeline.bridge.geometry import Geometry, bem_problem, geometry_of, given_hydrodynamics, require_solvable
 from pipeline.bridge.scenes import hull
 from pipeline.tasks.task import Parameters
 from solver.errors import SimulationFailed
@@ -138,7 +138,7 @@ def judge(parameters: Parameters) -> Sequence[str]:
         if scene.sea.amplitude.any():
             require_covered(known, geometry.coefficients.name, scene.sea.omega.min(), scene.sea.omega.max())
     elif geometry:
-        bem_problem([geometry])
+        require_solvable(geometry)
     return warnings(scene)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,17 +12,29 @@ from pipeline.bridge import scenes
 from pipeline.bridge.scenes import hull
 from pipeline.study import seas
 from pipeline.study.attachments import CoefficientFile
-from pipeline.study.schema import Hull, Solver, Water
+from pipeline.study.schema import Hull, Solver, StudyFile, Water
 from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
-from solver.scene import Float, is_planar, panels_for
+from solver.scene import STARTS, Float, is_planar, panels_for
 
 if TYPE_CHECKING:
     from solver.hydrodynamics.bem.bem import Problem
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 
+# What a joint's loads are where nothing is said: coefficients do not depend on them.
+UNLOADED = {name: value for name, value in STARTS.items() if "." not in name}
 MANY = 24  # motions, from which on the memory's fit takes longer than the boundary elements, and far more memory
 BEM_VERSION = 4  # of coefficients, and of the form of their file: raise it when either changes
+
+
+def of_joints(study: StudyFile) -> set[str]:
+    """The axes along which joints' loads alone change: tasks side by side along them share sea and platform."""
+    held = (axis.name for axis in study.varied if all(map(_of_joint, axis.keys)))
+    return {"pto_damping", *held}
+
+
+def _of_joint(path: str) -> bool:
+    return path.startswith("floats.") and path.rpartition(".")[2] in UNLOADED
 
 
 class Body(Table):
@@ -63,7 +76,9 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     """What the boundary element method must solve for a task; None without floats."""
     if not parameters.floats:
         return None
-    floats = scenes.floats(parameters)
+    # Tasks that differ in their power take-offs alone share these floats.
+    bare = tuple(f.model_copy(update=UNLOADED) for f in parameters.floats)
+    floats = scenes.floats(parameters.model_copy(update={"floats": bare}))
     centres = [tuple(map(float, item.centre)) for item in floats]
     planar = is_planar(floats, parameters.waves.heading)
     place = {
@@ -140,6 +155,12 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "planar": geometry.planar,
         **how,
     }
+
+
+@lru_cache(maxsize=64)
+def require_solvable(geometry: Geometry) -> None:
+    """Refuse, with InputError, what boundary elements do not solve."""
+    bem_problem([geometry])
 
 
 def bem_problem(geometries: Sequence[Geometry]) -> Problem:

@@ -45,7 +45,9 @@ def to_bytes(variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> byt
     for key, value in attrs.items():
         setattr(file, key, _attribute(value))
     file.flush()
-    return buffer.getvalue()
+    data = buffer.getvalue()
+    buffer.close()  # or else the file is written once more when it is thrown away
+    return data
 
 
 def _classic(variable: Variable) -> Variable:

@@ -12,7 +12,7 @@ from typing import Any
 from pipeline import environment
 from pipeline.bridge.cache import Cache
 from pipeline.bridge.engine import Engine, Failure, Outcome, attempt_coefficients, attempt_share, attempt_tasks
-from pipeline.bridge.geometry import Geometry, geometry_of
+from pipeline.bridge.geometry import Geometry, geometry_of, of_joints
 from pipeline.results.store import UNFINISHED, Store
 from pipeline.running import schedule
 from pipeline.running.batches import AHEAD, Batch, Batches
@@ -116,7 +116,8 @@ class _Run:
         """Coefficients that are not known go first; tasks that need none of those are ready."""
         cache, none = Cache(self.campaign.results), tasks.where(lambda _: False)
         groups = dict.fromkeys(broken, none) | tasks.split(lambda task: geometry_of(task.parameters))
-        for geometry, members in groups.items():
+        for geometry, some in groups.items():
+            members = some.fastest(of_joints(tasks.study))
             if geometry is None:
                 self.batches.add(members, None)
             elif (data := cache.get(geometry.key)) is not None:

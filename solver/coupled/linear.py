@@ -42,11 +42,11 @@ class LinearModel:
 
     def dynamic_stiffness(self, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
         """-ω²M - iω(D + EᵀY(ω)E) + C (nw, n, n) for radiation impedance Y (nw, na, na)."""
-        L, (nz, n), nm = self._of_floats(omega, Y), self.shape.shape, self.modes.shape[1]
+        L, (nz, n), nm = self.of_floats(omega, Y), self.shape.shape, self.modes.shape[1]
         nw = len(omega)
         half = (L.reshape(nw * nz, nz) @ self.shape).reshape(nw, nz, n).transpose(0, 2, 1)
         Z = (half.reshape(nw * n, nz) @ self.shape).reshape(nw, n, n).transpose(0, 2, 1)
-        Z[:, range(nm), range(nm)] += self._of_modes(omega)
+        Z[:, range(nm), range(nm)] += self.of_modes(omega)
         return Z
 
     def response(self, omega: np.ndarray, Y: np.ndarray, force: np.ndarray) -> np.ndarray:
@@ -58,7 +58,7 @@ class LinearModel:
         (nz, n), nm = self.shape.shape, self.modes.shape[1]
         if not (nm and np.all(self.modes[1] > 0)):
             return np.linalg.solve(self.dynamic_stiffness(omega, Y), force[..., None])[..., 0]
-        nc, d, L = nz - (n - nm), self._of_modes(omega), self._of_floats(omega, Y)
+        nc, d, L = nz - (n - nm), self.of_modes(omega), self.of_floats(omega, Y)
         S, system = self.shape[: nz - (n - nm), :nm], L.copy()
         flexibility = ((1 / d) @ (S[:, None] * S).reshape(nc * nc, nm).T).reshape(len(omega), nc, nc)
         system[:, :nc] = flexibility @ L[:, :nc]
@@ -68,12 +68,12 @@ class LinearModel:
         p = (force[:, :nm] - (L[:, :nc] @ z)[..., 0] @ S) / d
         return np.concatenate([p, z[:, nc:, 0]], axis=1)
 
-    def _of_modes(self, omega: np.ndarray) -> np.ndarray:
+    def of_modes(self, omega: np.ndarray) -> np.ndarray:
         """ω_m² - 2iζω_mω - ω² (nw, nm)."""
         w = omega[:, None]
         return self.modes[0] - 1j * w * self.modes[1] - w**2 * self.modes[2]
 
-    def _of_floats(self, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    def of_floats(self, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
         """Load against z for unit z (nw, nz, nz)."""
         w, (K, D, M) = omega[:, None, None], self.floats
         return K - w**2 * M - 1j * w * (D + self.radiating.T @ Y @ self.radiating)

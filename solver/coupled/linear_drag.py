@@ -42,13 +42,17 @@ def of_harmonic(U: np.ndarray) -> np.ndarray:
 
 def of_lines(u: np.ndarray) -> np.ndarray:
     """K (n, d, d) of velocities of lines (nw, d, n): of one harmonic, or of a Gaussian process."""
-    if len(u) == 1:
-        return of_harmonic(u[0].T)
-    parts = np.concatenate([u.real, u.imag])
+    return of_parts(np.concatenate([u.real, u.imag]))
+
+
+def of_parts(u: np.ndarray) -> np.ndarray:
+    """The same of lines as their real parts above their imaginary ones (2 nw, d, n)."""
+    if len(u) == 2:
+        return of_harmonic((u[0] + 1j * u[1]).T)
     d, n = u.shape[1:]
     S = np.empty((n, d, d))
     for i, j in np.ndindex(d, d):
-        S[:, i, j] = 0.5 * np.sum(parts[:, i] * parts[:, j], axis=0)
+        S[:, i, j] = S[:, j, i] if j < i else 0.5 * np.einsum("ws,ws->s", u[:, i], u[:, j])
     return of_gaussian(S)
 
 

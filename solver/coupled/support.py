@@ -17,11 +17,12 @@ from scipy import linalg, sparse
 from solver.coupled import forces
 from solver.coupled.forces import Forces, Places
 from solver.errors import InputError
+from solver.keys import shared
 from solver.scene import Platform, Water
 from solver.sea.field import WaveField
 from solver.structure import legs, statics, water
 from solver.structure import modes as natural
-from solver.structure.frame_model import FrameModel, assemble
+from solver.structure.frame_model import FrameModel, assemble, sparse_sum
 from solver.structure.legs import Legs
 
 PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
@@ -135,7 +136,6 @@ def reduce_platform(
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
-    # Once a task, so the exact rule costs nothing.
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
     inertia_rows = _inertia_rows(platform, at, field, sea)
     nodal = _nodal_load(model, at, inertia_rows)
@@ -158,7 +158,7 @@ def reduce_platform(
             damping=2 * omega[:, None] * inertia * elastic,
             carried=asked.influence.nodal[dof.ravel()],
             drag=of_drag(asked),
-            at_rest=_forces_at_rest(model, at_rest, sea, asked),
+            at_rest=_forces_at_rest(platform, sea, asked),
         )
     return Support(
         dry_omega=_dry_frequencies(model),
@@ -192,10 +192,12 @@ def _places(platform: Platform, sea: Water, outputs: tuple[str, ...]) -> Places:
     return forces.places(dynamic_model(platform, sea)[0], platform.legs, outputs)
 
 
-def _forces_at_rest(model: FrameModel, at_rest: np.ndarray, sea: Water, asked: Places) -> np.ndarray:
+@lru_cache(maxsize=KNOWN)
+def _forces_at_rest(platform: Platform, sea: Water, asked: Places) -> np.ndarray:
     """(ny,) under weight, point loads and buoyancy."""
+    model, at_rest, _ = dynamic_model(platform, sea)
     spread = statics.self_weight(model, sea.gravity) + water.buoyancy(model, sea.density, sea.gravity)
-    return asked.influence.at_rest(asked.wanted, at_rest, static_load(model, sea), spread)
+    return shared(asked.influence.at_rest(asked.wanted, at_rest, static_load(model, sea), spread))
 
 
 def _normal(at: water.Stations) -> np.ndarray:
@@ -203,11 +205,17 @@ def _normal(at: water.Stations) -> np.ndarray:
     return np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
 
 
+@lru_cache(maxsize=2)
+def _flow(at: water.Stations, field: WaveField) -> np.ndarray:
+    """Particle velocity normal to the member at each station (ns, 3, n)."""
+    return shared((_normal(at) @ field.velocity(at.position).view(float)).view(complex))
+
+
 def _inertia_rows(platform: Platform, at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
     """Wave inertia load on each station [N]: C_M ρ πD²/4 w (I - ttᵀ) du/dt, (ns, 3, n)."""
     coefficient = at.inertia - (1 if platform.wave_inertia == "relative" else 0)
     size = coefficient * sea.density * np.pi / 4 * at.diameter**2 * at.weight
-    return size[:, None, None] * (_normal(at) @ field.acceleration(at.position))
+    return -1j * field.sea.omega * size[:, None, None] * _flow(at, field)
 
 
 def _drag_size(at: water.Stations, sea: Water) -> np.ndarray:
@@ -217,16 +225,24 @@ def _drag_size(at: water.Stations, sea: Water) -> np.ndarray:
 
 def _drag_rows(at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
     """Drag of the water alone on each station [N], linearised by its own std: ½ρ C_D D w √(8/π) σ u, (ns, 3, n)."""
-    velocity = _normal(at) @ field.velocity(at.position)
+    velocity = _flow(at, field)
     std = np.sqrt(0.5 * np.sum(np.abs(velocity) ** 2, axis=(1, 2)))
     return (np.sqrt(8 / np.pi) * _drag_size(at, sea) * std)[:, None, None] * velocity
 
 
 def _nodal_load(model: FrameModel, at: water.Stations, rows: np.ndarray) -> np.ndarray:
     """Nodal loads (6n, n) of point loads (ns, 3, n) at the stations."""
-    load = (at.shape.transpose(0, 2, 1) @ rows).reshape(at.dofs.size, rows.shape[2])
-    places = at.dofs.ravel(), np.arange(at.dofs.size)
-    return sparse.csr_array((np.ones(at.dofs.size), places), shape=(6 * len(model.xyz), at.dofs.size)) @ load
+    parts = np.ascontiguousarray(rows).reshape(3 * len(rows), rows.shape[2]).view(float)
+    return (_onto_nodes(model, at) @ parts).view(complex)
+
+
+@lru_cache(maxsize=KNOWN)
+def _onto_nodes(model: FrameModel, at: water.Stations) -> sparse.csr_array:
+    """Nodal loads of unit point loads at the stations, sparse (6n, 3 ns)."""
+    columns = np.arange(3 * len(at.dofs)).reshape(-1, 3)
+    spread = sparse_sum(at.shape.transpose(0, 2, 1), at.dofs, columns, (6 * len(model.xyz), columns.size))
+    spread.eliminate_zeros()
+    return spread
 
 
 def _basis(
@@ -240,11 +256,7 @@ def _basis(
     """Ritz frequencies and shapes (6n, nm), mass-normalised with M."""
     unit = np.zeros((len(nodal), hinge_dof.size))
     unit[hinge_dof, np.arange(hinge_dof.size)] = 1.0
-    patterns = np.concatenate([nodal.real, nodal.imag], axis=1)
-    # Principal shapes by the small Gram matrix, whose rounding is far below PATTERN².
-    squares, right = linalg.eigh(patterns.T @ patterns)
-    large = squares > PATTERN**2 * squares[-1]
-    load = np.concatenate([unit, patterns @ (right[:, large] / np.sqrt(squares[large]))], axis=1)
+    load = np.concatenate([unit, _principal(np.concatenate([nodal.real, nodal.imag], axis=1))], axis=1)
     # Only what the kept modes lack: without this the large common part would hide the rest.
     whole, rest = statics.static(model, load), natural.static_remainder(model, kept, load)
     if symmetric is not None:
@@ -257,6 +269,21 @@ def _basis(
     basis = np.concatenate([kept.shapes, rest @ (vector[:, used] / np.sqrt(value[used]))], axis=1)
     omega, mix = natural.lowest(basis.T @ (model.K @ basis), basis.T @ (M @ basis))
     return omega, basis @ mix
+
+
+def _principal(patterns: np.ndarray) -> np.ndarray:
+    """Orthonormal shapes (6n, r) of loads (6n, m), without what is less than PATTERN of the largest.
+
+    By the smaller Gram matrix, whose rounding is far below PATTERN²; most rows are of dry nodes or have no load.
+    """
+    loaded = patterns.any(axis=1)
+    rows = patterns[loaded]
+    few = len(rows) < rows.shape[1]
+    squares, vectors = linalg.eigh(rows @ rows.T if few else rows.T @ rows)
+    large = squares > PATTERN**2 * squares.max(initial=0.0)
+    principal = np.zeros((len(patterns), np.sum(large)))
+    principal[loaded] = vectors[:, large] if few else rows @ (vectors[:, large] / np.sqrt(squares[large]))
+    return principal
 
 
 def _tops(model: FrameModel, names: Iterable[str]) -> np.ndarray:
@@ -287,7 +314,7 @@ def _drag(
     """
     at = water.stations(model, points, DRAG * field.mean_length)
     normal = _normal(at)
-    shape, rows = normal @ at.project(shapes), normal @ field.velocity(at.position)
+    shape, rows = normal @ at.project(shapes), _flow(at, field)
     drag = _drag_size(at, sea)
     y = at.position[:, 1]
     if planar:

@@ -9,11 +9,13 @@ from solver.coupled.linear import LinearModel, impedance, linear_model, wave_for
 from solver.coupled.modal import Structure
 from solver.coupled.system import System
 from solver.errors import SimulationFailed
+from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 
-AGREED = 1e-4  # change of any coordinate's std, relative to itself, at which the drag is that of its own result
-ROUNDS = 100
+AGREED = 1e-5  # error of any coordinate's std, relative to itself, at which the drag is that of its own result
+ROUNDING = 1e-12  # change of a std that tells no more of how the next will be
+ROUNDS = 300
 UNBOUNDED = 1e6  # times the sum of the waves' amplitudes: no damping holds what moves as far
 
 
@@ -81,9 +83,9 @@ def _agreed(
     stations, height = _Stations(frame, water), float(np.abs(system.scene.sea.amplitude).sum())
     quadratic, bent = joint_law.drag(law)[nc:], joint_law.bent(law).any()
     at_rest = pto = joint_law.damping_of_gaussian(law, np.zeros(system.bodies.mechanism.size))[nc:]
-    Z, w = model.dynamic_stiffness(omega, Y), omega[:, None, None]
+    equation: Condensed | None = None
     rate = np.zeros((omega.size, len(model.mass)), complex)
-    std = np.zeros(len(model.mass))
+    std, change = np.zeros(len(model.mass)), np.inf
     for rounds in range(1, ROUNDS + 1):
         damping, push = np.zeros(model.damping.shape), force  # damping by drag
         if stations.size:
@@ -96,17 +98,29 @@ def _agreed(
         if bent:
             pto = _taking(system, rate[:, nm:])
             damping[nm:, nm:] += np.diag(pto - at_rest)
-        damped = Z
-        if damping.any():
-            damped = Z.copy()
-            damped.imag -= w * damping
-        X = _solved(damped, push)
+        equation = equation or Condensed(model, omega, Y, damping[:nm, :nm])
+        X = equation.response(push, damping, rate)
         _require_bounded(model, omega, X, height)
-        rate, before, std = -1j * omega[:, None] * X, std, np.sqrt(np.sum(np.abs(X) ** 2, axis=0))
-        if not (stations.size or quadratic.any() or bent) or np.all(np.abs(std - before) <= AGREED * std):
+        rate, before, std = -1j * omega[:, None] * X, std, np.linalg.norm(X, axis=0)
+        last, change = change, _change(before, std)
+        if not (stations.size or quadratic.any() or bent) or _ahead(last, change) <= AGREED:
             return X, stations.load(K, rate[:, :nm]) if stations.size else stations.none, pto, rounds
     what = "drag or power take-off" if bent else "drag"
     raise SimulationFailed(f"linearised {what} does not agree with its own result after {ROUNDS} rounds")
+
+
+def _change(before: np.ndarray, std: np.ndarray) -> float:
+    """The largest, relative to itself; infinite from nothing."""
+    new = np.full(std.shape, np.inf)
+    new[std == before] = 0.0
+    return float(np.divide(np.abs(std - before), std, out=new, where=(std != before) & (before > 0)).max(initial=0.0))
+
+
+def _ahead(last: float, change: float) -> float:
+    """All changes to come, where each is the same share of the one before as this one is of the last."""
+    if change <= ROUNDING:
+        return change
+    return change**2 / (last - change) if change < last < np.inf else np.inf
 
 
 class _Stations:
@@ -129,9 +143,7 @@ class _Stations:
 
     def equivalent(self, rate: np.ndarray) -> np.ndarray:
         """K (ns, nd, nd) [N s/m] at modal rates (nw, nm)."""
-        flow = self._flow(rate)
-        half = len(flow) // 2
-        return linear_drag.of_lines(flow[:half] + 1j * flow[half:]) * self.frame.drag[:, None, None]
+        return linear_drag.of_parts(self._flow(rate)) * self.frame.drag[:, None, None]
 
     def on_modes(self, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Damping (nm, nm) of the modes, and the water's force on them (nw, nm)."""
@@ -156,14 +168,6 @@ def _taking(system: System, rate: np.ndarray) -> np.ndarray:
         return joint_law.damping_of_harmonic(law, size)[nc:]
     size[nc:] = np.sqrt(0.5 * np.sum(np.abs(rate) ** 2, axis=0))
     return joint_law.damping_of_gaussian(law, size)[nc:]
-
-
-def _solved(Z: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """X (nw, n); not a number where Z is singular."""
-    try:
-        return np.linalg.solve(Z, force[..., None])[..., 0]
-    except np.linalg.LinAlgError:  # which does not say where
-        return np.full(force.shape, np.nan, complex)
 
 
 def _require_bounded(model: LinearModel, omega: np.ndarray, X: np.ndarray, height: float) -> None:

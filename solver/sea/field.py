@@ -43,8 +43,8 @@ class WaveField:
         return np.array([np.cos(self.sea.heading), np.sin(self.sea.heading), 0.0])
 
     def _phase(self, points: ArrayLike) -> np.ndarray:
-        s = np.asarray(points, float) @ self.direction
-        return self.sea.amplitude * np.exp(1j * self.k * s[..., None])
+        s, place = np.unique(np.asarray(points, float) @ self.direction, return_inverse=True)
+        return (self.sea.amplitude * np.exp(1j * self.k * s[:, None]))[place]
 
     def elevation(self, points: ArrayLike) -> np.ndarray:
         """η [m]: rows (…, n)."""
@@ -55,13 +55,16 @@ class WaveField:
 
         along the heading: ω cosh k(z+h)/sinh kh, upward: -iω sinh k(z+h)/sinh kh.
         """
-        z = np.asarray(points, float)[..., 2, None]
-        rise = np.exp(self.k * z)
-        image = np.zeros_like(rise) if np.isinf(self.depth) else np.exp(-self.k * (z + 2 * self.depth))
+        z, place = np.unique(np.asarray(points, float)[..., 2], return_inverse=True)
+        rise = np.exp(self.k * z[:, None])
+        image = np.zeros_like(rise) if np.isinf(self.depth) else np.exp(-self.k * (z[:, None] + 2 * self.depth))
         scale = 0.0 if np.isinf(self.depth) else np.exp(-2 * self.k * self.depth)
         common = self.sea.omega * self._phase(points) / (1 - scale)
-        along, up = common * (rise + image), -1j * common * (rise - image)
-        return self.direction[:, None] * along[..., None, :] + np.array([0, 0, 1.0])[:, None] * up[..., None, :]
+        along = common * (rise + image)[place]
+        velocity = np.empty((*place.shape, 3, self.k.size), complex)
+        velocity[..., :2, :] = self.direction[:2, None] * along[..., None, :]
+        velocity[..., 2, :] = -1j * common * (rise - image)[place]
+        return velocity
 
     def acceleration(self, points: ArrayLike) -> np.ndarray:
         """∂u/∂t [m/s²]: rows (…, 3, n)."""

@@ -9,10 +9,12 @@ springs of a foundation give -k d of that same d.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import sparse
 
+from solver.keys import shared
 from solver.structure import beam, recovery, statics, water
 from solver.structure.frame_model import FrameModel, scatter
 
@@ -39,18 +41,13 @@ class Influence:
 
     def of_points(self, at: water.Stations) -> np.ndarray:
         """Of unit point loads at the stations, (ns, 3, ny)."""
-        out = np.empty((len(at.element), 3, self.element.size))
-        size = max(1, SLAB // max(1, 12 * self.element.size))
-        for part in (slice(i, i + size) for i in range(0, len(out), size)):
-            own = at.element[part, None, None] == self.element
-            out[part] = at.shape[part] @ (self.nodal[at.dofs[part]] + np.where(own, self.within.T, 0.0))
-        return out
+        return _of_points(self, at)
 
     def of_inertia(self, M: sparse.csr_array, density: float, shapes: np.ndarray) -> np.ndarray:
         """Of unit accelerations along shapes (6n, nm) of mass M, the water's included, (nm, ny): that of - M d̈."""
         out = (M @ shapes).T @ self.nodal
         elements, place = np.unique(self.element[self.element >= 0], return_inverse=True)
-        own = element_masses(self.model, density, elements) @ shapes[self.model.dofs[elements]]
+        own = element_masses(self.model, density, tuple(elements.tolist())) @ shapes[self.model.dofs[elements]]
         out[:, self.element >= 0] += np.einsum("ya,yam->my", self.within[self.element >= 0], own[place])
         return -out
 
@@ -93,11 +90,23 @@ def influence(model: FrameModel, wanted: Wanted) -> Influence:
     )
 
 
-def element_masses(model: FrameModel, density: float, elements: np.ndarray) -> np.ndarray:
+@lru_cache(maxsize=8)
+def _of_points(influence: Influence, at: water.Stations) -> np.ndarray:
+    """See there; seas that share their stations share it."""
+    out = np.empty((len(at.element), 3, influence.element.size))
+    size = max(1, SLAB // max(1, 12 * influence.element.size))
+    for part in (slice(i, i + size) for i in range(0, len(out), size)):
+        own = at.element[part, None, None] == influence.element
+        out[part] = at.shape[part] @ (influence.nodal[at.dofs[part]] + np.where(own, influence.within.T, 0.0))
+    return shared(out)
+
+
+@lru_cache(maxsize=8)
+def element_masses(model: FrameModel, density: float, elements: tuple[int, ...]) -> np.ndarray:
     """Mass of some elements with the water's (k, 12, 12), global axes [kg, kg m, kg m2]."""
     steel = []
     for e in elements:
         member, T = model.member_of(e), model.transform[e]
         local = beam.mass(member.material.density, member.section, model.length[e], model.shear[e])
         steel.append(T.T @ model.released(e, local, both=True) @ T)
-    return water.element_masses(model, density, elements) + np.reshape(steel, (-1, 12, 12))
+    return shared(water.element_masses(model, density, np.array(elements, int)) + np.reshape(steel, (-1, 12, 12)))

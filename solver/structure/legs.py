@@ -206,8 +206,8 @@ def _alike(legs: list[_Leg]) -> tuple[list[_Leg], np.ndarray, np.ndarray]:
         for place, other in enumerate(distinct):
             if not _same_make(leg, other):
                 continue
-            same = np.allclose(leg.displacement, other.displacement, rtol=0, atol=close)
-            if same or np.allclose(leg.displacement, other.displacement * MIRROR[:, None], rtol=0, atol=close):
+            same = _within(leg.displacement, other.displacement, close)
+            if same or _within(leg.displacement, other.displacement * MIRROR[:, None], close):
                 twin[i], mirrored[i] = place, not same
                 break
         else:
@@ -221,7 +221,11 @@ def _same_make(leg: _Leg, other: _Leg) -> bool:
     if leg.height.size != other.height.size:
         return False
     sizes = ((one.height, np.abs(one.fibre), _stress(one.static)) for one in (leg, other))
-    return all(np.allclose(a, b, rtol=0, atol=SAME_STRESS * np.abs(b).max()) for a, b in zip(*sizes, strict=True))
+    return all(_within(a, b, SAME_STRESS * np.abs(b).max()) for a, b in zip(*sizes, strict=True))
+
+
+def _within(a: np.ndarray, b: np.ndarray, allowed: float) -> bool:
+    return bool(np.abs(a - b).max(initial=0.0) <= allowed)
 
 
 def _stress(fibre: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import linalg, sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from solver.structure import beam
 from solver.structure.frame_model import FrameModel, on_nodes, scatter
@@ -47,9 +47,14 @@ def static(model: FrameModel, load: np.ndarray) -> np.ndarray:
     Load and answer are (6n,), or (6n, nl) for several loads. K without its clamped rows and columns: eq. 15 at rest.
     """
     displacement = np.zeros(np.shape(load))
-    K = model.K[model.free][:, model.free].tocsc()
-    displacement[model.free] = splu(K).solve(load[model.free])
+    displacement[model.free] = _factors(model).solve(load[model.free])
     return displacement
+
+
+@lru_cache(maxsize=8)
+def _factors(model: FrameModel) -> SuperLU:
+    """K without its clamped rows and columns."""
+    return splu(model.K[model.free][:, model.free].tocsc())
 
 
 def axial_force(model: FrameModel, displacement: np.ndarray) -> np.ndarray:

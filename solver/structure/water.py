@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import sparse
 
 from solver.errors import InputError
@@ -56,7 +57,6 @@ class Stations:
         return vector
 
 
-@lru_cache(maxsize=8)
 def stations(model: FrameModel, points: int, longest: float = np.inf) -> Stations:
     """Gauss points, `points` on each piece of a wetted element: exact to order 2 points - 1.
 
@@ -64,19 +64,34 @@ def stations(model: FrameModel, points: int, longest: float = np.inf) -> Station
     """
     if points < 1:
         raise InputError("stations.points", points, "must be >= 1")
-    return _stations(model, points, longest, np.array([member.in_water for member in model.frame.members]))
+    wet, span = _wet(model, np.array([member.in_water for member in model.frame.members]))
+    pieces = np.ceil(np.diff(span)[:, 0] * model.length[wet] / longest).astype(int).clip(min=1)
+    return _pieces(model, points, tuple(pieces.tolist()))
 
 
-def _stations(model: FrameModel, points: int, longest: float, members: np.ndarray) -> Stations:
-    """On those of the members (mask)."""
-    node, gauss = np.polynomial.legendre.leggauss(points)
+@lru_cache(maxsize=8)
+def _pieces(model: FrameModel, points: int, pieces: tuple[int, ...]) -> Stations:
+    """In so many pieces of each wetted element; seas whose shortest waves are nearly the same share them."""
+    return _stations(model, points, pieces, np.array([member.in_water for member in model.frame.members]))
+
+
+def _wet(model: FrameModel, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The wetted elements (n,) of some of the members (mask), and what is wet of each (n, 2)."""
     span = wetted_span(model)
     wet = np.flatnonzero(members[model.member] & (span[:, 1] > span[:, 0]))
-    pieces = np.ceil(np.diff(span[wet])[:, 0] * model.length[wet] / longest).astype(int).clip(min=1)
+    return wet, span[wet]
+
+
+def _stations(model: FrameModel, points: int, pieces: ArrayLike, members: np.ndarray) -> Stations:
+    """On those of the members (mask), in so many pieces of each wetted element."""
+    node, gauss = np.polynomial.legendre.leggauss(points)
+    wet, span = _wet(model, members)
+    pieces = np.broadcast_to(np.asarray(pieces, int), wet.shape)
     part = np.concatenate([np.zeros(0), *(np.arange(n) for n in pieces)])
-    wet, size = np.repeat(wet, pieces), np.repeat(np.diff(span[wet]) / pieces[:, None], pieces, axis=0)
+    start, size = span[:, :1].repeat(pieces, axis=0), np.repeat(np.diff(span) / pieces[:, None], pieces, axis=0)
+    wet = np.repeat(wet, pieces)
     element = np.repeat(wet, points)
-    s = (span[wet, :1] + size * (part[:, None] + (node + 1) / 2)).ravel()
+    s = (start + size * (part[:, None] + (node + 1) / 2)).ravel()
     start, end = model.ends[element].transpose(1, 0, 2)
     owner = [model.member_of(e) for e in element.tolist()]
     return Stations(
@@ -120,7 +135,7 @@ def element_masses(model: FrameModel, density: float, elements: np.ndarray) -> n
 
 
 def _inner(model: FrameModel, density: float) -> tuple[Stations, np.ndarray]:
-    at = _stations(model, EXACT, np.inf, np.array([bool(member.flooded) for member in model.frame.members]))
+    at = _stations(model, EXACT, 1, np.array([bool(member.flooded) for member in model.frame.members]))
     hollow = np.array([model.member_of(e).section.hollow for e in at.element.tolist()])
     return at, _normal_matrices(at, density * hollow)
 

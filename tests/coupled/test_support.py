@@ -47,6 +47,18 @@ def drag_force(waves, at):
     return 0.5 * OCEAN.density * at.drag * at.diameter * at.weight * np.abs(u) * u
 
 
+@pytest.mark.parametrize("loads", [4, 30])
+def test_principal_loads_are_the_singular_vectors_of_many_and_of_few(loads):
+    random = np.random.default_rng(1)
+    patterns = np.zeros((18, loads))
+    patterns[[1, 2, 5, 9, 10, 11, 17]] = random.normal(size=(7, 3)) @ random.normal(size=(3, loads))
+    patterns[[1, 2, 5, 9, 10, 11, 17]] += 1e-5 * random.normal(size=(7, loads))
+    left = np.linalg.svd(patterns)[0][:, :3]
+    shapes = support._principal(patterns)
+    assert shapes.shape == (18, 3)
+    assert shapes @ shapes.T == approx(left @ left.T, abs=1e-8)
+
+
 def test_published_pile(waves):
     at = water.stations(assemble(pile()), 2)
     assert np.abs(inertia(waves, at).sum()) == approx(1_343_264, rel=1e-5)

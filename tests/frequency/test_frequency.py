@@ -8,9 +8,11 @@ from pytest import approx
 from scipy.integrate import dblquad
 
 from solver.coupled import linear_drag as drag
+from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
-from solver.frequency import gaussian
+from solver.frequency import gaussian, response
+from solver.frequency.condensed import Condensed
 from solver.frequency.response import respond
 from solver.run import simulate
 from solver.scene import Settings
@@ -173,6 +175,42 @@ def test_drag_of_the_legs_is_the_marchs(coefficient, least, most):
     assert least < table / exact < most
 
 
+def test_modes_that_follow_are_what_the_whole_equation_has():
+    """Weak drag couples all modes; where it is strong none only follows."""
+    item, h = SCENES["unequal_legs"]()
+    system = prepare(linear(item, method="frequency"), h)
+    model, omega = linear_model(system), 3 * item.sea.omega  # among the modes' own
+    Y, (nm, n) = impedance(system, h, item.sea.omega), (system.structure.omega.size, len(model.mass))
+    random = np.random.default_rng(2)
+    force = random.normal(size=(omega.size, n)) + 1j * random.normal(size=(omega.size, n))
+    mix, damping = random.normal(size=(nm, nm)), np.zeros((n, n))
+    damping[:nm, :nm] = 0.05 / nm * mix @ mix.T
+    damping[nm:, nm:] = 0.01 * np.diag(np.diag(model.mass)[nm:])
+    equation = Condensed(model, omega, Y, damping[:nm, :nm])
+    assert 0 < equation.stiff.sum() < nm
+    X = np.zeros(force.shape, complex)
+    for _ in range(20):
+        X = equation.response(force, damping, -1j * omega[:, None] * X)
+    Z = model.dynamic_stiffness(omega, Y) - 1j * omega[:, None, None] * damping
+    exact = np.linalg.solve(Z, force[..., None])[..., 0]
+    assert np.all(np.abs(X - exact) < 1e-9 * np.abs(exact).max(axis=0))
+    assert not Condensed(model, omega, Y, 1e4 * damping[:nm, :nm]).stiff.any()
+
+
+def test_drag_agrees_with_its_own_result(monkeypatch):
+    """Rounds that end early are as exact as they say; changes that each are a third of the last add up to its half."""
+    bare, _ = SCENES["bare_legs"]()
+    system = prepare(linear(bare, method="frequency"), None)
+    soon = respond(system, None)
+    monkeypatch.setattr(response, "AGREED", 1e-13)
+    exact = respond(system, None)
+    std, known = (np.linalg.norm(r.X, axis=0) for r in (soon, exact))
+    assert 3 <= soon.rounds < exact.rounds
+    assert np.all(np.abs(std - known) < 1e-5 * known)
+    assert response._ahead(0.9, 0.3) == approx(0.15)
+    assert response._ahead(0.3, 0.3) == response._ahead(np.inf, 1.0) == np.inf
+
+
 def test_quadratic_damping_of_a_joint_is_the_marchs():
     item, h = SCENES["duck"]()
     item = linear(
@@ -215,8 +253,8 @@ def test_motions_per_wave():
     item, h = SCENES["duck"]()
     record = frequency(item, h, rao=True)
     one = replace(item, sea=regular(height=2.0, period=2 * np.pi / item.sea.omega[20]))
-    response = respond(prepare(linear(one, method="frequency"), h), h)
-    assert record.variables["rao"][1][0, 0, 20] == approx(abs(response.Z[0, 0]))
+    lines = respond(prepare(linear(one, method="frequency"), h), h)
+    assert record.variables["rao"][1][0, 0, 20] == approx(abs(lines.Z[0, 0]))
 
 
 def test_spectra_of_a_linear_march_are_those_of_the_lines():
@@ -270,8 +308,6 @@ def test_a_wave_at_which_nothing_holds_the_scene_is_named():
     calm = linear(
         replace(item, floats=(replace(item.floats[0], pto_damping=0.0),)), method="frequency", radiation=False
     )
-    from solver.coupled.linear import linear_model
-
     model = linear_model(prepare(calm, h))
     resonance = float(np.sqrt(model.stiffness[0, 0] / model.mass[0, 0]))
     near = replace(calm, sea=regular(height=0.1, period=2 * np.pi / resonance))

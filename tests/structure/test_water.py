@@ -145,6 +145,12 @@ def test_no_points_are_refused(pile):
         water.stations(pile(2), 0)
 
 
+def test_nearly_the_same_pieces_are_the_same_stations(pile):
+    model = pile(1)
+    assert water.stations(model, 3, 3.0) is water.stations(model, 3, 3.001)
+    assert water.stations(model, 3, 3.0) is not water.stations(model, 3, 1.0)
+
+
 @pytest.mark.parametrize("longest", [np.inf, 3.0, 0.4])
 def test_pieces_of_an_element_share_its_length_and_integrate_what_varies_within_them(pile, longest):
     model = pile(1)

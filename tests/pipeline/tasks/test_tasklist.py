@@ -1,9 +1,11 @@
 """Many tasks as numbers are the tasks that the study has."""
 
 from collections import Counter
+from itertools import groupby
 
 import pytest
 
+from pipeline.bridge.geometry import of_joints
 from pipeline.bridge.loading import load
 from pipeline.study.reading import StudyError
 from pipeline.tasks import tasklist
@@ -60,6 +62,19 @@ def test_none_is_none(study):
     assert not none
     assert list(none.unique) == []
     assert none.split(lambda task: task.id) == {}
+
+
+def test_tasks_in_one_sea_go_one_after_another(small):
+    """Dampings and a joint's springs vary fastest; what floats are otherwise does not."""
+    path_axes = '"floats.*.stiffness" = [0.0, 1e3]\n"floats.front.mass" = [2147.0, 2148.0]\npto_damping = [1e5, 2e5]'
+    small.write_text(small.read_text().replace("[axes]", f"[axes]\n{path_axes}"))
+    study = load(small)
+    assert of_joints(study.content) == {"pto_damping", "stiffness"}
+    before, tasks = (list(t) for t in (study.tasks, study.tasks.fastest(of_joints(study.content))))
+    assert sorted(task.id for task in tasks) == sorted(task.id for task in before)
+    scenes = [tuple(v for k, v in task.labels.items() if k not in ("pto_damping", "stiffness")) for task in tasks]
+    assert len(list(groupby(scenes))) == len(set(scenes)) == len(tasks) / 4
+    assert [dict(task.labels) for task in study.tasks.fastest(set())] == [dict(task.labels) for task in before]
 
 
 @pytest.fixture

@@ -1,0 +1,69 @@
+"""The linear model's equation in the joints and the modes that waves and drag excite; stiffer modes only follow."""
+
+import numpy as np
+
+from solver.coupled.linear import LinearModel
+
+STIFF = 2.0  # times the fastest wave's frequency: modes above may follow
+WEAK = 0.05  # share that drag has, at most, in what holds all of them together
+
+
+class Condensed:
+    """Stiff modes t, dynamic stiffness d, shapes S, under forces f; kept coordinates x, shapes T; floats' loads L z.
+
+    From p_t = (f_t - Sᵀ L z)/d_t and z = T x + S p_t, with Λ = (1 + L S d_t⁻¹ Sᵀ)⁻¹ L and g = S f_t/d_t,
+
+        [d + Tᵀ Λ T - iω D] x = f - Tᵀ Λ g,   L z = Λ (T x + g).
+
+    Drag on the stiff modes, and by them, is that of the last known rates: it is weak beside d_t.
+    """
+
+    def __init__(self, model: LinearModel, omega: np.ndarray, Y: np.ndarray, drag: np.ndarray):
+        """Y (nw, na, na): radiation impedance; drag (nm, nm): damping of the modes."""
+        nm, d, L = model.modes.shape[1], model.of_modes(omega), model.of_floats(omega, Y)
+        stiff = _stiff(model.modes[0], omega.max(), drag)
+        self.omega = omega
+        self.stiff = np.concatenate([stiff, np.zeros(len(model.mass) - nm, bool)])
+        self.kept = np.ix_(~self.stiff, ~self.stiff)
+        self.S, self.T = model.shape[:, self.stiff], model.shape[:, ~self.stiff]
+        self.flexibility = 1 / d[:, stiff]
+        self.load = np.linalg.solve(np.eye(len(self.S)) + L @ ((self.S * self.flexibility[:, None]) @ self.S.T), L)
+        self.Z = self.T.T @ self.load @ self.T
+        soft = range(nm - int(stiff.sum()))
+        self.Z[:, soft, soft] += d[:, ~stiff]
+
+    def response(self, force: np.ndarray, damping: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """X (nw, n) to forces (nw, n) with further damping (n, n), at the last known rates (nw, n).
+
+        Not a number where the equation is singular.
+        """
+        Z, stiff = self.Z, self.stiff
+        if damping.any():
+            Z = Z - 1j * self.omega[:, None, None] * damping[self.kept]
+            apart = damping.copy()
+            apart[self.kept] = 0.0
+            force = force - rate @ apart.T
+        X, follow = np.empty(force.shape, complex), force[:, stiff] * self.flexibility
+        of_follow = (self.load @ (follow @ self.S.T)[..., None])[..., 0]
+        x = X[:, ~stiff] = _solved(Z, force[:, ~stiff] - of_follow @ self.T)
+        load = of_follow + (self.load @ (x @ self.T.T)[..., None])[..., 0]
+        X[:, stiff] = follow - (load @ self.S) * self.flexibility
+        return X
+
+
+def _stiff(squares: np.ndarray, fastest: float, drag: np.ndarray) -> np.ndarray:
+    """Which modes of ω² (nm,) follow in waves up to that frequency: all above STIFF of it, unless drag is strong there.
+
+    In turn with the rest their drag settles by ω tr(d⁻¹D) a round, at most.
+    """
+    stiff = squares > (STIFF * fastest) ** 2
+    share = fastest * np.sum(np.diag(drag)[stiff] / (squares[stiff] - fastest**2))
+    return stiff & bool(share <= WEAK)
+
+
+def _solved(Z: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """X (nw, n); not a number where Z is singular."""
+    try:
+        return np.linalg.solve(Z, force[..., None])[..., 0]
+    except np.linalg.LinAlgError:  # which does not say where
+        return np.full(force.shape, np.nan, complex)
