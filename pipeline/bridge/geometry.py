@@ -14,6 +14,7 @@ from pipeline.study.attachments import CoefficientFile
 from pipeline.study.schema import Hull, Solver, Water
 from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
+from solver.hydrodynamics.hull.mesh import plates
 from solver.motions import PLANAR, possible
 from solver.scene import DOFS, is_planar, panels_for
 
@@ -48,6 +49,7 @@ class Geometry(Table):
     names: tuple[str, ...] = ()
     needed: tuple[tuple[str, ...], ...] = ()  # motions that each body may have; all that are solved for where empty
     memory: bool = True  # whether the radiation memory, of these motions, is fitted along
+    plates: bool = False  # a hull is in part thinner than panels: their panels, and what is said of them, are others
 
     @property
     def key(self) -> str:
@@ -77,6 +79,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     if parameters.coefficients is not None:
         names, needed = tuple(f.name for f in floats), tuple(tuple(sorted(each)) for each in ways)
         return Geometry(**place, coefficients=parameters.coefficients, names=names, needed=needed)
+    panels = panels_for(parameters.solver.tolerance)
     all_motions, memory = len(PLANAR if planar else DOFS), parameters.solver.method == "time"
     # One file serves both methods, but for large arrays: the frequency domain has no use for a memory.
     memory = memory or len(floats) * all_motions <= MANY
@@ -84,10 +87,11 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     return Geometry(
         **place,
         band=seas.band(parameters.sea_state, parameters.waves),
-        panels=panels_for(parameters.solver.tolerance),
+        panels=panels,
         interaction=parameters.solver.interaction or len(floats) == 1,
         needed=ways if some else (),
         memory=memory,
+        plates=any(plates(f.hull, panels) for f in floats),
     )
 
 

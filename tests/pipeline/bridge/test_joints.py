@@ -10,6 +10,7 @@ from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
 from pipeline.study.reading import StudyError
+from pipeline.study.schema import Profile
 from pipeline.tasks.task import dimensions, expand
 from solver.record.recorder import Record
 from solver.scene import PER_AXIS
@@ -441,6 +442,17 @@ def test_the_memory_is_of_the_motions_that_a_float_can_have(study_with, monkeypa
     known = engine._known([free, guided, turned], [None])
     assert [k["memory"] for k in known] == [1, 2, 3] and fits == [(), (("heave",),), (("heave",),)]
     assert known[1]["memory_motions"] == (("heave",),)
+
+
+def test_a_hull_with_a_plate_has_other_coefficients_than_before(study_with):
+    """Its panels are others; those of hulls without are not, nor is the name of their file."""
+    text = task(study_with(FREE)).parameters
+    plain = geometry_of(text)
+    disc = [(9.0, -12.0), (9.0, -11.9), (1.0, -11.9), (1.0, 1.0)]
+    hull = Profile(shape="profile", points=disc)
+    spar = geometry_of(text.model_copy(update={"floats": (text.floats[0].model_copy(update={"hull": hull}),)}))
+    assert spar.plates and "plates" in spar.model_dump(exclude_defaults=True)
+    assert not plain.plates and "plates" not in plain.model_dump(exclude_defaults=True)
 
 
 def test_without_need_of_a_memory_none_is_fitted(study_with, monkeypatch):
