@@ -9,7 +9,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from solver.hydrodynamics.hull.revolution import Revolution, Segment
 
@@ -38,6 +37,8 @@ class Plates(NamedTuple):
 
 def of_panels(corners: np.ndarray) -> Plates:
     """Of panels (n, 4, 3): behind those of plates the other face is nearer than THINNER of their side."""
+    from scipy.spatial import cKDTree  # asked of meshes alone, and slow to import
+
     vectors, centres = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2, corners.mean(axis=1)
     areas = np.linalg.norm(vectors, axis=1)
     sides, normals, tree = np.sqrt(areas), vectors / np.maximum(areas, 1e-300)[:, None], cKDTree(centres)
