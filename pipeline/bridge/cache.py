@@ -93,6 +93,8 @@ def encode(hydrodynamics: Hydrodynamics, key: str = "") -> bytes:
     attrs |= {"dofs": " ".join(hydrodynamics.dofs), "mesh_error": hydrodynamics.mesh_error}
     if memory is not None:
         attrs |= {"memory_tolerance": hydrodynamics.memory_tolerance, "memory_error": memory.error}
+        if motions := hydrodynamics.memory_motions:
+            attrs |= {"memory_motions": "; ".join(" ".join(names) for names in motions)}
     return to_bytes(variables, attrs | {"content": content(variables, attrs)})
 
 
@@ -128,6 +130,8 @@ def decode(data: bytes) -> Hydrodynamics:
     if "memory_error" in attrs:
         error, fields["memory_tolerance"] = float(attrs["memory_error"]), float(attrs["memory_tolerance"])
         fields["memory"] = RadiationMemory(**_fields(variables, MEMORY), error=error)
+        if "memory_motions" in attrs:
+            fields["memory_motions"] = tuple(tuple(names.split()) for names in attrs["memory_motions"].split(";"))
     settings = {k.removeprefix("setting_"): v for k, v in attrs.items() if k.startswith("setting_")}
     return Hydrodynamics(**fields, dofs=tuple(attrs["dofs"].split()), settings=MappingProxyType(settings))
 

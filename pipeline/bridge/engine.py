@@ -60,7 +60,7 @@ def hydrodynamics(geometry: Geometry) -> Hydrodynamics:
 
 
 def share(geometries: Sequence[Geometry], first: int = 0, step: int = 1) -> Share:
-    """What boundary elements solve for geometries that differ in heading alone, at every `step`-th frequency."""
+    """What boundary elements solve for geometries that radiate alike, at every `step`-th frequency."""
     from solver.hydrodynamics.bem import bem
 
     return None if geometries[0].coefficients else bem.part(bem_problem(geometries), first, step)
@@ -75,18 +75,25 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     from solver.hydrodynamics.bem import bem
     from solver.scene import Settings
 
-    first, tolerance = geometries[0], Settings().memory_tolerance
+    first, tolerance, whole = geometries[0], Settings().memory_tolerance, []
     if first.coefficients:
         found = [given_hydrodynamics(geometry) for geometry in geometries]
     else:
-        found = bem.united(bem_problem(geometries), shares)
+        problem = bem_problem(geometries)
+        each = dict(zip(problem.headings, bem.united(problem, shares), strict=True))
+        found = [each[geometry.heading] for geometry in geometries]
     if not first.memory:
         return found
-    try:
-        memory = remembered(found[0], tuple(hull(body.hull) for body in first.bodies), tolerance)
-    except SimulationFailed:  # said by the task that needs it
-        return found
-    return [replace(one, memory=memory, memory_tolerance=tolerance) for one in found]
+    hulls = tuple(hull(body.hull) for body in first.bodies)
+    for one, geometry in zip(found, geometries, strict=True):
+        ways = geometry.needed
+        try:  # headings share what radiates
+            memory = remembered(found[0], hulls, tolerance, ways)
+        except SimulationFailed:  # said by the task that needs it
+            whole.append(one)
+        else:
+            whole.append(replace(one, memory=memory, memory_tolerance=tolerance, memory_motions=ways))
+    return whole
 
 
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> recorder.Record:
@@ -97,7 +104,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> recorder.Reco
 
 
 def coefficients(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[bytes]:
-    """The files of coefficients of geometries that differ in heading alone, from all shares of what was solved."""
+    """The files of coefficients of geometries that radiate alike, from all shares of what was solved."""
     from pipeline.bridge import cache
 
     known = _known(geometries, shares)

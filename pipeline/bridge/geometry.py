@@ -15,7 +15,9 @@ from pipeline.study.attachments import CoefficientFile
 from pipeline.study.schema import Hull, Solver, StudyFile, Water
 from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
-from solver.scene import STARTS, Float, is_planar, panels_for
+from solver.hydrodynamics.hull.mesh import plates
+from solver.motions import PLANAR, possible
+from solver.scene import DOFS, STARTS, is_planar, panels_for
 
 if TYPE_CHECKING:
     from solver.hydrodynamics.bem.bem import Problem
@@ -58,8 +60,9 @@ class Geometry(Table):
         None  # from a file, whose bodies have these names and must have these motions
     )
     names: tuple[str, ...] = ()
-    needed: tuple[tuple[str, ...], ...] = ()
-    memory: bool = True  # whether the radiation memory is fitted along
+    needed: tuple[tuple[str, ...], ...] = ()  # motions that each body may have; all that are solved for where empty
+    memory: bool = True  # whether the radiation memory, of these motions, is fitted along
+    plates: bool = False  # a hull is in part thinner than panels: their panels, and what is said of them, are others
 
     @property
     def key(self) -> str:
@@ -68,8 +71,8 @@ class Geometry(Table):
 
     @property
     def radiating(self) -> Geometry:
-        """The same for waves along +x: geometries that share it share all that radiates."""
-        return self if self.coefficients else self.model_copy(update={"heading": 0.0})
+        """The same for waves along +x and all motions: geometries that share it share all that radiates."""
+        return self if self.coefficients else self.model_copy(update={"heading": 0.0, "needed": ()})
 
 
 def geometry_of(parameters: Parameters) -> Geometry | None:
@@ -81,6 +84,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     floats = scenes.floats(parameters.model_copy(update={"floats": bare}))
     centres = [tuple(map(float, item.centre)) for item in floats]
     planar = is_planar(floats, parameters.waves.heading)
+    ways = possible(floats, planar=planar, elastic=parameters.platform is not None)
     place = {
         "water": parameters.water,
         "bodies": tuple(Body(hull=f.hull, centre=at) for f, at in zip(parameters.floats, centres, strict=True)),
@@ -88,28 +92,22 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         "planar": planar,
     }
     if parameters.coefficients is not None:
-        needed = tuple(tuple(sorted(motions)) for motions in motions_needed(floats, planar=planar))
-        names = tuple(f.name for f in floats)
+        names, needed = tuple(f.name for f in floats), tuple(tuple(sorted(each)) for each in ways)
         return Geometry(**place, coefficients=parameters.coefficients, names=names, needed=needed)
+    panels = panels_for(parameters.solver.tolerance)
+    all_motions, memory = len(PLANAR if planar else DOFS), parameters.solver.method == "time"
+    # One file serves both methods, but for large arrays: the frequency domain has no use for a memory.
+    memory = memory or len(floats) * all_motions <= MANY
+    some = memory and any(len(each) < all_motions for each in ways)
     return Geometry(
         **place,
         band=seas.band(parameters.sea_state, parameters.waves),
-        panels=panels_for(parameters.solver.tolerance),
+        panels=panels,
         interaction=parameters.solver.interaction or len(floats) == 1,
-        # One file serves both methods, but for large arrays: the frequency domain has no use for a memory.
-        memory=parameters.solver.method == "time" or len(floats) * (3 if planar else 6) <= MANY,
+        needed=ways if some else (),
+        memory=memory,
+        plates=any(plates(f.hull, panels) for f in floats),
     )
-
-
-def motions_needed(floats: Sequence[Float], *, planar: bool) -> list[set[str]]:
-    """Motions that each float may have, of its joint and of what carries it: a hinge or a rotation moves it any way."""
-    from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR
-
-    motions: dict[str, set[str]] = {}
-    for f in floats:
-        free = {*f.motion} if {*f.motion} <= {*DOFS[:3]} else {*(PLANAR if planar else DOFS)}
-        motions[f.name] = free | motions.get(f.on, set())
-    return list(motions.values())
 
 
 def given_hydrodynamics(geometry: Geometry) -> Hydrodynamics:
@@ -164,9 +162,9 @@ def require_solvable(geometry: Geometry) -> None:
 
 
 def bem_problem(geometries: Sequence[Geometry]) -> Problem:
-    """That of geometries that differ in heading alone; raises InputError."""
+    """That of geometries that radiate alike; raises InputError."""
     from solver.hydrodynamics.bem.bem import Problem
 
     arguments = bem_arguments(geometries[0])
     del arguments["heading"]
-    return Problem.of(**arguments, headings=tuple(g.heading for g in geometries))
+    return Problem.of(**arguments, headings=tuple(dict.fromkeys(g.heading for g in geometries)))

@@ -6,7 +6,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from solver import limits
+from solver import limits, motions
 from solver.coupled import assembly
 from solver.coupled import support as platform
 from solver.coupled.energy import AT_START, GAP, SCALE, WORKS, energy, open_by
@@ -245,7 +245,8 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         support = platform.damped(reduced, scene.platform.damping_ratio)
     fit = None
     if scene.floats and settings.radiation and settings.method == "time":
-        fit = remembered(hydrodynamics, tuple(f.hull for f in scene.floats), settings.memory_tolerance)
+        hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
+        fit = remembered(hydrodynamics, hulls, settings.memory_tolerance, ways)
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
     added_mass = np.zeros((na, na))
     if hydrodynamics is not None and settings.radiation:
@@ -294,12 +295,17 @@ def _check_same(scene: Scene, h: Hydrodynamics) -> None:
 
 
 @lru_cache(maxsize=8)
-def remembered(h: Hydrodynamics, hulls: tuple[Hull, ...], tolerance: float) -> radiation.RadiationMemory:
-    """The memory of a set of coefficients: tasks that differ in sea, damping or support share its fit."""
-    if h.memory is not None and h.memory_tolerance == tolerance:
+def remembered(
+    h: Hydrodynamics, hulls: tuple[Hull, ...], tolerance: float, ways: tuple[tuple[str, ...], ...]
+) -> radiation.RadiationMemory:
+    """The memory of a set of coefficients, of bodies with these motions: tasks that differ in sea, damping or support
+    share its fit.
+    """
+    moved = h.moved(ways)
+    if h.memory is not None and h.memory_tolerance == tolerance and np.all(h.moved(h.memory_motions) == moved):
         return h.memory
     lengths = motion_lengths(hulls, h.dofs)
-    return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths)
+    return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths, moved)
 
 
 def _reach(scene: Scene, b: int, height: float) -> float:

@@ -47,15 +47,22 @@ FIXED = replace(heaving("pillar", PILLAR, 0.0), motion=())
 BALL_AT = heaving("ball", BALL, 5.0, pto_damping=2e3)
 
 
-@pytest.mark.parametrize("method", ["frequency", "time"])
-def test_a_fixed_body_is_one_too_heavy_to_move(method):
-    """Among others' waves, and for what it bears along x, which no inertia of its own heave touches."""
+@pytest.mark.parametrize(
+    ("method", "own", "apart"), [("frequency", True, 1e-6), ("time", False, 1e-6), ("time", True, 5e-3)]
+)
+def test_a_fixed_body_is_one_too_heavy_to_move(monkeypatch, method, own, apart):
+    """Among others' waves, and for what it bears along x, which no inertia of its own heave touches.
+
+    With a memory of all motions, or each with that of its own: then to the fit's tolerance.
+    """
+    if not own:
+        monkeypatch.setattr("solver.motions.of_scene", lambda _: ())
     heavy = heaving("pillar", PILLAR, 0.0, mechanism_inertia=1e13)
     fixed, held = (simulate(scene(f, BALL_AT, method=method), known()).variables for f in (FIXED, heavy))
     ours, theirs = fixed["motion"][1][1], held["motion"][1][1]
-    assert np.abs(ours - theirs).max() < 1e-6 * np.abs(theirs).max()
+    assert np.abs(ours - theirs).max() < apart * np.abs(theirs).max()
     ours, theirs = fixed["hinge_force"][1][:, 0], held["hinge_force"][1][:, 0]
-    assert np.abs(ours - theirs).max() < 1e-6 * np.abs(theirs).max()
+    assert np.abs(ours - theirs).max() < apart * np.abs(theirs).max()
     assert np.isnan(fixed["motion"][1][0]).all() and np.all(fixed["absorbed_power"][1][0] == 0)
 
 

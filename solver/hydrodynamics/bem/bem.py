@@ -41,6 +41,10 @@ ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224
 # Of the wavenumber times a panel's side: up to here coefficients err by 2 % of the added mass at most, at 2.5 by 80 %
 # (heave and surge of a hemisphere and of a cylinder, against eight times the panels).
 RESOLVED = 2.0
+# Parts thinner than panels are wide: times that error, where panels of the two faces are each other's images; where
+# they are not, of the coefficient, for each time that a panel is as wide as the part is thick. Measured on heave plates
+# of 1/20 to 1/150 of their radius, from the finest to the coarsest meshes.
+ALIKE_PLATES, UNLIKE_PLATES = 4.0, 0.02
 FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
 
@@ -203,6 +207,8 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
     edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
     (impedance, impedance_inf, diffraction), left = _extrapolated(solutions, divisions, edged, lengths)
+    if len(solutions) <= len(HALVED):
+        left = _of_plates(problem, left, (impedance, impedance_inf, diffraction))
     settings = {
         "panels": solutions[0].panels,
         "panels_coarse": solutions[-1].panels,
@@ -373,6 +379,15 @@ def _extrapolated(
     left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if edged else NEXT_SMOOTH)
     coarser = _limits(solutions[1:], divisions[1:])
     return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
+
+
+def _of_plates(problem: Problem, left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """What is left of the error of meshes of two sizes or one, more where hulls have plates."""
+    plates = [found for found in map(meshes.plates, problem.hulls, problem.counts) if found]
+    unlike = max((found.unlike for found in plates), default=0.0)
+    if unlike > 0:
+        return [error + UNLIKE_PLATES * unlike * x for error, x in zip(left, best, strict=True)]
+    return [ALIKE_PLATES * error for error in left] if plates else left
 
 
 def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.ndarray]:

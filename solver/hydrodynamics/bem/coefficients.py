@@ -4,6 +4,7 @@ Harmonics are Re{X exp(-iωt)}; the incident wave of unit amplitude is
 η = Re exp(i(k(x cosβ + y sinβ) - ωt)), phase zero at x = y = 0.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from types import MappingProxyType
@@ -58,7 +59,13 @@ class Hydrodynamics:
     settings: MappingProxyType[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     error: MeshError | None = None  # what the panels leave, as far as is known
     memory: RadiationMemory | None = None  # fitted to these, for scenes that ask for
-    memory_tolerance: float = np.nan  # this tolerance
+    memory_tolerance: float = np.nan  # this tolerance, and
+    memory_motions: tuple[tuple[str, ...], ...] = ()  # floats that have these motions; all of them where empty
+
+    def moved(self, motions: Sequence[Sequence[str]]) -> np.ndarray:
+        """Which degrees of freedom bodies with these motions have (n,); all where none are said."""
+        each = motions or [self.dofs] * len(self.centres)
+        return np.array([dof in names for names in each for dof in self.dofs], bool)
 
     @cached_property
     def shifted(self) -> "Hydrodynamics":

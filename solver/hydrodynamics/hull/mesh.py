@@ -7,6 +7,7 @@ import numpy as np
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.plates import Plates, divisions, of_panels, pieces
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.surface import merged, mirrored
 
@@ -14,6 +15,7 @@ Hull = Revolution | PanelHull
 
 ON_PLANE = 1e-9  # [m]
 LONGER = 1.2
+LEAST_PLATE = 0.05  # of a mesh's wetted surface, from which on its thin parts are plates
 IMAGES = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], float)  # of a quarter at x > 0, y > 0
 
 
@@ -35,9 +37,9 @@ def _revolved_panels(hull: Revolution, count: int, refine: int, quarters: int) -
     Vertices are pushed outwards, horizontally until the waterplane area is exact, then vertically
     until the displaced volume is: coefficients do not inherit an inscribed, too small, body.
     """
-    half, divisions = _lattice(hull, count)
+    half, counts = _lattice(hull, count)
     half *= refine
-    arc, azimuth, faces = _quarter(_rings(hull, [refine * n for n in divisions]), half)
+    arc, azimuth, faces = _quarter(_rings(hull, [refine * n for n in counts]), half)
     r, z = _along(hull, arc).T
     z = np.minimum(z, 0.0)  # the waterline may come out above by rounding
     points = np.column_stack([r * np.cos(azimuth), r * np.sin(azimuth), z])
@@ -75,6 +77,17 @@ def _indexed(pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     faces = np.arange(4 * len(pieces)).reshape(-1, 4)
     faces[np.all(pieces[:, 2] == pieces[:, 3], axis=1), 3] -= 1
     return pieces.reshape(-1, 3), faces
+
+
+@lru_cache(maxsize=64)
+def plates(hull: Hull, count: int) -> Plates | None:
+    """What of a hull is thinner than about `count` panels are wide; None if that is next to nothing."""
+    if not isinstance(hull, PanelHull):
+        faced = sum(piece.segment.area for piece in pieces(hull) if piece.twin >= 0)
+        return Plates(faced / hull.wetted_area, 0.0) if faced else None
+    vertices, faces = panels(hull, count)
+    found = of_panels(vertices[faces])
+    return found if found.share > LEAST_PLATE else None
 
 
 def lid(hull: Hull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
@@ -127,13 +140,11 @@ def _inside(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
 
 
 def _lattice(hull: Revolution, count: int) -> tuple[int, list[int]]:
-    """Panels in an eighth of the circumference, and along the outer half of the first segment and each other."""
+    """Panels in an eighth of the circumference, and along the meridian, see `divisions`."""
     if count < 12:
         raise InputError("panels", count, "must be at least 12")
-    first, *others = hull.wetted()
     size = np.sqrt(hull.wetted_area / count) * 1.08  # those at edges and at the pole are smaller
-    half = max(1, round(np.pi / 4 * hull.largest_radius / size))
-    return half, [max(1, round(first.length / 2 / size)), *(max(2, round(s.length / size)) for s in others)]
+    return max(1, round(np.pi / 4 * hull.largest_radius / size)), divisions(hull, size)
 
 
 def _polygon_scale(half: int) -> float:
@@ -142,11 +153,11 @@ def _polygon_scale(half: int) -> float:
     return float(np.sqrt(step / np.sin(step)))
 
 
-def _rings(hull: Revolution, divisions: list[int]) -> np.ndarray:
+def _rings(hull: Revolution, counts: list[int]) -> np.ndarray:
     """Arc lengths of the rings of vertices [m], finer towards edges and waterline, from mid first segment."""
-    first, *others = hull.wetted()
-    rings = [first.length / 2 * (1 + _cluster(divisions[0], start=0.0))]
-    for segment, n in zip(others, divisions[1:], strict=True):
+    (first, _), *others = pieces(hull)
+    rings = [first.length / 2 * (1 + _cluster(counts[0], start=0.0))]
+    for (segment, _), n in zip(others, counts[1:], strict=True):
         rings.append(rings[-1][-1] + segment.length * _cluster(n, start=1.0)[1:])
     return np.concatenate(rings)
 
@@ -160,11 +171,11 @@ def _cluster(n: int, *, start: float) -> np.ndarray:
 
 def _along(hull: Revolution, arc: np.ndarray) -> np.ndarray:
     """Points (r, z) of the wetted meridian at arc lengths from the pole, (n, 2) [m]."""
-    wetted = hull.wetted()
-    ends = np.cumsum([s.length for s in wetted])
-    index = np.minimum(np.searchsorted(ends, arc - 1e-9 * ends[-1]), len(wetted) - 1)
+    along = [segment for segment, _ in pieces(hull)]
+    ends = np.cumsum([s.length for s in along])
+    index = np.minimum(np.searchsorted(ends, arc - 1e-9 * ends[-1]), len(along) - 1)
     points = np.empty((arc.size, 2))
-    for i, segment in enumerate(wetted):
+    for i, segment in enumerate(along):
         mine = index == i
         points[mine] = segment.at(np.clip(1 - (ends[i] - arc[mine]) / segment.length, 0, 1))
     return points

@@ -49,6 +49,7 @@ def fit(
     added_mass_inf: np.ndarray,
     tolerance: float = 2e-3,
     lengths: np.ndarray | None = None,
+    moved: np.ndarray | None = None,
 ) -> RadiationMemory:
     """The passive memory of least order whose misfit of B - iωA is at most `tolerance`.
 
@@ -61,12 +62,20 @@ def fit(
     Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
     boundary elements say nothing. Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell
     motions that radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size for
-    rotations; ones by default.
+    rotations; ones by default. `moved` (n,) are the motions that there are, all by default: the damping of these must
+    be passive. What they do to the others is load on joints, without work, and fitted beside; the rest is zero.
     """
     if not tolerance > 0:
         raise InputError("memory_tolerance", tolerance, "must be > 0")
-    lengths = np.ones(len(added_mass_inf)) if lengths is None else np.asarray(lengths, float)
-    least = least_damping(added_mass + 1j * radiation_damping / omega[:, None, None], lengths)
+    n = len(added_mass_inf)
+    lengths = np.ones(n) if lengths is None else np.asarray(lengths, float)
+    moved = np.ones(n, bool) if moved is None else np.asarray(moved, bool)
+    if not moved.any():
+        return RadiationMemory(
+            beta=np.zeros(0, complex), residue=np.zeros((0, n, n), complex), added_mass_inf=added_mass_inf, error=0.0
+        )
+    impedance = added_mass + 1j * radiation_damping / omega[:, None, None]
+    least = least_damping(impedance[:, moved][:, :, moved], lengths[moved])
     sound = least >= -UNPASSIVE
     if sound.mean() < 0.5:
         worst = float(omega[least.argmin()])
@@ -74,7 +83,7 @@ def fit(
             f"radiation memory: the damping takes power from the waves it radiates at {(~sound).sum()} of {omega.size}"
             f" frequencies, most at {worst:.4g} rad/s: these are no coefficients of passive bodies"
         )
-    data = _Data.of(omega[sound], added_mass[sound], radiation_damping[sound], added_mass_inf, lengths)
+    data = _Data.of(omega[sound], added_mass[sound], radiation_damping[sound], added_mass_inf, lengths, moved)
     tried, best, stale = [], None, 0
     for pairs in range(2, min(PAIRS, len(data.omega) // 2) + 1):
         tried.append(data.unconstrained(pairs, tolerance))
@@ -111,18 +120,19 @@ class _Candidate:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Data:
-    """Samples of conj(Y) + iωA∞ = B + iωA at s = iω, scaled to 1, of the upper triangle's m entries.
+    """Samples of conj(Y) + iωA∞ = B + iωA at s = iω, scaled to 1, of m entries.
 
-    Only of the n motions that radiate, of N.
+    Only of those motions that radiate: first the upper triangle of the n that there are, then rows of others in them.
     """
 
     omega: np.ndarray  # (nw,)
     samples: np.ndarray  # (nw, m) complex
     weight: np.ndarray  # (nw,)
     infinite: np.ndarray  # (m,) scaled A∞
-    scale: np.ndarray  # (n,) sqrt(y_i)
+    n: int
     peak: float  # ω_p [rad/s]
-    heard: np.ndarray  # (n,) numbers of the motions
+    entries: tuple[np.ndarray, np.ndarray]  # (m,) rows and columns
+    scale: np.ndarray  # (m,) sqrt(y_i y_j)
     whole_infinite: np.ndarray  # (N, N) [kg, ...] A∞ of all motions
 
     @classmethod
@@ -133,25 +143,29 @@ class _Data:
         damping: np.ndarray,
         infinite: np.ndarray,
         lengths: np.ndarray,
+        moved: np.ndarray,
     ) -> "_Data":
         """Samples of the motions that radiate; arguments as of `fit`."""
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
         diagonal = np.abs(np.einsum("wii->wi", transfer))
         largest = diagonal.max(axis=0) / lengths**2
-        heard = np.flatnonzero(largest >= SILENT * largest.max())
-        scale = (lengths * np.sqrt(largest))[heard]
-        upper, both = np.triu_indices(len(scale)), np.multiply.outer(scale, scale)
-        peak = omega[np.argmax(diagonal.sum(axis=1))]
-        whole_infinite, block = (infinite + infinite.T) / 2, np.ix_(heard, heard)
-        total = (transfer + 1j * omega[:, None, None] * infinite)[:, heard[:, None], heard] / both
+        heard = largest >= SILENT * largest[moved].max()
+        own, other = np.flatnonzero(heard & moved), np.flatnonzero(heard & ~moved)
+        upper, root = np.triu_indices(len(own)), lengths * np.sqrt(largest)
+        i = np.concatenate([own[upper[0]], np.repeat(other, len(own))])
+        j = np.concatenate([own[upper[1]], np.tile(own, len(other))])
+        peak = omega[np.argmax(diagonal[:, moved].sum(axis=1))]
+        whole_infinite, scale = (infinite + infinite.T) / 2, root[i] * root[j]
+        total = transfer + 1j * omega[:, None, None] * infinite
         return cls(
             omega=omega,
-            samples=(total[:, upper[0], upper[1]] + np.swapaxes(total, 1, 2)[:, upper[0], upper[1]]) / 2,
+            samples=(total[:, i, j] / scale + total[:, j, i] / scale) / 2,
             weight=1 / (1 + (omega / peak) ** FALL),
-            infinite=(whole_infinite[block] / both)[upper],
-            scale=scale,
+            infinite=whole_infinite[i, j] / scale,
+            n=len(own),
             peak=float(peak),
-            heard=heard,
+            entries=(i, j),
+            scale=scale,
             whole_infinite=whole_infinite,
         )
 
@@ -205,28 +219,22 @@ class _Data:
 
     def passive(self, candidate: _Candidate) -> RadiationMemory | None:
         """The nearest residues and A∞ with Re Y >= 0 at all frequencies; None where poles condition too badly."""
-        n, poles, span = len(self.scale), candidate.poles, candidate.span
-        solution = enforce(candidate.columns, candidate.target, Constraint(poles=poles, span=span, n=n))
+        n, poles, span = self.n, candidate.poles, candidate.span
+        own, other = np.split(candidate.target, [n * (n + 1) // 2], axis=1)
+        solution = enforce(candidate.columns, own, Constraint(poles=poles, span=span, n=n))
         if solution is None:
             return None
-        block, both = np.ix_(self.heard, self.heard), np.multiply.outer(self.scale, self.scale)
+        solution = np.hstack([solution, np.linalg.lstsq(candidate.columns, other, rcond=None)[0]])
         residue, infinite = np.zeros((len(poles), *self.whole_infinite.shape), complex), self.whole_infinite.copy()
-        for r, entries in zip(residue, complex_residues(poles, span @ solution[:-1]), strict=True):
-            r[block] = _full(entries, n) * both
-        infinite[block] = _full(solution[-1], n) * both
+        for i, j in (self.entries, self.entries[::-1]):
+            residue[:, i, j] = complex_residues(poles, span @ solution[:-1]) * self.scale
+            infinite[i, j] = solution[-1] * self.scale
         misfit = self._misfit(candidate.columns @ solution - candidate.target, candidate.even)
         return RadiationMemory(beta=poles, residue=residue, added_mass_inf=infinite, error=float(misfit.max()))
 
     def _misfit(self, residual: np.ndarray, even: np.ndarray) -> np.ndarray:
         real, imag = residual[:-1].reshape(2, len(self.omega), -1)
         return np.hypot(real, imag).max(axis=1) / even
-
-
-def _full(upper: np.ndarray, n: int) -> np.ndarray:
-    """Symmetric (n, n) from its upper triangle's entries."""
-    matrix = np.zeros((n, n), upper.dtype)
-    matrix[np.triu_indices(n)] = upper
-    return matrix + np.triu(matrix, 1).T
 
 
 def retardation(omega: np.ndarray, radiation_damping: np.ndarray, t: np.ndarray) -> np.ndarray:

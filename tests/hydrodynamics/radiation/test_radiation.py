@@ -254,6 +254,41 @@ def test_a_motion_that_radiates_nothing_has_no_memory():
     assert np.abs(fitted.residue[:, 2]).max() < 1e-4 * np.abs(fitted.residue).max()
 
 
+def test_motions_that_no_body_has_are_not_fitted():
+    """The third takes power from the waves that it radiates."""
+    memory = known()
+    A, B = np.zeros((50, 3, 3)), np.zeros((50, 3, 3))
+    A[:, :2, :2], B[:, :2, :2] = coefficients(memory, OMEGA)
+    A[:, 2, 2], B[:, 2, 2] = 1.0, -9 * OMEGA
+    infinite = np.diag([3.0, 2.0, 7.0])
+    fitted = fit(OMEGA, A, B, infinite, 1e-6, moved=np.array([True, True, False]))
+    alone = fit(OMEGA, A[:, :2, :2], B[:, :2, :2], infinite[:2, :2], 1e-6)
+    assert fitted.beta == pytest.approx(alone.beta, rel=1e-9) and len(alone.beta) == 2
+    assert fitted.residue[:, :2, :2] == pytest.approx(alone.residue, rel=1e-6, abs=1e-9)
+    assert not np.abs(fitted.residue[:, 2, 2]).any() and fitted.added_mass_inf[2, 2] == 7.0
+    with pytest.raises(SimulationFailed, match="takes power"):
+        fit(OMEGA, A, B, infinite, 1e-6)
+
+
+def test_what_a_motion_does_to_those_that_there_are_not_is_fitted_beside():
+    """The load on a guide: its row is that of the whole memory, and its own motion has none."""
+    memory = known()
+    A, B = coefficients(memory, OMEGA)
+    fitted = fit(OMEGA, A, B, memory.added_mass_inf, 1e-6, moved=np.array([True, False]))
+    t = np.linspace(0, 10, 50)
+    assert fitted.impulse(t)[:, :, 0] == pytest.approx(memory.impulse(t)[:, :, 0], abs=1e-5)
+    assert fitted.residue == pytest.approx(np.swapaxes(fitted.residue, 1, 2))
+    assert not fitted.residue[:, 1, 1].any()
+    assert fitted.added_mass_inf == pytest.approx(memory.added_mass_inf, abs=1e-5)
+
+
+def test_bodies_at_rest_have_no_memory():
+    A, B = coefficients(known(), OMEGA)
+    still = fit(OMEGA, A, B, np.eye(2), 1e-3, moved=np.zeros(2, bool))
+    assert still.beta.size == 0 and still.error == 0 and not still.frequency(OMEGA).any()
+    assert still.added_mass_inf == pytest.approx(np.eye(2))
+
+
 def test_a_tolerance_must_be_positive():
     memory = known()
     with pytest.raises(InputError, match="memory_tolerance = 0"):

@@ -57,6 +57,12 @@ def test_round_trip_is_bitwise(coefficients):
     same(replace(coefficients, memory=None, error=None), replace(again, memory=None, error=None))
 
 
+@pytest.mark.parametrize("motions", [(), (("heave",), ("surge", "heave")), ((), ("heave",)), (("heave",), ())])
+def test_the_motions_that_the_memory_is_of_are_kept(coefficients, motions):
+    known = replace(coefficients, memory_motions=motions)
+    assert cache.decode(cache.encode(known)).memory_motions == motions
+
+
 def test_coefficients_without_memory_have_none(coefficients):
     assert cache.decode(cache.encode(replace(coefficients, memory=None))).memory is None
 

@@ -10,6 +10,7 @@ from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
 from pipeline.study.reading import StudyError
+from pipeline.study.schema import Profile
 from pipeline.tasks.task import dimensions, expand
 from solver.record.recorder import Record
 from solver.scene import PER_AXIS
@@ -433,6 +434,43 @@ def test_the_frequency_domain_of_a_large_array_has_no_memory_fitted(study_with, 
         geometries.append(geometry_of(task(load(path)).parameters))
     time, frequency = geometries
     assert time.memory and frequency.memory is memory and (time.key == frequency.key) is memory
+
+
+def test_the_memory_is_of_the_motions_that_a_float_can_have(study_with, monkeypatch):
+    """Those are part of the file's name, unless they are all; what is solved for and what radiates is the same."""
+    from types import SimpleNamespace
+
+    from solver.coupled import system
+    from solver.hydrodynamics.bem import bem
+
+    guided = geometry_of(task(study_with(FREE.replace('"surge", "heave", "pitch"', '"heave"'))).parameters)
+    free = geometry_of(task(study_with(FREE)).parameters)
+    hinged = geometry_of(task(study_with(HINGED)).parameters)
+    assert (free.needed, guided.needed, hinged.needed) == ((), (("heave",),), ())
+    assert guided.key != free.key and guided.radiating == free.radiating
+    assert "needed" not in free.model_dump(exclude_defaults=True)
+    still = geometry_of(task(study_with("hinge = [0.0, 0.0, 0.0]\nmotion = []\n")).parameters)
+    assert still.needed == ((),)
+    fits = []
+    monkeypatch.setattr(bem, "part", lambda problem: [problem])
+    monkeypatch.setattr(bem, "united", lambda problem, _: [SimpleNamespace(heading=h) for h in problem.headings])
+    monkeypatch.setattr(system, "remembered", lambda *arguments: fits.append(arguments[3]) or len(fits))
+    monkeypatch.setattr(engine, "replace", lambda one, **fields: fields)
+    turned = guided.model_copy(update={"heading": 0.5})
+    known = engine._known([free, guided, turned], [None])
+    assert [k["memory"] for k in known] == [1, 2, 3] and fits == [(), (("heave",),), (("heave",),)]
+    assert known[1]["memory_motions"] == (("heave",),)
+
+
+def test_a_hull_with_a_plate_has_other_coefficients_than_before(study_with):
+    """Its panels are others; those of hulls without are not, nor is the name of their file."""
+    text = task(study_with(FREE)).parameters
+    plain = geometry_of(text)
+    disc = [(9.0, -12.0), (9.0, -11.9), (1.0, -11.9), (1.0, 1.0)]
+    hull = Profile(shape="profile", points=disc)
+    spar = geometry_of(text.model_copy(update={"floats": (text.floats[0].model_copy(update={"hull": hull}),)}))
+    assert spar.plates and "plates" in spar.model_dump(exclude_defaults=True)
+    assert not plain.plates and "plates" not in plain.model_dump(exclude_defaults=True)
 
 
 def test_without_need_of_a_memory_none_is_fitted(study_with, monkeypatch):

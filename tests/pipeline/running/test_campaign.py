@@ -80,11 +80,14 @@ def test_coefficients_are_not_solved_again(small, tmp_path, engine):
 @pytest.mark.filterwarnings("default")
 @pytest.mark.parametrize("workers", [1, 2])
 def test_headings_share_what_radiates(small, tmp_path, engine, workers):
-    """One solution in as many shares as workers, and a file for each heading."""
+    """One solution in as many shares as workers, and a file for each heading and for each set of motions.
+
+    An elastic platform moves a float that the waves pass at an angle in every way, a hinge on fixed ground in three.
+    """
     from dataclasses import replace
 
     def coefficients(geometries, shares):
-        assert [g.heading for g in geometries] == [0.1, 0.2]
+        assert {(g.heading, bool(g.needed)) for g in geometries} == {(h, n) for h in (0.1, 0.2) for n in (True, False)}
         assert shares == [(n, workers) for n in range(workers)]
         return engine.coefficients(geometries, shares)
 
@@ -92,7 +95,7 @@ def test_headings_share_what_radiates(small, tmp_path, engine, workers):
     small.write_text(small.read_text().replace("[axes]", '[axes]\n"waves.heading" = [0.1, 0.2]'))
     _, tasks, store, failed, heard = run(small, tmp_path / "r", share, workers=workers)
     assert not failed
-    assert heard.count("geometry") == 2
+    assert heard.count("geometry") == 4
     assert {store.look(task).state for task in tasks} == {"done"}
 
 
@@ -106,7 +109,7 @@ def test_a_share_that_fails_fails_the_tasks_of_all_its_headings_once(small, tmp_
 
     small.write_text(small.read_text().replace("[axes]", '[axes]\n"waves.heading" = [0.1, 0.2]'))
     _, tasks, store, failed, heard = run(small, tmp_path / "r", replace(engine, share=broken), workers=2)
-    assert heard.count("geometry") == 2
+    assert heard.count("geometry") == 4
     assert len(failed) == len({t.id for t in failed}) == 2 * 8
     assert {store.look(t).state for t in tasks if not geometry_of(t.parameters)} == {"done"}
 
