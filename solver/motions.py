@@ -10,9 +10,8 @@ from solver.scene import DOFS, Float, Scene
 PLANAR = DOFS[::2]  # what stays in the plane y = 0
 NOTHING = 1e-9  # of a unit axis, and of the places' coordinates: a motion of less is rounding
 KNOWN = 256  # chains that a process keeps
-PLACES = (
-    2  # at which a Jacobian is looked at: its entries are analytic, so those that vanish at random vanish throughout
-)
+# At which a Jacobian is looked at: its entries are analytic, so those that vanish at random vanish throughout.
+PLACES = 2
 
 Axis = tuple[bool, tuple[float, ...], tuple[float, ...]]  # whether it turns, its direction, a point of it at rest [m]
 
