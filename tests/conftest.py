@@ -4,7 +4,9 @@ import os
 import random
 import shutil
 import tempfile
+from contextlib import nullcontext
 from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -63,14 +65,21 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.fixture(scope="session", autouse=True)
 def one_compiler(tmp_path_factory):
-    """What one worker compiles the others wait for and read from numba's cache; they would all compile it too."""
+    """A kernel that one worker compiles the others wait for and read from numba's cache; they would all compile it too.
+
+    Whoever waits holds those alone that call the kernel, so none waits for ever.
+    """
     if "PYTEST_XDIST_WORKER" not in os.environ:
         yield
         return
-    lock, compiled = FileLock(tmp_path_factory.getbasetemp().parent / "compiler.lock"), Dispatcher.compile
+    folder, compiled = tmp_path_factory.getbasetemp().parent, Dispatcher.compile
+
+    @cache
+    def lock(kernel):
+        return FileLock(folder / f"{kernel.__module__}.{kernel.__name__}.lock")
 
     def alone(self, signature):
-        with lock:
+        with lock(self.py_func) if self.py_func.__module__.startswith("solver.") else nullcontext():
             return compiled(self, signature)
 
     with pytest.MonkeyPatch.context() as patch:
