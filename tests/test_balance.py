@@ -139,6 +139,13 @@ def test_a_held_float_has_the_load_that_is_missing():
     assert turned.preload == pytest.approx((-about,))
 
 
+def test_what_a_float_is_held_with_its_carrier_bears():
+    """A guide on a raft that keeps a light ball down: the raft lifts what the ball does not weigh."""
+    base, light = balanced([raft(), replace(ball(mass=0.5 * DISPLACED), on="raft")], DEEP, [("mass",), ("hold",)])
+    assert base.mass == pytest.approx(1000 * HULL.volume + 0.5 * DISPLACED)
+    assert light.preload == pytest.approx((-0.5 * DISPLACED * DEEP.gravity,))
+
+
 @pytest.mark.parametrize(
     "sought",
     [[("mass", "x", "y"), ("x",), ("mass", "x")], [("mass", "x", "y"), ("hold",), ("hold",)], [("hold",)] * 3],

@@ -19,6 +19,7 @@ from solver.coupled.step import HITS, HOLDS, LOAD, RATE, Drive
 from solver.coupled.system import blocks, energy_residual, prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.mooring import Mooring
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
 from tests.awkward import SCENES
@@ -27,10 +28,10 @@ M = 2000.0  # [kg]
 STIFF = 400.0  # of a stop over the mass [1/s²]: 20 rad/s, seven times faster than the steps
 
 
-def mass(dt, seconds, **law):
+def mass(dt, seconds, motion=("surge",), **law):
     item = Float(
         name="mass", hull=Revolution.sphere(radius=1.0, draft=1.0), mass=M, inertia=(800.0,) * 3, hinge=(0, 0, 0),
-        motion=("surge",), **law,
+        motion=motion, **law,
     )  # fmt: skip
     settings = Settings(
         duration=seconds, discard=0.0, ramp=0.0, time_step=dt, radiation=False, diffraction=False,
@@ -123,6 +124,20 @@ def test_coulomb_friction_takes_its_part_of_each_swing(share):
         assert run.work(PTO) == approx(share * M * path, rel=1e-6)
         assert run.state.held[0] == approx(-M * peaks[-1], abs=1e-4 * M) and run.dy[-1] == 0.0
     assert run.residual < 1e-6
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_what_friction_holds_goes_the_way_that_it_is_pushed(side):
+    """A swing across pushes an axis, that comes to rest, beyond its friction again and again: it pays F a metre."""
+    F, coupled = 0.3 * M, np.array([[1.0, 0.5], [0.5, 1.0]]) * M
+    lines = Mooring(stiffness=tuple(map(tuple, coupled.tolist())))
+    law = {"coulomb": (F, 0.0), "mooring": lines, "offset": (0.0, side)}
+    run = Run(mass(0.05, 12.0, motion=("surge", "sway"), **law))
+    moves = np.abs(run.dy) > 1e-3
+    begins = np.flatnonzero(~moves[:-1] & moves[1:])
+    assert len(begins) >= 2 and np.all(np.sign(run.dy[begins + 2]) == side * (-1.0) ** np.arange(len(begins)))
+    assert run.work(PTO) == approx(F * np.abs(np.diff(run.y)).sum(), rel=2e-3)
+    assert run.residual < 1e-5
 
 
 def test_a_one_way_power_take_off_takes_from_every_other_half_swing():
