@@ -85,9 +85,14 @@ def _passed_on(item: Float, water: Water, floats: Sequence[Float]) -> tuple[floa
         moment += _moment(point - item.hinge, load)
     free = np.array([item.direction(name) for name in item.motion if name not in DOFS[:3]]).reshape(-1, 3)
     force, moment = (0.0 if "heave" in item.motion else force), moment - np.linalg.pinv(free) @ free @ moment
-    for name, pull in zip(item.motion, item.per_axis("preload"), strict=True):
-        force -= pull * (name == "heave")
-        moment = moment - pull * item.direction(name) * (name not in DOFS[:3])
+    return _with(item, -item.per_axis("preload"), force, moment)
+
+
+def _with(item: Float, pulls: np.ndarray, force: float, moment: np.ndarray) -> tuple[float, np.ndarray]:
+    """A vertical force [N] and a moment (3,) [N m], and the loads (n,) along the joint's axes with them."""
+    for name, pull in zip(item.motion, pulls, strict=True):
+        force += pull * (name == "heave")
+        moment = moment + pull * item.direction(name) * (name not in DOFS[:3])
     return force, moment
 
 
@@ -129,10 +134,7 @@ def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[
 
 def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collection[str]) -> Float:
     displaced = water.density * item.hull.volume
-    force, moment = _carried(item, water, floats)
-    for name, pull in zip(item.motion, _pulls(item), strict=True):
-        force += pull * (name == "heave")
-        moment = moment + pull * item.direction(name) * (name not in DOFS[:3])
+    force, moment = _with(item, _pulls(item), *_carried(item, water, floats))
     mass = displaced + force / water.gravity if "mass" in sought else item.mass
     if not mass > 0:
         limit = f"leaves nothing: {displaced:.6g} kg displaced do not bear what the float carries"

@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pipeline.study.attachments import NEMOH, Attachment
+
 if TYPE_CHECKING:
-    from pipeline.study.attachments import Attachment
     from solver.hydrodynamics.bem.given import Given
 
-RADIATION, EXCITATION, INCIDENT, CASE = "RadiationCoefficients.tec", "ExcitationForce.tec", "FKForce.tec", "Nemoh.cal"
+RADIATION, EXCITATION, INCIDENT, CASE = NEMOH
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 TRANSLATION, ROTATION = 1, 2
 
@@ -42,14 +43,14 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
     if missing := {RADIATION, EXCITATION} - texts.keys():
         raise ValueError(f"needs {' and '.join(sorted(missing))} beside it")
     case = _case(texts[CASE]) if CASE in texts else None
-    radiation = dict(_zones(texts[RADIATION]))
+    radiation = [rows for _, rows in _zones(texts[RADIATION])]
     n = len(radiation)
-    omega = next(iter(radiation.values()))[:, 0]
+    omega = radiation[0][:, 0]
     columns = case.columns if case else tuple((k // 6, DOFS[k % 6]) for k in range(n))
     if n != len(columns) or (not case and n % 6):
         told = f"{CASE} has {len(columns)}" if case else f"without {CASE} it must be six for each body"
         raise ValueError(f"{RADIATION} has {n} motions, {told}")
-    both = np.stack([_pairs(rows, omega, n, RADIATION) for rows in radiation.values()], axis=2)  # motion last
+    both = np.stack([_pairs(rows, omega, n, RADIATION) for rows in radiation], axis=2)  # motion last
     headings, excitation = _forces(texts[EXCITATION], omega, n, EXCITATION)
     incident = None
     if INCIDENT in texts:
@@ -80,10 +81,10 @@ def _zones(text: str) -> Iterator[tuple[str, np.ndarray]]:
     named = head.count('"') // 2  # the frequency and two numbers of each motion; capytaine writes dots
     if named and "rad/s" not in head:
         raise ValueError(f"must be over w (rad/s), is over {head.splitlines()[0].partition('=')[2].strip()}")
-    for number, block in enumerate(blocks):
+    for block in blocks:
         title, body = block.split("\n", 1)
         width = named or len(body.splitlines()[0].split())
-        yield f"{number} {title}", np.array(body.split(), float).reshape(-1, width)
+        yield title, np.array(body.split(), float).reshape(-1, width)
 
 
 def _pairs(rows: np.ndarray, omega: np.ndarray, n: int, name: str) -> np.ndarray:
