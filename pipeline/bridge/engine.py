@@ -123,12 +123,12 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
         told = {"mass": (("float",), mass), "cog": (("float", "direction"), cog)}
         record = replace(record, variables={**record.variables, **told})
     if "hold" in sought:
-        axes = list(dict.fromkeys(name for f in scene.floats for name in f.motion))
-        preload = np.full((len(scene.floats), len(axes)), np.nan)
-        for row, item in zip(preload, scene.floats, strict=True):
-            row[[axes.index(name) for name in item.motion]] = item.per_axis("preload")
-        variables = {**record.variables, "preload": (("float", "axis"), preload)}
-        record = replace(record, variables=variables, coords={**record.coords, "axis": np.array(axes)})
+        from solver.record.recorder import Channels
+
+        channels, preload = Channels(scene, None), np.concatenate([f.per_axis("preload") for f in scene.floats])
+        told = {"preload": (("float", "axis"), channels.by_axis(preload[None])[0])}
+        coords = {**record.coords, "axis": np.array(channels.axes)}
+        record = replace(record, variables={**record.variables, **told}, coords=coords)
     return record
 
 
