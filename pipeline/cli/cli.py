@@ -229,7 +229,8 @@ def rerun(
     if not chosen:
         say("nothing to rerun")
         return
-    actions.preflight(study, chosen)
+    # Of a task that has run, its own run says all that can be said.
+    actions.preflight(study, chosen.where(lambda task: store.look(task).state != "done"))
     raise typer.Exit(actions.rerun(study, store, results, chosen, place))
 
 

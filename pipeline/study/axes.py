@@ -12,7 +12,6 @@ from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 import numpy as np
 from pydantic import Discriminator, Field, Tag, ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
-from scipy.special import ndtri
 
 from pipeline.study.tables import Count, Label, Name, NotNegative, Number, Positive, Seed, Table, Title, Unit
 
@@ -77,6 +76,8 @@ class Normal(Table):
 
     def at(self, share: np.ndarray) -> tuple[float, ...]:
         """The numbers below which shares (n,) lie."""
+        from scipy.special import ndtri  # rarely needed, and slow to import
+
         return _rounded(self.mean + self.std * ndtri(share))
 
 

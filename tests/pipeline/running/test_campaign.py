@@ -337,7 +337,7 @@ def test_a_run_says_that_it_compiles(cli, tmp_path, monkeypatch):
     assert "compiling" not in cli("rerun", "platform=fixed,seed=1", "--workers", "1")
 
 
-def test_preflight_judges_what_runs_each_task_once(cli, monkeypatch, engine):
+def test_preflight_judges_what_runs_each_task_once(cli, monkeypatch, engine, tmp_path):
     from dataclasses import replace
 
     judged = []
@@ -351,6 +351,10 @@ def test_preflight_judges_what_runs_each_task_once(cli, monkeypatch, engine):
     judged.clear()
     cli("run", "--workers", "1", "--select", "platform=fixed")
     assert judged == []
+    cli("rerun", "platform=fixed,seed=1,sea_state=calm", "--workers", "1")
+    assert judged == []  # it has run, so what it would say has been said
+    for record in tmp_path.glob("r/small/tasks/*/*.nc"):
+        record.unlink()
     cli("rerun", "platform=fixed,seed=1,sea_state=calm", "--workers", "1")
     assert len(judged) == 1
 
