@@ -595,6 +595,18 @@ def test_collecting_twice_gives_the_same_file(small, tmp_path, engine):
     assert dataset.collect(study, store)[0].read_bytes() == first
 
 
+def test_a_failure_alone_makes_the_dataset_anew(small, tmp_path):
+    """It has no record, and so the content of a task that is missing."""
+    study, store = load(small), Store(tmp_path / "r", "small")
+    store.root.mkdir(parents=True)
+    states = []
+    for _ in range(2):
+        with xr.open_dataset(dataset.current(study, store)) as data:
+            states.append(sorted(set(data.status.values.ravel())))
+        store.failed(next(iter(study.tasks)), {"error": {"kind": "ValueError", "message": "too much", "traceback": ""}})
+    assert states == [["missing"], ["failed", "missing"]]
+
+
 def test_command_line_exits_with_2_and_one_line(small):
     small.write_text(small.read_text().replace("depth = 50.0", "depth = -1.0"))
     done = subprocess.run(

@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 from pipeline.bridge.loading import load
 from pipeline.cli.cli import app
 from pipeline.study.reading import StudyError
+from tests.pipeline.conftest import BUAN
 
 # what to replace in the small study, by what, and what the message must say
 BAD = [
@@ -200,6 +201,26 @@ def test_bad_study_is_refused_in_one_line(small, old, new, message):
     with pytest.raises(StudyError) as caught:
         load(small)
     assert any(line.startswith(f"{small}: ") and message in line for line in caught.value.problems)
+
+
+def test_a_platform_is_judged_also_where_no_task_has_one(small):
+    text = small.read_text().replace('"elastic", "fixed", "elastic-no-floats"', '"fixed"')
+    small.write_text(text.replace("elements = 4", 'elements = 4\nstart_release = ["My"]'))
+    with pytest.raises(StudyError, match="leave hinge:front free to move"):
+        load(small)
+
+
+def test_each_place_of_the_hinges_is_judged(tmp_path):
+    """Seas and seeds are judged from the file; floats meet in the second place alone."""
+    path, text = tmp_path / "near.toml", BUAN.read_text()
+    inwards = text.replace("arm = [-2.36", "arm = [+2.36").replace("arm = [2.36", "arm = [-2.36")
+    for spacing in ("[8.0]", "[8.0, 6.0]"):
+        path.write_text(inwards.replace("[axes]", f"[axes]\nhinge_spacing = {spacing}"))
+        if "6.0" in spacing:
+            with pytest.raises(StudyError, match=r"distance of floats\.front and floats\.rear"):
+                load(path)
+        else:
+            load(path)
 
 
 def test_missing_file_names_its_neighbours(small):
