@@ -63,8 +63,9 @@ HALVINGS = 50  # of the interval in which it leaves a zone
 NEVER = 2.0  # shares of a step
 CHANGES = 200  # of laws in one step, at most
 # Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
-# swings. Pieces above it are halved, those an eighth below are doubled, whose bend is then eight times as large.
-BEND = 0.03
+# swings. Pieces bent by twice as much are halved; the next one is as long as half of it allows, by its third power.
+BEND = 0.02
+LONGER = 1.25  # or the piece's length stays, and with it all that is made for it
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
 NODES = 6  # of the polynomial through the drive's samples around a piece
@@ -102,7 +103,7 @@ def in_contact(problem: Problem, state: State, room: Workspace) -> bool:
     """Whether an axis swings on its stop too fast for a whole step."""
     for n in range(problem.bent.size):
         i = problem.bent[n]
-        if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED and state.pace[i] < problem.dt:
+        if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED and state.pace[i] < problem.dt * (1 - SLIVER):
             return True
     return False
 
@@ -190,7 +191,7 @@ def _take(problem: Problem, length: float, state: State, room: Workspace, fine: 
 @inner_kernel
 def note(problem: Problem, room: Workspace, output: Output, length: float, middle: int, end: int) -> None:
     """Of a step of this length [s], of which half goes to each of the output's rows `middle` and `end`: the stages'
-    loads on the stops, where larger than those noted there, and what axes are held or let go of."""
+    loads on the stops, where larger than those noted there, with all loads then, and what is held or let go of."""
     stage, rows = room.stage, (middle, end)
     for n in range(problem.bent.size):
         i = problem.bent[n]
@@ -198,7 +199,10 @@ def note(problem: Problem, room: Workspace, output: Output, length: float, middl
         for s in range(2):
             load = stop_load(problem.bodies.law, i, stage.zone[STOP_ZONE, i], stage.z[s, i], stage.dz[s, i])
             contact = output.contact[rows[s], n]
-            contact[LOAD] = max(contact[LOAD], load)
+            if load > contact[LOAD]:
+                contact[LOAD] = load
+                for b in range(stage.wrench.shape[1]):
+                    copy(stage.wrench[s, b], output.struck[rows[s], n, b])
             contact[HOLDS] += length / problem.dt if pto == HELD else 0.0
             contact[LET_GO] = 1.0 if abs(pto) == GONE else 0.0
 
@@ -244,12 +248,14 @@ def _halve(problem: Problem, state: State, room: Workspace, length: float) -> No
 
 @inner_kernel
 def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> None:
-    """Twice the length for the next piece where an axis's acceleration is straight enough."""
+    """A longer next piece, twice as long at most, where an axis's acceleration is straight enough."""
     for n in range(problem.bent.size):
         i = problem.bent[n]
-        presses = abs(room.stage.zone[STOP_ZONE, i]) == PRESSED
-        if presses and length > 0.75 * state.pace[i] and _bend(problem, state, room, i, length) < BEND / 8:
-            state.pace[i] *= 2
+        if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
+            bend = max(_bend(problem, state, room, i, length), BEND / 16)
+            longest = length * np.cbrt(0.5 * BEND / bend)
+            if longest > LONGER * length:
+                state.pace[i] = max(state.pace[i], longest)
 
 
 # ---- where a zone ends

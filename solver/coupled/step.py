@@ -82,6 +82,7 @@ class Output(NamedTuple):
     carried: np.ndarray  # (m, nc) load of the floats on the support's nodes, along their carriers [N, N m]
     drag: np.ndarray  # (m, nd, ns) of the water on the frame at its stations [N]
     contact: np.ndarray  # (m, number of bent axes, 5) since the sample before: CONTACT, HOLDS, LET_GO
+    struck: np.ndarray  # (m, number of bent axes, nb, 6) loads as `wrench`, when the axis's stop bore most since then
 
 
 class Problem(NamedTuple):
@@ -154,7 +155,8 @@ def new_output(problem: Problem, samples: int) -> Output:
     nz, nb, (nc, nm) = bodies.mechanism.size, bodies.axes.size, structure.carrier.shape
     shapes = ((nz,), (nz,), (nm,), (nb, 6), (nm,), (nm,), (nc,), structure.station.shape[1:])
     contact = np.zeros((samples, problem.bent.size, LET_GO + 1))
-    return Output(*[*(np.empty((samples, *shape)) for shape in shapes), contact])
+    struck = np.zeros((samples, problem.bent.size, nb, 6))
+    return Output(*[*(np.empty((samples, *shape)) for shape in shapes), contact, struck])
 
 
 @lean_kernel(inline="always")

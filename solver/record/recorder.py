@@ -7,7 +7,7 @@ import numpy as np
 
 from solver.coupled.assembly import Layout, joint_law
 from solver.coupled.natural import SystemModes
-from solver.coupled.step import CONTACT, HITS, HOLDS, LET_GO, Output
+from solver.coupled.step import CONTACT, HITS, HOLDS, LET_GO, LOAD, Output
 from solver.coupled.support import Support
 from solver.multibody.joint_law import (
     bent,
@@ -186,6 +186,7 @@ class Recorder:
         legs = self.channels.legs
         self.largest = legs.nothing() if legs is not None else None
         self.contact = np.zeros((int(bent(self.law).sum()), len(CONTACT)))  # of the axes that may have stops
+        self.struck = np.full((2, len(scene.floats), 3), -np.inf)  # of hinge forces on stops, upwards and downwards
         self.series: dict[str, list[np.ndarray]] = {}
         self.strokes = Statistics()  # of positions and of the sizes of rates, if asked for
         self.rates = Statistics()  # of the axes, where their power take-offs' loads are bounded
@@ -211,6 +212,8 @@ class Recorder:
             hits = self.contact[:, HITS] + contact[..., HITS].sum(axis=0)
             self.contact = np.maximum(self.contact, contact.max(axis=0))
             self.contact[:, HITS] = hits
+            force = self.channels.hinge_force(output.struck[kept][contact[..., LOAD] > 0])
+            self.struck = np.maximum(self.struck, np.max([force, -force], axis=1, initial=-np.inf))
         self.statistics.add(np.concatenate([v.reshape(len(v), -1) for v in channels.values()], axis=1))
         if s.keep_series or self.bands is not None:
             for name, values in {**channels, "time": times[kept]}.items():
@@ -289,6 +292,10 @@ class Recorder:
         ends = np.cumsum([np.prod(shape, dtype=int) for shape in self.shapes.values()])
         tables = np.split(self.statistics.table(), ends[:-1])
         known = {name: t.reshape(*shape, -1) for (name, shape), t in zip(self.shapes.items(), tables, strict=True)}
+        if "hinge_force" in known:  # a hit is shorter than the time between samples
+            force = known["hinge_force"]
+            force[..., 0] = np.maximum(force[..., 0], self.struck[0])
+            force[..., 1] = np.minimum(force[..., 1], -self.struck[1])
         for name, bound in self._bounds():  # a parabola does not know where a quantity is cut off, or jumps
             if name in known:
                 known[name][..., :2] = np.clip(known[name][..., :2], *bound)

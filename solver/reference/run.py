@@ -231,7 +231,9 @@ def _blocks(
         rows.append(_row(case, (n - 1) % (stages - 1) + 1, sample))
         if len(rows) == BLOCK * (stages - 1) or n == case.steps * (stages - 1):
             times, errors, *parts = (np.array(x) for x in zip(*rows, strict=True))
-            output = Output(*[*parts, _contact(case, *parts[:2])])
+            contact = _contact(case, *parts[:2])
+            struck = np.repeat(parts[3][:, None], contact.shape[1], axis=1)
+            output = Output(*[*parts, contact, struck])
             yield times, output, _waves(case, times), errors.max(axis=0), sample.frames
             rows = []
 

@@ -54,6 +54,7 @@ class Run:
         contact = np.concatenate([out.contact for _, out, _ in parts])[:, :1]
         self.contact = contact.sum(axis=1)
         self.held = contact[:, 0, HOLDS] if contact.size else np.zeros(len(self.t))
+        self.struck = np.concatenate([out.struck for _, out, _ in parts])[:, :, 0, 0]  # in surge
 
     def work(self, kind):
         return self.state.work[kind]
@@ -86,10 +87,29 @@ def test_a_mass_bounces_between_stops_with_their_restitution(zeta, dt):
     assert run.contact[:, RATE].max() == approx(1.0, rel=1e-6)
     lost = 0.5 * M * (1 - e ** (2 * hits))
     assert run.work(JOINT_DAMPING) == approx(lost, abs=1e-3 * 0.5 * M)
+    assert np.abs(run.struck).max() == approx(run.contact[:, LOAD].max(), rel=1e-6)  # nothing else bears the mass
     deepest = np.sqrt(1 / STIFF) * np.exp(-zeta / np.sqrt(1 - zeta**2) * np.arccos(zeta))  # of the free swing
     largest = {0.0: STIFF * M * deepest, 0.5: damping}  # of a spring; of a damper that is hit
     if zeta in largest:
         assert run.contact[:, LOAD].max() == approx(largest[zeta], rel=0.02)
+
+
+@pytest.mark.parametrize("dt", [0.4, 0.26, 0.2, 0.13])
+def test_what_rests_on_a_stop_goes_on_in_whole_steps(dt):
+    """However the pieces of its touch divide a step; the load is then the stop's alone."""
+    stops = EndStops(lower=-0.7, upper=0.5, stiffness=STIFF * M, damping=np.sqrt(STIFF) * M)
+    run = Run(mass(dt, 12.0, end_stops=stops, stiffness=M, preload=2 * M, offset=-2.0))
+    assert run.contact[:, HITS].sum() >= 1 and run.y[-1] == approx((2 + 0.5 * STIFF) / (1 + STIFF), abs=1e-6)
+    assert run.state.pace[0] >= dt * (1 - 1e-9)
+
+
+def test_the_force_at_a_hit_does_not_wait_for_a_sample():
+    """Half the period on the stop is 0.16 s; in the record too, whose samples are as far apart as half a step."""
+    stops = EndStops(lower=-0.5, upper=2.0, stiffness=STIFF * M, damping=0.4 * np.sqrt(STIFF) * M)
+    scene = mass(0.26, 20.0, stiffness=M, offset=1.0, end_stops=stops)
+    records = [simulate(replace(scene, settings=replace(scene.settings, time_step=dt))) for dt in (0.26, 0.01)]
+    coarse, fine = (record.variables["hinge_force"][1][0, 0, :2] for record in records)
+    assert coarse == approx(fine, rel=0.01)
 
 
 def test_pieces_are_of_fourth_order():
