@@ -94,7 +94,7 @@ VARIABLES = {
     "work_radiation": Meaning("J", "Work of the radiation memory"),
     "work_pto": Meaning("J", "Work taken by the power take-offs"),
     "work_joint_damping": Meaning("J", "Work taken by damping in the joints besides the power take-offs"),
-    "work_frame_inertia": Meaning("J", "Work of wave inertia loads on the platform"),
+    "work_frame_inertia": Meaning("J", "Work of wave inertia loads and load histories on the platform"),
     "work_frame_drag": Meaning("J", "Work of drag on the platform"),
     "work_structural": Meaning("J", "Work taken by structural damping"),
     "energy_residual": Meaning("1", "Energy that the balance does not account for, as a share of the wave work"),

@@ -73,7 +73,8 @@ class Forces:
     damping: np.ndarray  # (nm, ny) of modal rates, for a damping ratio of 1 until it is known: see damped
     carried: np.ndarray  # (nc, ny) of the floats' loads on the carriers
     drag: np.ndarray  # (nd ns, ny) of the drag at the stations
-    at_rest: np.ndarray  # (ny,) of the frame alone: weight, point loads, buoyancy
+    applied: np.ndarray  # (na, ny) of the forces that load histories have
+    at_rest: np.ndarray  # (ny,) of the frame alone: weight, constant loads, buoyancy
 
     def damped(self, ratio: float) -> "Forces":
         """With the damping ratio of all modes."""
