@@ -22,11 +22,13 @@ from solver.sea.current import Current
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 from solver.structure.load_history import LoadHistory, in_plane
+from solver.structure.tubular import may_be_utilised, resistance
 
 STEPS = 9  # in the shortest period that a scene has to follow
-OF_STEEL = ("reactions", "section_forces", "fibre_stress", "fatigue")
+OF_STEEL = ("reactions", "section_forces", "fibre_stress", "fatigue", "utilisation")
 OUTPUTS = (*OF_STEEL, "pto_force", "pto_stroke")
 MOST_SECTIONS = 200  # members whose section forces are put out
+MOST_CHECKED = 500  # elements whose utilisation is
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 
 
@@ -316,6 +318,16 @@ class Fatigue:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Utilisation:
+    """How tubes are utilised, by NORSOK N-004, 6.3."""
+
+    material_factor: Annotated[float, Quantity("-", least=1, most=2), "Material factor γ_M of the resistances"] = 1.15
+
+    def __post_init__(self) -> None:
+        require_ranges(self, "settings.utilisation")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """Record and numerics. The defaults hold the errors that `make bench` prints."""
 
@@ -372,10 +384,14 @@ class Settings:
         bool, "Whether each output's response per wave amplitude, coherence with the waves and spectrum are put out"
     ] = False
     outputs: Annotated[
-        tuple[Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force", "pto_stroke"], ...],
+        tuple[
+            Literal["reactions", "section_forces", "fibre_stress", "fatigue", "utilisation", "pto_force", "pto_stroke"],
+            ...,
+        ],
         "What else is put out: of an elastic platform's steel, and the power take-offs' forces",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
+    utilisation: Annotated[Utilisation, "By which factors tubes are utilised"] = Utilisation()
     # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.
     # Each can be had alone; convolution and panels take the augmented formulation with them. Slow.
     accuracy: Annotated[Literal["standard", "reference"], "The fast way, or the paper's own, slow, throughout"] = (
@@ -414,6 +430,8 @@ class Settings:
             yield InputError("settings.formulation", "augmented", needs.format('"minimal", and accuracy "standard"'))
         if self.tolerance is not None:
             yield InputError("settings.tolerance", self.tolerance, needs.format("to be left out"))
+        if "utilisation" in self.outputs:
+            yield InputError("settings.outputs", "utilisation", 'needs method = "time": it is not linear')
 
     @property
     def paths(self) -> "Settings":
@@ -510,10 +528,29 @@ class Scene:
         at_feet = [name for name in ("fibre_stress", "fatigue") if name in outputs]
         if at_feet and not self.platform.legs:
             yield InputError("settings.outputs", at_feet[0], "is of the feet of legs: platform.legs must name some")
+        if "utilisation" in outputs:
+            yield from self._utilisation_problems(self.platform.frame)
         members = len(self.platform.frame.members)
         if "section_forces" in outputs and members > MOST_SECTIONS:
             limit = f"must be left out with more than {MOST_SECTIONS} members; there are {members}"
             yield InputError("settings.outputs", "section_forces", limit)
+
+    def _utilisation_problems(self, frame: Frame) -> Iterator[InputError]:
+        tubes = list(filter(may_be_utilised, frame.members))
+        if not tubes:
+            limit = "is of tubes whose material has a yield_strength: there is none"
+            yield InputError("settings.outputs", "utilisation", limit)
+        for member in tubes:
+            if member.flooded is False and frame.ends(member)[:, 2].min() < 0:
+                limit = "must be left out below still water for utilisation: 6.3.9 of N-004, of pressure, is not here"
+                yield InputError(f"platform.members.{member.name}.flooded", False, limit)
+            try:
+                resistance(member, frame.buckling_length(member), self.settings.utilisation.material_factor)
+            except InputError as error:
+                yield error
+        if (count := sum(m.elements for m in tubes)) > MOST_CHECKED:
+            limit = f"must be left out with more than {MOST_CHECKED} elements of tubes; there are {count}"
+            yield InputError("settings.outputs", "utilisation", limit)
 
     def _law_problems(self) -> Iterator[InputError]:
         """Joint laws that the method does not have."""

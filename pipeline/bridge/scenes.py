@@ -92,7 +92,8 @@ def _key(theirs: str) -> str:
     if theirs == "settings.keep_series":
         return "record.series"
     if first == "settings":
-        return f"{'record' if rest in Recording.model_fields else 'solver'}.{rest}"
+        table = "record" if rest.partition(".")[0] in Recording.model_fields else "solver"
+        return f"{table}.{rest}"
     return PLACES.get(first, first) + dot + rest
 
 
@@ -115,8 +116,9 @@ def _settings(recording: Recording, solver: Solver) -> physics.Settings:
     from solver import scene as physics
 
     knobs = {**dict(recording), **dict(solver)}
-    fatigue = physics.Fatigue(**dict(knobs.pop("fatigue")))
-    return physics.Settings(keep_series=knobs.pop("series") != "none", fatigue=fatigue, **knobs)
+    kinds = {"fatigue": physics.Fatigue, "utilisation": physics.Utilisation}
+    rules = {name: kind(**dict(knobs.pop(name))) for name, kind in kinds.items()}
+    return physics.Settings(keep_series=knobs.pop("series") != "none", **rules, **knobs)
 
 
 def sea(parameters: Parameters) -> Realization:

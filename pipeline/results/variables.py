@@ -64,6 +64,9 @@ VARIABLES = {
     "fibre_stress_crossing_rate": Meaning("s-1", "Upcrossings of its mean by the fibre's stress"),
     "fibre_place": Meaning("m", "Place of the fibre from the leg's axis"),
     "fibre_angle": Meaning("rad", "Angle of the fibre in the leg's section, from its axis y towards its axis z"),
+    "utilisation": Meaning(
+        "1", "Largest along the tube by NORSOK N-004, 6.3: axial force, bending, buckling; fails above 1"
+    ),
     "damage": Meaning("h-1", "Fatigue damage by Miner's sum, an hour"),
     "equivalent_range": Meaning("Pa", "Range of hot-spot stress that does the same damage in equivalent_cycles"),
     "equivalent_exponent": Meaning("1", "Exponent m of the damage-equivalent range"),
@@ -160,6 +163,7 @@ COORDINATES = {
     "direction": Meaning(None, "Axis of the component"),
     "foot": Meaning(None, "Name of the node, clamped or on a foundation"),
     "member": Meaning(None, "Name of the member"),
+    "tube": Meaning(None, "Name of the tube that is utilised"),
     "end": Meaning(None, "End of the member"),
     "force": Meaning(None, "Axial force N, shear forces Vy and Vz"),
     "moment": Meaning(None, "Torsion T, bending moments My and Mz"),

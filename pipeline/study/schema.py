@@ -63,13 +63,18 @@ class Current(Table):
 DEFAULT = physics.Settings()
 
 
-Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force", "pto_stroke"]
+Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "utilisation", "pto_force", "pto_stroke"]
 
 
 # An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
 @fields_of(physics.Fatigue)
 class Fatigue(Table):
     """By which rules damage is reckoned, where `outputs` ask for it."""
+
+
+@fields_of(physics.Utilisation)
+class Utilisation(Table):
+    """By which factors tubes are utilised (NORSOK N-004, 6.3), where `outputs` ask for it."""
 
 
 def _once(outputs: tuple[str, ...]) -> tuple[str, ...]:
@@ -93,6 +98,7 @@ class Recording(Table):
         "What else is put out: of an elastic platform's steel, and the power take-offs' forces and strokes",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
+    utilisation: Annotated[Utilisation, "By which factors tubes are utilised"] = Utilisation()
     if TYPE_CHECKING:
         ramp: float = DEFAULT.ramp
         rao: bool = DEFAULT.rao

@@ -77,14 +77,16 @@ class System:
         """Coordinates z (nz,) and modal amplitudes p (nm,) at rest without waves, under the loads of the start."""
         stride = 0.1 * min(1.0, *(f.hull.size for f in self.scene.floats), 1.0)
         frame, law = self.structure, joint_law.at_rest(self.bodies.law)
-        bits = Bits((self.bodies._replace(law=law), frame.omega, frame.carrier, self.steady_drag + self._applied(0.0)))
-        z, p = _equilibrium(bits, stride)
+        bodies = self.bodies._replace(law=law)
+        z, p = _equilibrium(Bits((bodies, frame.omega, frame.carrier, self._steady())), stride)
         return z.copy(), p.copy()  # kernels are compiled once more for arrays that nobody may write to
 
-    @cached_property
-    def steady_drag(self) -> np.ndarray:
-        """Modal drag (nm,) of the current alone on the frame at rest."""
-        return self.drag_at_rest(self.support.stream) if self.support else np.zeros(0)
+    def _steady(self) -> np.ndarray:
+        """Modal loads (nm,) of the current and of the load histories' start on the frame at rest."""
+        if self.still:
+            return np.zeros(self.structure.omega.size)
+        first = self.drive(self.besides(np.zeros(1)))
+        return first.modal[0] + self.drag_at_rest(first.station[0])
 
     def drag_at_rest(self, flow: np.ndarray) -> np.ndarray:
         """Modal drag (nm,) of water of velocity flow (nd, ns) at the stations, on the frame at rest."""
@@ -93,20 +95,10 @@ class System:
             drag(self.structure, flow, np.zeros(load.size), load, np.empty(flow.shape))
         return load
 
-    def _applied(self, t: float) -> np.ndarray:
-        """Modal loads (nm,) of the load histories at a time [s]."""
-        if self.support is None or not self.histories:
-            return np.zeros(self.structure.omega.size)
-        return (self._forces_at(np.array([t])) @ self.support.applied)[0]
-
     @property
     def histories(self) -> tuple[LoadHistory, ...]:
         """The platform's loads that go with time."""
         return self.scene.platform.load_histories if self.scene.platform else ()
-
-    def _forces_at(self, t: np.ndarray) -> np.ndarray:
-        """Of the load histories along their axes, in the order of Support.applied, (m, na) [N]."""
-        return np.concatenate([history.at(t)[:, history.axes] for history in self.histories], axis=1)
 
     def besides(self, t: np.ndarray) -> np.ndarray:
         """What no wave drives, among the columns of the rows (m, columns): current at the stations, applied loads."""
@@ -114,7 +106,7 @@ class System:
         assert support is not None, "asked of a scene with a current or loads on a platform"
         out[:, at.station] = support.stream.ravel()
         if self.histories:
-            force = self._forces_at(t)
+            force = np.concatenate([history.at(t)[:, history.axes] for history in self.histories], axis=1)
             out[:, at.modal] = force @ support.applied
             if support.forces is not None:
                 out[:, at.forces] = force @ support.forces.applied
@@ -140,7 +132,7 @@ class System:
         scene = replace(self.scene, settings=replace(self.scene.settings, time_step=dt))
         memory = assembly.memory(self.fit, dt, self.bodies.added_mass.shape[0])
         other = replace(self, scene=scene, dt=dt, memory=memory)
-        kept = ("equilibrium", "steady_drag", "differences", "factored")
+        kept = ("equilibrium", "differences", "factored")
         vars(other).update({name: value for name, value in vars(self).items() if name in kept})
         return other
 

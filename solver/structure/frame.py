@@ -32,6 +32,9 @@ class Material:
     E: Annotated[float, Quantity("Pa", above=0), "Young's modulus"]
     G: Annotated[float, Quantity("Pa", above=0), "Shear modulus"]
     density: Annotated[float, Quantity("kg/m3", above=0), "Density of the material"]
+    yield_strength: Annotated[float | None, Quantity("Pa", above=0), "Yield strength, by which tubes are utilised"] = (
+        None
+    )
 
     def __post_init__(self) -> None:
         require_ranges(self, "material")
@@ -63,6 +66,12 @@ class Member:
     # A pin: ("My", "Mz"). The node that the end is at moves on with the other members.
     start_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its start does not pass on"] = ()
     end_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its end does not pass on"] = ()
+    buckling_length: Annotated[
+        float | None, Quantity("m", above=0), "Effective length kl for utilisation; left out, the member's own"
+    ] = None
+    moment_factor: Annotated[
+        float, Quantity("-", above=0, most=1), "C_m for utilisation, N-004's Table 6-2; 1 is on the safe side"
+    ] = 1.0
     distributed_load: Annotated[Vector, Quantity("N/m"), "Constant load per length, wind, along the global axes"] = (
         0.0, 0.0, 0.0,
     )  # fmt: skip
@@ -229,6 +238,11 @@ class Frame:
         """Places of a member's start and end (2, 3) [m], at the ends of their rigid offsets."""
         nodes = np.array([self.nodes[member.start], self.nodes[member.end]], float)
         return nodes + np.array([member.start_offset, member.end_offset])
+
+    def buckling_length(self, member: Member) -> float:
+        """Of a member [m]: its own, where it has no other."""
+        start, end = self.ends(member)
+        return float(np.linalg.norm(end - start)) if member.buckling_length is None else member.buckling_length
 
     def places(self) -> Iterator[tuple[str, tuple[float, ...]]]:
         """Keys and places [m] of the nodes, and of the ends of members that rigid offsets move."""

@@ -58,6 +58,21 @@ def test_all_of_them_reach_the_solver(study_with):
     assert scenes.scene(tasks(law)["elastic"].parameters).current.velocity(np.array([-37.5]), 50.0)[0, 0] == approx(1.0)
 
 
+def test_what_utilises_tubes_reaches_the_solver(study_with):
+    text = SMALL.replace("density = 8012.0", "density = 8012.0\nyield_strength = 355e6")
+    outputs = '[record]\noutputs = ["utilisation"]\n[record.utilisation]\nmaterial_factor = 1.3\n'
+    member = "buckling_length = 70.0\nmoment_factor = 0.85"
+    scene = scenes.scene(tasks(study_with(outputs, member=member, text=text))["elastic"].parameters)
+    (leg,) = scene.platform.frame.members
+    assert (leg.material.yield_strength, leg.buckling_length, leg.moment_factor) == (355e6, 70.0, 0.85)
+    assert scene.settings.outputs == ("utilisation",) and scene.settings.utilisation.material_factor == 1.3
+    with pytest.raises(StudyError, match=r"record\.outputs = utilisation: is of tubes whose material has a yield_str"):
+        study_with(outputs)
+    thin = text.replace("thickness = 0.05", "thickness = 0.01")
+    with pytest.raises(StudyError, match=r"record\.utilisation\.material_factor = 1\.3: must be >= 1\.45"):
+        study_with(outputs, text=thin)
+
+
 def test_tasks_without_them_are_what_they_were(study_with):
     """Ids go by what acts: not on a fixed platform, and the file by its content."""
     bare = {name: task.id for name, task in tasks(study_with()).items()}
