@@ -18,13 +18,17 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import SIX, AxisMooring, Mooring, none
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.quantities import Quantity, out_of_range, require_ranges
+from solver.sea.current import Current
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
+from solver.structure.load_history import LoadHistory, in_plane
+from solver.structure.tubular import may_be_utilised, resistance
 
 STEPS = 9  # in the shortest period that a scene has to follow
-OF_STEEL = ("reactions", "section_forces", "fibre_stress", "fatigue")
+OF_STEEL = ("reactions", "section_forces", "fibre_stress", "fatigue", "utilisation")
 OUTPUTS = (*OF_STEEL, "pto_force", "pto_stroke")
 MOST_SECTIONS = 200  # members whose section forces are put out
+MOST_CHECKED = 500  # elements whose utilisation is
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 
 
@@ -272,11 +276,19 @@ class Platform:
         "standard"
     )
 
+    load_histories: tuple[LoadHistory, ...] = ()
+
     def __post_init__(self) -> None:
         members = [member.name for member in self.frame.members]
         strange = [(i, leg) for i, leg in enumerate(self.legs) if leg not in members]
         unknown = [InputError(f"platform.legs[{i}]", leg, f"must be one of {', '.join(members)}") for i, leg in strange]
-        refuse([*out_of_range(self, "platform"), *unknown])
+        refuse([*out_of_range(self, "platform"), *unknown, *self._history_problems()])
+
+    def _history_problems(self) -> Iterator[InputError]:
+        for i, history in enumerate(self.load_histories):
+            if history.node not in self.frame.nodes:
+                limit = f"must be one of {', '.join(self.frame.nodes)}"
+                yield InputError(f"platform.load_histories[{i}].node", history.node, limit)
 
     def __hash__(self) -> int:
         """By names alone, which is quick; what no wave changes is kept for the next task with an equal platform."""
@@ -303,6 +315,16 @@ class Fatigue:
 
     def __post_init__(self) -> None:
         require_ranges(self, "settings.fatigue")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Utilisation:
+    """How tubes are utilised, by NORSOK N-004, 6.3."""
+
+    material_factor: Annotated[float, Quantity("-", least=1, most=2), "Material factor γ_M of the resistances"] = 1.15
+
+    def __post_init__(self) -> None:
+        require_ranges(self, "settings.utilisation")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -362,10 +384,14 @@ class Settings:
         bool, "Whether each output's response per wave amplitude, coherence with the waves and spectrum are put out"
     ] = False
     outputs: Annotated[
-        tuple[Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force", "pto_stroke"], ...],
+        tuple[
+            Literal["reactions", "section_forces", "fibre_stress", "fatigue", "utilisation", "pto_force", "pto_stroke"],
+            ...,
+        ],
         "What else is put out: of an elastic platform's steel, and the power take-offs' forces",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
+    utilisation: Annotated[Utilisation, "By which factors tubes are utilised"] = Utilisation()
     # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.
     # Each can be had alone; convolution and panels take the augmented formulation with them. Slow.
     accuracy: Annotated[Literal["standard", "reference"], "The fast way, or the paper's own, slow, throughout"] = (
@@ -404,6 +430,8 @@ class Settings:
             yield InputError("settings.formulation", "augmented", needs.format('"minimal", and accuracy "standard"'))
         if self.tolerance is not None:
             yield InputError("settings.tolerance", self.tolerance, needs.format("to be left out"))
+        if "utilisation" in self.outputs:
+            yield InputError("settings.outputs", "utilisation", 'needs method = "time": it is not linear')
 
     @property
     def paths(self) -> "Settings":
@@ -431,10 +459,11 @@ def panels_for(tolerance: float | None) -> int:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scene:
-    """Water, one realization of the sea, floats, and their support (None: fixed in space)."""
+    """Water, one realization of the sea, a current, floats, and their support (None: fixed in space)."""
 
     water: Water
     sea: Realization = CALM
+    current: Current | None = None  # which the members' drag feels alone
     floats: tuple[Float, ...] = ()
     platform: Platform | None = None
     settings: Settings = Settings()
@@ -465,6 +494,7 @@ class Scene:
                 yield InputError(f"platform.{key}", place, limit)
         yield from self._output_problems()
         yield from self._law_problems()
+        yield from self._load_problems()
         settings, longest = self.settings, self.longest_step
         marching = settings.method == "time" and settings.tolerance is None and self.sea.amplitude.any()
         if marching and (step := settings.time_step) is not None and step > longest:
@@ -498,10 +528,29 @@ class Scene:
         at_feet = [name for name in ("fibre_stress", "fatigue") if name in outputs]
         if at_feet and not self.platform.legs:
             yield InputError("settings.outputs", at_feet[0], "is of the feet of legs: platform.legs must name some")
+        if "utilisation" in outputs:
+            yield from self._utilisation_problems(self.platform.frame)
         members = len(self.platform.frame.members)
         if "section_forces" in outputs and members > MOST_SECTIONS:
             limit = f"must be left out with more than {MOST_SECTIONS} members; there are {members}"
             yield InputError("settings.outputs", "section_forces", limit)
+
+    def _utilisation_problems(self, frame: Frame) -> Iterator[InputError]:
+        tubes = list(filter(may_be_utilised, frame.members))
+        if not tubes:
+            limit = "is of tubes whose material has a yield_strength: there is none"
+            yield InputError("settings.outputs", "utilisation", limit)
+        for member in tubes:
+            if member.flooded is False and frame.ends(member)[:, 2].min() < 0:
+                limit = "must be left out below still water for utilisation: 6.3.9 of N-004, of pressure, is not here"
+                yield InputError(f"platform.members.{member.name}.flooded", False, limit)
+            try:
+                resistance(member, frame.buckling_length(member), self.settings.utilisation.material_factor)
+            except InputError as error:
+                yield error
+        if (count := sum(m.elements for m in tubes)) > MOST_CHECKED:
+            limit = f"must be left out with more than {MOST_CHECKED} elements of tubes; there are {count}"
+            yield InputError("settings.outputs", "utilisation", limit)
 
     def _law_problems(self) -> Iterator[InputError]:
         """Joint laws that the method does not have."""
@@ -521,6 +570,27 @@ class Scene:
                     yield InputError(f"floats.{f.name}.{name}", value, 'needs method = "time": it is not linear')
                 elif s.paths.formulation == "augmented" and name in jumping:
                     yield InputError(f"floats.{f.name}.{name}", value, 'needs formulation = "minimal": it jumps')
+
+    def _load_problems(self) -> Iterator[InputError]:
+        """Currents and loads that change with time, where nothing or no method takes them."""
+        s, histories = self.settings, self.platform.load_histories if self.platform else ()
+        augmented = 'needs formulation = "minimal", and accuracy = "standard"'
+        if self.current:
+            if self.platform is None:
+                yield InputError("current", "given", "acts on the members of an elastic platform: needs one")
+            if self.current.exponent and np.isinf(self.water.depth):
+                yield InputError("current.exponent", self.current.exponent, "needs water of finite depth, or a profile")
+            if s.paths.formulation == "augmented":
+                yield InputError("current", "given", augmented)
+        for history in histories:
+            key, end = f"platform.load_histories.{history.node}", s.discard + s.duration
+            if s.method == "frequency":
+                yield InputError(key, "given", 'needs method = "time": it is no response to waves')
+            elif s.paths.formulation == "augmented":
+                yield InputError(key, "given", augmented)
+            elif history.time[0] > 0 or history.time[-1] < end * (1 - 1e-9):
+                span = f"{history.time[0]:g} to {history.time[-1]:g} s"
+                yield InputError(f"{key}.time", span, f"must last from 0 to {end:g} s, the end of the run")
 
     def _carrier_problems(self) -> Iterator[InputError]:
         names = [f.name for f in self.floats]
@@ -558,7 +628,8 @@ class Scene:
     @property
     def planar(self) -> bool:
         """Scene and sea are mirror images of themselves in y = 0, so nothing leaves the plane."""
-        return is_planar(self.floats, self.sea.heading)
+        symmetric = self.platform is None or in_plane(self.platform.load_histories, self.platform.frame.nodes)
+        return symmetric and is_planar(self.floats, self.sea.heading, self.current)
 
 
 def two_digits(step: float) -> float:
@@ -567,8 +638,10 @@ def two_digits(step: float) -> float:
     return float(f"{np.floor(step / digit * (1 + 1e-9)) * digit:.2g}")
 
 
-def is_planar(floats: Iterable[Float], heading: float) -> bool:
-    """Whether floats and waves of that heading [rad] are mirror images of themselves in y = 0."""
+def is_planar(floats: Iterable[Float], heading: float, current: Current | None = None) -> bool:
+    """Whether floats, waves of that heading [rad] and current are mirror images of themselves in y = 0."""
+    if current is not None and current.direction % np.pi != 0:
+        return False
     return heading % np.pi == 0 and all(
         f.hinge[1] == f.arm[1] == f.cog[1] == 0
         and f.hull.symmetry[1]

@@ -78,6 +78,8 @@ def _contents(study: StudyFile) -> Iterator[InputError]:
     if study.coefficients and len(study.floats) > 1 and not study.solver.interaction:
         limit = "must be true: `coefficients` from a file are of floats that interact"
         yield InputError("solver.interaction", "false", limit)
+    if study.current and not study.platform:
+        yield InputError("current", "given", "acts on the members of an elastic platform: needs a [platform] table")
     yield from _left_out(study)
     yield from _parts(study)
 

@@ -83,7 +83,8 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     bare = tuple(f.model_copy(update=UNLOADED) for f in parameters.floats)
     floats = scenes.floats(parameters.model_copy(update={"floats": bare}))
     centres = [tuple(map(float, item.centre)) for item in floats]
-    planar = is_planar(floats, parameters.waves.heading)
+    symmetric = parameters.platform is None or scenes.in_plane(parameters.platform)
+    planar = symmetric and is_planar(floats, parameters.waves.heading, scenes.current(parameters.current))
     ways = possible(floats, planar=planar, elastic=parameters.platform is not None)
     place = {
         "water": parameters.water,

@@ -17,10 +17,12 @@ from pipeline.study.attachments import Attachment
 from pipeline.study.layout import HINGE
 from pipeline.study.schema import (
     BoxHull,
+    Current,
     Duck,
     Float,
     HemisphereCylinder,
     Hull,
+    LoadHistory,
     Member,
     PanelMesh,
     Platform,
@@ -44,10 +46,13 @@ if TYPE_CHECKING:
     from solver.hydrodynamics.hull.panel_hull import PanelHull
     from solver.hydrodynamics.hull.revolution import Revolution
     from solver.power_takeoff import PtoTable
+    from solver.sea.current import Current as Stream
     from solver.sea.realization import Realization
     from solver.structure import beam, frame
+    from solver.structure.load_history import LoadHistory as History
 
 
+FORCES = ("Fx", "Fy", "Fz")
 FOUND = "balance"  # in place of a number: found from weight and buoyancy
 # First word of a key of the solver's -> where a study file has it.
 PLACES = {"band": "waves.band", "components": "waves.components"}
@@ -60,6 +65,7 @@ def scene(parameters: Parameters, waves: Realization | None = None) -> physics.S
     return physics.Scene(
         water=physics.Water(**dict(parameters.water)),
         sea=waves or sea(parameters),
+        current=current(parameters.current),
         floats=floats(parameters),
         platform=platform(parameters.platform, parameters.floats) if parameters.platform else None,
         settings=settings(parameters),
@@ -86,7 +92,8 @@ def _key(theirs: str) -> str:
     if theirs == "settings.keep_series":
         return "record.series"
     if first == "settings":
-        return f"{'record' if rest in Recording.model_fields else 'solver'}.{rest}"
+        table = "record" if rest.partition(".")[0] in Recording.model_fields else "solver"
+        return f"{table}.{rest}"
     return PLACES.get(first, first) + dot + rest
 
 
@@ -109,8 +116,9 @@ def _settings(recording: Recording, solver: Solver) -> physics.Settings:
     from solver import scene as physics
 
     knobs = {**dict(recording), **dict(solver)}
-    fatigue = physics.Fatigue(**dict(knobs.pop("fatigue")))
-    return physics.Settings(keep_series=knobs.pop("series") != "none", fatigue=fatigue, **knobs)
+    kinds = {"fatigue": physics.Fatigue, "utilisation": physics.Utilisation}
+    rules = {name: kind(**dict(knobs.pop(name))) for name, kind in kinds.items()}
+    return physics.Settings(keep_series=knobs.pop("series") != "none", **rules, **knobs)
 
 
 def sea(parameters: Parameters) -> Realization:
@@ -259,6 +267,41 @@ def pto_law(
         return table(file, velocity, position, error, parameters, axis)
 
 
+@lru_cache(maxsize=64)
+def current(table: Current | None) -> Stream | None:
+    """The solver's current for the table [current]."""
+    from solver.sea.current import Current as Stream
+    from solver.sea.current import CurrentSpeed
+
+    if table is None:
+        return None
+    return Stream(**{**dict(table), "profile": tuple(CurrentSpeed(**dict(line)) for line in table.profile)})
+
+
+@lru_cache(maxsize=64)
+def load_history(table: LoadHistory) -> History:
+    """The solver's load for a table of [[platform.load_histories]]."""
+    import numpy as np
+
+    from solver.structure.load_history import LoadHistory as History
+
+    with _part(f"platform.load_histories.{table.node}.", f"load_histories.{table.node}."):
+        there = [name for name in FORCES if columns.has(table.file, name)]
+        if not there:
+            raise InputError("file", table.file, f"needs a column of {', '.join(FORCES)} in its header")
+        read = columns.read(table.file, ("time", *there))
+        time = read["time"]
+        force = np.stack([read.get(name, np.zeros(time.size)) for name in FORCES], axis=-1)
+        return History(node=table.node, time=time, force=force)
+
+
+def in_plane(table: Platform) -> bool:
+    """Whether what goes with time on a platform is its own mirror image in y = 0."""
+    from solver.structure.load_history import in_plane
+
+    return in_plane(map(load_history, table.load_histories), table.nodes)
+
+
 def in_place(item: Float, water: Water) -> None:
     """Refuse a float that reaches the seabed or is not at still water."""
     from solver import scene as physics
@@ -274,7 +317,7 @@ def platform(table: Platform, floats: Iterable[Float]) -> physics.Platform:
 @lru_cache(maxsize=16)
 def _platform(same: Same[Platform], floats: tuple[str, ...]) -> physics.Platform:
     from solver import scene as physics
-    from solver.structure.frame import Frame, PointLoad, PointMass
+    from solver.structure.frame import Frame, MarineGrowth, PointLoad, PointMass
 
     table = same.table
     members = tuple(member(m, table) for m in table.members)
@@ -285,6 +328,7 @@ def _platform(same: Same[Platform], floats: tuple[str, ...]) -> physics.Platform
             clamped=table.clamped,
             masses=tuple(PointMass(**dict(m)) for m in table.masses),
             loads=tuple(PointLoad(**dict(p)) for p in table.loads),
+            growth=tuple(MarineGrowth(**dict(line)) for line in table.marine_growth),
             foundation=table.foundation,
         )
     return physics.Platform(
@@ -292,6 +336,7 @@ def _platform(same: Same[Platform], floats: tuple[str, ...]) -> physics.Platform
         legs=table.legs,
         damping_ratio=table.damping_ratio,
         hinge_nodes={name: HINGE + name for name in floats},
+        load_histories=tuple(map(load_history, table.load_histories)),
         geometric_stiffness=table.geometric_stiffness,
         wave_inertia=table.wave_inertia,
     )

@@ -64,6 +64,9 @@ VARIABLES = {
     "fibre_stress_crossing_rate": Meaning("s-1", "Upcrossings of its mean by the fibre's stress"),
     "fibre_place": Meaning("m", "Place of the fibre from the leg's axis"),
     "fibre_angle": Meaning("rad", "Angle of the fibre in the leg's section, from its axis y towards its axis z"),
+    "utilisation": Meaning(
+        "1", "Largest along the tube by NORSOK N-004, 6.3: axial force, bending, buckling; fails above 1"
+    ),
     "damage": Meaning("h-1", "Fatigue damage by Miner's sum, an hour"),
     "equivalent_range": Meaning("Pa", "Range of hot-spot stress that does the same damage in equivalent_cycles"),
     "equivalent_exponent": Meaning("1", "Exponent m of the damage-equivalent range"),
@@ -94,7 +97,7 @@ VARIABLES = {
     "work_radiation": Meaning("J", "Work of the radiation memory"),
     "work_pto": Meaning("J", "Work taken by the power take-offs"),
     "work_joint_damping": Meaning("J", "Work taken by damping in the joints besides the power take-offs"),
-    "work_frame_inertia": Meaning("J", "Work of wave inertia loads on the platform"),
+    "work_frame_inertia": Meaning("J", "Work of wave inertia loads and load histories on the platform"),
     "work_frame_drag": Meaning("J", "Work of drag on the platform"),
     "work_structural": Meaning("J", "Work taken by structural damping"),
     "energy_residual": Meaning("1", "Energy that the balance does not account for, as a share of the wave work"),
@@ -160,6 +163,7 @@ COORDINATES = {
     "direction": Meaning(None, "Axis of the component"),
     "foot": Meaning(None, "Name of the node, clamped or on a foundation"),
     "member": Meaning(None, "Name of the member"),
+    "tube": Meaning(None, "Name of the tube that is utilised"),
     "end": Meaning(None, "End of the member"),
     "force": Meaning(None, "Axial force N, shear forces Vy and Vz"),
     "moment": Meaning(None, "Torsion T, bending moments My and Mz"),

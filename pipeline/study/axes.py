@@ -21,7 +21,7 @@ Support = Literal["elastic", "fixed", "elastic-no-floats"]
 TAKEN = frozenset((
     "sea_state", "platform", "seed", "float", "axis", "leg", "direction", "height", "statistic", "mode", "system_mode",
     "component", "variant", "variant_title", "sample", "status", "task", "unmet", "axis_unit",
-    "elapsed_time", "wall_time", "foot", "member", "end", "force", "moment", "fibre",
+    "elapsed_time", "wall_time", "foot", "member", "tube", "end", "force", "moment", "fibre",
 ))  # fmt: skip
 UNCHANGED = object()
 WORD = re.compile(r"([A-Za-z_]\w*)(?: \[([^\[\]]+)\])?")  # length [m]

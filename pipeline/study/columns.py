@@ -39,6 +39,7 @@ QUANTITIES = {
     "position": Column({"m": 1.0, "rad": 1.0}),
     "velocity": Column({"m/s": 1.0, "rad/s": 1.0}),
     "force": Column({"N": 1.0, "N m": 1.0}),
+    **{name: Column({"N": 1.0}) for name in ("Fx", "Fy", "Fz")},
     "S": Column({"m2 s/rad": 1.0, "m2/Hz": 1 / TURN}, least=0.0),
 }
 ALIASES = {"omega": ("omega", "frequency")}

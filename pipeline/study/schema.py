@@ -33,6 +33,8 @@ from pipeline.study.tables import (
 from solver import power_takeoff as takeoff
 from solver import scene as physics
 from solver.mooring import Mooring as Moored
+from solver.sea.current import Current as Stream
+from solver.sea.current import CurrentSpeed
 from solver.structure import frame
 
 
@@ -46,16 +48,33 @@ class Water(Table):
         gravity: float
 
 
+@fields_of(CurrentSpeed)
+class CurrentLine(Table):
+    """Speed of the current at a depth: straight between the lines of the table, level beyond them."""
+
+
+@fields_of(Stream)
+class Current(Table):
+    """A steady current, which the drag of the platform's members feels; waves on it are as in still water."""
+
+    profile: Annotated[tuple[CurrentLine, ...], "Speeds by depth, downwards, in place of `speed` and `exponent`"] = ()
+
+
 DEFAULT = physics.Settings()
 
 
-Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force", "pto_stroke"]
+Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "utilisation", "pto_force", "pto_stroke"]
 
 
 # An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
 @fields_of(physics.Fatigue)
 class Fatigue(Table):
     """By which rules damage is reckoned, where `outputs` ask for it."""
+
+
+@fields_of(physics.Utilisation)
+class Utilisation(Table):
+    """By which factors tubes are utilised (NORSOK N-004, 6.3), where `outputs` ask for it."""
 
 
 def _once(outputs: tuple[str, ...]) -> tuple[str, ...]:
@@ -79,6 +98,7 @@ class Recording(Table):
         "What else is put out: of an elastic platform's steel, and the power take-offs' forces and strokes",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
+    utilisation: Annotated[Utilisation, "By which factors tubes are utilised"] = Utilisation()
     if TYPE_CHECKING:
         ramp: float = DEFAULT.ramp
         rao: bool = DEFAULT.rao
@@ -418,6 +438,18 @@ Foundation = Annotated[
 ]
 
 
+@fields_of(frame.MarineGrowth)
+class MarineGrowth(Table):
+    """Marine growth at a depth; straight between the lines of the table, level beyond. Two at one depth are a step."""
+
+
+class LoadHistory(Table):
+    """A force on a node that goes with time, straight between the lines of a file."""
+
+    node: Annotated[Name, "Node that it acts on"]
+    file: Annotated[File, "CSV file beside the study: time [s] of the run, and Fx, Fy, Fz [N], or some of them"]
+
+
 @fields_of(physics.Platform, ("legs", "damping_ratio", "geometric_stiffness", "wave_inertia"))
 class Platform(Table):
     """A beam frame. Nodes named hinge:<float> come with the floats; the others stand here."""
@@ -435,6 +467,10 @@ class Platform(Table):
     legs: tuple[Name, ...] = ()
     masses: Annotated[tuple[PointMass, ...], "Lumped masses"] = ()
     loads: Annotated[tuple[PointLoad, ...], "Static loads"] = ()
+    load_histories: Annotated[tuple[LoadHistory, ...], "Loads that go with time, in the time domain"] = ()
+    marine_growth: Annotated[
+        tuple[MarineGrowth, ...], "What grows on members with a diameter below still water, by depth, downwards"
+    ] = ()
     if TYPE_CHECKING:
         damping_ratio: float
         geometric_stiffness: bool
@@ -450,6 +486,7 @@ class StudyFile(Table):
         "From others' boundary elements: capytaine's .nc, BEMIO's .h5, WAMIT's .1 (.3, .hst) or .out, Nemoh's .tec",
     ] = None
     water: Annotated[Water, "The water"]
+    current: Annotated[Current | None, "A steady current"] = None
     waves: Annotated[Waves, "What sea states have in common"] = Waves()
     record: Annotated[Recording, "What is analysed and kept"] = Recording()
     solver: Annotated[Solver, "Numerical choices"] = Solver()

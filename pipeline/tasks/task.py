@@ -16,7 +16,7 @@ from pipeline.study.attachments import Attachment, CoefficientFile
 from pipeline.study.axes import UNCHANGED
 from pipeline.study.layout import hinge_nodes, spaced
 from pipeline.study.paths import with_value
-from pipeline.study.schema import Float, Platform, Recording, Solver, StudyFile, Water
+from pipeline.study.schema import Current, Float, Platform, Recording, Solver, StudyFile, Water
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import Same, Seed, Table, Vector
 
@@ -37,6 +37,7 @@ class Parameters(Table):
     solver: Solver = Solver()
     floats: tuple[Float, ...] = ()
     platform: Platform | None = None
+    current: Current | None = None
     coefficients: CoefficientFile | None = None
     seed: Seed = 0
 
@@ -241,6 +242,7 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
         solver=study.solver,
         floats=floats,
         platform=platform,
+        current=study.current if platform else None,
         coefficients=study.coefficients if floats else None,
         seed=int(labels["seed"]) if seas.is_random(sea) else 0,
     )

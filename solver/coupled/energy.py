@@ -8,7 +8,7 @@ from solver.kernels import inner_kernel, kernel, lean_kernel
 from solver.multibody.minimal import Bodies, Motion, move, new_motion, stored_energy
 
 # Work [J] of: pressure and excitation, radiation memory, PTO, other losses of the joints,
-# wave inertia on the frame, drag on the frame, structural damping.
+# wave inertia and load histories on the frame, drag of waves and current on the frame, structural damping.
 WORKS = ("wave", "radiation", "pto", "joint_damping", "frame_inertia", "frame_drag", "structural")
 WAVE, RADIATION, PTO, JOINT_DAMPING, FRAME_INERTIA, FRAME_DRAG, STRUCTURAL = range(len(WORKS))
 

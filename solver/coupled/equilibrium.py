@@ -106,11 +106,14 @@ def weights(body: Bodies) -> float:
     return float(body.gravity * np.sum(body.mass * (1 + lever)))
 
 
-def equilibrium(body: Bodies, omega: np.ndarray, carrier: np.ndarray, stride: float) -> tuple[np.ndarray, np.ndarray]:
+def equilibrium(
+    body: Bodies, omega: np.ndarray, carrier: np.ndarray, steady: np.ndarray, stride: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates z (nz,) of the floats and amplitudes p (nm,) of modes of frequencies omega (nm,) at rest.
 
-    In still water. The structure bends under what the floats put on it, p = Sᵀ JᵀW/ω² with carriers S p, and the floats
-    follow it by at most `stride` [m or rad] at a time, in turn until nothing moves.
+    Without waves. The structure bends under steady loads f (nm,) of its modes and what the floats put on it,
+    p = (f + Sᵀ JᵀW)/ω² with carriers S p, and the floats follow it by at most `stride` [m or rad] at a time, in turn
+    until nothing moves.
     """
     nc, nm = carrier.shape
     z, p = np.zeros(body.mechanism.size), np.zeros(nm)
@@ -118,7 +121,7 @@ def equilibrium(body: Bodies, omega: np.ndarray, carrier: np.ndarray, stride: fl
         before = z.copy()
         if z.size > nc:
             _settle_joints(body, z, nc, stride)
-        p = carrier.T @ balance(body, z)[0][:nc] / omega**2
+        p = (carrier.T @ balance(body, z)[0][:nc] + steady) / omega**2
         z[:nc] = carrier @ p
         if np.abs(z - before).max(initial=0.0) < SETTLED:
             return z, p

@@ -11,8 +11,10 @@ from solver.structure import recovery, water
 from solver.structure.frame_model import FrameModel
 from solver.structure.influence import Influence, Wanted, influence
 from solver.structure.legs import BENDING
+from solver.structure.tubular import may_be_utilised
 
 REACTIONS, SECTIONS, FIBRES, FATIGUE = "reactions", "section_forces", "fibre_stress", "fatigue"
+UTILISATION = "utilisation"
 MIRROR = np.array([1.0, -1.0, 1.0])
 
 
@@ -45,10 +47,12 @@ class Feet(NamedTuple):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Places:
-    """Which of a frame's forces are asked for: of the legs' feet, the members' both ends, the ground."""
+    """Which of a frame's forces are asked for: of the legs' feet, the members' ends, tubes' elements, the ground."""
 
     feet: Feet
     members: tuple[str, ...]
+    checked: tuple[str, ...]  # tubes that are utilised
+    elements: np.ndarray  # (nk,) the number of elements of each
     grounded: tuple[str, ...]  # nodes
     foot: np.ndarray  # (nc, 3) their places [m]
     wanted: Wanted
@@ -56,11 +60,18 @@ class Places:
 
     def split(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """N, My, Mz at the feet (m, nl, 3), section forces (m, nm, 2, 6), reactions (m, nc, 6), of forces y (m, ny)."""
-        nl, nm = len(self.feet.axes), len(self.members)
-        parts = np.split(y, [3 * nl, 3 * nl + 12 * nm], axis=-1)
-        shapes = (nl, 3), (nm, 2, 6), (len(self.grounded), 6)
-        feet, sections, reactions = (part.reshape(len(y), *shape) for part, shape in zip(parts, shapes, strict=True))
+        feet, sections, _, reactions = self._parts(y)
         return feet, sections, reactions
+
+    def along_tubes(self, y: np.ndarray) -> np.ndarray:
+        """N, My, Mz at both ends of each element of the tubes that are utilised, tube after tube (m, 2 ne, 3)."""
+        return self._parts(y)[2]
+
+    def _parts(self, y: np.ndarray) -> list[np.ndarray]:
+        nl, nm, ne = len(self.feet.axes), len(self.members), int(self.elements.sum())
+        shapes = (nl, 3), (nm, 2, 6), (2 * ne, 3), (len(self.grounded), 6)
+        parts = np.split(y, np.cumsum([3 * nl, 12 * nm, 6 * ne]), axis=-1)
+        return [part.reshape(len(y), *shape) for part, shape in zip(parts, shapes, strict=True)]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,7 +84,8 @@ class Forces:
     damping: np.ndarray  # (nm, ny) of modal rates, for a damping ratio of 1 until it is known: see damped
     carried: np.ndarray  # (nc, ny) of the floats' loads on the carriers
     drag: np.ndarray  # (nd ns, ny) of the drag at the stations
-    at_rest: np.ndarray  # (ny,) of the frame alone: weight, point loads, buoyancy
+    applied: np.ndarray  # (na, ny) of the forces that load histories have
+    at_rest: np.ndarray  # (ny,) of the frame alone: weight, constant loads, buoyancy
 
     def damped(self, ratio: float) -> "Forces":
         """With the damping ratio of all modes."""
@@ -90,19 +102,26 @@ class Forces:
 def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Places:
     """Those that a scene's legs and outputs need."""
     frame, legs = model.frame, tuple(legs)
+    outputs = tuple(outputs)
     members = tuple(m.name for m in frame.members) if SECTIONS in outputs else ()
+    checked = tuple(filter(may_be_utilised, frame.members)) if UTILISATION in outputs else ()
     grounded = frame.grounded if REACTIONS in outputs else ()
     feet = [_foot(model, name) for name in legs]
     both = [end for name in members for end in _ends(model, name)]
+    along = [2 * e + end for m in checked for e in model.member_elements[m.name] for end in (0, 1)]
     nodes = np.array([model.node_index[name] for name in grounded], int)
     wanted = Wanted(
-        end=np.concatenate([np.repeat(feet, 3), np.repeat(both, 6)]).astype(int),
-        component=np.concatenate([np.tile(BENDING, len(feet)), np.tile(np.arange(6), len(both))]).astype(int),
+        end=np.concatenate([np.repeat(feet, 3), np.repeat(both, 6), np.repeat(along, 3)]).astype(int),
+        component=np.concatenate(
+            [np.tile(BENDING, len(feet)), np.tile(np.arange(6), len(both)), np.tile(BENDING, len(along))]
+        ).astype(int),
         grounded=(6 * nodes[:, None] + np.arange(6)).ravel(),
     )
     return Places(
         feet=_feet(model, np.array(feet, int)),
         members=members,
+        checked=tuple(m.name for m in checked),
+        elements=np.array([m.elements for m in checked], int),
         grounded=grounded,
         foot=model.xyz[nodes],
         wanted=wanted,

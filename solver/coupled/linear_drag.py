@@ -2,13 +2,23 @@
 
 Over all instants of u, K = ⟨|u|u uᵀ⟩⟨u uᵀ⟩⁻¹. For a Gaussian u that is ⟨∂(|u|u)/∂u⟩ = ⟨|u| I + u uᵀ/|u|⟩, in one
 direction √(8/π) σ (Borgman 1969); for one harmonic of amplitude U it is 8U/3π (Lorentz).
+
+In a current u = U + u', |u|u ≈ F + K u' with the mean F = ⟨|u|u⟩ and K = ⟨∂(|u|u)/∂u⟩. In one direction, of a Gaussian,
+
+    F = (U² + σ²) erf(U/√2σ) + √(2/π) σU exp(-U²/2σ²),   K = 2⟨|u|⟩ = 2U erf(U/√2σ) + √(8/π) σ exp(-U²/2σ²).
+
+In a plane |u|³ = ⅜∮|u·e|³ dφ over all directions e(φ), whose gradient and curvature are 3|u|u and 3 ∂(|u|u)/∂u:
+
+    F = ⅜∮⟨|s|s⟩ e dφ,   K = ¾∮⟨|s|⟩ e eᵀ dφ,   s = u·e with mean U·e and variance eᵀSe.
 """
 
 import numpy as np
-from scipy.special import ellipe, ellipkm1
+from scipy.special import ellipe, ellipkm1, erf
 
 PHASES = 64  # of a harmonic: its mean of |u|³ is then exact to 1e-5
 ROUND = 1e-6  # of two variances that count as the same
+STEADY = 1e-9  # times its mean: the std of a number that does not vary
+DIRECTIONS = 360  # of half a circle: what their bend across a current without waves leaves is 2e-5 of the speed
 
 
 def of_gaussian(S: np.ndarray) -> np.ndarray:
@@ -32,6 +42,43 @@ def of_gaussian(S: np.ndarray) -> np.ndarray:
     return np.einsum("...ij,...j,...kj->...ik", axis, K, axis)
 
 
+def in_stream(U: np.ndarray, S: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """F (…, d) [m²/s²] and K (…, d, d) [m/s] of Gaussian velocities in a plane, mean U (…, d), covariance S (…, d, d).
+
+    The plane is where U and S are largest; a direction that has neither has the mean speed as its K.
+    """
+    if U.shape[-1] == 1:
+        force, speed = _along(U, np.sqrt(S[..., 0]))
+        return force, 2 * speed[..., None]
+    plane = np.linalg.eigh(S + U[..., :, None] * U[..., None, :])[1][..., -2:]
+    angle = (np.arange(DIRECTIONS) + 0.5) * np.pi / DIRECTIONS
+    e = plane @ np.array([np.cos(angle), np.sin(angle)])  # (…, d, nφ)
+    variance = np.einsum("...ip,...ij,...jp->...p", e, S, e)
+    force, speed = _along(np.einsum("...i,...ip->...p", U, e), np.sqrt(variance.clip(min=0.0)))
+    step = np.pi / DIRECTIONS  # the other half of the circle is alike
+    F = 0.75 * step * np.einsum("...p,...ip->...i", force, e)
+    K = 1.5 * step * np.einsum("...p,...ip,...jp->...ij", speed, e, e)
+    across = np.eye(U.shape[-1]) - plane @ np.swapaxes(plane, -1, -2)
+    return F, K + 0.5 * step * speed.sum(axis=-1)[..., None, None] * across
+
+
+def _along(mean: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """⟨|s|s⟩ and ⟨|s|⟩ of Gaussian numbers."""
+    ratio = np.divide(mean, std, out=np.copysign(np.inf, mean), where=std > STEADY * np.abs(mean)) / np.sqrt(2)
+    bell, sign = np.sqrt(2 / np.pi) * std * np.exp(-(ratio**2)), erf(ratio)
+    return (mean**2 + std**2) * sign + mean * bell, mean * sign + bell
+
+
+def harmonic_in_stream(mean: np.ndarray, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """F (…, d) and K (…, d, d), which differs least in mean square, of velocities mean + Re{U exp(-iωt)}, (…, d)."""
+    turn = np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)
+    u = (U[..., None] * turn).real
+    whole = mean[..., None] + u
+    drag = np.linalg.norm(whole, axis=-2, keepdims=True) * whole
+    squares = u @ np.swapaxes(u, -1, -2)
+    return drag.mean(axis=-1), drag @ np.swapaxes(u, -1, -2) @ np.linalg.pinv(squares, hermitian=True)
+
+
 def of_harmonic(U: np.ndarray) -> np.ndarray:
     """K (…, d, d) [m/s] of velocities Re{U exp(-iωt)}, U (…, d) [m/s]."""
     turn = np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)
@@ -49,11 +96,23 @@ def of_parts(u: np.ndarray) -> np.ndarray:
     """The same of lines as their real parts above their imaginary ones (2 nw, d, n)."""
     if len(u) == 2:
         return of_harmonic((u[0] + 1j * u[1]).T)
+    return of_gaussian(_covariance(u))
+
+
+def of_parts_in(stream: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """F (n, d) and K (n, d, d) of a current (d, n) and lines as in of_parts (2 nw, d, n)."""
+    if len(u) == 2:
+        return harmonic_in_stream(stream.T, (u[0] + 1j * u[1]).T)
+    return in_stream(stream.T, _covariance(u))
+
+
+def _covariance(u: np.ndarray) -> np.ndarray:
+    """(n, d, d) of lines as in of_parts (2 nw, d, n)."""
     d, n = u.shape[1:]
     S = np.empty((n, d, d))
     for i, j in np.ndindex(d, d):
         S[:, i, j] = S[:, j, i] if j < i else 0.5 * np.einsum("ws,ws->s", u[:, i], u[:, j])
-    return of_gaussian(S)
+    return S
 
 
 def by_station(K: np.ndarray, u: np.ndarray) -> np.ndarray:

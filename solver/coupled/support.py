@@ -24,6 +24,7 @@ from solver.structure import legs, statics, water
 from solver.structure import modes as natural
 from solver.structure.frame_model import FrameModel, assemble, sparse_sum
 from solver.structure.legs import Legs
+from solver.structure.load_history import LoadHistory
 
 PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
 # Pieces of an element in which loads are integrated: of 1/k of the shortest wave for inertia, whose EXACT points are
@@ -59,6 +60,8 @@ class Support:
     station_shape: np.ndarray  # (ns, nd, nm)
     station_rows: np.ndarray  # (ns, nd, n) complex normal particle velocity
     drag: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
+    stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
+    applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
     legs: Legs | None
     forces: Forces | None  # None where neither legs nor outputs ask for any
     left_out: LeftOut
@@ -69,8 +72,8 @@ class Support:
 def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarray, float]:
     """Frame (softened by gravity if the platform asks for it), its static displacement, and the buckling factor."""
     model = assemble(platform.frame)
-    model = replace(model, M=model.M + water.inner_mass(model, sea.density))
-    load = static_load(model, sea)
+    model = replace(model, M=model.M + water.inner_mass(model, sea.density) + water.growth_mass(model))
+    load = water.static_load(model, sea.density, sea.gravity)
     at_rest = statics.static(model, load)
     factor = statics.buckling_factor(model, load, sea.gravity)
     if platform.geometric_stiffness:
@@ -106,15 +109,6 @@ def _kept_modes(
     return M, natural.modes_in(symmetric, model.K, M, count), symmetric
 
 
-def static_load(model: FrameModel, sea: Water) -> np.ndarray:
-    """Weight, point loads and buoyancy of the material (6n,) [N, N m]."""
-    return (
-        statics.gravity_load(model, sea.gravity)
-        + statics.point_load(model)
-        + water.buoyancy_load(model, sea.density, sea.gravity)
-    )
-
-
 @lru_cache(maxsize=KNOWN)
 def reduce_platform(
     platform: Platform,
@@ -135,17 +129,23 @@ def reduce_platform(
     """
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
+    loaded = _loaded(model, platform.load_histories)
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
     inertia_rows = _inertia_rows(platform, at, field, sea)
     nodal = _nodal_load(model, at, inertia_rows)
     loads = np.concatenate([nodal, _nodal_load(model, at, _drag_rows(at, field, sea))], axis=1)
-    omega, shapes = kept if modes == "all" else _basis(model, M, kept, symmetric, dof.ravel(), loads)
+    omega, shapes = kept
+    if modes != "all":
+        unit = _unit_loads(len(nodal), np.concatenate([dof.ravel(), loaded]))
+        if field.current is not None:
+            unit = np.concatenate([unit, _stream_load(model, field, sea, stations)], axis=1)
+        omega, shapes = _basis(model, M, kept, symmetric, unit, loads)
     tops = _tops(model, platform.legs)
     rest = _rest(model, tops, symmetric, omega, shapes)
     both = np.concatenate([shapes, rest], axis=1)
-    station_shape, station_rows, drag, of_drag = _drag(model, field, sea, both, omega.size, stations, planar=planar)
-    station_shape, station_rest = np.split(station_shape, [omega.size], axis=2)
+    water_drag = _drag(model, field, sea, both, omega.size, stations, planar=planar)
+    station_shape, station_rest = np.split(water_drag.shape, [omega.size], axis=2)
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
     if asked.wanted.end.size or asked.wanted.grounded.size:
@@ -157,7 +157,8 @@ def reduce_platform(
             inertia=inertia,
             damping=2 * omega[:, None] * inertia * elastic,
             carried=asked.influence.nodal[dof.ravel()],
-            drag=of_drag(asked),
+            drag=water_drag.borne(asked),
+            applied=asked.influence.nodal[loaded],
             at_rest=_forces_at_rest(platform, sea, asked),
         )
     return Support(
@@ -167,8 +168,10 @@ def reduce_platform(
         carrier=shapes[dof.ravel()],
         wave_rows=shapes.T @ nodal,
         station_shape=station_shape,
-        station_rows=station_rows,
-        drag=drag,
+        station_rows=water_drag.rows,
+        drag=water_drag.size,
+        stream=water_drag.stream,
+        applied=shapes[loaded],
         left_out=LeftOut(
             waves=rest.T @ nodal,
             drag=station_rest.transpose(1, 0, 2).reshape(station_rest.shape[0] * station_rest.shape[1], tops.size),
@@ -194,10 +197,10 @@ def _places(platform: Platform, sea: Water, outputs: tuple[str, ...]) -> Places:
 
 @lru_cache(maxsize=KNOWN)
 def _forces_at_rest(platform: Platform, sea: Water, asked: Places) -> np.ndarray:
-    """(ny,) under weight, point loads and buoyancy."""
+    """(ny,) under weight, constant loads and buoyancy."""
     model, at_rest, _ = dynamic_model(platform, sea)
-    spread = statics.self_weight(model, sea.gravity) + water.buoyancy(model, sea.density, sea.gravity)
-    return shared(asked.influence.at_rest(asked.wanted, at_rest, static_load(model, sea), spread))
+    load, spread = (of(model, sea.density, sea.gravity) for of in (water.static_load, water.spread_load))
+    return shared(asked.influence.at_rest(asked.wanted, at_rest, load, spread))
 
 
 def _normal(at: water.Stations) -> np.ndarray:
@@ -227,7 +230,34 @@ def _drag_rows(at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
     """Drag of the water alone on each station [N], linearised by its own std: ½ρ C_D D w √(8/π) σ u, (ns, 3, n)."""
     velocity = _flow(at, field)
     std = np.sqrt(0.5 * np.sum(np.abs(velocity) ** 2, axis=(1, 2)))
+    if field.current is not None:  # whose own share, 2|U|, is added: close enough for a pattern
+        std = std + np.sqrt(np.pi / 2) * np.linalg.norm(_stream(at, field), axis=1)
     return (np.sqrt(8 / np.pi) * _drag_size(at, sea) * std)[:, None, None] * velocity
+
+
+def _stream(at: water.Stations, field: WaveField) -> np.ndarray:
+    """Velocity of the current normal to the member at each station (ns, 3)."""
+    return (_normal(at) @ field.stream(at.position)[..., None])[..., 0]
+
+
+def _stream_load(model: FrameModel, field: WaveField, sea: Water, points: int) -> np.ndarray:
+    """Nodal loads (6n, 1) of the current's drag on the frame at rest."""
+    at = water.stations(model, points, DRAG * field.mean_length)
+    flow = _stream(at, field)
+    load = _drag_size(at, sea) * np.linalg.norm(flow, axis=1)
+    return _onto_nodes(model, at) @ (load[:, None] * flow).reshape(-1, 1)
+
+
+def _loaded(model: FrameModel, histories: Iterable[LoadHistory]) -> np.ndarray:
+    """Degrees of freedom (na,) that load histories act on, one after another."""
+    return np.concatenate([np.zeros(0, int), *(model.translations(h.node)[h.axes] for h in histories)])
+
+
+def _unit_loads(size: int, dof: np.ndarray) -> np.ndarray:
+    """One on each of some degrees of freedom (size, nd)."""
+    unit = np.zeros((size, dof.size))
+    unit[dof, np.arange(dof.size)] = 1.0
+    return unit
 
 
 def _nodal_load(model: FrameModel, at: water.Stations, rows: np.ndarray) -> np.ndarray:
@@ -250,13 +280,14 @@ def _basis(
     M: sparse.csr_array,
     kept: natural.Modes,
     symmetric: sparse.csr_array | None,
-    hinge_dof: np.ndarray,
+    steady: np.ndarray,
     nodal: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Ritz frequencies and shapes (6n, nm), mass-normalised with M."""
-    unit = np.zeros((len(nodal), hinge_dof.size))
-    unit[hinge_dof, np.arange(hinge_dof.size)] = 1.0
-    load = np.concatenate([unit, _principal(np.concatenate([nodal.real, nodal.imag], axis=1))], axis=1)
+    """Ritz frequencies and shapes (6n, nm), mass-normalised with M.
+
+    Static shapes of each of the loads `steady` (6n, ns), and the principal ones of the waves' (6n, n).
+    """
+    load = np.concatenate([steady, _principal(np.concatenate([nodal.real, nodal.imag], axis=1))], axis=1)
     # Only what the kept modes lack: without this the large common part would hide the rest.
     whole, rest = statics.static(model, load), natural.static_remainder(model, kept, load)
     if symmetric is not None:
@@ -297,20 +328,28 @@ def _rest(
     model: FrameModel, tops: np.ndarray, symmetric: sparse.csr_array | None, omega: np.ndarray, shapes: np.ndarray
 ) -> np.ndarray:
     """(6n, nt): displacement of some degrees of freedom (nt,) for unit loads, less that in the shapes, φ φᵀ/ω²."""
-    unit = np.zeros((len(shapes), tops.size))
-    unit[tops, np.arange(tops.size)] = 1.0
+    unit = _unit_loads(len(shapes), tops)
     if symmetric is not None:
         unit = symmetric @ (symmetric.T @ unit)
     return statics.static(model, unit) - shapes @ (shapes[tops] / omega**2).T
 
 
+class _Drag(NamedTuple):
+    """Of the ns stations that count: normal shapes, velocities, coefficients."""
+
+    shape: np.ndarray  # (ns, nd, nm)
+    rows: np.ndarray  # (ns, nd, n) complex
+    size: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
+    stream: np.ndarray  # (nd, ns) of the current
+    borne: Callable[[Places], np.ndarray]  # what their drag does to forces asked for
+
+
 def _drag(
     model: FrameModel, field: WaveField, sea: Water, shapes: np.ndarray, modes: int, points: int, *, planar: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, Callable[[Places], np.ndarray]]:
-    """Normal shapes, velocity rows and coefficients of the drag stations, and what their drag does to forces asked for.
+) -> _Drag:
+    """Of the drag stations; the first `modes` of the shapes move.
 
-    The first `modes` of the shapes move. In a planar scene a station and its mirror image in y = 0 are loaded alike:
-    one counts twice.
+    In a planar scene a station and its mirror image in y = 0 are loaded alike: one counts twice.
     """
     at = water.stations(model, points, DRAG * field.mean_length)
     normal = _normal(at)
@@ -323,4 +362,5 @@ def _drag(
     size = np.abs(shape[..., :modes]).max(axis=(0, 2), initial=0)
     moving = size > 1e-9 * size.max()
     borne = partial(forces.of_drag, at=at, kept=wet, directions=moving, planar=planar)
-    return shape[wet][:, moving], rows[wet][:, moving], drag[wet], borne
+    stream = np.ascontiguousarray(_stream(at, field)[wet][:, moving].T)
+    return _Drag(shape[wet][:, moving], rows[wet][:, moving], drag[wet], stream, borne)

@@ -20,7 +20,7 @@ from solver.coupled.equilibrium import (
 )
 from solver.coupled.march import GROSSLY, march
 from solver.coupled.memory import Memory
-from solver.coupled.modal import Structure
+from solver.coupled.modal import Structure, drag
 from solver.coupled.pieces import SWING, new_fine
 from solver.coupled.stages import State
 from solver.coupled.step import (
@@ -47,6 +47,7 @@ from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
 from solver.scene import Float, Scene
 from solver.sea.field import Factored, WaveField, WaveSeries, factored, wave_field
 from solver.sea.realization import ramp
+from solver.structure.load_history import LoadHistory
 
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
@@ -73,11 +74,43 @@ class System:
 
     @cached_property
     def equilibrium(self) -> tuple[np.ndarray, np.ndarray]:
-        """Coordinates z (nz,) and modal amplitudes p (nm,) at rest in still water."""
+        """Coordinates z (nz,) and modal amplitudes p (nm,) at rest without waves, under the loads of the start."""
         stride = 0.1 * min(1.0, *(f.hull.size for f in self.scene.floats), 1.0)
         frame, law = self.structure, joint_law.at_rest(self.bodies.law)
-        z, p = _equilibrium(Bits((self.bodies._replace(law=law), frame.omega, frame.carrier)), stride)
+        bodies = self.bodies._replace(law=law)
+        z, p = _equilibrium(Bits((bodies, frame.omega, frame.carrier, self._steady())), stride)
         return z.copy(), p.copy()  # kernels are compiled once more for arrays that nobody may write to
+
+    def _steady(self) -> np.ndarray:
+        """Modal loads (nm,) of the current and of the load histories' start on the frame at rest."""
+        if self.still:
+            return np.zeros(self.structure.omega.size)
+        first = self.drive(self.besides(np.zeros(1)))
+        return first.modal[0] + self.drag_at_rest(first.station[0])
+
+    def drag_at_rest(self, flow: np.ndarray) -> np.ndarray:
+        """Modal drag (nm,) of water of velocity flow (nd, ns) at the stations, on the frame at rest."""
+        load = np.zeros(self.structure.omega.size)
+        if flow.any():
+            drag(self.structure, flow, np.zeros(load.size), load, np.empty(flow.shape))
+        return load
+
+    @property
+    def histories(self) -> tuple[LoadHistory, ...]:
+        """The platform's loads that go with time."""
+        return self.scene.platform.load_histories if self.scene.platform else ()
+
+    def besides(self, t: np.ndarray) -> np.ndarray:
+        """What no wave drives, among the columns of the rows (m, columns): current at the stations, applied loads."""
+        out, at, support = np.zeros((len(t), len(self.rows))), self.layout, self.support
+        assert support is not None, "asked of a scene with a current or loads on a platform"
+        out[:, at.station] = support.stream.ravel()
+        if self.histories:
+            force = np.concatenate([history.at(t)[:, history.axes] for history in self.histories], axis=1)
+            out[:, at.modal] = force @ support.applied
+            if support.forces is not None:
+                out[:, at.forces] = force @ support.forces.applied
+        return out
 
     @cached_property
     def differences(self) -> Differences:
@@ -121,10 +154,11 @@ class System:
         """Least scale of the energy balance [J]: rounding and Newton's tolerance open it by BALANCE of that.
 
         Newton's tolerance τ leaves open τ² Σ|Kᵢᵢ| (the signs: what rests on springs alone may be unstable beside),
-        and rounding a share of the weights' energy, which buoyancy's work cancels.
+        and rounding a share of the weights' energy, which buoyancy's work cancels, and of what a current has bent.
         """
         newton = self.newton_tolerance**2 * np.abs(np.diag(self.stiffness)).sum()
-        return float(newton + ROUNDING * weights(self.bodies)) / BALANCE
+        bent = 0.0 if self.still else 0.5 * float(np.sum((self.structure.omega * self.equilibrium[1]) ** 2))
+        return float(newton + ROUNDING * (weights(self.bodies) + bent)) / BALANCE
 
     def start(self) -> State:
         """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""
@@ -133,7 +167,8 @@ class System:
         z, p = (part.copy() for part in self.equilibrium)
         z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
         s = self.scene.settings
-        first = self.drive(self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form))
+        samples = self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form)
+        first = self.drive(samples if self.still else samples + self.besides(np.zeros(1)))
         zone, (ddp, ddz, load, held) = self.zones_at(z), _initial_acceleration(self, z, p, first)
         state = State(
             z=z[nc:],
@@ -201,8 +236,14 @@ class System:
 
     def series(self, dt: float, block: int = 2 * BLOCK_STEPS + 1) -> WaveSeries:
         """All that the wave drives, at samples dt/2 apart, blocks of at most `block`."""
-        s = self.scene.settings
-        return WaveSeries(self.factored, self.scene.sea.omega, dt / 2, block, lambda t: ramp(t, s.ramp, s.ramp_form))
+        s, besides = self.scene.settings, None if self.still else self.besides
+        grow = lambda t: ramp(t, s.ramp, s.ramp_form)  # noqa: E731
+        return WaveSeries(self.factored, self.scene.sea.omega, dt / 2, block, grow, besides)
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing but waves drives the scene."""
+        return self.scene.current is None and not self.histories
 
     def drive(self, samples: np.ndarray) -> Drive:
         """Columns of the wave series (m, columns) as the march reads them."""
@@ -217,8 +258,10 @@ class System:
 
 
 @lru_cache(maxsize=KNOWN)
-def _equilibrium(scene: Bits[tuple[Bodies, np.ndarray, np.ndarray]], stride: float) -> tuple[np.ndarray, np.ndarray]:
-    """Of floats, frequencies and carriers of the structure; scenes that differ in what damps them share it."""
+def _equilibrium(
+    scene: Bits[tuple[Bodies, np.ndarray, np.ndarray, np.ndarray]], stride: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of floats, frequencies, carriers and loads of the structure; scenes that differ in what damps them share it."""
     z, p = equilibrium(*scene.value, stride)
     return shared(z), shared(p)
 
@@ -229,7 +272,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     dt = scene.usual_step if settings.time_step is None else settings.time_step
     if hydrodynamics is not None and scene.floats:
         _check_same(scene, hydrodynamics)
-    waves = wave_field(scene.sea, water.depth, water.gravity)
+    waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
     support = None
     if scene.platform is not None:
         reduced = platform.reduce_platform(
@@ -347,6 +390,8 @@ def _initial_acceleration(
     r, _ = balance(body, z, field=first.field[0], excitation=first.excitation[0])
     shape, whole = frame.carrier, _whole_mass(system, z)
     load = np.concatenate([shape.T @ r[:nc] - frame.omega**2 * p + first.modal[0], r[nc:]])
+    if system.scene.current is not None:  # else waves grow from nothing
+        load[:nm] += system.drag_at_rest(first.station[0])
     at_rest = np.flatnonzero(joint_law.turning(body.law))
     rows, free, known = nm + at_rest - nc, whole.copy(), load.copy()
     free[rows], known[rows] = np.eye(len(whole))[rows], 0.0

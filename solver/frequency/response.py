@@ -1,6 +1,7 @@
 """Responses of the linear model wave by wave, its drag linearised by what moves against it."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,9 +20,18 @@ ROUNDS = 300
 UNBOUNDED = 1e6  # times the sum of the waves' amplitudes: no damping holds what moves as far
 
 
+class Mean(NamedTuple):
+    """What waves in a current change of the means at rest: drag goes by the square of the velocity."""
+
+    x: np.ndarray  # (n,) of the model's coordinates
+    wrench: np.ndarray  # (nb, 6)
+    carried: np.ndarray  # (nc,)
+    drag: np.ndarray  # (nd, ns) the whole mean drag [N]
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Response:
-    """x = x₀ + Re Σ X exp(-iωt) over the sea's waves; nm modes, nb floats."""
+    """x = x₀ + mean + Re Σ X exp(-iωt) over the sea's waves; nm modes, nb floats."""
 
     omega: np.ndarray  # (nw,) [rad/s]
     X: np.ndarray  # (nw, n) of the model's coordinates
@@ -31,6 +41,7 @@ class Response:
     drag: np.ndarray  # (nw, nd, ns) of the water on the frame at its stations
     pto: np.ndarray  # (nj,) damping of the power take-offs, linearised: power over the rate's mean square
     rounds: int  # until the drag agreed with its own result
+    mean: Mean
 
 
 def respond(system: System, h: Hydrodynamics | None) -> Response:
@@ -44,6 +55,7 @@ def respond(system: System, h: Hydrodynamics | None) -> Response:
     radiating = excitation[..., system.bodies.active]
     force = wave_force(model, radiating.reshape(omega.size, len(model.active)), rows[system.layout.modal])
     X, drag_load, pto, rounds = _agreed(system, model, omega, Y, force, rows[system.layout.station].T)
+    stations = _Stations(system, rows[system.layout.station].T)
     w = omega[:, None]
     radiated = Y @ (-1j * w * (X @ model.active.T))[..., None]
     excitation[..., system.bodies.active] -= radiated.reshape(radiating.shape)
@@ -58,7 +70,21 @@ def respond(system: System, h: Hydrodynamics | None) -> Response:
         drag=drag_load,
         pto=pto,
         rounds=rounds,
+        mean=_mean(system, model, stations.mean(-1j * w * X[:, : waves.shape[1]])),
     )
+
+
+def _mean(system: System, model: LinearModel, drag: np.ndarray) -> Mean:
+    """Of the mean drag (nd, ns) [N]; the shift from rest is by what it is more than the current's alone."""
+    frame, nm = system.structure, system.structure.omega.size
+    x, more = np.zeros(len(model.stiffness)), np.zeros(drag.shape)
+    if system.support and drag.any():
+        stream, load = system.support.stream, np.zeros(x.size)
+        more = drag - frame.drag * np.linalg.norm(stream, axis=0) * stream
+        load[:nm] = np.tensordot(frame.station, more, axes=2)
+        x = np.linalg.lstsq(model.stiffness, load, rcond=None)[0]
+    carried = _carried(frame, np.zeros((1, 1)), x[None, :nm], np.zeros((1, nm)), more[None])[0].real
+    return Mean(x=x, wrench=model.wrench[0] @ x, carried=carried, drag=drag)
 
 
 def _carried(frame: Structure, w: np.ndarray, P: np.ndarray, waves: np.ndarray, drag_load: np.ndarray) -> np.ndarray:
@@ -80,7 +106,7 @@ def _agreed(
     """
     frame, law = system.structure, system.bodies.law
     nm, nc = frame.omega.size, frame.carrier.shape[0]
-    stations, height = _Stations(frame, water), float(np.abs(system.scene.sea.amplitude).sum())
+    stations, height = _Stations(system, water), float(np.abs(system.scene.sea.amplitude).sum())
     quadratic, bent = joint_law.drag(law)[nc:], joint_law.bent(law).any()
     at_rest = pto = joint_law.damping_of_gaussian(law, np.zeros(system.bodies.mechanism.size))[nc:]
     equation: Condensed | None = None
@@ -124,13 +150,15 @@ def _ahead(last: float, change: float) -> float:
 
 
 class _Stations:
-    """The frame's drag at its ns stations, in nd directions, in water of velocity (nw, nd ns).
+    """The frame's drag at its ns stations, in nd directions, in water of velocity (nw, nd ns) and a current.
 
     Lines are taken as twice as many real ones, for products with real shapes.
     """
 
-    def __init__(self, frame: Structure, water: np.ndarray):
-        self.frame, self.size = frame, frame.drag.size
+    def __init__(self, system: System, water: np.ndarray):
+        self.frame = frame = system.structure
+        self.size = frame.drag.size
+        self.stream = system.support.stream if system.support and system.support.stream.any() else None
         nm, nd, ns = frame.station.shape
         self.shape = frame.station.reshape(nm, nd * ns)
         self.water = np.concatenate([water.real, water.imag])
@@ -143,7 +171,15 @@ class _Stations:
 
     def equivalent(self, rate: np.ndarray) -> np.ndarray:
         """K (ns, nd, nd) [N s/m] at modal rates (nw, nm)."""
-        return linear_drag.of_parts(self._flow(rate)) * self.frame.drag[:, None, None]
+        flow = self._flow(rate)
+        K = linear_drag.of_parts(flow) if self.stream is None else linear_drag.of_parts_in(self.stream, flow)[1]
+        return K * self.frame.drag[:, None, None]
+
+    def mean(self, rate: np.ndarray) -> np.ndarray:
+        """Mean drag (nd, ns) [N] at modal rates (nw, nm): none without a current."""
+        if self.stream is None:
+            return np.zeros(self.frame.station.shape[1:])
+        return self.frame.drag * linear_drag.of_parts_in(self.stream, self._flow(rate))[0].T
 
     def on_modes(self, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Damping (nm, nm) of the modes, and the water's force on them (nw, nm)."""

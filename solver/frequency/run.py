@@ -7,6 +7,7 @@ import numpy as np
 from solver.balance import warnings
 from solver.coupled.equilibrium import balance
 from solver.coupled.forces import Forces
+from solver.coupled.linear import linear_model
 from solver.coupled.natural import require_stable, system_modes
 from solver.coupled.system import System, prepare
 from solver.errors import InputError
@@ -77,7 +78,9 @@ def _tables(
 ) -> Iterator[tuple[str, np.ndarray, np.ndarray | None]]:
     """Name, statistics and lines of each output; those that no line makes have none."""
     scene, omega, duration = system.scene, response.omega, system.scene.settings.duration
-    (z, p), amplitude = system.equilibrium, scene.sea.amplitude
+    (z, p), amplitude, mean = system.equilibrium, scene.sea.amplitude, response.mean
+    p, still = p + mean.x[: p.size], balance(system.bodies, z)[1] + mean.wrench
+    z = z + linear_model(system).shape @ mean.x
 
     def table(name: str, mean: np.ndarray, lines: np.ndarray) -> tuple[str, np.ndarray, np.ndarray | None]:
         return name, gaussian.table(mean, lines, omega, duration), lines
@@ -98,7 +101,7 @@ def _tables(
             k = np.concatenate([f.per_axis("pto_stiffness") for f in scene.floats])
             mean, lines = channels.by_axis(-(k * z[nc:])[None])[0], channels.by_axis(-(pto * rates + k * joints))
             yield table("pto_force", mean, lines)
-        at_rest = channels.hinge_force(balance(system.bodies, z)[1][None])[0]
+        at_rest = channels.hinge_force(still[None])[0]
         yield table("hinge_force", at_rest, channels.hinge_force(response.wrench))
     if channels.legs is not None:
         tops, X = channels.legs.tops, response.X[:, : p.size]
@@ -118,8 +121,10 @@ def _tables(
 def _forces(system: System, response: Response, forces: Forces) -> tuple[np.ndarray, np.ndarray]:
     """The frame's forces at rest (1, ny), and lines (nw, ny) of them."""
     (z, p), waves = system.equilibrium, np.abs(system.scene.sea.amplitude) > 0
-    still = balance(system.bodies, z)[0][: system.structure.carrier.shape[0]]
+    mean = response.mean
+    still = balance(system.bodies, z)[0][: system.structure.carrier.shape[0]] + mean.carried
     dp = -1j * response.omega[:, None] * response.X[:, : p.size]
     ddp = -1j * response.omega[:, None] * dp
     rows = system.rows[system.layout.forces][:, waves].T
-    return (still @ forces.carried + forces.at_rest)[None], forces.of(rows, dp, ddp, response.carried, response.drag)
+    level = still @ forces.carried + forces.at_rest + mean.drag.ravel() @ forces.drag
+    return level[None], forces.of(rows, dp, ddp, response.carried, response.drag)

@@ -243,12 +243,19 @@ def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
     water = system.rows[system.layout.station].T.reshape(sea.omega.size, *station.shape[1:])
     drag = np.zeros(water.shape, complex)
     if drag.size:
-        drag = system.structure.drag * linear_drag.by_station(linear_drag.of_lines(water), water)
+        drag = system.structure.drag * linear_drag.by_station(_equivalent(support.stream, water), water)
     Y = impedance(system, h, sea.omega) if h is not None else np.zeros((sea.omega.size, 0, 0))
     shapes = station.reshape(len(station), station[0].size)
     X = _waves(system, model, h, Y, drag.reshape(len(drag), station[0].size) @ shapes.T)
     waves = np.abs(sea.amplitude) > 0
     return left_out_effect(system, X[waves], drag[waves])
+
+
+def _equivalent(stream: np.ndarray, water: np.ndarray) -> np.ndarray:
+    """K (ns, nd, nd) [m/s] of the waves' own velocity (nw, nd, ns) in a current."""
+    if not stream.any():
+        return linear_drag.of_lines(water)
+    return linear_drag.of_parts_in(stream, np.concatenate([water.real, water.imag]))[1]
 
 
 def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:

@@ -1,13 +1,15 @@
 """An elastic platform's forces as outputs: reactions and their sums, section forces, stress of fixed fibres."""
 
 from collections.abc import Callable, Iterator
+from functools import cached_property
 
 import numpy as np
 
-from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, Forces
+from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, UTILISATION, Forces
 from solver.record import fatigue
 from solver.scene import Fatigue, Settings
 from solver.structure.frame import FORCES
+from solver.structure.tubular import Resistance, resistance, utilisation
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
 
@@ -20,6 +22,7 @@ DIMS = {
     "section_force": ("member", "end", "force"),
     "section_moment": ("member", "end", "moment"),
     "fibre_stress": ("leg", "fibre"),
+    "utilisation": ("tube",),
 }
 
 
@@ -29,6 +32,7 @@ class Steel:
     def __init__(self, forces: Forces, settings: Settings):
         self.forces, self.places, self.outputs, self.fatigue = forces, forces.places, settings.outputs, settings.fatigue
         self.feet = forces.places.feet
+        self.material_factor = settings.utilisation.material_factor
 
     @property
     def point(self) -> np.ndarray:
@@ -61,6 +65,24 @@ class Steel:
             yield "section_moment", sections[..., 3:]
         if FIBRES in self.outputs:
             yield "fibre_stress", self.fibres(y)
+        if UTILISATION in self.outputs:
+            yield "utilisation", self.utilisation(y)
+
+    def utilisation(self, y: np.ndarray) -> np.ndarray:
+        """Largest along each tube (m, nk), at the ends of its elements."""
+        N, My, Mz = np.moveaxis(self.places.along_tubes(y), -1, 0)
+        ends = 2 * self.places.elements
+        return np.maximum.reduceat(utilisation(N, My, Mz, self._resistance), np.cumsum(ends) - ends, axis=1)
+
+    @cached_property
+    def _resistance(self) -> Resistance:
+        """At both ends of each element of the tubes."""
+        frame = self.places.influence.model.frame
+        members = {m.name: m for m in frame.members}
+        tubes = [members[name] for name in self.places.checked]
+        each = [resistance(m, frame.buckling_length(m), self.material_factor) for m in tubes]
+        repeats = 2 * self.places.elements
+        return Resistance(*(np.repeat(np.array(values), repeats) for values in zip(*each, strict=True)))
 
     @property
     def counts(self) -> bool:
@@ -98,6 +120,7 @@ class Steel:
         return {
             "foot": np.array(self.places.grounded),
             "member": np.array(self.places.members),
+            "tube": np.array(self.places.checked),
             "end": np.array(["start", "end"]),
             "force": np.array(FORCES[:3]),
             "moment": np.array(FORCES[3:]),

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.errors import InputError
+from solver.sea.current import Current
 from solver.sea.dispersion import wavenumber
 from solver.sea.realization import Realization
 
@@ -26,11 +27,12 @@ LOST = 1e-4  # share of the amplitudes that rounding may take from that series
 
 @dataclass(frozen=True)
 class WaveField:
-    """A realization in water of one depth: rows of its kinematics at points (…, 3) [m]."""
+    """A realization in water of one depth, and a current: rows of its kinematics at points (…, 3) [m]."""
 
     sea: Realization
     depth: float
     gravity: float
+    current: Current | None = None
 
     @cached_property
     def k(self) -> np.ndarray:
@@ -69,6 +71,10 @@ class WaveField:
     def acceleration(self, points: ArrayLike) -> np.ndarray:
         """∂u/∂t [m/s²]: rows (…, 3, n)."""
         return -1j * self.sea.omega * self.velocity(points)
+
+    def stream(self, points: np.ndarray) -> np.ndarray:
+        """Velocity of the current at points (n, 3), (n, 3) [m/s]."""
+        return self.current.velocity(points[:, 2], self.depth) if self.current else np.zeros(points.shape)
 
     def local_pressure(self, centre: np.ndarray, terms: int) -> np.ndarray:
         """Rows (2, terms, n) of Re Cₙ, Im Cₙ [m^(1-n)]: dynamic head p/ρg = Re Σ Cₙ ζⁿ.
@@ -121,9 +127,9 @@ class WaveField:
 
 
 @lru_cache(maxsize=FIELDS)
-def wave_field(sea: Realization, depth: float, gravity: float) -> WaveField:
+def wave_field(sea: Realization, depth: float, gravity: float, current: Current | None) -> WaveField:
     """Of a sea; tasks in the same one share it."""
-    return WaveField(sea, depth, gravity)
+    return WaveField(sea, depth, gravity, current)
 
 
 @lru_cache(maxsize=FIELDS)
@@ -160,10 +166,16 @@ class WaveSeries:
     """
 
     def __init__(
-        self, rows: Factored, omega: np.ndarray, step: float, block: int, ramp: Callable[[np.ndarray], np.ndarray]
+        self,
+        rows: Factored,
+        omega: np.ndarray,
+        step: float,
+        block: int,
+        ramp: Callable[[np.ndarray], np.ndarray],
+        besides: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> None:
-        """ramp(t) -> factor (…,); blocks of `block` samples."""
-        self.rows, self.omega, self.step, self.ramp = rows, omega, step, ramp
+        """ramp(t) -> factor (…,); blocks of `block` samples; besides(t) -> what no wave drives (…, m)."""
+        self.rows, self.omega, self.step, self.ramp, self.besides = rows, omega, step, ramp, besides
         self.samples, self.basis = _instants(tuple(omega.tolist()), step, block)
 
     def block(self, first: int, count: int) -> np.ndarray:
@@ -172,8 +184,10 @@ class WaveSeries:
         # exactly, so that nothing drifts over long records.
         turned = self.rows.basis * np.exp(-1j * self.omega * (first * self.step))
         y = self.samples[:count] @ (self.basis @ np.concatenate([turned.real, turned.imag], axis=1).T)
-        y *= self.ramp((first + np.arange(count)) * self.step)[:, None]
-        return y @ self.rows.spread.T
+        t = (first + np.arange(count)) * self.step
+        y *= self.ramp(t)[:, None]
+        samples = y @ self.rows.spread.T
+        return samples if self.besides is None else samples + self.besides(t)
 
 
 @lru_cache(maxsize=4)

@@ -32,6 +32,9 @@ class Material:
     E: Annotated[float, Quantity("Pa", above=0), "Young's modulus"]
     G: Annotated[float, Quantity("Pa", above=0), "Shear modulus"]
     density: Annotated[float, Quantity("kg/m3", above=0), "Density of the material"]
+    yield_strength: Annotated[float | None, Quantity("Pa", above=0), "Yield strength, by which tubes are utilised"] = (
+        None
+    )
 
     def __post_init__(self) -> None:
         require_ranges(self, "material")
@@ -63,6 +66,15 @@ class Member:
     # A pin: ("My", "Mz"). The node that the end is at moves on with the other members.
     start_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its start does not pass on"] = ()
     end_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its end does not pass on"] = ()
+    buckling_length: Annotated[
+        float | None, Quantity("m", above=0), "Effective length kl for utilisation; left out, the member's own"
+    ] = None
+    moment_factor: Annotated[
+        float, Quantity("-", above=0, most=1), "C_m for utilisation, N-004's Table 6-2; 1 is on the safe side"
+    ] = 1.0
+    distributed_load: Annotated[Vector, Quantity("N/m"), "Constant load per length, wind, along the global axes"] = (
+        0.0, 0.0, 0.0,
+    )  # fmt: skip
     start_offset: Annotated[Vector, Quantity("m"), "From its first node to its start, rigid, along the global axes"] = (
         0.0, 0.0, 0.0,
     )  # fmt: skip
@@ -154,6 +166,15 @@ class PointLoad:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MarineGrowth:
+    """What grows on members that have a diameter, at one depth: a line of a table, as NORSOK N-003 gives it."""
+
+    depth: Annotated[float, Quantity("m", least=0), "Below still water"]
+    thickness: Annotated[float, Quantity("m", least=0), "Of the layer all round a member"]
+    density: Annotated[float, Quantity("kg/m3", above=0), "Of the layer, with the water in it"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
     """Named nodes, members between them, feet that are clamped or on springs, lumped masses and static loads."""
 
@@ -164,6 +185,7 @@ class Frame:
     loads: tuple[PointLoad, ...] = ()
     # node -> stiffness of the ground under it along and about the global axes: six, or (6, 6) [N/m, N, N m]
     foundation: Mapping[str, Stiffness] = field(default_factory=dict)
+    growth: tuple[MarineGrowth, ...] = ()  # straight between its lines, downwards, and level beyond them
 
     def __hash__(self) -> int:
         """Equal frames have equal text; a mapping alone would have no hash."""
@@ -172,10 +194,18 @@ class Frame:
     def __post_init__(self) -> None:
         refuse(self._coordinate_problems())
         refuse(self._name_problems())
+        refuse(self._growth_problems())
         refuse(self._offset_problems())
         refuse(self._foundation_problems())
         refuse(self._support_problems())
         refuse(self._release_problems())
+
+    def grown(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Thickness [m] and density [kg/m3] of the growth at heights z (n,)."""
+        if not self.growth:
+            return np.zeros(z.shape), np.zeros(z.shape)
+        depth, thickness, density = np.array([(line.depth, line.thickness, line.density) for line in self.growth]).T
+        return np.interp(-z, depth, thickness), np.interp(-z, depth, density)
 
     @property
     def grounded(self) -> tuple[str, ...]:
@@ -208,6 +238,11 @@ class Frame:
         """Places of a member's start and end (2, 3) [m], at the ends of their rigid offsets."""
         nodes = np.array([self.nodes[member.start], self.nodes[member.end]], float)
         return nodes + np.array([member.start_offset, member.end_offset])
+
+    def buckling_length(self, member: Member) -> float:
+        """Of a member [m]: its own, where it has no other."""
+        start, end = self.ends(member)
+        return float(np.linalg.norm(end - start)) if member.buckling_length is None else member.buckling_length
 
     def places(self) -> Iterator[tuple[str, tuple[float, ...]]]:
         """Keys and places [m] of the nodes, and of the ends of members that rigid offsets move."""
@@ -251,6 +286,17 @@ class Frame:
         yield from ((f"foundation.{node}", node) for node in self.foundation)
         yield from ((f"masses[{i}].node", mass.node) for i, mass in enumerate(self.masses))
         yield from ((f"loads[{i}].node", load.node) for i, load in enumerate(self.loads))
+
+    def _growth_problems(self) -> Iterator[InputError]:
+        for i, line in enumerate(self.growth):
+            yield from out_of_range(line, f"marine_growth[{i}]")
+        depths = [line.depth for line in self.growth]
+        for i in range(1, len(depths)):
+            key = f"marine_growth[{i}].depth"
+            if depths[i] < depths[i - 1]:
+                yield InputError(key, depths[i], f"must be >= {depths[i - 1]:g} m, the depth of the line before")
+            elif depths[i] == depths[max(i - 2, 0)] and i > 1:
+                yield InputError(key, depths[i], "is given three times: two lines make a step")
 
     def _foundation_problems(self) -> Iterator[InputError]:
         for node, given in self.foundation.items():

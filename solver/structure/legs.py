@@ -10,7 +10,7 @@ import numpy as np
 from solver.errors import InputError
 from solver.kernels import fast_lean_kernel
 from solver.statistics import vertex
-from solver.structure import recovery, statics, water
+from solver.structure import recovery, water
 from solver.structure.frame import COINCIDENT
 from solver.structure.frame_model import FrameModel
 
@@ -151,7 +151,7 @@ def outputs(
 ) -> Legs:
     """Maps for the named members from the basis shapes (6n, nm), with the static forces of rest."""
     nm = shapes.shape[1]
-    loads = statics.self_weight(model, gravity) + water.buoyancy(model, density, gravity)
+    loads = water.spread_load(model, density, gravity)
     still = recovery.section_forces(model, at_rest, loads).reshape(-1, 2, 6)[..., BENDING]
     moving = (recovery.section_force_matrix(model) @ shapes).reshape(-1, 2, 6, nm)[:, :, BENDING]
     A, Iy, Iz, c = np.moveaxis(recovery.section_properties(model).reshape(-1, 2, 4), -1, 0)

@@ -24,6 +24,17 @@ def self_weight(model: FrameModel, g: float) -> np.ndarray:
     return np.array([model.released(e, load) for e, load in enumerate(loads)])
 
 
+@lru_cache(maxsize=8)
+def distributed_load(model: FrameModel) -> np.ndarray:
+    """Consistent loads of the members' constant loads per length, local axes [N, N m], (ne, 12)."""
+    given = np.array([m.distributed_load for m in model.frame.members])[model.member]
+    loads = np.zeros((len(given), 12))
+    for e in np.flatnonzero(given.any(axis=1)).tolist():
+        local = model.rotation[e] @ given[e]
+        loads[e] = model.released(e, beam.distributed_load(local, model.length[e], shear=model.shear[e]))
+    return loads
+
+
 def gravity_load(model: FrameModel, g: float) -> np.ndarray:
     """Weight of the elements and of the point masses, at the end of their levers, [N, N m], (6n,)."""
     load = model.total(self_weight(model, g))

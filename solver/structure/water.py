@@ -4,21 +4,25 @@ Morison's load per length normal to a member, eq. 16, fluid u, member v:
 
     f = ½ρ C_D D|u - v|(u - v) + ρπD²/4 [C_M ∂u/∂t - (C_M - 1) ∂v/∂t]
 
-Its last term is the added mass here; `solver.coupled.support` has the others.
+Its last term is the added mass here; `solver.coupled.support` has the others. D and the area are those of member and
+marine growth together, D = D₀ + 2t (NORSOK N-003, DNV-RP-C205): the growth weighs and moves as a mass all round the
+member, displaces water, and does nothing to stiffness and stress.
 """
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
 from solver.errors import InputError
-from solver.structure import beam
+from solver.structure import beam, statics
 from solver.structure.frame_model import FrameModel, sparse_sum
 
 EXACT = 4  # stations for the product of two cubics (order 6), however deep the water reaches into an element
+GROWN = 5  # the same times an area and a density that change with depth (order 9)
 
 
 def wetted_span(model: FrameModel) -> np.ndarray:
@@ -39,10 +43,13 @@ class Stations:
     position: np.ndarray  # (ns, 3) [m]
     weight: np.ndarray  # (ns,) length that the point stands for [m]
     tangent: np.ndarray  # (ns, 3) unit vector along the member
-    diameter: np.ndarray  # (ns,) [m]
+    diameter: np.ndarray  # (ns,) outer, of the growth if there is any [m]
+    layer: np.ndarray  # (ns,) area of the growth [m2]
+    layer_density: np.ndarray  # (ns,) [kg/m3]
     drag: np.ndarray  # (ns,) C_D [-]
     inertia: np.ndarray  # (ns,) C_M [-]
     element: np.ndarray  # (ns,) element number
+    along: np.ndarray  # (ns,) where in it, from 0 to 1
     dofs: np.ndarray  # (ns, 12) degrees of freedom of that element
     shape: np.ndarray  # (ns, 3, 12) displacement there = shape @ displacement[dofs], global axes
 
@@ -76,10 +83,25 @@ def _pieces(model: FrameModel, points: int, pieces: tuple[int, ...]) -> Stations
 
 
 def _wet(model: FrameModel, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The wetted elements (n,) of some of the members (mask), and what is wet of each (n, 2)."""
+    """The wetted elements (n,) of some of the members (mask), and what is wet of each (n, 2).
+
+    Where the growth's table has a line, an element is taken in parts.
+    """
     span = wetted_span(model)
     wet = np.flatnonzero(members[model.member] & (span[:, 1] > span[:, 0]))
-    return wet, span[wet]
+    if not model.frame.growth:
+        return wet, span[wet]
+    parts = [(e, pair) for e in wet.tolist() for pair in pairwise(_cuts(model, e, span[e]))]
+    return np.array([e for e, _ in parts], int), np.array([pair for _, pair in parts]).reshape(-1, 2)
+
+
+def _cuts(model: FrameModel, e: int, span: np.ndarray) -> np.ndarray:
+    """Where an element's span begins, passes a line of the growth's table, and ends (n,), in order."""
+    z0, z1 = model.ends[e, :, 2]
+    if z0 == z1:
+        return span
+    s = (-np.array([line.depth for line in model.frame.growth]) - z0) / (z1 - z0)
+    return np.unique(np.concatenate([span, s[(s > span[0]) & (s < span[1])]]))
 
 
 def _stations(model: FrameModel, points: int, pieces: ArrayLike, members: np.ndarray) -> Stations:
@@ -94,14 +116,21 @@ def _stations(model: FrameModel, points: int, pieces: ArrayLike, members: np.nda
     s = (start + size * (part[:, None] + (node + 1) / 2)).ravel()
     start, end = model.ends[element].transpose(1, 0, 2)
     owner = [model.member_of(e) for e in element.tolist()]
+    position = start + s[:, None] * (end - start)
+    thickness, layer_density = model.frame.grown(position[:, 2])
+    bare = np.array([member.section.diameter for member in owner])
+    diameter = bare + 2 * thickness
     return Stations(
-        position=start + s[:, None] * (end - start),
+        position=position,
         weight=(size * gauss / 2 * model.length[wet, None]).ravel(),
         tangent=model.rotation[element, 0],
-        diameter=np.array([member.section.diameter for member in owner]),
+        diameter=diameter,
+        layer=np.pi / 4 * (diameter**2 - bare**2),
+        layer_density=layer_density,
         drag=np.array([member.drag_coefficient for member in owner]),
         inertia=np.array([member.inertia_coefficient for member in owner]),
         element=element,
+        along=s,
         dofs=model.dofs[element],
         shape=_shapes(model, element, s),
     )
@@ -128,8 +157,8 @@ def inner_mass(model: FrameModel, density: float) -> sparse.csr_array:
 
 
 def element_masses(model: FrameModel, density: float, elements: np.ndarray) -> np.ndarray:
-    """Added mass and inner water of some elements (k, 12, 12), global axes [kg, kg m, kg m2]."""
-    parts = (_added(model, density), _inner(model, density))
+    """Added mass, inner water and growth of some elements (k, 12, 12), global axes [kg, kg m, kg m2]."""
+    parts = (_added(model, density), _inner(model, density), _grown(model))
     each = [[matrices[at.element == e].sum(axis=0) for e in elements] for at, matrices in parts]
     return np.sum(each, axis=0).reshape(-1, 12, 12)
 
@@ -138,6 +167,24 @@ def _inner(model: FrameModel, density: float) -> tuple[Stations, np.ndarray]:
     at = _stations(model, EXACT, 1, np.array([bool(member.flooded) for member in model.frame.members]))
     hollow = np.array([model.member_of(e).section.hollow for e in at.element.tolist()])
     return at, _normal_matrices(at, density * hollow)
+
+
+@lru_cache(maxsize=8)
+def growth_mass(model: FrameModel) -> sparse.csr_array:
+    """Of the growth, in all directions, sparse (6n, 6n); without its inertia about the member's axis."""
+    return _sum(model, *_grown(model))
+
+
+def _layers(model: FrameModel) -> Stations:
+    """Stations on all members that something may grow on; none where nothing does."""
+    grows = bool(model.frame.growth)
+    return _stations(model, GROWN, 1, np.array([grows and m.section.diameter > 0 for m in model.frame.members]))
+
+
+def _grown(model: FrameModel) -> tuple[Stations, np.ndarray]:
+    at = _layers(model)
+    mass = at.layer_density * at.layer * at.weight
+    return at, mass[:, None, None] * (at.shape.transpose(0, 2, 1) @ at.shape)
 
 
 def _added(model: FrameModel, density: float) -> tuple[Stations, np.ndarray]:
@@ -175,6 +222,29 @@ def buoyancy(model: FrameModel, density: float, g: float) -> np.ndarray:
     up = density * g * area[:, None] * (model.rotation @ [0.0, 0.0, 1.0])
     parts = zip(up, model.length, wetted_span(model), model.shear, strict=True)
     return np.array([model.released(e, beam.distributed_load(*part)) for e, part in enumerate(parts)])
+
+
+@lru_cache(maxsize=8)
+def growth_load(model: FrameModel, density: float, g: float) -> np.ndarray:
+    """Buoyancy less weight of the growth on each element, (ρ - ρ_g) g A, local axes [N, N m], (ne, 12)."""
+    at, loads = _layers(model), np.zeros((len(model.length), 12))
+    lift = (density - at.layer_density) * g * at.layer * at.weight
+    for e, s, force in zip(at.element.tolist(), at.along.tolist(), lift.tolist(), strict=True):
+        shape = model.released(e, beam.displacement_shape(s, model.length[e], model.shear[e]))
+        loads[e] += force * model.rotation[e, :, 2] @ shape
+    return loads
+
+
+def spread_load(model: FrameModel, density: float, g: float) -> np.ndarray:
+    """All that loads each element along its length at rest, local axes [N, N m], (ne, 12)."""
+    further = growth_load(model, density, g) + statics.distributed_load(model)
+    return statics.self_weight(model, g) + buoyancy(model, density, g) + further
+
+
+def static_load(model: FrameModel, density: float, g: float) -> np.ndarray:
+    """Weight, point loads, distributed loads, and buoyancy of the steel and of what grows on it (6n,) [N, N m]."""
+    further = model.total(growth_load(model, density, g) + statics.distributed_load(model))
+    return statics.gravity_load(model, g) + statics.point_load(model) + buoyancy_load(model, density, g) + further
 
 
 def buoyancy_load(model: FrameModel, density: float, g: float) -> np.ndarray:

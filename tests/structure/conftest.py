@@ -99,6 +99,7 @@ def line(steel, pipe):
             "drag_coefficient",
             "inertia_coefficient",
             "flooded",
+            "distributed_load",
             "start_release",
             "end_release",
             "start_offset",

@@ -104,7 +104,7 @@ def test_springs_give_what_they_are_pushed_by():
         size = np.abs(reactions[:, foot, [0, 0, 0, 4, 4, 4]]).max(axis=0)
         assert np.all(np.abs(force - reactions[:, foot]).max(axis=0) < 1e-4 * size)
         assert still[0, foot] == approx(-k @ at_rest.reshape(-1, 6)[at], rel=1e-6)
-    load = support.static_load(model, sea).reshape(-1, 6)
+    load = water.static_load(model, sea.density, sea.gravity).reshape(-1, 6)
     total = load.sum(axis=0)
     total[3:] += np.cross(model.xyz, load[:, :3]).sum(axis=0)
     feet = steel.places.foot

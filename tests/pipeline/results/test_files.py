@@ -56,7 +56,9 @@ pto_damping = 5e4
 hinge_spacing = [5.0]
 """
 LINES = '[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n[variants.a]\n'
-OUTPUTS = 'outputs = ["fatigue", "reactions", "section_forces", "fibre_stress"]\n[record.fatigue]\nscf = 2.0\n'
+OUTPUTS = 'outputs = ["fatigue", "reactions", "section_forces", "fibre_stress", "utilisation"]\n'
+OUTPUTS += "[record.fatigue]\nscf = 2.0\n"
+YIELDING = SMALL.replace("density = 8012.0", "density = 8012.0\nyield_strength = 355e6")
 CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
 STOPS = "lower = -0.3, upper = 2.0, stiffness = 1e7, damping = 1e5"
 MORE = "lower = [0, -1.0], upper = [0, 1.0], stiffness = [0, 1e7]"  # on one axis of two
@@ -71,7 +73,7 @@ REAL = {
     "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
     "heave": BALANCED.replace("offset = 0.5", TAKEOFF) + SHORT + FORCES + PER_WAVE + "[solver]\ntolerance = 0.05\n",
     "floating": SPHERE.replace('["heave"]\noffset = 0.5', MOORED).replace(STOPS, MORE) + CARRIED + SHORT,
-    "steel": SMALL[: SMALL.index("[axes]")] + CALM + SHORT + OUTPUTS,
+    "steel": YIELDING[: YIELDING.index("[axes]")] + CALM + SHORT + OUTPUTS,
     "lines": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("full", "none") + LINES,
     "paper": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("4.0", "1.0") + '[solver]\naccuracy = "reference"\n',
 }

@@ -1,0 +1,154 @@
+"""Utilisation of tubes by NORSOK N-004, 6.3: its formulas at their ends, by hand, and as an output."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.coupled.system import blocks, prepare
+from solver.errors import InputError
+from solver.record.steel import Steel
+from solver.run import simulate
+from solver.scene import Platform, Scene, Settings, Utilisation, Water
+from solver.structure import tubular
+from solver.structure.beam import solid_rectangle, tube
+from solver.structure.frame import Frame, Material, Member, PointLoad
+from tests.awkward import bare_legs
+
+FY, E = 355e6, 2.1e11
+STEEL = Material(E=E, G=8.08e10, density=7850.0, yield_strength=FY)
+
+
+def member(D=0.508, t=0.016, **changes):
+    fields = {"name": "brace", "start": "a", "end": "b", "elements": 1, "section": tube(D, t), "material": STEEL}
+    return Member(**{**fields, **changes})
+
+
+def used(N, My=0.0, Mz=0.0, length=6.0, factor=1.15, **changes):
+    of = tubular.resistance(member(**changes), length, factor)
+    return float(tubular.utilisation(np.array(N), np.array(My), np.array(Mz), of))
+
+
+def test_a_brace_by_hand():
+    """508 x 16 mm, 355 MPa, 6 m: A = 24730.1 mm2, W = 2.94966e6 mm3, Z = 3.87430e6 mm3, i = 174.04 mm.
+
+    f_cle = 3968.5 MPa and f_y/f_cle = 0.0895, so that f_cl = f_y; λ = 6000/(174.04 π) √(355/2.1e5) = 0.45119 and
+    f_c = 334.77 MPa; f_y D/Et = 0.053673 and f_m = 0.991524 Z/W f_y.
+    """
+    A, Z = 24730.1e-6, 3.87430e-3
+    M_Rd, M = 0.991524 * Z * FY / 1.15, np.hypot(80e3, 20e3)
+    assert used(1.2e6, 80e3, 20e3) == approx((1.2e6 / (A * FY / 1.15)) ** 1.75 + M / M_Rd, rel=1e-4)
+    N_c, N_E = A * 334.765e6 / 1.15, np.pi**2 * E * A / (6000 / 174.04) ** 2
+    column = 1.2e6 / N_c + 0.85 * M / (1 - 1.2e6 / N_E) / M_Rd
+    local = 1.2e6 / (A * FY / 1.15) + M / M_Rd
+    assert used(-1.2e6, 80e3, 20e3, moment_factor=0.85) == approx(max(column, local), rel=1e-4)
+    assert used(-1.2e6, 80e3, 20e3, moment_factor=0.1) == approx(local, rel=1e-4)  # eq. 6.28 where 6.27 is less
+
+
+def test_the_ends_of_its_formulas():
+    """Squash load, Euler's with 0.9, the plastic moment; tension counts by its power 1.75."""
+    A = tube(0.508, 0.016).area
+    assert used(-A * FY / 1.15, length=1e-3) == approx(1.0, rel=1e-6)
+    far = tubular.resistance(member(), 40.0, 1.15)
+    assert far.column == approx(0.9 * far.euler / 1.15)
+    stout = member(D=0.3, t=0.02)
+    plastic = (0.3**3 - 0.26**3) / 6 * FY
+    assert tubular.resistance(stout, 5.0, 1.15).bending == approx(plastic / 1.15)
+    assert used(0.5 * A * FY / 1.15) == approx(0.5**1.75)
+    assert used(1.0, 3e5, 4e5) == approx(used(1.0, 0.0, 5e5)) == approx(used(1.0, -5e5, 0.0))
+    assert 1 < used(-float(far.euler), length=40.0) < 2
+    assert np.isfinite(used(-2 * float(far.euler), 1e4, length=40.0))
+
+
+@pytest.mark.parametrize(
+    ("of", "where", "jump"),
+    [
+        (lambda r: tubular.local_strength(FY, FY / (0.6 * r), 1.0, 1.0), 0.170, 1e-3),
+        (lambda r: tubular.local_strength(FY, FY / (0.6 * r), 1.0, 1.0), 1.911, 1e-3),
+        (lambda r: tubular.column_strength(FY, FY / r**2), 1.34, 1e-2),
+        (lambda r: tubular.bending_strength(FY, FY * 60 / r, 60.0, 1.0), 0.0517, 4e-3),
+        (lambda r: tubular.bending_strength(FY, FY * 60 / r, 60.0, 1.0), 0.1034, 4e-3),
+    ],
+)
+def test_formulas_meet_where_they_change(of, where, jump):
+    below, above = (of(where * (1 + e)) for e in (-1e-9, 1e-9))
+    assert below == approx(above, rel=jump)
+    assert of(where * 1.3) < 0.99 * of(where * 0.999)
+
+
+@pytest.mark.parametrize(
+    ("changes", "factor", "message"),
+    [
+        ({"D": 0.1, "t": 0.005}, 1.15, r"brace\.section\.thickness = 0.005: must be >= 0.006 m"),
+        ({"D": 1.2, "t": 0.01}, 1.15, r"thickness = 0.01: must be >= 0.006 m and > 0.01 m, D/120"),
+        ({"D": 1.0, "t": 0.01}, 1.15, r"material_factor = 1.15: must be >= 1.45, N-004's largest"),
+    ],
+)
+def test_what_n_004_is_not_for_is_refused(changes, factor, message):
+    with pytest.raises(InputError, match=message):
+        used(-1.0, factor=factor, **changes)
+    assert used(-1.0, D=1.0, t=0.01, factor=1.45) > 0
+
+
+def standing(outputs=("utilisation",), material=STEEL, **changes):
+    """A pile of two elements in air with a deck load that pushes and shoves."""
+    pile = member(name="pile", start="foot", end="top", elements=2, material=material, **changes)
+    frame = Frame(
+        nodes={"foot": (0, 0, 1.0), "top": (0, 0, 9.0)}, members=(pile,), clamped=("foot",),
+        loads=(PointLoad(node="top", force=(3e4, 4e4, -6e5)),),
+    )  # fmt: skip
+    settings = Settings(duration=5.0, discard=0.0, ramp=0.0, time_step=0.1, outputs=outputs)
+    return Scene(water=Water(depth=50.0), platform=Platform(frame=frame, legs=("pile",)), settings=settings)
+
+
+def test_a_pile_at_rest_is_utilised_at_its_foot():
+    record = simulate(standing(buckling_length=16.0))
+    dims, values = record.variables["utilisation"]
+    assert dims == ("tube", "statistic") and record.coords["tube"].tolist() == ["pile"]
+    weight = tube(0.508, 0.016).area * 7850 * 9.81 * 8
+    expected = used(-6e5 - weight, 4e4 * 8, -3e4 * 8, length=16.0)
+    assert values[0, [0, 1, 2]] == approx(np.full(3, expected), rel=1e-6)
+
+
+def test_tubes_are_utilised_by_their_section_forces():
+    """Of legs with one element each, at every sample: the larger of both ends."""
+    item, _ = bare_legs()
+    frame = item.platform.frame
+    some = replace(STEEL, E=2.1e11, G=8.33e10)
+    members = [replace(m, material=some, elements=1, moment_factor=0.85) for m in frame.members]
+    members[1] = replace(members[1], material=replace(some, yield_strength=None))
+    frame = replace(frame, members=tuple(members))
+    settings = replace(item.settings, outputs=("section_forces", "utilisation"), time_step=0.1)
+    system = prepare(replace(item, platform=replace(item.platform, frame=frame), settings=settings), None)
+    steel = Steel(system.support.forces, settings)
+    *_, (samples, output, _) = blocks(system, system.start(), 256)
+    parts = output.dp, output.ddp, output.carried, output.drag
+    y = steel.forces.of(samples[:, system.layout.forces], *parts) + steel.forces.at_rest
+    names = dict(steel.channels(y))
+    assert steel.places.checked == ("a", "c")
+    for row, name in enumerate(("a", "c")):
+        at = steel.places.members.index(name)
+        N, moment = names["section_force"][:, at, :, 0], names["section_moment"][:, at]
+        leg = members[at]
+        of = tubular.resistance(leg, frame.buckling_length(leg), 1.15)
+        expected = tubular.utilisation(N, moment[..., 1], moment[..., 2], of).max(axis=1)
+        assert names["utilisation"][:, row] == approx(expected)
+        assert np.ptp(expected) > 0
+
+
+def test_scenes_without_what_it_needs_are_refused():
+    with pytest.raises(InputError, match=r"outputs = utilisation: is of tubes whose material has a yield_strength"):
+        standing(material=replace(STEEL, yield_strength=None))
+    with pytest.raises(InputError, match="is of tubes whose material has a yield_strength"):
+        standing(section=solid_rectangle(0.3, 0.3))
+    with pytest.raises(InputError, match=r"thickness = 0.005"):
+        standing(section=tube(0.1, 0.005))
+    item = standing(flooded=False)
+    wet = {"foot": (0.0, 0.0, -1.0), "top": (0.0, 0.0, 9.0)}
+    with pytest.raises(InputError, match=r"pile\.flooded = False: must be left out below still water"):
+        replace(item, platform=replace(item.platform, frame=replace(item.platform.frame, nodes=wet)))
+    with pytest.raises(InputError, match=r'outputs = utilisation: needs method = "time"'):
+        Settings(method="frequency", froude_krylov="linear", outputs=("utilisation",))
+    with pytest.raises(InputError, match=r"settings\.utilisation\.material_factor = 0.5: must be >= 1"):
+        Utilisation(material_factor=0.5)
