@@ -23,7 +23,7 @@ from solver.structure.frame import Frame
 
 STEPS = 9  # in the shortest period that a scene has to follow
 OF_STEEL = ("reactions", "section_forces", "fibre_stress", "fatigue")
-OUTPUTS = (*OF_STEEL, "pto_force", "pto_stroke")
+OUTPUTS = (*OF_STEEL, "pto_force", "pto_stroke", "drift")
 MOST_SECTIONS = 200  # members whose section forces are put out
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 
@@ -362,8 +362,10 @@ class Settings:
         bool, "Whether each output's response per wave amplitude, coherence with the waves and spectrum are put out"
     ] = False
     outputs: Annotated[
-        tuple[Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force", "pto_stroke"], ...],
-        "What else is put out: of an elastic platform's steel, and the power take-offs' forces",
+        tuple[
+            Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force", "pto_stroke", "drift"], ...
+        ],
+        "What else is put out: of an elastic platform's steel, of power take-offs, and mean and slow drift of floats",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
     # "reference" is the paper's method throughout: the augmented formulation, convolution, panels and all modes.
@@ -464,6 +466,7 @@ class Scene:
                 limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
                 yield InputError(f"platform.{key}", place, limit)
         yield from self._output_problems()
+        yield from self._drift_problems()
         yield from self._law_problems()
         settings, longest = self.settings, self.longest_step
         marching = settings.method == "time" and settings.tolerance is None and self.sea.amplitude.any()
@@ -502,6 +505,18 @@ class Scene:
         if "section_forces" in outputs and members > MOST_SECTIONS:
             limit = f"must be left out with more than {MOST_SECTIONS} members; there are {members}"
             yield InputError("settings.outputs", "section_forces", limit)
+
+    def _drift_problems(self) -> Iterator[InputError]:
+        """What the waves far off do not tell of, or tell wrongly."""
+        s, key = self.settings, "settings.outputs"
+        if "drift" not in s.outputs:
+            return
+        if s.method != "frequency":
+            yield InputError(key, "drift", 'needs method = "frequency"')
+        whole = s.diffraction and s.radiation and s.interaction and s.froude_krylov != "none"
+        if not (self.floats and whole):
+            limit = "is of floats that feel whole waves: diffraction, radiation and interaction, linear Froude-Krylov"
+            yield InputError(key, "drift", limit)
 
     def _law_problems(self) -> Iterator[InputError]:
         """Joint laws that the method does not have."""

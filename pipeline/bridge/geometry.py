@@ -15,6 +15,7 @@ from pipeline.study.attachments import CoefficientFile
 from pipeline.study.schema import Hull, Solver, StudyFile, Water
 from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
+from solver.errors import InputError
 from solver.hydrodynamics.hull.mesh import plates
 from solver.motions import PLANAR, possible
 from solver.scene import DOFS, STARTS, is_planar, panels_for
@@ -62,6 +63,7 @@ class Geometry(Table):
     names: tuple[str, ...] = ()
     needed: tuple[tuple[str, ...], ...] = ()  # motions that each body may have; all that are solved for where empty
     memory: bool = True  # whether the radiation memory, of these motions, is fitted along
+    far_field: bool = False  # whether the waves far off are known
     plates: bool = False  # a hull is in part thinner than panels: their panels, and what is said of them, are others
 
     @property
@@ -92,6 +94,8 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         "planar": planar,
     }
     if parameters.coefficients is not None:
+        if "drift" in parameters.record.outputs:
+            raise InputError("record.outputs", "drift", "needs boundary elements: files do not know the waves far off")
         names, needed = tuple(f.name for f in floats), tuple(tuple(sorted(each)) for each in ways)
         return Geometry(**place, coefficients=parameters.coefficients, names=names, needed=needed)
     panels = panels_for(parameters.solver.tolerance)
@@ -106,6 +110,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         interaction=parameters.solver.interaction or len(floats) == 1,
         needed=ways if some else (),
         memory=memory,
+        far_field="drift" in parameters.record.outputs,
         plates=any(plates(f.hull, panels) for f in floats),
     )
 
@@ -151,6 +156,7 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "heading": geometry.heading,
         "omega": frequency_grid(hulls, centres, band=geometry.band, **how),
         "planar": geometry.planar,
+        "far_field": geometry.far_field,
         **how,
     }
 

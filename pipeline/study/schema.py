@@ -49,7 +49,7 @@ class Water(Table):
 DEFAULT = physics.Settings()
 
 
-Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force", "pto_stroke"]
+Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "pto_force", "pto_stroke", "drift"]
 
 
 # An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
@@ -76,7 +76,7 @@ class Recording(Table):
     outputs: Annotated[
         tuple[Output, ...],
         AfterValidator(_once),
-        "What else is put out: of an elastic platform's steel, and the power take-offs' forces and strokes",
+        "What else is put out: of an elastic platform's steel, of power take-offs, and mean and slow drift of floats",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
     if TYPE_CHECKING:
