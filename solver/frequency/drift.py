@@ -1,14 +1,16 @@
 """Mean drift of all bodies together, from the waves far off; mean offset and slow drift of a moored support.
 
-The mean force is of second order, its sum over the waves of a sea, Fᵢ of wave i. About the mean it varies slowly, by
-Newman's approximation (1974) with the spectrum 8 ∫ S(ω)S(ω + μ) T(ω)T(ω + μ) dω, F = T|a|². As the support answers
-near its own slow period alone, that is taken at μ = 0, as white noise (Pinkster 1980).
+The mean force is of second order, the sum over the waves of a sea of Fᵢ = Tᵢ|aᵢ|². About the mean it varies slowly: two
+waves make a force at the difference of their frequencies, by Newman's approximation (1974) with T = ½(Tᵢ + Tⱼ), in all of
+
+    S_F(μ) = 8 ∫ S(ω)S(ω + μ) ¼(T(ω) + T(ω + μ))² dω.
 """
 
 from typing import Any
 
 import numpy as np
-from scipy.linalg import solve_continuous_lyapunov
+from scipy.interpolate import make_interp_spline
+from scipy.linalg import eigh
 
 from solver.coupled.linear import LinearModel, linear_model
 from solver.coupled.system import System
@@ -20,6 +22,7 @@ from solver.record.recorder import Channels, Labelled
 from solver.record.spectra import bands
 from solver.scene import Scene
 
+NODES, DENSE = 400, 10.0  # about a resonance, and to how many times sinh of half its width
 HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
 
 
@@ -69,7 +72,8 @@ def variables(
     if axes.size:
         loads = np.stack([force[:, 0], force[:, 1], moment], axis=1)
         each = loads[:, [HORIZONTAL.index(channels.names[i]) for i in axes]]
-        means, stds, unmet = moved(linear_model(system), axes, added_mass(system, h), each, noise(scene, waves))
+        slow = slow_spectrum(waves.omega, waves.amplitude, each, scene.settings.duration)
+        means, stds, unmet = moved(linear_model(system), axes, added_mass(system, h), each.sum(axis=0), slow)
         for name, values in (("drift_offset", means), ("slow_drift", stds)):
             joints = np.full((1, channels.owner.size), np.nan)
             joints[0, axes] = values
@@ -102,40 +106,54 @@ def added_mass(system: System, h: Hydrodynamics) -> np.ndarray:
     return E.T @ (h.added_mass[0] - system.bodies.added_mass) @ E
 
 
-def noise(scene: Scene, waves: Waves) -> np.ndarray:
-    """g (nw, nw) of S_F(0) = 2 Σᵢⱼ Fᵢ gᵢⱼ Fⱼ: which waves are so near each other that their product is slow [s/rad].
+def slow_spectrum(
+    omega: np.ndarray, amplitude: np.ndarray, loads: np.ndarray, duration: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """μ (m,) [rad/s] and S_F(μ) (m, n, n), one-sided, of waves a (nw,) with loads F (nw, n) each:
 
-    One wave alone is as large at all times.
+    2 Σᵢⱼ |aᵢaⱼ|² ¼(Tᵢ + Tⱼ)(Tᵢ + Tⱼ)ᵀ g(ωᵢ - ωⱼ - μ), g a band as spectra have them. One wave alone does not vary.
     """
-    if len(waves.omega) == 1:
-        return np.zeros((1, 1))
-    width = bands(waves.omega, scene.settings.duration).width
-    apart = (waves.omega[:, None] - waves.omega) / width
-    return np.exp(-0.5 * apart**2) / (width * np.sqrt(2 * np.pi))
+    n, squares = loads.shape[1], np.abs(amplitude) ** 2
+    if len(omega) == 1:
+        return np.zeros(1), np.zeros((1, n, n))
+    width = bands(omega, duration).width
+    mu, apart = np.arange(0, np.ptp(omega) + width, width), omega[:, None] - omega
+    spectrum = np.empty((len(mu), n, n))
+    for k, at in enumerate(mu):
+        g = np.exp(-0.5 * ((apart - at) / width) ** 2) / (width * np.sqrt(2 * np.pi))
+        g = g + g.T
+        spectrum[k] = 0.5 * ((loads * (g @ squares / squares)[:, None]).T @ loads + loads.T @ g @ loads)
+    return mu, spectrum
 
 
 def moved(
-    model: LinearModel, axes: np.ndarray, added: np.ndarray, loads: np.ndarray, near: np.ndarray
+    model: LinearModel, axes: np.ndarray, added: np.ndarray, mean: np.ndarray, slow: tuple[np.ndarray, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, str]:
-    """Mean and std (n,) along the axes by loads of each wave (nw, n), and what has none.
+    """Mean and std (n,) along the axes by a mean load (n,) and the spectrum of a slow one, and what has none.
 
-    C x̄ = Σ F;   (M + A(0)) ẍ + D ẋ + C x = F(t), of white noise. All else rides along.
+    C x̄ = F;   cov x = ∫ H S_F Hᴴ dμ,  H = (C - μ²(M + A(0)) - iμD)⁻¹. All else rides along.
     """
     at = np.ix_(axes, axes)
     C, D, M = model.stiffness[at], model.damping[at], model.mass[at] + added[at]
-    n, none = len(axes), np.full(len(axes), np.nan)
+    none = np.full(len(axes), np.nan)
     if np.linalg.eigvalsh((C + C.T) / 2)[0] <= 0:
         return none, none, "drift_offset: nothing holds the support against drift"
-    mean = np.linalg.solve(C, loads.sum(axis=0))
+    offset = np.linalg.solve(C, mean)
     if np.linalg.eigvalsh((D + D.T) / 2)[0] <= 0:
-        return mean, none, "slow_drift: nothing damps the support's slow drift"
-    spectrum = 2 * loads.T @ near @ loads  # one-sided, of angular frequency
-    inverse = np.linalg.inv(M)
-    state = np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ C, -inverse @ D]])
-    driven = np.zeros((2 * n, 2 * n))
-    driven[n:, n:] = np.pi * inverse @ spectrum @ inverse.T
-    covariance = solve_continuous_lyapunov(state, -driven)
-    return mean, np.sqrt(np.diag(covariance)[:n].clip(min=0.0)), ""
+        return offset, none, "slow_drift: nothing damps the support's slow drift"
+    mu = _resolving(slow[0], C, D, M)[:, None, None]
+    H = np.linalg.inv(C - mu**2 * M - 1j * mu * D)
+    S = make_interp_spline(*slow, k=1)(mu[:, 0, 0]) if len(slow[0]) > 1 else np.zeros(H.shape)
+    variance = np.einsum("kij,kjl,kil->ki", H, S, H.conj()).real
+    return offset, np.sqrt(np.trapezoid(variance, mu[:, 0, 0], axis=0)), ""
+
+
+def _resolving(mu: np.ndarray, C: np.ndarray, D: np.ndarray, M: np.ndarray) -> np.ndarray:
+    """Frequencies from the first to the last of mu, dense about the resonances of C, D and M."""
+    squares, shapes = eigh((C + C.T) / 2, (M + M.T) / 2)
+    half = np.einsum("im,ij,jm->m", shapes, D, shapes) / 2  # of a resonance's width
+    near = np.sqrt(squares)[:, None] + half[:, None] * np.sinh(np.linspace(-DENSE, DENSE, NODES))
+    return np.unique(np.concatenate([mu, np.clip(near.ravel(), mu[0], mu[-1])]))
 
 
 def require_far_field(h: Hydrodynamics | None) -> Hydrodynamics:

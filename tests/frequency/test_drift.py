@@ -79,31 +79,55 @@ def test_offset_is_that_of_the_mooring():
     assert np.isnan(np.delete(offset[0], at)).all() and np.isnan(offset[1:]).all()
 
 
-def test_slow_drift_of_one_axis_is_that_of_all_pairs_of_waves():
-    """σ² = Σ 2|aᵢaⱼT|²/|C - μ²M - iμD|² over all pairs, μ = ωᵢ - ωⱼ, where S(ω)S(ω + μ) is flat over the resonance."""
-    waves = realize(PiersonMoskowitz(Hs=3.0, Tp=8.0), components=1500, band=(0.4, 2.0), seed=1, intervals="even")
-    C, D, M, T = 4.0e4, 8e4, 1.6e7, 3e4  # a resonance at 0.05 rad/s, with 5 % of critical damping
+@pytest.mark.parametrize("slowest", [0.05, 0.15])
+def test_slow_drift_of_one_axis_is_that_of_all_pairs_of_waves(slowest):
+    """σ² = Σ 2|aᵢaⱼTᵢⱼ|²/|C - μ²M - iμD|² over all pairs, μ = ωᵢ - ωⱼ, where S_F is level, and where it falls."""
+    waves = realize(PiersonMoskowitz(Hs=3.0, Tp=8.0), components=600, band=(0.4, 2.0), seed=1, intervals="even")
+    M, C = 1.6e7, 1.6e7 * slowest**2
+    T = 3e4 * (waves.omega - 0.6)  # of both signs, and of none in the mean of two
+    D = 0.2 * M * slowest  # 10 % of critical
     a2 = np.abs(waves.amplitude) ** 2
     i, j = np.triu_indices(a2.size, 1)
     mu = waves.omega[j] - waves.omega[i]
-    exact = np.sqrt(np.sum(2 * a2[i] * a2[j] * T**2 / np.abs(C - mu**2 * M - 1j * mu * D) ** 2))
+    exact = np.sqrt(np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4 / np.abs(C - mu**2 * M - 1j * mu * D) ** 2))
     model = SimpleNamespace(stiffness=np.diag([1.0, C]), damping=np.diag([1.0, D]), mass=np.diag([1.0, M - 2e6]))
-    scene = SimpleNamespace(settings=SimpleNamespace(duration=3600.0))
-    near = drift.noise(scene, SimpleNamespace(omega=waves.omega))
-    loads, added = T * a2[:, None], np.diag([0.0, 2e6])
-    mean, std, unmet = drift.moved(model, np.array([1]), added, loads, near)
-    assert mean[0] == approx(T * 2 * (3.0 / 4) ** 2 / C, rel=0.05) and not unmet  # Σ|a|² = 2 m₀
-    assert std[0] == approx(exact, rel=0.08)
+    slow = drift.slow_spectrum(waves.omega, waves.amplitude, (T * a2)[:, None], 3600.0)
+    level = np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4)
+    assert np.trapezoid(slow[1][:, 0, 0], slow[0]) == approx(level, rel=0.01)
+    mean, std, unmet = drift.moved(model, np.array([1]), np.diag([0.0, 2e6]), np.array([T @ a2]), slow)
+    assert mean[0] == approx(T @ a2 / C) and not unmet
+    assert std[0] == approx(exact, rel=0.03)
+
+
+def test_two_axes_drift_as_each_would_along_its_own():
+    """Turned by 30 degrees, so that mooring and force couple them."""
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    R, mu = np.array([[c, -s], [s, c]]), np.linspace(0, 1.0, 21)
+    C, D, M, S = np.diag([4e4, 9e4]), np.diag([8e3, 2e4]), np.diag([1e6, 1.2e6]), np.diag([3e9, 5e8])
+    spectrum = np.exp(-3 * mu)[:, None, None] * S
+    own = SimpleNamespace(stiffness=C, damping=D, mass=M)
+    turned = SimpleNamespace(stiffness=R @ C @ R.T, damping=R @ D @ R.T, mass=R @ M @ R.T)
+    both, none = np.arange(2), np.zeros((2, 2))
+    mean, std, _ = drift.moved(own, both, none, np.array([3e4, 1e4]), (mu, spectrum))
+    other, turned_std, _ = drift.moved(turned, both, none, R @ [3e4, 1e4], (mu, R @ spectrum @ R.T))
+    assert other == approx(R @ mean) and turned_std**2 == approx(np.diag(R @ np.diag(std**2) @ R.T), rel=1e-3)
 
 
 def test_what_nothing_holds_or_damps_has_no_drift():
-    none = np.zeros((2, 2))
+    none, slow = np.zeros((2, 2)), (np.arange(3.0), np.ones((3, 1, 1)))
     model = SimpleNamespace(stiffness=none, damping=none, mass=np.eye(2))
-    mean, std, unmet = drift.moved(model, np.array([0]), none, np.ones((3, 1)), np.eye(3))
+    mean, std, unmet = drift.moved(model, np.array([0]), none, np.array([3.0]), slow)
     assert np.isnan([*mean, *std]).all() and "nothing holds" in unmet
     model.stiffness = np.eye(2)
-    mean, std, unmet = drift.moved(model, np.array([0]), none, np.ones((3, 1)), np.eye(3))
+    mean, std, unmet = drift.moved(model, np.array([0]), none, np.array([3.0]), slow)
     assert mean == approx(3.0) and np.isnan(std).all() and "nothing damps" in unmet
+
+
+def test_one_wave_does_not_drift_slowly():
+    mu, spectrum = drift.slow_spectrum(np.array([1.0]), np.array([1j]), np.array([[2e3, 1e3]]), 3600.0)
+    model = SimpleNamespace(stiffness=np.eye(2), damping=np.eye(2), mass=np.eye(2))
+    mean, std, unmet = drift.moved(model, np.arange(2), np.zeros((2, 2)), np.array([2e3, 1e3]), (mu, spectrum))
+    assert mean == approx([2e3, 1e3]) and std == approx([0.0, 0.0]) and not unmet
 
 
 @pytest.mark.parametrize("changes", [{"method": "time"}, {"interaction": False}, {"radiation": False}])
