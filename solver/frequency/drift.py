@@ -1,7 +1,7 @@
 """Mean drift of all bodies together, from the waves far off; mean offset and slow drift of a moored support.
 
 The mean force is of second order, the sum over the waves of a sea of Fᵢ = Tᵢ|aᵢ|². About the mean it varies slowly: two
-waves make a force at the difference of their frequencies, by Newman's approximation (1974) with T = ½(Tᵢ + Tⱼ), in all of
+waves make a force at the difference of their frequencies, by Newman's approximation (1974) with T = ½(Tᵢ + Tⱼ): in all
 
     S_F(μ) = 8 ∫ S(ω)S(ω + μ) ¼(T(ω) + T(ω + μ))² dω.
 """
