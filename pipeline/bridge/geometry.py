@@ -15,7 +15,6 @@ from pipeline.study.attachments import CoefficientFile
 from pipeline.study.schema import Hull, Solver, StudyFile, Water
 from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
-from solver.errors import InputError
 from solver.hydrodynamics.hull.mesh import plates
 from solver.motions import PLANAR, possible
 from solver.scene import DOFS, STARTS, is_planar, panels_for
@@ -94,8 +93,6 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         "planar": planar,
     }
     if parameters.coefficients is not None:
-        if "drift" in parameters.record.outputs:
-            raise InputError("record.outputs", "drift", "needs boundary elements: files do not know the waves far off")
         names, needed = tuple(f.name for f in floats), tuple(tuple(sorted(each)) for each in ways)
         return Geometry(**place, coefficients=parameters.coefficients, names=names, needed=needed)
     panels = panels_for(parameters.solver.tolerance)
