@@ -12,7 +12,7 @@ from solver.coupled.system import prepare
 from solver.errors import InputError
 from solver.frequency import drift
 from solver.frequency.response import respond
-from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem import bem, far_field
 from solver.run import simulate
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
@@ -55,6 +55,25 @@ def test_energy_far_off_is_that_of_rotors_and_dampers():
     rate = np.abs(response.omega[:, None] * response.Z) ** 2 / 2
     damping = np.array([*MOORED["damping"], 4e4, 6e4])
     assert np.sum(drift.waves_of(system, response, h).absorbed_power) == approx(np.sum(rate @ damping), rel=0.04)
+
+
+def test_the_moment_is_about_the_supports_joint():
+    """As of the same waves seen from there: H exp(ik d·e) of modes whose origin is d further on."""
+    item, h = drifting(HEADING), coefficients()[0]
+    system = prepare(item, h)
+    waves = drift.waves_of(system, respond(system, h), h)
+    d, k = np.subtract([0.5, 0.0], h.far_field.origin), waves.omega[:, None] ** 2 / 9.81
+    m = np.arange(waves.modes.shape[1]) - waves.modes.shape[1] // 2
+    angle = 2 * np.pi * np.arange(m.size) / m.size
+    H = (
+        waves.modes
+        @ np.exp(1j * np.outer(m, angle))
+        * np.exp(1j * k * (np.stack([np.cos(angle), np.sin(angle)], -1) @ d))
+    )
+    there = waves.amplitude * np.exp(1j * k[:, 0] * (d @ [np.cos(HEADING), np.sin(HEADING)]))
+    about = replace(waves, modes=far_field.modes(H), amplitude=there).drift_moment.sum()
+    assert records()[0].attrs["drift_moment"] == approx(about, rel=1e-3)
+    assert abs(about - waves.drift_moment.sum()) > 0.02 * abs(about)
 
 
 def test_drift_turns_with_the_waves():
