@@ -109,11 +109,11 @@ def test_slow_drift_of_one_axis_is_that_of_all_pairs_of_waves(slowest):
     i, j = np.triu_indices(a2.size, 1)
     mu = waves.omega[j] - waves.omega[i]
     exact = np.sqrt(np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4 / np.abs(C - mu**2 * M - 1j * mu * D) ** 2))
-    model = SimpleNamespace(stiffness=np.diag([1.0, C]), damping=np.diag([1.0, D]), mass=np.diag([1.0, M - 2e6]))
+    model = SimpleNamespace(stiffness=np.diag([1.0, C]), damping=np.diag([1.0, D]), mass=np.diag([1.0, 0.3 * M]))
     slow = drift.slow_spectrum(waves.omega, waves.amplitude, (T * a2)[:, None], 3600.0)
     level = np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4)
     assert np.trapezoid(slow[1][:, 0, 0], slow[0]) == approx(level, rel=0.01)
-    mean, std, unmet = drift.moved(model, np.array([1]), np.diag([0.0, 2e6]), np.array([T @ a2]), slow)
+    mean, std, unmet = drift.moved(model, np.array([1]), np.diag([0.0, 0.7 * M]), np.array([T @ a2]), slow)
     assert mean[0] == approx(T @ a2 / C) and not unmet
     assert std[0] == approx(exact, rel=0.03)
 
