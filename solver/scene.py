@@ -26,7 +26,7 @@ from solver.structure.tubular import may_be_utilised, resistance
 
 STEPS = 9  # in the shortest period that a scene has to follow
 OF_STEEL = ("reactions", "section_forces", "fibre_stress", "fatigue", "utilisation")
-OUTPUTS = (*OF_STEEL, "pto_force", "pto_stroke")
+OUTPUTS = (*OF_STEEL, "pto_force", "pto_stroke", "drift")
 MOST_SECTIONS = 200  # members whose section forces are put out
 MOST_CHECKED = 500  # elements whose utilisation is
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
@@ -385,10 +385,19 @@ class Settings:
     ] = False
     outputs: Annotated[
         tuple[
-            Literal["reactions", "section_forces", "fibre_stress", "fatigue", "utilisation", "pto_force", "pto_stroke"],
+            Literal[
+                "reactions",
+                "section_forces",
+                "fibre_stress",
+                "fatigue",
+                "utilisation",
+                "pto_force",
+                "pto_stroke",
+                "drift",
+            ],
             ...,
         ],
-        "What else is put out: of an elastic platform's steel, and the power take-offs' forces",
+        "What else is put out: of an elastic platform's steel, of power take-offs, and mean and slow drift of floats",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
     utilisation: Annotated[Utilisation, "By which factors tubes are utilised"] = Utilisation()
@@ -493,6 +502,7 @@ class Scene:
                 limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
                 yield InputError(f"platform.{key}", place, limit)
         yield from self._output_problems()
+        yield from self._drift_problems()
         yield from self._law_problems()
         yield from self._load_problems()
         settings, longest = self.settings, self.longest_step
@@ -551,6 +561,18 @@ class Scene:
         if (count := sum(m.elements for m in tubes)) > MOST_CHECKED:
             limit = f"must be left out with more than {MOST_CHECKED} elements of tubes; there are {count}"
             yield InputError("settings.outputs", "utilisation", limit)
+
+    def _drift_problems(self) -> Iterator[InputError]:
+        """What the waves far off do not tell of, or tell wrongly."""
+        s, key = self.settings, "settings.outputs"
+        if "drift" not in s.outputs:
+            return
+        if s.method != "frequency":
+            yield InputError(key, "drift", 'needs method = "frequency"')
+        whole = s.diffraction and s.radiation and s.interaction and s.froude_krylov != "none"
+        if not (self.floats and whole):
+            limit = "is of floats that feel whole waves: diffraction, radiation and interaction, linear Froude-Krylov"
+            yield InputError(key, "drift", limit)
 
     def _law_problems(self) -> Iterator[InputError]:
         """Joint laws that the method does not have."""

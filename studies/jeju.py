@@ -79,11 +79,24 @@ def table(data: xr.Dataset) -> str:
                     f"{times * float(power.sel(at)) / 1e3:9.1f}{float(share):7.2f}{times * float(q.sel(at)):7.2f}"
                 )
             lines.append(f"{sea:15}{damping / 1e6:9.1f}  " + "".join(cells))
+    lines += [drift(data, sea, damping) for sea in ("usual", "rated") for damping in data.pto_damping.values]
     for sea in ("small", "regular"):
         at = {"sea_state": sea, "pto_damping": 2e6}
         march, linear = (float(power.sel({**at, "variant": name})) for name in ("pair-time", "pair"))
         lines.append(f"two amidships, {sea}: {march:.4g} W in the time domain, {linear:.4g} W in frequency")
     return "\n".join(lines)
+
+
+def drift(data: xr.Dataset, sea: str, damping: float) -> str:
+    """Mean force on all afloat, what it moves the platform by, and its motion about that."""
+    here = data.sel(variant="floating", sea_state=sea, pto_damping=damping)
+    surge = here.sel(float="platform", axis="surge")
+    numbers = (here.drift_force.sel(direction="x") / 1e3, surge.drift_offset, surge.slow_drift)
+    force, offset, slow, fast = (float(x) for x in (*numbers, surge.motion.sel(statistic="std")))
+    return (
+        f"afloat, {sea}, {damping / 1e6:g} MN m s: mean drift {force:.1f} kN, offset {offset:.2f} m, std of slow drift"
+        f" {slow:.2f} m, of surge with the waves {fast:.2f} m; energy to {float(here.energy_residual):.1%}"
+    )
 
 
 def draw_layout(axes: Axes) -> None:

@@ -37,10 +37,12 @@ SUBJECTS = {
     "frequency-domain": "lines.frequency_domain",
     "spectrum": "spectra.spectrum",
     "f3of": "f3of.decays",
+    "rotors": "rotors.arrays",
 }
 # Longest first, so that neither process ends long before the other.
 DEAREST = (
     "f3of",
+    "rotors",
     "hinged-floats",
     "hemisphere",
     "cylinder",

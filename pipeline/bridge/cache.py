@@ -68,6 +68,12 @@ ERRORS = {
     for field, (name, dims, unit, meaning) in ARRAYS.items()
     if field in ("added_mass", "radiation_damping", "added_mass_inf", "diffraction")
 }
+MODE = "far_field_mode"
+FAR = {
+    "origin": ("far_field_origin", ("xy",), "m", "Point of phase zero of the far field"),
+    "radiated": ("far_field_radiated", ("omega", DOF[1], MODE, "complex"), "m2", "Modes of the Kochin function"),
+    "scattered": ("far_field_scattered", ("omega", MODE, "complex"), "m2 s-1", "The same of the scattered unit wave"),
+}
 SCALARS = ("depth", "density", "gravity", "heading")
 
 
@@ -79,6 +85,8 @@ def encode(hydrodynamics: Hydrodynamics, key: str = "") -> bytes:
         variables |= _variables(hydrodynamics.error, ERRORS)
     if memory is not None:
         variables |= _variables(memory, MEMORY)
+    if hydrodynamics.far_field is not None:
+        variables |= _variables(hydrodynamics.far_field, FAR)
     bodies = range(len(hydrodynamics.centres))
     labels = np.array([f"body{b}__{dof}" for b in bodies for dof in hydrodynamics.dofs])
     variables |= {dof: Variable((dof,), labels, {"long_name": "Body and degree of freedom"}) for dof in DOF}
@@ -120,6 +128,7 @@ def _fields(variables: Mapping[str, Variable], table: Naming) -> dict[str, Any]:
 def decode(data: bytes) -> Hydrodynamics:
     """Coefficients from a file's bytes, bit for bit those that were encoded."""
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics, MeshError
+    from solver.hydrodynamics.bem.far_field import FarField
     from solver.hydrodynamics.radiation.memory import RadiationMemory
 
     variables, attrs = _whole(data)
@@ -127,6 +136,8 @@ def decode(data: bytes) -> Hydrodynamics:
     fields |= _fields(variables, ARRAYS)
     if "added_mass_error" in variables:
         fields["error"] = MeshError(**_fields(variables, ERRORS))
+    if "far_field_origin" in variables:
+        fields["far_field"] = FarField(**_fields(variables, FAR))
     if "memory_error" in attrs:
         error, fields["memory_tolerance"] = float(attrs["memory_error"]), float(attrs["memory_tolerance"])
         fields["memory"] = RadiationMemory(**_fields(variables, MEMORY), error=error)

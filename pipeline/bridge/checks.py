@@ -225,7 +225,7 @@ def _recording(study: StudyFile) -> Iterator[InputError]:
         yield InputError("record.ramp", record.ramp, f"must be <= record.discard = {record.discard:g} s")
     if (steel := [name for name in record.outputs if name in OF_STEEL]) and not study.platform:
         yield InputError("record.outputs", steel, "are of an elastic platform: needs a [platform] table")
-    for name in ("pto_force", "pto_stroke"):
+    for name in ("pto_force", "pto_stroke", "drift"):
         if name in record.outputs and not study.floats:
             yield InputError("record.outputs", name, "is of floats: needs [[floats]]")
     longest, step = record.discard + record.duration, study.solver.time_step

@@ -16,7 +16,7 @@ from pipeline import environment
 from pipeline.bridge.geometry import Geometry, bem_problem, geometry_of, given_hydrodynamics, require_solvable
 from pipeline.bridge.scenes import hull
 from pipeline.tasks.task import Parameters
-from solver.errors import SimulationFailed
+from solver.errors import InputError, SimulationFailed
 
 if TYPE_CHECKING:
     from pipeline.results.records import Record
@@ -141,6 +141,8 @@ def judge(parameters: Parameters) -> Sequence[str]:
     scene = scenes.scene(parameters)
     geometry = geometry_of(parameters)
     if geometry and geometry.coefficients:
+        if "drift" in scene.settings.outputs:
+            raise InputError("settings.outputs", "drift", "needs boundary elements: no file knows the waves far off")
         known = given_hydrodynamics(geometry)
         if scene.sea.amplitude.any():
             require_covered(known, geometry.coefficients.name, scene.sea.omega.min(), scene.sea.omega.max())

@@ -62,6 +62,7 @@ class Geometry(Table):
     names: tuple[str, ...] = ()
     needed: tuple[tuple[str, ...], ...] = ()  # motions that each body may have; all that are solved for where empty
     memory: bool = True  # whether the radiation memory, of these motions, is fitted along
+    far_field: bool = False  # whether the waves far off are known
     plates: bool = False  # a hull is in part thinner than panels: their panels, and what is said of them, are others
 
     @property
@@ -107,6 +108,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         interaction=parameters.solver.interaction or len(floats) == 1,
         needed=ways if some else (),
         memory=memory,
+        far_field="drift" in parameters.record.outputs,
         plates=any(plates(f.hull, panels) for f in floats),
     )
 
@@ -152,6 +154,7 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "heading": geometry.heading,
         "omega": frequency_grid(hulls, centres, band=geometry.band, **how),
         "planar": geometry.planar,
+        "far_field": geometry.far_field,
         **how,
     }
 

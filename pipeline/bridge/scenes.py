@@ -42,6 +42,8 @@ from pipeline.tasks.task import Parameters, wave_seed
 from solver.errors import InputError, refuse
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from solver import scene as physics
     from solver.hydrodynamics.hull.panel_hull import PanelHull
     from solver.hydrodynamics.hull.revolution import Revolution
@@ -185,6 +187,24 @@ def outline(shape: Hull) -> list[tuple[float, float]]:
     points = np.concatenate([s.at(np.linspace(0, 1, 33)) for s in seen.meridian])
     right = [(float(r), float(h)) for r, h in points]
     return right + [(-r, h) for r, h in reversed(right)]
+
+
+def plan(shape: Hull) -> tuple[np.ndarray, np.ndarray]:
+    """A hull at rest seen from above, from its reference point: its panels below still water (n, k, 2), and
+
+    the segments (ns, 2, 2) in which it meets still water [m].
+    """
+    import numpy as np
+
+    from solver.hydrodynamics.hull.revolution import Revolution
+
+    seen = hull(shape)
+    if not isinstance(seen, Revolution):
+        return seen.wetted[:, :, :2], seen.waterline
+    angle = np.linspace(0, 2 * np.pi, 65)
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    water = np.sqrt(max(seen.waterplane[0], 0.0) / np.pi) * circle
+    return seen.largest_radius * circle[None], np.stack([water[:-1], water[1:]], axis=1)
 
 
 @lru_cache(maxsize=1024)

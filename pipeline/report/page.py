@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report import figures, report, series, sketch, strips
+from pipeline.report import arrays, figures, report, series, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, png, svg
 from pipeline.report.envelopes import envelopes
@@ -162,6 +162,11 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
             _scene,
         ),
         (
+            "From above",
+            "Floats at rest: dark where they meet still water, light what they have below; dashed: axes of hinges.",
+            _from_above,
+        ),
+        (
             "Envelopes along the legs",
             f"Sea state {results.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{held}",
             envelopes,
@@ -181,6 +186,16 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
             f"Per wave amplitude; sea state {results.sea}, first realization. Dashed: the frequency domain.{held}",
             responses,
         ),
+        (
+            "Motion of each float by period",
+            f"Per wave amplitude, first realization.{held}",
+            arrays.by_period,
+        ),
+        (
+            "Gain of the array",
+            f"q: mean power over that of as many floats alone, of floats that are alike; by period from the RAO.{held}",
+            arrays.gain,
+        ),
         *series.entries(results),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
     ]
@@ -193,6 +208,11 @@ def _short(label: object) -> str:
 def _scene(results: Results) -> Figure | None:
     content = results.study.content
     return sketch.side_view(at_labels(content, first_labels(content)))
+
+
+def _from_above(results: Results) -> Figure | None:
+    content = results.study.content
+    return arrays.from_above(at_labels(content, first_labels(content)))
 
 
 def _along(dim: str) -> Callable[[Results], Figure | None]:

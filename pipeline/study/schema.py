@@ -63,7 +63,9 @@ class Current(Table):
 DEFAULT = physics.Settings()
 
 
-Output = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "utilisation", "pto_force", "pto_stroke"]
+Output = Literal[
+    "reactions", "section_forces", "fibre_stress", "fatigue", "utilisation", "pto_force", "pto_stroke", "drift"
+]  # fmt: skip
 
 
 # An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
@@ -95,7 +97,7 @@ class Recording(Table):
     outputs: Annotated[
         tuple[Output, ...],
         AfterValidator(_once),
-        "What else is put out: of an elastic platform's steel, and the power take-offs' forces and strokes",
+        "What else is put out: of an elastic platform's steel, of power take-offs, and mean and slow drift of floats",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
     utilisation: Annotated[Utilisation, "By which factors tubes are utilised"] = Utilisation()

@@ -26,6 +26,7 @@ STEP = 1e-5  # of differences [m or rad]: what curvature and rounding leave is b
 SLOW = 1e-6  # of differences by rates [m/s or rad/s]: quadratic damping is nothing there, rounding 1e-9
 SETTLED = 1e-12  # last change of a coordinate [m or rad]
 UNHELD = 1e-6  # of the weights [N m], that may be left out of balance
+ANGLES = 100  # at which it is looked whether a joint is pushed back to its rest
 STRIDES = 500  # of the search for the floats' rest, in the water or out of it
 ROUNDS = 100  # of floats and structure in turn; a float on a platform as soft as itself needs some twenty
 
@@ -126,6 +127,21 @@ def equilibrium(
         if np.abs(z - before).max(initial=0.0) < SETTLED:
             return z, p
     raise SimulationFailed(f"no static equilibrium of floats and structure after {ROUNDS} rounds: it is too soft")
+
+
+def righting(body: Bodies, z: np.ndarray, i: int, most: float) -> tuple[float, float]:
+    """How far the joint i may leave rest z (nz,) to either side, `most` at most, and is still pushed back to it.
+
+    By weight, buoyancy in still water and springs, all other joints held: to where JᵀW changes its sign.
+    """
+    way = most * np.linspace(0, 1, ANGLES + 1)[1:]
+    ends = []
+    for side in (-1, 1):
+        states = np.tile(z, (ANGLES, 1))
+        states[:, i] += side * way
+        lost = side * balance(body, states)[0][:, i] >= 0
+        ends.append(float(way[lost.argmax()] if lost.any() else most))
+    return -ends[0], ends[1]
 
 
 def _settle_joints(body: Bodies, z: np.ndarray, nc: int, stride: float) -> None:

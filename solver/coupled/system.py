@@ -15,6 +15,7 @@ from solver.coupled.equilibrium import (
     balance,
     differences,
     equilibrium,
+    righting,
     symmetric_stiffness,
     weights,
 )
@@ -427,12 +428,26 @@ def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[
 def _failure(outcome: int, t: float, system: System, state: State) -> SimulationFailed:
     when = f"at t = {t:.1f} s"
     if outcome == EXCURSION:
-        return SimulationFailed(limits.explain(system.scene, state.z, system.bodies.limit, when))
+        told = limits.explain(system.scene, state.z, system.bodies.limit, when)
+        return SimulationFailed(told + _stability(system, state.z))
     if outcome == UNBALANCED:
         stored = energy(system.bodies, system.structure, state)
         return unbalanced(energy_residual(state.work, stored, state.energy, state.energy[GAP]), GROSSLY, t, system)
     trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
     return StepTooLong(f"{trouble} {when}: reduce time_step = {system.dt:g} s")
+
+
+def _stability(system: System, joints: np.ndarray) -> str:
+    """How far from rest a hinge that is beyond its bounds rights itself, for the message that says so."""
+    bodies, first = system.bodies, system.bodies.mechanism.size - joints.size
+    low, high = bodies.limit[first:].T
+    beyond = np.flatnonzero((joints <= low) | (joints >= high))
+    names = [axis for f in system.scene.floats for axis in f.motion]
+    if not beyond.size or slides(names[beyond[0]]):
+        return ""
+    i = first + int(beyond[0])
+    back, forth = righting(bodies, system.equilibrium[0], i, limits.FALLEN_OVER)
+    return f"; in still water it rights itself between {back:+.2f} and {forth:+.2f} rad"
 
 
 def energy_residual(work: np.ndarray, stored: float, exchanged: np.ndarray, allowed: float = 0.0) -> float:

@@ -11,12 +11,12 @@ from solver.coupled.linear import linear_model
 from solver.coupled.natural import require_stable, system_modes
 from solver.coupled.system import System, prepare
 from solver.errors import InputError
-from solver.frequency import gaussian
+from solver.frequency import drift, gaussian
 from solver.frequency.response import Response, respond
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
 from solver.record.audit import coefficient_effects, left_out_effect, together
 from solver.record.bound import above
-from solver.record.recorder import ELEVATION, Channels, Record
+from solver.record.recorder import ELEVATION, Channels, Labelled, Record
 from solver.record.spectra import bands, cross_spectra
 from solver.scene import Scene
 from solver.statistics import STATISTICS
@@ -61,11 +61,17 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         parts = {name: lines.reshape(len(wave), -1) for name, lines in linear.items()}
         responses = {name: cross_spectra(response.omega, wave, lines, at) for name, lines in parts.items()}
         spectra = channels.spectra(at, {name: (r, linear[name].shape[1:]) for name, r in responses.items()})
+    drifting: dict[str, Labelled] = {}
+    if "drift" in scene.settings.outputs:
+        drifting, figures = drift.variables(system, response, drift.require_far_field(hydrodynamics), channels)
+        attrs |= figures
     modes = system_modes(system, hydrodynamics)
     counted = None
     if channels.steel is not None and channels.steel.counts:
         counted = channels.steel.expected(_forces(system, response, channels.steel.forces)[1], response.omega)
-    return channels.record(tables, attrs, modes=modes, rao=rao, counted=counted or ({}, ()), spectra=spectra)
+    return channels.record(
+        tables, attrs, modes=modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=drifting
+    )
 
 
 def _joints(system: System, response: Response) -> np.ndarray:

@@ -106,11 +106,11 @@ class Channels:
         series: Mapping[str, np.ndarray] | None = None,
         counted: tuple[Mapping[str, Labelled], tuple[str, ...]] = ({}, ()),
         spectra: Mapping[str, Labelled] | None = None,
-        at_joints: Mapping[str, Labelled] | None = None,
+        further: Mapping[str, Labelled] | None = None,
     ) -> Record:
         """The record of statistics (…, 5) of each channel, of the legs' envelopes, and of motions per wave (nw, nj).
 
-        counted: other variables of the steel, and what failed of them. at_joints: other variables of floats and axes.
+        counted: other variables of the steel, and what failed of them. further: of the floats, their axes, the whole.
         """
         variables: dict[str, Labelled] = {name: ((*DIMS[name], "statistic"), table) for name, table in tables.items()}
         coords = {
@@ -143,7 +143,7 @@ class Channels:
         if spectra is not None:
             variables |= spectra
             coords["frequency_band"] = np.arange(1, len(variables["band_frequency"][1]) + 1)
-        variables |= at_joints or {}
+        variables |= further or {}
         if any("axis" in dims for dims, _ in variables.values()):
             coords["axis"] = np.array(self.axes)
         kept = {name: (("time", *DIMS.get(name, ())), values) for name, values in (series or {}).items()}
@@ -341,7 +341,7 @@ class Recorder:
             series=self.samples() if self.scene.settings.keep_series else None,
             counted=counted,
             spectra=self._spectra() if self.bands is not None and self.series else None,
-            at_joints=dict(self._at_joints()),
+            further=dict(self._at_joints()),
         )
 
     def _spectra(self) -> dict[str, Labelled]:

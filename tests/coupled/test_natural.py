@@ -7,14 +7,16 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
+from solver.coupled.equilibrium import righting
 from solver.coupled.linear import linear_model
 from solver.coupled.natural import _settled, require_stable, system_modes, with_critical_damping, with_usual_step
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate
 from solver.scene import Float, two_digits
 from solver.sea.realization import CALM
-from tests.awkward import RHO, SCENES, prism, scene
+from tests.awkward import BUOYED, RHO, SCENES, prism, scene
 from tests.coupled.test_linear import hinged_by_hand
 
 
@@ -189,3 +191,19 @@ def test_a_shape_whose_mass_in_water_is_negative_has_no_frequency():
     assert np.array([1.0, 4.0]) * shape == approx(omega**2 * mass @ shape, rel=1e-9) and shape @ mass @ shape == approx(
         1
     )
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_how_far_from_rest_a_hinge_is_pushed_back(side):
+    """A ball about its own middle, held level by a constant load: mg(c cos θ - b sin θ - c), zero at tan θ/2 = -b/c."""
+    sphere = Revolution.sphere(radius=1.0, draft=1.0)
+    c, b = 0.5 * side, 0.15
+    ball = Float(
+        name="ball", hull=sphere, mass=BUOYED, inertia=(859.0,) * 3, hinge=(0, 0, 0), arm=(0, 0, 0), cog=(c, 0, -b),
+        preload=-BUOYED * 9.81 * c,
+    )  # fmt: skip
+    system = prepare(scene([ball], radiation=False, diffraction=False), None)
+    assert system.equilibrium[0] == approx([0.0], abs=1e-9)
+    lost = 2 * np.arctan(b / abs(c))
+    expected = (-lost, 1.5) if side > 0 else (-1.5, lost)
+    assert righting(system.bodies, system.equilibrium[0], 0, 1.5) == approx(expected, abs=0.016)

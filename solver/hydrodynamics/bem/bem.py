@@ -16,6 +16,7 @@ from scipy.linalg import lu_factor, lu_solve
 from solver.errors import InputError
 from solver.hydrodynamics.bem.alone import assembled
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
+from solver.hydrodynamics.bem.far_field import FarField, PlaneWaves, modes, orders, plane_waves
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths, unit_motions
@@ -55,6 +56,7 @@ class Solution(NamedTuple):
     impedance: np.ndarray  # (nw, n, n) A + iB/ω
     infinite: np.ndarray  # (n, n) A∞
     diffraction: np.ndarray  # (nw, nh, n) force
+    far: np.ndarray  # (nw, n + nh, 2M + 1) modes of H, of each motion and heading; empty where not asked for
     panels: int  # on hulls
 
 
@@ -117,6 +119,7 @@ class Problem:
     dofs: tuple[str, ...]
     panels: int
     interaction: bool  # without, each body is alone in the water, and equal ones are solved for once
+    far_field: bool  # whether the waves far off are wanted
 
     @classmethod
     def of(
@@ -132,6 +135,7 @@ class Problem:
         planar: bool = True,
         panels: int = 432,
         interaction: bool = True,
+        far_field: bool = False,
     ) -> "Problem":
         """Checked, see require_solvable; frequencies as frequency_grid chooses them unless given."""
         at = np.asarray(centres, float).reshape(-1, 3)
@@ -150,6 +154,7 @@ class Problem:
             dofs=PLANAR if planar else DOFS,
             panels=panels,
             interaction=interaction or len(hulls) == 1,
+            far_field=far_field,
         )
 
     @cached_property
@@ -169,6 +174,15 @@ class Problem:
     def counts(self) -> tuple[int, ...]:
         """Panels of each body."""
         return _counts(self.hulls, self.panels, self.seas[0].wavenumber(self.omega[-1]))
+
+    @cached_property
+    def orders(self) -> int:
+        """M of the far field's modes; -1 where it is not wanted."""
+        if not self.far_field:
+            return -1
+        origin, _ = meshes.mirror_planes(self.hulls, self.centres)
+        away = np.linalg.norm(self.centres - origin, axis=1) + [h.largest_radius for h in self.hulls]
+        return orders(self.seas[0].wavenumber(self.omega[-1]), float(away.max()))
 
     @cached_property
     def divisions(self) -> tuple[int, ...]:
@@ -206,9 +220,9 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
     hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
     edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
-    (impedance, impedance_inf, diffraction), left = _extrapolated(solutions, divisions, edged, lengths)
+    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, edged, lengths)
     if len(solutions) <= len(HALVED):
-        left = _of_plates(problem, left, (impedance, impedance_inf, diffraction))
+        left = _of_plates(problem, left, (impedance, impedance_inf, diffraction, far))
     settings = {
         "panels": solutions[0].panels,
         "panels_coarse": solutions[-1].panels,
@@ -216,6 +230,7 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
         "green_function": "Delhommeau",
         "seabed_error": seas[0].seabed_error(omega, max(h.largest_radius for h in hulls)),
     }
+    origin, n = meshes.mirror_planes(hulls, problem.centres)[0][:2], len(impedance_inf)
     return [
         Hydrodynamics(
             omega=omega,
@@ -226,6 +241,7 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
             froude_krylov=froude_krylov(hulls, problem.centres, problem.dofs, sea, omega),
             settings=MappingProxyType(settings),
             error=MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2][:, h]),
+            far_field=FarField(origin, far[:, :n], far[:, n + h]) if problem.far_field else None,
             **at_rest(hulls, problem.centres, problem.dofs, sea),
         )
         for h, sea in enumerate(seas)
@@ -238,6 +254,7 @@ def _interleaved(pieces: Sequence[Solution]) -> Solution:
     return pieces[0]._replace(
         impedance=np.concatenate([p.impedance for p in pieces])[index],
         diffraction=np.concatenate([p.diffraction for p in pieces])[index],
+        far=np.concatenate([p.far for p in pieces])[index],
     )
 
 
@@ -288,28 +305,51 @@ class _Mesh:
         normal = np.stack([np.sum(sea.wave(points, omega)[1] * normals, axis=1) for sea in seas], axis=-1)
         return -(normal.reshape(len(self.mirrors), -1, len(seas)) * self.wet[:, None])
 
-    def solve(self, normal_velocity: np.ndarray, k: float, seabed: float) -> np.ndarray:
-        """-∫ φ n dS (nc, n) of the outgoing potentials with ∂φ/∂n = normal_velocity (ng, nf, nc).
+    def solve(self, normal_velocity: np.ndarray, k: float, seabed: float) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The outgoing potentials with ∂φ/∂n = normal_velocity (ng, nf, nc): of each class of symmetry that they have
 
-        Green's identity D φ = S ∂φ/∂n, class of symmetry by class: with the signs χ(g) of a class,
-        its share of the motion, mean of χ(g) v_g over the images g, drives D = sum of χ(g) D_g.
+        its signs χ(g) (ng,) and φ (nf, nc) of the part; on the image g it is χ(g) φ. Green's identity
+        D φ = S ∂φ/∂n, class by class: its share of the motion, mean of χ(g) v_g over the images g, drives
+        D = sum of χ(g) D_g.
         """
-        ng, nf, nc = normal_velocity.shape
+        ng, nf, _ = normal_velocity.shape
         single, double = green_function().evaluate(
             self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
         )
         # In a panel's plane its dipoles do not act, on its edge neither, where slips of a mesh bring another's middle.
         double[~np.isfinite(double)] = 0.0
         single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
-        weight = (self.wet * self.part.faces_areas)[:, None]
-        total = np.zeros((nc, self.motions.shape[-1]), complex)
+        potentials = []
         for sign in meshes.symmetry_classes(self.mirrors):
             source = np.tensordot(sign, normal_velocity, 1) / ng
             if np.abs(source).max() > 1e-12 * np.abs(normal_velocity).max():
                 rhs = np.tensordot(sign, single, 1) @ source
-                potential = lu_solve(lu_factor(np.tensordot(sign, double, 1)), rhs)
-                total -= potential.T @ (weight * np.tensordot(sign, self.motions, 1))
+                potentials.append((sign, lu_solve(lu_factor(np.tensordot(sign, double, 1)), rhs)))
+        return potentials
+
+    def forces(self, potentials: list[tuple[np.ndarray, np.ndarray]], count: int) -> np.ndarray:
+        """-∫ φ n dS (nc, n) of `count` potentials."""
+        weight = (self.wet * self.part.faces_areas)[:, None]
+        total = np.zeros((count, self.motions.shape[-1]), complex)
+        for sign, potential in potentials:
+            total -= potential.T @ (weight * np.tensordot(sign, self.motions, 1))
         return total
+
+    def plane_waves(self, k: float, depth: float, most: int) -> PlaneWaves:
+        """On the whole, about the origin: see far_field."""
+        return plane_waves(self.whole.faces_centers, self.whole.faces_normals, k, depth, most)
+
+    def far_field(
+        self, potentials: list[tuple[np.ndarray, np.ndarray]], normal_velocity: np.ndarray, waves: PlaneWaves
+    ) -> np.ndarray:
+        """Modes (nc, 2M + 1) of H = ∫ (φ ∂ψ/∂n - ψ ∂φ/∂n) dS."""
+        ng, nf, _ = normal_velocity.shape
+        value, slope = (part.reshape(ng, nf, -1) for part in waves)
+        weight = (self.wet * self.part.faces_areas)[:, None]
+        total = -np.tensordot(normal_velocity * weight, value, ([0, 1], [0, 1]))
+        for sign, potential in potentials:
+            total += potential.T @ (weight * np.tensordot(sign, slope, 1))
+        return modes(total)
 
 
 def _coefficients(
@@ -322,15 +362,21 @@ def _coefficients(
     n, largest, sea = mesh.motions.shape[-1], max(h.largest_radius for h in hulls), seas[0]
     limit = np.zeros((0, 0))
     if infinite:
-        limit = _symmetric(sea.density * bare.solve(bare.motions, np.inf, sea.seabed(np.inf, largest)).real)
+        potentials = bare.solve(bare.motions, np.inf, sea.seabed(np.inf, largest))
+        limit = _symmetric(sea.density * bare.forces(potentials, n).real)
     impedance = np.empty((len(omega), n, n), complex)
     diffraction = np.empty((len(omega), len(seas), n), complex)
+    far = np.empty((len(omega), (n + len(seas)) * problem.far_field, max(2 * problem.orders + 1, 0)), complex)
     for i, w in enumerate(omega):
         sources = np.concatenate([mesh.motions, mesh.scattered(seas, w)], axis=2)
         k = sea.wavenumber(w)
-        forces = sea.density * mesh.solve(sources, k, sea.seabed(k, largest))
+        potentials = mesh.solve(sources, k, sea.seabed(k, largest))
+        forces = sea.density * mesh.forces(potentials, sources.shape[2])
         impedance[i], diffraction[i] = _symmetric(forces[:n]), 1j * w * forces[n:]
-    return Solution(impedance, limit, diffraction, bare.wet.size * len(bare.mirrors))
+        if problem.far_field:
+            far[i] = mesh.far_field(potentials, sources, mesh.plane_waves(k, sea.depth, problem.orders))
+            far[i, n:] /= [s.pressure(mesh.origin[None], w) / (s.density * s.gravity) for s in seas]  # phase zero there
+    return Solution(impedance, limit, diffraction, far, bare.wet.size * len(bare.mirrors))
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:
@@ -372,7 +418,7 @@ def _extrapolated(
     best = _limits(solutions[:2], divisions[:2])
     of_limit, of_finest = (least_damping(each[0], lengths) for each in (best, finest))
     lost = (of_limit < -UNPASSIVE) & (of_limit < 2 * of_finest)
-    for k in (0, 2):  # what has a frequency
+    for k in (0, 2, 3):  # what has a frequency
         best[k][lost] = finest[k][lost]
     if len(solutions) == 2:
         return best, [TWO_MESHES * (b - f) for b, f in zip(best, finest, strict=True)]

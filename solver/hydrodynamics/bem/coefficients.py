@@ -14,6 +14,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from solver.errors import InputError
+from solver.hydrodynamics.bem.far_field import FarField, Waves
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import Bits, shared
 from solver.sea.dispersion import wavenumber
@@ -58,6 +59,7 @@ class Hydrodynamics:
     dofs: tuple[str, ...]  # of one body
     settings: MappingProxyType[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     error: MeshError | None = None  # what the panels leave, as far as is known
+    far_field: FarField | None = None  # the waves far off, where asked for
     memory: RadiationMemory | None = None  # fitted to these, for scenes that ask for
     memory_tolerance: float = np.nan  # this tolerance, and
     memory_motions: tuple[tuple[str, ...], ...] = ()  # floats that have these motions; all of them where empty
@@ -97,6 +99,27 @@ class Hydrodynamics:
     def impedance(self, omega: np.ndarray) -> np.ndarray:
         """B - iωA (nw', n, n) at any ω in the solved range, by cubic splines."""
         return _impedance(self, Bits(omega))
+
+    def waves(self, omega: np.ndarray, amplitude: np.ndarray, velocity: np.ndarray) -> Waves:
+        """Far off, with incident waves of amplitude (nw',) at x = y = 0 and velocities (nw', n) of the motions.
+
+        By cubic splines of H about the bodies' middle, at any ω in the solved range.
+        """
+        if self.far_field is None:
+            raise InputError("coefficients", "no far field", "must be boundary elements that were asked for one")
+        origin, radiated, scattered = self.far_field
+        k = wavenumber(omega, self.depth, self.gravity)
+        there = amplitude * np.exp(1j * k * (origin @ [np.cos(self.heading), np.sin(self.heading)]))
+        sent = CubicSpline(self.omega, np.concatenate([radiated, scattered[:, None]], axis=1))(omega)
+        return Waves(
+            omega=omega,
+            amplitude=there,
+            modes=np.einsum("wn,wnm->wm", np.concatenate([velocity, there[:, None]], axis=1), sent),
+            heading=self.heading,
+            depth=self.depth,
+            density=self.density,
+            gravity=self.gravity,
+        )
 
     def arrival(self, omega: np.ndarray) -> np.ndarray:
         """exp(ik(x_b cosβ + y_b sinβ)) for each degree of freedom, (nw, n)."""

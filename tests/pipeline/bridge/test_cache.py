@@ -9,6 +9,7 @@ import pytest
 from pipeline.bridge import cache
 from pipeline.bridge import engine as run
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, MeshError
+from solver.hydrodynamics.bem.far_field import FarField
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 
 
@@ -55,6 +56,14 @@ def test_round_trip_is_bitwise(coefficients):
     same(coefficients.memory, again.memory)
     assert [x.tobytes() for x in again.error] == [x.tobytes() for x in coefficients.error]
     same(replace(coefficients, memory=None, error=None), replace(again, memory=None, error=None))
+
+
+def test_the_far_field_is_kept(coefficients):
+    rng = np.random.default_rng(2)
+    radiated, scattered = (rng.normal(size=shape) + 1j * rng.normal(size=shape) for shape in ((4, 6, 9), (4, 9)))
+    far = FarField(np.array([1.0, -2.0]), radiated, scattered)
+    again = cache.decode(cache.encode(replace(coefficients, far_field=far))).far_field
+    assert [x.tobytes() for x in again] == [x.tobytes() for x in far]
 
 
 @pytest.mark.parametrize("motions", [(), (("heave",), ("surge", "heave")), ((), ("heave",)), (("heave",), ())])

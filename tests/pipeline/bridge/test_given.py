@@ -387,6 +387,9 @@ def test_misfits_are_said_before_anything_runs(ours, study, tmp_path):
     assert "waves.band = [0.4" in judged(
         path
     ) and "must be within 0.5 to 7.5 rad/s, the frequencies of pair.1" in judged(path)
+    path = study("pair.1", method="frequency")
+    path.write_text(path.read_text().replace("[record]", "[record]\noutputs = ['drift']"))
+    assert "record.outputs = drift: needs boundary elements" in judged(path)
     (tmp_path / "pair.3").unlink()
     assert "needs .1 and .3 (or .2) beside each other" in judged(study("pair.1"))
 

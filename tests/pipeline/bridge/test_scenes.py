@@ -157,6 +157,16 @@ def test_floats_without_interaction_have_coefficients_of_their_own(buan_tables, 
     assert one.key == geometry_of(task(study_of(buan_tables), platform="fixed").parameters).key
 
 
+def test_scenes_whose_drift_is_asked_for_have_coefficients_with_a_far_field(buan_tables, study_of):
+    usual = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
+    buan_tables["solver"] |= {"method": "frequency", "froude_krylov": "linear"}
+    lines = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
+    buan_tables["record"]["outputs"] = ["drift"]
+    drift = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
+    assert lines.key == usual.key != drift.key
+    assert bem_arguments(drift)["far_field"] and not bem_arguments(usual)["far_field"]
+
+
 def test_all_that_the_solver_has_against_a_part_is_told():
     keys = [f"floats.buoy.{name}" for name in ("mass", "inertia", "cog")]
     told = scenes.objections(lambda: refuse(InputError(key, -1.0, "must be > 0") for key in keys))

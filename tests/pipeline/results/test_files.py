@@ -67,6 +67,7 @@ TAKEOFF = "offset = 0.5\nhold = true\n"
 TAKEOFF += "pto_damping = 1e4\npto_efficiency = { generating = 0.9 }\nlatch_load = 1e3\ndeclutch_load = 5e4"
 PER_WAVE = "rao = true\nspectra = true\n"
 FORCES = 'outputs = ["pto_force", "pto_stroke"]\n'
+DRIFTING = "outputs = ['drift']\nrao = true\n" + LINES.replace("[variants.a]\n", "")
 BALANCED = SPHERE.replace("mass = 261.8e3", 'mass = "balance"')
 # Every kind of scene, sea, path and output.
 REAL = {
@@ -74,6 +75,11 @@ REAL = {
     "heave": BALANCED.replace("offset = 0.5", TAKEOFF) + SHORT + FORCES + PER_WAVE + "[solver]\ntolerance = 0.05\n",
     "floating": SPHERE.replace('["heave"]\noffset = 0.5', MOORED).replace(STOPS, MORE) + CARRIED + SHORT,
     "steel": YIELDING[: YIELDING.index("[axes]")] + CALM + SHORT + OUTPUTS,
+    "drifting": SPHERE.replace(f"end_stops = {{ {STOPS} }}\n", "")
+    .replace('["heave"]\noffset = 0.5', MOORED + "\ndamping = [1e4, 0]")
+    .replace('still = { kind = "still" }\n', "")
+    + SHORT.replace("full", "none")
+    + DRIFTING,
     "lines": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("full", "none") + LINES,
     "paper": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("4.0", "1.0") + '[solver]\naccuracy = "reference"\n',
 }

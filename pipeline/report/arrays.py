@@ -1,0 +1,243 @@
+"""Several floats together: where they are seen from above, how each moves by period, and what the array gains."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipeline.report.along import VARIANT
+from pipeline.report.drawing import COLOURS, FAINT, INK, STEEL, canvas, colour
+from pipeline.report.figures import Results
+from pipeline.study.layout import hinge_nodes
+from pipeline.study.schema import Float, StudyFile
+from pipeline.tasks.task import at_labels, first_labels
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+HEADING = "heading"
+DASHES = ("-", "--", ":", "-.")
+MARGIN = 0.15  # about the floats, of their extent
+
+
+def from_above(study: StudyFile) -> Figure | None:
+    """The floats of a scene that has several, to scale, and the way the waves go."""
+    floats = [item for item in study.floats if item.name not in study.left_out]
+    if len(floats) < 2:
+        return None
+    figure = canvas(6.5, 5.0)
+    axes = figure.add_subplot()
+    for start, end in _members(study):
+        axes.plot([start[0], end[0]], [start[1], end[1]], color=STEEL, linewidth=1.2, zorder=1)
+    for index, item in enumerate(floats):
+        _draw_float(axes, item, colour(index))
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(MARGIN)
+    axes.grid(visible=False)
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    _draw_waves(axes, study.waves.heading)
+    return figure
+
+
+def _members(study: StudyFile) -> Iterator[tuple[Any, Any]]:
+    """Ends of the platform's members."""
+    if study.platform is not None:
+        nodes = dict(study.platform.nodes) | hinge_nodes(study.floats)
+        for member in study.platform.members:
+            yield nodes[member.start], nodes[member.end]
+
+
+def _draw_float(axes: Axes, item: Float, fill: str) -> None:
+    """Below still water, the waterline, a hinge's axis across the hull, and the name."""
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    from pipeline.bridge import scenes
+
+    (wet, waterline), placed = scenes.plan(item.hull), scenes.floating(item)
+    at = np.asarray(placed.centre[:2])
+    axes.add_collection(PolyCollection(list(wet + at), facecolors=fill, edgecolors=fill, linewidths=0.2, alpha=0.35))
+    axes.add_collection(LineCollection(list(waterline + at), colors=fill, linewidths=1.4, zorder=3))
+    axes.update_datalim((wet + at).reshape(-1, 2))
+    if "hinge" in item.motion:
+        along = np.divide(placed.axis[:2], np.linalg.norm(placed.axis))
+        half = np.abs(wet.reshape(-1, 2) @ along).max()
+        ends = placed.hinge[:2] + np.outer([-half, half], along)
+        axes.plot(*ends.T, color=INK, linewidth=0.9, linestyle="--", zorder=4)
+    axes.annotate(item.name, (at[0], at[1]), ha="center", va="center", fontsize="small", zorder=5)
+
+
+def _draw_waves(axes: Axes, heading: float) -> None:
+    """An arrow in the corner, in the sense in which the waves travel."""
+    c, s = 0.07 * math.cos(heading), 0.07 * math.sin(heading)
+    style: dict[str, Any] = {"arrowstyle": "->", "color": colour(0), "shrinkA": 0, "shrinkB": 0}
+    x, y = 0.1, 0.88
+    # Fractions of the axes are not equally long along x and y: the arrow is laid out in points.
+    corner: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
+    axes.annotate("", (x, y), (-400 * c, -400 * s), arrowprops=style, **corner)
+    axes.text(x + 0.02, y, "waves", transform=axes.transAxes, va="center", fontsize="small", color=colour(0))
+
+
+def by_period(results: Results) -> Figure | None:
+    """Amplitude of each float along each axis that any has; of several floats."""
+    if not results.has("rao", "wave_frequency") or len(results.labels("float")) < 2:
+        return None
+    sea = _widest(results)
+    rao, period = _at(results, "rao", sea), _periods(results, sea)
+    moving = [axis for axis in rao.axis.values if rao.sel(axis=axis).notnull().any()] if "axis" in rao.dims else []
+    if not moving or np.isfinite(period).sum() < 2:
+        return None
+    figure = canvas(9.0, 3.4 * math.ceil(len(moving) / 2))
+    places = figure.subplots(math.ceil(len(moving) / 2), min(len(moving), 2), squeeze=False).ravel()
+    order = np.argsort(period)
+    for axes, axis in zip(places, moving, strict=False):
+        for index, item in enumerate(results.labels("float")):
+            numbers = rao.sel(axis=axis, float=item).values[order]
+            if np.isfinite(numbers).any():
+                style = DASHES[index // len(COLOURS) % len(DASHES)]
+                axes.plot(period[order], numbers, style, color=colour(index), linewidth=1.3, label=item)
+        unit = str(rao.sel(axis=axis).axis_unit.values) if "axis_unit" in rao.coords else ""
+        axes.set(xlabel="period [s]", ylabel=f"{axis} [{unit}/m]" if unit else axis)
+        axes.set_ylim(bottom=0.0)
+        axes.legend(frameon=False, fontsize="small")
+    for axes in places[len(moving) :]:
+        axes.set_visible(False)
+    return figure
+
+
+def _at(results: Results, name: str, sea: str, **labels: Any) -> xr.DataArray:
+    """A variable in a sea, at these labels and the first of all other axes."""
+    values = results.data[name]
+    if "platform" in values.dims:
+        values = values.dropna("platform", how="all").isel(platform=0)
+    wanted = {"sea_state": sea, **results.first, **labels}
+    values = values.sel({dim: label for dim, label in wanted.items() if dim in values.dims})
+    return values.isel(seed=0) if "seed" in values.dims else values
+
+
+def _periods(results: Results, sea: str) -> np.ndarray:
+    """Of the waves of a sea (nc,) [s], NaN beyond them."""
+    frequency = results.data["wave_frequency"]
+    if "sea_state" in frequency.dims:
+        frequency = frequency.sel(sea_state=sea)
+    others = [dim for dim in frequency.dims if dim != "component"]
+    return np.asarray(2 * np.pi / frequency.max(others).values)
+
+
+def _widest(results: Results) -> str:
+    """The sea state whose waves have most periods that say something of a float."""
+    counts = {sea: int(np.isfinite(_at(results, "rao", sea).values).sum()) for sea in results.labels("sea_state")}
+    return str(max(counts, key=lambda sea: counts[sea]))
+
+
+def alone(results: Results) -> tuple[str, list[str]] | None:
+    """The variant in which one float alone absorbs, and those in which several do, that one among them."""
+    if VARIANT not in results.data.dims or not results.has("absorbed_power"):
+        return None
+    power = results.data["absorbed_power"].sel(statistic="mean")
+    some = (power > 0).any([dim for dim in power.dims if dim not in (VARIANT, "float")])
+    absorbing = {
+        str(label): [str(f) for f in some.float.values if bool(some.sel({VARIANT: label, "float": f}))]
+        for label in some[VARIANT].values
+    }
+    single = [label for label, floats in absorbing.items() if len(floats) == 1]
+    for label in single:
+        several = [v for v, floats in absorbing.items() if len(floats) > 1 and absorbing[label][0] in floats]
+        if several:
+            return label, several
+    return None
+
+
+def q_factor(results: Results, single: str, label: str) -> xr.DataArray:
+    """Mean power of a variant's floats over as many times that of one alone, along all axes of the study."""
+    power = results.data["absorbed_power"].sel(statistic="mean")
+    mine, one = power.sel({VARIANT: label}), power.sel({VARIANT: single})
+    dims = [dim for dim in mine.dims if dim != "float"]
+    count = (mine > 0).any(dims).sum()
+    return mine.sum("float", min_count=1) / (count * one.sum("float", min_count=1))
+
+
+def q_by_period(results: Results, single: str, label: str) -> tuple[np.ndarray, np.ndarray] | None:
+    """Periods (n,) and q (n,) where power take-offs are linear: Σ c|rao|² of a variant over that of one alone."""
+    if not results.has("rao", "wave_frequency"):
+        return None
+    sea = _widest(results)
+    each = []
+    for variant in (label, single):
+        content = results.study.content
+        study, rao = (
+            at_labels(content, first_labels(content) | {VARIANT: variant}),
+            _at(results, "rao", sea, variant=variant),
+        )
+        powers = [_linear(item, rao) for item in study.floats if item.name not in study.left_out]
+        if any(p is None for p in powers):
+            return None
+        absorbed = [p for p in powers if p is not None and np.nanmax(p, initial=0.0) > 0]
+        each.append((np.sum(absorbed, axis=0), len(absorbed)))
+    (mine, count), (one, _) = each
+    period = _periods(results, sea)
+    order = np.argsort(period)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return period[order], (mine / (count * one))[order]
+
+
+def _linear(item: Float, rao: xr.DataArray) -> np.ndarray | None:
+    """Σ c|rao|² (nc,) over a float's axes; None where its power take-off is not linear."""
+    from pipeline.bridge import scenes
+
+    solver = scenes.floating(item)
+    if np.any(solver.per_axis("coulomb")) or solver.pto_table is not None or np.any(solver.per_axis("one_way")):
+        return None
+    damping = solver.per_axis("pto_damping")
+    total = np.zeros(rao.sizes["component"])
+    for axis, c in zip(item.motion, damping, strict=True):
+        if c > 0:
+            total = total + c * rao.sel(float=item.name, axis=axis).values ** 2
+    return total
+
+
+def gain(results: Results) -> Figure | None:
+    """q by period, by heading where the study varies that, and by sea state."""
+    found = alone(results)
+    if found is None:
+        return None
+    single, several = found
+    curves = {label: q_by_period(results, single, label) for label in several}
+    panels = [name for name, shown in (("period", any(curves.values())), (HEADING, _turns(results))) if shown]
+    figure = canvas(9.0, 3.6)
+    for axes, name in zip(figure.subplots(1, len(panels) + 1, squeeze=False)[0], [*panels, "sea"], strict=True):
+        for index, label in enumerate(several):
+            if name == "period":
+                if (curve := curves[label]) is not None:
+                    axes.plot(*curve, color=colour(index), label=label)
+            elif name == HEADING:
+                q = _held(results, q_factor(results, single, label)).sel(sea_state=results.sea)
+                axes.plot(np.degrees(q[HEADING].values), q.values, "o-", color=colour(index), label=label)
+            else:
+                q = _held(results, q_factor(results, single, label), HEADING)
+                axes.plot(results.seas, q.sel(sea_state=results.seas).values, "o", color=colour(index), label=label)
+        axes.axhline(1.0, color=FAINT, linewidth=0.9, zorder=0)
+        axes.set_ylim(bottom=0.0)
+        axes.set(xlabel={"period": "period [s]", HEADING: "heading [°]", "sea": "sea state"}[name], ylabel="q")
+        axes.legend(frameon=False, fontsize="small")
+        if name == "sea":
+            axes.tick_params(axis="x", rotation=45)
+    return figure
+
+
+def _turns(results: Results) -> bool:
+    return HEADING in results.data.dims and len(results.labels(HEADING)) > 1
+
+
+def _held(results: Results, values: xr.DataArray, *more: str) -> xr.DataArray:
+    """At the first label of all axes but seas and headings, mean over realizations; more: axes that are held, too."""
+    if "platform" in values.dims:
+        values = values.dropna("platform", how="all").isel(platform=0)
+    first = {d: label for d, label in results.first.items() if d in values.dims and (d != HEADING or d in more)}
+    values = values.sel(first)
+    values = values.mean("seed") if "seed" in values.dims else values
+    return values if "sea_state" in values.dims else values.expand_dims("sea_state")

@@ -1,0 +1,163 @@
+"""Mean drift of all bodies together, from the waves far off; mean offset and slow drift of a moored support.
+
+The mean force is of second order, the sum over the waves of a sea of Fᵢ = Tᵢ|aᵢ|². About the mean it varies slowly: two
+waves make a force at the difference of their frequencies, by Newman's approximation (1974) with T = ½(Tᵢ + Tⱼ): in all
+
+    S_F(μ) = 8 ∫ S(ω)S(ω + μ) ¼(T(ω) + T(ω + μ))² dω.
+"""
+
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+from scipy.linalg import eigh
+
+from solver.coupled.linear import LinearModel, linear_model
+from solver.coupled.system import System
+from solver.errors import InputError
+from solver.frequency.response import Response
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.bem.far_field import Waves
+from solver.record.recorder import Channels, Labelled
+from solver.record.spectra import bands
+from solver.scene import Scene
+
+NODES, DENSE = 400, 10.0  # about a resonance, and to how many times sinh of half its width
+HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
+
+
+def waves_of(system: System, response: Response, h: Hydrodynamics) -> Waves:
+    """Far off, of the scene's response to its sea."""
+    amplitude = system.scene.sea.amplitude
+    return h.waves(response.omega, amplitude[np.abs(amplitude) > 0], _velocity(system, response))
+
+
+def _velocity(system: System, response: Response) -> np.ndarray:
+    """Of all that radiates (nw, na)."""
+    return -1j * response.omega[:, None] * (response.X @ linear_model(system).active.T)
+
+
+def energy_residual(system: System, response: Response, h: Hydrodynamics, waves: Waves) -> float:
+    """Power that the far field says is absorbed, less what pressure does on the bodies, over what is sent out."""
+    V, a = _velocity(system, response), system.scene.sea.amplitude
+    a = a[np.abs(a) > 0, None]
+    force = h.excitation(response.omega) * a - (h.impedance(response.omega) @ V[..., None])[..., 0]
+    work = 0.5 * np.sum(force * V.conj(), axis=1).real
+    return float(abs(np.sum(waves.absorbed_power - work)) / np.sum(waves.outgoing_power))
+
+
+def variables(
+    system: System, response: Response, h: Hydrodynamics, channels: Channels
+) -> tuple[dict[str, Labelled], dict[str, Any]]:
+    """Variables of the record, and figures: force, moment and, of a moored support, offset and slow drift."""
+    scene, waves = system.scene, waves_of(system, response, h)
+    force = np.concatenate([waves.drift_force, np.full((len(waves.omega), 1), np.nan)], axis=1)
+    point, carried = _point(scene), waves.drift_moment
+    assert h.far_field is not None, "asked of coefficients that have one"
+    x, y = np.subtract(point[:2], h.far_field.origin)
+    moment = carried - x * force[:, 1] + y * force[:, 0]
+    found: dict[str, Labelled] = {"drift_force": (("direction",), force.sum(axis=0))}
+    if scene.settings.rao:
+        squares = np.full(scene.sea.omega.shape, np.nan)
+        met = np.abs(scene.sea.amplitude) > 0
+        squares[met] = np.abs(scene.sea.amplitude[met]) ** 2
+        per_wave = np.full((scene.sea.omega.size, 3), np.nan)
+        per_wave[met] = force / squares[met, None]
+        found["drift_force_per_wave"] = ("direction", "component"), per_wave.T
+    figures: dict[str, Any] = {
+        "drift_moment": float(moment.sum()),
+        "energy_residual": energy_residual(system, response, h, waves),
+    }
+    axes = _axes(scene, channels)
+    if axes.size:
+        loads = np.stack([force[:, 0], force[:, 1], moment], axis=1)
+        each = loads[:, [HORIZONTAL.index(channels.names[i]) for i in axes]]
+        slow = slow_spectrum(waves.omega, waves.amplitude, each, scene.settings.duration)
+        means, stds, unmet = moved(linear_model(system), axes, added_mass(system, h), each.sum(axis=0), slow)
+        for name, values in (("drift_offset", means), ("slow_drift", stds)):
+            joints = np.full((1, channels.owner.size), np.nan)
+            joints[0, axes] = values
+            found[name] = ("float", "axis"), channels.by_axis(joints)[0]
+        figures["unmet"] = unmet
+    return found, figures
+
+
+def _support(scene: Scene) -> int:
+    """Number of the float that carries all others; -1 where none does."""
+    alone = [b for b, carrier in enumerate(scene.carriers) if carrier < 0]
+    return alone[0] if len(alone) == 1 and scene.platform is None else -1
+
+
+def _point(scene: Scene) -> np.ndarray:
+    """That the moment is about: where the support's motions are told, or the origin."""
+    b = _support(scene)
+    return np.array(scene.floats[b].hinge) if b >= 0 else np.zeros(3)
+
+
+def _axes(scene: Scene, channels: Channels) -> np.ndarray:
+    """The joint axes along which the far field's loads move the support."""
+    b = _support(scene)
+    return np.array([i for i, name in enumerate(channels.names) if channels.owner[i] == b and name in HORIZONTAL], int)
+
+
+def added_mass(system: System, h: Hydrodynamics) -> np.ndarray:
+    """A - A∞ (n, n) of the linear model's coordinates, at the lowest frequency that is known."""
+    E = linear_model(system).active
+    return E.T @ (h.added_mass[0] - system.bodies.added_mass) @ E
+
+
+def slow_spectrum(
+    omega: np.ndarray, amplitude: np.ndarray, loads: np.ndarray, duration: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """μ (m,) [rad/s] and S_F(μ) (m, n, n), one-sided, of waves a (nw,) with loads F (nw, n) each:
+
+    2 Σᵢⱼ |aᵢaⱼ|² ¼(Tᵢ + Tⱼ)(Tᵢ + Tⱼ)ᵀ g(ωᵢ - ωⱼ - μ), g a band as spectra have them. One wave alone does not vary.
+    """
+    n, squares = loads.shape[1], np.abs(amplitude) ** 2
+    if len(omega) == 1:
+        return np.zeros(1), np.zeros((1, n, n))
+    width = bands(omega, duration).width
+    mu, apart = np.arange(0, np.ptp(omega) + width, width), omega[:, None] - omega
+    spectrum = np.empty((len(mu), n, n))
+    for k, at in enumerate(mu):
+        g = np.exp(-0.5 * ((apart - at) / width) ** 2) / (width * np.sqrt(2 * np.pi))
+        g = g + g.T
+        spectrum[k] = 0.5 * ((loads * (g @ squares / squares)[:, None]).T @ loads + loads.T @ g @ loads)
+    return mu, spectrum
+
+
+def moved(
+    model: LinearModel, axes: np.ndarray, added: np.ndarray, mean: np.ndarray, slow: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """Mean and std (n,) along the axes by a mean load (n,) and the spectrum of a slow one, and what has none.
+
+    C x̄ = F;   cov x = ∫ H S_F Hᴴ dμ,  H = (C - μ²(M + A(0)) - iμD)⁻¹. All else rides along.
+    """
+    at = np.ix_(axes, axes)
+    C, D, M = model.stiffness[at], model.damping[at], model.mass[at] + added[at]
+    none = np.full(len(axes), np.nan)
+    if np.linalg.eigvalsh((C + C.T) / 2)[0] <= 0:
+        return none, none, "drift_offset: nothing holds the support against drift"
+    offset = np.linalg.solve(C, mean)
+    if np.linalg.eigvalsh((D + D.T) / 2)[0] <= 0:
+        return offset, none, "slow_drift: nothing damps the support's slow drift"
+    mu = _resolving(slow[0], C, D, M)[:, None, None]
+    H = np.linalg.inv(C - mu**2 * M - 1j * mu * D)
+    S = make_interp_spline(*slow, k=1)(mu[:, 0, 0]) if len(slow[0]) > 1 else np.zeros(H.shape)
+    variance = np.einsum("kij,kjl,kil->ki", H, S, H.conj()).real
+    return offset, np.sqrt(np.trapezoid(variance, mu[:, 0, 0], axis=0)), ""
+
+
+def _resolving(mu: np.ndarray, C: np.ndarray, D: np.ndarray, M: np.ndarray) -> np.ndarray:
+    """Frequencies from the first to the last of mu, dense about the resonances of C, D and M."""
+    squares, shapes = eigh((C + C.T) / 2, (M + M.T) / 2)
+    half = np.einsum("im,ij,jm->m", shapes, D, shapes) / 2  # of a resonance's width
+    near = np.sqrt(squares)[:, None] + half[:, None] * np.sinh(np.linspace(-DENSE, DENSE, NODES))
+    return np.unique(np.concatenate([mu, np.clip(near.ravel(), mu[0], mu[-1])]))
+
+
+def require_far_field(h: Hydrodynamics | None) -> Hydrodynamics:
+    """Refuse coefficients that do not know it."""
+    if h is None or h.far_field is None:
+        raise InputError("settings.outputs", "drift", "needs coefficients with a far field, by boundary elements")
+    return h

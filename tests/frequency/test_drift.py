@@ -1,0 +1,164 @@
+"""Mean and slow drift of rotors on a moored barge, waves aslant, and of one axis in closed form."""
+
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.coupled.system import prepare
+from solver.errors import InputError
+from solver.frequency import drift
+from solver.frequency.response import respond
+from solver.hydrodynamics.bem import bem, far_field
+from solver.run import simulate
+from solver.sea.realization import realize
+from solver.sea.spectrum import PiersonMoskowitz
+from tests.awkward import duck, rotors, sea
+
+HEADING = 0.5
+ALL = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+MOORED = {"motion": ALL, "stiffness": (4e4, 5e4, 0, 0, 0, 3e6), "damping": (4e3, 5e3, 1e3, 1e4, 1e4, 2e5)}
+
+
+def drifting(heading, **changes):
+    item = rotors(**(MOORED | changes))
+    waves = sea(Hs=1.0, Tp=6.0, band=(0.7, 1.7), heading=heading)
+    settings = replace(item.settings, method="frequency", rao=True, outputs=("drift",), duration=3600.0)
+    return replace(item, sea=waves, settings=settings)
+
+
+@cache
+def coefficients():
+    """For waves aslant from both sides."""
+    floats, omega = rotors().floats, np.linspace(0.65, 1.75, 7)
+    problem = bem.Problem.of(
+        tuple(f.hull for f in floats), np.array([f.centre for f in floats]), depth=np.inf, omega=omega,
+        headings=(HEADING, -HEADING), planar=False, panels=200, far_field=True,
+    )  # fmt: skip
+    return bem.united(problem, [bem.part(problem)])
+
+
+@cache
+def records():
+    return [simulate(drifting(b), h) for b, h in zip((HEADING, -HEADING), coefficients(), strict=True)]
+
+
+def test_energy_far_off_is_that_of_rotors_and_dampers():
+    """To the error of a coarse mesh of the barge, whose edges count: 2 %, and 1.2 % with twice as many panels."""
+    record = records()[0]
+    assert record.attrs["energy_residual"] < 0.03
+    system, h = prepare(drifting(HEADING), coefficients()[0]), coefficients()[0]
+    response = respond(system, h)
+    rate = np.abs(response.omega[:, None] * response.Z) ** 2 / 2
+    damping = np.array([*MOORED["damping"], 4e4, 6e4])
+    assert np.sum(drift.waves_of(system, response, h).absorbed_power) == approx(np.sum(rate @ damping), rel=0.04)
+
+
+def test_the_moment_is_about_the_supports_joint():
+    """As of the same waves seen from there: H exp(ik d·e) of modes whose origin is d further on."""
+    item, h = drifting(HEADING), coefficients()[0]
+    system = prepare(item, h)
+    waves = drift.waves_of(system, respond(system, h), h)
+    d, k = np.subtract([0.5, 0.0], h.far_field.origin), waves.omega[:, None] ** 2 / 9.81
+    m = np.arange(waves.modes.shape[1]) - waves.modes.shape[1] // 2
+    angle = 2 * np.pi * np.arange(m.size) / m.size
+    H = (
+        waves.modes
+        @ np.exp(1j * np.outer(m, angle))
+        * np.exp(1j * k * (np.stack([np.cos(angle), np.sin(angle)], -1) @ d))
+    )
+    there = waves.amplitude * np.exp(1j * k[:, 0] * (d @ [np.cos(HEADING), np.sin(HEADING)]))
+    about = replace(waves, modes=far_field.modes(H), amplitude=there).drift_moment.sum()
+    assert records()[0].attrs["drift_moment"] == approx(about, rel=1e-3)
+    assert abs(about - waves.drift_moment.sum()) > 0.02 * abs(about)
+
+
+def test_drift_turns_with_the_waves():
+    """From the other side: the same along x, the opposite across and about the vertical."""
+    one, other = records()
+    (fx, fy, _), (gx, gy, _) = (r.variables["drift_force"][1] for r in (one, other))
+    assert gx == approx(fx, rel=1e-6) and gy == approx(-fy, rel=1e-6) and fy > 0.1 * fx > 0
+    assert other.attrs["drift_moment"] == approx(-one.attrs["drift_moment"], rel=1e-6)
+    assert abs(one.attrs["drift_moment"]) > 0.1 * fx
+
+
+def test_offset_is_that_of_the_mooring():
+    record = records()[0]
+    force, per_wave = (record.variables[name][1] for name in ("drift_force", "drift_force_per_wave"))
+    amplitude = np.abs(drifting(HEADING).sea.amplitude)
+    assert force[:2] == approx(per_wave[:2] @ amplitude**2)
+    offset, std = (record.variables[name][1] for name in ("drift_offset", "slow_drift"))
+    at = [list(record.coords["axis"]).index(name) for name in ("surge", "sway", "yaw")]
+    loads = np.array([*force[:2], record.attrs["drift_moment"]])
+    assert offset[0, at] == approx(loads / [4e4, 5e4, 3e6])
+    assert np.all(std[0, at] > 0.2 * np.abs(offset[0, at])) and record.attrs["unmet"] == ""
+    assert np.isnan(np.delete(offset[0], at)).all() and np.isnan(offset[1:]).all()
+
+
+@pytest.mark.parametrize("slowest", [0.05, 0.15])
+def test_slow_drift_of_one_axis_is_that_of_all_pairs_of_waves(slowest):
+    """σ² = Σ 2|aᵢaⱼTᵢⱼ|²/|C - μ²M - iμD|² over all pairs, μ = ωᵢ - ωⱼ, where S_F is level, and where it falls."""
+    waves = realize(PiersonMoskowitz(Hs=3.0, Tp=8.0), components=600, band=(0.4, 2.0), seed=1, intervals="even")
+    M, C = 1.6e7, 1.6e7 * slowest**2
+    T = 3e4 * (waves.omega - 0.6)  # of both signs, and of none in the mean of two
+    D = 0.2 * M * slowest  # 10 % of critical
+    a2 = np.abs(waves.amplitude) ** 2
+    i, j = np.triu_indices(a2.size, 1)
+    mu = waves.omega[j] - waves.omega[i]
+    exact = np.sqrt(np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4 / np.abs(C - mu**2 * M - 1j * mu * D) ** 2))
+    model = SimpleNamespace(stiffness=np.diag([1.0, C]), damping=np.diag([1.0, D]), mass=np.diag([1.0, 0.3 * M]))
+    slow = drift.slow_spectrum(waves.omega, waves.amplitude, (T * a2)[:, None], 3600.0)
+    level = np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4)
+    assert np.trapezoid(slow[1][:, 0, 0], slow[0]) == approx(level, rel=0.01)
+    mean, std, unmet = drift.moved(model, np.array([1]), np.diag([0.0, 0.7 * M]), np.array([T @ a2]), slow)
+    assert mean[0] == approx(T @ a2 / C) and not unmet
+    assert std[0] == approx(exact, rel=0.03)
+
+
+def test_two_axes_drift_as_each_would_along_its_own():
+    """Turned by 30 degrees, so that mooring and force couple them."""
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    R, mu = np.array([[c, -s], [s, c]]), np.linspace(0, 1.0, 21)
+    C, D, M, S = np.diag([4e4, 9e4]), np.diag([8e3, 2e4]), np.diag([1e6, 1.2e6]), np.diag([3e9, 5e8])
+    spectrum = np.exp(-3 * mu)[:, None, None] * S
+    own = SimpleNamespace(stiffness=C, damping=D, mass=M)
+    turned = SimpleNamespace(stiffness=R @ C @ R.T, damping=R @ D @ R.T, mass=R @ M @ R.T)
+    both, none = np.arange(2), np.zeros((2, 2))
+    mean, std, _ = drift.moved(own, both, none, np.array([3e4, 1e4]), (mu, spectrum))
+    other, turned_std, _ = drift.moved(turned, both, none, R @ [3e4, 1e4], (mu, R @ spectrum @ R.T))
+    assert other == approx(R @ mean) and turned_std**2 == approx(np.diag(R @ np.diag(std**2) @ R.T), rel=1e-3)
+
+
+def test_what_nothing_holds_or_damps_has_no_drift():
+    none, slow = np.zeros((2, 2)), (np.arange(3.0), np.ones((3, 1, 1)))
+    model = SimpleNamespace(stiffness=none, damping=none, mass=np.eye(2))
+    mean, std, unmet = drift.moved(model, np.array([0]), none, np.array([3.0]), slow)
+    assert np.isnan([*mean, *std]).all() and "nothing holds" in unmet
+    model.stiffness = np.eye(2)
+    mean, std, unmet = drift.moved(model, np.array([0]), none, np.array([3.0]), slow)
+    assert mean == approx(3.0) and np.isnan(std).all() and "nothing damps" in unmet
+
+
+def test_one_wave_does_not_drift_slowly():
+    mu, spectrum = drift.slow_spectrum(np.array([1.0]), np.array([1j]), np.array([[2e3, 1e3]]), 3600.0)
+    model = SimpleNamespace(stiffness=np.eye(2), damping=np.eye(2), mass=np.eye(2))
+    mean, std, unmet = drift.moved(model, np.arange(2), np.zeros((2, 2)), np.array([2e3, 1e3]), (mu, spectrum))
+    assert mean == approx([2e3, 1e3]) and std == approx([0.0, 0.0]) and not unmet
+
+
+@pytest.mark.parametrize("changes", [{"method": "time"}, {"interaction": False}, {"radiation": False}])
+def test_drift_of_what_the_waves_far_off_do_not_tell_is_refused(changes):
+    item = drifting(HEADING)
+    with pytest.raises(InputError, match="drift"):
+        replace(item, settings=replace(item.settings, **changes))
+
+
+def test_coefficients_without_the_waves_far_off_are_refused():
+    item, h = duck()
+    settings = replace(item.settings, method="frequency", froude_krylov="linear", outputs=("drift",))
+    with pytest.raises(InputError, match="far field"):
+        simulate(replace(item, settings=settings), h)
+    assert h.far_field is None

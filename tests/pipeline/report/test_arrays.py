@@ -1,0 +1,116 @@
+"""Figures of several floats together: from above, by period, and what they gain over one alone."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import SMALL
+
+from pipeline.bridge.loading import load
+from pipeline.report import arrays, figures, page
+from pipeline.report.drawing import plain
+
+PAIR = """
+[[floats]]
+name = "side"
+hull = { shape = "duck", radius = 1.0, beak = 2.2, elevation = 0.3, submergence = 0.5, width = 5.0 }
+mass = "balance"
+cog = ["balance", 0.0, -0.5]
+inertia = [859.0, 859.0, 859.0]
+hinge = [6.0, 9.0, -0.5]
+arm = [0.0, 0.0, 0.5]
+pto_damping = 3e5
+[variants.both]
+[variants.one]
+left_out = ["side"]
+"""
+OMEGA = np.array([0.5, 2.0, 1.0])
+
+
+@pytest.fixture
+def study(small):
+    lines, rest = SMALL[: SMALL.index("[platform]")], SMALL[SMALL.index("[axes]") :]
+    small.write_text(lines + PAIR + "[axes]\n'waves.heading' = [0.0, 0.5]\n" + rest[rest.index("[sea_states") :])
+    return load(small)
+
+
+def dataset():
+    """Powers and motions of two floats, twice as large in the rough sea, and of the first by itself."""
+    power = np.zeros((2, 2, 2, 2, 5))  # variant, heading, sea, float, statistic
+    power[0, :, :, 0], power[0, :, :, 1], power[1, :, :, 0], power[1, :, :, 1] = 4.0, 8.0, 5.0, np.nan
+    power[:, 1] *= 0.5
+    power[:, :, 1] *= 2
+    power[0, 1] *= 1.5
+    rao = np.full((2, 2, 2, 2, 1, 3), np.nan)
+    rao[0, :, :, 0, 0], rao[0, :, :, 1, 0], rao[1, :, :, 0, 0] = [1, 2, 3], [1, 1, 2], [2, 2, 1]
+    dims = ("variant", "heading", "sea_state", "float")
+    return xr.Dataset(
+        {
+            "absorbed_power": ((*dims, "statistic"), power),
+            "rao": ((*dims, "axis", "component"), rao),
+            "wave_frequency": (("sea_state", "component"), np.stack([OMEGA, OMEGA])),
+        },
+        coords={
+            "variant": ["both", "one"], "heading": [0.0, 0.5], "sea_state": ["calm", "rough"],
+            "float": ["front", "side"], "statistic": ["max", "min", "mean", "rms", "std"], "axis": ["hinge"],
+            "axis_unit": ("axis", ["rad"]), "component": [1, 2, 3], "Hs": ("sea_state", [0.5, 2.0]),
+        },
+    )  # fmt: skip
+
+
+@pytest.fixture
+def results(study):
+    return figures.Results(study=study, data=dataset())
+
+
+def test_floats_are_where_they_are(study):
+    """Each hull about its reference point, the axis of its hinge across it, and the waves' way in the corner."""
+    with plain():
+        (axes,) = arrays.from_above(study.content).axes
+    wet = [c.get_paths() for c in axes.collections[::2]]
+    ball = np.concatenate([p.vertices for p in wet[0]])
+    assert np.ptp(ball, axis=0) == pytest.approx(2.0, rel=1e-3)
+    duck = np.concatenate([p.vertices for p in wet[1]])
+    assert duck[:, 1].min() == pytest.approx(6.5) and duck[:, 1].max() == pytest.approx(11.5)
+    assert duck[:, 0].min() < 4.5 and duck[:, 0].max() > 6.5
+    dashed = [line.get_xydata() for line in axes.lines if line.get_linestyle() == "--"]
+    assert dashed[1] == pytest.approx(np.array([[6.0, 6.5], [6.0, 11.5]]))
+    assert [t.get_text() for t in axes.texts if t.get_text()] == ["front", "side", "waves"]
+    assert arrays.from_above(study.content.model_copy(update={"left_out": ("side",)})) is None
+
+
+def test_every_float_has_its_motion_by_period(results):
+    with plain():
+        (axes,) = arrays.by_period(results).axes
+    assert [line.get_label() for line in axes.lines] == ["front", "side"]
+    for line, values in zip(axes.lines, ([2, 3, 1], [1, 2, 1]), strict=True):
+        np.testing.assert_allclose(line.get_xydata(), np.column_stack([2 * np.pi / np.array([2.0, 1.0, 0.5]), values]))
+    assert axes.get_ylabel() == "hinge [rad/m]"
+    alone = figures.Results(study=results.study, data=results.data.isel(float=[0]))
+    assert arrays.by_period(alone) is None
+
+
+def test_the_gain_is_over_as_many_floats_alone(results):
+    """12 W over twice 5 W; half as much more from the other heading; by period c|rao|² of each."""
+    assert arrays.alone(results) == ("one", ["both"])
+    with plain():
+        by_period, by_heading, by_sea = arrays.gain(results).axes
+    exact = [(1e5 * 4 + 3e5) / (2 * 4e5), (1e5 * 9 + 3e5 * 4) / (2 * 1e5), (1e5 + 3e5) / (2 * 4e5)]
+    assert by_period.lines[0].get_ydata() == pytest.approx(exact)
+    np.testing.assert_allclose(by_heading.lines[0].get_xydata(), [[0, 1.2], [np.degrees(0.5), 1.8]])
+    assert by_sea.lines[0].get_ydata() == pytest.approx([1.2, 1.2])
+    titles = [title for title, _, _ in page._list(results)]
+    assert {"From above", "Motion of each float by period", "Gain of the array"} <= set(titles)
+
+
+def test_there_is_no_gain_without_one_alone(results):
+    data = results.data.isel(variant=[0])
+    assert arrays.gain(figures.Results(study=results.study, data=data)) is None
+    assert arrays.gain(figures.Results(study=results.study, data=data.isel(variant=0))) is None
+
+
+def test_power_take_offs_that_are_not_linear_have_no_gain_by_period(results, small):
+    small.write_text(small.read_text().replace("pto_damping = 3e5", "pto_damping = 3e5\ncoulomb = 100.0"))
+    bent = figures.Results(study=load(small), data=results.data)
+    with plain():
+        names = [axes.get_xlabel() for axes in arrays.gain(bent).axes]
+    assert names == ["heading [°]", "sea state"]
