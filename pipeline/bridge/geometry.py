@@ -63,6 +63,7 @@ class Geometry(Table):
     needed: tuple[tuple[str, ...], ...] = ()  # motions that each body may have; all that are solved for where empty
     memory: bool = True  # whether the radiation memory, of these motions, is fitted along
     plates: bool = False  # a hull is in part thinner than panels: their panels, and what is said of them, are others
+    outlines: bool = False  # a waterplane has several outlines, round wells or apart: its lid and panels are others
 
     @property
     def key(self) -> str:
@@ -107,6 +108,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         needed=ways if some else (),
         memory=memory,
         plates=any(plates(f.hull, panels) for f in floats),
+        outlines=any(f.hull.waterplane_width < np.inf for f in floats),
     )
 
 
