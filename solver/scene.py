@@ -15,6 +15,7 @@ from solver.hydrodynamics.hull.clearance import openings, reach, slips, touching
 from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.standing import stands
 from solver.mooring import SIX, AxisMooring, Mooring, none
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.quantities import Quantity, out_of_range, require_ranges
@@ -488,6 +489,13 @@ class Scene:
                 if not f.motion:
                     limit = 'a fixed body needs formulation = "minimal", and accuracy = "standard"'
                     yield InputError(f"floats.{f.name}.motion", "[]", limit)
+        moving = {""} if self.platform else set()
+        for f, standing in zip(self.floats, self.standing, strict=True):
+            if f.motion or f.on in moving:
+                moving.add(f.name)
+            if standing and f.on in moving:
+                limit = f"stands on the seabed, and must not be carried by {f.on or 'the platform'}, which moves"
+                yield InputError(f"floats.{f.name}.hull", f"draft {f.hull.draft:g} m", limit)
 
     def _output_problems(self) -> Iterator[InputError]:
         outputs = self.settings.outputs
@@ -546,6 +554,17 @@ class Scene:
         return tuple(names.index(f.on) if f.on else -1 for f in self.floats)
 
     @property
+    def standing(self) -> tuple[bool, ...]:
+        """Which floats stand on the seabed."""
+        return tuple(stands(f.hull, self.water.depth) for f in self.floats)
+
+    @property
+    def nonlinear(self) -> tuple[bool, ...]:
+        """On which floats pressure is integrated up to the waves' surface; on those that stand it is linear."""
+        asked = self.settings.froude_krylov == "body-nonlinear"
+        return tuple(asked and not standing for standing in self.standing)
+
+    @property
     def longest_step(self) -> float:
         """A sixth of the shortest wave's period [s]."""
         return float(2 * np.pi / self.sea.omega.max() / 6)
@@ -579,11 +598,12 @@ def is_planar(floats: Iterable[Float], heading: float) -> bool:
 
 
 def out_of_place(item: Float, water: Water) -> Iterator[InputError]:
-    """A float that reaches the seabed at rest, or whose reference point is not at still water."""
+    """A float that at rest reaches the seabed and does not stand on it, or whose reference point is not at z = 0."""
     key, z = f"floats.{item.name}.arm", item.centre[2]
-    if not z - item.hull.draft > -water.depth:
+    if not (z - item.hull.draft > -water.depth or (stands(item.hull, water.depth) and not item.motion)):
         lowest = f"lowest point at z = {z - item.hull.draft:g} m, depth {water.depth:g} m"
-        yield InputError(key, item.arm, f"must stay above the seabed: {lowest}")
+        limit = f"must stay above the seabed, or with motion = [] stand on it with a flat foot: {lowest}"
+        yield InputError(key, item.arm, limit)
     elif abs(z) > STILL_WATER:
         limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {z:g} m"
         yield InputError(key, item.arm, limit)
