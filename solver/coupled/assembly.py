@@ -18,6 +18,7 @@ from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadra
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import shared
+from solver.mooring import line_stiffness, lines_of
 from solver.multibody.chain import PRISMATIC, REVOLUTE
 from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops
 from solver.multibody.load_table import NO_POINTS, Points, tables
@@ -94,6 +95,8 @@ def bodies(
         law=joint_law(floats, nc),
         mechanism=_per_axis(floats, "mechanism_inertia", nc),
         limit=limits.excursions(scene, field, terms, carrier),
+        lines=lines_of([f.lines for f in floats]),
+        pulled=np.array([line_stiffness(f.lines, f.centre) for f in floats]).reshape(nb, 6, 6),
     )
 
 
