@@ -9,12 +9,13 @@ from pytest import approx
 from scipy.integrate import quad, solve_ivp
 
 from solver.catenary import ends, tensions
+from solver.coupled.equilibrium import balance
 from solver.coupled.linear import linear_model
 from solver.coupled.system import prepare
 from solver.errors import InputError
 from solver.mooring import Line, line_loads, line_stiffness
 from solver.run import simulate
-from solver.scene import Scene, Water
+from solver.scene import DOFS, Scene, Water
 from tests import awkward
 from tests.coupled.test_mooring import LEVEL, TURNING, M, dry, floating
 
@@ -87,6 +88,16 @@ def test_the_spars_lines_are_as_published():
     assert np.abs((ours - K) / size).max() < 1.1e-3
     turned = line_stiffness(tuple(fan(turn=0.4)), np.zeros(3))  # three even lines are alike in all directions
     assert np.abs((turned - ours) / size).max() < 1e-6
+
+
+def test_the_march_feels_the_same_lines_as_statics():
+    """Force and moment of lines that differ, all six, of what the assembled scene has more with them than without."""
+    with_, without = (prepare(dry(floating(motion=DOFS, lines=lines)), None) for lines in (UNLIKE, ()))
+    still = np.zeros(6)
+    wrench = np.subtract(*(balance(system.bodies, still)[1][0] for system in (with_, without)))
+    ours = line_loads(UNLIKE, still[:3])
+    assert wrench == approx(ours, rel=1e-9) and np.abs(ours).min() > 1.0
+    assert with_.scene.floats[0].pulls == approx(ours, rel=1e-12)
 
 
 def test_a_float_swings_as_far_as_its_lines_let_it():

@@ -92,6 +92,7 @@ def test_what_stands_has_a_flat_foot_and_does_not_move():
     deep = Revolution.profile([(3.0, -6.0), (1.0, -4.0), (1.0, 2.0)])
     assert stands(deep, 6.0) and not stands(deep, 6.1) and not stands(deep, inf) and stands(CAISSON, 6.0)
     assert not stands(Revolution.sphere(radius=4.0, draft=6.0), 6.0)  # which touches it
+    assert not stands(Revolution.profile([(0.0, -6.0), (3.0, -4.0), (3.0, 2.0)]), 6.0)
     with pytest.raises(InputError, match=r"caisson.arm = .*: must stay above the seabed, or with motion = \[\]"):
         replace(scene(), floats=(replace(scene().floats[0], motion=("surge",)),))
     with pytest.raises(InputError, match="the same where a flat foot stands"):
