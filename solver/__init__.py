@@ -9,7 +9,7 @@ from typing import Any
 
 _HOMES = {
     "errors": ("InputError", "SimulationFailed"),
-    "mooring": ("Mooring",),
+    "mooring": ("Line", "Mooring"),
     "power_takeoff": ("PtoEfficiency", "PtoTable"),
     "scene": ("Float", "Platform", "Scene", "Settings", "Water"),
     "hydrodynamics.hull.revolution": ("Revolution",),

@@ -57,7 +57,7 @@ def _along(item: Float, water: Water, floats: Sequence[Float]) -> Iterator[tuple
 
 def _pulls(item: Float) -> np.ndarray:
     """Constant loads of a joint along its axes, of lines too (n,) [N or N m]."""
-    return np.asarray(item.moored.pretension) + item.per_axis("preload")
+    return item.pulls
 
 
 def _loads(item: Float, displaced: float, gravity: float) -> Iterator[tuple[np.ndarray, float]]:

@@ -21,9 +21,8 @@ def excursions(scene: Scene, field: WaveField, terms: int, carrier_axes: np.ndar
         size = _extent(scene.platform)
         rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
     bounds = [(-row, row) for row in rows]
-    for item in scene.floats:
+    for item, nonlinear in zip(scene.floats, scene.nonlinear, strict=True):
         # The local wave field is for pressure at the instantaneous place; linear loads are those at rest, however far.
-        nonlinear = scene.settings.froude_krylov == "body-nonlinear"
         away = field.radius_for(terms, ROUGH) - item.hull.size if nonlinear else np.inf
         bounds += [_joint_bounds(item, name, away) for name in item.motion]
     return np.array(bounds, float).reshape(-1, 2)

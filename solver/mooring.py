@@ -1,18 +1,76 @@
-"""Linear moorings: what lines about a float's place at rest do to it, F = F₀ - K x - C ẋ."""
+"""Moorings: catenary lines; or linear ones, of lines about a float's place at rest, F = F₀ - K x - C ẋ."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from solver.catenary import Lines, line_pull
 from solver.errors import InputError, refuse
-from solver.quantities import Quantity, of_no_unit, out_of_range
+from solver.quantities import Quantity, of_no_unit, out_of_range, require_ranges
 
 Matrix = tuple[tuple[float, ...], ...]
+STEP, TURN = 1e-5, 1e-4  # of a line's length [m], and angle [rad], of the differences that tell its stiffness
 SIX = 6  # rows of matrices of the reference point's motion
 SYMMETRIC = 1e-6  # relative difference of two entries that count as one
 PASSIVE = 1e-9  # of a damping matrix scaled to a diagonal of 1: a lower eigenvalue than minus this is not rounding
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Line:
+    """A catenary line, quasi-static and elastic, which lies on the seabed where it does not hang."""
+
+    anchor: Annotated[tuple[float, float, float], Quantity("m"), "Where it is held, at the height of the seabed there"]
+    fairlead: Annotated[tuple[float, float, float], Quantity("m"), "On the float, from its reference point at rest"]
+    length: Annotated[float, Quantity("m", above=0), "Without tension"]
+    weight: Annotated[float, Quantity("N/m", above=0), "Per length, in water"]
+    EA: Annotated[float, Quantity("N", above=0), "Stiffness: tension over strain"]
+
+    def __post_init__(self) -> None:
+        require_ranges(self, "lines")
+
+
+def lines_of(each: Sequence[Sequence[Line]]) -> Lines:
+    """The lines of floats as arrays."""
+    every = [line for lines in each for line in lines]
+    points = (
+        np.array([getattr(line, name) for line in every], float).reshape(-1, 3) for name in ("anchor", "fairlead")
+    )
+    numbers = (np.array([getattr(line, name) for line in every], float) for name in ("length", "weight", "EA"))
+    return Lines(np.cumsum([0, *map(len, each)]), *points, *numbers)
+
+
+def line_loads(lines: Sequence[Line], centre: np.ndarray) -> np.ndarray:
+    """Load (6,) [N, N m] at rest of a float's lines about its reference point, at `centre` (3,) [m]."""
+    return _loads(lines_of([lines]), np.asarray(centre, float), np.eye(3))
+
+
+def _loads(rows: Lines, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    load = np.zeros(6)
+    for i in range(len(rows.length)):
+        x, y, z, *force = line_pull(rows, i, position, rotation)
+        load += (*force, *np.cross((x, y, z), force))
+    return load
+
+
+def line_stiffness(lines: Sequence[Line], centre: np.ndarray) -> np.ndarray:
+    """K (6, 6) [N/m, ...] of a float's lines at rest about its reference point, at `centre` (3,) [m].
+
+    By central differences; turning carries the fairleads, and their pulls with them.
+    """
+    rows, K = lines_of([lines]), np.zeros((6, 6))
+    step = STEP * max((line.length for line in lines), default=1.0)
+    for column in range(6 * (len(lines) > 0)):
+        for sign in (-1.0, 1.0):
+            x, R = np.array(centre, float), np.eye(3)
+            if column < 3:
+                x[column] += sign * step
+            else:
+                i, j = (column - 2) % 3, (column - 1) % 3
+                R[j, i], R[i, j] = sign * TURN, -sign * TURN
+            K[:, column] -= sign * _loads(rows, x, R) / (2 * (step if column < 3 else TURN))
+    return K
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

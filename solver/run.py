@@ -96,7 +96,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     prepared = time.perf_counter()
     s = scene.settings
     steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))
-    recorder, probe = Recorder(scene, system.support, layout=system.layout), Probe(system)
+    recorder, probe = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies), Probe(system)
     state = system.start()
     furthest = np.abs(np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z))
     for samples, output, times in blocks(system, state, steps):

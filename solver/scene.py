@@ -15,7 +15,8 @@ from solver.hydrodynamics.hull.clearance import openings, reach, slips, touching
 from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.mooring import SIX, AxisMooring, Mooring, none
+from solver.hydrodynamics.hull.standing import ON_SEABED, stands
+from solver.mooring import SIX, AxisMooring, Line, Mooring, line_loads, none
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.quantities import Quantity, out_of_range, require_ranges
 from solver.sea.current import Current
@@ -132,6 +133,7 @@ class Float:
         "Share that the power take-off's load lacks in motion in the negative sense; < 0: in the positive",
     ] = 0.0
     end_stops: Annotated[EndStops | None, "Springs and dampers at the ends of the stroke"] = None
+    lines: Annotated[tuple[Line, ...], "Catenary lines from the float to the seabed"] = ()
     mooring: Annotated[Mooring | None, "Lines whose load along an axis depends on the other axes, too"] = None
     mechanism_inertia: Annotated[
         PerAxis, Quantity("kg m2 or kg", least=0), "Of what moves with the axis besides the float"
@@ -162,6 +164,11 @@ class Float:
             limit = f"must be {n} x {n}, for {', '.join(self.motion)}, or 6 x 6"
             limit = limit if n else "must be left out: a fixed body has no axis"
             yield InputError(f"{key}.mooring.stiffness", self.mooring.stiffness, limit)
+        if self.lines and not n:
+            yield InputError(f"{key}.lines", f"{len(self.lines)} lines", "must be left out: a fixed body has no axis")
+        for line in self.lines:
+            if not line.anchor[2] < self.centre[2] + line.fairlead[2]:
+                yield InputError(f"{key}.lines.anchor", line.anchor, f"must be below the fairlead, {line.fairlead} m")
 
     def _law_problems(self, key: str) -> Iterator[InputError]:
         if self.pto_table is not None:
@@ -221,11 +228,22 @@ class Float:
         """The mooring along the joint's axes; zero without one."""
         if self.mooring is None:
             return none(len(self.motion))
-        J = np.zeros((6, len(self.motion)))  # of the reference point by the axes, at rest
+        return self.mooring.on_axes(self._jacobian)
+
+    @property
+    def _jacobian(self) -> np.ndarray:
+        """Motion (6, n) of the reference point by the joint's axes, at rest."""
+        J = np.zeros((6, len(self.motion)))
         for i, name in enumerate(self.motion):
             d, slides = self.direction(name), name in DOFS[:3]
             J[:, i] = (*d, 0, 0, 0) if slides else (*np.cross(d, self.arm), *d)
-        return self.mooring.on_axes(J)
+        return J
+
+    @property
+    def pulls(self) -> np.ndarray:
+        """Constant loads along the joint's axes at rest (n,) [N or N m]: of preloads and of all lines."""
+        pulls = np.asarray(self.moored.pretension) + self.per_axis("preload")
+        return pulls + self._jacobian.T @ line_loads(self.lines, self.centre) if self.lines else pulls
 
     @property
     def pto_points(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray] | None]:
@@ -491,6 +509,10 @@ class Scene:
                     "an open mesh",
                     'must be closed for body-nonlinear pressure; or set froude_krylov = "linear"',
                 )
+            for line in f.lines:
+                if line.anchor[2] < -self.water.depth * (1 + ON_SEABED):
+                    limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
+                    yield InputError(f"floats.{f.name}.lines.anchor", line.anchor, limit)
         yield from self._open_hulls()
         for a, b in (pair for group in self.sharing for pair in combinations(group, 2)):
             if touching(a.hull, a.centre, b.hull, b.centre):
@@ -528,6 +550,16 @@ class Scene:
                 if not f.motion:
                     limit = 'a fixed body needs formulation = "minimal", and accuracy = "standard"'
                     yield InputError(f"floats.{f.name}.motion", "[]", limit)
+                if f.lines:
+                    limit = 'catenaries need formulation = "minimal", and accuracy = "standard"'
+                    yield InputError(f"floats.{f.name}.lines", f"{len(f.lines)} lines", limit)
+        moving = {""} if self.platform else set()
+        for f, standing in zip(self.floats, self.standing, strict=True):
+            if f.motion or f.on in moving:
+                moving.add(f.name)
+            if standing and f.on in moving:
+                limit = f"stands on the seabed, and must not be carried by {f.on or 'the platform'}, which moves"
+                yield InputError(f"floats.{f.name}.hull", f"draft {f.hull.draft:g} m", limit)
 
     def _output_problems(self) -> Iterator[InputError]:
         outputs = self.settings.outputs
@@ -638,6 +670,17 @@ class Scene:
         return tuple(names.index(f.on) if f.on else -1 for f in self.floats)
 
     @property
+    def standing(self) -> tuple[bool, ...]:
+        """Which floats stand on the seabed."""
+        return tuple(stands(f.hull, self.water.depth) for f in self.floats)
+
+    @property
+    def nonlinear(self) -> tuple[bool, ...]:
+        """On which floats pressure is integrated up to the waves' surface; on those that stand it is linear."""
+        asked = self.settings.froude_krylov == "body-nonlinear"
+        return tuple(asked and not standing for standing in self.standing)
+
+    @property
     def longest_step(self) -> float:
         """A sixth of the shortest wave's period [s]."""
         return float(2 * np.pi / self.sea.omega.max() / 6)
@@ -674,11 +717,12 @@ def is_planar(floats: Iterable[Float], heading: float, current: Current | None =
 
 
 def out_of_place(item: Float, water: Water) -> Iterator[InputError]:
-    """A float that reaches the seabed at rest, or whose reference point is not at still water."""
+    """A float that at rest reaches the seabed and does not stand on it, or whose reference point is not at z = 0."""
     key, z = f"floats.{item.name}.arm", item.centre[2]
-    if not z - item.hull.draft > -water.depth:
+    if not (z - item.hull.draft > -water.depth or (stands(item.hull, water.depth) and not item.motion)):
         lowest = f"lowest point at z = {z - item.hull.draft:g} m, depth {water.depth:g} m"
-        yield InputError(key, item.arm, f"must stay above the seabed: {lowest}")
+        limit = f"must stay above the seabed, or with motion = [] stand on it with a flat foot: {lowest}"
+        yield InputError(key, item.arm, limit)
     elif abs(z) > STILL_WATER:
         limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {z:g} m"
         yield InputError(key, item.arm, limit)

@@ -64,6 +64,7 @@ class Geometry(Table):
     memory: bool = True  # whether the radiation memory, of these motions, is fitted along
     far_field: bool = False  # whether the waves far off are known
     plates: bool = False  # a hull is in part thinner than panels: their panels, and what is said of them, are others
+    outlines: bool = False  # a waterplane has several outlines, round wells or apart: its lid and panels are others
 
     @property
     def key(self) -> str:
@@ -110,6 +111,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         memory=memory,
         far_field="drift" in parameters.record.outputs,
         plates=any(plates(f.hull, panels) for f in floats),
+        outlines=any(f.hull.waterplane_width < np.inf for f in floats),
     )
 
 

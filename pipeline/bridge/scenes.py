@@ -211,7 +211,7 @@ def plan(shape: Hull) -> tuple[np.ndarray, np.ndarray]:
 def floating(item: Float) -> physics.Float:
     """The solver's float for a table of [[floats]], with stand-ins for what is found; tasks alike in it share it."""
     from solver import scene as physics
-    from solver.mooring import Mooring
+    from solver.mooring import Line, Mooring
     from solver.power_takeoff import PtoEfficiency
 
     kinds: dict[str, Callable[..., object]] = {
@@ -224,6 +224,7 @@ def floating(item: Float) -> physics.Float:
     with _part(f"floats.{item.name}."):  # a hull does not know whose it is
         parts = {name: of(**dict(table)) for name, of in kinds.items() if (table := getattr(item, name)) is not None}
         parts["hull"] = hull(item.hull)
+        parts["lines"] = tuple(Line(**dict(table)) for table in item.lines)
     if law := parts.pop("pto_law", None):
         if item.pto_table:
             raise InputError(f"floats.{item.name}.pto_law", "given", "must be left out beside pto_table")

@@ -13,7 +13,7 @@ from pipeline.results.netcdf import Variable
 
 # Dimensions of a record, in the order in which they follow those of the study.
 INNER = (
-    "float", "axis", "leg", "foot", "member", "tube", "end", "fibre", "force", "moment", "direction", "height",
+    "float", "axis", "line", "leg", "foot", "member", "tube", "end", "fibre", "force", "moment", "direction", "height",
     "statistic", "mode", "system_mode", "component", "frequency_band",
 )  # fmt: skip
 LARGE = 2**25  # an array above this is kept in a file, and the system decides what of it is in memory [bytes]

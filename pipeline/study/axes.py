@@ -19,8 +19,8 @@ Support = Literal["elastic", "fixed", "elastic-no-floats"]
 
 # Dimensions and coordinates of every dataset, which no key's last word may take.
 TAKEN = frozenset((
-    "sea_state", "platform", "seed", "float", "axis", "leg", "direction", "height", "statistic", "mode", "system_mode",
-    "component", "variant", "variant_title", "sample", "status", "task", "unmet", "axis_unit",
+    "sea_state", "platform", "seed", "float", "axis", "line", "leg", "direction", "height", "statistic", "mode",
+    "system_mode", "component", "variant", "variant_title", "sample", "status", "task", "unmet", "axis_unit",
     "elapsed_time", "wall_time", "foot", "member", "tube", "end", "force", "moment", "fibre",
 ))  # fmt: skip
 UNCHANGED = object()

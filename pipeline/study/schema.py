@@ -32,6 +32,7 @@ from pipeline.study.tables import (
 )
 from solver import power_takeoff as takeoff
 from solver import scene as physics
+from solver.mooring import Line as MooringLine
 from solver.mooring import Mooring as Moored
 from solver.sea.current import Current as Stream
 from solver.sea.current import CurrentSpeed
@@ -280,6 +281,11 @@ class Mooring(Table):
     """Lines about a float's place at rest, linear: stiffness, damping and pretension that couple its axes."""
 
 
+@fields_of(MooringLine)
+class Line(Table):
+    """A catenary line, quasi-static and elastic: it lies on the seabed, at the height of its anchor, or hangs."""
+
+
 @fields_of(physics.Float)
 class Float(Table):
     """A rigid float on a massless arm, joined to the platform, to fixed ground or to another float.
@@ -304,6 +310,7 @@ class Float(Table):
         Flag, "A preload that keeps it at rest where it is, its weight and buoyancy being out of balance or not"
     ] = False
     end_stops: EndStops | None = None
+    lines: tuple[Line, ...] = ()
     mooring: Mooring | None = None
     pto_efficiency: PtoEfficiency | None = None
     pto_table: PtoTable | None = None

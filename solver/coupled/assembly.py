@@ -18,6 +18,7 @@ from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadra
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import shared
+from solver.mooring import line_stiffness, lines_of
 from solver.multibody.chain import PRISMATIC, REVOLUTE
 from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops
 from solver.multibody.load_table import NO_POINTS, Points, tables
@@ -80,7 +81,7 @@ def bodies(
         mass=np.array([f.mass for f in floats], float),
         cog=np.array([f.cog for f in floats], float).reshape(nb, 3),
         inertia=np.array([np.diag(f.inertia) for f in floats], float).reshape(nb, 3, 3),
-        nonlinear=np.full(nb, scene.settings.froude_krylov == "body-nonlinear"),
+        nonlinear=np.array(scene.nonlinear, bool),
         **rules(scene, field),
         buoyancy=buoyancy,
         stiffness=stiffness,
@@ -94,6 +95,8 @@ def bodies(
         law=joint_law(floats, nc),
         mechanism=_per_axis(floats, "mechanism_inertia", nc),
         limit=limits.excursions(scene, field, terms, carrier),
+        lines=lines_of([f.lines for f in floats]),
+        pulled=np.array([line_stiffness(f.lines, f.centre) for f in floats]).reshape(nb, 6, 6),
     )
 
 
@@ -153,9 +156,11 @@ def _rule(hull: Revolution, scene: Scene, field: WaveField) -> WettedQuadrature:
 
 def rules(scene: Scene, field: WaveField) -> dict[str, Any]:
     """Fields of Bodies by which the pressure on each float is integrated; nothing where it is linear."""
-    nonlinear = scene.settings.froude_krylov == "body-nonlinear"
     hulls = [None if isinstance(f.hull, PanelHull) else f.hull for f in scene.floats]
-    quadratures = [_rule(hull, scene, field) if nonlinear and hull else None for hull in hulls]
+    quadratures = [
+        _rule(hull, scene, field) if nonlinear and hull else None
+        for hull, nonlinear in zip(hulls, scene.nonlinear, strict=True)
+    ]
     return {
         "meshed": np.array([hull is None for hull in hulls], bool),
         "rule": _stacked(quadratures),
@@ -166,8 +171,11 @@ def rules(scene: Scene, field: WaveField) -> dict[str, Any]:
 
 def _panels(scene: Scene, field: WaveField) -> WettedPanels:
     """Triangles of the floats that are meshes; none where the pressure is linear."""
-    s, nonlinear = scene.settings, scene.settings.froude_krylov == "body-nonlinear"
-    hulls = [f.hull if nonlinear and isinstance(f.hull, PanelHull) else None for f in scene.floats]
+    s = scene.settings
+    hulls = [
+        f.hull if nonlinear and isinstance(f.hull, PanelHull) else None
+        for f, nonlinear in zip(scene.floats, scene.nonlinear, strict=True)
+    ]
     sizes = [h.size for h in hulls if h]
     return wetted_panels(
         hulls,
@@ -252,8 +260,9 @@ def wave_rows(
     scene: Scene, field: WaveField, support: Support | None, hydrodynamics: Hydrodynamics | None, terms: int
 ) -> tuple[np.ndarray, Layout]:
     """All rows (m, n) that the wave drives and where each quantity is."""
-    wanted = ("diffraction",) * scene.settings.diffraction
-    wanted += ("froude_krylov",) * (scene.settings.froude_krylov == "linear")
+    every, kind = (True,) * len(scene.floats), scene.settings.froude_krylov
+    wanted = (("diffraction", every),) * scene.settings.diffraction
+    wanted += (("froude_krylov", every if kind == "linear" else scene.standing),) * (kind != "none")
     # Still water has a frequency for form's sake, which the coefficients need not cover.
     known = hydrodynamics if scene.sea.amplitude.any() else None
     return _rows(field, tuple(tuple(f.centre.tolist()) for f in scene.floats), support, known, terms, wanted)
@@ -266,7 +275,7 @@ def _rows(
     support: Support | None,
     hydrodynamics: Hydrodynamics | None,
     terms: int,
-    wanted: tuple[str, ...],
+    wanted: tuple[tuple[str, tuple[bool, ...]], ...],
 ) -> tuple[np.ndarray, Layout]:
     """Tasks that differ in their joints alone share them."""
     n, nb = field.sea.omega.size, len(centres)
@@ -283,15 +292,18 @@ def _rows(
     return shared(np.concatenate(parts).astype(complex)), Layout(*columns)
 
 
-def _excitation(field: WaveField, nb: int, hydrodynamics: Hydrodynamics | None, wanted: Iterable[str]) -> np.ndarray:
-    """Rows (nb, 6, n): diffraction, and linear Froude-Krylov where the scene asks for it."""
+def _excitation(
+    field: WaveField, nb: int, hydrodynamics: Hydrodynamics | None, wanted: Iterable[tuple[str, tuple[bool, ...]]]
+) -> np.ndarray:
+    """Rows (nb, 6, n) of the kinds of force that are wanted, each on some of the floats."""
     sea, n = field.sea, field.sea.omega.size
     rows = np.zeros((nb, 6, n), complex)
     if hydrodynamics is None:
         return rows
     nr, force = len(hydrodynamics.dofs), np.zeros((n, nb * len(hydrodynamics.dofs)), complex)
-    for kind in wanted:
-        force += hydrodynamics.excitation(sea.omega, kind)
+    for kind, floats in wanted:
+        if any(floats):
+            force += hydrodynamics.excitation(sea.omega, kind) * np.repeat(floats, nr)
     index = [DOFS.index(d) for d in hydrodynamics.dofs]
     rows[:, index] = (force * sea.amplitude[:, None]).T.reshape(nb, nr, -1)
     return rows

@@ -296,7 +296,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     if hydrodynamics is not None and settings.radiation:
         added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
     height = scene.sea.parameters()["Hm0"]
-    reach = max((_reach(scene, b, height) for b in range(len(scene.floats))), default=0.0)
+    reach = max((_reach(scene, b, height) for b, stands in enumerate(scene.standing) if not stands), default=0.0)
     terms = waves.terms_for(reach, settings.field_tolerance)
     body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass, terms)
     rows, layout = assembly.wave_rows(scene, waves, support, hydrodynamics, terms)

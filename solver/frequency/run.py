@@ -21,6 +21,7 @@ from solver.record.spectra import bands, cross_spectra
 from solver.scene import Scene
 from solver.statistics import STATISTICS
 
+NEAR = 1e-4  # [m or rad] from equilibrium, where slopes are taken
 LEFT_OUT = "displacement_envelope, stress_envelope"  # how the nodes' motions go together in time
 
 
@@ -109,6 +110,11 @@ def _tables(
             yield table("pto_force", mean, lines)
         at_rest = channels.hinge_force(still[None])[0]
         yield table("hinge_force", at_rest, channels.hinge_force(response.wrench))
+        if channels.lines:
+            at_rest = channels.line_tension(system.bodies, z[None])[0]
+            either = (channels.line_tension(system.bodies, z + way * NEAR * np.eye(z.size)) for way in (1, -1))
+            slope = np.subtract(*either) / (2 * NEAR)
+            yield table("line_tension", at_rest, response.Z @ slope)
     if channels.legs is not None:
         tops, X = channels.legs.tops, response.X[:, : p.size]
         yield table("top_displacement", np.tensordot(p, tops, axes=1), np.tensordot(X, tops, axes=1))

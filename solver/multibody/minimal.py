@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.catenary import Lines, add_lines, line_pull
 from solver.hydrodynamics.pressure.froude_krylov import (
     Incident,
     QuadratureRoom,
@@ -62,6 +63,8 @@ class Bodies(NamedTuple):
     law: JointLaw  # of the nz axes; nothing on carriers
     mechanism: np.ndarray  # (nz,) inertia on the axes besides the floats'
     limit: np.ndarray  # (nz, 2) excursions beyond which the run stops, see solver.limits
+    lines: Lines  # of moorings
+    pulled: np.ndarray  # (nb, 6, 6) stiffness of the lines about the reference point, at rest
 
 
 class Motion(NamedTuple):
@@ -206,9 +209,10 @@ def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarra
 
 @fast_lean_kernel
 def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureRoom, out: np.ndarray) -> None:
-    """Hydrostatic load, and the incident wave's where it is body-nonlinear: out (nb, 6)."""
+    """Hydrostatic load, the incident wave's where it is body-nonlinear, and the mooring lines': out (nb, 6)."""
     out[:] = 0.0
     for b in range(bodies.axes.size):
+        add_lines(bodies.lines, b, motion.position[b], motion.rotation[b], out[b])
         if not bodies.nonlinear[b]:
             _linear_hydrostatics(bodies, b, motion, out[b])
             continue
@@ -220,6 +224,17 @@ def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureR
         else:
             rule = _rule_of(bodies, b)
             pressure_load(motion.position[b], motion.rotation[b], rule, waves, room.quadrature, out[b])
+
+
+@lean_kernel
+def line_tensions(bodies: Bodies, z: np.ndarray, motion: Motion, out: np.ndarray) -> None:
+    """Tensions [N] of all lines at their fairleads, out (m, n), at coordinates z (m, nz); motion: scratch."""
+    for k in range(len(z)):
+        move(bodies, z[k], z[k], motion)  # places do not ask for rates
+        for b in range(bodies.axes.size):
+            for i in range(bodies.lines.first[b], bodies.lines.first[b + 1]):
+                _, _, _, fx, fy, fz = line_pull(bodies.lines, i, motion.position[b], motion.rotation[b])
+                out[k, i] = np.sqrt(fx * fx + fy * fy + fz * fz)
 
 
 @lean_kernel
@@ -257,7 +272,7 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
 
 @kernel(inline="always")
 def _wave_wrench(bodies: Bodies, b: int, motion: Motion, water: WaterLoads, W: np.ndarray) -> None:
-    """W <- excitation and pressure, carried on by the hydrostatic stiffness."""
+    """W <- excitation and pressure, carried on by the stiffness of buoyancy and lines."""
     for r in range(6):
         W[r] = water.excitation[b, r] + water.pressure[b, r]
     for c in range(6):
@@ -265,7 +280,7 @@ def _wave_wrench(bodies: Bodies, b: int, motion: Motion, water: WaterLoads, W: n
         for i in range(bodies.axes[b]):
             moved += motion.jacobian[b, c, i] * water.since[bodies.coordinate[b, i]]
         for r in range(6):
-            W[r] -= bodies.stiffness[b, r, c] * moved
+            W[r] -= (bodies.stiffness[b, r, c] + bodies.pulled[b, r, c]) * moved
 
 
 @inner_kernel

@@ -46,7 +46,8 @@ class Probe:
         s = system.scene.settings
         seconds = min(PROBE * system.scene.usual_step, s.discard + s.duration)
         self.system, self.steps = system, max(1, int(seconds / system.dt))
-        self.recorder = Recorder(probed(system.scene, self.steps), system.support, layout=system.layout)
+        short = probed(system.scene, self.steps)
+        self.recorder = Recorder(short, system.support, layout=system.layout, bodies=system.bodies)
         self.states: list[tuple[np.ndarray, np.ndarray]] = []
         self.full = False
         self.seconds = 0.0  # that judging took
@@ -145,7 +146,7 @@ def step_error(probe: Probe) -> float:
     """
     system = probe.system
     half = system.with_step(system.dt / 2)
-    finer = Recorder(probe.recorder.scene, system.support, layout=system.layout)
+    finer = Recorder(probe.recorder.scene, system.support, layout=system.layout, bodies=system.bodies)
     for samples, output, times in blocks(half, half.start(), 2 * probe.steps):
         finer.add(times[1::2], Output(*(x[1::2] for x in output)), samples[1::2])
     return statistics_error(system, probe.recorder, finer) * 16 / 15

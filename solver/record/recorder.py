@@ -18,6 +18,7 @@ from solver.multibody.joint_law import (
     pto_loads,
     stopped,
 )
+from solver.multibody.minimal import Bodies, line_tensions, new_motion
 from solver.power_takeoff import PtoEfficiency
 from solver.record import steel
 from solver.record.bound import wave_power
@@ -53,6 +54,7 @@ DIMS = {
     "latched": ("float", "axis"),
     "declutched": ("float", "axis"),
     "hinge_force": ("float", "direction"),
+    "line_tension": ("line",),
     "top_displacement": ("leg", "direction"),
     "bottom_stress": ("leg",),
     **steel.DIMS,
@@ -72,6 +74,7 @@ class Channels:
         self.owner = np.array([b for b, f in enumerate(floats) for _ in f.motion], int)  # of each joint axis
         self.names = [name for f in floats for name in f.motion]
         self.axes = list(dict.fromkeys(self.names))
+        self.lines = [f"{f.name} {i}" for f in floats for i in range(1, len(f.lines) + 1)]
 
     def motions(self, joint: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """`rotation` and `motion` of the joints' axes (m, nj), NaN along axes that a float does not have."""
@@ -86,6 +89,12 @@ class Channels:
         out = np.full((len(joint), len(self.scene.floats), len(self.axes)), np.nan, joint.dtype)
         out[:, self.owner, [self.axes.index(name) for name in self.names]] = joint
         return out
+
+    def line_tension(self, bodies: Bodies, z: np.ndarray) -> np.ndarray:
+        """(m, number of lines) at the bodies' coordinates z (m, nz)."""
+        tension = np.zeros((len(z), len(self.lines)))
+        line_tensions(bodies, np.ascontiguousarray(z), new_motion(bodies), tension)
+        return tension
 
     def hinge_force(self, wrench: np.ndarray) -> np.ndarray:
         """(m, nb, 3) of all loads on the floats (m, nb, 6)."""
@@ -118,6 +127,8 @@ class Channels:
             "float": np.array([f.name for f in self.scene.floats]),
             "direction": np.array(["x", "y", "z"]),
         }
+        if self.lines:
+            coords["line"] = np.array(self.lines)
         if self.legs is not None:
             coords["leg"], coords["height"] = np.arange(1, len(self.legs.twin) + 1), self.legs.height
         if self.steel is not None:
@@ -178,8 +189,9 @@ class Channels:
 class Recorder:
     """Takes in the march's blocks and keeps only what the record needs."""
 
-    def __init__(self, scene: Scene, support: Support | None, *, layout: Layout):
-        self.scene, self.layout, self.channels = scene, layout, Channels(scene, support)
+    def __init__(self, scene: Scene, support: Support | None, *, layout: Layout, bodies: Bodies | None = None):
+        """bodies: needed where floats have lines."""
+        self.scene, self.layout, self.channels, self.bodies = scene, layout, Channels(scene, support), bodies
         self.law = joint_law(scene.floats)
         self.statistics = Statistics()
         self.shapes: dict[str, tuple[int, ...]] = {}  # of the channels, in the order of the statistics
@@ -240,6 +252,9 @@ class Recorder:
             yield from self._pto(joint, rate, at_work)
             yield from self._control(output.contact[kept])
             yield "hinge_force", channels.hinge_force(output.wrench[kept])
+            if channels.lines:
+                assert self.bodies is not None, "asked of scenes with lines"
+                yield "line_tension", channels.line_tension(self.bodies, output.z[kept])
         if channels.steel is None:
             return
         forces, parts = (

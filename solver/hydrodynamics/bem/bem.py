@@ -24,6 +24,7 @@ from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.standing import stands, walls
 from solver.hydrodynamics.hull.surface import mirrored
 from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
 from solver.sea.dispersion import SHALLOWEST, too_shallow
@@ -171,6 +172,20 @@ class Problem:
         return [Sea(depth=self.depth, density=self.density, gravity=self.gravity, heading=h) for h in self.headings]
 
     @cached_property
+    def largest(self) -> float:
+        """Radius of the largest body [m]."""
+        return max(h.largest_radius for h in self.hulls)
+
+    @cached_property
+    def standing(self) -> bool:
+        """Whether a body stands on the seabed, which is then never left out."""
+        return any(stands(h, self.depth) for h in self.hulls)
+
+    def seabed(self, k: float) -> float:
+        """Depth to solve with [m], infinite where the seabed does not matter; see Sea."""
+        return self.depth if self.standing else self.seas[0].seabed(k, self.largest)
+
+    @cached_property
     def counts(self) -> tuple[int, ...]:
         """Panels of each body."""
         return _counts(self.hulls, self.panels, self.seas[0].wavenumber(self.omega[-1]))
@@ -228,7 +243,7 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
         "panels_coarse": solutions[-1].panels,
         "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
         "green_function": "Delhommeau",
-        "seabed_error": seas[0].seabed_error(omega, max(h.largest_radius for h in hulls)),
+        "seabed_error": 0.0 if problem.standing else seas[0].seabed_error(omega, problem.largest),
     }
     origin, n = meshes.mirror_planes(hulls, problem.centres)[0][:2], len(impedance_inf)
     return [
@@ -277,10 +292,14 @@ class _Mesh:
         dofs: tuple[str, ...],
         counts: tuple[int, ...],
         refine: int,
+        depth: float,
         *,
         lids: bool,
     ) -> "_Mesh":
-        """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count of each, refine: see mesh.panels."""
+        """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count of each, refine: see mesh.panels.
+
+        Hulls that stand on the seabed, in `depth` [m], have no panels there.
+        """
         origin, mirrors = meshes.mirror_planes(hulls, centres)
         # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
         makers = [(meshes.panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
@@ -289,6 +308,8 @@ class _Mesh:
             share = meshes.quarters(at, len(mirrors))
             for make, times in makers if share else ():
                 vertices, faces = make(hull, count, refine=times, quarters=share)
+                if make is meshes.panels and stands(hull, depth):
+                    vertices, faces = walls(vertices, faces, depth)
                 pieces.append((vertices + at, faces))
                 owners.append(np.full(len(faces), b))
                 hulled.append(np.full(len(faces), make is meshes.panels))
@@ -357,12 +378,12 @@ def _coefficients(
 ) -> Solution:
     """At frequencies (nw,), of one mesh; A(inf) is empty where it is not asked for."""
     hulls, centres, dofs, seas = problem.hulls, problem.centres, problem.dofs, problem.seas
-    bare = _Mesh.build(hulls, centres, dofs, counts, refine, lids=False)  # no irregular frequency at infinity
-    mesh = _Mesh.build(hulls, centres, dofs, counts, refine, lids=True)
-    n, largest, sea = mesh.motions.shape[-1], max(h.largest_radius for h in hulls), seas[0]
+    build = partial(_Mesh.build, hulls, centres, dofs, counts, refine, problem.depth)
+    bare, mesh = build(lids=False), build(lids=True)  # no irregular frequency at infinity
+    n, sea = mesh.motions.shape[-1], seas[0]
     limit = np.zeros((0, 0))
     if infinite:
-        potentials = bare.solve(bare.motions, np.inf, sea.seabed(np.inf, largest))
+        potentials = bare.solve(bare.motions, np.inf, problem.seabed(np.inf))
         limit = _symmetric(sea.density * bare.forces(potentials, n).real)
     impedance = np.empty((len(omega), n, n), complex)
     diffraction = np.empty((len(omega), len(seas), n), complex)
@@ -370,7 +391,7 @@ def _coefficients(
     for i, w in enumerate(omega):
         sources = np.concatenate([mesh.motions, mesh.scattered(seas, w)], axis=2)
         k = sea.wavenumber(w)
-        potentials = mesh.solve(sources, k, sea.seabed(k, largest))
+        potentials = mesh.solve(sources, k, problem.seabed(k))
         forces = sea.density * mesh.forces(potentials, sources.shape[2])
         impedance[i], diffraction[i] = _symmetric(forces[:n]), 1j * w * forces[n:]
         if problem.far_field:
@@ -465,8 +486,9 @@ def require_solvable(
     if len(edges := openings(hulls, list(centres))) and not slips(hulls, edges):
         raise InputError("hulls", f"{len(edges)} open edges", "must close each other's openings below still water")
     deepest = max(h.draft for h in hulls)
-    if not depth > deepest:
-        raise InputError("depth", depth, f"must be greater than the draft, {deepest} m")
+    if not all(depth > h.draft or stands(h, depth) for h in hulls):
+        limit = f"must be greater than the draft, {deepest} m, or the same where a flat foot stands on the seabed"
+        raise InputError("depth", depth, limit)
     if omega[0] <= 0 or np.any(np.diff(omega) <= 0):
         raise InputError("omega", omega.tolist(), "must increase from above 0 rad/s")
     if too_shallow(omega[0], depth, gravity):

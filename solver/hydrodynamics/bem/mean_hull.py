@@ -9,6 +9,7 @@ from scipy.linalg import block_diag
 from solver.hydrodynamics.bem.coefficients import DOFS
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull.mesh import Hull
+from solver.hydrodynamics.hull.standing import stands, wetted
 
 
 def unit_motions(
@@ -30,10 +31,15 @@ def motion_lengths(hulls: Sequence[Hull], dofs: Sequence[str]) -> np.ndarray:
 def froude_krylov(
     hulls: Sequence[Hull], centres: np.ndarray, dofs: Sequence[str], sea: Sea, omega: np.ndarray
 ) -> np.ndarray:
-    """-∫ p n dS over the exact mean wetted surface, of the unit incident wave at omega (nw,): (nw, n) [N/m, N]."""
+    """-∫ p n dS over the exact mean wetted surface, of the unit incident wave at omega (nw,): (nw, n) [N/m, N].
+
+    Under the foot of a hull that stands on the seabed no wave is felt.
+    """
     force = []
     for hull, centre in zip(hulls, centres, strict=True):
         points, areas = hull.surface_points()
+        if stands(hull, sea.depth):
+            points, areas = (x[wetted(points, areas, sea.depth)] for x in (points, areas))
         motions = unit_motions(points, areas, np.zeros(len(points), int), np.zeros((1, 3)), dofs)
         force.append([-sea.pressure(points + centre, w) @ motions for w in omega])
     return np.concatenate(force, axis=1)

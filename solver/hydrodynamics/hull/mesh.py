@@ -16,6 +16,10 @@ Hull = Revolution | PanelHull
 ON_PLANE = 1e-9  # [m]
 LONGER = 1.2
 LEAST_PLATE = 0.05  # of a mesh's wetted surface, from which on its thin parts are plates
+# Across a waterplane of several outlines: panels of its bottom, cells of its lid. Those are no smaller than this share
+# of the side that the panels ask for: in a narrower waterplane no wave that the panels resolve stands.
+ACROSS_BOTTOM, ACROSS_LID, LEAST_CELL = 2.0, 3.0, 0.2
+MOVED, INSET, SLIVER = 0.6, 0.1, 0.1  # of a cell's side: how far corners move, and to how near the outline; of its area
 IMAGES = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], float)  # of a quarter at x > 0, y > 0
 
 
@@ -64,6 +68,7 @@ def _longest_side(hull: PanelHull, count: int) -> float:
     """Of panels [m], so that halving leaves as near to `count` of them as it can."""
     # Triangles are cut across their longest sides, which makes up to four times as many as their area asks for.
     sizes = np.sqrt(2 * hull.wetted_area / count) * LONGER ** np.arange(8)
+    sizes = np.minimum(sizes, max(sizes[0], hull.waterplane_width / ACROSS_BOTTOM))
     left = [len(surface.split(hull.wetted, size)) for size in sizes]
     return float(sizes[np.argmin(np.abs(np.log(np.divide(left, count))))])
 
@@ -107,13 +112,17 @@ def _disc_lid(hull: Revolution, count: int, refine: int, quarters: int) -> tuple
 
 
 def _lattice_lid(hull: PanelHull, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
-    """Rectangles of a lattice over the waterplane, those that lie inside it.
+    """Rectangles of a lattice over the waterplane, those that lie inside it; between several outlines see `_fitted`.
 
     What is left free along the waterline is narrower than a panel: its eigenfrequencies are beyond
     those that the panels resolve.
     """
     low, high = hull.box
     size = np.sqrt(2 * hull.wetted_area / count) / refine
+    across = hull.waterplane_width / ACROSS_LID
+    fitted = LEAST_CELL * size < across < np.inf
+    if fitted:
+        size = min(size, across)
     # Even numbers: planes of symmetry run between cells. Four at least, or a slender body has no lid.
     nx, ny = (2 * max(2, round(extent / size / 2)) for extent in high - low)
     x, y = np.linspace(low[0], high[0], nx + 1), np.linspace(low[1], high[1], ny + 1)
@@ -121,12 +130,53 @@ def _lattice_lid(hull: PanelHull, count: int, refine: int, quarters: int) -> tup
         y = y[ny // 2 :]
     if quarters < 2:
         x = x[nx // 2 :]
-    near, far = (np.stack(np.meshgrid(u, v, indexing="ij"), -1) for u, v in ((x[:-1], y[:-1]), (x[1:], y[1:])))
-    (a, c), (b, d) = near.reshape(-1, 2).T, far.reshape(-1, 2).T
-    corners = np.moveaxis(np.array([(a, c), (a, d), (b, d), (b, c)]), 2, 0)
-    shrunk = corners + 1e-3 * (corners.mean(axis=1, keepdims=True) - corners)
-    cells = corners[_inside(shrunk.reshape(-1, 2), hull.waterline).reshape(-1, 4).all(axis=1)]
+    nodes = np.stack(np.meshgrid(x, y, indexing="ij"), -1)
+    corners = np.stack([nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1]], axis=2).reshape(-1, 4, 2)
+    if fitted:
+        cells = _fitted(corners, hull.waterline, (corners == 0.0) & np.array([quarters < 2, quarters < 4]))
+    else:
+        cells = _within(corners, hull.waterline)
     return _indexed(np.concatenate([cells, np.zeros((*cells.shape[:2], 1))], axis=2))
+
+
+def _within(corners: np.ndarray, outline: np.ndarray) -> np.ndarray:
+    """Those of a lattice's cells (n, 4, 2) that lie within an outline (ns, 2, 2)."""
+    shrunk = corners + 1e-3 * (corners.mean(axis=1, keepdims=True) - corners)
+    return corners[_inside(shrunk.reshape(-1, 2), outline).reshape(-1, 4).all(axis=1)]
+
+
+def _fitted(corners: np.ndarray, outline: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """A lattice's cells (n, 4, 2) that lie within an outline (ns, 2, 2), corners near it moved to just within it.
+
+    Coordinates `kept` (n, 4, 2), on planes of symmetry, stay. Cells of which one corner stays outside become
+    triangles; no side cuts across a well.
+    """
+    side = np.abs(corners[:, 2] - corners[:, 0]).min()
+    place, gap = _nearest(corners.reshape(-1, 2), outline)
+    inside = _inside(corners.reshape(-1, 2), outline)
+    near = gap < MOVED * side
+    away = (corners.reshape(-1, 2) - place) / np.maximum(gap, 1e-12 * side)[:, None] * np.where(inside, 1, -1)[:, None]
+    moved = np.where(near[:, None], place + INSET * side * away, corners.reshape(-1, 2)).reshape(corners.shape)
+    moved[kept] = corners[kept]
+    held = (inside | near).reshape(-1, 4)
+    three = held.sum(axis=1) == 3
+    turn = (np.argmin(held[three], axis=1)[:, None] + np.array([1, 2, 3, 3])) % 4
+    cells = np.concatenate([moved[held.all(axis=1)], moved[three][np.arange(three.sum())[:, None], turn]])
+    (x, y), (u, v) = (cells[:, 2] - cells[:, 0]).T, (cells[:, 1] - cells[:, 3]).T
+    cells = cells[(x * v - y * u) / 2 > SLIVER * side**2]
+    centre, middles = cells.mean(axis=1, keepdims=True), (cells + np.roll(cells, 1, axis=1)) / 2
+    points = np.concatenate([centre, middles + INSET * (centre - middles)], axis=1)
+    return cells[_inside(points.reshape(-1, 2), outline).reshape(-1, 5).all(axis=1)]
+
+
+def _nearest(points: np.ndarray, outline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The point (n, 2) of an outline (ns, 2, 2) nearest to each of points (n, 2), and how far it is (n,)."""
+    start, along = outline[:, 0], outline[:, 1] - outline[:, 0]
+    way = np.einsum("nsi,si->ns", points[:, None] - start, along) / np.sum(along**2, axis=1)
+    feet = start + np.clip(way, 0, 1)[..., None] * along
+    gaps = np.linalg.norm(points[:, None] - feet, axis=2)
+    first = gaps.argmin(axis=1), np.arange(len(points))
+    return feet[first[1], first[0]], gaps[first[1], first[0]]
 
 
 def _inside(points: np.ndarray, segments: np.ndarray) -> np.ndarray:

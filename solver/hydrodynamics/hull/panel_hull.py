@@ -168,6 +168,17 @@ class PanelHull:
         return np.stack([start[at], end[at]], axis=1)[..., :2]
 
     @cached_property
+    def waterplane_width(self) -> float:
+        """Of a waterplane with several outlines, round wells or apart: twice area over outline [m]; else infinite.
+
+        It is R - r of a ring, 2ab/(a + b) of rectangles.
+        """
+        level = np.pad(self.waterline, ((0, 0), (0, 0), (0, 1)))
+        if surface.outlines(level)[0] < 2:
+            return np.inf
+        return float(2 * self.waterplane[0] / np.linalg.norm(level[:, 1] - level[:, 0], axis=1).sum())
+
+    @cached_property
     def symmetry(self) -> tuple[bool, bool]:
         """Whether the hull is symmetric in x = 0, and in y = 0."""
         return self._mirrored(0), self._mirrored(1)

@@ -296,6 +296,11 @@ class Revolution:
         return np.array([area, 0.0, 0.0, second, 0.0, second])
 
     @property
+    def waterplane_width(self) -> float:
+        """Infinite: the waterplane has one outline, see PanelHull."""
+        return np.inf
+
+    @property
     def buoyancy_point(self) -> np.ndarray:
         """Centroid of the displaced volume (3,) [m]."""
         return np.array([0.0, 0.0, self.centre_of_buoyancy])

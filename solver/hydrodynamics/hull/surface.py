@@ -113,12 +113,18 @@ def unmatched(lines: np.ndarray) -> np.ndarray:
 
 def enclosed(lines: np.ndarray) -> float:
     """Most that closed outlines of edges (n, 2, 3) can enclose [m²]: circles of their lengths."""
-    if not len(lines):
-        return 0.0
-    vertices, pairs = _one_each(lines.reshape(-1, 3), np.arange(2 * len(lines)).reshape(-1, 2))
-    _, part = _parts(pairs, len(vertices))
-    length = np.bincount(part[pairs[:, 0]], np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1))
+    _, outline = outlines(lines)
+    length = np.bincount(outline, np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1))
     return float(np.sum(length**2) / (4 * np.pi))
+
+
+def outlines(lines: np.ndarray) -> tuple[int, np.ndarray]:
+    """How many separate outlines edges (n, 2, 3) make up, and the outline (n,) of each edge."""
+    if not len(lines):
+        return 0, np.zeros(0, int)
+    vertices, pairs = _one_each(lines.reshape(-1, 3), np.arange(2 * len(lines)).reshape(-1, 2))
+    count, part = _parts(pairs, len(vertices))
+    return count, part[pairs[:, 0]]
 
 
 def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tuple[np.ndarray, np.ndarray, list[str]]:

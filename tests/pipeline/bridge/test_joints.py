@@ -10,7 +10,7 @@ from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
 from pipeline.study.reading import StudyError
-from pipeline.study.schema import Profile
+from pipeline.study.schema import Profile, Ring
 from pipeline.tasks.task import dimensions, expand
 from solver.record.recorder import Record
 from solver.scene import PER_AXIS
@@ -471,6 +471,16 @@ def test_a_hull_with_a_plate_has_other_coefficients_than_before(study_with):
     spar = geometry_of(text.model_copy(update={"floats": (text.floats[0].model_copy(update={"hull": hull}),)}))
     assert spar.plates and "plates" in spar.model_dump(exclude_defaults=True)
     assert not plain.plates and "plates" not in plain.model_dump(exclude_defaults=True)
+
+
+def test_a_hull_with_a_well_has_other_coefficients_than_before(study_with):
+    """Its lid and panels are others; the name of other hulls' file stays."""
+    text = task(study_with(FREE)).parameters
+    plain = geometry_of(text)
+    hull = Ring(shape="ring", points=[(9.0, -2.0), (9.0, 1.0), (4.0, 1.0), (4.0, -2.0)])
+    well = geometry_of(text.model_copy(update={"floats": (text.floats[0].model_copy(update={"hull": hull}),)}))
+    assert well.outlines and "outlines" in well.model_dump(exclude_defaults=True)
+    assert not plain.outlines and "outlines" not in plain.model_dump(exclude_defaults=True)
 
 
 def test_without_need_of_a_memory_none_is_fitted(study_with, monkeypatch):

@@ -62,7 +62,8 @@ YIELDING = SMALL.replace("density = 8012.0", "density = 8012.0\nyield_strength =
 CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
 STOPS = "lower = -0.3, upper = 2.0, stiffness = 1e7, damping = 1e5"
 MORE = "lower = [0, -1.0], upper = [0, 1.0], stiffness = [0, 1e7]"  # on one axis of two
-MOORED = '["surge", "heave"]\nstiffness = [2e5, 0]'
+MOORED = '["surge", "heave"]\nstiffness = [2e5, 0]\n'
+MOORED += "lines = [{ anchor = [-60, 0, -20], fairlead = [-5, 0, 0], length = 60.0, weight = 100.0, EA = 1e6 }]"
 TAKEOFF = "offset = 0.5\nhold = true\n"
 TAKEOFF += "pto_damping = 1e4\npto_efficiency = { generating = 0.9 }\nlatch_load = 1e3\ndeclutch_load = 5e4"
 PER_WAVE = "rao = true\nspectra = true\n"
