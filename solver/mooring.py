@@ -2,13 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 
-from solver.catenary import Lines, line_pull
 from solver.errors import InputError, refuse
 from solver.quantities import Quantity, of_no_unit, out_of_range, require_ranges
+
+if TYPE_CHECKING:  # with the compiler, which takes 0.3 s to import: the command line needs scenes but rarely lines
+    from solver.catenary import Lines
 
 Matrix = tuple[tuple[float, ...], ...]
 STEP, TURN = 1e-5, 1e-4  # of a line's length [m], and angle [rad], of the differences that tell its stiffness
@@ -31,8 +33,10 @@ class Line:
         require_ranges(self, "lines")
 
 
-def lines_of(each: Sequence[Sequence[Line]]) -> Lines:
+def lines_of(each: Sequence[Sequence[Line]]) -> "Lines":
     """The lines of floats as arrays."""
+    from solver.catenary import Lines
+
     every = [line for lines in each for line in lines]
     points = (
         np.array([getattr(line, name) for line in every], float).reshape(-1, 3) for name in ("anchor", "fairlead")
@@ -46,7 +50,9 @@ def line_loads(lines: Sequence[Line], centre: np.ndarray) -> np.ndarray:
     return _loads(lines_of([lines]), np.asarray(centre, float), np.eye(3))
 
 
-def _loads(rows: Lines, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+def _loads(rows: "Lines", position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    from solver.catenary import line_pull
+
     load = np.zeros(6)
     for i in range(len(rows.length)):
         x, y, z, *force = line_pull(rows, i, position, rotation)
