@@ -17,6 +17,7 @@ PAIRS = 30  # of poles, at most
 FALL = 6  # misfits count less beyond the peak of the diagonal, as its frequency over ω to this power
 PATIENCE = 3  # orders without gain once least squares alone would do
 HOPELESS = 4  # times the tolerance: so far away no weights will help
+LOOSER = 2  # times the tolerance, where it is not met: of poles chosen for less, passive residues are more easily found
 LOST = 1.0  # a misfit as large as what is fitted
 SETTLE, EQUALIZE = 4, 12  # relocations of the poles: with even weights, then with weights that lower the largest misfit
 
@@ -84,26 +85,16 @@ def fit(
             f" frequencies, most at {worst:.4g} rad/s: these are no coefficients of passive bodies"
         )
     data = _Data.of(omega[sound], added_mass[sound], radiation_damping[sound], added_mass_inf, lengths, moved)
-    tried, best, stale = [], None, 0
-    for pairs in range(2, min(PAIRS, len(data.omega) // 2) + 1):
-        tried.append(data.unconstrained(pairs, tolerance))
-        if tried[-1].error > tolerance:
-            continue
-        memory = data.passive(tried[-1])
-        if memory is not None and memory.error <= tolerance:
+    while tolerance < LOST:
+        memory = data.simplest(tolerance)
+        if memory is not None and memory.error < LOST:
             return memory
-        better = memory is not None and (best is None or memory.error < 0.9 * best.error)
-        best, stale = (memory, 0) if better else (best, stale + 1)
-        if stale == PATIENCE:  # the data themselves are not passive
-            break
-    memory = best if best is not None else data.nearest(tried)
-    if not memory.error < LOST:
-        raise SimulationFailed(
-            f"radiation memory: no passive fit comes closer to the coefficients than {memory.error:.2g} of their size;"
-            " where water resonates in a gap between bodies they are too sharp: interaction = false leaves that out,"
-            ' and method = "frequency" needs no memory'
-        )
-    return memory
+        tolerance *= LOOSER
+    raise SimulationFailed(
+        "radiation memory: no passive fit comes closer to the coefficients than their own size; where water resonates"
+        " in a gap between bodies they are too sharp: interaction = false leaves that out, and"
+        ' method = "frequency" needs no memory'
+    )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -169,6 +160,25 @@ class _Data:
             whole_infinite=whole_infinite,
         )
 
+    def simplest(self, tolerance: float) -> RadiationMemory | None:
+        """The passive fit of least order within the tolerance, or the best where least squares alone are within it.
+
+        None where the poles' least squares are not, or cannot be made passive.
+        """
+        best, stale = None, 0
+        for pairs in range(2, min(PAIRS, len(self.omega) // 2) + 1):
+            candidate = self.unconstrained(pairs, tolerance)
+            if candidate.error > tolerance:
+                continue
+            memory = self.passive(candidate)
+            if memory is not None and memory.error <= tolerance:
+                return memory
+            better = memory is not None and (best is None or memory.error < 0.9 * best.error)
+            best, stale = (memory, 0) if better else (best, stale + 1)
+            if stale == PATIENCE:  # the data themselves are not passive
+                break
+        return best
+
     def unconstrained(self, pairs: int, tolerance: float) -> _Candidate:
         """Poles by vector fitting, and how well they do without regard to passivity.
 
@@ -208,14 +218,6 @@ class _Data:
             poles=poles, span=span, columns=columns, target=target, error=float(misfit.max()), even=even
         )
         return fitted, misfit
-
-    def nearest(self, tried: list[_Candidate]) -> RadiationMemory:
-        """The passive fit of the best candidate; of equally good ones the smallest, poles to spare condition badly."""
-        least = min(c.error for c in tried)
-        for candidate in sorted(tried, key=lambda c: (c.error > 1.5 * least, len(c.poles))):
-            if (memory := self.passive(candidate)) is not None:
-                return memory
-        raise SimulationFailed(f"radiation memory: no passive fit up to {len(tried[-1].poles)} pairs of poles")
 
     def passive(self, candidate: _Candidate) -> RadiationMemory | None:
         """The nearest residues and A∞ with Re Y >= 0 at all frequencies; None where poles condition too badly."""

@@ -105,6 +105,16 @@ def test_data_that_no_passive_body_has_are_refused(monkeypatch):
         fit(*hulme(), 1e-13)
 
 
+def test_to_ask_for_more_than_the_data_hold_gives_no_less():
+    """Of poles that follow the noise no residues are passive; then those of a looser fit are taken."""
+    memory, dice = known(), np.random.default_rng(0)
+    added_mass, damping = coefficients(memory, OMEGA)
+    noise = dice.normal(size=damping.shape)
+    noisy = damping + 0.015 * np.abs(damping).max() * (noise + np.swapaxes(noise, 1, 2))
+    errors = [fit(OMEGA, added_mass, noisy, memory.added_mass_inf, tolerance).error for tolerance in (1e-2, 1e-3)]
+    assert 1e-3 < errors[1] < 1.2 * errors[0]
+
+
 def test_a_motion_that_hardly_radiates_is_not_judged():
     """Mesh error of the second, by itself, would look as much against passivity as the first for it."""
     impedance = 1j * np.array([np.diag([1.0, -1e-9]), np.diag([0.5, 1e-9])])
