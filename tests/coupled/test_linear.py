@@ -126,7 +126,10 @@ def test_what_is_kept_of_another_damping_changes_no_bit():
 
 @pytest.mark.parametrize("name", ["duck", "soft_mooring", "flap", "oblique"])
 def test_mesh_effect_is_what_the_march_shows(name):
-    """Linear floats, with coefficients and with those off by their estimated error: statistics change by as much."""
+    """Linear floats, with coefficients and with those off by their estimated error: statistics change by as much.
+
+    Or by what two fits of the memory may differ in, where that is more.
+    """
     scene, h = SCENES[name]()
     linear = replace(
         scene, settings=replace(scene.settings, froude_krylov="linear", memory_tolerance=1e-3, duration=600.0)
@@ -137,5 +140,5 @@ def test_mesh_effect_is_what_the_march_shows(name):
         a, b = (v[key][1].reshape(-1, 5) for v in (usual, off))
         used = a[:, 4] > 1e-3 * a[:, 4].max(initial=1e-30)
         changes.append(np.abs(b[used, 4] / a[used, 4] - 1).max(initial=0))
-    _, told = coefficient_effects(prepare(linear, h), h)
-    assert 1 / 3 < max(changes) / told < 3
+    memory, told = coefficient_effects(prepare(linear, h), h)
+    assert told / 3 < max(changes) < max(3 * told, memory)
