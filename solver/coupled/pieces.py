@@ -65,6 +65,7 @@ CHANGES = 200  # of laws in one step, at most
 # Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
 # swings. Pieces bent by twice as much are halved; the next one is as long as half of it allows, by its third power.
 BEND = 0.02
+QUARTER = SWING / 4  # paces, at most: the scheme does not damp what swings much faster than it steps, nor sees it bend
 LONGER = 1.25  # or the piece's length stays, and with it all that is made for it
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
@@ -248,14 +249,14 @@ def _halve(problem: Problem, state: State, room: Workspace, length: float) -> No
 
 @inner_kernel
 def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> None:
-    """A longer next piece, twice as long at most, where an axis's acceleration is straight enough."""
+    """A longer next piece, twice as long and a quarter of the swing at most, where its acceleration is straight."""
     for n in range(problem.bent.size):
         i = problem.bent[n]
         if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
             bend = max(_bend(problem, state, room, i, length), BEND / 16)
             longest = length * np.cbrt(0.5 * BEND / bend)
             if longest > LONGER * length:
-                state.pace[i] = max(state.pace[i], longest)
+                state.pace[i] = max(state.pace[i], min(longest, QUARTER * problem.pace[i]))
 
 
 # ---- where a zone ends
