@@ -94,15 +94,6 @@ def test_a_mass_bounces_between_stops_with_their_restitution(zeta, dt):
         assert run.contact[:, LOAD].max() == approx(largest[zeta], rel=0.02)
 
 
-@pytest.mark.parametrize("dt", [0.4, 0.26, 0.2, 0.13])
-def test_what_rests_on_a_stop_goes_on_in_quarters_of_its_swing(dt):
-    """Or in whole steps, however the pieces of its touch divide them; the load is then the stop's alone."""
-    stops = EndStops(lower=-0.7, upper=0.5, stiffness=STIFF * M, damping=np.sqrt(STIFF) * M)
-    run = Run(mass(dt, 12.0, end_stops=stops, stiffness=M, preload=2 * M, offset=-2.0))
-    assert run.contact[:, HITS].sum() >= 1 and run.y[-1] == approx((2 + 0.5 * STIFF) / (1 + STIFF), abs=1e-6)
-    assert run.state.pace[0] >= min(dt, 4 * run.system.pace[0]) * (1 - 1e-9)
-
-
 def test_the_force_at_a_hit_does_not_wait_for_a_sample():
     """Half the period on the stop is 0.16 s; in the record too, whose samples are as far apart as half a step."""
     stops = EndStops(lower=-0.5, upper=2.0, stiffness=STIFF * M, damping=0.4 * np.sqrt(STIFF) * M)
