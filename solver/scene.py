@@ -6,7 +6,7 @@ Frame: x along the waves for heading 0, z upwards from still water, rotations ri
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from itertools import combinations
-from typing import Annotated, Any, Literal, get_type_hints
+from typing import Annotated, Any, Literal, get_args, get_type_hints
 
 import numpy as np
 
@@ -26,8 +26,10 @@ from solver.structure.load_history import LoadHistory, in_plane
 from solver.structure.tubular import may_be_utilised, resistance
 
 STEPS = 9  # in the shortest period that a scene has to follow
-OF_STEEL = ("reactions", "section_forces", "fibre_stress", "fatigue", "utilisation")
-OUTPUTS = (*OF_STEEL, "pto_force", "pto_stroke", "drift")
+OfSteel = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "utilisation"]
+OfFloats = Literal["pto_force", "pto_stroke", "drift"]
+Output = Literal[OfSteel, OfFloats]
+OF_STEEL, OF_FLOATS, OUTPUTS = map(get_args, (OfSteel, OfFloats, Output))
 MOST_SECTIONS = 200  # members whose section forces are put out
 MOST_CHECKED = 500  # elements whose utilisation is
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
@@ -402,19 +404,7 @@ class Settings:
         bool, "Whether each output's response per wave amplitude, coherence with the waves and spectrum are put out"
     ] = False
     outputs: Annotated[
-        tuple[
-            Literal[
-                "reactions",
-                "section_forces",
-                "fibre_stress",
-                "fatigue",
-                "utilisation",
-                "pto_force",
-                "pto_stroke",
-                "drift",
-            ],
-            ...,
-        ],
+        tuple[Output, ...],
         "What else is put out: of an elastic platform's steel, of power take-offs, and mean and slow drift of floats",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()

@@ -33,7 +33,7 @@ from pipeline.tasks.task import (
     surviving,
 )
 from solver.errors import InputError
-from solver.scene import OF_STEEL
+from solver.scene import OF_FLOATS, OF_STEEL
 
 # Far more than anybody has asked for, and already days of work or all of a machine's memory.
 MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
@@ -225,7 +225,7 @@ def _recording(study: StudyFile) -> Iterator[InputError]:
         yield InputError("record.ramp", record.ramp, f"must be <= record.discard = {record.discard:g} s")
     if (steel := [name for name in record.outputs if name in OF_STEEL]) and not study.platform:
         yield InputError("record.outputs", steel, "are of an elastic platform: needs a [platform] table")
-    for name in ("pto_force", "pto_stroke", "drift"):
+    for name in OF_FLOATS:
         if name in record.outputs and not study.floats:
             yield InputError("record.outputs", name, "is of floats: needs [[floats]]")
     longest, step = record.discard + record.duration, study.solver.time_step

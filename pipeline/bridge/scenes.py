@@ -190,9 +190,9 @@ def outline(shape: Hull) -> list[tuple[float, float]]:
 
 
 def plan(shape: Hull) -> tuple[np.ndarray, np.ndarray]:
-    """A hull at rest seen from above, from its reference point: its panels below still water (n, k, 2), and
+    """A hull at rest seen from above: panels below still water (n, k, 2), segments (ns, 2, 2) where it meets that.
 
-    the segments (ns, 2, 2) in which it meets still water [m].
+    From its reference point [m].
     """
     import numpy as np
 

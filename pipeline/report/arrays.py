@@ -111,12 +111,15 @@ def by_period(results: Results) -> Figure | None:
 
 def _at(results: Results, name: str, sea: str, **labels: Any) -> xr.DataArray:
     """A variable in a sea, at these labels and the first of all other axes."""
-    values = results.data[name]
-    if "platform" in values.dims:
-        values = values.dropna("platform", how="all").isel(platform=0)
+    values = _first_platform(results.data[name])
     wanted = {"sea_state": sea, **results.first, **labels}
     values = values.sel({dim: label for dim, label in wanted.items() if dim in values.dims})
     return values.isel(seed=0) if "seed" in values.dims else values
+
+
+def _first_platform(values: xr.DataArray) -> xr.DataArray:
+    """On the first platform that has numbers."""
+    return values.dropna("platform", how="all").isel(platform=0) if "platform" in values.dims else values
 
 
 def _periods(results: Results, sea: str) -> np.ndarray:
@@ -169,10 +172,8 @@ def q_by_period(results: Results, single: str, label: str) -> tuple[np.ndarray, 
     each = []
     for variant in (label, single):
         content = results.study.content
-        study, rao = (
-            at_labels(content, first_labels(content) | {VARIANT: variant}),
-            _at(results, "rao", sea, variant=variant),
-        )
+        study = at_labels(content, first_labels(content) | {VARIANT: variant})
+        rao = _at(results, "rao", sea, variant=variant)
         powers = [_linear(item, rao) for item in study.floats if item.name not in study.left_out]
         if any(p is None for p in powers):
             return None
@@ -235,8 +236,7 @@ def _turns(results: Results) -> bool:
 
 def _held(results: Results, values: xr.DataArray, *more: str) -> xr.DataArray:
     """At the first label of all axes but seas and headings, mean over realizations; more: axes that are held, too."""
-    if "platform" in values.dims:
-        values = values.dropna("platform", how="all").isel(platform=0)
+    values = _first_platform(values)
     first = {d: label for d, label in results.first.items() if d in values.dims and (d != HEADING or d in more)}
     values = values.sel(first)
     values = values.mean("seed") if "seed" in values.dims else values

@@ -64,11 +64,6 @@ class Current(Table):
 DEFAULT = physics.Settings()
 
 
-Output = Literal[
-    "reactions", "section_forces", "fibre_stress", "fatigue", "utilisation", "pto_force", "pto_stroke", "drift"
-]  # fmt: skip
-
-
 # An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
 @fields_of(physics.Fatigue)
 class Fatigue(Table):
@@ -96,7 +91,7 @@ class Recording(Table):
         "Time series that records keep; decimated: four samples in the shortest wave",
     ] = "none"
     outputs: Annotated[
-        tuple[Output, ...],
+        tuple[physics.Output, ...],
         AfterValidator(_once),
         "What else is put out: of an elastic platform's steel, of power take-offs, and mean and slow drift of floats",
     ] = ()
