@@ -11,6 +11,7 @@ from solver.balance import warnings
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
 from solver.coupled.natural import require_stable, system_modes, with_critical_damping, with_usual_step
+from solver.coupled.stages import copied
 from solver.coupled.system import BALANCE, blocks, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
@@ -98,11 +99,16 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))
     recorder, probe = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies), Probe(system)
     state = system.start()
+    before, done = copied(state), 0
     furthest = np.abs(np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z))
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
         furthest = np.maximum(furthest, np.abs(output.z).max(axis=0))
         probe.add(times, output, samples)
+        if probe.unaware(output):
+            probe = probe.again(done, before)
+            probe.add(times, output, samples)
+        before, done = copied(state), done + len(times) // 2
         if probe.fresh and (settings := better(scene.settings, probe.errors(hydrodynamics))) is not None:
             return settings
     stored = energy(system.bodies, system.structure, state)

@@ -63,7 +63,7 @@ HALVINGS = 50  # of the interval in which it leaves a zone
 NEVER = 2.0  # shares of a step
 CHANGES = 200  # of laws in one step, at most
 # Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
-# swings. Pieces above it are halved, those an eighth below are doubled, whose bend is then eight times as large.
+# swings. Pieces above it are halved, and grow as long as it stays below, with the cube of their length.
 BEND = 0.03
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
@@ -247,11 +247,12 @@ def _halve(problem: Problem, state: State, room: Workspace, length: float) -> No
 
 @inner_kernel
 def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> None:
-    """Twice the length for the next piece where an axis's acceleration is straight enough."""
+    """Twice the pace where an axis's acceleration is so straight that it will be in a piece of that length, too."""
     for n in range(problem.bent.size):
         i = problem.bent[n]
+        longer = 2 * state.pace[i] / length  # pieces may be shorter than their pace
         presses = abs(room.stage.zone[STOP_ZONE, i]) == PRESSED
-        if presses and length > 0.75 * state.pace[i] and _bend(problem, state, room, i, length) < BEND / 8:
+        if presses and _bend(problem, state, room, i, length) * longer**3 < BEND:
             state.pace[i] *= 2
 
 
@@ -432,16 +433,19 @@ def _fill_memory(beta: np.ndarray, h: float, memory: Memory) -> None:
     """Decay, weights and direct part for steps of h [s], see assembly.memory; by Gauss's rule."""
     memory.weight[:] = 0.0
     memory.direct[:] = 0.0
-    for s in range(2):
-        end = 0.5 * (s + 1)
-        for q in range(beta.size):
-            memory.decay[s, q] = np.exp(beta[q] * (h * end))
-            for g in range(POINTS.size):
-                tau = end * (POINTS[g] + 1) / 2
-                part = np.exp(beta[q] * (h * (end - tau))) * (WEIGHTS[g] * end / 2 * h)
+    for q in range(beta.size):
+        memory.decay[0, q] = np.exp(beta[q] * (h / 2))
+        memory.decay[1, q] = memory.decay[0, q] ** 2
+        for g in range(POINTS.size):
+            x = (POINTS[g] + 1) / 2
+            left = np.exp(beta[q] * (h / 2 * (1 - x)))  # of the half step; its square, of the whole one
+            for s in range(2):
+                tau, part = x * (0.5 * (s + 1)), WEIGHTS[g] * (0.25 * (s + 1)) * h * left
                 memory.weight[s, 0, q] += part * (2 * (tau - 0.5) * (tau - 1))
                 memory.weight[s, 1, q] += part * (-4 * tau * (tau - 1))
                 memory.weight[s, 2, q] += part * (2 * tau * (tau - 0.5))
+                left *= left
+        for s in range(2):
             for j in range(2):
                 for i in range(memory.residue.shape[1]):
                     for k in range(memory.residue.shape[2]):

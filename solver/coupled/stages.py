@@ -31,6 +31,11 @@ class State(NamedTuple):
     fastest: np.ndarray  # (nz,) rate of each so far [m/s or rad/s]
 
 
+def copied(state: State) -> State:
+    """Another of the same values."""
+    return State(*(part.copy() for part in state))
+
+
 class Start(NamedTuple):
     """Where a step begins; its motion is that of the last step's end, stage.motion[1]."""
 

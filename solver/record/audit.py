@@ -9,8 +9,8 @@ import numpy as np
 
 from solver.coupled import assembly, linear_drag
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
-from solver.coupled.stages import State
-from solver.coupled.step import Output
+from solver.coupled.stages import State, copied
+from solver.coupled.step import HITS, Output
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.radiation.memory import RadiationMemory
@@ -40,26 +40,43 @@ def probed(scene: Scene, steps: int) -> Scene:
 
 
 class Probe:
-    """Keeps what the first PROBE steps of a run are judged by: their samples, and some states."""
+    """Keeps what PROBE usual steps of a run are judged by: their samples, and some states.
 
-    def __init__(self, system: System):
+    They are the run's first ones; and where a float meets a stop only later, as many again from then on.
+    """
+
+    def __init__(self, system: System, first: int = 0, state: State | None = None, seconds: float = 0.0):
+        """From step `first` on, before which the run was in that state; seconds: that judging has taken so far."""
         s = system.scene.settings
-        seconds = min(PROBE * system.scene.usual_step, s.discard + s.duration)
-        self.system, self.steps = system, max(1, int(seconds / system.dt))
+        left = s.discard + s.duration - first * system.dt
+        self.system, self.first, self.state = system, first, state
+        self.steps = max(1, int(min(PROBE * system.scene.usual_step, left) / system.dt))
         short = probed(system.scene, self.steps)
         self.recorder = Recorder(short, system.support, layout=system.layout, bodies=system.bodies)
         self.states: list[tuple[np.ndarray, np.ndarray]] = []
         self.full = False
-        self.seconds = 0.0  # that judging took
+        self.seconds = seconds
         self._errors: dict[str, float] = {}
+        self._before: dict[str, float] = {}
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block."""
+        times = times - self.first * self.system.dt
         self.recorder.add(times, output, samples)
         pressure, every = self.system.drive(samples).field, max(1, 2 * self.steps // STATES)
         taken = range(0, int(np.sum(times < self.steps * self.system.dt)), every)
         self.states += [(output.z[i].copy(), pressure[i].copy()) for i in taken]
         self.full = bool(times[-1] >= self.steps * self.system.dt * (1 - 1e-9))
+
+    def unaware(self, output: Output) -> bool:
+        """Whether the floats meet a stop in a block, and met none in what is judged."""
+        return self.full and not self.recorder.contact[:, HITS].any() and bool(output.contact[..., HITS].any())
+
+    def again(self, first: int, state: State) -> "Probe":
+        """Another from there on, whose errors are the larger of both."""
+        later = Probe(self.system, first, state, self.seconds)
+        later._before = self._errors
+        return later
 
     @property
     def fresh(self) -> bool:
@@ -70,16 +87,19 @@ class Probe:
         """Relative errors of any mean, rms or std by their causes, and `estimated_error`."""
         if not self._errors:
             clock = time.perf_counter()
-            memory_effect, mesh_effect = coefficient_effects(self.system, hydrodynamics)
-            parts = {
-                "discretization_error": step_error(self),
-                "quadrature_error": quadrature_error(self.system, self),
-                "memory_effect": memory_effect,
-                "mesh_effect": mesh_effect,
-                "shapes_effect": shapes_effect(self.system, hydrodynamics),
-            }
+            parts = {"discretization_error": step_error(self), "quadrature_error": quadrature_error(self.system, self)}
+            if self._before:
+                parts = {name: max(error, parts.get(name, 0.0)) for name, error in self._before.items()}
+                del parts["estimated_error"]
+            else:
+                memory_effect, mesh_effect = coefficient_effects(self.system, hydrodynamics)
+                parts |= {
+                    "memory_effect": memory_effect,
+                    "mesh_effect": mesh_effect,
+                    "shapes_effect": shapes_effect(self.system, hydrodynamics),
+                }
             self._errors = {**parts, "estimated_error": together(parts.values())}
-            self.seconds = time.perf_counter() - clock
+            self.seconds += time.perf_counter() - clock
         return self._errors
 
 
@@ -140,15 +160,17 @@ def constraint_drift(system: System, state: State) -> float:
 
 
 def step_error(probe: Probe) -> float:
-    """Of every mean, rms and std of the record, from its start and a run of that with half the step.
+    """Of every mean, rms and std of the record, from what is judged of it and a run of that with half the step.
 
     The scheme is of fourth order, so that run differs by 15/16 of the error.
     """
     system = probe.system
     half = system.with_step(system.dt / 2)
     finer = Recorder(probe.recorder.scene, system.support, layout=system.layout, bodies=system.bodies)
-    for samples, output, times in blocks(half, half.start(), 2 * probe.steps):
-        finer.add(times[1::2], Output(*(x[1::2] for x in output)), samples[1::2])
+    state, done = half.start() if probe.state is None else copied(probe.state), 2 * probe.first
+    for samples, output, times in blocks(half, state, done + 2 * probe.steps, done):
+        since = times - probe.first * system.dt
+        finer.add(since[1::2], Output(*(x[1::2] for x in output)), samples[1::2])
     return statistics_error(system, probe.recorder, finer) * 16 / 15
 
 
