@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from pytest import approx
 
@@ -12,7 +13,9 @@ from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
 from solver.record.audit import together
 from solver.run import simulate
-from solver.scene import PANELS, panels_for, two_digits
+from solver.scene import PANELS, EndStops, panels_for, two_digits
+from solver.sea.realization import Realization
+from solver.statistics import FAINT
 from tests.awkward import SCENES, known
 from tests.awkward import scene as awkward_scene
 
@@ -69,6 +72,32 @@ def test_what_cannot_be_met_is_said(buan, coefficients):
 def test_memory_that_does_not_fit_is_said(buan, coefficients):
     attrs = simulate(buan.scene("fixed", memory_tolerance=1e-5, duration=20.0, discard=0.0), coefficients).attrs
     assert attrs["unmet"].startswith("memory_tolerance = 1e-05: the radiation memory's fit ended at ")
+
+
+def test_a_run_that_meets_a_stop_late_is_judged_from_there():
+    """Waves that grow from nothing: what a run's first 600 usual steps say knows no stop, whose hits shake the legs."""
+    scene, known_to = SCENES["unequal_legs"]()
+    waves = Realization(
+        omega=1.1 + np.array([0.0, 2 * np.pi / 900]), amplitude=np.array([0.3, -0.3], complex), heading=np.pi / 6
+    )
+
+    def record(step, reach):
+        stops = EndStops(lower=-reach, upper=reach, stiffness=2e6, damping=2e4)
+        settings = replace(scene.settings, duration=350.0, discard=0.0, time_step=step)
+        floats = (replace(scene.floats[0], end_stops=stops),)
+        return simulate(replace(scene, sea=waves, floats=floats, settings=settings), known_to)
+
+    calm, late = record(None, 0.6), record(None, 0.17)
+    fine = record(late.attrs["time_step"] / 3, 0.17)
+    assert calm.variables["end_stop_hits"][1][0] == 0
+    assert late.variables["end_stop_hits"][1][0] > 10
+    assert late.attrs["time_step"] < calm.attrs["time_step"] / 2
+    assert late.attrs["discretization_error"] < DEFAULT
+    for name in ("hinge_force", "top_displacement", "rotation"):
+        std, exact = (r.variables[name][1][..., 4] for r in (late, fine))
+        assert std == approx(exact, rel=3 * late.attrs["discretization_error"], abs=FAINT * np.max(exact))
+    loads = [r.variables["end_stop_load"][1] for r in (late, fine)]
+    assert loads[0] == approx(loads[1], rel=0.01)
 
 
 def test_settings_are_refined_by_their_own_share_alone(buan):
