@@ -114,9 +114,10 @@ def _table(study: Study, path: Path) -> str:
     from pipeline.results import dataset
 
     with dataset.opened(path) as data, out.capture() as drawn:
-        if study.published:
-            report.print_tables(data, report.published(study.published), out)
-        else:
+        rows = report.published(study.published) if study.published else []
+        if rows:
+            report.print_tables(data, rows, out)
+        if not report.speaks(data, rows):
             report.print_summary(data, out)
     return drawn.get()
 

@@ -60,8 +60,8 @@ def html(results: Results) -> str:
         facts=facts(results),
         troubles={"Not done": troubles(results), "Asked and not met": unmet(results)},
         tables=published_tables(results),
-        verdicts=report.verdicts(results.data, list(results.published)),
-        summary=[] if results.published else list(report.summary_rows(results.data)),
+        verdicts=report.verdicts(results.data, results.published),
+        summary=[] if report.speaks(results.data, results.published) else list(report.summary_rows(results.data)),
         figures=list(drawn(results)),
         periods=list(natural_periods(results)),
     )
@@ -127,8 +127,7 @@ def _named(results: Results, name: str, *usual: str) -> list[str]:
 def published_tables(results: Results) -> list[dict[str, Any]]:
     """The published tables: rows of text, and the sentences about numbers that are far off."""
     made = []
-    for title in dict.fromkeys(row.table for row in results.published):
-        mine = [(row, report.ours(results.data, row)) for row in results.published if row.table == title]
+    for title, mine in report.tables(results.data, results.published).items():
         rows = [(r.label, r.statistic, r.text, *report.cells(r, n), r.unit) for r, n in mine]
         made.append({"title": title, "rows": rows, "sentences": list(report.sentences(mine))})
     return made

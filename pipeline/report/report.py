@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -134,10 +134,22 @@ def _nan(values: Any) -> Any:
     return np.isnan(values)
 
 
-def print_tables(data: xr.Dataset, rows: list[Published], console: Console) -> None:
+def tables(data: xr.Dataset, rows: Sequence[Published]) -> dict[str, list[tuple[Published, Ours | None]]]:
+    """Published and ours by the table's title, where there is anything of ours."""
+    beside: dict[str, list[tuple[Published, Ours | None]]] = {}
+    for row in rows:
+        beside.setdefault(row.table, []).append((row, ours(data, row)))
+    return {title: mine for title, mine in beside.items() if any(number for _, number in mine)}
+
+
+def speaks(data: xr.Dataset, rows: Sequence[Published]) -> bool:
+    """Whether the published tables say all that there is; a study that is made from another is of other seas."""
+    return bool(rows) and len(tables(data, rows)) == len({row.table for row in rows})
+
+
+def print_tables(data: xr.Dataset, rows: Sequence[Published], console: Console) -> None:
     """Print every table, and a sentence for each number that is far off."""
-    for title in dict.fromkeys(row.table for row in rows):
-        mine = [(row, ours(data, row)) for row in rows if row.table == title]
+    for title, mine in tables(data, rows).items():
         table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
         for name in ("", "", "theirs", "ours", "[least, largest]", "ratio", "verdict", "unit"):
             table.add_column(name, justify="left" if name in ("", "verdict", "unit") else "right", no_wrap=True)
@@ -151,7 +163,7 @@ def print_tables(data: xr.Dataset, rows: list[Published], console: Console) -> N
         console.print(words, soft_wrap=True, highlight=False, markup=False)
 
 
-def verdicts(data: xr.Dataset, rows: list[Published]) -> str:
+def verdicts(data: xr.Dataset, rows: Sequence[Published]) -> str:
     """How many numbers are inside, and how often they would be if they came from the same process."""
     judged = [(row, number) for row in rows if (number := ours(data, row)) is not None and number.verdict(row)]
     if not judged:
@@ -187,7 +199,7 @@ def sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
 
 
 def print_summary(data: xr.Dataset, console: Console) -> None:
-    """For a study without published numbers: mean and range of every variable that has statistics."""
+    """Where published numbers do not say it: mean and range of every variable that has statistics."""
     table = Table(box=None, pad_edge=False)
     for name in ("variable", "statistic", "mean", "least", "largest", "unit"):
         table.add_column(name, justify="left" if name in ("variable", "statistic", "unit") else "right")

@@ -75,6 +75,16 @@ def test_a_number_far_off_gets_its_sentence(data, tmp_path):
     assert "0.25 *" in text
 
 
+def test_tables_without_a_number_of_ours_are_left_out(data, tmp_path):
+    """A study made from another has its published numbers, and other seas."""
+    known = row(tmp_path / "a.csv", "Known,power,absorbed_power,float=front,,2.1,kW,")
+    other = row(tmp_path / "b.csv", "Other sea,power,absorbed_power,sea_state=rough,,2.1,kW,")
+    console = Console(record=True, width=120)
+    report.print_tables(data, [known, other], console)
+    assert "Known" in (text := console.export_text()) and "Other sea" not in text
+    assert [report.speaks(data, rows) for rows in ([], [known], [known, other])] == [False, True, False]
+
+
 def test_bad_rows_are_named(tmp_path):
     with pytest.raises(StudyError, match="row 1 = 'power': could not convert"):
         row(tmp_path / "p.csv", "T,power,absorbed_power,,,many,kW,")
