@@ -15,11 +15,14 @@ from solver.coupled.energy import WORKS, open_by
 from solver.coupled.march import WATCH
 from solver.coupled.system import BLOCK_STEPS, blocks, prepare
 from solver.errors import InputError, SimulationFailed, StepTooLong
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.multibody.minimal import move, new_motion
 from solver.run import simulate
-from solver.scene import Float
+from solver.scene import DOFS, Float
 from solver.sea.field import WaveField
-from solver.sea.realization import CALM
+from solver.sea.realization import CALM, Realization
+from tests.awkward import RHO, known
+from tests.awkward import scene as awkward_scene
 from tests.interpreted import motions
 
 HEAVY_DAMPING = 1e8  # a thousand times the optimum: the joints are locked [N m s/rad]
@@ -156,8 +159,40 @@ def test_a_float_that_reaches_through_too_many_waves_is_refused(buan, coefficien
     """A 40 m arm swings ±31 m through waves of 5.3 m: the series about its rest would be rounding."""
     front, rear = buan.floats()
     floats = (replace(front, arm=(-40.0, 0, -2.6)), rear)
-    with pytest.raises(InputError, match=r"sea = waves down to 5\.\d+ m: too short for a series 32\.\d m around"):
-        prepare(buan.scene("fixed", floats=floats), replace(coefficients, centres=np.array([f.centre for f in floats])))
+    known = replace(coefficients, centres=np.array([f.centre for f in floats]))
+    feels = r"around a float that feels them by [2-9]\d% of the largest wave force per amplitude, > 10%: end the band"
+    with pytest.raises(InputError, match=rf"sea = waves down to 5\.\d+ m: too short for a series 32\.\d m {feels}"):
+        prepare(buan.scene("fixed", floats=floats), known)
+    # Linear pressure is that at rest, wherever the float is.
+    assert prepare(buan.scene("fixed", floats=floats, froude_krylov="linear"), known).terms < 3
+
+
+def test_waves_that_a_hull_hardly_feels_may_be_too_short_for_a_series():
+    """Of 2 m at a sphere of 10 m: their pressure is linear, that of the others is integrated as if they were alone."""
+    ball = Revolution.sphere(radius=10.0, draft=10.0)
+    item = Float(
+        name="ball", hull=ball, mass=RHO * ball.volume, inertia=(9e7,) * 3, hinge=(0, 0, 0), motion=("heave",),
+        cog=(0, 0, -2.0),
+    )  # fmt: skip
+    waves = Realization(omega=np.array([0.9, 5.5]), amplitude=np.array([0.4, 0.1 + 0.1j]))
+    both = awkward_scene([item], waves=waves)
+    h = known(both, 0.3, 6.0, 30)
+    alone = replace(both, sea=replace(waves, amplitude=waves.amplitude * [1, 0]))
+    short, long = prepare(both, h), prepare(alone, h)
+    assert short.near is not short.waves and long.near is long.waves
+    at = short.layout.excitation
+    assert np.all(short.rows[short.layout.field] == long.rows[long.layout.field])
+    assert np.all(short.rows[at][:, 0] == long.rows[long.layout.excitation][:, 0])
+    total = (h.excitation(waves.omega[1:]) * waves.amplitude[1])[0]
+    moved = [DOFS.index(d) for d in h.dofs]
+    assert short.rows[at][moved, 1] == approx(total)
+    record, other, linear = (
+        simulate(replace(s, settings=replace(s.settings, duration=60.0, discard=20.0, froude_krylov=kind)), h)
+        for s, kind in ((both, "body-nonlinear"), (alone, "body-nonlinear"), (both, "linear"))
+    )
+    assert "of 2.04 m and less, which floats hardly feel: it is linear (0.11 of the" in record.attrs["skipped"]
+    heave = [r.variables["motion"][1][0, 0, 4] for r in (record, other, linear)]
+    assert heave[0] == approx(heave[1], rel=0.01) and heave[0] == approx(heave[2], rel=0.02)
 
 
 def test_a_sliding_float_may_follow_the_waves(buan, coefficients):

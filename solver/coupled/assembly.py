@@ -257,31 +257,44 @@ def memory(fit: RadiationMemory | None, dt: float, directions: int) -> Memory:
 
 
 def wave_rows(
-    scene: Scene, field: WaveField, support: Support | None, hydrodynamics: Hydrodynamics | None, terms: int
+    scene: Scene,
+    field: WaveField,
+    near: WaveField,
+    support: Support | None,
+    hydrodynamics: Hydrodynamics | None,
+    terms: int,
 ) -> tuple[np.ndarray, Layout]:
-    """All rows (m, n) that the wave drives and where each quantity is."""
+    """All rows (m, n) that the wave drives and where each quantity is; near: of the waves around the floats.
+
+    The pressure of waves that are not among those is linear.
+    """
     every, kind = (True,) * len(scene.floats), scene.settings.froude_krylov
-    wanted = (("diffraction", every),) * scene.settings.diffraction
-    wanted += (("froude_krylov", every if kind == "linear" else scene.standing),) * (kind != "none")
+    wanted = (("diffraction", every, False),) * scene.settings.diffraction
+    wanted += (("froude_krylov", every if kind == "linear" else scene.standing, False),) * (kind != "none")
+    wanted += (("froude_krylov", scene.nonlinear, True),) * (near is not field)
     # Still water has a frequency for form's sake, which the coefficients need not cover.
     known = hydrodynamics if scene.sea.amplitude.any() else None
-    return _rows(field, tuple(tuple(f.centre.tolist()) for f in scene.floats), support, known, terms, wanted)
+    return _rows(field, near, tuple(tuple(f.centre.tolist()) for f in scene.floats), support, known, terms, wanted)
+
+
+Wanted = tuple[tuple[str, tuple[bool, ...], bool], ...]  # kind of force, floats, whether only of waves not near
 
 
 @lru_cache(maxsize=KNOWN)
 def _rows(
     field: WaveField,
+    near: WaveField,
     centres: tuple[tuple[float, float, float], ...],
     support: Support | None,
     hydrodynamics: Hydrodynamics | None,
     terms: int,
-    wanted: tuple[tuple[str, tuple[bool, ...]], ...],
+    wanted: Wanted,
 ) -> tuple[np.ndarray, Layout]:
     """Tasks that differ in their joints alone share them."""
     n, nb = field.sea.omega.size, len(centres)
     parts = [
-        np.array([field.local_pressure(np.array(c), terms) for c in centres]).reshape(-1, n),
-        _excitation(field, nb, hydrodynamics, wanted).reshape(-1, n) if nb else np.zeros((0, n)),
+        np.array([near.local_pressure(np.array(c), terms) for c in centres]).reshape(-1, n),
+        _excitation(field, near, nb, hydrodynamics, wanted).reshape(-1, n) if nb else np.zeros((0, n)),
         support.wave_rows if support else np.zeros((0, n)),
         support.station_rows.transpose(1, 0, 2).reshape(-1, n) if support else np.zeros((0, n)),
         field.elevation(np.zeros((1, 3))),
@@ -293,17 +306,18 @@ def _rows(
 
 
 def _excitation(
-    field: WaveField, nb: int, hydrodynamics: Hydrodynamics | None, wanted: Iterable[tuple[str, tuple[bool, ...]]]
+    field: WaveField, near: WaveField, nb: int, hydrodynamics: Hydrodynamics | None, wanted: Wanted
 ) -> np.ndarray:
-    """Rows (nb, 6, n) of the kinds of force that are wanted, each on some of the floats."""
+    """Rows (nb, 6, n) of the kinds of force that are wanted."""
     sea, n = field.sea, field.sea.omega.size
     rows = np.zeros((nb, 6, n), complex)
     if hydrodynamics is None:
         return rows
     nr, force = len(hydrodynamics.dofs), np.zeros((n, nb * len(hydrodynamics.dofs)), complex)
-    for kind, floats in wanted:
+    for kind, floats, rest in wanted:
         if any(floats):
-            force += hydrodynamics.excitation(sea.omega, kind) * np.repeat(floats, nr)
+            part = hydrodynamics.excitation(sea.omega, kind) * np.repeat(floats, nr)
+            force += part * (near.sea.amplitude == 0)[:, None] if rest else part
     index = [DOFS.index(d) for d in hydrodynamics.dofs]
     rows[:, index] = (force * sea.amplitude[:, None]).T.reshape(nb, nr, -1)
     return rows

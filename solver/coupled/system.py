@@ -50,6 +50,7 @@ from solver.sea.field import Factored, WaveField, WaveSeries, factored, wave_fie
 from solver.sea.realization import ramp
 from solver.structure.load_history import LoadHistory
 
+FELT = 0.1  # of a float's largest force per wave amplitude: by no more do waves push whose pressure may be linear
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
 ROUNDING = 1e-12  # of the weights' energy and work: 2e-16 a step, in some 1e6 steps of either sign
@@ -71,6 +72,7 @@ class System:
     rows: np.ndarray
     layout: assembly.Layout
     waves: WaveField
+    near: WaveField  # of the waves whose pressure is integrated where the floats are; that of others is linear
     dt: float
 
     @cached_property
@@ -296,10 +298,13 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     if hydrodynamics is not None and settings.radiation:
         added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
     height = scene.sea.parameters()["Hm0"]
-    reach = max((_reach(scene, b, height) for b, stands in enumerate(scene.standing) if not stands), default=0.0)
-    terms = waves.terms_for(reach, settings.field_tolerance)
-    body = assembly.bodies(scene, waves, support, hydrodynamics, added_mass, terms)
-    rows, layout = assembly.wave_rows(scene, waves, support, hydrodynamics, terms)
+    reach = max((_reach(scene, b, height) for b, nonlinear in enumerate(scene.nonlinear) if nonlinear), default=0.0)
+    near = waves.near(reach, settings.field_tolerance)
+    if near is not waves:
+        _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
+    terms = near.terms_for(reach, settings.field_tolerance)
+    body = assembly.bodies(scene, near, support, hydrodynamics, added_mass, terms)
+    rows, layout = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms)
     return System(
         scene=scene,
         bodies=body,
@@ -310,8 +315,27 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         rows=rows,
         layout=layout,
         waves=waves,
+        near=near,
         dt=dt,
     )
+
+
+def _require_hardly_felt(
+    scene: Scene, h: Hydrodynamics | None, waves: WaveField, near: WaveField, reach: float
+) -> None:
+    """Refuse waves that no series around the floats carries, unless they push them little: see FELT."""
+    felt = 1.0
+    if h is not None:
+        nb, lengths = len(scene.floats), motion_lengths(tuple(f.hull for f in scene.floats), h.dofs)
+        short = waves.sea.omega[near.sea.amplitude != waves.sea.amplitude]
+        pushed, most = (
+            (np.abs(h.excitation(omega)) / lengths).reshape(omega.size, nb, -1).max(axis=(0, 2))
+            for omega in (short, h.omega)
+        )
+        felt = float(np.max((pushed / most)[np.array(scene.nonlinear)]))
+    if not felt <= FELT:
+        said = f"too short for a series {reach:.3g} m around a float that feels them by {felt:.0%} of the largest wave"
+        raise InputError("sea", waves.shortest, f"{said} force per amplitude, > {FELT:.0%}: end the band lower")
 
 
 def _check_same(scene: Scene, h: Hydrodynamics) -> None:

@@ -197,7 +197,7 @@ def quadrature_error(system: System, probe: Probe) -> float:
     s = system.scene.settings
     finer = {name: 2 * getattr(s, name) for name in ("azimuths", "arc_points", "line_points")}
     scene = replace(system.scene, settings=replace(s, panel_size=s.panel_size / 2, **finer))
-    fine = system.bodies._replace(**assembly.rules(scene, system.waves))
+    fine = system.bodies._replace(**assembly.rules(scene, system.near))
     usual, exact = (_joint_loads(body, probe.states) for body in (system.bodies, fine))
     joints = slice(system.structure.carrier.shape[0], None)
     # About the exact mean: weight bears the rest of it, and what varies is what moves the floats.
@@ -334,6 +334,13 @@ def skipped(system: System) -> list[str]:
         notes.append("pressure quadrature: linear hydrostatics and Froude-Krylov (exact for a linear scene)")
     if scene.floats and system.bodies.nonlinear.any():
         notes.append(f"terms of the local wave field beyond {s.field_tolerance:g} of the sum of amplitudes")
+    if system.near is not system.waves:
+        rest = system.near.sea.amplitude != system.waves.sea.amplitude
+        power, longest = np.abs(system.waves.sea.amplitude) ** 2, 2 * np.pi / system.waves.k[rest].min()
+        notes.append(
+            f"body-nonlinear pressure of waves of {longest:.3g} m and less, which floats hardly feel: it is linear"
+            f" ({power[rest].sum() / power.sum():.2g} of the waves' energy)"
+        )
     for switch in ("diffraction", "radiation", "interaction"):
         if scene.floats and not getattr(s, switch):
             notes.append(f"{switch}: switched off")

@@ -6,7 +6,7 @@ row W each. Rows are stacked and evaluated together, block by block, as one real
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import factorial
 from typing import NamedTuple
@@ -92,10 +92,19 @@ class WaveField:
         return np.stack([direct + image, -1j * (direct - image)])
 
     @property
+    def shortest(self) -> str:
+        """The shortest wave, for messages."""
+        return f"waves down to {2 * np.pi / self.k.max():.3g} m"
+
+    @property
     def mean_length(self) -> float:
         """1/k of the mean wave [m], the elevation's root mean square over the slope's; inf in still water."""
         power = np.abs(self.sea.amplitude) ** 2
         return float(np.sqrt(power.sum() / (power @ self.k**2))) if power.any() else np.inf
+
+    def near(self, radius: float, tolerance: float) -> "WaveField":
+        """Of the waves that a series within `radius` [m] carries: all of them, or those of kr <= ln(LOST/ROUNDING)."""
+        return _near(self, radius, tolerance) if self.sea.amplitude.any() else self
 
     def terms_for(self, radius: float, tolerance: float) -> int:
         """Terms so that the tail Σ|aᵢ|(kᵢr)ⁿ/n! within `radius` [m] is below tolerance·Σ|aᵢ|."""
@@ -133,15 +142,30 @@ def wave_field(sea: Realization, depth: float, gravity: float, current: Current 
 
 
 @lru_cache(maxsize=FIELDS)
+def _near(field: WaveField, radius: float, tolerance: float) -> WaveField:
+    if _carried(field, radius, tolerance) is not None:
+        return field
+    long = field.k * radius <= np.log(LOST / ROUNDING)
+    return replace(field, sea=replace(field.sea, amplitude=np.where(long, field.sea.amplitude, 0.0)))
+
+
 def _terms(field: WaveField, radius: float, tolerance: float) -> int:
+    terms = _carried(field, radius, tolerance)
+    if terms is None:
+        raise InputError("sea", field.shortest, f"too short for a series {radius:.3g} m around a float")
+    return terms
+
+
+@lru_cache(maxsize=FIELDS)
+def _carried(field: WaveField, radius: float, tolerance: float) -> int | None:
+    """Terms of the series; None where no number of them is enough."""
     # Terms grow to e^kr before they fall: what is rounded off them must stay small.
     amplitude, growth = np.abs(field.sea.amplitude), np.exp(np.minimum(field.k * radius, 700.0))
     if ROUNDING * (amplitude @ growth) < LOST * amplitude.sum():
         for n in range(2, MOST_TERMS):
             if field.tail(n, radius) < tolerance:
                 return n
-    shortest = f"waves down to {2 * np.pi / field.k.max():.3g} m"
-    raise InputError("sea", shortest, f"too short for a series {radius:.3g} m around a float: end the band lower")
+    return None
 
 
 class Factored(NamedTuple):
