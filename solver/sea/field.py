@@ -152,7 +152,9 @@ def _near(field: WaveField, radius: float, tolerance: float) -> WaveField:
 def _terms(field: WaveField, radius: float, tolerance: float) -> int:
     terms = _carried(field, radius, tolerance)
     if terms is None:
-        raise InputError("sea", field.shortest, f"too short for a series {radius:.3g} m around a float")
+        raise InputError(
+            "sea", field.shortest, f"too short for a series {radius:.3g} m around a float: end the band lower"
+        )
     return terms
 
 
