@@ -52,7 +52,7 @@ def fit(
     lengths: np.ndarray | None = None,
     moved: np.ndarray | None = None,
 ) -> RadiationMemory:
-    """The passive memory of least order whose misfit of B - iωA is at most `tolerance`, or nearly the best where none is.
+    """The passive memory of least order whose misfit of B - iωA is at most `tolerance`, else one of nearly the best.
 
     omega: (nw,) > 0 [rad/s]; added_mass, radiation_damping: (nw, n, n); added_mass_inf: (n, n).
     Misfits of entry ij are relative to sqrt(y_i y_j), y_i the largest |B_ii - iω(A_ii - A∞_ii)|, and
