@@ -56,8 +56,8 @@ def fit(
 
     omega: (nw,) > 0 [rad/s]; added_mass, radiation_damping: (nw, n, n); added_mass_inf: (n, n).
     Misfits of entry ij are relative to sqrt(y_i y_j), y_i the largest |B_ii - iω(A_ii - A∞_ii)|, and
-    beyond the frequency ω_p where the diagonal peaks they count less, 1/(1 + (ω/ω_p)⁶): velocities fall off
-    about so fast, seas with ω^-2.5, the wave's force on a hull with ω^-2, and mass with ω^-1; and waves
+    beyond the frequency ω_p where the diagonal over `lengths`² peaks they count less, 1/(1 + (ω/ω_p)⁶): velocities
+    fall off about so fast, seas with ω^-2.5, the wave's force on a hull with ω^-2, and mass with ω^-1; and waves
     reflected between bodies ripple there faster than the BEM's frequencies show. A∞ is fitted along:
     the BEM's has an error too.
     Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
@@ -146,7 +146,7 @@ class _Data:
         upper, root = np.triu_indices(len(own)), lengths * np.sqrt(largest)
         i = np.concatenate([own[upper[0]], np.repeat(other, len(own))])
         j = np.concatenate([own[upper[1]], np.tile(own, len(other))])
-        peak = omega[np.argmax(diagonal[:, moved].sum(axis=1))]
+        peak = omega[np.argmax((diagonal / lengths**2)[:, own].sum(axis=1))]
         whole_infinite, scale = (infinite + infinite.T) / 2, root[i] * root[j]
         total = transfer + 1j * omega[:, None, None] * infinite
         return cls(
