@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 # What a joint's loads are where nothing is said: coefficients do not depend on them.
 UNLOADED = {name: value for name, value in STARTS.items() if "." not in name}
-MANY = 24  # motions, from which on the memory's fit takes longer than the boundary elements, and far more memory
+MANY = 24  # motions that there are, beyond which the memory's fit takes longer than the boundary elements
 BEM_VERSION = 4  # of coefficients, and of the form of their file: raise it when either changes
 
 
@@ -100,7 +100,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     panels = panels_for(parameters.solver.tolerance)
     all_motions, memory = len(PLANAR if planar else DOFS), parameters.solver.method == "time"
     # One file serves both methods, but for large arrays: the frequency domain has no use for a memory.
-    memory = memory or len(floats) * all_motions <= MANY
+    memory = memory or sum(map(len, ways)) <= MANY
     some = memory and any(len(each) < all_motions for each in ways)
     return Geometry(
         **place,

@@ -10,7 +10,7 @@ from solver.kernels import inner_kernel, lean_kernel
 class Memory(NamedTuple):
     """Radiation memory for one step length: see solver.hydrodynamics.radiation.memory."""
 
-    residue: np.ndarray  # (p, na, na) complex
+    residue: np.ndarray  # (p, na, na) complex, symmetric
     decay: np.ndarray  # (2, p) complex exp(β c dt)
     weight: np.ndarray  # (2, 3, p) complex, stage s from velocities at 0, ½, 1
     direct: np.ndarray  # (2, 2, na, na) load at stage s from velocity at stage j
@@ -36,8 +36,10 @@ def memory_history(memory: Memory, past: np.ndarray, velocity: np.ndarray, histo
         for s in range(2):
             for k in range(velocity.size):
                 r = memory.decay[s, q] * past[q, k] + memory.weight[s, 0, q] * velocity[k]
+                if r == 0.0:  # a motion that there is not
+                    continue
                 for i in range(velocity.size):
-                    history[s, i] += (memory.residue[q, i, k] * r).real
+                    history[s, i] += (memory.residue[q, k, i] * r).real
 
 
 @lean_kernel

@@ -4,7 +4,7 @@ Harmonics are Re{X exp(-iωt)}; the incident wave of unit amplitude is
 η = Re exp(i(k(x cosβ + y sinβ) - ωt)), phase zero at x = y = 0.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from types import MappingProxyType
@@ -22,8 +22,13 @@ from solver.sea.dispersion import wavenumber
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")
 EACH_ALONE = "each alone"  # what the settings say of bodies that do not interact
-SPLINES = 16  # sets of coefficients whose curves a process keeps
+ROUGH = 3  # order of the differences by which a curve is rough
+RESOLVED = 1e-8  # of the largest singular value: poles too broad to be told from a smooth rest are left to that
+CURVES = 16  # sets of coefficients whose curves a process keeps
 SEAS = 32  # seas and coefficients at whose frequencies it keeps them
+
+
+Curve = Callable[[np.ndarray], np.ndarray]  # of frequencies (nw',) [rad/s], values (nw', ...)
 
 
 class MeshError(NamedTuple):
@@ -91,26 +96,26 @@ class Hydrodynamics:
     def excitation(self, omega: np.ndarray, kind: str = "total") -> np.ndarray:
         """Force per wave amplitude (nw', n) [N/m] at any ω in the solved range.
 
-        kind: "total", "diffraction" or "froude_krylov". Cubic splines of X exp(-ik·x_b): without the
-        phase of the wave's arrival at the body the curves are smooth.
+        kind: "total", "diffraction" or "froude_krylov". Curves of X exp(-ik·x_b): without the phase of the wave's
+        arrival at the body they are smooth, but for the water's resonances.
         """
         return _excitation(self, Bits(np.atleast_1d(np.asarray(omega, float))), kind)
 
     def impedance(self, omega: np.ndarray) -> np.ndarray:
-        """B - iωA (nw', n, n) at any ω in the solved range, by cubic splines."""
+        """B - iωA (nw', n, n) at any ω in the solved range."""
         return _impedance(self, Bits(omega))
 
     def waves(self, omega: np.ndarray, amplitude: np.ndarray, velocity: np.ndarray) -> Waves:
         """Far off, with incident waves of amplitude (nw',) at x = y = 0 and velocities (nw', n) of the motions.
 
-        By cubic splines of H about the bodies' middle, at any ω in the solved range.
+        By curves of H about the bodies' middle, at any ω in the solved range.
         """
         if self.far_field is None:
             raise InputError("coefficients", "no far field", "must be boundary elements that were asked for one")
         origin, radiated, scattered = self.far_field
         k = wavenumber(omega, self.depth, self.gravity)
         there = amplitude * np.exp(1j * k * (origin @ [np.cos(self.heading), np.sin(self.heading)]))
-        sent = CubicSpline(self.omega, np.concatenate([radiated, scattered[:, None]], axis=1))(omega)
+        sent = self.curve(np.concatenate([radiated, scattered[:, None]], axis=1))(omega)
         return Waves(
             omega=omega,
             amplitude=there,
@@ -121,6 +126,23 @@ class Hydrodynamics:
             gravity=self.gravity,
         )
 
+    def curve(self, values: np.ndarray) -> Curve:
+        """Through values (nw, ...) at the frequencies solved for: cubic splines of what the water's resonances leave.
+
+        Water between bodies rings in bands narrower than frequencies are apart. Its poles β are the memory's, where
+        there is one; of each a curve has as much, Re β/(-iω - β*), as leaves the smoothest rest, by third differences.
+        """
+        beta = self.memory.beta if self.memory is not None else np.zeros(0, complex)
+        beta = beta[beta.imag > 0]
+
+        def ringing(omega: np.ndarray) -> np.ndarray:
+            return beta.real / (-1j * np.asarray(omega)[:, None] - beta.conj())
+
+        at, flat = ringing(self.omega), values.reshape(len(values), -1)
+        share = np.linalg.lstsq(np.diff(at, ROUGH, axis=0), np.diff(flat, ROUGH, axis=0), rcond=RESOLVED)[0]
+        rest = CubicSpline(self.omega, flat - at @ share)
+        return lambda omega: (rest(omega) + ringing(omega) @ share).reshape(-1, *values.shape[1:])
+
     def arrival(self, omega: np.ndarray) -> np.ndarray:
         """exp(ik(x_b cosβ + y_b sinβ)) for each degree of freedom, (nw, n)."""
         k = wavenumber(omega, self.depth, self.gravity)
@@ -128,14 +150,14 @@ class Hydrodynamics:
         return np.exp(1j * k[:, None] * np.repeat(along, len(self.dofs)))
 
 
-@lru_cache(maxsize=SPLINES)
-def _smooth(h: Hydrodynamics, kind: str) -> CubicSpline:
+@lru_cache(maxsize=CURVES)
+def _smooth(h: Hydrodynamics, kind: str) -> Curve:
     force = {
         "diffraction": h.diffraction,
         "froude_krylov": h.froude_krylov,
         "total": h.diffraction + h.froude_krylov,
     }[kind]
-    return CubicSpline(h.omega, force * h.arrival(h.omega).conj())
+    return h.curve(force * h.arrival(h.omega).conj())
 
 
 @lru_cache(maxsize=SEAS)
@@ -152,9 +174,9 @@ def _impedance(h: Hydrodynamics, omega: Bits[np.ndarray]) -> np.ndarray:
     return shared(_smooth_impedance(h)(omega.value))
 
 
-@lru_cache(maxsize=SPLINES)
-def _smooth_impedance(h: Hydrodynamics) -> CubicSpline:
-    return CubicSpline(h.omega, h.radiation_damping - 1j * h.omega[:, None, None] * h.added_mass)
+@lru_cache(maxsize=CURVES)
+def _smooth_impedance(h: Hydrodynamics) -> Curve:
+    return h.curve(h.radiation_damping - 1j * h.omega[:, None, None] * h.added_mass)
 
 
 def seabed_error(h: Hydrodynamics | None) -> float:

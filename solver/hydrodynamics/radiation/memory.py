@@ -11,13 +11,13 @@ import numpy as np
 
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation.passivity import SILENT, UNPASSIVE, Constraint, enforce, least_damping
-from solver.hydrodynamics.radiation.rational import basis, complex_residues, relocated, starting_poles
+from solver.hydrodynamics.radiation.rational import basis, complex_residues, mixed, relocated, starting_poles
 
 PAIRS = 30  # of poles, at most
 FALL = 6  # misfits count less beyond the peak of the diagonal, as its frequency over ω to this power
-PATIENCE = 3  # orders without gain once least squares alone would do
 HOPELESS = 4  # times the tolerance: so far away no weights will help
 LOOSER = 2  # times the tolerance, where it is not met: of poles chosen for less, passive residues are more easily found
+BETTER = 0.9  # of a misfit above the tolerance: what one with more poles must have
 LOST = 1.0  # a misfit as large as what is fitted
 SETTLE, EQUALIZE = 4, 12  # relocations of the poles: with even weights, then with weights that lower the largest misfit
 
@@ -52,12 +52,12 @@ def fit(
     lengths: np.ndarray | None = None,
     moved: np.ndarray | None = None,
 ) -> RadiationMemory:
-    """The passive memory of least order whose misfit of B - iωA is at most `tolerance`.
+    """The passive memory of least order whose misfit of B - iωA is at most `tolerance`, else one of nearly the best.
 
     omega: (nw,) > 0 [rad/s]; added_mass, radiation_damping: (nw, n, n); added_mass_inf: (n, n).
     Misfits of entry ij are relative to sqrt(y_i y_j), y_i the largest |B_ii - iω(A_ii - A∞_ii)|, and
-    beyond the frequency ω_p where the diagonal peaks they count less, 1/(1 + (ω/ω_p)⁶): velocities fall off
-    about so fast, seas with ω^-2.5, the wave's force on a hull with ω^-2, and mass with ω^-1; and waves
+    beyond the frequency ω_p where the diagonal over `lengths`² peaks they count less, 1/(1 + (ω/ω_p)⁶): velocities
+    fall off about so fast, seas with ω^-2.5, the wave's force on a hull with ω^-2, and mass with ω^-1; and waves
     reflected between bodies ripple there faster than the BEM's frequencies show. A∞ is fitted along:
     the BEM's has an error too.
     Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
@@ -85,11 +85,12 @@ def fit(
             f" frequencies, most at {worst:.4g} rad/s: these are no coefficients of passive bodies"
         )
     data = _Data.of(omega[sound], added_mass[sound], radiation_damping[sound], added_mass_inf, lengths, moved)
-    while tolerance < LOST:
-        memory = data.simplest(tolerance)
-        if memory is not None and memory.error < LOST:
+    looser, known = tolerance, dict[int, float]()
+    while looser < LOST:
+        memory = data.simplest(tolerance, looser, known)
+        if memory is not None:
             return memory
-        tolerance *= LOOSER
+        looser *= LOOSER
     raise SimulationFailed(
         "radiation memory: no passive fit comes closer to the coefficients than their own size; where water resonates"
         " in a gap between bodies they are too sharp: interaction = false leaves that out, and"
@@ -145,7 +146,7 @@ class _Data:
         upper, root = np.triu_indices(len(own)), lengths * np.sqrt(largest)
         i = np.concatenate([own[upper[0]], np.repeat(other, len(own))])
         j = np.concatenate([own[upper[1]], np.tile(own, len(other))])
-        peak = omega[np.argmax(diagonal[:, moved].sum(axis=1))]
+        peak = omega[np.argmax((diagonal / lengths**2)[:, own].sum(axis=1))]
         whole_infinite, scale = (infinite + infinite.T) / 2, root[i] * root[j]
         total = transfer + 1j * omega[:, None, None] * infinite
         return cls(
@@ -160,23 +161,22 @@ class _Data:
             whole_infinite=whole_infinite,
         )
 
-    def simplest(self, tolerance: float) -> RadiationMemory | None:
-        """The passive fit of least order within the tolerance, or the best where least squares alone are within it.
+    def simplest(self, asked: float, looser: float, known: dict[int, float]) -> RadiationMemory | None:
+        """The passive fit of least order with the misfit asked for; else the best that is within the looser one.
 
-        None where the poles' least squares are not, or cannot be made passive.
+        known: misfits that no fit with so many pairs falls below; they are added to.
         """
-        best, stale = None, 0
+        best, tolerance = None, looser
         for pairs in range(2, min(PAIRS, len(self.omega) // 2) + 1):
-            candidate = self.unconstrained(pairs, tolerance)
-            if candidate.error > tolerance:
+            if known.get(pairs, 0.0) > tolerance:
                 continue
-            memory = self.passive(candidate)
-            if memory is not None and memory.error <= tolerance:
-                return memory
-            better = memory is not None and (best is None or memory.error < 0.9 * best.error)
-            best, stale = (memory, 0) if better else (best, stale + 1)
-            if stale == PATIENCE:  # the data themselves are not passive
-                break
+            candidate = self.unconstrained(pairs, tolerance)
+            known[pairs] = candidate.error / (HOPELESS if candidate.error > HOPELESS * tolerance else 1)
+            memory = self.passive(candidate, tolerance) if candidate.error <= tolerance else None
+            if memory is not None:
+                best, tolerance = memory, max(asked, BETTER * memory.error)
+                if memory.error <= asked:
+                    break
         return best
 
     def unconstrained(self, pairs: int, tolerance: float) -> _Candidate:
@@ -188,7 +188,7 @@ class _Data:
         """
         poles, even = starting_poles(self.omega, pairs), np.ones(self.omega.size)
         best: _Candidate | None = None
-        strictly = self.samples - 1j * self.omega[:, None] * self.infinite
+        strictly = mixed(self.samples - 1j * self.omega[:, None] * self.infinite)
         for n in range(SETTLE + EQUALIZE):
             poles = relocated(poles, self.omega, strictly, self.weight * even)
             if n < SETTLE:
@@ -219,20 +219,24 @@ class _Data:
         )
         return fitted, misfit
 
-    def passive(self, candidate: _Candidate) -> RadiationMemory | None:
-        """The nearest residues and A∞ with Re Y >= 0 at all frequencies; None where poles condition too badly."""
+    def passive(self, candidate: _Candidate, tolerance: float) -> RadiationMemory | None:
+        """The nearest residues and A∞ with Re Y >= 0 at all frequencies; None where their misfit is larger."""
         n, poles, span = self.n, candidate.poles, candidate.span
         own, other = np.split(candidate.target, [n * (n + 1) // 2], axis=1)
-        solution = enforce(candidate.columns, own, Constraint(poles=poles, span=span, n=n))
-        if solution is None:
+
+        def misfit(solution: np.ndarray) -> float:
+            return float(self._misfit(candidate.columns @ solution - own, candidate.even).max())
+
+        solution = enforce(candidate.columns, own, Constraint(poles=poles, span=span, n=n), misfit, tolerance)
+        if solution is None or misfit(solution) > tolerance:
             return None
         solution = np.hstack([solution, np.linalg.lstsq(candidate.columns, other, rcond=None)[0]])
         residue, infinite = np.zeros((len(poles), *self.whole_infinite.shape), complex), self.whole_infinite.copy()
         for i, j in (self.entries, self.entries[::-1]):
             residue[:, i, j] = complex_residues(poles, span @ solution[:-1]) * self.scale
             infinite[i, j] = solution[-1] * self.scale
-        misfit = self._misfit(candidate.columns @ solution - candidate.target, candidate.even)
-        return RadiationMemory(beta=poles, residue=residue, added_mass_inf=infinite, error=float(misfit.max()))
+        error = float(self._misfit(candidate.columns @ solution - candidate.target, candidate.even).max())
+        return RadiationMemory(beta=poles, residue=residue, added_mass_inf=infinite, error=error)
 
     def _misfit(self, residual: np.ndarray, even: np.ndarray) -> np.ndarray:
         real, imag = residual[:-1].reshape(2, len(self.omega), -1)

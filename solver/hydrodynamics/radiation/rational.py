@@ -44,21 +44,34 @@ def derivative_at_start(poles: np.ndarray) -> np.ndarray:
     return np.array(columns)
 
 
+def mixed(samples: np.ndarray) -> np.ndarray:
+    """As few columns (nw, at most 2 nw) as vector fitting cannot tell from `samples` (nw, m).
+
+    It sees sums of squares over the columns, which a real orthogonal mixture of them leaves as they are.
+    """
+    parts = _stacked(samples)
+    if parts.shape[1] <= parts.shape[0]:
+        return samples
+    u, size, _ = np.linalg.svd(parts, full_matrices=False)
+    real, imag = np.split(u * size, 2)
+    return real + 1j * imag
+
+
 def relocated(poles: np.ndarray, omega: np.ndarray, samples: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """One step of relaxed vector fitting: the zeros of σ, where (σ samples) and σ share `poles`.
 
     samples: (nw, m) complex at s = iω, weight (nw,). Unstable zeros are mirrored into the left half plane.
     """
     columns = basis(poles, omega)
-    q = columns.shape[1]
+    # What multiplies (σ samples) is alike for all samples, and eliminated once: their rows beside it are left.
     left = _stacked(weight[:, None] * np.column_stack([columns, 1j * omega]))
-    reduced, right = [], np.column_stack([columns, np.ones(omega.size)])
-    for f in samples.T:
-        rows = np.column_stack([left, _stacked(-(weight * f)[:, None] * right)])
-        reduced.append(np.asarray(np.linalg.qr(rows, mode="r"))[q + 1 :, q + 1 :])
+    beside = np.linalg.qr(left, mode="complete")[0][:, left.shape[1] :]
+    right = np.column_stack([columns, np.ones(omega.size)])
+    rows = (weight[:, None] * samples).T[:, :, None] * right
+    reduced = beside.T @ np.concatenate([rows.real, rows.imag], axis=1)
     # σ = 1 on average: keeps the trivial solution away without fixing σ at infinity.
     size = np.linalg.norm(weight[:, None] * samples) / omega.size
-    matrix = np.vstack([*reduced, size * right.real.sum(axis=0)])
+    matrix = np.vstack([reduced.reshape(-1, right.shape[1]), size * right.real.sum(axis=0)])
     target = np.zeros(len(matrix))
     target[-1] = size * omega.size
     norm = np.linalg.norm(matrix, axis=0)

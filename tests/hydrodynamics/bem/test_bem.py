@@ -1,5 +1,6 @@
 """Coefficients against published numbers, and against the symmetries of linear potential flow."""
 
+from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.radiation.memory import RadiationMemory
 
 REFERENCE = Path(__file__).parents[2] / "published"
 FLOAT = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
@@ -244,6 +246,39 @@ def test_excitation_between_the_frequencies_solved_for():
     assert coarse.excitation(inside[3]) == pytest.approx((coarse.diffraction + coarse.froude_krylov)[3:4])
     with pytest.raises(InputError, match="within"):
         coarse.excitation(9.0)
+
+
+def test_water_that_rings_between_bodies_rings_between_the_frequencies_solved_for():
+    """A resonance half as wide as frequencies are apart, from file to response, and without the memory's poles."""
+    alone, beta = hemisphere(), np.array([-0.04 + 2.41j, -0.5 + 0.0j, -3.0 + 4.0j])
+    assert 0.55 * np.diff(alone.omega)[np.searchsorted(alone.omega, 2.41) - 1] > 2 * 0.04
+    n = len(alone.added_mass_inf)
+    loads = np.linspace(1, 2, n) * (1 + 0.5j)
+    memory = RadiationMemory(
+        beta=beta, residue=np.zeros((3, n, n), complex), added_mass_inf=alone.added_mass_inf, error=0.0
+    )
+
+    def ringing(omega):
+        return -0.04 / (-1j * omega - beta[0].conj())
+
+    size = np.abs(alone.radiation_damping).max()
+    rung = ringing(alone.omega)
+    impedance = size * rung[:, None, None] * np.ones((n, n))
+    rings = replace(
+        alone,
+        memory=memory,
+        diffraction=alone.diffraction + size * rung[:, None] * loads,
+        radiation_damping=alone.radiation_damping + impedance.real,
+        added_mass=alone.added_mass - impedance.imag / alone.omega[:, None, None],
+    )
+    omega = np.linspace(2.2, 2.6, 21)
+    more = rings.excitation(omega, "diffraction") - alone.excitation(omega, "diffraction")
+    assert more == pytest.approx(size * ringing(omega)[:, None] * loads, abs=2e-3 * size)
+    more = rings.impedance(omega) - alone.impedance(omega)
+    assert more == pytest.approx(size * ringing(omega)[:, None, None] * np.ones((n, n)), abs=2e-3 * size)
+    assert rings.impedance(alone.omega[5:6])[0].real == pytest.approx(rings.radiation_damping[5], abs=1e-9 * size)
+    by_splines = replace(rings, memory=None).impedance(omega) - alone.impedance(omega)
+    assert np.abs(by_splines[:, 0, 0] - size * ringing(omega)).max() > 0.1 * size
 
 
 def test_the_grid_covers_the_band_and_resolves_reflections():

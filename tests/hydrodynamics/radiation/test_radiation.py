@@ -12,7 +12,7 @@ from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation import passivity
 from solver.hydrodynamics.radiation.memory import RadiationMemory, fit, retardation
 from solver.hydrodynamics.radiation.passivity import Constraint, enforce
-from solver.hydrodynamics.radiation.rational import basis, complex_residues
+from solver.hydrodynamics.radiation.rational import basis, complex_residues, mixed, relocated, starting_poles
 
 REFERENCE = Path(__file__).parents[2] / "published"
 OMEGA = np.linspace(0.2, 8.0, 50)
@@ -174,7 +174,7 @@ def test_enforcement_repairs_what_least_squares_leaves():
     stacked = np.vstack([columns.real, columns.imag]), np.vstack([target.real, target.imag])
     free = np.linalg.lstsq(*stacked, rcond=None)[0]
     constraint = Constraint(poles=poles, span=span, n=1)
-    bound = enforce(*stacked, constraint)
+    bound = enforce(*stacked, constraint, lambda x: float(np.linalg.norm(stacked[0] @ x - stacked[1])))
 
     def memory(x):
         r = complex_residues(poles, span @ x)[:, :, None]
@@ -305,12 +305,65 @@ def test_a_tolerance_must_be_positive():
         fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, 0)
 
 
-def test_a_large_problem_of_least_distance_is_reduced_without_a_change(monkeypatch):
-    """Many residues and few cuts, by the rows of both and by as many as there are cuts."""
-    rng = np.random.default_rng(3)
-    c, d = rng.normal(size=(40, 900)), rng.normal(size=40)
-    whole = passivity._least_distance(c, d)
-    monkeypatch.setattr(passivity, "LARGE", 0)
-    reduced = passivity._least_distance(c, d)
-    assert np.all(c @ reduced >= d - 1e-9)
-    assert reduced == pytest.approx(whole, abs=1e-9 * np.abs(whole).max())
+def many(n, pairs, rank, noise):
+    """A memory of n motions with weights of low rank, as few waves radiate, and its coefficients with mesh error."""
+    random = np.random.default_rng(n)
+    beta = -random.uniform(0.1, 0.8, pairs) + 1j * np.linspace(0.8, 6.0, pairs)
+    root = random.normal(size=(pairs, n, rank))
+    residue = (2 * beta / (beta - beta.conj()))[:, None, None] * (root @ np.swapaxes(root, 1, 2))
+    memory = RadiationMemory(beta=beta, residue=residue, added_mass_inf=np.eye(n), error=0.0)
+    A, B = coefficients(memory, OMEGA)
+    size = np.sqrt(np.einsum("wii->wi", B).max(axis=0))
+    error = noise * np.multiply.outer(size, size) * random.normal(size=B.shape)
+    return memory, A, B + (error + np.swapaxes(error, 1, 2)) / 2
+
+
+def test_many_motions_have_the_poles_that_there_are():
+    """Of 16 motions 13 lead to nothing at each pole: without a constraint mesh error has them take power."""
+    memory, A, B = many(16, 5, 3, 1e-3)
+    assert np.linalg.eigvalsh(B)[:, 0].min() < 0
+    fitted = fit(OMEGA, A, B, memory.added_mass_inf, 1e-2)
+    assert len(fitted.beta) == 5 and fitted.error < 1e-2
+    assert np.sort_complex(fitted.beta) == pytest.approx(np.sort_complex(memory.beta), rel=2e-2)
+    assert is_passive(fitted)
+    y, moved = memory.frequency(OMEGA), OMEGA[:, None, None] * (fitted.added_mass_inf - memory.added_mass_inf)
+    own = np.abs(np.einsum("wii->wi", y))
+    share = 1 / (1 + (OMEGA / OMEGA[own.sum(axis=1).argmax()]) ** 6)  # of a misfit that counts
+    size = np.sqrt(own.max(axis=0))
+    apart = np.abs(fitted.frequency(OMEGA) - 1j * moved - y) / np.multiply.outer(size, size)
+    assert (share[:, None, None] * apart).max() < 1e-2
+
+
+def test_a_lift_ends_what_cuts_have_not(monkeypatch):
+    """With one round of cuts the fit is passive as well, and not much farther off."""
+    memory, A, B = many(12, 3, 2, 3e-3)
+    whole = fit(OMEGA, A, B, memory.added_mass_inf, 2e-2)
+    monkeypatch.setattr(passivity, "ROUNDS", 1)
+    lifted = fit(OMEGA, A, B, memory.added_mass_inf, 2e-2)
+    assert is_passive(whole) and is_passive(lifted)
+    assert whole.error < lifted.error < 2e-2
+
+
+def test_mixed_entries_give_the_same_poles():
+    """Vector fitting cannot tell 200 entries at 50 frequencies from as many sums of them as there are numbers."""
+    _, A, B = many(20, 4, 3, 1e-3)
+    i, j = np.triu_indices(20)
+    samples = (B + 1j * OMEGA[:, None, None] * (A - np.eye(20)))[:, i, j]
+    few, start = mixed(samples), starting_poles(OMEGA, 6)
+    assert few.shape == (50, 100) and mixed(few[:, :99]).shape == (50, 99)
+    weight = 1 / (1 + OMEGA)
+    one, other = (np.sort_complex(relocated(start, OMEGA, x, weight)) for x in (samples, few))
+    assert other == pytest.approx(one, rel=1e-9)
+
+
+@pytest.mark.parametrize("alike", [False, True])
+def test_cuts_that_push_and_those_that_do_not(alike):
+    """Against non-negative least squares of the same problem; with each cut there twice as well."""
+    random = np.random.default_rng(5)
+    c, lack = random.normal(size=(30, 40)), random.normal(size=30)
+    shortest = passivity._least_distance(c, lack)
+    if alike:
+        c, lack = np.vstack([c, c]), np.concatenate([lack, lack])
+    push = passivity._complementary(c @ c.T, lack, np.ones(lack.size, bool))
+    assert np.all(push >= 0) and np.any(push == 0)
+    assert c.T @ push == pytest.approx(shortest, abs=1e-7)

@@ -417,9 +417,9 @@ def test_what_cannot_be_balanced_or_built_is_refused_with_the_key(study_with, ol
     assert message in str(caught.value)
 
 
-@pytest.mark.parametrize(("count", "memory"), [(4, True), (5, False)])
+@pytest.mark.parametrize(("count", "memory"), [(8, True), (9, False)])
 def test_the_frequency_domain_of_a_large_array_has_no_memory_fitted(study_with, count, memory):
-    """Of six motions a float; smaller scenes share one file with the time domain."""
+    """Of three motions a float that there are; smaller scenes share one file with the time domain."""
     path = study_with(FREE).path
     text = path.read_text()
     first = text[text.index("[[floats]]") : text.index("[sea_states]")]
