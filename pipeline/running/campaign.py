@@ -13,6 +13,7 @@ from pipeline import environment
 from pipeline.bridge.cache import Cache
 from pipeline.bridge.engine import Engine, Failure, Outcome, attempt_coefficients, attempt_share, attempt_tasks
 from pipeline.bridge.geometry import Geometry, geometry_of, of_joints
+from pipeline.results.packs import Row
 from pipeline.results.store import UNFINISHED, Store
 from pipeline.running import schedule
 from pipeline.running.batches import AHEAD, Batch, Batches
@@ -53,7 +54,7 @@ class Campaign:
 
     def keep(self, outcomes: Sequence[tuple[Task, Outcome]]) -> None:
         """Write what came of tasks."""
-        kept: list[tuple[Task, bytes | None, dict[str, Any]]] = []
+        kept: list[tuple[Task, bytes | Row | None, dict[str, Any]]] = []
         for task, outcome in outcomes:
             status: dict[str, Any] = {
                 "wall_time": outcome.wall_time,
@@ -183,7 +184,7 @@ class _Run:
             self.watch(geometry, replace(outcome, wall_time=outcome.wall_time + solution.seconds))
             if isinstance(outcome.result, Failure):
                 yield from ((task, outcome) for task in tasks)
-            else:
+            elif isinstance(outcome.result, bytes):
                 Cache(self.campaign.results).put(geometry.key, outcome.result)
                 self.batches.add(tasks, outcome.result)
 

@@ -46,7 +46,8 @@ def case_of(scene: Scene, hydrodynamics: Hydrodynamics | None) -> "Case":
 
 @lru_cache(maxsize=KNOWN)
 def _case(undamped: _Undamped, hydrodynamics: Hydrodynamics | None) -> "Case":
-    scene, none = undamped.scene, dict[str, Any].fromkeys(DAMPERS, 0.0)
+    scene = undamped.scene
+    none: dict[str, Any] = dict.fromkeys(DAMPERS, 0.0)
     bare = tuple(replace(f, **none) for f in scene.floats)
     system = prepare(replace(scene, floats=bare), hydrodynamics)
     require_stable(system)

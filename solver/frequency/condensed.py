@@ -45,7 +45,8 @@ class Condensed:
             Z = Z - 1j * self.omega[:, None, None] * damping[self.kept]
             apart = damping.copy()
             apart[self.kept] = 0.0
-            force = force - rate @ apart.T
+            if apart.any():
+                force = force - rate @ apart.T
         X, follow = np.empty(force.shape, complex), force[:, stiff] * self.flexibility
         of_follow = (self.load @ (follow @ self.S.T)[..., None])[..., 0]
         x = X[:, ~stiff] = _solved(Z, force[:, ~stiff] - of_follow @ self.T)
