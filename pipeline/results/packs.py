@@ -115,6 +115,7 @@ class Packs:
         self._lines: dict[str, tuple[Path, int, int, int]] = {}  # file, row, and where in it the row begins and ends
         self._read: set[str] = set()
         self._changed = -1
+        self._last = 0  # number that is taken
 
     def find(self, task_id: str) -> Place | None:
         """The last outcome of a task in a pack, None if there is none."""
@@ -130,8 +131,13 @@ class Packs:
 
     def next(self, count: int) -> list[Path]:
         """Records of so many packs to come."""
-        last = max((int(path.stem) for path in self.folder.glob("*.*") if path.stem.isdigit()), default=0)
-        return [self.folder / f"{last + 1 + n:06d}.nc" for n in range(count)]
+        paths: list[Path] = []
+        while len(paths) < count:
+            self._last += 1
+            path = self.folder / f"{self._last:06d}.nc"
+            if not (path.exists() or path.with_suffix(".jsonl").exists()):
+                paths.append(path)
+        return paths
 
     def strays(self, known: set[str]) -> Iterator[Path]:
         """Records of packs from which no known task has its outcome, and what lies beside them."""
