@@ -21,7 +21,7 @@ from solver.scene import Float, Scene
 
 DAMPERS = ("pto_damping", "damping", "quadratic_damping")  # of the joints' axes; at rest they are nothing
 OTHERS = tuple(f.name for f in fields(Float) if f.name not in DAMPERS)
-KNOWN = 4  # cases that a process keeps
+KNOWN = 2  # cases that a process keeps
 
 
 class _Undamped:

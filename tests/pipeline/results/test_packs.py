@@ -65,12 +65,25 @@ def test_each_record_comes_out_as_it_went_in(store, tasks):
         assert sorted(data.task.values.tolist() + [tasks[i].id for i in (1, 2, 4, 5)]) == sorted(t.id for t in tasks)
 
 
-def test_another_process_sees_what_was_added(store, tasks):
+def test_records_of_other_labels_lie_elsewhere(store, tasks):
+    given = [record(task.id, 1, legs) for task, legs in zip(tasks, (("a", "b"), ("a", "c"), ("a", "b")), strict=False)]
+    assert len({row.pack for row in packed(given)}) == 2
+
+
+def test_another_process_sees_what_was_added_and_removed(store, tasks):
+    """Also within the tick of a file system's clock; and it overwrites nothing."""
     other = Store(store.root.parent, "small")
     keep(store, tasks[:2], [1, 2])
     assert states(other, tasks[:3]) == ["done", "done", "missing"]
+    at = store.packs.folder.stat().st_mtime_ns
     keep(store, tasks[2:3], [3])
+    os.utime(store.packs.folder, ns=(at, at))
     assert states(other, tasks[:4]) == ["done"] * 3 + ["missing"]
+    keep(other, tasks[:2], [5, 6])
+    assert powers(store, tasks[:3]) == powers(other, tasks[:3]) == [5, 6, 3]
+    for path in (store.look(tasks[0]).record, store.look(tasks[0]).record.with_suffix(".jsonl")):
+        path.unlink()
+    assert powers(store, tasks[:3]) == powers(other, tasks[:3]) == [1, 2, 3]
 
 
 def test_the_last_outcome_counts(store, tasks):
