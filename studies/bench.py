@@ -63,9 +63,11 @@ def of_parts() -> dict[str, float]:
             print(f"  {name:32s}{each:8.2f} µs x {calls:g}")
     fit = parts.memory_fit()
     print(f"fit of the pair's radiation memory: {fit:.2f} s, once a geometry")
-    linear = parts.frequency_task()
-    print(f"a task in the frequency domain, elastic, another damping each: {1e3 * linear:.0f} ms")
-    return {"memory_fit": fit, "frequency_task": linear}
+    damping, sea = (1e3 * seconds for seconds in parts.frequency_task())
+    print(
+        f"a task in the frequency domain, elastic: {damping:.1f} ms with another damping each, {sea:.0f} in another sea"
+    )
+    return {"memory_fit": fit, "frequency_task": damping / 1e3, "frequency_sea": sea / 1e3}
 
 
 def of_pressure() -> dict[str, float]:

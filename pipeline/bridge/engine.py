@@ -8,6 +8,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from pipeline import environment
 from pipeline.bridge.geometry import Geometry, bem_problem, geometry_of, given_hydrodynamics, require_solvable
 from pipeline.bridge.scenes import hull
+from pipeline.results.packs import Made, Row, packed
 from pipeline.tasks.task import Parameters
 from solver.errors import InputError, SimulationFailed
 
@@ -46,7 +48,7 @@ class Failure:
 class Outcome:
     """What comes back from a worker: bytes of a file, or a failure; and how it came about."""
 
-    result: bytes | Failure
+    result: bytes | Row | Failure
     content: str = ""  # digest of the record's values
     unmet: str = ""  # what was asked of the record and not met
     wall_time: float = 0.0  # [s]
@@ -174,7 +176,7 @@ class Engine:
 class _Made(NamedTuple):
     """What a piece of work returns: a file, the digest of its content, what was asked and not met."""
 
-    result: bytes | Failure
+    result: bytes | Row | Failure
     content: str = ""
     unmet: str = ""
 
@@ -199,21 +201,29 @@ def attempt_coefficients(engine: Engine, geometries: Sequence[Geometry], shares:
 
 
 def attempt_tasks(engine: Engine, tasks: Sequence[tuple[str, Parameters]], coefficients: bytes | None) -> list[Outcome]:
-    """For each task a record's file, or why there is none."""
+    """For each task a record's file, or its row in a pack with others of them, or why there is none."""
     environment.prepare()
-    return [attempt_task(engine, task_id, parameters, coefficients) for task_id, parameters in tasks]
+    together: list[Made] | None = [] if len(tasks) > 1 else None
+    outcomes = [_attempt(partial(_record, engine, coefficients, *task, together)) for task in tasks]
+    rows = packed(together or ())
+    return [replace(o, result=rows[o.result.number]) if isinstance(o.result, Row) else o for o in outcomes]
 
 
-def attempt_task(engine: Engine, task_id: str, parameters: Parameters, coefficients: bytes | None) -> Outcome:
-    """A record's file, or why there is none."""
+def _record(
+    engine: Engine, coefficients: bytes | None, task_id: str, parameters: Parameters, together: list[Made] | None
+) -> _Made:
+    """A record's file; or its number among those that go together, if any do and it takes milliseconds."""
     from pipeline.results import records
+    from pipeline.results.netcdf import to_bytes
 
-    def work() -> _Made:
-        provenance = environment.provenance() | {"task": task_id}
-        record = engine.compute(parameters, coefficients)
-        return _Made(*records.encode(record, parameters, provenance), str(record.attrs.get("unmet", "")))
-
-    return _attempt(work)
+    provenance = environment.provenance() | {"task": task_id}
+    record = engine.compute(parameters, coefficients)
+    made, content = records.made(record, parameters, provenance)
+    unmet = str(record.attrs.get("unmet", ""))
+    if together is None or parameters.solver.method != "frequency":
+        return _Made(to_bytes(*made), content, unmet)
+    together.append(made)
+    return _Made(Row("", len(together) - 1, b""), content, unmet)
 
 
 def _attempt(work: Callable[[], _Made]) -> Outcome:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pipeline import environment
 from pipeline.bridge.geometry import Geometry
 from pipeline.cli.console import DONE, FAILED, Tally, compare, finish, looked, say
+from pipeline.results.netcdf import Variable
 from pipeline.results.status import read_json
 from pipeline.results.store import UNFINISHED, Store, sha256, write_json
 from pipeline.running.schedule import Place
@@ -78,9 +79,9 @@ def rerun(study: Study, store: Store, results: Path, tasks: Tasks, place: Place)
     return max(finish(Tally.of(looked(tasks, store)), study), FAILED if any(changed) else DONE)
 
 
-def _record(store: Store, task: Task) -> bytes | None:
+def _record(store: Store, task: Task) -> Mapping[str, Variable] | None:
     entry = store.look(task, checksums=True)
-    return entry.record.read_bytes() if entry.state == "done" else None
+    return entry.made()[0] if entry.state == "done" else None
 
 
 def refresh(study: Study, store: Store) -> list[Path]:

@@ -332,6 +332,7 @@ def clean(
     _, tasks, store = _open(study_file, results)
     known = {name for task in tasks.passing() for name in (task.id, *task.older_ids)}
     strays = sorted(p for p in store.tasks.iterdir() if p.name not in known) if store.tasks.is_dir() else []
+    strays += store.packs.strays(known)
     for folder in strays:
         labels = read_status(folder / "status.json").labels
         say(f"{'removed' if orphans else 'orphan'}: {folder.name} {labels or ''}")

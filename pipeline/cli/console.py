@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from rich.console import Console
 
 from pipeline import environment
+from pipeline.results.netcdf import Variable
 from pipeline.results.store import Entry, Store
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
@@ -103,7 +104,7 @@ def finish(tally: Tally, study: Study) -> int:
     return FAILED if count else DONE
 
 
-def compare(task: Task, old: bytes | None, new: bytes | None) -> bool:
+def compare(task: Task, old: Mapping[str, Variable] | None, new: Mapping[str, Variable] | None) -> bool:
     """Say how the new record relates to the old one; False if both are there and differ."""
     from pipeline.results.records import differences
 

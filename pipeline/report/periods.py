@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline.results.netcdf import from_bytes
+from pipeline.results.packs import Packs
 
 if TYPE_CHECKING:
     from pipeline.report.figures import Results
@@ -20,15 +21,19 @@ def natural_periods(results: Results) -> Iterator[tuple[str, list[tuple[str, str
         return
     for platform in results.labels("platform"):
         cells = results.values("task", platform=platform, **results.first)
-        tables = (_table(results.tasks / str(task) / "record.nc") for task in cells.values.ravel())
+        tables = (_table(results.tasks, str(task)) for task in cells.values.ravel())
         if table := next((table for table in tables if table), None):
             yield str(platform), table
 
 
-def _table(path: Path) -> list[tuple[str, str]]:
+def _table(tasks: Path, task: str) -> list[tuple[str, str]]:
     """Empty where there is no such record, or it is damaged."""
+    alone = tasks / task / "record.nc"
     try:
-        variables, attrs = from_bytes(path.read_bytes())
+        if not alone.exists() and (place := Packs(tasks.with_name("packs")).find(task)):
+            variables, attrs = place.record()
+        else:
+            variables, attrs = from_bytes(alone.read_bytes())
         shapes = str(attrs[SHAPES]).split("; ")
         return [(f"{period:.4g}", shape) for period, shape in zip(variables[PERIODS].values, shapes, strict=True)]
     except (OSError, ValueError, KeyError):

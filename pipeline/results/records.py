@@ -8,7 +8,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
+from pipeline.results.netcdf import Variable, content, from_bytes
+from pipeline.results.packs import Made
 from pipeline.results.variables import RENAMED, SERIES, axis_units, meaning
 from pipeline.study import seas
 from pipeline.tasks.task import Parameters, wave_seed
@@ -42,8 +43,8 @@ class Record(Protocol):
         """Name -> dimensions and values of time series, if they are kept; `time` is one of them."""
 
 
-def encode(record: Record, parameters: Parameters, provenance: Mapping[str, Any]) -> tuple[bytes, str]:
-    """The file, and the digest of its content: provenance is in the first and not in the second."""
+def made(record: Record, parameters: Parameters, provenance: Mapping[str, Any]) -> tuple[Made, str]:
+    """What its file holds, and the digest of its content: provenance is in the first and not in the second."""
     variables = dict(_variables(record, _thinning(record, parameters)))
     digest = content(variables)
     attrs = {
@@ -57,7 +58,7 @@ def encode(record: Record, parameters: Parameters, provenance: Mapping[str, Any]
     attrs |= {k: str(v) for k, v in record.attrs.items() if not _is_figure(v)}
     attrs |= {k: float(v) for k, v in record.attrs.items() if k in TIMINGS}
     variables["task"] = Variable((), np.array(provenance["task"]), meaning("task"))
-    return to_bytes(variables, attrs), digest
+    return (variables, attrs), digest
 
 
 def _chosen(parameters: Parameters) -> dict[str, str]:
@@ -118,9 +119,8 @@ def _is_figure(value: object) -> bool:
     return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
 
 
-def differences(old: bytes, new: bytes) -> list[str]:
-    """Which variables of two records differ, and by how much; none if they have the same content."""
-    a, b = decode(old), decode(new)
+def differences(a: Mapping[str, Variable], b: Mapping[str, Variable]) -> list[str]:
+    """Which variables differ between a record and a new one, and by how much; none if they have the same content."""
     lines = [f"{name}: only in the {'old' if name in a else 'new'} record" for name in sorted(a.keys() ^ b.keys())]
     return lines + [f"{name}: {words}" for name in sorted(a.keys() & b.keys()) for words in _changes(a[name], b[name])]
 

@@ -1,9 +1,9 @@
-"""Results on disk: results/<study>/tasks/<id>/{record.nc, status.json}.
+"""Results on disk: results/<study>/tasks/<id>/{record.nc, status.json}, or many short tasks together, see packs.
 
 A file appears whole or not at all. status.json is written last and carries the checksum of the
 record and the task's id, so a task is done when its status says so, has its id and was not copied
 from elsewhere, and its record still has that checksum. Besides, it has the task's parameters, labels
-and provenance; a failed task has it alone.
+and provenance; a failed task has it alone. A task's own folder goes before a pack.
 """
 
 from __future__ import annotations
@@ -16,12 +16,14 @@ import os
 import shutil
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from filelock import FileLock, Timeout
 
+from pipeline.results.netcdf import from_bytes
+from pipeline.results.packs import Made, Packs, Place, Row
 from pipeline.results.status import Status, read_json, read_status
 from pipeline.tasks.task import Task
 
@@ -39,16 +41,35 @@ class Entry:
     state: State
     folder: Path
     status: Status
+    place: Place | None = None  # among others, in a pack
 
     @property
     def record(self) -> Path:
-        """The task's record; there is one only if it is done or stale."""
-        return self.folder / "record.nc"
+        """The file with the task's record; there is one only if it is done or stale."""
+        return self.place.records if self.place else self.folder / "record.nc"
+
+    def made(self) -> Made:
+        """The task's record; raises OSError or ValueError unless it is whole."""
+        if self.place:
+            return self.place.record()
+        data = self.record.read_bytes()
+        if sha256(data) != self.status.sha256:
+            raise ValueError("the record is not what was written")
+        return from_bytes(data)
 
     @property
     def unmet(self) -> str:
         """What was asked of its record and not met, in a sentence; empty if there is none."""
         return self.status.unmet if self.state in ("done", "stale") else ""
+
+
+def _holds(folder: Path) -> bool:
+    """Whether there is anything in a folder."""
+    try:
+        with os.scandir(folder) as inside:
+            return next(inside, None) is not None
+    except OSError:
+        return False
 
 
 @contextlib.contextmanager
@@ -115,12 +136,16 @@ def flush(paths: Sequence[Path], folder: Path) -> None:
             os.close(descriptor)
 
 
-def _described(task: Task, status: dict[str, Any]) -> bytes:
+def _described(task: Task, status: dict[str, Any], parameters: dict[str, Any]) -> bytes:
     """The content of status.json."""
     head = {"id": task.id, "model_version": task.version, "finished": timestamp()}
-    parameters = {"parameters": task.parameters.model_dump(mode="json", exclude_defaults=True)}
-    text = json.dumps(head | status | parameters, allow_nan=False, ensure_ascii=False)
+    text = json.dumps(head | status | {"parameters": parameters}, allow_nan=False, ensure_ascii=False)
     return (text + "\n").encode("utf-8", "replace")  # an error's message may hold bytes that are no text
+
+
+def _length(task: Task) -> dict[str, Any]:
+    """What estimates of time need of a task's parameters; a pack has all of them with its records."""
+    return {"record": task.parameters.record.model_dump(include={"duration", "discard"})}
 
 
 def write_json(path: Path, data: object) -> None:
@@ -134,6 +159,7 @@ class Store:
     def __init__(self, results: Path, study: str):
         self.root = results / study
         self.tasks = self.root / "tasks"
+        self.packs = Packs(self.root / "packs")
 
     def folder(self, task_id: str) -> Path:
         """Where a task's files are."""
@@ -146,32 +172,30 @@ class Store:
             for older in task.older_ids:
                 past = self._look(older, checksums)
                 if past.state == "done":
-                    return Entry(state="stale", folder=past.folder, status=past.status)
+                    return replace(past, state="stale")
         return entry
 
     def _begun(self) -> bool:
-        """Whether there is any task's folder."""
-        try:
-            with os.scandir(self.tasks) as folders:
-                return next(folders, None) is not None
-        except OSError:
-            return False
+        """Whether there is any task's folder, or a pack."""
+        return any(_holds(folder) for folder in (self.tasks, self.packs.folder))
 
     def _look(self, task_id: str, checksums: bool) -> Entry:
         folder = self.folder(task_id)
-        status = read_status(folder / "status.json")
-        state: State = status.state
+        entry = Entry(state="missing", folder=folder, status=read_status(folder / "status.json"))
+        if entry.status.state == "missing" and (place := self.packs.find(task_id)):
+            entry = replace(entry, status=place.status, place=place)
+        status, state = entry.status, entry.status.state
         copied = state != "missing" and status.id != task_id
-        if copied or (state == "done" and not self._whole(folder / "record.nc", status, checksums)):
-            state = "damaged"
-        return Entry(state=state, folder=folder, status=status)
+        damaged = copied or (state == "done" and not self._whole(entry, checksums))
+        return replace(entry, state="damaged" if damaged else state)
 
     @staticmethod
-    def _whole(record: Path, status: Status, checksums: bool) -> bool:
+    def _whole(entry: Entry, checksums: bool) -> bool:
         try:
-            if record.stat().st_size != status.bytes:
+            if entry.record.stat().st_size != entry.status.bytes:
                 return False
-            return not checksums or sha256(record.read_bytes()) == status.sha256
+            found = entry.place.checksum if checksums and entry.place else ""
+            return not checksums or (found or sha256(entry.record.read_bytes())) == entry.status.sha256
         except OSError:
             return False
 
@@ -183,21 +207,29 @@ class Store:
         """Keep why a task failed."""
         self.keep([(task, None, status)])
 
-    def keep(self, outcomes: Sequence[tuple[Task, bytes | None, dict[str, Any]]]) -> None:
+    def keep(self, outcomes: Sequence[tuple[Task, bytes | Row | None, dict[str, Any]]]) -> None:
         """Keep records, and failures without one: all flushed to the disk at once, each whole or not at all.
 
         The status, renamed last, makes a record count.
         """
+        self.root.mkdir(parents=True, exist_ok=True)
         parts: list[tuple[Path, Path]] = []
+        packs: dict[str, list[tuple[Task, Row, dict[str, Any]]]] = {}
         try:
             for task, record, status in outcomes:
+                if isinstance(record, Row):
+                    packs.setdefault(record.pack, []).append((task, record, status))
+                    continue
                 folder = self._begin(task)
                 made: dict[str, Any] = {"state": "failed"}
                 if record is not None:
                     made = {"state": "done", "bytes": len(record), "sha256": sha256(record)}
                     parts.append(_part(folder / "record.nc", record))
-                parts.append(_part(folder / "status.json", _described(task, made | status)))
-            flush([part for part, _ in parts], self.tasks)
+                parameters = task.parameters.model_dump(mode="json", exclude_defaults=True)
+                parts.append(_part(folder / "status.json", _described(task, made | status, parameters)))
+            for path, members in zip(self.packs.next(len(packs)), packs.values(), strict=True):
+                parts += self._pack(path, members)
+            flush([part for part, _ in parts], self.root)
             for part, path in parts:
                 settle(part, path)
         except BaseException:
@@ -205,6 +237,19 @@ class Store:
                 with contextlib.suppress(OSError):
                     part.unlink(missing_ok=True)
             raise
+
+    def _pack(self, path: Path, members: Sequence[tuple[Task, Row, dict[str, Any]]]) -> Iterator[tuple[Path, Path]]:
+        """Files of a pack, its lines last; older outcomes of its tasks are withdrawn first."""
+        path.parent.mkdir(exist_ok=True)
+        members = sorted(members, key=lambda member: member[1].number)
+        data = members[0][1].data
+        about = {"state": "done", "bytes": len(data), "sha256": sha256(data)}
+        for task, _, _ in members:
+            if (folder := self.folder(task.id)).exists():
+                self._withdraw(folder)
+        yield _part(path, data)
+        lines = [_described(task, about | of, _length(task)) for task, _, of in members]
+        yield _part(path.with_suffix(".jsonl"), b"".join(lines))
 
     def _begin(self, task: Task) -> Path:
         """Make the folder; an older outcome is withdrawn first, and a killed run's leftovers removed."""
@@ -217,11 +262,16 @@ class Store:
             if not folder.is_dir():
                 remove(folder)
                 folder.mkdir()
-            remove(folder / "status.json")
-            flush([folder], folder)
-            for part in folder.glob(".*.part"):
-                remove(part)
+            self._withdraw(folder)
         return folder
+
+    @staticmethod
+    def _withdraw(folder: Path) -> None:
+        """An older outcome, and a killed run's leftovers."""
+        remove(folder / "status.json")
+        flush([folder], folder)
+        for part in folder.glob(".*.part"):
+            remove(part)
 
     @contextlib.contextmanager
     def lock(self, waiting: Callable[[str], None]) -> Iterator[None]:

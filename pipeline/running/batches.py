@@ -31,6 +31,7 @@ class _Group:
     tasks: Iterator[Task]
     left: int
     coefficients: bytes | None
+    block: int  # so many, one after another, share more than that
 
 
 class Batches:
@@ -47,10 +48,10 @@ class Batches:
     def _left(self) -> int:
         return sum(group.left for group in self._ready)
 
-    def add(self, tasks: Tasks, coefficients: bytes | None) -> None:
-        """Queue tasks, with the file of their coefficients."""
+    def add(self, tasks: Tasks, coefficients: bytes | None, block: int = 1) -> None:
+        """Queue tasks, with the file of their coefficients; a batch of several blocks of them has whole ones."""
         if tasks:
-            self._ready.append(_Group(iter(tasks), len(tasks), coefficients))
+            self._ready.append(_Group(iter(tasks), len(tasks), coefficients, block))
 
     def add_alone(self, lost: Batch) -> None:
         """Queue the tasks of a lost batch one by one: only the guilty one fails again."""
@@ -65,7 +66,8 @@ class Batches:
         if self._alone:
             return self._alone.popleft()
         group = self._ready[0]
-        tasks = tuple(itertools.islice(group.tasks, self._size(width)))
+        size = self._size(width)
+        tasks = tuple(itertools.islice(group.tasks, size - size % group.block if size > group.block else size))
         group.left -= len(tasks)
         if not group.left:
             self._ready.popleft()

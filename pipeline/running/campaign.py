@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import shlex
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -13,11 +14,12 @@ from pipeline import environment
 from pipeline.bridge.cache import Cache
 from pipeline.bridge.engine import Engine, Failure, Outcome, attempt_coefficients, attempt_share, attempt_tasks
 from pipeline.bridge.geometry import Geometry, geometry_of, of_joints
+from pipeline.results.packs import Row
 from pipeline.results.store import UNFINISHED, Store
 from pipeline.running import schedule
 from pipeline.running.batches import AHEAD, Batch, Batches
 from pipeline.running.schedule import Lost, Place
-from pipeline.tasks.task import Task
+from pipeline.tasks.task import Task, axes
 from pipeline.tasks.tasklist import Tasks
 
 Watch = Callable[[Task | Geometry, Outcome], None]
@@ -53,7 +55,7 @@ class Campaign:
 
     def keep(self, outcomes: Sequence[tuple[Task, Outcome]]) -> None:
         """Write what came of tasks."""
-        kept: list[tuple[Task, bytes | None, dict[str, Any]]] = []
+        kept: list[tuple[Task, bytes | Row | None, dict[str, Any]]] = []
         for task, outcome in outcomes:
             status: dict[str, Any] = {
                 "wall_time": outcome.wall_time,
@@ -98,6 +100,7 @@ class _Run:
     batches: Batches = field(default_factory=Batches)
     out: int = 0  # batches that the pool has
     waiting: dict[Geometry, Tasks] = field(default_factory=dict)  # for their coefficients
+    block: int = 1  # tasks one after another that differ in their joints alone
 
     def outcomes(self, tasks: Tasks, broken: Sequence[Geometry]) -> Iterator[tuple[Task, Outcome]]:
         """Every task with what came of it, kept."""
@@ -115,13 +118,15 @@ class _Run:
     def _start(self, tasks: Tasks, broken: Sequence[Geometry]) -> None:
         """Coefficients that are not known go first; tasks that need none of those are ready."""
         cache, none = Cache(self.campaign.results), tasks.where(lambda _: False)
+        table, joints = axes(tasks.study), of_joints(tasks.study)
+        self.block = math.prod(len(values) for name, values in table.items() if name in joints)
         groups = dict.fromkeys(broken, none) | tasks.split(lambda task: geometry_of(task.parameters))
         for geometry, some in groups.items():
-            members = some.fastest(of_joints(tasks.study))
+            members = some.fastest(joints)
             if geometry is None:
-                self.batches.add(members, None)
+                self.batches.add(members, None, self.block)
             elif (data := cache.get(geometry.key)) is not None:
-                self.batches.add(members, data)
+                self.batches.add(members, data, self.block)
             else:
                 self.waiting[geometry] = members
         self._solve()
@@ -183,9 +188,9 @@ class _Run:
             self.watch(geometry, replace(outcome, wall_time=outcome.wall_time + solution.seconds))
             if isinstance(outcome.result, Failure):
                 yield from ((task, outcome) for task in tasks)
-            else:
+            elif isinstance(outcome.result, bytes):
                 Cache(self.campaign.results).put(geometry.key, outcome.result)
-                self.batches.add(tasks, outcome.result)
+                self.batches.add(tasks, outcome.result, self.block)
 
 
 def _outcome(results: list[Outcome] | Lost) -> Outcome:

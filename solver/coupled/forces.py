@@ -94,9 +94,12 @@ class Forces:
     def of(
         self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray, drag: np.ndarray
     ) -> np.ndarray:
-        """y (m, ny) without those at rest, of samples or lines: waves (m, ny), dp, ddp, carried, drag (m, nd, ns)."""
-        of_motion = ddp @ self.inertia + dp @ self.damping + carried @ self.carried
-        return waves + of_motion + drag.reshape(len(drag), -1) @ self.drag
+        """y (m, ny) without those at rest, of samples: waves (m, ny), dp, ddp, carried, drag (m, nd, ns)."""
+        return self.of_motion(waves, dp, ddp, carried) + drag.reshape(len(drag), -1) @ self.drag
+
+    def of_motion(self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray) -> np.ndarray:
+        """The same of samples or lines, without drag."""
+        return waves + (ddp @ self.inertia + dp @ self.damping + carried @ self.carried)
 
 
 def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Places:

@@ -24,6 +24,8 @@ from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody.minimal import move, new_motion
 
+KNOWN = 4  # systems whose model a process keeps
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LinearModel:
@@ -79,7 +81,7 @@ class LinearModel:
         return K - w**2 * M - 1j * w * (D + self.radiating.T @ Y @ self.radiating)
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=KNOWN)
 def linear_model(system: System) -> LinearModel:
     """The model of a scene; all its loads are those that the march evaluates."""
     frame, (z, _) = system.structure, system.equilibrium

@@ -71,8 +71,7 @@ def _along(mean: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def harmonic_in_stream(mean: np.ndarray, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """F (…, d) and K (…, d, d), which differs least in mean square, of velocities mean + Re{U exp(-iωt)}, (…, d)."""
-    turn = np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)
-    u = (U[..., None] * turn).real
+    u = _over_a_period(U)
     whole = mean[..., None] + u
     drag = np.linalg.norm(whole, axis=-2, keepdims=True) * whole
     squares = u @ np.swapaxes(u, -1, -2)
@@ -81,10 +80,18 @@ def harmonic_in_stream(mean: np.ndarray, U: np.ndarray) -> tuple[np.ndarray, np.
 
 def of_harmonic(U: np.ndarray) -> np.ndarray:
     """K (…, d, d) [m/s] of velocities Re{U exp(-iωt)}, U (…, d) [m/s]."""
-    turn = np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)
-    u = (U[..., None] * turn).real
+    u = _over_a_period(U)
     size = np.linalg.norm(u, axis=-2, keepdims=True)
     return (size * u) @ np.swapaxes(u, -1, -2) @ np.linalg.pinv(u @ np.swapaxes(u, -1, -2), hermitian=True)
+
+
+def _over_a_period(U: np.ndarray) -> np.ndarray:
+    """Re{U exp(-iωt)} (…, d, PHASES) of U (…, d), from where it is largest: to either side of that it is alike.
+
+    What goes with the narrow side of a flat ellipse is then not drowned by errors of what goes with the other.
+    """
+    largest = np.exp(-0.5j * np.angle(np.sum(U * U, axis=-1, keepdims=True)))
+    return ((U * largest)[..., None] * np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)).real
 
 
 def of_lines(u: np.ndarray) -> np.ndarray:
@@ -116,6 +123,6 @@ def _covariance(u: np.ndarray) -> np.ndarray:
 
 
 def by_station(K: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """K u (m, d, n) of vectors u (m, d, n) at n stations, K (n, d, d) symmetric."""
+    """K u (m, d, n) of vectors u (m, d, n) at n stations, K (n, d, d)."""
     d = range(u.shape[1])
     return np.stack([sum(K[:, i, j] * u[:, j] for j in d) for i in d], axis=1)

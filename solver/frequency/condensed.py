@@ -1,4 +1,4 @@
-"""The linear model's equation in the joints and the modes that waves and drag excite; stiffer modes only follow."""
+"""The linear model's equation in the joints and the modes that waves and drag excite; the others only follow."""
 
 import numpy as np
 
@@ -9,19 +9,22 @@ WEAK = 0.05  # share that drag has, at most, in what holds all of them together
 
 
 class Condensed:
-    """Stiff modes t, dynamic stiffness d, shapes S, under forces f; kept coordinates x, shapes T; floats' loads L z.
+    """Modes t that follow, dynamic stiffness d, shapes S, forces f; kept coordinates x, shapes T; floats' loads L z.
 
     From p_t = (f_t - Sᵀ L z)/d_t and z = T x + S p_t, with Λ = (1 + L S d_t⁻¹ Sᵀ)⁻¹ L and g = S f_t/d_t,
 
         [d + Tᵀ Λ T - iω D] x = f - Tᵀ Λ g,   L z = Λ (T x + g).
 
-    Drag on the stiff modes, and by them, is that of the last known rates: it is weak beside d_t.
+    Stiff modes follow: drag on them, and by them, is that of the last known rates, weak beside d_t. Without it all do.
     """
 
-    def __init__(self, model: LinearModel, omega: np.ndarray, Y: np.ndarray, drag: np.ndarray):
-        """Y (nw, na, na): radiation impedance; drag (nm, nm): damping of the modes."""
+    def __init__(self, model: LinearModel, omega: np.ndarray, Y: np.ndarray, drag: np.ndarray | None = None):
+        """Y (nw, na, na): radiation impedance; drag (nm, nm): damping of the modes, if there is any."""
         nm, d, L = model.modes.shape[1], model.of_modes(omega), model.of_floats(omega, Y)
-        stiff = _stiff(model.modes[0], omega.max(), drag)
+        if drag is None and np.all(model.modes[1] > 0):
+            stiff = np.ones(nm, bool)
+        else:
+            stiff = _stiff(model.modes[0], omega.max(), np.zeros((nm, nm)) if drag is None else drag)
         self.omega = omega
         self.stiff = np.concatenate([stiff, np.zeros(len(model.mass) - nm, bool)])
         self.kept = np.ix_(~self.stiff, ~self.stiff)
@@ -42,7 +45,8 @@ class Condensed:
             Z = Z - 1j * self.omega[:, None, None] * damping[self.kept]
             apart = damping.copy()
             apart[self.kept] = 0.0
-            force = force - rate @ apart.T
+            if apart.any():
+                force = force - rate @ apart.T
         X, follow = np.empty(force.shape, complex), force[:, stiff] * self.flexibility
         of_follow = (self.load @ (follow @ self.S.T)[..., None])[..., 0]
         x = X[:, ~stiff] = _solved(Z, force[:, ~stiff] - of_follow @ self.T)

@@ -15,9 +15,11 @@ from scipy.linalg import eigh
 from solver.coupled.linear import LinearModel, linear_model
 from solver.coupled.system import System
 from solver.errors import InputError
+from solver.frequency.case import Case
 from solver.frequency.response import Response
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.bem.far_field import Waves
+from solver.multibody.joint_law import JointLaw
 from solver.record.recorder import Channels, Labelled
 from solver.record.spectra import bands
 from solver.scene import Scene
@@ -26,54 +28,55 @@ NODES, DENSE = 400, 10.0  # about a resonance, and to how many times sinh of hal
 HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
 
 
-def waves_of(system: System, response: Response, h: Hydrodynamics) -> Waves:
+def waves_of(case: Case, response: Response) -> Waves:
     """Far off, of the scene's response to its sea."""
-    amplitude = system.scene.sea.amplitude
-    return h.waves(response.omega, amplitude[np.abs(amplitude) > 0], _velocity(system, response))
+    h = require_far_field(case.hydrodynamics)
+    return h.waves(response.omega, case.system.scene.sea.amplitude[case.met], _velocity(case, response))
 
 
-def _velocity(system: System, response: Response) -> np.ndarray:
+def _velocity(case: Case, response: Response) -> np.ndarray:
     """Of all that radiates (nw, na)."""
-    return -1j * response.omega[:, None] * (response.X @ linear_model(system).active.T)
+    return -1j * response.omega[:, None] * (response.X @ case.model.active.T)
 
 
-def energy_residual(system: System, response: Response, h: Hydrodynamics, waves: Waves) -> float:
+def energy_residual(case: Case, response: Response, waves: Waves) -> float:
     """Power that the far field says is absorbed, less what pressure does on the bodies, over what is sent out."""
-    V, a = _velocity(system, response), system.scene.sea.amplitude
-    a = a[np.abs(a) > 0, None]
+    h, a = require_far_field(case.hydrodynamics), case.system.scene.sea.amplitude[case.met, None]
+    V = _velocity(case, response)
     force = h.excitation(response.omega) * a - (h.impedance(response.omega) @ V[..., None])[..., 0]
     work = 0.5 * np.sum(force * V.conj(), axis=1).real
     return float(abs(np.sum(waves.absorbed_power - work)) / np.sum(waves.outgoing_power))
 
 
-def variables(
-    system: System, response: Response, h: Hydrodynamics, channels: Channels
-) -> tuple[dict[str, Labelled], dict[str, Any]]:
+def variables(case: Case, response: Response, law: JointLaw) -> tuple[dict[str, Labelled], dict[str, Any]]:
     """Variables of the record, and figures: force, moment and, of a moored support, offset and slow drift."""
-    scene, waves = system.scene, waves_of(system, response, h)
+    h, scene, channels, waves = (
+        require_far_field(case.hydrodynamics),
+        case.system.scene,
+        case.channels,
+        waves_of(case, response),
+    )
     force = np.concatenate([waves.drift_force, np.full((len(waves.omega), 1), np.nan)], axis=1)
     point, carried = _point(scene), waves.drift_moment
-    assert h.far_field is not None, "asked of coefficients that have one"
+    assert h.far_field is not None, "required above"
     x, y = np.subtract(point[:2], h.far_field.origin)
     moment = carried - x * force[:, 1] + y * force[:, 0]
     found: dict[str, Labelled] = {"drift_force": (("direction",), force.sum(axis=0))}
     if scene.settings.rao:
-        squares = np.full(scene.sea.omega.shape, np.nan)
-        met = np.abs(scene.sea.amplitude) > 0
-        squares[met] = np.abs(scene.sea.amplitude[met]) ** 2
         per_wave = np.full((scene.sea.omega.size, 3), np.nan)
-        per_wave[met] = force / squares[met, None]
+        per_wave[case.met] = force / np.abs(scene.sea.amplitude[case.met, None]) ** 2
         found["drift_force_per_wave"] = ("direction", "component"), per_wave.T
     figures: dict[str, Any] = {
         "drift_moment": float(moment.sum()),
-        "energy_residual": energy_residual(system, response, h, waves),
+        "energy_residual": energy_residual(case, response, waves),
     }
     axes = _axes(scene, channels)
     if axes.size:
         loads = np.stack([force[:, 0], force[:, 1], moment], axis=1)
         each = loads[:, [HORIZONTAL.index(channels.names[i]) for i in axes]]
         slow = slow_spectrum(waves.omega, waves.amplitude, each, scene.settings.duration)
-        means, stds, unmet = moved(linear_model(system), axes, added_mass(system, h), each.sum(axis=0), slow)
+        damped = case.damped_model(law)
+        means, stds, unmet = moved(damped, axes, added_mass(case.system, h), each.sum(axis=0), slow)
         for name, values in (("drift_offset", means), ("slow_drift", stds)):
             joints = np.full((1, channels.owner.size), np.nan)
             joints[0, axes] = values

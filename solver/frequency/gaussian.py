@@ -20,31 +20,31 @@ FAR = 8.0  # times its std: how far from zero a mean must be for the length of i
 
 
 def covariance(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
-    """½ Re Σ X Y* (…, n, m) of lines X (nw, …, n), Y (nw, …, m)."""
-    X, Y = (np.moveaxis(np.concatenate([Z.real, Z.imag]), 0, -1) for Z in (X, Y))
-    return 0.5 * X @ np.swapaxes(Y, -1, -2)
+    """½ Re Σ X Y* (…, n, m) of lines X (…, nw, n), Y (…, nw, m)."""
+    X, Y = (np.concatenate([Z.real, Z.imag], axis=-2) for Z in (X, Y))
+    return 0.5 * np.swapaxes(X, -1, -2) @ Y
 
 
-def cycles(X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
-    """Number (…) of zero-upcrossings in the time [s], e at least."""
-    power = np.abs(X.reshape(len(omega), -1)) ** 2
-    m0, m2 = power.sum(axis=0), omega**2 @ power
+def cycles(m0: np.ndarray, m2: np.ndarray, duration: float) -> np.ndarray:
+    """Number (…) of zero-upcrossings in the time [s], e at least, of processes with moments m₀ and m₂ (…)."""
     rate = np.sqrt(np.divide(m2, m0, out=np.zeros_like(m0), where=m0 > 0)) / (2 * np.pi)
-    return np.maximum(rate * duration, np.e).reshape(X.shape[1:])
+    return np.maximum(rate * duration, np.e)
 
 
-def rise(X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
-    """Expected largest value above the mean (…)."""
-    u = np.sqrt(2 * np.log(cycles(X, omega, duration)))
-    sigma = np.sqrt(0.5 * np.sum(np.abs(X) ** 2, axis=0))
-    return np.minimum((u + EULER / u) * sigma, np.abs(X).sum(axis=0))
+def spread(X: np.ndarray, omega: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarray]:
+    """Standard deviation (…), and the expected largest value above the mean (…), of lines (nw, …)."""
+    flat = X.reshape(len(omega), -1)
+    power = flat.real**2 + flat.imag**2
+    m0, sigma = power.sum(axis=0), np.sqrt(0.5 * power.sum(axis=0))
+    u = np.sqrt(2 * np.log(cycles(m0, omega**2 @ power, duration)))
+    top = np.minimum((u + EULER / u) * sigma, np.sqrt(power).sum(axis=0))
+    return sigma.reshape(X.shape[1:]), top.reshape(X.shape[1:])
 
 
 def table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
     """(…, 5) in the order of STATISTICS for means (…) and lines (nw, …)."""
-    std, top = np.sqrt(0.5 * np.sum(np.abs(X) ** 2, axis=0)), rise(X, omega, duration)
-    mean = np.broadcast_to(mean, std.shape)
-    return np.stack([mean + top, mean - top, mean, np.hypot(mean, std), std], axis=-1)
+    std, top = spread(X, omega, duration)
+    return np.stack([mean + top, mean - top, np.broadcast_to(mean, std.shape), np.hypot(mean, std), std], axis=-1)
 
 
 def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
@@ -58,29 +58,31 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
     CS = c[:, None] * covariance(V, V)
     mean, std = np.trace(CS), np.sqrt(2 * np.trace(CS @ CS))
     strongest = np.max(np.linalg.eigvals(CS).real, initial=0.0)
-    peaks = 2 * np.max(cycles(V, omega, duration), initial=np.e)
+    power = np.abs(V) ** 2
+    peaks = 2 * np.max(cycles(power.sum(axis=0), omega**2 @ power, duration), initial=np.e)
     largest = min(mean + strongest * (2 * (np.log(peaks) + EULER) - 1), float(c @ np.abs(V).sum(axis=0) ** 2))
     return np.array([largest, 0.0, mean, np.hypot(mean, std), std])
 
 
 def compression_table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
-    """(5,) of σ = a - |v|, v = (b, c), the most compressive fibre, for means (3,) and lines (nw, 3) of a, b, c.
+    """(n, 5) of σ = a - |v|, v = (b, c), the most compressive fibre, for means (n, 3) and lines (nw, n, 3) of a, b, c.
 
     σ is the least of all fibres a - v·e(φ): the least σ is the least that any of them is expected to see, and
     the largest is not above any one's largest.
     """
     if len(X) == 1:
-        a, b, c = (mean + _sampled(X)).T
-        return moments((a - np.hypot(b, c))[:, None])[0]
-    m, S = mean[1:], covariance(X, X)
-    far = np.linalg.norm(m)
-    if far > FAR * np.sqrt(np.trace(S[1:, 1:])):
-        return _nearly_linear(mean, X, omega, duration)
-    size, variance, slope = _length(m, S[1:, 1:])
-    level, std = mean[0] - size, np.sqrt(max(S[0, 0] + variance - 2 * S[0, 1:] @ slope, 0.0))
+        a, b, c = np.moveaxis(mean + _sampled(X.reshape(1, -1)).reshape(PHASES, *mean.shape), -1, 0)
+        return moments(a - np.hypot(b, c))
+    m, S = mean[:, 1:], covariance(np.moveaxis(X, 1, 0), np.moveaxis(X, 1, 0))
+    size, variance, slope = _length(m, S[:, 1:, 1:])
+    level = mean[:, 0] - size
+    std = np.sqrt(np.maximum(S[:, 0, 0] + variance - 2 * np.sum(S[:, 0, 1:] * slope, axis=-1), 0.0))
     e = _directions(FIBRES)
-    fibre, top = mean[0] - e @ m, rise(X[:, :1] - X[:, 1:] @ e.T, omega, duration)
-    return np.array([min(fibre + top), min(fibre - top), level, np.hypot(level, std), std])
+    fibre, top = mean[:, :1] - m @ e.T, spread(X[..., :1] - X[..., 1:] @ e.T, omega, duration)[1]
+    out = np.stack([(fibre + top).min(-1), (fibre - top).min(-1), level, np.hypot(level, std), std], axis=-1)
+    for i in np.flatnonzero(np.linalg.norm(m, axis=-1) > FAR * np.sqrt(np.trace(S[:, 1:, 1:], axis1=1, axis2=2))):
+        out[i] = _nearly_linear(mean[i], X[:, i], omega, duration)
+    return out
 
 
 def _nearly_linear(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
@@ -92,18 +94,18 @@ def _nearly_linear(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration:
     return table(mean[0] - far - across / (2 * far), X[:, 0] - X[:, 1:] @ along, omega, duration)
 
 
-def _length(m: np.ndarray, S: np.ndarray) -> tuple[float, float, np.ndarray]:
-    """Mean and variance of |v|, and ⟨v/|v|⟩ (2,), of a Gaussian v with mean m (2,) and covariance S (2, 2).
+def _length(m: np.ndarray, S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mean (n,) and variance of |v|, and ⟨v/|v|⟩ (n, 2), of Gaussian v with means m (n, 2) and covariances S (n, 2, 2).
 
     cov(a, |v|) = cov(a, v)·⟨v/|v|⟩ (Stein's lemma). |v| = ¼∮ |v·e| dφ, so that the means are those of folded normal
     distributions.
     """
     e, quarter = _directions(PHASES), 2 * np.pi / PHASES / 4
-    m_e, s = e @ m, np.sqrt(np.einsum("pi,ij,pj->p", e, S, e).clip(min=0.0))
+    m_e, s = m @ e.T, np.sqrt(np.sum((e @ S) * e, axis=-1).clip(min=0.0))
     ratio = np.divide(m_e, s, out=np.copysign(np.inf, m_e), where=s > 0)
     sign = erf(ratio / np.sqrt(2))
-    size = quarter * np.sum(m_e * sign + np.sqrt(2 / np.pi) * s * np.exp(-0.5 * ratio**2))
-    return size, m @ m + np.trace(S) - size**2, quarter * (sign @ e)
+    size = quarter * np.sum(m_e * sign + np.sqrt(2 / np.pi) * s * np.exp(-0.5 * ratio**2), axis=-1)
+    return size, np.sum(m * m, axis=-1) + np.trace(S, axis1=1, axis2=2) - size**2, quarter * (sign @ e)
 
 
 @lru_cache

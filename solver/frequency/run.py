@@ -1,142 +1,151 @@
 """One scene in, one record out, without a march."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
-from solver.balance import warnings
-from solver.coupled.equilibrium import balance
-from solver.coupled.forces import Forces
-from solver.coupled.linear import linear_model
-from solver.coupled.natural import require_stable, system_modes
-from solver.coupled.system import System, prepare
 from solver.errors import InputError
 from solver.frequency import drift, gaussian
-from solver.frequency.response import Response, respond
+from solver.frequency.case import Case, case_of
+from solver.frequency.response import Response, respond_in
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
-from solver.record.audit import coefficient_effects, left_out_effect, together
+from solver.record.audit import left_out_effect, together
 from solver.record.bound import above
-from solver.record.recorder import ELEVATION, Channels, Labelled, Record
+from solver.record.recorder import ELEVATION, Labelled, Record
 from solver.record.spectra import bands, cross_spectra
 from solver.scene import Scene
 from solver.statistics import STATISTICS
 
 NEAR = 1e-4  # [m or rad] from equilibrium, where slopes are taken
+Output = tuple[str, np.ndarray, np.ndarray]  # name, mean (…), lines (nw, …)
 LEFT_OUT = "displacement_envelope, stress_envelope"  # how the nodes' motions go together in time
+
+
+class Forces(NamedTuple):
+    """Of an elastic platform's frame, ny of them."""
+
+    level: np.ndarray  # (1, ny) mean
+    lines: np.ndarray  # (nw, ny)
 
 
 def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
     """Statistics of the linear model's stationary response over `duration`; series and envelopes it does not have."""
     if not scene.sea.amplitude.any():
         raise InputError("settings.method", "frequency", "needs waves: a decay is a matter of the time domain")
-    system = prepare(scene, hydrodynamics)
-    require_stable(system)
-    response, channels = respond(system, hydrodynamics), Channels(scene, system.support)
-    found = list(_tables(system, response, channels))
-    tables = {name: table for name, table, _ in found}
-    _, mesh = coefficient_effects(system, hydrodynamics)
-    shapes = left_out_effect(system, response.X, response.drag)
+    case = case_of(scene, hydrodynamics)
+    law, channels, support = case.law(scene.floats), case.channels, case.system.support
+    response = respond_in(case, law)
+    frame = _forces(case, response)
+    linear = list(_outputs(case, response, frame))
+    tables = _tables(case, linear) | dict(_of_squares(case, response, frame))
+    mesh, shapes = case.mesh_effect(law), left_out_effect(case.system, response.X, response.drag.tops)
     attrs: dict[str, float | str] = {
         "estimated_error": together((mesh, shapes)),
         "mesh_effect": mesh,
         "shapes_effect": shapes,
         "seabed_error": seabed_error(hydrodynamics),
         "drag_rounds": response.rounds,
-        "buckling_factor": system.support.buckling_factor if system.support else np.inf,
+        "buckling_factor": support.buckling_factor if support else np.inf,
         "unmet": "",
         "skipped": f"time: a linear model in the frequency domain has no {LEFT_OUT}",
         **scene.sea.parameters(),
     }
     power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
-    if notes := (*warnings(scene), *above(scene, power)):
+    if notes := (*case.warnings, *above(scene, power)):
         attrs["warnings"] = "; ".join(notes)
     rao = None
     if scene.settings.rao and scene.floats:
         rao = np.full((scene.sea.omega.size, channels.owner.size), np.nan, complex)
-        rao[np.abs(scene.sea.amplitude) > 0] = _joints(system, response)
+        rao[case.met] = _joints(case, response)
     spectra = None
     if scene.settings.spectra:
         at = bands(scene.sea.omega, scene.settings.duration)
-        linear = {name: lines for name, _, lines in found if lines is not None}
-        wave = linear[ELEVATION]
-        parts = {name: lines.reshape(len(wave), -1) for name, lines in linear.items()}
-        responses = {name: cross_spectra(response.omega, wave, lines, at) for name, lines in parts.items()}
-        spectra = channels.spectra(at, {name: (r, linear[name].shape[1:]) for name, r in responses.items()})
+        wave = scene.sea.amplitude[case.met]
+        parts = {name: (lines.reshape(len(wave), -1), lines.shape[1:]) for name, _, lines in linear}
+        of = {name: (cross_spectra(case.omega, wave, lines, at), shape) for name, (lines, shape) in parts.items()}
+        spectra = channels.spectra(at, of)
     drifting: dict[str, Labelled] = {}
     if "drift" in scene.settings.outputs:
-        drifting, figures = drift.variables(system, response, drift.require_far_field(hydrodynamics), channels)
+        drifting, figures = drift.variables(case, response, law)
         attrs |= figures
-    modes = system_modes(system, hydrodynamics)
     counted = None
     if channels.steel is not None and channels.steel.counts:
-        counted = channels.steel.expected(_forces(system, response, channels.steel.forces)[1], response.omega)
+        counted = channels.steel.expected(frame.lines, case.omega)
     return channels.record(
-        tables, attrs, modes=modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=drifting
+        tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=drifting
     )
 
 
-def _joints(system: System, response: Response) -> np.ndarray:
+def _joints(case: Case, response: Response) -> np.ndarray:
     """Lines of the joints' axes (nw, nj)."""
-    return response.Z[:, system.structure.carrier.shape[0] :]
+    return response.Z[:, case.system.structure.carrier.shape[0] :]
 
 
-def _tables(
-    system: System, response: Response, channels: Channels
-) -> Iterator[tuple[str, np.ndarray, np.ndarray | None]]:
-    """Name, statistics and lines of each output; those that no line makes have none."""
-    scene, omega, duration = system.scene, response.omega, system.scene.settings.duration
-    (z, p), amplitude, mean = system.equilibrium, scene.sea.amplitude, response.mean
-    p, still = p + mean.x[: p.size], balance(system.bodies, z)[1] + mean.wrench
-    z = z + linear_model(system).shape @ mean.x
+def _tables(case: Case, outputs: list[Output]) -> dict[str, np.ndarray]:
+    """Statistics of outputs, all at once."""
+    sizes = [lines[0].size for _, _, lines in outputs]
+    mean = np.concatenate([np.broadcast_to(mean, lines.shape[1:]).ravel() for _, mean, lines in outputs])
+    every = np.concatenate([lines.reshape(len(lines), -1) for _, _, lines in outputs], axis=1)
+    tables = np.split(gaussian.table(mean, every, case.omega, case.duration), np.cumsum(sizes)[:-1])
+    return {name: table.reshape(*lines.shape[1:], -1) for (name, _, lines), table in zip(outputs, tables, strict=True)}
 
-    def table(name: str, mean: np.ndarray, lines: np.ndarray) -> tuple[str, np.ndarray, np.ndarray | None]:
-        return name, gaussian.table(mean, lines, omega, duration), lines
 
-    yield table(ELEVATION, np.zeros(()), amplitude[np.abs(amplitude) > 0])
+def _of_squares(case: Case, response: Response, frame: Forces) -> Iterator[tuple[str, np.ndarray]]:
+    """Name and statistics of what no line makes."""
+    scene, channels, omega = case.system.scene, case.channels, case.omega
     if scene.floats:
-        nc, joints = system.structure.carrier.shape[0], _joints(system, response)
+        pto, rates = response.pto, -1j * omega[:, None] * _joints(case, response)
+        owned = [channels.owner == b for b in range(len(scene.floats))]
+        powers = [gaussian.power_table(pto[i], rates[:, i], omega, case.duration) for i in owned]
+        yield "absorbed_power", np.array(powers)
+    if channels.steel is not None and channels.legs is not None:
+        level, lines = map(channels.steel.compression, frame)
+        yield "bottom_stress", gaussian.compression_table(level[0], lines, omega, case.duration)
+
+
+def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
+    """Of all that goes with the waves."""
+    system, channels, omega, mean = case.system, case.channels, response.omega, response.mean
+    scene, (z, p) = system.scene, system.equilibrium
+    p, still = p + mean.x[: p.size], case.loads_at_rest[1] + mean.wrench
+    z = z + case.model.shape @ mean.x
+    yield ELEVATION, np.zeros(()), scene.sea.amplitude[case.met]
+    if scene.floats:
+        nc, joints = system.structure.carrier.shape[0], _joints(case, response)
         means = dict(channels.motions(z[None, nc:]))
         for name, lines in channels.motions(joints):
-            yield table(name, means[name][0], lines)
+            yield name, means[name][0], lines
         pto, rates = response.pto, -1j * omega[:, None] * joints
-        owned = [channels.owner == b for b in range(len(scene.floats))]
-        powers = [gaussian.power_table(pto[i], rates[:, i], omega, duration) for i in owned]
-        yield "absorbed_power", np.array(powers), None
         if "pto_stroke" in scene.settings.outputs:
-            yield table("pto_rate", np.zeros(()), channels.by_axis(rates))
+            yield "pto_rate", np.zeros(()), channels.by_axis(rates)
         if "pto_force" in scene.settings.outputs:
             k = np.concatenate([f.per_axis("pto_stiffness") for f in scene.floats])
-            mean, lines = channels.by_axis(-(k * z[nc:])[None])[0], channels.by_axis(-(pto * rates + k * joints))
-            yield table("pto_force", mean, lines)
-        at_rest = channels.hinge_force(still[None])[0]
-        yield table("hinge_force", at_rest, channels.hinge_force(response.wrench))
+            level, lines = channels.by_axis(-(k * z[nc:])[None])[0], channels.by_axis(-(pto * rates + k * joints))
+            yield "pto_force", level, lines
+        yield "hinge_force", channels.hinge_force(still[None])[0], channels.hinge_force(response.wrench)
         if channels.lines:
-            at_rest = channels.line_tension(system.bodies, z[None])[0]
             either = (channels.line_tension(system.bodies, z + way * NEAR * np.eye(z.size)) for way in (1, -1))
             slope = np.subtract(*either) / (2 * NEAR)
-            yield table("line_tension", at_rest, response.Z @ slope)
+            yield "line_tension", channels.line_tension(system.bodies, z[None])[0], response.Z @ slope
     if channels.legs is not None:
         tops, X = channels.legs.tops, response.X[:, : p.size]
-        yield table("top_displacement", np.tensordot(p, tops, axes=1), np.tensordot(X, tops, axes=1))
-    if channels.steel is None:
-        return
-    level, lines = _forces(system, response, channels.steel.forces)
-    if channels.legs is not None:
-        means, feet = channels.steel.compression(level)[0], channels.steel.compression(lines)
-        tables = [gaussian.compression_table(means[i], feet[:, i], omega, duration) for i in range(len(means))]
-        yield "bottom_stress", np.array(tables), None
-    means = dict(channels.steel.channels(level))
-    for name, values in channels.steel.channels(lines):
-        yield table(name, means[name][0], values)
+        yield "top_displacement", np.tensordot(p, tops, axes=1), np.tensordot(X, tops, axes=1)
+    if channels.steel is not None:
+        means = dict(channels.steel.channels(frame.level))
+        for name, values in channels.steel.channels(frame.lines):
+            yield name, means[name][0], values
 
 
-def _forces(system: System, response: Response, forces: Forces) -> tuple[np.ndarray, np.ndarray]:
-    """The frame's forces at rest (1, ny), and lines (nw, ny) of them."""
-    (z, p), waves = system.equilibrium, np.abs(system.scene.sea.amplitude) > 0
-    mean = response.mean
-    still = balance(system.bodies, z)[0][: system.structure.carrier.shape[0]] + mean.carried
-    dp = -1j * response.omega[:, None] * response.X[:, : p.size]
+def _forces(case: Case, response: Response) -> Forces:
+    """Of the frame, that are asked for."""
+    if case.system.support is None or case.system.support.forces is None:
+        return Forces(np.zeros((1, 0)), np.zeros((case.omega.size, 0)))
+    forces = case.system.support.forces
+    nc, nm = case.system.structure.carrier.shape
+    still = case.loads_at_rest[0][:nc] + response.mean.carried
+    dp = -1j * response.omega[:, None] * response.X[:, :nm]
     ddp = -1j * response.omega[:, None] * dp
-    rows = system.rows[system.layout.forces][:, waves].T
-    level = still @ forces.carried + forces.at_rest + mean.drag.ravel() @ forces.drag
-    return level[None], forces.of(rows, dp, ddp, response.carried, response.drag)
+    level = still @ forces.carried + forces.at_rest + response.mean.drag.ravel() @ forces.drag
+    waves = case.rows[case.system.layout.forces].T
+    return Forces(level[None], forces.of_motion(waves, dp, ddp, response.carried) + response.drag.forces)

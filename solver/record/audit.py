@@ -14,7 +14,7 @@ from solver.coupled.step import HITS, Output
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.radiation.memory import RadiationMemory
-from solver.multibody.joint_law import absorbing
+from solver.multibody.joint_law import JointLaw, absorbing
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
 from solver.record.recorder import Recorder
 from solver.record.sampling import expected_error, least_force
@@ -237,21 +237,28 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     exact = response(h, impedance(system, h, omega))
     fitted = response(h, system.fit.frequency(omega)) if system.fit else exact
     shifted = response(h.shifted, impedance(system, h.shifted, omega))
-    return _response_error(system, model, omega, fitted, exact), _response_error(system, model, omega, shifted, exact)
+    either = (fitted, exact), (shifted, exact)
+    memory, mesh = (response_error(system, system.bodies.law, omega, *pair) for pair in either)
+    return memory, mesh
 
 
 def _waves(
     system: System, model: LinearModel, h: Hydrodynamics | None, Y: np.ndarray, drag: np.ndarray | float = 0.0
 ) -> np.ndarray:
     """X (nw, n) in the scene's sea, with linear pressure, and drag (nw, nm) on the modes."""
-    s, sea = system.scene.settings, system.scene.sea
+    return model.response(system.scene.sea.omega, Y, force_of_waves(system, h, drag))
+
+
+def force_of_waves(system: System, h: Hydrodynamics | None, drag: np.ndarray | float = 0.0) -> np.ndarray:
+    """F (nw, n) of the scene's sea, with linear pressure, and drag (nw, nm) on the modes."""
+    s, sea, model = system.scene.settings, system.scene.sea, linear_model(system)
     kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
     excitation = np.zeros((sea.omega.size, len(model.active)), complex)
     if h is not None:
         for kind in kinds:
             excitation += h.excitation(sea.omega, kind)
     modal = system.rows[system.layout.modal] + np.transpose(drag)
-    return model.response(sea.omega, Y, wave_force(model, excitation * sea.amplitude[:, None], modal))
+    return wave_force(model, excitation * sea.amplitude[:, None], modal)
 
 
 def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
@@ -271,7 +278,8 @@ def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
     shapes = station.reshape(len(station), station[0].size)
     X = _waves(system, model, h, Y, drag.reshape(len(drag), station[0].size) @ shapes.T)
     waves = np.abs(sea.amplitude) > 0
-    return left_out_effect(system, X[waves], drag[waves])
+    flat = drag[waves].reshape(int(waves.sum()), station[0].size)
+    return left_out_effect(system, X[waves], flat @ support.left_out.drag)
 
 
 def _equivalent(stream: np.ndarray, water: np.ndarray) -> np.ndarray:
@@ -282,14 +290,14 @@ def _equivalent(stream: np.ndarray, water: np.ndarray) -> np.ndarray:
 
 
 def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
-    """The same of the response X (nw, n) and drag (nw, nd, ns) to the waves that are not of zero height."""
+    """The same of the response X (nw, n) to the waves that are not of zero height, and of drag on the rest (nw, nt)."""
     support, sea = system.support, system.scene.sea
     if support is None or not support.left_out.tops.size:
         return 0.0
     rest, waves = support.left_out, np.abs(sea.amplitude) > 0
     p, w = X[:, : len(support.omega)], sea.omega[waves, None]
     usual = p @ support.shapes[rest.tops].T
-    more = rest.waves[:, waves].T + drag.reshape(len(drag), len(rest.drag)) @ rest.drag + w**2 * (p @ rest.inertia)
+    more = rest.waves[:, waves].T + drag + w**2 * (p @ rest.inertia)
     std, exact = np.linalg.norm(usual, axis=0), np.linalg.norm(usual + more, axis=0)
     used = std > FAINT * std.max()
     return float(np.abs(exact[used] / std[used] - 1).max(initial=0.0))
@@ -303,11 +311,11 @@ def _decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray)
     return (start - model.response(omega, Y, pushed)) / (-1j * omega[:, None])
 
 
-def _response_error(system: System, model: LinearModel, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
-    """Largest relative change of a coordinate's std, or of its rate's square where that is absorbed power."""
-    largest = model.length * np.sqrt(np.sum(np.abs(exact) ** 2, axis=0))
+def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
+    """Largest relative change of a coordinate's std, or of its rate's square where that is power absorbed by a law."""
+    largest = linear_model(system).length * np.sqrt(np.sum(np.abs(exact) ** 2, axis=0))
     used = largest > FAINT * largest.max(initial=0.0)
-    first, pto = system.structure.omega.size, absorbing(system.bodies.law)[system.structure.carrier.shape[0] :]
+    first, pto = system.structure.omega.size, absorbing(law)[system.structure.carrier.shape[0] :]
     absorbs = used & np.concatenate([np.zeros(first, bool), pto])
     std = [np.sqrt(np.sum(np.abs(x[:, used]) ** 2, axis=0)) for x in (X, exact)]
     power = [np.sum(np.abs(omega[:, None] * x[:, absorbs]) ** 2, axis=0) for x in (X, exact)]

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -76,6 +77,11 @@ class Channels:
         self.axes = list(dict.fromkeys(self.names))
         self.lines = [f"{f.name} {i}" for f in floats for i in range(1, len(f.lines) + 1)]
 
+    @cached_property
+    def wave_power(self) -> float:
+        """Of the scene's sea [W/m]."""
+        return wave_power(self.scene)
+
     def motions(self, joint: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """`rotation` and `motion` of the joints' axes (m, nj), NaN along axes that a float does not have."""
         moved = self.by_axis(joint)
@@ -136,7 +142,7 @@ class Channels:
             variables |= self.steel.variables() | dict(counted[0])
             unmet = "; ".join(note for note in (str(attrs.get("unmet", "")), *counted[1]) if note)
             attrs = {**attrs, **self.steel.attrs(), "unmet": unmet}
-        attrs = {**attrs, "wave_power": (flux := wave_power(self.scene))}
+        attrs = {**attrs, "wave_power": (flux := self.wave_power)}
         if self.scene.floats and flux > 0:
             variables["capture_width"] = ("float",), tables["absorbed_power"][:, STATISTICS.index("mean")] / flux
         for name, values in zip(("displacement_envelope", "stress_envelope"), envelopes or (), strict=False):

@@ -12,6 +12,7 @@ from pipeline.bridge.loading import load
 from pipeline.tasks.task import expand
 from solver.coupled.linear import linear_model
 from solver.coupled.system import prepare
+from solver.frequency.case import case_of
 from solver.frequency.drift import waves_of
 from solver.frequency.response import respond
 from solver.hydrodynamics.bem import bem, far_field
@@ -79,11 +80,11 @@ def _energy(variant: str, words: str) -> list[Check]:
     checks, note = [], ONE_MESH if len(jeju(variant).floats) > 1 else ""
     most = 0.05 if note else 0.02
     for h in solved(variant, (0.0, SLANT)):
-        system = prepare(jeju(variant, h.heading), h)
-        response, damping = respond(system, h), linear_model(system).damping
+        item = jeju(variant, h.heading)
+        response, damping = respond(item, h), linear_model(prepare(item, h)).damping
         rate = response.omega[:, None] * response.X
         taken = 0.5 * np.einsum("wi,ij,wj->w", rate.conj(), damping, rate).real
-        far = waves_of(system, response, h).absorbed_power
+        far = waves_of(case_of(item, h), response).absorbed_power
         told = f"{words}, {h.heading:g} rad"
         for w, ours, exact in zip(OMEGA, far / SMALL**2, taken / SMALL**2, strict=True):
             quantity = f"{told}: absorbed by the far field, {w:g} rad/s [W/m2]"
@@ -131,7 +132,7 @@ def havelock(ka: float) -> float:
 
 def _response(item: Scene, h: Hydrodynamics) -> np.ndarray:
     """Of the joints' axes per wave amplitude (nw, nj)."""
-    return respond(prepare(item, h), h).Z / item.sea.amplitude[:, None]
+    return respond(item, h).Z / item.sea.amplitude[:, None]
 
 
 def _hardly_moving() -> list[Check]:

@@ -11,6 +11,7 @@ from solver.coupled import natural
 from solver.coupled import system as systems
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import prepare
+from solver.frequency import case
 from solver.record.audit import coefficient_effects, shapes_effect
 from solver.run import simulate
 from solver.scene import DOFS
@@ -108,17 +109,21 @@ def test_shapes_effect_without_drag_or_legs(drag, legs):
     assert (told > 0) == legs
 
 
-def test_what_is_kept_of_another_damping_changes_no_bit():
-    """Equilibrium and natural periods are those of a process that knows no other scene."""
+@pytest.mark.parametrize(
+    ("method", "kept"),
+    [("frequency", (case._case,)), ("time", (natural._system_modes, systems._equilibrium))],
+)
+def test_what_is_kept_of_another_damping_changes_no_bit(method, kept):
+    """All is as in a process that knows no other scene."""
     scene, h = SCENES["unequal_legs"]()
-    scene = replace(scene, settings=replace(scene.settings, froude_krylov="linear", method="frequency"))
+    scene = replace(scene, settings=replace(scene.settings, froude_krylov="linear", method=method, duration=60.0))
     other = replace(scene, floats=tuple(replace(f, pto_damping=3 * f.pto_damping, damping=1e5) for f in scene.floats))
     simulate(scene, h)
-    before = natural._system_modes.cache_info().hits, systems._equilibrium.cache_info().hits
+    before = [known.cache_info().hits for known in kept]
     after = simulate(other, h)
-    assert before < (natural._system_modes.cache_info().hits, systems._equilibrium.cache_info().hits)
-    for kept in (natural._system_modes, systems._equilibrium, linear_model):
-        kept.cache_clear()
+    assert all(known.cache_info().hits > hits for known, hits in zip(kept, before, strict=True))
+    for known in (case._case, natural._system_modes, systems._equilibrium, linear_model):
+        known.cache_clear()
     alone = simulate(other, h)
     for name, (_, values) in alone.variables.items():
         assert np.asarray(values).tobytes() == np.asarray(after.variables[name][1]).tobytes()

@@ -28,7 +28,7 @@ def coefficients():
 def response(item, h):
     """Of the joints' axes to waves of unit height (nw, nj)."""
     item = replace(item, sea=WAVES, settings=replace(item.settings, method="frequency"))
-    return respond(prepare(item, h), h).Z / 0.01
+    return respond(item, h).Z / 0.01
 
 
 def test_nothing_is_out_of_balance():

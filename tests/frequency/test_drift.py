@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled.system import prepare
 from solver.errors import InputError
 from solver.frequency import drift
+from solver.frequency.case import case_of
 from solver.frequency.response import respond
 from solver.hydrodynamics.bem import bem, far_field
 from solver.run import simulate
@@ -50,18 +50,17 @@ def test_energy_far_off_is_that_of_rotors_and_dampers():
     """To the error of a coarse mesh of the barge, whose edges count: 2 %, and 1.2 % with twice as many panels."""
     record = records()[0]
     assert record.attrs["energy_residual"] < 0.03
-    system, h = prepare(drifting(HEADING), coefficients()[0]), coefficients()[0]
-    response = respond(system, h)
+    item, h = drifting(HEADING), coefficients()[0]
+    response = respond(item, h)
     rate = np.abs(response.omega[:, None] * response.Z) ** 2 / 2
     damping = np.array([*MOORED["damping"], 4e4, 6e4])
-    assert np.sum(drift.waves_of(system, response, h).absorbed_power) == approx(np.sum(rate @ damping), rel=0.04)
+    assert np.sum(drift.waves_of(case_of(item, h), response).absorbed_power) == approx(np.sum(rate @ damping), rel=0.04)
 
 
 def test_the_moment_is_about_the_supports_joint():
     """As of the same waves seen from there: H exp(ik d·e) of modes whose origin is d further on."""
     item, h = drifting(HEADING), coefficients()[0]
-    system = prepare(item, h)
-    waves = drift.waves_of(system, respond(system, h), h)
+    waves = drift.waves_of(case_of(item, h), respond(item, h))
     d, k = np.subtract([0.5, 0.0], h.far_field.origin), waves.omega[:, None] ** 2 / 9.81
     m = np.arange(waves.modes.shape[1]) - waves.modes.shape[1] // 2
     angle = 2 * np.pi * np.arange(m.size) / m.size

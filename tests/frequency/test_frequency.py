@@ -12,6 +12,7 @@ from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.frequency import gaussian, response
+from solver.frequency.case import case_of
 from solver.frequency.condensed import Condensed
 from solver.frequency.response import respond
 from solver.run import simulate
@@ -63,6 +64,16 @@ def test_drag_of_a_harmonic():
     assert drag.of_harmonic(np.array([1.0, 1j])) == approx(np.eye(2))
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.03, 1.0])
+def test_drag_of_a_flat_ellipse(phase):
+    """(8/3π)U along it, (4/3π)U across, and neither by the other, whatever the phase; in a current, too."""
+    flat = np.array([0.8, 1e-5j])
+    K = drag.of_harmonic(flat * np.exp(1j * phase))
+    assert np.diag(K) == approx(0.8 / (3 * np.pi) * np.array([8, 4]), rel=5e-3)  # phases: 64
+    _, L = drag.harmonic_in_stream(np.array([0.4, 0.0]), flat * np.exp(1j * phase))
+    assert np.abs([K[0, 1], K[1, 0], L[0, 1], L[1, 0]]).max() < 1e-9
+
+
 @pytest.mark.parametrize(
     "mean", [(-5.0, 0.0, 0.0), (-5.0, 0.3, 0.8), (-5.0, 3.0, -2.0), (-5.0, 20.0, 9.0), (-5.0, 0, 1e4)]
 )
@@ -74,7 +85,7 @@ def test_stress_of_the_most_compressive_fibre(mean, flat):
     X = (random.normal(size=(40, 3)) + 1j * random.normal(size=(40, 3))) * 0.15 * np.array([0.4, 1.0, 0.7])
     if flat:
         X[:, 2] = 0.0
-    table = gaussian.compression_table(mean, X, omega, 3600.0)
+    table = gaussian.compression_table(mean[None], X[:, None], omega, 3600.0)[0]
     t = np.arange(0, 3600.0, 0.25)
     records = []
     for _ in range(20):
@@ -197,13 +208,27 @@ def test_modes_that_follow_are_what_the_whole_equation_has():
     assert not Condensed(model, omega, Y, 1e4 * damping[:nm, :nm]).stiff.any()
 
 
+def test_scenes_that_differ_in_their_dampers_alone_share_a_case():
+    item, h = SCENES["duck"]()
+    item = linear(item, method="frequency")
+
+    def changed(**changes):
+        return replace(item, floats=(replace(item.floats[0], **changes),))
+
+    usual = case_of(item, h)
+    assert case_of(changed(pto_damping=1.0, damping=2.0, quadratic_damping=3.0), h) is usual
+    others = {"stiffness": 1.0, "coulomb": 1.0, "force_limit": 1e9, "mechanism_inertia": 1.0, "mass": 1e5}
+    assert all(case_of(changed(**{name: value}), h) is not usual for name, value in others.items())
+    assert case_of(replace(item, sea=sea(seed=9)), h) is not usual
+
+
 def test_drag_agrees_with_its_own_result(monkeypatch):
     """Rounds that end early are as exact as they say; changes that each are a third of the last add up to its half."""
     bare, _ = SCENES["bare_legs"]()
-    system = prepare(linear(bare, method="frequency"), None)
-    soon = respond(system, None)
+    item = linear(bare, method="frequency")
+    soon = respond(item, None)
     monkeypatch.setattr(response, "AGREED", 1e-13)
-    exact = respond(system, None)
+    exact = respond(item, None)
     std, known = (np.linalg.norm(r.X, axis=0) for r in (soon, exact))
     assert 3 <= soon.rounds < exact.rounds
     assert np.all(np.abs(std - known) < 1e-5 * known)
@@ -253,7 +278,7 @@ def test_motions_per_wave():
     item, h = SCENES["duck"]()
     record = frequency(item, h, rao=True)
     one = replace(item, sea=regular(height=2.0, period=2 * np.pi / item.sea.omega[20]))
-    lines = respond(prepare(linear(one, method="frequency"), h), h)
+    lines = respond(linear(one, method="frequency"), h)
     assert record.variables["rao"][1][0, 0, 20] == approx(abs(lines.Z[0, 0]))
 
 

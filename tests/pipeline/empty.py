@@ -25,6 +25,8 @@ mass = 2147.0
 inertia = [859.0, 859.0, 859.0]
 hinge = [0.0, 0.0, 2.6]
 arm = [-2.36, 0.0, -2.6]
+[solver]
+method = "frequency"
 [axes]
 seed = [{seeds}]
 [sea_states]

@@ -7,6 +7,7 @@ finished task may have been run again.   python tests/pipeline/kills.py [KILLS] 
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import random
 import signal
@@ -61,8 +62,10 @@ def at_work(folder: Path, *words, tasks: int = 12, begun: int = 2, **env) -> Ite
 
 
 def finished(results: Path) -> dict[str, bytes]:
-    """Status files of accepted tasks."""
-    return {path.parent.name: path.read_bytes() for path in results.glob("*/tasks/*/status.json")}
+    """Statuses of accepted tasks, from files of their own or from packs."""
+    lines = [line for path in sorted(results.glob("*/packs/*.jsonl")) for line in path.read_bytes().splitlines()]
+    alone = {path.parent.name: path.read_bytes() for path in results.glob("*/tasks/*/status.json")}
+    return {json.loads(line)["id"]: line for line in lines} | alone
 
 
 def dataset(results: Path, study: str = "empty") -> dict[str, bytes]:

@@ -12,7 +12,8 @@ from pipeline.bridge import preflight, realizations, scenes
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
-from pipeline.results.records import encode
+from pipeline.results.netcdf import to_bytes
+from pipeline.results.records import made
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import expand
 
@@ -265,7 +266,8 @@ def test_a_record_says_which_band_was_chosen(study_with):
         variables, coords, attrs, series = {}, {}, {}, {}
 
     def said(parameters):
-        return xr.open_dataset(io.BytesIO(encode(Bare(), parameters, {"task": "t"})[0])).attrs.get("waves_band")
+        record, _ = made(Bare(), parameters, {"task": "t"})
+        return xr.open_dataset(io.BytesIO(to_bytes(*record))).attrs.get("waves_band")
 
     assert said(first(study_with("{ Hs = 1.0, Tp = 8.0 }", waves=""))).startswith("0.3927 to 2.356 rad/s")
     assert said(first(study_with("{ Hs = 1.0, Tp = 8.0 }"))) is None

@@ -81,8 +81,8 @@ def cluster(folder, *security, workers=2, strangers=0):
 
 def computed(results):
     """All that a study has computed: digests of the records, coefficients, the dataset."""
-    (root,) = (path.parent for path in results.glob("*/tasks"))
-    records = {p.parent.name: json.loads(p.read_bytes())["content"] for p in root.glob("tasks/*/status.json")}
+    (root,) = (path.parent for path in results.glob("*/statistics.nc"))
+    records = {task: json.loads(status)["content"] for task, status in kills.finished(results).items()}
     coefficients = {p.name: p.read_bytes() for p in results.glob("hydrodynamics/*.nc")}
     return records, coefficients, kills.dataset(results, root.name)
 

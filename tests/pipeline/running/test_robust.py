@@ -28,7 +28,7 @@ def study(*words, cwd=None, **env):
 
 
 def contents(results):
-    return {p.parent.name: json.loads(p.read_bytes())["content"] for p in results.glob("empty/tasks/*/status.json")}
+    return {task: json.loads(status)["content"] for task, status in kills.finished(results).items()}
 
 
 @pytest.fixture
@@ -212,3 +212,26 @@ def test_an_error_while_a_batch_is_written_leaves_no_part(small_study, results, 
         store.keep([(task, b"new", {}) for task in tasks[2:9]])
     assert not list(results.rglob("*.part"))
     assert [store.look(t, checksums=True).state for t in tasks[:3]] == ["done", "done", "missing"]
+
+
+def test_short_tasks_lie_many_to_a_file(tmp_path, results):
+    """The dataset is that of files of their own, a rerun of one the same to the bit, and a loss is made good."""
+    path = empty.study(tmp_path, 400)
+    assert study("run", path, "--results", results).returncode == 0
+    assert study("run", path, "--results", tmp_path / "alone", "--workers", 1).returncode == 0
+    packs = sorted(results.glob("empty/packs/*.nc"))
+    assert 3 <= len(packs) < 50 and not list(tmp_path.glob("alone/empty/packs/*"))
+    assert contents(results) == contents(tmp_path / "alone")
+    assert kills.dataset(results) == kills.dataset(tmp_path / "alone")
+    assert "bitwise the same as the old record" in study("rerun", path, "seed=399", "--results", results).stdout
+    data = bytearray(packs[-1].read_bytes())
+    data[-1] ^= 1
+    packs[-1].write_bytes(data)
+    lost = int(re.search(r"(\d+) damaged", study("verify", path, "--results", results).stdout)[1])
+    assert lost > 1
+    again = study("run", path, "--results", results)
+    assert f"400 done; {lost} run now" in again.stdout, again.stdout + again.stderr
+    assert study("verify", path, "--results", results).returncode == 0
+    assert kills.dataset(results) == kills.dataset(tmp_path / "alone")
+    assert study("clean", path, "--orphans", "--results", results).stdout.count("removed") <= 2
+    assert study("verify", path, "--results", results).returncode == 0

@@ -1,0 +1,190 @@
+"""Records of short tasks, many to a file: results/<study>/packs/<number>.nc, with the dimension `task`.
+
+What is the same in all of them is there once. Beside it <number>.jsonl has a line for each, as status.json has it: it
+appears last, and each line has the task's id and the checksum of the records. A task in several packs is the last's.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline.results.netcdf import Variable, from_bytes, to_bytes
+from pipeline.results.status import Status
+
+TASK = "task"  # the dimension
+ATTRIBUTE = "attribute_"  # before the name of a record's attribute that is another in each
+ID = re.compile(rb'\{"id": "([0-9a-f]{16})"')  # how a line begins
+FRESH = 1e9  # a folder that changed so lately may change again without another time [ns]
+
+Made = tuple[Mapping[str, Variable], Mapping[str, Any]]  # variables and attributes of a record
+
+
+class Row(NamedTuple):
+    """A record in a pack."""
+
+    pack: str  # its checksum
+    number: int
+    data: bytes  # of the pack, with its first record; the others come with that one
+
+
+def packed(records: Sequence[Made]) -> list[Row]:
+    """Each record's row; those of one form go together."""
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for n, record in enumerate(records):
+        alike.setdefault(_form(record), []).append(n)
+    rows: dict[int, Row] = {}
+    for members in alike.values():
+        data = to_bytes(*_stacked([records[n] for n in members]))
+        pack = hashlib.sha256(data).hexdigest()
+        rows |= {n: Row(pack, row, b"" if row else data) for row, n in enumerate(members)}
+    return [rows[n] for n in range(len(records))]
+
+
+def _form(record: Made) -> tuple[object, ...]:
+    """What records in one file have in common: names, dimensions, sizes, labels and their attributes."""
+    variables, attrs = record
+    each = (
+        (name, v.dims, v.values.shape, v.values.dtype.kind, str(v.attrs), (name,) == v.dims and v.values.tobytes())
+        for name, v in variables.items()
+    )
+    return (*each, *((name, type(value)) for name, value in attrs.items()))
+
+
+def _stacked(records: Sequence[Made]) -> Made:
+    first, attrs = records[0]
+    variables = {name: _together([variables[name] for variables, _ in records], each=name == TASK) for name in first}
+    texts = {name: [of[name] for _, of in records] for name in attrs}
+    for name, values in texts.items():
+        if len(set(values)) > 1:
+            variables[ATTRIBUTE + name] = Variable((TASK,), np.array(values), {"long_name": f"Attribute {name}"})
+    return variables, {name: values[0] for name, values in texts.items() if ATTRIBUTE + name not in variables}
+
+
+def _together(each_one: Sequence[Variable], *, each: bool) -> Variable:
+    """One variable of several: once where they are the same to the bit, unless there is to be one for each."""
+    first = each_one[0]
+    if not each and all(v.values.tobytes() == first.values.tobytes() for v in each_one[1:]):
+        return first
+    return Variable((TASK, *first.dims), np.stack([v.values for v in each_one]), first.attrs)
+
+
+def taken(pack: Made, number: int) -> Made:
+    """A record out of a pack."""
+    variables, attrs = pack
+    mine = {
+        name: Variable(v.dims[1:], v.values[number, ...], v.attrs) if v.dims[:1] == (TASK,) else v
+        for name, v in variables.items()
+    }
+    own = {name: mine.pop(name).values.item() for name in variables if name.startswith(ATTRIBUTE)}
+    return mine, {**attrs, **{name.removeprefix(ATTRIBUTE): value for name, value in own.items()}}
+
+
+class Place(NamedTuple):
+    """Where a task stands among the packs."""
+
+    records: Path
+    number: int
+    status: Status
+
+    @property
+    def checksum(self) -> str:
+        """Of the pack as it is; raises OSError."""
+        return _checksum(self.records, self.records.stat().st_mtime_ns)
+
+    def record(self) -> Made:
+        """The task's; raises OSError or ValueError unless the pack is whole."""
+        variables, attrs = taken(_opened(self.records, self.records.stat().st_mtime_ns), self.number)
+        if self.checksum != self.status.sha256 or variables[TASK].values != self.status.id:
+            raise ValueError("the pack's content is not what was written")
+        return variables, attrs
+
+
+class Packs:
+    """The packs of a study."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self._lines: dict[str, tuple[Path, int, int, int]] = {}  # file, row, and where in it the row begins and ends
+        self._read: set[str] = set()
+        self._changed = -1
+        self._last = 0  # number that is taken
+
+    def find(self, task_id: str) -> Place | None:
+        """The last outcome of a task in a pack, None if there is none."""
+        self._look()
+        if (line := self._lines.get(task_id)) is None:
+            return None
+        path, number, start, end = line
+        try:
+            status = Status.model_validate_json(_content(path, path.stat().st_mtime_ns)[start:end])
+        except (OSError, ValueError):
+            return None
+        return Place(path.with_suffix(".nc"), number, status)
+
+    def next(self, count: int) -> list[Path]:
+        """Records of so many packs to come."""
+        paths: list[Path] = []
+        while len(paths) < count:
+            self._last += 1
+            path = self.folder / f"{self._last:06d}.nc"
+            if not (path.exists() or path.with_suffix(".jsonl").exists()):
+                paths.append(path)
+        return paths
+
+    def strays(self, known: set[str]) -> Iterator[Path]:
+        """Records of packs from which no known task has its outcome, and what lies beside them."""
+        self._look()
+        used = {path.stem for task, (path, *_) in self._lines.items() if task in known}
+        yield from sorted(path for path in self.folder.glob("*") if path.stem not in used)
+
+    def _look(self) -> None:
+        """Read which tasks are in packs that were not there before."""
+        try:
+            changed = self.folder.stat().st_mtime_ns
+        except OSError:
+            changed = 0
+        if changed == self._changed:
+            return
+        names = sorted(path.name for path in self.folder.glob("*.jsonl")) if changed else []
+        if self._read - set(names):
+            self._lines, self._read = {}, set()
+        for name in names:
+            if name not in self._read:
+                self._take(self.folder / name)
+        self._read, newest = set(names), time.time_ns() - changed < FRESH
+        self._changed = -1 if newest else changed
+
+    def _take(self, path: Path) -> None:
+        try:
+            data = path.read_bytes()
+        except OSError:
+            return
+        start = 0
+        for number, line in enumerate(data.splitlines(keepends=True)):
+            if match := ID.match(line):
+                self._lines[match[1].decode()] = path, number, start, start + len(line)
+            start += len(line)
+
+
+# By path and time of the last change: tasks looked at one after another are in the same pack, as a rule.
+@lru_cache(maxsize=4)
+def _content(path: Path, _changed: int) -> bytes:
+    return path.read_bytes()
+
+
+@lru_cache(maxsize=256)
+def _checksum(path: Path, _changed: int) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+@lru_cache(maxsize=2)
+def _opened(path: Path, _changed: int) -> Made:
+    return from_bytes(path.read_bytes())

@@ -1,0 +1,202 @@
+"""All of a scene's record that its dampers have no part in: scenes that differ in them alone share it."""
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+
+from solver.balance import warnings
+from solver.coupled.equilibrium import balance
+from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
+from solver.coupled.natural import SystemModes, require_stable, system_modes
+from solver.coupled.system import System, prepare
+from solver.frequency.condensed import Condensed
+from solver.frequency.stations import Stations
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.multibody.joint_law import JointLaw
+from solver.record.audit import force_of_waves, response_error
+from solver.record.recorder import Channels
+from solver.scene import Float, Scene
+
+DAMPERS = ("pto_damping", "damping", "quadratic_damping")  # of the joints' axes; at rest they are nothing
+OTHERS = tuple(f.name for f in fields(Float) if f.name not in DAMPERS)
+KNOWN = 2  # cases that a process keeps
+
+
+class _Undamped:
+    """A scene that equals all that differ from it in their dampers alone."""
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        floats = tuple(tuple(getattr(f, name) for name in OTHERS) for f in scene.floats)
+        self._rest = scene.water, scene.sea, scene.current, scene.platform, scene.settings, floats
+
+    def __hash__(self) -> int:
+        return hash(self._rest)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Undamped) and self._rest == other._rest
+
+
+def case_of(scene: Scene, hydrodynamics: Hydrodynamics | None) -> "Case":
+    """The case of a scene; SimulationFailed where its equilibrium is not stable."""
+    return _case(_Undamped(scene), hydrodynamics)
+
+
+@lru_cache(maxsize=KNOWN)
+def _case(undamped: _Undamped, hydrodynamics: Hydrodynamics | None) -> "Case":
+    scene = undamped.scene
+    none: dict[str, Any] = dict.fromkeys(DAMPERS, 0.0)
+    bare = tuple(replace(f, **none) for f in scene.floats)
+    system = prepare(replace(scene, floats=bare), hydrodynamics)
+    require_stable(system)
+    return Case(system, hydrodynamics)
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A scene without its dampers, in its sea; nw waves that are not of zero height, n coordinates of its model."""
+
+    system: System
+    hydrodynamics: Hydrodynamics | None
+
+    @cached_property
+    def model(self) -> LinearModel:
+        """Of the system."""
+        return linear_model(self.system)
+
+    @cached_property
+    def modes(self) -> SystemModes:
+        """Of the system."""
+        return system_modes(self.system, self.hydrodynamics)
+
+    @cached_property
+    def channels(self) -> Channels:
+        """Of the scene."""
+        return Channels(self.system.scene, self.system.support)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What is odd about the scene."""
+        return warnings(self.system.scene)
+
+    @cached_property
+    def met(self) -> np.ndarray:
+        """Which of the sea's waves have a height: others have no response, and coefficients may not reach so far."""
+        return np.abs(self.system.scene.sea.amplitude) > 0
+
+    @cached_property
+    def omega(self) -> np.ndarray:
+        """(nw,) [rad/s]."""
+        return self.system.scene.sea.omega[self.met]
+
+    @property
+    def duration(self) -> float:
+        """Of the record [s]."""
+        return self.system.scene.settings.duration
+
+    @cached_property
+    def rows(self) -> np.ndarray:
+        """All that the waves drive (m, nw)."""
+        return self.system.rows[:, self.met]
+
+    @cached_property
+    def impedance(self) -> np.ndarray:
+        """Y (nw, na, na) of what radiates."""
+        if self.hydrodynamics is None:
+            return np.zeros((self.omega.size, *2 * (len(self.model.active),)))
+        return impedance(self.system, self.hydrodynamics, self.omega)
+
+    @cached_property
+    def excitation(self) -> np.ndarray:
+        """Of the waves on the floats (nw, nb, 6)."""
+        rows = self.rows[self.system.layout.excitation]
+        return rows.T.reshape(self.omega.size, len(self.system.scene.floats), 6)
+
+    @cached_property
+    def force(self) -> np.ndarray:
+        """F (nw, n) of the waves, without drag."""
+        radiating = self.excitation[..., self.system.bodies.active].reshape(self.omega.size, len(self.model.active))
+        return wave_force(self.model, radiating, self.rows[self.system.layout.modal])
+
+    @cached_property
+    def stations(self) -> Stations:
+        """Where the frame has drag."""
+        stream = self.system.support.stream if self.system.support else None
+        return Stations(self.system.structure, self.rows[self.system.layout.station].T, stream)
+
+    @cached_property
+    def of_drag(self) -> np.ndarray:
+        """Maps (nd ns, nm + ny + nt) from the stations' drag to modes, the frame's forces, what is left out of tops."""
+        shape, support = self.stations.shape.T, self.system.support
+        if support is None:
+            return shape
+        forces = [support.forces.drag] if support.forces is not None else []
+        return np.concatenate([shape, *forces, support.left_out.drag], axis=1)
+
+    @cached_property
+    def to_carriers(self) -> np.ndarray:
+        """(nm, nc) from loads on the modes to those on the carriers that make them."""
+        carrier = self.system.structure.carrier
+        return np.linalg.pinv(carrier, rtol=max(1, *carrier.shape) * np.finfo(float).eps)
+
+    @cached_property
+    def drag_at_rest(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """K, and what it does to the modes (see Stations), where the frame does not move."""
+        K = self.stations.equivalent(np.zeros((self.omega.size, self.system.structure.omega.size)))
+        return K, *self.stations.on_modes(K)
+
+    @cached_property
+    def equation(self) -> Condensed:
+        """Without dampers."""
+        nm = self.system.structure.omega.size
+        drag = self.drag_at_rest[1] if self.stations.size else np.zeros((nm, nm))
+        return Condensed(self.model, self.omega, self.impedance, drag)
+
+    @cached_property
+    def meshes(self) -> tuple[tuple[Condensed, np.ndarray], ...]:
+        """Equation and forces (nw, n), without drag, by the coefficients, and by those off by their estimated error."""
+        h, system = self.hydrodynamics, self.system
+        if h is None or h.shifted is h:
+            return ()
+        return tuple(
+            (
+                Condensed(self.model, self.omega, impedance(system, known, self.omega)),
+                force_of_waves(system, known)[self.met],
+            )
+            for known in (h, h.shifted)
+        )
+
+    @cached_property
+    def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:
+        """JᵀW (nz,) and W (nb, 6) of the floats."""
+        return balance(self.system.bodies, self.system.equilibrium[0])
+
+    def law(self, floats: tuple[Float, ...]) -> JointLaw:
+        """Of the same joints with these floats' dampers."""
+        law, carriers = self.system.bodies.law, np.zeros(self.system.structure.carrier.shape[0])
+        more = {name: np.concatenate([carriers, *(f.per_axis(name) for f in floats)]) for name in DAMPERS}
+        return law._replace(**{name: getattr(law, name) + damping for name, damping in more.items()})
+
+    def linear_damping(self, law: JointLaw) -> np.ndarray:
+        """(nj,) of the law's dampers, which the model does not have."""
+        damping = law.pto_damping + law.damping - self.system.bodies.law.damping
+        return damping[self.system.structure.carrier.shape[0] :]
+
+    def damped_model(self, law: JointLaw) -> LinearModel:
+        """With the law's dampers."""
+        more = np.zeros(len(self.model.damping))
+        more[self.system.structure.omega.size :] = self.linear_damping(law)
+        return replace(self.model, damping=self.model.damping + np.diag(more))
+
+    def mesh_effect(self, law: JointLaw) -> float:
+        """See audit.coefficient_effects; with the law's dampers."""
+        if not self.meshes:
+            return 0.0
+        damping, (nw, n) = np.zeros(self.model.damping.shape), self.force.shape
+        joints = np.arange(self.system.structure.omega.size, n)
+        damping[joints, joints] = self.linear_damping(law)
+        at_rest = np.zeros((nw, n), complex)
+        exact, shifted = (equation.response(force, damping, at_rest) for equation, force in self.meshes)
+        return response_error(self.system, law, self.omega, shifted, exact)
