@@ -138,5 +138,5 @@ def _forces(system: System, response: Response, forces: Forces) -> tuple[np.ndar
     dp = -1j * response.omega[:, None] * response.X[:, : p.size]
     ddp = -1j * response.omega[:, None] * dp
     rows = system.rows[system.layout.forces][:, waves].T
-    level = still @ forces.carried + forces.at_rest + mean.drag.ravel() @ forces.drag
+    level = (still @ forces.carried + mean.drag.ravel() @ forces.drag) @ forces.spread + forces.at_rest
     return level[None], forces.of(rows, dp, ddp, response.carried, response.drag)

@@ -56,7 +56,7 @@ pto_damping = 5e4
 hinge_spacing = [5.0]
 """
 LINES = '[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n[variants.a]\n'
-OUTPUTS = 'outputs = ["fatigue", "reactions", "section_forces", "fibre_stress", "utilisation"]\n'
+OUTPUTS = 'outputs = ["fatigue", "leg_tops", "reactions", "section_forces", "fibre_stress", "utilisation"]\n'
 OUTPUTS += "[record.fatigue]\nscf = 2.0\n"
 YIELDING = SMALL.replace("density = 8012.0", "density = 8012.0\nyield_strength = 355e6")
 CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
