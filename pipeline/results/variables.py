@@ -157,6 +157,7 @@ COORDINATES = {
     "sea_state": Meaning(None, "Label of the sea state"),
     "Hs": Meaning("m", "Nominal significant wave height", WAVE + "significant_height"),
     "Tp": Meaning("s", "Nominal peak period", WAVE + "period_at_variance_spectral_density_maximum"),
+    "occurrence": Meaning("1", "How often the sea state comes, as a weight of means over sea states"),
     "wave_height": Meaning("m", "Height of the regular wave, crest to trough"),
     "wave_period": Meaning("s", "Period of the regular wave"),
     "platform": Meaning(None, "Support of the floats"),

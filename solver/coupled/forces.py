@@ -95,6 +95,7 @@ class Forces:
     carried: np.ndarray  # (nc, r) of the floats' loads on the carriers
     drag: np.ndarray  # (nd ns, r) of the drag at the stations
     applied: np.ndarray  # (na, r) of the forces that load histories have
+    moments: np.ndarray  # (r,) which are moments
     spread: np.ndarray  # (r, ny)
     at_rest: np.ndarray  # (ny,) of the frame alone: weight, constant loads, buoyancy
 
@@ -132,6 +133,7 @@ def reduced(places: Places, at_rest: np.ndarray, rows: np.ndarray, **maps: np.nd
         places=places,
         rows=rows[kept],
         **{name: values[:, kept] for name, values in maps.items()},
+        moments=moment[kept],
         spread=spread,
         at_rest=at_rest,
     )

@@ -82,8 +82,10 @@ class Steel:
         """
         of, points = self._resistance, self.places.points
         at_points = Resistance(*(np.repeat(values, points) for values in of))
-        bent = utilisation(*np.ascontiguousarray(np.moveaxis(along, -1, 0)), at_points)
-        sheared = shear_utilisation(*np.moveaxis(shear, -1, 0), Resistance(*(values[:, None] for values in of)))
+        N, My, Mz = np.ascontiguousarray(np.moveaxis(along, -1, 0))
+        Vy, Vz, T = np.moveaxis(shear, -1, 0)
+        bent = utilisation(N, My, Mz, at_points)
+        sheared = shear_utilisation(Vy, Vz, T, Resistance(*(values[:, None] for values in of)))
         return np.maximum(np.maximum.reduceat(bent, np.cumsum(points) - points, axis=1), sheared.max(axis=-1))
 
     @cached_property

@@ -118,13 +118,13 @@ def test_springs_give_what_they_are_pushed_by():
 
 @PLATFORMS
 def test_tops_are_stressed_as_the_members_ends(made):
-    """Fibres at the upper end of each leg, σ = N/A + My z/Iy - Mz y/Iz, of legs that begin at their feet or end there."""
+    """Fibres at the upper end of each leg, σ = N/A + My z/Iy - Mz y/Iz; one leg is given from its top downwards."""
     item, h = made()
     frame = item.platform.frame
     first = frame.members[0]
-    turned = {"start": first.end, "end": first.start, "start_offset": first.end_offset, "end_offset": first.start_offset}
-    released = {"start_release": first.end_release, "end_release": first.start_release}
-    frame = replace(frame, members=(replace(first, **turned, **released), *frame.members[1:]))
+    ends = {f"{end}{what}": getattr(first, f"{other}{what}")
+            for what in ("", "_offset", "_release") for end, other in (("start", "end"), ("end", "start"))}  # fmt: skip
+    frame = replace(frame, members=(replace(first, **ends), *frame.members[1:]))
     outputs = ("section_forces", "fibre_stress", "leg_tops")
     _, steel, *_, y = marched(lambda: (replace(item, platform=replace(item.platform, frame=frame)), h), outputs=outputs)
     names, places = dict(steel.channels(y)), steel.places
