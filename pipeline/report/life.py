@@ -45,8 +45,8 @@ def lives(data: xr.Dataset, variable: str = "damage", weights: Any = None) -> xr
 def _means(each: xr.DataArray) -> _Mean:
     """Over realizations, those that have a number."""
     each = each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
-    count = each.notnull().sum("seed")
-    return _Mean(each.mean("seed"), each.var("seed", ddof=1) / count.where(count > 1), count)
+    number = each.notnull().sum("seed")
+    return _Mean(each.mean("seed"), each.var("seed", ddof=1) / number.where(number > 1), number)
 
 
 def _weighted(of: _Mean, weights: Any) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:

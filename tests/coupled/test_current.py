@@ -130,7 +130,9 @@ def test_reactions_balance_all_that_acts():
         MarineGrowth(depth=9.0, thickness=0.04, density=1250.0),
     )
     frame = replace(frame, members=members, growth=growth, loads=(PointLoad(node="deck", force=(2e4, -3e4, -1e5)),))
-    platform = replace(item.platform, frame=frame, load_histories=(wind(), wind("hinge:float", size=(0.0, 0.0, -4e4), seed=1)))
+    platform = replace(
+        item.platform, frame=frame, load_histories=(wind(), wind("hinge:float", size=(0.0, 0.0, -4e4), seed=1))
+    )
     system, steel, output, y, times = marched(replace(item, current=FLOW, platform=platform), None)
     ocean = system.scene.water
     model, _, _ = support.dynamic_model(platform, ocean)
