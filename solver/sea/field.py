@@ -200,7 +200,6 @@ def _instants(omega: tuple[float, ...], step: float, block: int) -> tuple[np.nda
 
 def _factors(matrix: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """matrix (m, n) = left (m, r) @ right (r, n), each row to ROUNDING of its size (m,), by singular values."""
-    size = np.where(size > 0, size, 1.0)[:, None]
-    left, value, right = np.linalg.svd(matrix / size, full_matrices=False)
+    left, value, right = np.linalg.svd(matrix / np.where(size > 0, size, 1.0)[:, None], full_matrices=False)
     kept = value > ROUNDING * value.max(initial=0.0)
-    return size * left[:, kept] * value[kept], right[kept]
+    return size[:, None] * left[:, kept] * value[kept], right[kept]

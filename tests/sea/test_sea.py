@@ -146,6 +146,8 @@ def test_rows_that_are_rounding_of_others_cost_nothing():
     few, many = factored(rows, np.full(40, own.max())), factored(rows, own)
     assert few.spread.shape == (40, 3) and many.spread.shape[1] > 20
     assert np.abs(few.spread @ few.basis - rows).max() < 1e-13 * own.max()
+    none = np.concatenate([rows[:3], np.zeros((1, 60))])
+    assert not factored(none, np.linalg.norm(none, axis=1)).spread[3].any()  # nothing is nothing, not rounding
 
 
 def test_white_noise_is_flat_and_has_its_height():
