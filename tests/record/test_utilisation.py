@@ -177,6 +177,7 @@ def test_tubes_are_utilised_by_their_section_forces():
         assert names["utilisation"][:, row] == approx(expected)
         assert np.ptp(expected) > 0
         borne = steel.places.split(y)
+        assert borne.along[:, 2 * row : 2 * row + 2] == approx(np.stack([N, My, Mz], axis=-1), rel=1e-9, abs=1e-6)
         large = tubular.shear_utilisation(1e4 * Vy, 1e4 * Vz, 1e4 * T, of).max(axis=1)
         assert steel.utilisation(borne.along, 1e4 * borne.shear)[:, row] == approx(np.maximum(bent, large))
         assert np.all(large > bent)
