@@ -10,7 +10,7 @@ export NUMBA_NUM_THREADS := 1
 # numba's cache misses an edit in another file: a new folder for each state of the sources.
 export NUMBA_CACHE_DIR := $(CURDIR)/.jit/$(shell find solver -name '*.py' | LC_ALL=C sort | xargs cat | cksum | tr -d ' ')
 
-.PHONY: study-buan paper jeju test nightly validate bench bench-pipeline stress test-python kills faults fuzz figure lint setup clean
+.PHONY: study-buan paper jeju life test nightly validate bench bench-pipeline stress test-python kills faults fuzz figure lint setup clean
 
 study-buan: $(READY)
 	$(VENV)/bin/study run studies/buan.toml
@@ -26,6 +26,11 @@ paper: $(READY)
 jeju: $(READY)
 	$(VENV)/bin/study run studies/jeju-rotors.toml
 	$(VENV)/bin/python -m studies.jeju
+
+# Fatigue damage and life of Buan's legs over five years, and why it goes by signed stress.
+life: $(READY)
+	$(VENV)/bin/study run studies/buan-fatigue.toml
+	$(VENV)/bin/python -m studies.life
 
 # On two cores; a third process fills them while one waits for others or for the compiler. As on other machines:
 # make test ORDER=7 OPENBLAS_NUM_THREADS=2 OPENBLAS_CORETYPE=Haswell, with a random order and random examples of that seed.

@@ -26,7 +26,7 @@ from solver.structure.load_history import LoadHistory, in_plane
 from solver.structure.tubular import may_be_utilised, resistance
 
 STEPS = 9  # in the shortest period that a scene has to follow
-OfSteel = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "utilisation"]
+OfSteel = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "leg_tops", "utilisation"]
 OfFloats = Literal["pto_force", "pto_stroke", "drift"]
 Output = Literal[OfSteel, OfFloats]
 OF_STEEL, OF_FLOATS, OUTPUTS = map(get_args, (OfSteel, OfFloats, Output))
@@ -317,7 +317,7 @@ class Platform:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fatigue:
-    """How damage is reckoned at the legs' feet: S-N curve, hot spot, and what equivalent ranges refer to."""
+    """How damage is reckoned at the legs' ends: S-N curve, hot spot, and what equivalent ranges refer to."""
 
     curve: Annotated[
         Literal["B1", "B2", "C", "C1", "C2", "D", "E", "F", "F1", "F3", "G", "W1", "W2", "W3"], "S-N curve"
@@ -560,6 +560,8 @@ class Scene:
         at_feet = [name for name in ("fibre_stress", "fatigue") if name in outputs]
         if at_feet and not self.platform.legs:
             yield InputError("settings.outputs", at_feet[0], "is of the feet of legs: platform.legs must name some")
+        if "leg_tops" in outputs and not at_feet:
+            yield InputError("settings.outputs", "leg_tops", "is of fibre_stress or fatigue: ask for one of them, too")
         if "utilisation" in outputs:
             yield from self._utilisation_problems(self.platform.frame)
         members = len(self.platform.frame.members)

@@ -63,7 +63,7 @@ def _sea(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
 def _shape(key: str, sea: Irregular, study: StudyFile) -> Iterator[InputError]:
     shape = sea.spectrum or study.waves.spectrum
     for name, value in sea:
-        known = name in ("kind", "Hs", "Tp", "spectrum", *realizations.keys_of(shape))
+        known = name in ("kind", "Hs", "Tp", "spectrum", "occurrence", *realizations.keys_of(shape))
         if not known and value not in (None, "peak"):  # whose period is the peak's, form = "peak" is true of it
             yield _foreign(key, name, value, shape)
 

@@ -111,7 +111,7 @@ def print_table(study: Study, path: Path) -> None:
 
 
 def _table(study: Study, path: Path) -> str:
-    from pipeline.report import report
+    from pipeline.report import life, report
     from pipeline.results import dataset
 
     with dataset.opened(path) as data, out.capture() as drawn:
@@ -120,6 +120,7 @@ def _table(study: Study, path: Path) -> str:
             report.print_tables(data, rows, out)
         if not report.speaks(data, rows):
             report.print_summary(data, out)
+        life.print_lives(data, out)
     return drawn.get()
 
 

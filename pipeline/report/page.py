@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report import arrays, figures, report, series, sketch, strips
+from pipeline.report import arrays, figures, life, report, series, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, png, svg
 from pipeline.report.envelopes import envelopes
@@ -64,6 +64,7 @@ def html(results: Results) -> str:
         summary=[] if report.speaks(results.data, results.published) else list(report.summary_rows(results.data)),
         figures=list(drawn(results)),
         periods=list(natural_periods(results)),
+        lives=(life.HEADER, list(life.rows(results.data)), life.NOTE),
     )
 
 

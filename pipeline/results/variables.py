@@ -68,13 +68,17 @@ VARIABLES = {
     "section_moment": Meaning("N m", "Section moment at the end of the member, on the face towards its end, own axes"),
     "fibre_stress": Meaning("Pa", "Stress of a fixed fibre at the foot of the leg, tension positive"),
     "fibre_stress_crossing_rate": Meaning("s-1", "Upcrossings of its mean by the fibre's stress"),
+    "fibre_stress_top": Meaning("Pa", "Stress of a fixed fibre at the top of the leg, tension positive"),
+    "fibre_stress_top_crossing_rate": Meaning("s-1", "Upcrossings of its mean by the fibre's stress at the top"),
     "fibre_place": Meaning("m", "Place of the fibre from the leg's axis"),
     "fibre_angle": Meaning("rad", "Angle of the fibre in the leg's section, from its axis y towards its axis z"),
     "utilisation": Meaning(
-        "1", "Largest along the tube by NORSOK N-004, 6.3: axial force, bending, buckling; fails above 1"
+        "1", "Largest of the tube by NORSOK N-004, 6.3: axial force, bending, buckling, shear; fails above 1"
     ),
     "damage": Meaning("h-1", "Fatigue damage by Miner's sum, an hour"),
+    "damage_top": Meaning("h-1", "Fatigue damage at the top of the leg by Miner's sum, an hour"),
     "equivalent_range": Meaning("Pa", "Range of hot-spot stress that does the same damage in equivalent_cycles"),
+    "equivalent_range_top": Meaning("Pa", "Range of hot-spot stress at the top that does the same damage"),
     "equivalent_exponent": Meaning("1", "Exponent m of the damage-equivalent range"),
     "equivalent_cycles": Meaning("h-1", "Cycles that the damage-equivalent range refers to"),
     "wave_elevation": Meaning(
@@ -153,6 +157,7 @@ COORDINATES = {
     "sea_state": Meaning(None, "Label of the sea state"),
     "Hs": Meaning("m", "Nominal significant wave height", WAVE + "significant_height"),
     "Tp": Meaning("s", "Nominal peak period", WAVE + "period_at_variance_spectral_density_maximum"),
+    "occurrence": Meaning("1", "How often the sea state comes, as a weight of means over sea states"),
     "wave_height": Meaning("m", "Height of the regular wave, crest to trough"),
     "wave_period": Meaning("s", "Period of the regular wave"),
     "platform": Meaning(None, "Support of the floats"),

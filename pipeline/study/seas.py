@@ -49,7 +49,15 @@ class Waves(Table):
 KIND = "Kind of sea"
 
 
-class Irregular(Table):
+class Sea(Table):
+    """What every sea state may have."""
+
+    occurrence: Annotated[
+        Positive | None, "How often it comes, hours a year or any such weight: of means over sea states, no task"
+    ] = None
+
+
+class Irregular(Sea):
     """Random waves: a row of a scatter table, with the shape of [waves] unless it says otherwise."""
 
     kind: Annotated[Literal["irregular"], KIND] = "irregular"
@@ -60,21 +68,21 @@ class Irregular(Table):
     gamma: Annotated[Gamma | None, "Peak enhancement of JONSWAP"] = None
 
 
-class WhiteNoise(Table):
+class WhiteNoise(Sea):
     """Random waves of the same density everywhere in waves.band."""
 
     kind: Annotated[Literal["white-noise"], KIND]
     Hs: Annotated[Positive, Unit("m"), "Significant wave height"]
 
 
-class MeasuredSpectrum(Table):
+class MeasuredSpectrum(Sea):
     """Random waves with a spectrum from a file: omega [rad/s], S [m2 s/rad] (or frequency [Hz], S [m2/Hz])."""
 
     kind: Annotated[Literal["spectrum"], KIND]
     file: Annotated[File, "CSV file beside the study: omega [rad/s], S [m2 s/rad]"]
 
 
-class Regular(Table):
+class Regular(Sea):
     """One wave of this height, crest to trough; at the origin the phase is that of its cosine at t = 0."""
 
     kind: Annotated[Literal["regular"], KIND]
@@ -83,21 +91,21 @@ class Regular(Table):
     phase: Annotated[Number, Unit("rad"), "Of the cosine at the origin, at t = 0"] = 0.0
 
 
-class Components(Table):
+class Components(Sea):
     """Waves one by one from a file: amplitude [m], omega [rad/s] (or frequency [Hz]), phase [rad]."""
 
     kind: Annotated[Literal["components"], KIND]
     file: Annotated[File, "CSV file beside the study: amplitude [m], omega [rad/s], phase [rad]"]
 
 
-class Elevation(Table):
+class Elevation(Sea):
     """A measured record at the origin from a file: time [s], elevation [m]; its lines in waves.band are kept."""
 
     kind: Annotated[Literal["elevation"], KIND]
     file: Annotated[File, "CSV file beside the study: time [s], elevation [m]"]
 
 
-class Still(Table):
+class Still(Sea):
     """No waves: free decay from the floats' offsets."""
 
     kind: Annotated[Literal["still"], KIND]
@@ -125,7 +133,11 @@ def is_random(sea: SeaState) -> bool:
 
 
 def labels(sea: SeaState) -> dict[str, float]:
-    """The numbers by which people know a sea state, as coordinates of the dataset."""
+    """The numbers by which people know a sea state, and how often it comes, as coordinates of the dataset."""
+    return _known(sea) | ({} if sea.occurrence is None else {"occurrence": sea.occurrence})
+
+
+def _known(sea: SeaState) -> dict[str, float]:
     match sea:
         case Irregular():
             return {"Hs": sea.Hs, "Tp": sea.Tp}
@@ -135,6 +147,11 @@ def labels(sea: SeaState) -> dict[str, float]:
             return {"wave_height": sea.height, "wave_period": sea.period}
         case _:
             return {}
+
+
+def alone(sea: SeaState) -> SeaState:
+    """The waves of a sea state, however often they come."""
+    return sea if sea.occurrence is None else sea.model_copy(update={"occurrence": None})
 
 
 def deciding(sea: SeaState, waves: Waves) -> Waves:

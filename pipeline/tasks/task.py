@@ -237,7 +237,7 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     return Parameters(
         water=study.water,
         waves=seas.deciding(sea, study.waves),
-        sea_state=sea,
+        sea_state=seas.alone(sea),
         record=study.record,
         solver=study.solver,
         floats=floats,

@@ -5,8 +5,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy import linalg
 from scipy.spatial import cKDTree
 
+from solver.sea.field import ROUNDING
 from solver.structure import recovery, water
 from solver.structure.frame_model import FrameModel
 from solver.structure.influence import Influence, Wanted, influence
@@ -14,7 +16,8 @@ from solver.structure.legs import BENDING
 from solver.structure.tubular import may_be_utilised
 
 REACTIONS, SECTIONS, FIBRES, FATIGUE = "reactions", "section_forces", "fibre_stress", "fatigue"
-UTILISATION = "utilisation"
+TOPS, UTILISATION = "leg_tops", "utilisation"
+SHEAR = [1, 2, 3]  # Vy, Vz, T among the section forces
 MIRROR = np.array([1.0, -1.0, 1.0])
 
 
@@ -45,46 +48,55 @@ class Feet(NamedTuple):
         return self.fibre @ self.axes[:, 1:]
 
 
+class Borne(NamedTuple):
+    """What is asked for at each of m instants, lines or at rest."""
+
+    feet: np.ndarray  # (m, nl, 3) N, My, Mz at the legs' feet
+    tops: np.ndarray  # (m, nl, 3) at their tops, or none
+    sections: np.ndarray  # (m, nm, 2, 6) section forces at the members' ends
+    along: np.ndarray  # (m, np, 3) N, My, Mz at all points of the tubes that are utilised, tube after tube
+    shear: np.ndarray  # (m, nk, 2, 3) Vy, Vz, T at their ends
+    reactions: np.ndarray  # (m, nc, 6)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Places:
-    """Which of a frame's forces are asked for: of the legs' feet, the members' ends, tubes' elements, the ground."""
+    """Which of a frame's forces are asked for: of the legs' ends, the members' ends, tubes, the ground."""
 
     feet: Feet
+    tops: int  # of the legs, 0 or nl
     members: tuple[str, ...]
     checked: tuple[str, ...]  # tubes that are utilised
-    elements: np.ndarray  # (nk,) the number of elements of each
+    points: np.ndarray  # (nk,) of each: its ends, and where two of its elements meet and bear the same
     grounded: tuple[str, ...]  # nodes
     foot: np.ndarray  # (nc, 3) their places [m]
     wanted: Wanted
     influence: Influence
 
-    def split(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """N, My, Mz at the feet (m, nl, 3), section forces (m, nm, 2, 6), reactions (m, nc, 6), of forces y (m, ny)."""
-        feet, sections, _, reactions = self._parts(y)
-        return feet, sections, reactions
-
-    def along_tubes(self, y: np.ndarray) -> np.ndarray:
-        """N, My, Mz at both ends of each element of the tubes that are utilised, tube after tube (m, 2 ne, 3)."""
-        return self._parts(y)[2]
-
-    def _parts(self, y: np.ndarray) -> list[np.ndarray]:
-        nl, nm, ne = len(self.feet.axes), len(self.members), int(self.elements.sum())
-        shapes = (nl, 3), (nm, 2, 6), (2 * ne, 3), (len(self.grounded), 6)
-        parts = np.split(y, np.cumsum([3 * nl, 12 * nm, 6 * ne]), axis=-1)
-        return [part.reshape(len(y), *shape) for part, shape in zip(parts, shapes, strict=True)]
+    def split(self, y: np.ndarray) -> Borne:
+        """Of forces y (m, ny)."""
+        nl, nm, nk = len(self.feet.axes), len(self.members), len(self.checked)
+        shapes = (nl, 3), (self.tops, 3), (nm, 2, 6), (int(self.points.sum()), 3), (nk, 2, 3), (len(self.grounded), 6)
+        parts = np.split(y, np.cumsum([np.prod(shape, dtype=int) for shape in shapes])[:-1], axis=-1)
+        return Borne(*(part.reshape(len(y), *shape) for part, shape in zip(parts, shapes, strict=True)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Forces:
-    """Maps to the ny forces that are asked for: y = waves + p̈ A + ṗ B + h C + g D, besides those at rest."""
+    """Maps to the ny forces that are asked for: y = (waves + p̈ A + ṗ B + h C + g D) S, besides those at rest.
+
+    Few of the ny go their own way: the others are sums of the r in the brackets, to rounding.
+    """
 
     places: Places
-    rows: np.ndarray  # (ny, n) complex, of the wave's inertia load
-    inertia: np.ndarray  # (nm, ny) of modal accelerations
-    damping: np.ndarray  # (nm, ny) of modal rates, for a damping ratio of 1 until it is known: see damped
-    carried: np.ndarray  # (nc, ny) of the floats' loads on the carriers
-    drag: np.ndarray  # (nd ns, ny) of the drag at the stations
-    applied: np.ndarray  # (na, ny) of the forces that load histories have
+    rows: np.ndarray  # (r, n) complex, of the wave's inertia load
+    inertia: np.ndarray  # (nm, r) of modal accelerations
+    damping: np.ndarray  # (nm, r) of modal rates, for a damping ratio of 1 until it is known: see damped
+    carried: np.ndarray  # (nc, r) of the floats' loads on the carriers
+    drag: np.ndarray  # (nd ns, r) of the drag at the stations
+    applied: np.ndarray  # (na, r) of the forces that load histories have
+    moments: np.ndarray  # (r,) which are moments
+    spread: np.ndarray  # (r, ny)
     at_rest: np.ndarray  # (ny,) of the frame alone: weight, constant loads, buoyancy
 
     def damped(self, ratio: float) -> "Forces":
@@ -94,12 +106,40 @@ class Forces:
     def of(
         self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray, drag: np.ndarray
     ) -> np.ndarray:
-        """y (m, ny) without those at rest, of samples: waves (m, ny), dp, ddp, carried, drag (m, nd, ns)."""
-        return self.of_motion(waves, dp, ddp, carried) + drag.reshape(len(drag), -1) @ self.drag
+        """y (m, ny) without those at rest, of samples or lines: waves (m, r), dp, ddp, carried, drag (m, nd, ns)."""
+        return (self.of_motion(waves, dp, ddp, carried) + drag.reshape(len(drag), -1) @ self.drag) @ self.spread
 
     def of_motion(self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray) -> np.ndarray:
-        """The same of samples or lines, without drag."""
+        """The same without drag, of the r that are kept."""
         return waves + (ddp @ self.inertia + dp @ self.damping + carried @ self.carried)
+
+
+def reduced(places: Places, at_rest: np.ndarray, rows: np.ndarray, **maps: np.ndarray) -> Forces:
+    """Of maps to all ny forces: rows (ny, n), the others (…, ny).
+
+    The r that are kept are rows of the maps themselves, those by which a QR decomposition with pivots leaves no more
+    than ROUNDING; what drives them counts by its largest effect, a force or a moment by the largest of its kind.
+    """
+    whole = np.concatenate([rows.real.T, rows.imag.T, *maps.values()])
+    moment = places.wanted.moments
+    size = np.where(moment, *(np.abs(whole[:, kind]).max(initial=0.0) for kind in (moment, ~moment)))
+    scaled = whole / np.where(size > 0, size, 1.0)
+    effect = np.abs(scaled).max(axis=1, initial=0.0)
+    upper, order = linalg.qr(scaled[effect > 0] / effect[effect > 0, None], mode="r", pivoting=True)
+    pivots = np.abs(np.diag(upper))
+    r = int(np.sum(pivots > ROUNDING * pivots.max(initial=0.0)))
+    spread = np.empty((r, order.size))
+    spread[:, order] = linalg.solve_triangular(upper[:r, :r], upper[:r])
+    kept = order[:r]
+    spread *= size / size[kept, None]
+    return Forces(
+        places=places,
+        rows=rows[kept],
+        **{name: values[:, kept] for name, values in maps.items()},
+        moments=moment[kept],
+        spread=spread,
+        at_rest=at_rest,
+    )
 
 
 def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Places:
@@ -110,21 +150,29 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
     checked = tuple(filter(may_be_utilised, frame.members)) if UTILISATION in outputs else ()
     grounded = frame.grounded if REACTIONS in outputs else ()
     feet = [_foot(model, name) for name in legs]
+    tops = [sum(_ends(model, name)) - foot for name, foot in zip(legs, feet, strict=True)] if TOPS in outputs else []
     both = [end for name in members for end in _ends(model, name)]
-    along = [2 * e + end for m in checked for e in model.member_elements[m.name] for end in (0, 1)]
+    along = [end for m in checked for end in _points(model, m.name)]
+    shear = [end for m in checked for end in _ends(model, m.name)]
     nodes = np.array([model.node_index[name] for name in grounded], int)
     wanted = Wanted(
-        end=np.concatenate([np.repeat(feet, 3), np.repeat(both, 6), np.repeat(along, 3)]).astype(int),
+        end=np.concatenate([np.repeat(e, n) for e, n in ((feet + tops, 3), (both, 6), (along + shear, 3))]).astype(int),
         component=np.concatenate(
-            [np.tile(BENDING, len(feet)), np.tile(np.arange(6), len(both)), np.tile(BENDING, len(along))]
+            [
+                np.tile(BENDING, len(feet + tops)),
+                np.tile(np.arange(6), len(both)),
+                np.tile(BENDING, len(along)),
+                np.tile(SHEAR, len(shear)),
+            ]
         ).astype(int),
         grounded=(6 * nodes[:, None] + np.arange(6)).ravel(),
     )
     return Places(
         feet=_feet(model, np.array(feet, int)),
+        tops=len(tops),
         members=members,
         checked=tuple(m.name for m in checked),
-        elements=np.array([m.elements for m in checked], int),
+        points=np.array([m.elements + 1 for m in checked], int),
         grounded=grounded,
         foot=model.xyz[nodes],
         wanted=wanted,
@@ -136,6 +184,12 @@ def _ends(model: FrameModel, name: str) -> tuple[int, int]:
     """A member's start and end among the ends of elements."""
     elements = model.member_elements[name]
     return 2 * elements[0], 2 * elements[-1] + 1
+
+
+def _points(model: FrameModel, name: str) -> list[int]:
+    """A member's start and the ends of all its elements, among the ends of elements."""
+    elements = model.member_elements[name]
+    return [2 * elements[0], *(2 * e + 1 for e in elements)]
 
 
 def _foot(model: FrameModel, name: str) -> int:

@@ -151,15 +151,15 @@ def reduce_platform(
     if asked.wanted.end.size or asked.wanted.grounded.size:
         inertia = asked.influence.of_inertia(M, sea.density, shapes)
         elastic = np.arange(len(asked.influence.element)) < asked.wanted.end.size  # the ground bears damping, too
-        borne = Forces(
-            places=asked,
+        borne = forces.reduced(
+            asked,
+            _forces_at_rest(platform, sea, asked),
             rows=np.tensordot(asked.influence.of_points(at), inertia_rows, axes=([0, 1], [0, 1])),
             inertia=inertia,
             damping=2 * omega[:, None] * inertia * elastic,
             carried=asked.influence.nodal[dof.ravel()],
             drag=water_drag.borne(asked),
             applied=asked.influence.nodal[loaded],
-            at_rest=_forces_at_rest(platform, sea, asked),
         )
     return Support(
         dry_omega=_dry_frequencies(model),

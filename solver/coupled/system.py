@@ -127,8 +127,16 @@ class System:
 
     @cached_property
     def factored(self) -> Factored:
-        """The rows in fewer, for the march."""
-        return factored(self.rows)
+        """The rows in fewer, for the march; the frame's forces to rounding of the largest of their kind.
+
+        Those that symmetry makes zero are rounding themselves, in which nothing depends on anything.
+        """
+        size = np.linalg.norm(self.rows, axis=1)
+        if self.support is not None and self.support.forces is not None:
+            borne, moments = size[self.layout.forces], self.support.forces.moments
+            for kind in (moments, ~moments):
+                borne[kind] = borne[kind].max(initial=0.0)
+        return factored(self.rows, size)
 
     def with_step(self, dt: float) -> "System":
         """The same scene at another step; what does not depend on it is not computed again."""

@@ -128,7 +128,7 @@ class Case:
 
     @cached_property
     def of_drag(self) -> np.ndarray:
-        """Maps (nd ns, nm + ny + nt) from the stations' drag to modes, the frame's forces, what is left out of tops."""
+        """Maps (nd ns, nm + r + nt) from the stations' drag to modes, the frame's forces, what is left out of tops."""
         shape, support = self.stations.shape.T, self.system.support
         if support is None:
             return shape

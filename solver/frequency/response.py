@@ -33,7 +33,7 @@ class Drag(NamedTuple):
     """Of the water on the frame, as others feel it."""
 
     modes: np.ndarray  # (nw, nm)
-    forces: np.ndarray  # (nw, ny) that are asked for
+    forces: np.ndarray  # (nw, r) of the frame: see coupled.forces
     tops: np.ndarray  # (nw, nt) of the legs, by the shapes that are left out
 
 
@@ -138,10 +138,10 @@ def _agreed(case: Case, law: JointLaw) -> tuple[np.ndarray, Drag, np.ndarray, in
 
 
 def _parts(case: Case, borne: np.ndarray) -> Drag:
-    """Of what drag does by the case's maps (nw, nm + ny + nt)."""
+    """Of what drag does by the case's maps (nw, nm + r + nt)."""
     nm, support = case.model.modes.shape[1], case.system.support
-    ny = support.forces.drag.shape[1] if support and support.forces is not None else 0
-    return Drag(*np.split(borne, [nm, nm + ny], axis=1))
+    r = support.forces.drag.shape[1] if support and support.forces is not None else 0
+    return Drag(*np.split(borne, [nm, nm + r], axis=1))
 
 
 def _drag(case: Case, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

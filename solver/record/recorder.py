@@ -208,7 +208,7 @@ class Recorder:
         self.series: dict[str, list[np.ndarray]] = {}
         self.strokes = Statistics()  # of positions and of the sizes of rates, if asked for
         self.rates = Statistics()  # of the axes, where their power take-offs' loads are bounded
-        self.feet: list[np.ndarray] = []  # N, My, Mz where samples are counted
+        self.bent: dict[str, list[np.ndarray]] = {}  # N, My, Mz where samples are counted
         self.seconds = [np.inf, -np.inf]
         wanted = scene.settings.rao and self.channels.axes and scene.sea.amplitude.any()
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
@@ -273,7 +273,8 @@ class Recorder:
             yield "top_displacement", tops
             yield "bottom_stress", feet
         if channels.steel.counts:
-            self.feet.append(channels.steel.places.split(y)[0])
+            for at, end in channels.steel.ends(y).items():
+                self.bent.setdefault(at, []).append(end.copy())  # of an array that is many times larger
         yield from channels.steel.channels(y)
 
     def _at_work(self, contact: np.ndarray, joint: np.ndarray) -> np.ndarray:
@@ -351,8 +352,9 @@ class Recorder:
         """The record of all blocks; the system's natural periods, if known."""
         legs, largest, steel = self.channels.legs, self.largest, self.channels.steel
         counted: tuple[Mapping[str, Labelled], tuple[str, ...]] = ({}, ())
-        if steel is not None and self.feet:
-            counted = steel.counted(np.concatenate(self.feet), self.seconds[1] - self.seconds[0])
+        if steel is not None and self.bent:
+            bent = {at: np.concatenate(blocks) for at, blocks in self.bent.items()}
+            counted = steel.counted(bent, self.seconds[1] - self.seconds[0])
         return self.channels.record(
             self.tables(),
             attrs,

@@ -5,11 +5,11 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, UTILISATION, Forces
+from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, TOPS, UTILISATION, Forces
 from solver.record import fatigue
 from solver.scene import Fatigue, Settings
 from solver.structure.frame import FORCES
-from solver.structure.tubular import Resistance, resistance, utilisation
+from solver.structure.tubular import Resistance, resistance, shear_utilisation, utilisation
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
 
@@ -22,6 +22,7 @@ DIMS = {
     "section_force": ("member", "end", "force"),
     "section_moment": ("member", "end", "moment"),
     "fibre_stress": ("leg", "fibre"),
+    "fibre_stress_top": ("leg", "fibre"),
     "utilisation": ("tube",),
 }
 
@@ -42,78 +43,91 @@ class Steel:
 
     def compression(self, y: np.ndarray) -> np.ndarray:
         """N/A, c My/Iy, c Mz/Iz at the legs' feet, (m, nl, 3)."""
-        return self.places.split(y)[0] * self.feet.extreme
+        return self.places.split(y).feet * self.feet.extreme
 
-    def fibres(self, y: np.ndarray) -> np.ndarray:
-        """Signed stress (m, nl, nf) at the legs' feet, tension positive."""
-        return np.einsum("mlf,lfp->mlp", self.places.split(y)[0], self.feet.stress)
+    def fibres(self, bent: np.ndarray) -> np.ndarray:
+        """Signed stress (m, nl, nf), tension positive, of N, My, Mz at an end of the legs (m, nl, 3)."""
+        return np.einsum("mlf,lfp->mlp", bent, self.feet.stress)
+
+    def ends(self, y: np.ndarray) -> dict[str, np.ndarray]:
+        """N, My, Mz (m, nl, 3) at the ends of the legs where fibres are looked at, by what outputs there end in."""
+        borne = self.places.split(y)
+        return {"": borne.feet, **({"_top": borne.tops} if TOPS in self.outputs else {})}
 
     def channels(self, y: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """Name and values (m, …) of each output, from samples, from lines or from values at rest."""
-        feet, sections, reactions = self.places.split(y)
+        borne = self.places.split(y)
         if REACTIONS in self.outputs:
-            force, moment = reactions[..., :3], reactions[..., 3:]
+            force, moment = borne.reactions[..., :3], borne.reactions[..., 3:]
             yield "reaction_force", force
             yield "reaction_moment", moment
             yield "base_shear", -force.sum(axis=1)
             lever = self.places.foot - self.point
             yield "overturning_moment", -(np.cross(lever, force) + moment).sum(axis=1)
-            if feet.shape[1]:
-                yield "pile_force", feet[..., 0]
+            if borne.feet.shape[1]:
+                yield "pile_force", borne.feet[..., 0]
         if SECTIONS in self.outputs:
-            yield "section_force", sections[..., :3]
-            yield "section_moment", sections[..., 3:]
+            yield "section_force", borne.sections[..., :3]
+            yield "section_moment", borne.sections[..., 3:]
         if FIBRES in self.outputs:
-            yield "fibre_stress", self.fibres(y)
+            for at, bent in self.ends(y).items():
+                yield f"fibre_stress{at}", self.fibres(bent)
         if UTILISATION in self.outputs:
-            yield "utilisation", self.utilisation(y)
+            yield "utilisation", self.utilisation(borne.along, borne.shear)
 
-    def utilisation(self, y: np.ndarray) -> np.ndarray:
-        """Largest along each tube (m, nk), at the ends of its elements."""
-        N, My, Mz = np.moveaxis(self.places.along_tubes(y), -1, 0)
-        ends = 2 * self.places.elements
-        return np.maximum.reduceat(utilisation(N, My, Mz, self._resistance), np.cumsum(ends) - ends, axis=1)
+    def utilisation(self, along: np.ndarray, shear: np.ndarray) -> np.ndarray:
+        """Largest of each tube (m, nk): of axial force and bending at all its points, of shear and torsion at its ends.
+
+        along (m, np, 3): N, My, Mz; shear (m, nk, 2, 3): Vy, Vz, T.
+        """
+        of, points = self._resistance, self.places.points
+        at_points = Resistance(*(np.repeat(values, points) for values in of))
+        N, My, Mz = np.ascontiguousarray(np.moveaxis(along, -1, 0))
+        Vy, Vz, T = np.moveaxis(shear, -1, 0)
+        bent = utilisation(N, My, Mz, at_points)
+        sheared = shear_utilisation(Vy, Vz, T, Resistance(*(values[:, None] for values in of)))
+        return np.maximum(np.maximum.reduceat(bent, np.cumsum(points) - points, axis=1), sheared.max(axis=-1))
 
     @cached_property
     def _resistance(self) -> Resistance:
-        """At both ends of each element of the tubes."""
+        """Of each tube (nk,)."""
         frame = self.places.influence.model.frame
         members = {m.name: m for m in frame.members}
         tubes = [members[name] for name in self.places.checked]
         each = [resistance(m, frame.buckling_length(m), self.material_factor) for m in tubes]
-        repeats = 2 * self.places.elements
-        return Resistance(*(np.repeat(np.array(values), repeats) for values in zip(*each, strict=True)))
+        return Resistance(*map(np.array, zip(*each, strict=True)))
 
     @property
     def counts(self) -> bool:
         """Whether all samples of the fibres are needed, and not their statistics alone."""
         return bool({FIBRES, FATIGUE} & set(self.outputs))
 
-    def counted(self, feet: np.ndarray, seconds: float) -> tuple[dict[str, Labelled], tuple[str, ...]]:
-        """Crossing rates and damage, and what failed, of samples of N, My, Mz at the feet (m, nl, 3) in a time [s]."""
-        stress = np.einsum("mlf,lfp->mlp", feet, self.feet.stress)
-        rates = fatigue.crossing_rate(stress, seconds)
-        return self._counted(rates, lambda how: fatigue.of_samples(stress, seconds, self.feet.thickness, how))
+    def counted(self, bent: dict[str, np.ndarray], seconds: float) -> tuple[dict[str, Labelled], tuple[str, ...]]:
+        """Crossing rates and damage, and what failed, of samples of what `ends` gives, in a time [s]."""
+        stress = {at: self.fibres(forces) for at, forces in bent.items()}
+        rates = {at: fatigue.crossing_rate(x, seconds) for at, x in stress.items()}
+        return self._counted(rates, lambda at, how: fatigue.of_samples(stress[at], seconds, self.feet.thickness, how))
 
     def expected(self, lines: np.ndarray, omega: np.ndarray) -> tuple[dict[str, Labelled], tuple[str, ...]]:
         """The same of a Gaussian process, from lines (nw, ny) of the forces."""
-        X = self.fibres(lines)
-        power = np.abs(X) ** 2
-        m0, m2 = power.sum(axis=0), np.tensordot(omega**2, power, axes=1)
-        rates = np.sqrt(np.divide(m2, m0, out=np.full_like(m0, np.nan), where=m0 > 0)) / (2 * np.pi)
-        return self._counted(rates, lambda how: fatigue.of_lines(X, omega, self.feet.thickness, how))
+        X = {at: self.fibres(forces) for at, forces in self.ends(lines).items()}
+        rates = {at: _crossings(x, omega) for at, x in X.items()}
+        return self._counted(rates, lambda at, how: fatigue.of_lines(X[at], omega, self.feet.thickness, how))
 
     def _counted(
-        self, rates: np.ndarray, reckon: Callable[[Fatigue], fatigue.Damage]
+        self, rates: dict[str, np.ndarray], reckon: Callable[[str, Fatigue], fatigue.Damage]
     ) -> tuple[dict[str, Labelled], tuple[str, ...]]:
         dims: tuple[str, ...] = ("leg", "fibre")
         out: dict[str, Labelled] = {}
-        if FIBRES in self.outputs:
-            out["fibre_stress_crossing_rate"] = dims, rates
-        if FATIGUE not in self.outputs:
-            return out, ()
-        damage = reckon(self.fatigue)
-        return {**out, "damage": (dims, damage.per_hour), "equivalent_range": (dims, damage.equivalent)}, damage.failed
+        failed: list[str] = []
+        for at, rate in rates.items():
+            if FIBRES in self.outputs:
+                out[f"fibre_stress{at}_crossing_rate"] = dims, rate
+            if FATIGUE in self.outputs:
+                damage = reckon(at, self.fatigue)
+                out |= {f"damage{at}": (dims, damage.per_hour), f"equivalent_range{at}": (dims, damage.equivalent)}
+                failed += [f"{note}, at the top" if at else note for note in damage.failed]
+        return out, tuple(failed)
 
     def coords(self) -> dict[str, np.ndarray]:
         """Labels of the dimensions."""
@@ -145,3 +159,10 @@ class Steel:
         how = self.fatigue
         words = f"curve {how.curve}, {how.environment}, {how.edition}, SCF {how.scf:g}"
         return {"fatigue": words, "equivalent_exponent": how.exponent, "equivalent_cycles": how.cycles}
+
+
+def _crossings(X: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Upcrossings of its mean a second (…) of a Gaussian process, by its lines X (nw, …); NaN where it is still."""
+    power = np.abs(X) ** 2
+    m0, m2 = power.sum(axis=0), np.tensordot(omega**2, power, axes=1)
+    return np.sqrt(np.divide(m2, m0, out=np.full_like(m0, np.nan), where=m0 > 0)) / (2 * np.pi)

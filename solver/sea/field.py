@@ -177,9 +177,9 @@ class Factored(NamedTuple):
     basis: np.ndarray
 
 
-def factored(rows: np.ndarray) -> Factored:
-    """Complex rows (m, n) by what is independent among them with real factors."""
-    spread, basis = _factors(np.concatenate([rows.real, rows.imag], axis=1))
+def factored(rows: np.ndarray, size: np.ndarray) -> Factored:
+    """Complex rows (m, n) by what is independent among them with real factors, each to ROUNDING of a size (m,)."""
+    spread, basis = _factors(np.concatenate([rows.real, rows.imag], axis=1), size)
     n = rows.shape[1]
     return Factored(spread, basis[:, :n] + 1j * basis[:, n:])
 
@@ -220,12 +220,12 @@ class WaveSeries:
 def _instants(omega: tuple[float, ...], step: float, block: int) -> tuple[np.ndarray, np.ndarray]:
     """cos ωτ and sin ωτ at the samples of a block (block, 2n), factored; runs in the same sea share them."""
     phase = np.outer(step * np.arange(block), omega)
-    return _factors(np.concatenate([np.cos(phase), np.sin(phase)], axis=1))
+    waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
+    return _factors(waves, np.linalg.norm(waves, axis=1))
 
 
-def _factors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """matrix (m, n) = left (m, r) @ right (r, n), each row to ROUNDING of its size, by singular values."""
-    size = np.linalg.norm(matrix, axis=1, keepdims=True)
-    left, value, right = np.linalg.svd(matrix / np.where(size > 0, size, 1.0), full_matrices=False)
+def _factors(matrix: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """matrix (m, n) = left (m, r) @ right (r, n), each row to ROUNDING of its size (m,), by singular values."""
+    left, value, right = np.linalg.svd(matrix / np.where(size > 0, size, 1.0)[:, None], full_matrices=False)
     kept = value > ROUNDING * value.max(initial=0.0)
-    return size * left[:, kept] * value[kept], right[kept]
+    return size[:, None] * left[:, kept] * value[kept], right[kept]

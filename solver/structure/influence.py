@@ -29,6 +29,11 @@ class Wanted:
     component: np.ndarray  # (k,) which of frame.FORCES, on the face whose outward normal is local +x
     grounded: np.ndarray  # (nr,) degrees of freedom, clamped or on springs
 
+    @property
+    def moments(self) -> np.ndarray:
+        """Which of the ny are moments."""
+        return np.concatenate([self.component, self.grounded % 6]) >= 3
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Influence:

@@ -1,7 +1,8 @@
-"""Utilisation of tubes by NORSOK N-004 (Rev. 3, 2013), 6.3: axial force with bending, column and local buckling.
+"""Utilisation of tubes by NORSOK N-004 (Rev. 3, 2013), 6.3: axial force with bending, buckling, shear and torsion.
 
-Eqs. 6.1 to 6.12 and 6.26 to 6.30, for t >= 6 mm and D/t < 120. γ_M of 6.3.7 is 1.15 but for slender walls, whose
-largest is 1.45. Shear, torsion and hydrostatic pressure (6.3.5, 6.3.6, 6.3.9) are not here.
+Eqs. 6.1 to 6.14 and 6.26 to 6.30, for t >= 6 mm and D/t < 120. γ_M of 6.3.7 is 1.15 but for slender walls, whose
+largest is 1.45. Bending with shear or torsion at a time (6.3.8.3, 6.3.8.4) and hydrostatic pressure (6.3.6, 6.3.9) are
+not here.
 """
 
 from typing import NamedTuple
@@ -25,6 +26,8 @@ class Resistance(NamedTuple):
     column: np.ndarray  # N_c,Rd
     local: np.ndarray  # N_cl,Rd
     bending: np.ndarray  # M_Rd
+    shear: np.ndarray  # V_Rd
+    torsion: np.ndarray  # M_T,Rd
     euler: np.ndarray  # N_E
     moment_factor: np.ndarray  # C_m, of both axes
 
@@ -47,6 +50,8 @@ def resistance(member: Member, length: float, material_factor: float) -> Resista
         column=np.array(A * column_strength(fcl, fE) / material_factor),
         local=np.array(A * fcl / material_factor),
         bending=np.array(bending_strength(fy, E, D, t) * inertia / (D / 2) / material_factor),
+        shear=np.array(A / 2 * fy / np.sqrt(3) / material_factor),
+        torsion=np.array(2 * member.section.Ip / D * fy / np.sqrt(3) / material_factor),
         euler=np.array(A * fE),
         moment_factor=np.array(member.moment_factor),
     )
@@ -97,7 +102,13 @@ def utilisation(N: np.ndarray, My: np.ndarray, Mz: np.ndarray, of: Resistance) -
 
     N, tension positive [N], My and Mz [N m].
     """
-    M, pressed = np.hypot(My, Mz) / of.bending, np.maximum(-N, 0.0)
-    tension = (np.maximum(N, 0.0) / of.tension) ** 1.75 + M
+    M, pressed = np.sqrt(My**2 + Mz**2) / of.bending, np.maximum(-N, 0.0)
     amplified = of.moment_factor * M / np.maximum(1 - pressed / of.euler, AMPLIFIED)
-    return np.where(N > 0, tension, np.maximum(pressed / of.column + amplified, pressed / of.local + M))
+    used = np.maximum(pressed / of.column + amplified, pressed / of.local + M)
+    tension = np.power(np.maximum(N, 0.0) / of.tension, 1.75, out=np.zeros_like(used), where=N > 0)  # the dearest part
+    return np.where(N > 0, tension + M, used)
+
+
+def shear_utilisation(Vy: np.ndarray, Vz: np.ndarray, T: np.ndarray, of: Resistance) -> np.ndarray:
+    """Of shear and of torsion (…,), the larger: eqs. 6.13 and 6.14; Vy and Vz [N], T [N m]."""
+    return np.maximum(np.hypot(Vy, Vz) / of.shear, np.abs(T) / of.torsion)

@@ -16,7 +16,7 @@ from solver.sea.current import Current, CurrentSpeed
 from solver.sea.realization import CALM, components, ramp
 from solver.structure import water
 from solver.structure.beam import tube
-from solver.structure.frame import Frame, Material, Member
+from solver.structure.frame import Frame, MarineGrowth, Material, Member, PointLoad
 from solver.structure.load_history import LoadHistory
 from tests.awkward import bare_legs, sea, unequal_legs
 
@@ -116,10 +116,23 @@ def marched(item, h):
     return system, steel, output, steel.forces.of(samples[:, system.layout.forces], *parts), times
 
 
-def test_reactions_balance_current_waves_and_loads():
-    """Forces and moments about the origin, each by sums of what acts and none by the frame's stiffness."""
+def test_reactions_balance_all_that_acts():
+    """Forces and moments about the origin, each by sums of what acts and none by the frame's stiffness.
+
+    Waves, a current, loads that go with time, wind along the members, weight, buoyancy, growth: on unequal legs, not
+    planar, at every sample.
+    """
     item, _ = bare_legs()
-    platform = replace(item.platform, load_histories=(wind(), wind("hinge:float", size=(0.0, 0.0, -4e4), seed=1)))
+    frame = item.platform.frame
+    members = tuple(replace(m, distributed_load=(30.0 + i, -20.0, 5.0 * i)) for i, m in enumerate(frame.members))
+    growth = (
+        MarineGrowth(depth=0.0, thickness=0.12, density=1325.0),
+        MarineGrowth(depth=9.0, thickness=0.04, density=1250.0),
+    )
+    frame = replace(frame, members=members, growth=growth, loads=(PointLoad(node="deck", force=(2e4, -3e4, -1e5)),))
+    platform = replace(
+        item.platform, frame=frame, load_histories=(wind(), wind("hinge:float", size=(0.0, 0.0, -4e4), seed=1))
+    )
     system, steel, output, y, times = marched(replace(item, current=FLOW, platform=platform), None)
     ocean = system.scene.water
     model, _, _ = support.dynamic_model(platform, ocean)
@@ -136,7 +149,10 @@ def test_reactions_balance_current_waves_and_loads():
     rigid[:, :3, 3:] = np.cross(np.eye(3), model.xyz[:, None]).transpose(0, 2, 1)
     M = model.M + water.added_mass(model, ocean.density)
     total -= output.ddp @ system.support.shapes.T @ (M @ rigid.reshape(-1, 6))
-    *_, reactions = steel.places.split(y)
+    load = water.static_load(model, ocean.density, ocean.gravity).reshape(-1, 6)
+    total += about_origin(model.xyz, load[None, :, :3])
+    total[:, 3:] += load[:, 3:].sum(axis=0)
+    reactions = steel.places.split(y + steel.forces.at_rest).reactions
     of_feet = about_origin(steel.places.foot, reactions[..., :3])
     total += of_feet
     total[:, 3:] += reactions[..., 3:].sum(axis=1)

@@ -61,6 +61,44 @@ def test_the_ends_of_its_formulas():
     assert np.isfinite(used(-2 * float(far.euler), 1e4, length=40.0))
 
 
+def test_a_published_worked_example():
+    """Two tubes of a joint, S355, γ_M 1.15: `BENCHMARK.md` of IDEA StatiCa's public Norsok checker, second example."""
+    jacket = tubular.resistance(member(D=0.1683, t=0.008), 6.0, 1.15)
+    brace = tubular.resistance(member(D=0.1397, t=0.008, moment_factor=0.85), 0.7 * 5.0, 1.15)
+    N_t, M_Rd, V = (float(x) / 1e3 for x in (jacket.tension, jacket.bending, jacket.shear))
+    assert (N_t, M_Rd, V) == approx((1243.67, 63.51, 359.02), rel=2e-4)
+    N_c, M_Rd, V = (float(x) / 1e3 for x in (brace.column, brace.bending, brace.shear))
+    assert (N_c, M_Rd, V) == approx((745.92, 42.89, 294.96), rel=2e-4)
+    assert float(tubular.utilisation(*map(np.array, (250e3, 25e3, 0.0)), jacket)) == approx(0.454, abs=5e-4)
+    assert float(tubular.utilisation(*map(np.array, (-150e3, 25e3, 0.0)), brace)) == approx(0.766, abs=5e-4)
+    assert float(tubular.shear_utilisation(*map(np.array, (0.0, -60e3, 0.0)), jacket)) == approx(0.167, abs=5e-4)
+
+
+def sheared(Vy, Vz, T, **changes):
+    return float(tubular.shear_utilisation(*map(np.array, (Vy, Vz, T)), tubular.resistance(member(**changes), 6, 1.15)))
+
+
+def test_shear_and_torsion_yield_the_wall():
+    """V/(A/2) and T D/2Ip reach f_y/√3 γ_M; of thin walls these are the largest stresses of shear V/πRt, T/2πR²t."""
+    D, t, limit = 0.508, 0.016, FY / np.sqrt(3) / 1.15
+    assert sheared(3e5, -4e5, 0.0) == approx(2 * 5e5 / tube(D, t).area / limit)
+    assert sheared(0.0, 0.0, -1e6) == approx(1e6 * (D / 2) / (np.pi / 32 * (D**4 - (D - 2 * t) ** 4)) / limit)
+    assert sheared(5e5, 0.0, 1e6) == max(sheared(5e5, 0.0, 0.0), sheared(0.0, 0.0, 1e6))
+    R = (1.0 - 0.01) / 2
+    thin = {"D": 1.0, "t": 0.01, "material": replace(STEEL, yield_strength=1e8)}
+    limit = 1e8 / np.sqrt(3) / 1.15
+    assert sheared(1e5, 0.0, 0.0, **thin) == approx(1e5 / (np.pi * R * 0.01) / limit, rel=1e-9)
+    assert sheared(0.0, 0.0, 1e5, **thin) == approx(1e5 / (2 * np.pi * R**2 * 0.01) / limit, rel=0.02)
+
+
+def test_likenesses_are_utilised_alike():
+    """Twice as large, of the same steel: stresses are the same under four times the force, eight times the moment."""
+    for N in (1.2e6, -1.2e6):
+        small, large = used(N, 8e4, 2e4, length=6.0), used(4 * N, 64e4, 16e4, length=12.0, D=1.016, t=0.032)
+        assert large == approx(small)
+    assert sheared(4e5, 8e5, 16e5, D=1.016, t=0.032) == approx(sheared(1e5, 2e5, 2e5))
+
+
 @pytest.mark.parametrize(
     ("of", "where", "jump"),
     [
@@ -112,7 +150,7 @@ def test_a_pile_at_rest_is_utilised_at_its_foot():
 
 
 def test_tubes_are_utilised_by_their_section_forces():
-    """Of legs with one element each, at every sample: the larger of both ends."""
+    """Of legs with one element each, at every sample: the largest at both ends, of bending, of shear, of torsion."""
     item, _ = bare_legs()
     frame = item.platform.frame
     some = replace(STEEL, E=2.1e11, G=8.33e10)
@@ -129,12 +167,20 @@ def test_tubes_are_utilised_by_their_section_forces():
     assert steel.places.checked == ("a", "c")
     for row, name in enumerate(("a", "c")):
         at = steel.places.members.index(name)
-        N, moment = names["section_force"][:, at, :, 0], names["section_moment"][:, at]
+        (N, Vy, Vz), (T, My, Mz) = (
+            np.moveaxis(names[name][:, at], -1, 0) for name in ("section_force", "section_moment")
+        )
         leg = members[at]
         of = tubular.resistance(leg, frame.buckling_length(leg), 1.15)
-        expected = tubular.utilisation(N, moment[..., 1], moment[..., 2], of).max(axis=1)
+        bent, sheared = tubular.utilisation(N, My, Mz, of).max(axis=1), tubular.shear_utilisation(Vy, Vz, T, of)
+        expected = np.maximum(bent, sheared.max(axis=1))
         assert names["utilisation"][:, row] == approx(expected)
         assert np.ptp(expected) > 0
+        borne = steel.places.split(y)
+        assert borne.along[:, 2 * row : 2 * row + 2] == approx(np.stack([N, My, Mz], axis=-1), rel=1e-9, abs=1e-6)
+        large = tubular.shear_utilisation(1e4 * Vy, 1e4 * Vz, 1e4 * T, of).max(axis=1)
+        assert steel.utilisation(borne.along, 1e4 * borne.shear)[:, row] == approx(np.maximum(bent, large))
+        assert np.all(large > bent)
 
 
 def test_scenes_without_what_it_needs_are_refused():

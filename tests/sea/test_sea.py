@@ -124,7 +124,7 @@ def test_velocity_follows_from_the_pressure(depth):
 def test_series_is_the_sum_of_components_even_after_a_day():
     sea = buan(5)
     rows = WaveField(sea, 50.0, 9.81).elevation(np.zeros((1, 3)))
-    series = WaveSeries(factored(rows), sea.omega, 0.1, 64, np.ones_like)
+    series = WaveSeries(factored(rows, np.linalg.norm(rows, axis=1)), sea.omega, 0.1, 64, np.ones_like)
     first = 24 * 36_000
     t = (first + np.arange(64)) * 0.1
     exact = (rows[0] * np.exp(-1j * np.outer(t, sea.omega))).sum(axis=1).real
@@ -132,9 +132,22 @@ def test_series_is_the_sum_of_components_even_after_a_day():
 
 
 def test_frequencies_may_be_whole_numbers():
-    rows, t = factored(np.array([[1.0 + 0j]])), 0.1 * np.arange(8)
+    rows, t = factored(np.array([[1.0 + 0j]]), np.ones(1)), 0.1 * np.arange(8)
     series = WaveSeries(rows, np.array([1]), 0.1, 8, np.ones_like)
     assert series.block(0, 8)[:, 0] == approx(np.cos(t), abs=1e-12)
+
+
+def test_rows_that_are_rounding_of_others_cost_nothing():
+    """Three motions at twenty points, and twenty rows that symmetry makes zero: rank three, all to rounding."""
+    rng = np.random.default_rng(2)
+    motions = rng.normal(size=(3, 60)) + 1j * rng.normal(size=(3, 60))
+    rows = np.concatenate([rng.normal(size=(20, 3)) @ motions, 1e-15 * rng.normal(size=(20, 60))])
+    own = np.linalg.norm(rows, axis=1)
+    few, many = factored(rows, np.full(40, own.max())), factored(rows, own)
+    assert few.spread.shape == (40, 3) and many.spread.shape[1] > 20
+    assert np.abs(few.spread @ few.basis - rows).max() < 1e-13 * own.max()
+    none = np.concatenate([rows[:3], np.zeros((1, 60))])
+    assert not factored(none, np.linalg.norm(none, axis=1)).spread[3].any()  # nothing is nothing, not rounding
 
 
 def test_white_noise_is_flat_and_has_its_height():

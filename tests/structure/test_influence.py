@@ -1,12 +1,13 @@
 """Section forces and reactions of moving frames: balance, closed forms, and elements of any length."""
 
 from dataclasses import replace
+from types import SimpleNamespace as Places
 
 import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled import support
+from solver.coupled import forces, support
 from solver.coupled.system import blocks, prepare
 from solver.errors import InputError
 from solver.record.steel import Steel
@@ -17,6 +18,7 @@ from solver.sea.realization import CALM, ramp, regular
 from solver.structure import beam, recovery, statics, water
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
+from solver.structure.influence import Wanted, influence
 from tests.awkward import soft_ground, tripod, unequal_legs
 
 EVERYTHING = ("reactions", "section_forces", "fibre_stress")
@@ -49,7 +51,7 @@ def test_reactions_balance_all_loads_and_inertia(made):
     model, _, _ = support.dynamic_model(platform, sea)
     M = model.M + water.added_mass(model, sea.density)
     drag, carried, ddp = output.drag, output.carried, output.ddp
-    *_, reactions = steel.places.split(y)
+    reactions = steel.places.split(y).reactions
     at = water.stations(model, water.EXACT, support.INERTIA / system.waves.k.max())
     acceleration = (system.waves.acceleration(at.position) @ turn.T).real  # (ns, 3, m)
     normal = np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
@@ -94,8 +96,8 @@ def test_springs_give_what_they_are_pushed_by():
     system, steel, _, output, y = marched(soft_ground, 0.0, modes="all", newton_tolerance=1e-9)
     platform, sea = system.scene.platform, system.scene.water
     model, at_rest, _ = support.dynamic_model(platform, sea)
-    *_, reactions = steel.places.split(y)
-    *_, still = steel.places.split(steel.forces.at_rest[None])
+    reactions = steel.places.split(y).reactions
+    still = steel.places.split(steel.forces.at_rest[None]).reactions
     moved = (output.p @ system.support.shapes.T).reshape(len(y), -1, 6)
     for node in ("foot a", "foot b"):
         k, foot = platform.frame.foundation_matrix(node), steel.places.grounded.index(node)
@@ -115,12 +117,66 @@ def test_springs_give_what_they_are_pushed_by():
 
 
 @PLATFORMS
+def test_tops_are_stressed_as_the_members_ends(made):
+    """Fibres at the upper end of each leg, σ = N/A + My z/Iy - Mz y/Iz; one leg is given from its top downwards."""
+    item, h = made()
+    frame = item.platform.frame
+    first = frame.members[0]
+    ends = {f"{end}{what}": getattr(first, f"{other}{what}")
+            for what in ("", "_offset", "_release") for end, other in (("start", "end"), ("end", "start"))}  # fmt: skip
+    frame = replace(frame, members=(replace(first, **ends), *frame.members[1:]))
+    outputs = ("section_forces", "fibre_stress", "leg_tops")
+    _, steel, *_, y = marched(lambda: (replace(item, platform=replace(item.platform, frame=frame)), h), outputs=outputs)
+    names, places = dict(steel.channels(y)), steel.places
+    for leg, name in enumerate(item.platform.legs):
+        member = next(m for m in frame.members if m.name == name)
+        foot, top = (1, 0) if name == first.name else (0, 1)
+        force, moment = (names[key][:, places.members.index(name)] for key in ("section_force", "section_moment"))
+        for key, end in (("fibre_stress", foot), ("fibre_stress_top", top)):
+            y_, z = member.section.fibres.T
+            bent = moment[:, end, 1, None] * z / member.section.Iy - moment[:, end, 2, None] * y_ / member.section.Iz
+            assert names[key][:, leg] == approx(force[:, end, 0, None] / member.section.area + bent, abs=1e-6)
+    assert np.abs(names["fibre_stress_top"]).max() > 1e5
+
+
+@PLATFORMS
+def test_two_elements_bear_the_same_where_they_meet(made):
+    """So that a tube is looked at there once: of waves, drag and inertia the end of one is the next one's start."""
+    system, steel, *_ = marched(made, outputs=("reactions",))
+    model = steel.places.influence.model
+    e = np.array(model.member_elements[system.scene.platform.frame.members[0].name])
+    ends = np.ravel([2 * e[:-1] + 1, 2 * e[1:]])
+    wanted = Wanted(end=np.repeat(ends, 6), component=np.tile(np.arange(6), ends.size), grounded=np.zeros(0, int))
+    found = influence(model, wanted)
+    at = water.stations(model, water.EXACT)
+    M = model.M + water.added_mass(model, RHO)
+    for effect in (found.of_points(at), found.of_inertia(M, RHO, system.support.shapes)):
+        one, other = np.split(effect.reshape(-1, 2, len(e) - 1, 6), 2, axis=1)
+        assert np.abs(one - other).max() <= 1e-9 * np.abs(effect).max()
+
+
+def test_forces_of_few_are_the_forces_of_all():
+    """Maps of rank 7 to 40 forces, of any units: kept are 7, and all 40 come out to rounding."""
+    rng = np.random.default_rng(5)
+    wanted = Wanted(end=np.zeros(28, int), component=np.repeat(np.arange(4), 7), grounded=np.repeat([2, 5], 6))
+    mix = rng.normal(size=(7, 40)) * np.where(wanted.moments, 1e3, 1.0)
+    units = {"inertia": 1e4, "damping": 1e7, "carried": 1.0, "drag": 1e-3, "applied": 1.0}
+    maps = {name: unit * rng.normal(size=(5, 7)) @ mix for name, unit in units.items()}
+    rows = mix.T @ (rng.normal(size=(7, 9)) + 1j * rng.normal(size=(7, 9)))
+    few = forces.reduced(Places(wanted=wanted), np.zeros(40), rows=rows, **maps)
+    assert few.spread.shape == (7, 40) and len(few.rows) == 7
+    for name, values in maps.items():
+        assert getattr(few, name) @ few.spread == approx(values, abs=1e-12 * np.abs(values).max())
+    assert few.spread.T @ few.rows == approx(rows, abs=1e-12 * np.abs(rows).max())
+
+
+@PLATFORMS
 def test_feet_bear_what_the_ground_gives(made):
     """A foot's section forces, turned to global axes, are the ground's reaction, but for damping within the frame."""
     for damping_ratio, within in ((0.0, 1e-9), (0.01, 0.04)):
         system, steel, _, _, y = marched(made, damping_ratio)
         model, _, _ = support.dynamic_model(system.scene.platform, system.scene.water)
-        _, sections, reactions = steel.places.split(y)
+        sections, reactions = steel.places.split(y).sections, steel.places.split(y).reactions
         for name in ("a", "b", "c"):
             row, foot = steel.places.members.index(name), steel.places.grounded.index("foot " + name)
             first = model.member_elements[name][0]
@@ -136,7 +192,7 @@ def test_sections_bear_what_the_shapes_strain(made):
     """All ends of the legs: k d of all shapes, less what acts within the elements, inertia and damping included."""
     system, steel, turn, output, y = marched(made, modes="all", newton_tolerance=1e-9)
     model, _, _ = support.dynamic_model(system.scene.platform, system.scene.water)
-    _, sections, _ = steel.places.split(y)
+    sections = steel.places.split(y).sections
     strained = (output.p @ (recovery.section_force_matrix(model) @ system.support.shapes).T).reshape(len(y), -1, 6)
     feet = 3 * len(steel.feet.axes)
     wanted = steel.places.wanted.end[feet::6]
@@ -167,7 +223,8 @@ def within_elements(system, steel, turn, output):
         replace(places, influence=alone), drags, drags.drag > 0, np.ones(3, bool), planar=False
     )
     damping = 2 * system.structure.damping[:, None] * system.structure.omega[:, None] * moving.inertia
-    alone_maps = replace(moving, damping=damping, carried=0 * moving.carried, drag=of_drag)
+    none = np.zeros((len(steel.forces.carried), len(rows)))
+    alone_maps = replace(moving, damping=damping, carried=none, drag=of_drag, spread=np.eye(len(rows)))
     return alone_maps.of(waves, output.dp, output.ddp, output.carried, output.drag)
 
 
@@ -295,7 +352,8 @@ def test_softened_frames_balance_their_softened_stiffness():
     load = np.random.default_rng(0).normal(size=model.K.shape[0])
     load[model.dofs[0]] *= 0
     d = statics.static(model, load)
-    _, sections, reactions = s.forces.places.split((influence.nodal.T @ load)[None])
+    borne = s.forces.places.split((influence.nodal.T @ load)[None])
+    sections, reactions = borne.sections, borne.reactions
     assert reactions.ravel() == approx(
         model.K[s.forces.places.wanted.grounded] @ d - load[s.forces.places.wanted.grounded]
     )

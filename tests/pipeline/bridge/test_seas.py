@@ -166,7 +166,7 @@ BAD = [
     ('{ kind = "regular", height = 1.0, period = 70.0 }', {}, "sea_states.only.period = 70.0: must be <= 60 s"),
     ('{ kind = "regular", height = 0.1, period = 1.0 }', {}, "must put its frequency, 6.28 rad/s, inside waves.band"),
     ('{ kind = "white-noise", Hs = 9.0 }', {}, "sea_states.only.Hs = 9.0: must be <= "),
-    ('{ kind = "still", Hs = 1.0 }', {}, "sea_states.only.Hs = 1.0: unknown key; known: kind"),
+    ('{ kind = "still", Hs = 1.0 }', {}, "sea_states.only.Hs = 1.0: unknown key; known: occurrence, kind"),
     ("{ Hs = 1.0, Tp = 8.0, gamma = 2.0 }", {}, 'sea_states.only.gamma = 2.0: is for spectrum = "jonswap"'),
     ("{ Hs = 1.0, Tp = 8.0, gamma = 9.0 }", {}, "sea_states.only.gamma = 9.0: must be <= 7"),
     (

@@ -131,6 +131,17 @@ def test_a_study_that_varies_nothing(results):
     assert page.troubles(figures.Results(study=results.study, data=one.assign(status="failed"))) == ["failed"]
 
 
+def test_the_page_has_damage_and_life_where_they_are_reckoned(results):
+    """Of platforms that have legs; a count that failed leaves its realization out, and is no zero."""
+    damage = xr.zeros_like(results.data["energy_residual"]).expand_dims(leg=[1], fibre=[1]) + 1e-6
+    damage = damage.where((damage.platform != "fixed") & ~((damage.seed == 1) & (damage.sea_state == "rough")))
+    text = page.html(replace(results, data=results.data.assign(damage=damage)))
+    assert "<h2>Fatigue</h2>" in text and "elastic-no-floats, all seas" in text and "fixed, all seas" not in text
+    row = next(line for line in text.splitlines() if "elastic, all seas" in line)
+    assert "<td>0.00877</td><td>-</td><td>-</td><td>114</td>" in row and "<td>1/2</td>" in row
+    assert "<h2>Fatigue</h2>" not in page.html(results)
+
+
 def test_the_page_names_what_was_asked_and_not_met(results):
     words = results.data["status"].astype(object).copy()
     words[...] = ""

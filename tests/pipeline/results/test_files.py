@@ -56,10 +56,11 @@ pto_damping = 5e4
 hinge_spacing = [5.0]
 """
 LINES = '[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n[variants.a]\n'
-OUTPUTS = 'outputs = ["fatigue", "reactions", "section_forces", "fibre_stress", "utilisation"]\n'
+OUTPUTS = 'outputs = ["fatigue", "leg_tops", "reactions", "section_forces", "fibre_stress", "utilisation"]\n'
 OUTPUTS += "[record.fatigue]\nscf = 2.0\n"
 YIELDING = SMALL.replace("density = 8012.0", "density = 8012.0\nyield_strength = 355e6")
 CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
+OFTEN = CALM.replace("5.0 }", "5.0, occurrence = 2000.0 }")
 STOPS = "lower = -0.3, upper = 2.0, stiffness = 1e7, damping = 1e5"
 MORE = "lower = [0, -1.0], upper = [0, 1.0], stiffness = [0, 1e7]"  # on one axis of two
 MOORED = '["surge", "heave"]\nstiffness = [2e5, 0]\n'
@@ -75,7 +76,7 @@ REAL = {
     "elastic": SMALL.replace("seed = [0, 1]", "seed = [0]").replace('["calm", "rough"]', '["rough"]') + SHORT,
     "heave": BALANCED.replace("offset = 0.5", TAKEOFF) + SHORT + FORCES + PER_WAVE + "[solver]\ntolerance = 0.05\n",
     "floating": SPHERE.replace('["heave"]\noffset = 0.5', MOORED).replace(STOPS, MORE) + CARRIED + SHORT,
-    "steel": YIELDING[: YIELDING.index("[axes]")] + CALM + SHORT + OUTPUTS,
+    "steel": YIELDING[: YIELDING.index("[axes]")] + OFTEN + SHORT + OUTPUTS,
     "drifting": SPHERE.replace(f"end_stops = {{ {STOPS} }}\n", "")
     .replace('["heave"]\noffset = 0.5', MOORED + "\ndamping = [1e4, 0]")
     .replace('still = { kind = "still" }\n', "")

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.bridge.geometry import geometry_of
-from pipeline.study import schema
+from pipeline.study import schema, seas
 from pipeline.study.schema import Solver, StudyFile
 from pipeline.study.tables import Unit
 from pipeline.tasks.task import Parameters, Task, canonical, dimensions, expand, wave_seed
@@ -52,6 +52,16 @@ def test_integers_and_floats_are_one_number(buan_tables):
 
 def test_negative_zero_is_zero():
     assert canonical({"a": -0.0, "b": [-0.0]}) == canonical({"a": 0.0, "b": [0.0]})
+
+
+def test_how_often_a_sea_comes_is_no_part_of_a_task(buan_tables):
+    """What is weighed by it is computed once; in the dataset it stands beside the sea state."""
+    before = ids(buan_tables)
+    buan_tables["sea_states"]["2017"]["occurrence"] = 310.0
+    assert ids(buan_tables) == before
+    sea = StudyFile.model_validate(buan_tables).sea_states["2017"]
+    assert seas.labels(sea) == {"Hs": 1.387, "Tp": 5.65, "occurrence": 310.0}
+    assert one(buan_tables, sea_state="2017", platform="fixed", seed=0).parameters.sea_state.occurrence is None
 
 
 def test_a_parameter_at_its_default_keeps_the_id(buan_tables):
