@@ -1,0 +1,43 @@
+"""Drag at a frame's stations and what it does, by sums over stations and lines; K need not be symmetric."""
+
+import numpy as np
+from pytest import approx
+
+from solver.coupled import linear_drag
+from solver.coupled.modal import Structure
+from solver.frequency.stations import Stations
+
+NW, NM, ND, NS = 5, 3, 2, 4
+
+
+def made(stream=None):
+    """Stations, the water's velocity (nw, nd, ns) and modal rates (nw, nm), all at random."""
+    random = np.random.default_rng(7)
+
+    def lines(*shape):
+        return random.normal(size=shape) + 1j * random.normal(size=shape)
+
+    frame = Structure(
+        omega=np.ones(NM), damping=np.zeros(NM), carrier=np.zeros((0, NM)), station=random.normal(size=(NM, ND, NS)),
+        drag=random.uniform(1, 2, NS), scale=np.ones(NM),
+    )  # fmt: skip
+    water = lines(NW, ND, NS)
+    return Stations(frame, water.reshape(NW, ND * NS), stream), water, lines(NW, NM)
+
+
+def test_drag_goes_by_what_flows_past_the_moving_frame():
+    stations, water, rate = made()
+    flow = water - np.einsum("wm,mds->wds", rate, stations.frame.station)
+    K = linear_drag.of_lines(flow) * stations.frame.drag[:, None, None]
+    assert stations.equivalent(rate) == approx(K)
+    K, maps = K + np.triu(np.ones((ND, ND)), 1), np.random.default_rng(1).normal(size=(ND, NS, 6))
+    borne = np.einsum("dsk,sde,wes->wk", maps, K, flow)
+    assert stations.borne(K, rate, maps.reshape(ND * NS, 6)) == approx(borne)
+
+
+def test_drag_on_the_modes():
+    stations, water, _ = made()
+    K, shape = np.random.default_rng(2).normal(size=(NS, ND, ND)), stations.frame.station
+    damping, force = stations.on_modes(K)
+    assert damping == approx(np.einsum("mds,sde,nes->mn", shape, K, shape))
+    assert force == approx(np.einsum("mds,sde,wes->wm", shape, K, water))
