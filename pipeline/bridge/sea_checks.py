@@ -32,6 +32,10 @@ def problems(study: StudyFile) -> Iterator[InputError]:
         return
     if waves.form != "peak" and "form" not in realizations.keys_of(waves.spectrum):
         yield _foreign("waves", "form", waves.form, waves.spectrum)
+    rare = [label for label, sea in study.seas.items() if sea.occurrence is None]
+    if 0 < len(rare) < len(study.seas):
+        limit = "is missing: all sea states have one, or none"
+        yield InputError(f"sea_states.{rare[0]}.occurrence", "nothing", limit)
     for label, sea in study.seas.items():
         key = f"sea_states.{label}"
         alone = list(_sea(key, sea, study))

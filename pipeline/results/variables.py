@@ -75,6 +75,7 @@ VARIABLES = {
     "utilisation": Meaning(
         "1", "Largest of the tube by NORSOK N-004, 6.3: axial force, bending, buckling, shear; fails above 1"
     ),
+    "shear_utilisation": Meaning("1", "The part of it by shear and torsion at the tube's ends, NORSOK N-004, 6.3.5"),
     "damage": Meaning("h-1", "Fatigue damage by Miner's sum, an hour"),
     "damage_top": Meaning("h-1", "Fatigue damage at the top of the leg by Miner's sum, an hour"),
     "equivalent_range": Meaning("Pa", "Range of hot-spot stress that does the same damage in equivalent_cycles"),

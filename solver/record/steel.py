@@ -24,6 +24,7 @@ DIMS = {
     "fibre_stress": ("leg", "fibre"),
     "fibre_stress_top": ("leg", "fibre"),
     "utilisation": ("tube",),
+    "shear_utilisation": ("tube",),
 }
 
 
@@ -73,9 +74,11 @@ class Steel:
             for at, bent in self.ends(y).items():
                 yield f"fibre_stress{at}", self.fibres(bent)
         if UTILISATION in self.outputs:
-            yield "utilisation", self.utilisation(borne.along, borne.shear)
+            bent, sheared = self.utilisation(borne.along, borne.shear)
+            yield "utilisation", np.maximum(bent, sheared)
+            yield "shear_utilisation", sheared
 
-    def utilisation(self, along: np.ndarray, shear: np.ndarray) -> np.ndarray:
+    def utilisation(self, along: np.ndarray, shear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Largest of each tube (m, nk): of axial force and bending at all its points, of shear and torsion at its ends.
 
         along (m, np, 3): N, My, Mz; shear (m, nk, 2, 3): Vy, Vz, T.
@@ -86,7 +89,7 @@ class Steel:
         Vy, Vz, T = np.moveaxis(shear, -1, 0)
         bent = utilisation(N, My, Mz, at_points)
         sheared = shear_utilisation(Vy, Vz, T, Resistance(*(values[:, None] for values in of)))
-        return np.maximum(np.maximum.reduceat(bent, np.cumsum(points) - points, axis=1), sheared.max(axis=-1))
+        return np.maximum.reduceat(bent, np.cumsum(points) - points, axis=1), sheared.max(axis=-1)
 
     @cached_property
     def _resistance(self) -> Resistance:

@@ -175,12 +175,33 @@ def test_tubes_are_utilised_by_their_section_forces():
         bent, sheared = tubular.utilisation(N, My, Mz, of).max(axis=1), tubular.shear_utilisation(Vy, Vz, T, of)
         expected = np.maximum(bent, sheared.max(axis=1))
         assert names["utilisation"][:, row] == approx(expected)
+        assert names["shear_utilisation"][:, row] == approx(sheared.max(axis=1))
         assert np.ptp(expected) > 0
         borne = steel.places.split(y)
         assert borne.along[:, 2 * row : 2 * row + 2] == approx(np.stack([N, My, Mz], axis=-1), rel=1e-9, abs=1e-6)
-        large = tubular.shear_utilisation(1e4 * Vy, 1e4 * Vz, 1e4 * T, of).max(axis=1)
-        assert steel.utilisation(borne.along, 1e4 * borne.shear)[:, row] == approx(np.maximum(bent, large))
-        assert np.all(large > bent)
+
+
+def test_a_stub_is_utilised_by_its_shear_and_a_crank_by_its_torsion():
+    """A load beside a short tube: more than bending; the same at the end of an arm across it turns it."""
+    item = standing()
+    load = PointLoad(node="top", force=(4e6, 0.0, 0.0))
+    stub = replace(item.platform.frame, nodes={"foot": (0, 0, 1.0), "top": (0, 0, 1.3)}, loads=(load,))
+    table = {key: values[0, 2] for key, values in at_rest(item, stub)}
+    assert table["utilisation"] == table["shear_utilisation"] == approx(sheared(4e6, 0.0, 0.0), rel=1e-6)
+    arm = member(name="arm", start="top", end="tip", elements=1, section=solid_rectangle(0.6, 0.6))
+    nodes = {"foot": (0, 0, 1.0), "top": (0, 0, 1.3), "tip": (2.0, 0, 1.3)}
+    turned = replace(
+        stub, nodes=nodes, members=(*stub.members, arm), loads=(replace(load, node="tip", force=(0, 1e6, 0)),)
+    )
+    table = {key: values[0, 2] for key, values in at_rest(item, turned)}
+    assert table["shear_utilisation"] == approx(sheared(0.0, 0.0, 2e6), rel=1e-6)
+    assert sheared(0.0, 0.0, 2e6) > sheared(1e6, 0.0, 0.0)
+
+
+def at_rest(item, frame):
+    """The utilisations of a frame in place of the scene's."""
+    variables = simulate(replace(item, platform=replace(item.platform, frame=frame))).variables
+    return [(key, variables[key][1]) for key in ("utilisation", "shear_utilisation")]
 
 
 def test_scenes_without_what_it_needs_are_refused():

@@ -286,3 +286,15 @@ def test_waves_too_close_for_the_record_cannot_have_an_rao(study_with, tmp_path)
         study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f"{BAND}\n[record]\nrao = true\nduration = 485.0")
     study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f'{BAND}\nintervals = "even"\n[record]\nrao = true\nduration = 292.0')
     study_with('{ kind = "regular", height = 1.0, period = 8.0 }', waves="[record]\nrao = true\nduration = 20.0")
+
+
+def test_all_sea_states_have_an_occurrence_or_none(study_with):
+    """A mean that left one out would be of other seas."""
+    sea = "{{ Hs = 1.0, Tp = 8.0{} }}\n{} = {{ Hs = 1.5, Tp = 8.0 }}"
+    assert len(study_with(sea.format("", "rare")).content.sea_states) == 2
+    with pytest.raises(
+        StudyError, match=r"sea_states\.rare\.occurrence = nothing: is missing: all sea states have one"
+    ):
+        study_with(sea.format(", occurrence = 300.0", "rare"))
+    with pytest.raises(StudyError, match=r"sea_states\.only\.occurrence = -1\.0: must be > 0"):
+        study_with("{ Hs = 1.0, Tp = 8.0, occurrence = -1.0 }")
