@@ -66,8 +66,9 @@ def white_noise(*, height: float, band: tuple[float, float], components: int, se
 def from_record(record: Record, omega: np.ndarray) -> np.ndarray:
     """S_xy/S_xx (nw, nj) of all joints, of Heo, Koo and Kim (2022), eq. 22, line by line of the sea."""
     series = {name: values[::EVERY] for name, (_, values) in record.series.items()}
-    motion = series.get("rotation", series.get("motion")).reshape(len(series["time"]), -1)
-    return transfer(series["time"], series["wave_elevation"], motion, omega)
+    motion = series.get("motion", series.get("rotation")).reshape(len(series["time"]), -1)
+    there = np.isfinite(motion[0])  # axes that a float has and others do not
+    return transfer(series["time"], series["wave_elevation"], motion[:, there], omega)
 
 
 def irregular(scene: Scene, h: Hydrodynamics) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Six rotors on a floating platform: energy by the waves far off, and limits where the answer is a simpler scene's."""
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,8 @@ from pipeline.bridge import scenes
 from pipeline.bridge.loading import load
 from pipeline.tasks.task import expand
 from solver.coupled.linear import linear_model
-from solver.coupled.system import prepare
+from solver.coupled.natural import with_critical_damping
+from solver.coupled.system import prepare, remembered
 from solver.frequency.case import case_of
 from solver.frequency.drift import waves_of
 from solver.frequency.response import respond
@@ -19,10 +20,11 @@ from solver.hydrodynamics.bem import bem, far_field
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.motions import of_scene
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.dispersion import wavenumber
 from solver.sea.realization import components
-from studies.validation import drawing
+from studies.validation import drawing, response
 from studies.validation.checks import Check
 from studies.validation.drawing import BLUE, GREY, ORANGE, RED
 
@@ -33,6 +35,9 @@ ROUND = 48  # headings of waves from all round
 HELD = {"motion": (), "stiffness": 0.0, "damping": 0.0, "critical_damping": 0.0}
 STIFF = 1e14  # N/m of a mooring that lets nothing move
 CASE, WATER = "rotors", Water(depth=np.inf)
+BAND = (0.4, 2.0)  # [rad/s], in which time and frequency domain are compared
+RINGS = np.array([1.295, 1.38, 1.82, 1.87])  # [rad/s], between frequencies solved for, where water rings between bodies
+FREQUENCY = Settings(froude_krylov="linear", method="frequency")
 AWAY = (40.0, 160.0)  # m, from one small rotor to another
 ONE_MESH = (
     "Six bodies and more are solved on one mesh, as it is given, and nothing is extrapolated: what is left is the"
@@ -68,7 +73,7 @@ def _coefficients(item: Scene, headings: tuple[float, ...]) -> tuple[Hydrodynami
 def arrays() -> list[Check]:
     """All checks, and the figure of power and q over headings."""
     checks = [*_energy("single", "one rotor"), *_energy("floating", "six rotors afloat"), *_drift()]
-    return [*checks, *_hardly_moving(), *_locked(), *_far_apart(), *_all_round()]
+    return [*checks, *_in_time(), *_hardly_moving(), *_locked(), *_far_apart(), *_all_round()]
 
 
 def _check(quantity: str, ours: float, published: float, allowed: float, note: str = "") -> Check:
@@ -135,6 +140,36 @@ def _response(item: Scene, h: Hydrodynamics) -> np.ndarray:
     return respond(item, h).Z / item.sea.amplitude[:, None]
 
 
+def _in_time() -> list[Check]:
+    """Afloat, in the time domain against the frequency domain, and that against coefficients at its own frequencies."""
+    item, ways, tolerance = jeju("floating"), of_scene(jeju("floating")), Settings().memory_tolerance
+    hulls, centres = tuple(f.hull for f in item.floats), np.array([f.centre for f in item.floats])
+    solve = partial(
+        bem.solve, hulls, centres, depth=item.water.depth, density=item.water.density, gravity=item.water.gravity,
+        planar=False,
+    )  # fmt: skip
+    found = solve(omega=bem.frequency_grid(hulls, centres, depth=item.water.depth, band=BAND))
+    memory = remembered(found, hulls, tolerance, ways)
+    known = replace(found, memory=memory, memory_tolerance=tolerance, memory_motions=ways)
+    sea = response.white_noise(height=0.01, band=BAND, components=80)
+    linear = with_critical_damping(replace(item, sea=sea, settings=FREQUENCY), known)
+    marched = replace(linear, settings=response.settings(froude_krylov="linear", memory_tolerance=tolerance))
+    checks = _apart("time domain", response.irregular(marched, known), _response(linear, known), 0.015)
+    waves = components(amplitude=np.full(RINGS.size, SMALL), omega=RINGS, phase=np.zeros(RINGS.size))
+    between = replace(linear, sea=waves)
+    exact = _response(between, solve(omega=RINGS))
+    return [*checks, *_apart("between the frequencies solved for", _response(between, known), exact, 0.02)]
+
+
+def _apart(words: str, ours: np.ndarray, exact: np.ndarray, allowed: float) -> list[Check]:
+    """Worst difference of complex RAOs (nw, nj) over the largest of each, of the platform and of the rotors."""
+    apart = (np.abs(ours - exact) / np.abs(exact).max(axis=0)).max(axis=0)
+    return [
+        _check(f"six rotors afloat, {words}: RAO of {name}, worst difference over largest", worst, 0.0, allowed)
+        for name, worst in (("platform", apart[:3].max()), ("rotors", apart[3:].max()))
+    ]
+
+
 def _hardly_moving() -> list[Check]:
     """The platform moored stiffly, and the platform held."""
     (h,), item = solved("floating")[:1], jeju("floating")
@@ -199,8 +234,7 @@ def _small(distance: float) -> np.ndarray:
     )  # fmt: skip
     omega = np.linspace(1.5, 2.7, OMEGA.size)
     sea = components(amplitude=np.full(omega.size, SMALL), omega=omega, phase=np.zeros(omega.size))
-    settings = Settings(froude_krylov="linear", method="frequency")
-    item = Scene(water=WATER, sea=sea, floats=floats, settings=settings)
+    item = Scene(water=WATER, sea=sea, floats=floats, settings=FREQUENCY)
     h = bem.solve(
         tuple(f.hull for f in floats), np.array([f.centre for f in floats]), depth=np.inf, omega=omega,
         planar=item.planar,
