@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
+import rainflow
 from scipy.special import gamma, gammainc, gammaincc
 
-from solver.kernels import lean_kernel
 from solver.record.sn_curves import MPA, curve
 from solver.scene import Fatigue
 
@@ -32,39 +32,9 @@ def turning_points(x: np.ndarray) -> np.ndarray:
 
 def ranges(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Ranges of samples (m,) by rainflow, and their counts: a half or one."""
-    turns = turning_points(x)
-    size, count = np.empty((2, turns.size))
-    n = _rainflow(turns, size, count)
-    return size[:n], count[:n]
-
-
-@lean_kernel
-def _rainflow(turns: np.ndarray, size: np.ndarray, count: np.ndarray) -> int:
-    """Ranges and counts of turning points (m,) in the first places of (m,); how many. ASTM E1049, 5.4.4.
-
-    `turns` is used up: its first part holds the points that no range has taken yet.
-    """
-    first, last, n = 0, 0, 0  # last: one beyond
-    for i in range(turns.size):
-        turns[last] = turns[i]
-        last += 1
-        while last - first >= 3:
-            older, newer = abs(turns[last - 2] - turns[last - 3]), abs(turns[last - 1] - turns[last - 2])
-            if newer < older:
-                break
-            size[n] = older
-            if last - first == 3:  # it has the record's start
-                count[n] = 0.5
-                first += 1
-            else:
-                count[n] = 1.0
-                turns[last - 3] = turns[last - 1]
-                last -= 2
-            n += 1
-    for i in range(first, last - 1):
-        size[n], count[n] = abs(turns[i + 1] - turns[i]), 0.5
-        n += 1
-    return n
+    cycles = np.array([(size, count) for size, _, count, _, _ in rainflow.extract_cycles(turning_points(x))])
+    size, count = cycles.reshape(-1, 2).T
+    return size, count
 
 
 def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: Fatigue) -> Damage:
@@ -76,11 +46,13 @@ def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: F
         x = stress[:, leg, fibre]
         if np.isnan(x).all() and len(x):
             continue
-        if not (np.isfinite(x).all() and seconds > 0):  # no damage is not what that means
-            what = f"{np.sum(~np.isfinite(x))} of {len(x)} samples are not finite, in {seconds:g} s"
-            failed.append(f"fatigue of leg {leg + 1}, fibre {fibre + 1}: the count failed: {what}")
+        try:
+            if not (np.isfinite(x).all() and seconds > 0):
+                raise ValueError(f"{np.sum(~np.isfinite(x))} of {len(x)} samples are not finite, in {seconds:g} s")
+            size, count = ranges(x)
+        except Exception as error:  # whatever the library meets: no damage is not what that means
+            failed.append(f"fatigue of leg {leg + 1}, fibre {fibre + 1}: the count failed: {error}")
             continue
-        size, count = ranges(x)
         hot = how.scf * size
         hours = seconds / HOUR
         per_hour[leg, fibre] = count @ line.damage(hot * larger[leg]) / hours
