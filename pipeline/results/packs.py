@@ -1,4 +1,4 @@
-"""Records of tasks of the frequency domain, many to a file: results/<study>/packs/<number>.nc, with the dimension `task`.
+"""Records of frequency-domain tasks, many to a file: results/<study>/packs/<number>.nc, with the dimension `task`.
 
 What is the same in all of them is there once. Beside it <number>.jsonl has a line for each, as status.json has it: it
 appears last, and each line has the task's id and the checksum of the records. A task in several packs is the last's.
