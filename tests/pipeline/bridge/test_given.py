@@ -18,12 +18,14 @@ from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.given import reading
 from pipeline.bridge.loading import load
 from pipeline.bridge.preflight import judge
+from pipeline.bridge.scenes import hull
 from pipeline.study.attachments import Attachment, CoefficientFile
 from pipeline.study.reading import StudyError
 from pipeline.tasks.tasklist import Tasks
 from solver.errors import InputError
 from solver.hydrodynamics.bem.adopted import adopted
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.scene import Settings
 from tests.once import solve
 
 RHO, G, DEPTH = 1025.0, 9.81, 30.0
@@ -100,8 +102,14 @@ def with_our_own(path, h):
     planar |= {n: getattr(h, n)[np.ix_(index, index)] for n in ("added_mass_inf", "hydrostatic_stiffness")}
     from dataclasses import replace
 
+    from solver.coupled.system import remembered
+
+    parameters, tolerance = only_task(path).parameters, Settings().memory_tolerance
+    geometry = geometry_of(parameters)
     own = replace(h, **planar, dofs=("surge", "heave", "pitch"), error=None)
-    return compute(only_task(path).parameters, cache.encode(own, "own"))
+    memory = remembered(own, tuple(hull(body.hull) for body in geometry.bodies), tolerance, geometry.needed)
+    known = replace(own, memory=memory, memory_tolerance=tolerance, memory_motions=geometry.needed)
+    return compute(parameters, cache.encode(known, "own"))
 
 
 def capytaine_file(path, h, names=("front", "rear"), form="NETCDF4"):
