@@ -271,7 +271,7 @@ def wave_rows(
     every, kind = (True,) * len(scene.floats), scene.settings.froude_krylov
     wanted = (("diffraction", every, False),) * scene.settings.diffraction
     wanted += (("froude_krylov", every if kind == "linear" else scene.standing, False),) * (kind != "none")
-    wanted += (("froude_krylov", scene.nonlinear, True),) * (near is not field)
+    wanted += (("froude_krylov", scene.nonlinear, True),) * (near != field)
     # Still water has a frequency for form's sake, which the coefficients need not cover.
     known = hydrodynamics if scene.sea.amplitude.any() else None
     return _rows(field, near, tuple(tuple(f.centre.tolist()) for f in scene.floats), support, known, terms, wanted)

@@ -308,7 +308,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     height = scene.sea.parameters()["Hm0"]
     reach = max((_reach(scene, b, height) for b, nonlinear in enumerate(scene.nonlinear) if nonlinear), default=0.0)
     near = waves.near(reach, settings.field_tolerance)
-    if near is not waves:
+    if near != waves:
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
     terms = near.terms_for(reach, settings.field_tolerance)
     body = assembly.bodies(scene, near, support, hydrodynamics, added_mass, terms)

@@ -14,12 +14,11 @@ from solver.coupled.system import System, prepare
 from solver.frequency.condensed import Condensed
 from solver.frequency.stations import Stations
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.multibody.joint_law import JointLaw
+from solver.multibody.joint_law import DAMPERS, JointLaw, damped, dampers
 from solver.record.audit import force_of_waves, response_error
 from solver.record.recorder import Channels
 from solver.scene import Float, Scene
 
-DAMPERS = ("pto_damping", "damping", "quadratic_damping")  # of the joints' axes; at rest they are nothing
 OTHERS = tuple(f.name for f in fields(Float) if f.name not in DAMPERS)
 KNOWN = 2  # cases that a process keeps
 
@@ -175,14 +174,13 @@ class Case:
 
     def law(self, floats: tuple[Float, ...]) -> JointLaw:
         """Of the same joints with these floats' dampers."""
-        law, carriers = self.system.bodies.law, np.zeros(self.system.structure.carrier.shape[0])
+        carriers = np.zeros(self.system.structure.carrier.shape[0])
         more = {name: np.concatenate([carriers, *(f.per_axis(name) for f in floats)]) for name in DAMPERS}
-        return law._replace(**{name: getattr(law, name) + damping for name, damping in more.items()})
+        return damped(self.system.bodies.law, more)
 
     def linear_damping(self, law: JointLaw) -> np.ndarray:
         """(nj,) of the law's dampers, which the model does not have."""
-        damping = law.pto_damping + law.damping - self.system.bodies.law.damping
-        return damping[self.system.structure.carrier.shape[0] :]
+        return (dampers(law) - dampers(self.system.bodies.law))[self.system.structure.carrier.shape[0] :]
 
     def damped_model(self, law: JointLaw) -> LinearModel:
         """With the law's dampers."""

@@ -106,9 +106,9 @@ def _agreed(case: Case, law: JointLaw) -> tuple[np.ndarray, Drag, np.ndarray, in
     model, omega, stations = case.model, case.omega, case.stations
     nm, nc = model.modes.shape[1], case.system.structure.carrier.shape[0]
     height = float(np.abs(case.system.scene.sea.amplitude).sum())
-    quadratic, bent = joint_law.drag(law)[nc:], joint_law.bent(law).any()
+    quadratic, bent = joint_law.drag(law), joint_law.bent(law).any()
     linear = case.linear_damping(law)
-    at_rest = pto = joint_law.damping_of_gaussian(law, np.zeros(law.damping.size))[nc:]
+    at_rest = pto = joint_law.damping_of_gaussian(law, np.zeros(quadratic.size))[nc:]
     rate = np.zeros((omega.size, len(model.mass)), complex)
     std, change = np.zeros(len(model.mass)), np.inf
     for rounds in range(1, ROUNDS + 1):
@@ -119,7 +119,7 @@ def _agreed(case: Case, law: JointLaw) -> tuple[np.ndarray, Drag, np.ndarray, in
             push[:, :nm] += of_water
         dampers = linear
         if quadratic.any():
-            dampers = dampers + quadratic * linear_drag.of_lines(rate[:, None, nm:])[:, 0, 0]
+            dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rate[:, None, nm:])[:, 0, 0]
         if bent:
             pto = _taking(law, nc, rate[:, nm:])
             dampers = dampers + (pto - at_rest)
@@ -169,7 +169,7 @@ def _taking(law: JointLaw, nc: int, rate: np.ndarray) -> np.ndarray:
 
     nc: coordinates before the joints'.
     """
-    size = np.zeros(law.damping.size)
+    size = np.zeros(len(joint_law.dampers(law)))
     if len(rate) == 1:
         size[nc:] = np.abs(rate[0])
         return joint_law.damping_of_harmonic(law, size)[nc:]

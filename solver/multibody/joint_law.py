@@ -23,6 +23,7 @@ A further kind of law of an axis is a field of JointLaw, called as the Float's, 
 stores energy, `axis_energy`; if it bends, zones for it in `leaving` and what they call.
 """
 
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -42,6 +43,7 @@ from solver.multibody.load_table import (
     table_slopes,
 )
 
+DAMPERS = ("pto_damping", "damping", "quadratic_damping")  # linear or nearly, and nothing at rest
 FAR = 40.0  # standard deviations
 OPEN, PRESSED, RELEASED = 0, 1, 2  # zones of the stops; + at the upper one, - at the lower one
 LINEAR, SLIPS, LIMITED, HELD = 0, 1, 2, 3  # of the power take-off; SLIPS and LIMITED with the sign of the rate
@@ -449,6 +451,16 @@ def at_rest(law: JointLaw) -> JointLaw:
     """Without what only motion brings about: the loads at rest of all laws that differ in their damping alone."""
     still = np.zeros(law.damping.shape)
     return law._replace(pto_damping=still, damping=still, quadratic_damping=still)
+
+
+def damped(law: JointLaw, more: Mapping[str, np.ndarray]) -> JointLaw:
+    """The law with more of its DAMPERS, (n,) each."""
+    return law._replace(**{name: getattr(law, name) + more[name] for name in DAMPERS})
+
+
+def dampers(law: JointLaw) -> np.ndarray:
+    """Of a linear model (n,): damping of the power take-offs and beside them."""
+    return law.pto_damping + law.damping
 
 
 def drag(law: JointLaw) -> np.ndarray:

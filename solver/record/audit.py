@@ -342,7 +342,7 @@ def skipped(system: System) -> list[str]:
         notes.append("pressure quadrature: linear hydrostatics and Froude-Krylov (exact for a linear scene)")
     if scene.floats and system.bodies.nonlinear.any():
         notes.append(f"terms of the local wave field beyond {s.field_tolerance:g} of the sum of amplitudes")
-    if system.near is not system.waves:
+    if system.near != system.waves:
         rest = system.near.sea.amplitude != system.waves.sea.amplitude
         power, longest = np.abs(system.waves.sea.amplitude) ** 2, 2 * np.pi / system.waves.k[rest].min()
         notes.append(

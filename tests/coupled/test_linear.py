@@ -133,7 +133,7 @@ def test_what_is_kept_of_another_damping_changes_no_bit(method, kept):
 def test_mesh_effect_is_what_the_march_shows(name):
     """Linear floats, with coefficients and with those off by their estimated error: statistics change by as much.
 
-    Or by what two fits of the memory may differ in, where that is more.
+    And by what two fits of the memory may differ in.
     """
     scene, h = SCENES[name]()
     linear = replace(
@@ -146,4 +146,4 @@ def test_mesh_effect_is_what_the_march_shows(name):
         used = a[:, 4] > 1e-3 * a[:, 4].max(initial=1e-30)
         changes.append(np.abs(b[used, 4] / a[used, 4] - 1).max(initial=0))
     memory, told = coefficient_effects(prepare(linear, h), h)
-    assert told / 3 < max(changes) < max(3 * told, memory)
+    assert told / 3 < max(changes) < 3 * told + 2 * memory
