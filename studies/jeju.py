@@ -160,6 +160,8 @@ def draw(data: xr.Dataset, path: Path) -> None:
         title="Mean power, Hs 3 m, Tp 7.5 s",
         ylim=(0, None),
     )
+    power.set_xticks(data.pto_damping / 1e6, [f"{x / 1e6:g}" for x in data.pto_damping.values])
+    power.minorticks_off()
     for axes in (turning, gain, power):
         axes.grid(lw=0.4, color="0.88")
         axes.spines[["top", "right"]].set_visible(False)
