@@ -69,8 +69,9 @@ class Probe:
         self.full = bool(times[-1] >= self.steps * self.system.dt * (1 - 1e-9))
 
     def unaware(self, output: Output) -> bool:
-        """Whether the floats meet a stop in a block, and met none in what is judged."""
-        return self.full and not self.recorder.contact[:, HITS].any() and bool(output.contact[..., HITS].any())
+        """Whether the floats meet a stop in a block, and met none in what has been judged."""
+        judged = bool(self._errors) and not self.recorder.contact[:, HITS].any()
+        return judged and bool(output.contact[..., HITS].any())
 
     def again(self, first: int, state: State) -> "Probe":
         """Another from there on, whose errors are the larger of both."""

@@ -172,7 +172,8 @@ def _fitted(corners: np.ndarray, outline: np.ndarray, kept: np.ndarray) -> np.nd
 def _nearest(points: np.ndarray, outline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The point (n, 2) of an outline (ns, 2, 2) nearest to each of points (n, 2), and how far it is (n,)."""
     start, along = outline[:, 0], outline[:, 1] - outline[:, 0]
-    way = np.einsum("nsi,si->ns", points[:, None] - start, along) / np.sum(along**2, axis=1)
+    length = np.maximum(np.sum(along**2, axis=1), np.finfo(float).tiny)  # a mesh may give a point twice
+    way = np.einsum("nsi,si->ns", points[:, None] - start, along) / length
     feet = start + np.clip(way, 0, 1)[..., None] * along
     gaps = np.linalg.norm(points[:, None] - feet, axis=2)
     first = gaps.argmin(axis=1), np.arange(len(points))

@@ -97,3 +97,9 @@ def test_no_irregular_frequency_is_left_between_hull_and_well(monkeypatch):
 def test_outlines_that_cannot_be_are_refused(points, told):
     with pytest.raises(InputError, match=told):
         ring(points)
+
+
+def test_an_outline_may_have_a_point_twice():
+    outline = np.array([[[0, 0], [1, 0]], [[1, 0], [1, 0]], [[1, 0], [1, 1]], [[1, 1], [0, 0]]], float)
+    feet, gaps = meshes._nearest(np.array([[0.5, -1.0], [1.2, 0.5], [2.0, -1.0]]), outline)
+    assert feet == approx(np.array([[0.5, 0], [1, 0.5], [1, 0]])) and gaps == approx([1, 0.2, 2**0.5])
