@@ -182,19 +182,19 @@ class Case:
         """(nj,) of the law's dampers, which the model does not have."""
         return (dampers(law) - dampers(self.system.bodies.law))[self.system.structure.carrier.shape[0] :]
 
+    def added_damping(self, law: JointLaw) -> np.ndarray:
+        """D (n, n) of the law's dampers."""
+        return np.diag(np.concatenate([np.zeros(self.system.structure.omega.size), self.linear_damping(law)]))
+
     def damped_model(self, law: JointLaw) -> LinearModel:
         """With the law's dampers."""
-        more = np.zeros(len(self.model.damping))
-        more[self.system.structure.omega.size :] = self.linear_damping(law)
-        return replace(self.model, damping=self.model.damping + np.diag(more))
+        return replace(self.model, damping=self.model.damping + self.added_damping(law))
 
     def mesh_effect(self, law: JointLaw) -> float:
         """See audit.coefficient_effects; with the law's dampers."""
         if not self.meshes:
             return 0.0
-        damping, (nw, n) = np.zeros(self.model.damping.shape), self.force.shape
-        joints = np.arange(self.system.structure.omega.size, n)
-        damping[joints, joints] = self.linear_damping(law)
-        at_rest = np.zeros((nw, n), complex)
+        damping = self.added_damping(law)
+        at_rest = np.zeros(self.force.shape, complex)
         exact, shifted = (equation.response(force, damping, at_rest) for equation, force in self.meshes)
         return response_error(self.system, law, self.omega, shifted, exact)
