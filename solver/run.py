@@ -16,7 +16,7 @@ from solver.coupled.system import BALANCE, blocks, energy_residual, prepare, unb
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
 from solver.limits import field_error
-from solver.record.accuracy import ATTEMPTS, first_guess, refined, shortened
+from solver.record.accuracy import ATTEMPTS, first_guess, prepared, refined, shortened
 from solver.record.audit import Probe, audit
 from solver.record.bound import above
 from solver.record.recorder import Record, Recorder
@@ -24,7 +24,7 @@ from solver.scene import Scene, Settings
 
 # What the record says of how it was computed.
 KNOBS = (
-    "time_step", "modes", "azimuths", "arc_points", "line_points", "panel_size", "field_tolerance", "memory_tolerance",
+    "time_step", "modes", "azimuths", "arc_points", "line_points", "panel_size", "field_tolerance",
     "stations_per_element", "newton_tolerance",
 )  # fmt: skip
 
@@ -89,12 +89,12 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
 
         return simulate_reference(scene, hydrodynamics)
     clock = time.perf_counter()
-    system = prepare(scene, hydrodynamics)
+    system = prepared(scene, hydrodynamics)
     require_stable(system)
     modes = system_modes(system, hydrodynamics)
     system = with_usual_step(system, modes)
     scene = system.scene
-    prepared = time.perf_counter()
+    ready = time.perf_counter()
     s = scene.settings
     steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))
     recorder, probe = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies), Probe(system)
@@ -124,9 +124,10 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         "field_error": field_error(scene, system.bodies, system.near, system.terms, furthest),
         "seabed_error": seabed_error(hydrodynamics),
         **{name: getattr(s, name) for name in KNOBS},
+        "memory_tolerance": system.memory_tolerance,
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
-        "prepare_time": prepared - clock,
-        "march_time": marched - prepared,
+        "prepare_time": ready - clock,
+        "march_time": marched - ready,
         **scene.sea.parameters(),
     }
     if odd := (*warnings(scene), *above(scene, recorder.mean_power)):

@@ -377,7 +377,11 @@ class Settings:
     field_tolerance: Annotated[
         float, Quantity(least=1e-14, most=1), "Of the wave field around a float, relative to the sum of amplitudes"
     ] = 1e-4
-    memory_tolerance: Annotated[float, Quantity(least=1e-8, most=1), "Of the radiation memory's fit"] = 5e-3
+    memory_tolerance: Annotated[
+        float | None,
+        Quantity(least=1e-8, most=1),
+        "Of the radiation memory's fit; left out, 5e-3, and less where that changes the motions by more than 0.3 %",
+    ] = None
     stations_per_element: Annotated[
         int, Quantity(least=1, most=1000), "Points of an element at which drag is taken; in long ones of each 1/k"
     ] = 2

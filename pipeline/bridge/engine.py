@@ -75,9 +75,9 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     """
     from solver.coupled.system import remembered
     from solver.hydrodynamics.bem import bem
-    from solver.scene import Settings
+    from solver.hydrodynamics.radiation.memory import USUAL
 
-    first, tolerance, whole = geometries[0], Settings().memory_tolerance, []
+    first, whole = geometries[0], []
     if first.coefficients:
         found = [given_hydrodynamics(geometry) for geometry in geometries]
     else:
@@ -90,11 +90,11 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     for one, geometry in zip(found, geometries, strict=True):
         ways = geometry.needed
         try:  # headings share what radiates
-            memory = remembered(found[0], hulls, tolerance, ways)
+            memory = remembered(found[0], hulls, USUAL, ways)
         except SimulationFailed:  # said by the task that needs it
             whole.append(one)
         else:
-            whole.append(replace(one, memory=memory, memory_tolerance=tolerance, memory_motions=ways))
+            whole.append(replace(one, memory=memory, memory_tolerance=USUAL, memory_motions=ways))
     return whole
 
 

@@ -68,6 +68,7 @@ class System:
     support: platform.Support | None
     structure: Structure
     fit: radiation.RadiationMemory | None
+    memory_tolerance: float  # of the fit
     memory: Memory
     rows: np.ndarray
     layout: assembly.Layout
@@ -277,8 +278,8 @@ def _equilibrium(
     return shared(z), shared(p)
 
 
-def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
-    """The scene as arrays; InputError for coefficients of another scene."""
+def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, memory_tolerance: float | None = None) -> System:
+    """The scene as arrays; InputError for coefficients of another scene. A tolerance given here is not the scene's."""
     settings, water = scene.settings, scene.water
     dt = scene.usual_step if settings.time_step is None else settings.time_step
     if hydrodynamics is not None and scene.floats:
@@ -297,10 +298,10 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
             outputs=settings.outputs,
         )
         support = platform.damped(reduced, scene.platform.damping_ratio)
-    fit = None
+    fit, tolerance = None, memory_tolerance or settings.memory_tolerance or radiation.USUAL
     if scene.floats and settings.radiation and settings.method == "time":
         hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
-        fit = remembered(hydrodynamics, hulls, settings.memory_tolerance, ways)
+        fit = remembered(hydrodynamics, hulls, tolerance, ways)
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
     added_mass = np.zeros((na, na))
     if hydrodynamics is not None and settings.radiation:
@@ -319,6 +320,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
         support=support,
         structure=assembly.structure(support, scene.platform.damping_ratio if scene.platform else 0.0),
         fit=fit,
+        memory_tolerance=tolerance,
         memory=assembly.memory(fit, dt, na),
         rows=rows,
         layout=layout,

@@ -1,6 +1,7 @@
 """An error asked for becomes settings: a first guess by known laws, and finer ones where a run's start says so.
 
-Without one the step alone is chosen: by the scene's periods, and shorter where a run's start says so.
+Without one the step is chosen, by the scene's periods, and shorter where a run's start says so; and the radiation
+memory's tolerance, by the linear response.
 """
 
 from collections.abc import Mapping
@@ -8,11 +9,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from solver.coupled.system import System, prepare
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.radiation import memory
+from solver.record.audit import coefficient_effects
 from solver.scene import Scene, Settings, two_digits
 
 ATTEMPTS = 6  # at most; each but the last costs the first audit.PROBE seconds of a run, and their audit
 RULES = [(8, 4, 2), (12, 6, 3), (16, 12, 6), (24, 16, 8)]
-MEMORIES = [5e-3, 2e-3, 1e-3, 3e-4]
+MEMORIES = [memory.USUAL, 2e-3, 1e-3, 3e-4]
+SWAYED = 3e-3  # what the memory's misfit may change the motions by, where no tolerance of it is given
+FEW = 12  # motions that radiate, whose memory is fitted in a second; of many a finer fit would take longer than a run
 MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
 # What the estimate's square may be made of; the BEM's mesh is chosen before, see scene.panels_for.
 SHARE = {"discretization_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
@@ -61,6 +68,26 @@ def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
         wanted = settings.memory_tolerance / over["memory_effect"]
         finer = replace(finer, memory_tolerance=next((m for m in MEMORIES if m <= wanted), MEMORIES[-1]))
     return None if finer == settings else finer
+
+
+def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
+    """The scene as arrays, with a finer memory than usual where its misfit sways the motions and none is asked for.
+
+    The misfit is a share of the largest damping: what hardly radiates and is damped by little else would swing by it.
+    """
+    best = prepare(scene, h)
+    if h is None or best.fit is None or scene.settings.memory_tolerance is not None:
+        return best
+    if np.any(best.fit.residue, axis=(0, 1)).sum() > FEW:
+        return best
+    effect = coefficient_effects(best, h)[0]
+    for tolerance in MEMORIES[1:]:
+        if effect > SWAYED:
+            finer = prepare(scene, h, tolerance)
+            less = coefficient_effects(finer, h)[0]
+            if less < effect:
+                best, effect = finer, less
+    return best
 
 
 def shortened(settings: Settings, told: Mapping[str, float]) -> Settings | None:

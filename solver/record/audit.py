@@ -13,7 +13,7 @@ from solver.coupled.stages import State, copied
 from solver.coupled.step import HITS, Output
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
-from solver.hydrodynamics.radiation.memory import RadiationMemory
+from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
 from solver.multibody.joint_law import JointLaw, absorbing
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
 from solver.record.recorder import Recorder
@@ -131,8 +131,9 @@ def unmet(s: Settings, fit: RadiationMemory | None, estimated: float = 0.0) -> l
     notes = []
     if s.tolerance is not None and not estimated <= s.tolerance:
         notes.append(f"tolerance = {s.tolerance:g}: the estimated error is {estimated:.2g}")
-    if fit is not None and s.memory == "state-space" and not fit.error <= s.memory_tolerance:
-        notes.append(f"memory_tolerance = {s.memory_tolerance:g}: the radiation memory's fit ended at {fit.error:.2g}")
+    asked = s.memory_tolerance or USUAL
+    if fit is not None and s.memory == "state-space" and not fit.error <= asked:
+        notes.append(f"memory_tolerance = {asked:g}: the radiation memory's fit ended at {fit.error:.2g}")
     return notes
 
 

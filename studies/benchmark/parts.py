@@ -126,5 +126,4 @@ def frequency_task() -> tuple[float, float]:
 def memory_fit() -> float:
     """Time [s] to fit the pair's radiation memory at the default tolerance."""
     h, _ = coefficients()
-    tolerance = scene("fixed").settings.memory_tolerance
-    return median(lambda: radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance))
+    return median(lambda: radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf))

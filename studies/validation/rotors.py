@@ -20,6 +20,7 @@ from solver.hydrodynamics.bem import bem, far_field
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.radiation.memory import USUAL
 from solver.motions import of_scene
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.dispersion import wavenumber
@@ -142,18 +143,18 @@ def _response(item: Scene, h: Hydrodynamics) -> np.ndarray:
 
 def _in_time() -> list[Check]:
     """Afloat, in the time domain against the frequency domain, and that against coefficients at its own frequencies."""
-    item, ways, tolerance = jeju("floating"), of_scene(jeju("floating")), Settings().memory_tolerance
+    item, ways = jeju("floating"), of_scene(jeju("floating"))
     hulls, centres = tuple(f.hull for f in item.floats), np.array([f.centre for f in item.floats])
     solve = partial(
         bem.solve, hulls, centres, depth=item.water.depth, density=item.water.density, gravity=item.water.gravity,
         planar=False,
     )  # fmt: skip
     found = solve(omega=bem.frequency_grid(hulls, centres, depth=item.water.depth, band=BAND))
-    memory = remembered(found, hulls, tolerance, ways)
-    known = replace(found, memory=memory, memory_tolerance=tolerance, memory_motions=ways)
+    memory = remembered(found, hulls, USUAL, ways)
+    known = replace(found, memory=memory, memory_tolerance=USUAL, memory_motions=ways)
     sea = response.white_noise(height=0.01, band=BAND, components=80)
     linear = with_critical_damping(replace(item, sea=sea, settings=FREQUENCY), known)
-    marched = replace(linear, settings=response.settings(froude_krylov="linear", memory_tolerance=tolerance))
+    marched = replace(linear, settings=response.settings(froude_krylov="linear", memory_tolerance=USUAL))
     checks = _apart("time domain", response.irregular(marched, known), _response(linear, known), 0.015)
     waves = components(amplitude=np.full(RINGS.size, SMALL), omega=RINGS, phase=np.zeros(RINGS.size))
     between = replace(linear, sea=waves)

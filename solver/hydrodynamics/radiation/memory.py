@@ -13,6 +13,7 @@ from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation.passivity import SILENT, UNPASSIVE, Constraint, enforce, least_damping
 from solver.hydrodynamics.radiation.rational import basis, complex_residues, mixed, relocated, starting_poles
 
+USUAL = 5e-3  # tolerance, where none is asked for
 PAIRS = 30  # of poles, at most
 FALL = 6  # misfits count less beyond the peak of the diagonal, as its frequency over ω to this power
 HOPELESS = 4  # times the tolerance: so far away no weights will help
@@ -48,7 +49,7 @@ def fit(
     added_mass: np.ndarray,
     radiation_damping: np.ndarray,
     added_mass_inf: np.ndarray,
-    tolerance: float = 2e-3,
+    tolerance: float = USUAL,
     lengths: np.ndarray | None = None,
     moved: np.ndarray | None = None,
 ) -> RadiationMemory:

@@ -25,7 +25,7 @@ from pipeline.tasks.tasklist import Tasks
 from solver.errors import InputError
 from solver.hydrodynamics.bem.adopted import adopted
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.scene import Settings
+from solver.hydrodynamics.radiation.memory import USUAL
 from tests.once import solve
 
 RHO, G, DEPTH = 1025.0, 9.81, 30.0
@@ -104,11 +104,11 @@ def with_our_own(path, h):
 
     from solver.coupled.system import remembered
 
-    parameters, tolerance = only_task(path).parameters, Settings().memory_tolerance
+    parameters = only_task(path).parameters
     geometry = geometry_of(parameters)
     own = replace(h, **planar, dofs=("surge", "heave", "pitch"), error=None)
-    memory = remembered(own, tuple(hull(body.hull) for body in geometry.bodies), tolerance, geometry.needed)
-    known = replace(own, memory=memory, memory_tolerance=tolerance, memory_motions=geometry.needed)
+    memory = remembered(own, tuple(hull(body.hull) for body in geometry.bodies), USUAL, geometry.needed)
+    known = replace(own, memory=memory, memory_tolerance=USUAL, memory_motions=geometry.needed)
     return compute(parameters, cache.encode(known, "own"))
 
 
