@@ -15,11 +15,13 @@ from solver.coupled.stages import copied
 from solver.coupled.system import BALANCE, blocks, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
+from solver.hydrodynamics.radiation.memory import USUAL
 from solver.limits import field_error
-from solver.record.accuracy import ATTEMPTS, first_guess, prepared, refined, shortened
+from solver.record.accuracy import ATTEMPTS, first_guess, refined, shortened
 from solver.record.audit import Probe, audit
 from solver.record.bound import above
 from solver.record.recorder import Record, Recorder
+from solver.record.refit import prepared
 from solver.scene import Scene, Settings
 
 # What the record says of how it was computed.
@@ -124,7 +126,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         "field_error": field_error(scene, system.bodies, system.near, system.terms, furthest),
         "seabed_error": seabed_error(hydrodynamics),
         **{name: getattr(s, name) for name in KNOBS},
-        "memory_tolerance": system.memory_tolerance,
+        "memory_tolerance": s.memory_tolerance or USUAL,
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,
         "prepare_time": ready - clock,
         "march_time": marched - ready,

@@ -380,7 +380,7 @@ class Settings:
     memory_tolerance: Annotated[
         float | None,
         Quantity(least=1e-8, most=1),
-        "Of the radiation memory's fit; left out, 5e-3, and less where that changes the motions by more than 0.3 %",
+        "Of the radiation memory's fit; left out, 5e-3 or, where that sways the motions by over 0.3 %, by their change",
     ] = None
     stations_per_element: Annotated[
         int, Quantity(least=1, most=1000), "Points of an element at which drag is taken; in long ones of each 1/k"

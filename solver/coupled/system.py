@@ -68,7 +68,6 @@ class System:
     support: platform.Support | None
     structure: Structure
     fit: radiation.RadiationMemory | None
-    memory_tolerance: float  # of the fit
     memory: Memory
     rows: np.ndarray
     layout: assembly.Layout
@@ -278,8 +277,8 @@ def _equilibrium(
     return shared(z), shared(p)
 
 
-def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, memory_tolerance: float | None = None) -> System:
-    """The scene as arrays; InputError for coefficients of another scene. A tolerance given here is not the scene's."""
+def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.RadiationMemory | None = None) -> System:
+    """The scene as arrays, with another radiation memory if given; InputError for coefficients of another scene."""
     settings, water = scene.settings, scene.water
     dt = scene.usual_step if settings.time_step is None else settings.time_step
     if hydrodynamics is not None and scene.floats:
@@ -298,10 +297,9 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, memory_tolerance:
             outputs=settings.outputs,
         )
         support = platform.damped(reduced, scene.platform.damping_ratio)
-    fit, tolerance = None, memory_tolerance or settings.memory_tolerance or radiation.USUAL
-    if scene.floats and settings.radiation and settings.method == "time":
+    if fit is None and scene.floats and settings.radiation and settings.method == "time":
         hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
-        fit = remembered(hydrodynamics, hulls, tolerance, ways)
+        fit = remembered(hydrodynamics, hulls, settings.memory_tolerance or radiation.USUAL, ways)
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
     added_mass = np.zeros((na, na))
     if hydrodynamics is not None and settings.radiation:
@@ -320,7 +318,6 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, memory_tolerance:
         support=support,
         structure=assembly.structure(support, scene.platform.damping_ratio if scene.platform else 0.0),
         fit=fit,
-        memory_tolerance=tolerance,
         memory=assembly.memory(fit, dt, na),
         rows=rows,
         layout=layout,
@@ -374,16 +371,22 @@ def _check_same(scene: Scene, h: Hydrodynamics) -> None:
 
 @lru_cache(maxsize=8)
 def remembered(
-    h: Hydrodynamics, hulls: tuple[Hull, ...], tolerance: float, ways: tuple[tuple[str, ...], ...]
+    h: Hydrodynamics,
+    hulls: tuple[Hull, ...],
+    tolerance: float,
+    ways: tuple[tuple[str, ...], ...],
+    importance: Bits[np.ndarray] | None = None,
 ) -> radiation.RadiationMemory:
     """The memory of a set of coefficients, of bodies with these motions: tasks that differ in sea, damping or support
     share its fit.
     """
     moved = h.moved(ways)
-    if h.memory is not None and h.memory_tolerance == tolerance and np.all(h.moved(h.memory_motions) == moved):
+    usual = importance is None and h.memory_tolerance == tolerance
+    if h.memory is not None and usual and np.all(h.moved(h.memory_motions) == moved):
         return h.memory
     lengths = motion_lengths(hulls, h.dofs)
-    return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths, moved)
+    asked = None if importance is None else importance.value
+    return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths, moved, asked)
 
 
 def _reach(scene: Scene, b: int, height: float) -> float:

@@ -1,7 +1,6 @@
 """An error asked for becomes settings: a first guess by known laws, and finer ones where a run's start says so.
 
-Without one the step is chosen, by the scene's periods, and shorter where a run's start says so; and the radiation
-memory's tolerance, by the linear response.
+Without one the step alone is chosen: by the scene's periods, and shorter where a run's start says so.
 """
 
 from collections.abc import Mapping
@@ -9,17 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from solver.coupled.system import System, prepare
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.hydrodynamics.radiation import memory
-from solver.record.audit import coefficient_effects
 from solver.scene import Scene, Settings, two_digits
 
 ATTEMPTS = 6  # at most; each but the last costs the first audit.PROBE seconds of a run, and their audit
 RULES = [(8, 4, 2), (12, 6, 3), (16, 12, 6), (24, 16, 8)]
-MEMORIES = [memory.USUAL, 2e-3, 1e-3, 3e-4]
-SWAYED = 3e-3  # what the memory's misfit may change the motions by, where no tolerance of it is given
-FEW = 12  # motions that radiate, whose memory is fitted in a second; of many a finer fit would take longer than a run
 MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
 # What the estimate's square may be made of; the BEM's mesh is chosen before, see scene.panels_for.
 SHARE = {"discretization_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
@@ -43,7 +35,6 @@ def first_guess(scene: Scene) -> Settings:
         arc_points=arc,
         line_points=line,
         stations_per_element=2 if tolerance > 4e-4 else 4,
-        memory_tolerance=next((m for m in MEMORIES if m <= 2.5 * tolerance), MEMORIES[-1]),
         time_step=min(step, scene.longest_step),
     )
 
@@ -64,30 +55,7 @@ def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
     if over["quadrature_error"] > 1 and at + 1 < len(RULES):
         azimuths, arc, line = RULES[at + 1]
         finer = replace(finer, azimuths=azimuths, arc_points=arc, line_points=line, panel_size=settings.panel_size / 2)
-    if over["memory_effect"] > 1 and settings.memory_tolerance > MEMORIES[-1]:
-        wanted = settings.memory_tolerance / over["memory_effect"]
-        finer = replace(finer, memory_tolerance=next((m for m in MEMORIES if m <= wanted), MEMORIES[-1]))
     return None if finer == settings else finer
-
-
-def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
-    """The scene as arrays, with a finer memory than usual where its misfit sways the motions and none is asked for.
-
-    The misfit is a share of the largest damping: what hardly radiates and is damped by little else would swing by it.
-    """
-    best = prepare(scene, h)
-    if h is None or best.fit is None or scene.settings.memory_tolerance is not None:
-        return best
-    if np.any(best.fit.residue, axis=(0, 1)).sum() > FEW:
-        return best
-    effect = coefficient_effects(best, h)[0]
-    for tolerance in MEMORIES[1:]:
-        if effect > SWAYED:
-            finer = prepare(scene, h, tolerance)
-            less = coefficient_effects(finer, h)[0]
-            if less < effect:
-                best, effect = finer, less
-    return best
 
 
 def shortened(settings: Settings, told: Mapping[str, float]) -> Settings | None:

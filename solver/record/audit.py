@@ -234,7 +234,7 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     omega = sea.omega if waves else np.linspace(h.omega[0], h.omega[-1], DECAY)
 
     def response(known: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
-        return _waves(system, model, known, Y) if waves else _decay(system, model, omega, Y)
+        return _waves(system, model, known, Y) if waves else decay(system, model, omega, Y)
 
     exact = response(h, impedance(system, h, omega))
     fitted = response(h, system.fit.frequency(omega)) if system.fit else exact
@@ -253,14 +253,20 @@ def _waves(
 
 def force_of_waves(system: System, h: Hydrodynamics | None, drag: np.ndarray | float = 0.0) -> np.ndarray:
     """F (nw, n) of the scene's sea, with linear pressure, and drag (nw, nm) on the modes."""
-    s, sea, model = system.scene.settings, system.scene.sea, linear_model(system)
+    sea = system.scene.sea
+    modal = system.rows[system.layout.modal] + np.transpose(drag)
+    return wave_force(linear_model(system), excitation(system, h, sea.omega) * sea.amplitude[:, None], modal)
+
+
+def excitation(system: System, h: Hydrodynamics | None, omega: np.ndarray) -> np.ndarray:
+    """Linear force of waves per amplitude (nw, na) on what radiates, but for what the scene leaves out."""
+    s = system.scene.settings
     kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
-    excitation = np.zeros((sea.omega.size, len(model.active)), complex)
+    force = np.zeros((omega.size, len(linear_model(system).active)), complex)
     if h is not None:
         for kind in kinds:
-            excitation += h.excitation(sea.omega, kind)
-    modal = system.rows[system.layout.modal] + np.transpose(drag)
-    return wave_force(model, excitation * sea.amplitude[:, None], modal)
+            force += h.excitation(omega, kind)
+    return force
 
 
 def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
@@ -305,7 +311,7 @@ def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
     return float(np.abs(exact[used] / std[used] - 1).max(initial=0.0))
 
 
-def _decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
+def decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
     """Spectrum X (nw, n) of what follows from offsets x₀, (1 - Z⁻¹C) x₀/(-iω)."""
     start = np.zeros(len(model.mass))
     start[system.structure.omega.size :] = np.concatenate([f.per_axis("offset") for f in system.scene.floats])

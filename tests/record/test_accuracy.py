@@ -7,11 +7,11 @@ import pytest
 from pytest import approx
 
 from solver import run
-from solver.coupled.system import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
 from solver.record.audit import together
+from solver.record.refit import prepared
 from solver.run import simulate
 from solver.scene import PANELS, EndStops, panels_for, two_digits
 from solver.sea.realization import Realization
@@ -54,7 +54,7 @@ def test_tighter_tolerance_is_met_by_dearer_settings(buan, coefficients, support
 def test_run_goes_on_where_its_start_meets_the_tolerance(buan, coefficients, monkeypatch):
     """No pilot runs: one system where the guess is good, one more for each time it is not."""
     made = []
-    monkeypatch.setattr(run, "prepare", lambda *args: made.append(1) or prepare(*args))
+    monkeypatch.setattr(run, "prepared", lambda *args: made.append(1) or prepared(*args))
     simulate(buan.scene("fixed", tolerance=1e-2), coefficients)
     assert len(made) == 1
     monkeypatch.setattr(run, "first_guess", lambda scene: replace(first_guess(scene), time_step=scene.longest_step))
@@ -104,16 +104,14 @@ def test_settings_are_refined_by_their_own_share_alone(buan):
     settings = first_guess(buan.scene("fixed", tolerance=1e-3))
     assert refined(settings, told()) is None
     finer = refined(settings, told(discretization_error=16e-3))
-    assert (finer.memory_tolerance, finer.azimuths) == (settings.memory_tolerance, settings.azimuths)
-    assert finer.time_step < settings.time_step / 2
-    finer = refined(settings, told(memory_effect=1e-2))
-    assert finer.time_step == settings.time_step and finer.memory_tolerance < settings.memory_tolerance
+    assert finer.time_step < settings.time_step / 2 and finer.azimuths == settings.azimuths
     finer = refined(settings, told(quadrature_error=1e-2))
     assert finer.azimuths > settings.azimuths and finer.panel_size == settings.panel_size / 2
     finer = refined(settings, told(shapes_effect=1e-2))
     assert (finer.modes, finer.time_step) == (2 * settings.modes, settings.time_step)
     assert refined(replace(settings, modes="all"), told(shapes_effect=1e-2)) is None
-    assert refined(settings, told(mesh_effect=1e-2)) is None  # not to be had by settings
+    for name in ("mesh_effect", "memory_effect"):  # not to be had by settings
+        assert refined(settings, told(**{name: 1e-2})) is None
 
 
 def test_step_follows_the_fourth_order(buan):

@@ -52,6 +52,7 @@ def fit(
     tolerance: float = USUAL,
     lengths: np.ndarray | None = None,
     moved: np.ndarray | None = None,
+    importance: np.ndarray | None = None,
 ) -> RadiationMemory:
     """The passive memory of least order whose misfit of B - iωA is at most `tolerance`, else one of nearly the best.
 
@@ -66,6 +67,8 @@ def fit(
     motions that radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size for
     rotations; ones by default. `moved` (n,) are the motions that there are, all by default: the damping of these must
     be passive. What they do to the others is load on joints, without work, and fitted beside; the rest is zero.
+    importance: (nw, n, n) what a unit of an entry changes at each ω of what it is for; where its misfit does more to
+    that than its share of the largest it counts as that much.
     """
     if not tolerance > 0:
         raise InputError("memory_tolerance", tolerance, "must be > 0")
@@ -85,7 +88,10 @@ def fit(
             f"radiation memory: the damping takes power from the waves it radiates at {(~sound).sum()} of {omega.size}"
             f" frequencies, most at {worst:.4g} rad/s: these are no coefficients of passive bodies"
         )
-    data = _Data.of(omega[sound], added_mass[sound], radiation_damping[sound], added_mass_inf, lengths, moved)
+    asked = np.zeros(impedance.shape) if importance is None else importance
+    data = _Data.of(
+        omega[sound], added_mass[sound], radiation_damping[sound], added_mass_inf, lengths, moved, asked[sound]
+    )
     looser, known = tolerance, dict[int, float]()
     while looser < LOST:
         memory = data.simplest(tolerance, looser, known)
@@ -120,7 +126,8 @@ class _Data:
 
     omega: np.ndarray  # (nw,)
     samples: np.ndarray  # (nw, m) complex
-    weight: np.ndarray  # (nw,)
+    weight: np.ndarray  # (nw,) of the least squares
+    counts: np.ndarray  # (nw, m) what a misfit counts, of that
     infinite: np.ndarray  # (m,) scaled A∞
     n: int
     peak: float  # ω_p [rad/s]
@@ -137,6 +144,7 @@ class _Data:
         infinite: np.ndarray,
         lengths: np.ndarray,
         moved: np.ndarray,
+        importance: np.ndarray,
     ) -> "_Data":
         """Samples of the motions that radiate; arguments as of `fit`."""
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
@@ -150,10 +158,14 @@ class _Data:
         peak = omega[np.argmax((diagonal / lengths**2)[:, own].sum(axis=1))]
         whole_infinite, scale = (infinite + infinite.T) / 2, root[i] * root[j]
         total = transfer + 1j * omega[:, None, None] * infinite
+        counts = 1 / (1 + (omega[:, None] / peak) ** FALL)
+        counts = np.maximum(counts, np.maximum(importance[:, i, j], importance[:, j, i]) * scale)
+        weight = counts.max(axis=1)
         return cls(
             omega=omega,
             samples=(total[:, i, j] / scale + total[:, j, i] / scale) / 2,
-            weight=1 / (1 + (omega / peak) ** FALL),
+            weight=weight,
+            counts=counts / weight[:, None],
             infinite=whole_infinite[i, j] / scale,
             n=len(own),
             peak=float(peak),
@@ -214,7 +226,8 @@ class _Data:
         anchor = np.append(np.zeros(span.shape[1]), self.peak / 2)
         columns = np.vstack([columns.real, columns.imag, anchor])
         target = np.vstack([target.real, target.imag, self.peak / 2 * self.infinite])
-        misfit = self._misfit(columns @ np.linalg.lstsq(columns, target, rcond=None)[0] - target, even)
+        residual = columns @ np.linalg.lstsq(columns, target, rcond=None)[0] - target
+        misfit = self._misfit(residual, self.counts, even)
         fitted = _Candidate(
             poles=poles, span=span, columns=columns, target=target, error=float(misfit.max()), even=even
         )
@@ -224,9 +237,10 @@ class _Data:
         """The nearest residues and A∞ with Re Y >= 0 at all frequencies; None where their misfit is larger."""
         n, poles, span = self.n, candidate.poles, candidate.span
         own, other = np.split(candidate.target, [n * (n + 1) // 2], axis=1)
+        counts = self.counts[:, : own.shape[1]]
 
         def misfit(solution: np.ndarray) -> float:
-            return float(self._misfit(candidate.columns @ solution - own, candidate.even).max())
+            return float(self._misfit(candidate.columns @ solution - own, counts, candidate.even).max())
 
         solution = enforce(candidate.columns, own, Constraint(poles=poles, span=span, n=n), misfit, tolerance)
         if solution is None or misfit(solution) > tolerance:
@@ -236,12 +250,12 @@ class _Data:
         for i, j in (self.entries, self.entries[::-1]):
             residue[:, i, j] = complex_residues(poles, span @ solution[:-1]) * self.scale
             infinite[i, j] = solution[-1] * self.scale
-        error = float(self._misfit(candidate.columns @ solution - candidate.target, candidate.even).max())
+        error = float(self._misfit(candidate.columns @ solution - candidate.target, self.counts, candidate.even).max())
         return RadiationMemory(beta=poles, residue=residue, added_mass_inf=infinite, error=error)
 
-    def _misfit(self, residual: np.ndarray, even: np.ndarray) -> np.ndarray:
+    def _misfit(self, residual: np.ndarray, counts: np.ndarray, even: np.ndarray) -> np.ndarray:
         real, imag = residual[:-1].reshape(2, len(self.omega), -1)
-        return np.hypot(real, imag).max(axis=1) / even
+        return np.asarray((counts * np.hypot(real, imag)).max(axis=1) / even)
 
 
 def retardation(omega: np.ndarray, radiation_damping: np.ndarray, t: np.ndarray) -> np.ndarray:

@@ -367,3 +367,18 @@ def test_cuts_that_push_and_those_that_do_not(alike):
     push = passivity._complementary(c @ c.T, lack, np.ones(lack.size, bool))
     assert np.all(push >= 0) and np.any(push == 0)
     assert c.T @ push == pytest.approx(shortest, abs=1e-7)
+
+
+def test_misfits_count_by_their_importance():
+    """Far below the peak a share of the largest damping is much of the little there is; unless that is asked for."""
+    omega, A, B, infinite = hulme()
+    low = (omega < 0.5 * omega[B[:, 0, 0].argmax()])[:, None, None]
+
+    def relative(memory):
+        fitted = memory.frequency(omega) - 1j * omega[:, None, None] * memory.added_mass_inf
+        return np.max(np.abs(fitted - B + 1j * omega[:, None, None] * A) / B, where=low, initial=0.0)
+
+    plain = fit(omega, A, B, infinite, 0.02)
+    asked = fit(omega, A, B, infinite, 0.02, importance=np.where(low, 1 / B, 0.0))
+    assert is_passive(asked)
+    assert relative(plain) > 0.04 and relative(asked) <= 0.02 * (1 + 1e-9)

@@ -1,0 +1,71 @@
+"""A memory fitted again to what little-damped motions ask of it, in scenes unlike each other."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.coupled.linear import impedance, linear_model
+from solver.coupled.natural import system_modes
+from solver.coupled.system import prepare
+from solver.record import refit
+from solver.record.audit import coefficient_effects, excitation
+from solver.sea.realization import components
+from tests.awkward import SCENES
+
+UNDAMPED = {"pto_damping": 0.0, "damping": 0.0, "critical_damping": 0.0}
+
+
+def undamped(name, shape=0, **settings):
+    """A scene without power take-off in a wave of the period of one of its shapes; its coefficients."""
+    item, h = SCENES[name]()
+    item = replace(item, floats=tuple(replace(f, **UNDAMPED) for f in item.floats))
+    period = system_modes(prepare(item, h), h).period[shape]
+    wave = components(
+        amplitude=np.array([1e-3]), omega=np.array([2 * np.pi / period]), phase=np.zeros(1), heading=item.sea.heading
+    )
+    return replace(item, sea=wave, settings=replace(item.settings, **settings)), h
+
+
+@pytest.mark.parametrize(("name", "shape"), [("big_beside_small", 1), ("flap", 0), ("model_scale", 0)])
+def test_what_swings_by_its_own_radiation_gets_its_own_fit(name, shape):
+    item, h = undamped(name, shape)
+    usual, fitted = prepare(item, h), refit.prepared(item, h)
+    before, after = (coefficient_effects(system, h)[0] for system in (usual, fitted))
+    assert before > refit.SWAYED >= after
+    damping = fitted.fit.frequency(np.geomspace(1e-2, 1e2, 500)).real
+    assert np.linalg.eigvalsh(damping).min() > -1e-9 * np.abs(damping).max()
+
+
+def test_the_usual_fit_stays_where_it_is_asked_for_or_good_enough_or_dear(monkeypatch):
+    item, h = undamped("flap")
+    asked, usual = undamped("flap", memory_tolerance=5e-3)[0], prepare(item, h).fit
+    assert refit.prepared(asked, h).fit is usual
+    damped, _ = SCENES["flap"]()
+    assert refit.prepared(damped, h).fit is usual
+    assert refit.prepared(item, h).fit is not usual
+    monkeypatch.setattr(refit, "FEW", 0)
+    assert refit.prepared(item, h).fit is usual
+
+
+@pytest.mark.parametrize("name", ["big_beside_small", "soft_mooring"])
+def test_importance_is_what_a_small_change_of_the_impedance_does(name):
+    """By a second solution, with one entry of Y changed at one frequency."""
+    item, h = SCENES[name]()
+    system = prepare(item, h)
+    model, counts, omega = linear_model(system), refit.importance(system, h), h.omega
+    Y, force = impedance(system, h, omega), excitation(system, h, omega) @ model.active
+    X = model.response(omega, Y, force)
+    inside = np.flatnonzero(counts.any(axis=(1, 2)))
+    assert set(inside) >= set(np.flatnonzero((omega > item.sea.omega.min()) & (omega < item.sea.omega.max())))
+    w = inside[inside.size // 2]
+    for i, j in zip(*np.nonzero(counts[w]), strict=True):
+        small = 1e-6 * np.abs(Y[w]).max()
+        other = Y[[w]]
+        other[0, i, j] += small
+        change = np.abs(model.response(omega[[w]], other, force[[w]])[0] - X[w])
+        largest = np.abs(X[inside]).max(axis=0)
+        assert counts[w, i, j] == approx(
+            np.max(change / np.maximum(np.abs(X[w]), refit.LEAST * largest)) / small, rel=1e-3
+        )
