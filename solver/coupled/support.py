@@ -287,7 +287,14 @@ def _basis(
 
     Static shapes of each of the loads `steady` (6n, ns), and the principal ones of the waves' (6n, n).
     """
-    load = np.concatenate([steady, _principal(np.concatenate([nodal.real, nodal.imag], axis=1))], axis=1)
+    patterns = np.concatenate([nodal.real, nodal.imag], axis=1)
+    if symmetric is None:
+        principal = _principal(patterns)
+    else:  # in half the rows, and those of the clamped nodes, whose loads move nothing but count in what is principal
+        clamped = np.setdiff1d(np.arange(len(patterns)), model.free)
+        few = _principal(np.concatenate([symmetric.T @ patterns, patterns[clamped]]))
+        principal = symmetric @ few[: symmetric.shape[1]]
+    load = np.concatenate([steady, principal], axis=1)
     # Only what the kept modes lack: without this the large common part would hide the rest.
     whole, rest = statics.static(model, load), natural.static_remainder(model, kept, load)
     if symmetric is not None:
