@@ -132,9 +132,12 @@ def reduce_platform(
     loaded = _loaded(model, platform.load_histories)
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
-    inertia_rows = _inertia_rows(platform, at, field, sea)
-    nodal = _nodal_load(model, at, inertia_rows)
-    loads = np.concatenate([nodal, _nodal_load(model, at, _drag_rows(at, field, sea))], axis=1)
+    around, size = _surroundings(at, field.sea.heading), _inertia_size(platform, at, sea)
+    swing = np.concatenate(field.swing(around.places))
+    push = -1j * field.sea.omega * swing
+    nodal = _nodal_load(model, at, around.by_swing(size), push)
+    of_drag = _nodal_load(model, at, around.by_swing(_drag_linearised(at, around, swing, field, sea)), swing)
+    loads = np.concatenate([nodal, of_drag], axis=1)
     omega, shapes = kept
     if modes != "all":
         unit = _unit_loads(len(nodal), np.concatenate([dof.ravel(), loaded]))
@@ -154,7 +157,7 @@ def reduce_platform(
         borne = forces.reduced(
             asked,
             _forces_at_rest(platform, sea, asked),
-            rows=np.tensordot(asked.influence.of_points(at), inertia_rows, axes=([0, 1], [0, 1])),
+            rows=(around.by_swing(size).T @ asked.influence.of_points(at).reshape(3 * len(size), -1)).T @ push,
             inertia=inertia,
             damping=2 * omega[:, None] * inertia * elastic,
             carried=asked.influence.nodal[dof.ravel()],
@@ -166,14 +169,14 @@ def reduce_platform(
         omega=omega,
         shapes=shapes,
         carrier=shapes[dof.ravel()],
-        wave_rows=shapes.T @ nodal,
+        wave_rows=_real_by_complex(shapes.T, nodal),
         station_shape=station_shape,
         station_rows=water_drag.rows,
         drag=water_drag.size,
         stream=water_drag.stream,
         applied=shapes[loaded],
         left_out=LeftOut(
-            waves=rest.T @ nodal,
+            waves=_real_by_complex(rest.T, nodal),
             drag=station_rest.transpose(1, 0, 2).reshape(station_rest.shape[0] * station_rest.shape[1], tops.size),
             inertia=shapes.T @ (M @ rest),
             tops=tops,
@@ -208,17 +211,53 @@ def _normal(at: water.Stations) -> np.ndarray:
     return np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
 
 
-@lru_cache(maxsize=2)
 def _flow(at: water.Stations, field: WaveField) -> np.ndarray:
     """Particle velocity normal to the member at each station (ns, 3, n)."""
-    return shared((_normal(at) @ field.velocity(at.position).view(float)).view(complex))
+    around = _surroundings(at, field.sea.heading)
+    along, up = field.swing(around.places)
+    return around.along[:, :, None] * along[around.place, None] + around.up[:, :, None] * up[around.place, None]
 
 
-def _inertia_rows(platform: Platform, at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
-    """Wave inertia load on each station [N]: C_M ρ πD²/4 w (I - ttᵀ) du/dt, (ns, 3, n)."""
+class _Surroundings(NamedTuple):
+    """Where the water moves in its own way about ns stations: velocity normal to the members by that of np places."""
+
+    places: np.ndarray  # (np, 3)
+    place: np.ndarray  # (ns,) which of them is each station's
+    along: np.ndarray  # (ns, 3) normal velocity for unit velocity along the waves' heading
+    up: np.ndarray  # (ns, 3) and for unit velocity upward
+
+    def by_swing(self, size: np.ndarray) -> sparse.csr_array:
+        """`size` (ns,) times the normal velocity, by that along the heading at all places and that upward (3 ns, 2 np)."""
+        parts, rows = np.stack([self.along, self.up], axis=1) * size[:, None, None], np.arange(self.up.size)
+        columns = np.repeat(self.place[:, None] + np.array([0, len(self.places)]), 3, axis=1)
+        every = np.broadcast_to(rows.reshape(-1, 1, 3), parts.shape)
+        out = sparse.csr_array((parts.ravel(), (every.ravel(), columns.ravel())), (rows.size, 2 * len(self.places)))
+        out.eliminate_zeros()
+        return out
+
+    def std(self, swing: np.ndarray) -> np.ndarray:
+        """Of the normal velocity (ns,), of lines (2 np, n) of that along the heading and upward."""
+        along, up = np.split(swing, 2)
+        squares = [np.einsum("pn,pn->p", *pair).real for pair in ((along, along.conj()), (up, up.conj()))]
+        both = np.einsum("pn,pn->p", along, up.conj()).real
+        parts = (self.along**2, squares[0]), (self.up**2, squares[1]), (2 * self.along * self.up, both)
+        square = sum(np.sum(part, axis=1) * of[self.place] for part, of in parts)
+        return np.sqrt(0.5 * np.maximum(square, 0.0))
+
+
+@lru_cache(maxsize=KNOWN)
+def _surroundings(at: water.Stations, heading: float) -> _Surroundings:
+    """Legs side by side, and stations above each other in the same wave, share places."""
+    direction, normal = np.array([np.cos(heading), np.sin(heading), 0.0]), _normal(at)
+    seen = np.stack([at.position @ direction, at.position[:, 2]], axis=1)
+    _, first, place = np.unique(seen, axis=0, return_index=True, return_inverse=True)
+    return _Surroundings(at.position[first], place.ravel(), normal @ direction, normal[:, :, 2])
+
+
+def _inertia_size(platform: Platform, at: water.Stations, sea: Water) -> np.ndarray:
+    """Wave inertia load on each station over du/dt normal to it [kg]: C_M ρ πD²/4 w, (ns,)."""
     coefficient = at.inertia - (1 if platform.wave_inertia == "relative" else 0)
-    size = coefficient * sea.density * np.pi / 4 * at.diameter**2 * at.weight
-    return -1j * field.sea.omega * size[:, None, None] * _flow(at, field)
+    return coefficient * sea.density * np.pi / 4 * at.diameter**2 * at.weight
 
 
 def _drag_size(at: water.Stations, sea: Water) -> np.ndarray:
@@ -226,13 +265,14 @@ def _drag_size(at: water.Stations, sea: Water) -> np.ndarray:
     return 0.5 * sea.density * at.drag * at.diameter * at.weight
 
 
-def _drag_rows(at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
-    """Drag of the water alone on each station [N], linearised by its own std: ½ρ C_D D w √(8/π) σ u, (ns, 3, n)."""
-    velocity = _flow(at, field)
-    std = np.sqrt(0.5 * np.sum(np.abs(velocity) ** 2, axis=(1, 2)))
+def _drag_linearised(
+    at: water.Stations, around: _Surroundings, swing: np.ndarray, field: WaveField, sea: Water
+) -> np.ndarray:
+    """Drag of the water alone on each station over its velocity [N s/m], by its std: ½ρ C_D D w √(8/π) σ, (ns,)."""
+    std = around.std(swing)
     if field.current is not None:  # whose own share, 2|U|, is added: close enough for a pattern
         std = std + np.sqrt(np.pi / 2) * np.linalg.norm(_stream(at, field), axis=1)
-    return (np.sqrt(8 / np.pi) * _drag_size(at, sea) * std)[:, None, None] * velocity
+    return np.sqrt(8 / np.pi) * _drag_size(at, sea) * std
 
 
 def _stream(at: water.Stations, field: WaveField) -> np.ndarray:
@@ -260,10 +300,15 @@ def _unit_loads(size: int, dof: np.ndarray) -> np.ndarray:
     return unit
 
 
-def _nodal_load(model: FrameModel, at: water.Stations, rows: np.ndarray) -> np.ndarray:
-    """Nodal loads (6n, n) of point loads (ns, 3, n) at the stations."""
-    parts = np.ascontiguousarray(rows).reshape(3 * len(rows), rows.shape[2]).view(float)
-    return (_onto_nodes(model, at) @ parts).view(complex)
+def _nodal_load(model: FrameModel, at: water.Stations, by_swing: sparse.csr_array, swing: np.ndarray) -> np.ndarray:
+    """Nodal loads (6n, n) of point loads at the stations, which are by_swing (3 ns, m) of lines swing (m, n)."""
+    return _real_by_complex(_onto_nodes(model, at) @ by_swing, swing)
+
+
+def _real_by_complex(real: np.ndarray | sparse.csr_array, lines: np.ndarray) -> np.ndarray:
+    """Their product, in half the time of complex by complex."""
+    product: np.ndarray = real @ np.ascontiguousarray(lines).view(float)
+    return product.view(complex)
 
 
 @lru_cache(maxsize=KNOWN)
