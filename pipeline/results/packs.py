@@ -108,7 +108,7 @@ class Place(NamedTuple):
 
 
 def together(places: Sequence[Place]) -> dict[str, Variable]:
-    """Variables of several records of one pack, with the dimension `task` where they differ; raises as `record` does."""
+    """Variables of several records of a pack, those that differ with the dimension `task`; raises as `record` does."""
     path, checksum = places[0].records, places[0].checksum
     variables, numbers = _opened(path, path.stat().st_mtime_ns)[0], [place.number for place in places]
     mine = {name: _rows(v, numbers) for name, v in variables.items() if not name.startswith(ATTRIBUTE)}

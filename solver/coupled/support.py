@@ -227,7 +227,7 @@ class _Surroundings(NamedTuple):
     up: np.ndarray  # (ns, 3) and for unit velocity upward
 
     def by_swing(self, size: np.ndarray) -> sparse.csr_array:
-        """`size` (ns,) times the normal velocity, by that along the heading at all places and that upward (3 ns, 2 np)."""
+        """`size` (ns,) times the normal velocity, by that along the heading at all places, and upward (3 ns, 2 np)."""
         parts, rows = np.stack([self.along, self.up], axis=1) * size[:, None, None], np.arange(self.up.size)
         columns = np.repeat(self.place[:, None] + np.array([0, len(self.places)]), 3, axis=1)
         every = np.broadcast_to(rows.reshape(-1, 1, 3), parts.shape)

@@ -9,8 +9,6 @@ from pytest import approx
 from solver.coupled import support
 from solver.errors import InputError
 from solver.scene import Platform, Water
-from solver.sea.field import WaveField
-from solver.sea.realization import Realization
 from solver.structure import beam, recovery, statics, water
 from solver.structure.frame import Frame, MarineGrowth
 from solver.structure.frame_model import assemble
