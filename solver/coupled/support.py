@@ -137,7 +137,7 @@ def reduce_platform(
     push = -1j * field.sea.omega * swing
     nodal = _nodal_load(model, at, around.by_swing(size), push)
     of_drag = _nodal_load(model, at, around.by_swing(_drag_linearised(at, around, swing, field, sea)), swing)
-    loads = np.concatenate([nodal, of_drag], axis=1)
+    loads = np.concatenate([nodal.view(float), of_drag.view(float)], axis=1)
     omega, shapes = kept
     if modes != "all":
         unit = _unit_loads(len(nodal), np.concatenate([dof.ravel(), loaded]))
@@ -225,15 +225,13 @@ class _Surroundings(NamedTuple):
     place: np.ndarray  # (ns,) which of them is each station's
     along: np.ndarray  # (ns, 3) normal velocity for unit velocity along the waves' heading
     up: np.ndarray  # (ns, 3) and for unit velocity upward
+    normal: sparse.csr_array  # (3 ns, 2 np) of all of them, by those along the heading and upward at all places
 
     def by_swing(self, size: np.ndarray) -> sparse.csr_array:
-        """`size` (ns,) times the normal velocity, by that along the heading at all places, and upward (3 ns, 2 np)."""
-        parts, rows = np.stack([self.along, self.up], axis=1) * size[:, None, None], np.arange(self.up.size)
-        columns = np.repeat(self.place[:, None] + np.array([0, len(self.places)]), 3, axis=1)
-        every = np.broadcast_to(rows.reshape(-1, 1, 3), parts.shape)
-        out = sparse.csr_array((parts.ravel(), (every.ravel(), columns.ravel())), (rows.size, 2 * len(self.places)))
-        out.eliminate_zeros()
-        return out
+        """`size` (ns,) times the normal velocity, (3 ns, 2 np)."""
+        scaled = self.normal.copy()
+        scaled.data *= np.repeat(np.repeat(size, 3), np.diff(scaled.indptr))
+        return scaled
 
     def std(self, swing: np.ndarray) -> np.ndarray:
         """Of the normal velocity (ns,), of lines (2 np, n) of that along the heading and upward."""
@@ -251,7 +249,13 @@ def _surroundings(at: water.Stations, heading: float) -> _Surroundings:
     direction, normal = np.array([np.cos(heading), np.sin(heading), 0.0]), _normal(at)
     seen = np.stack([at.position @ direction, at.position[:, 2]], axis=1)
     _, first, place = np.unique(seen, axis=0, return_index=True, return_inverse=True)
-    return _Surroundings(at.position[first], place.ravel(), normal @ direction, normal[:, :, 2])
+    along, up, place = normal @ direction, normal[:, :, 2], place.ravel()
+    columns = place[:, None, None] + np.array([[0], [len(first)]])
+    rows, columns = np.broadcast_arrays(np.arange(along.size).reshape(-1, 1, 3), columns)
+    parts = np.stack([along, up], axis=1)
+    spread = sparse.csr_array((parts.ravel(), (rows.ravel(), columns.ravel())), (along.size, 2 * len(first)))
+    spread.eliminate_zeros()
+    return _Surroundings(at.position[first], place, along, up, spread)
 
 
 def _inertia_size(platform: Platform, at: water.Stations, sea: Water) -> np.ndarray:
@@ -326,13 +330,12 @@ def _basis(
     kept: natural.Modes,
     symmetric: sparse.csr_array | None,
     steady: np.ndarray,
-    nodal: np.ndarray,
+    patterns: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Ritz frequencies and shapes (6n, nm), mass-normalised with M.
 
-    Static shapes of each of the loads `steady` (6n, ns), and the principal ones of the waves' (6n, n).
+    Static shapes of each of the loads `steady` (6n, ns), and the principal ones of the waves', `patterns` (6n, n).
     """
-    patterns = np.concatenate([nodal.real, nodal.imag], axis=1)
     if symmetric is None:
         principal = _principal(patterns)
     else:  # in half the rows, and those of the clamped nodes, whose loads move nothing but count in what is principal
@@ -341,7 +344,8 @@ def _basis(
         principal = symmetric @ few[: symmetric.shape[1]]
     load = np.concatenate([steady, principal], axis=1)
     # Only what the kept modes lack: without this the large common part would hide the rest.
-    whole, rest = statics.static(model, load), natural.static_remainder(model, kept, load)
+    whole = statics.static(model, load)
+    rest = natural.static_remainder(kept, load, whole)
     if symmetric is not None:
         rest = symmetric @ (symmetric.T @ rest)  # rounding of the difference is not, and legs would differ by it
     size = np.sqrt(np.einsum("ij,ij->j", rest, M @ rest))
