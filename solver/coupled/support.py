@@ -33,6 +33,7 @@ INERTIA, DRAG = 4.0, 1.0
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
 KNOWN = 8  # platforms that a process keeps, by themselves and in one sea
 PLANAR = np.array([0, 2, 4])
+EVERY = slice(None)
 
 
 class LeftOut(NamedTuple):
@@ -211,11 +212,15 @@ def _normal(at: water.Stations) -> np.ndarray:
     return np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
 
 
-def _flow(at: water.Stations, field: WaveField) -> np.ndarray:
-    """Particle velocity normal to the member at each station (ns, 3, n)."""
+def _flow(
+    at: water.Stations, field: WaveField, kept: np.ndarray | slice = EVERY, directions: np.ndarray | slice = EVERY
+) -> np.ndarray:
+    """Particle velocity normal to the member at each station (ns, 3, n), or at some along some axes."""
     around = _surroundings(at, field.sea.heading)
-    along, up = field.swing(around.places)
-    return around.along[:, :, None] * along[around.place, None] + around.up[:, :, None] * up[around.place, None]
+    swing = [lines[around.place[kept], None] for lines in field.swing(around.places)]
+    along, up = (part[kept][:, directions, None] for part in (around.along, around.up))
+    velocity: np.ndarray = along * swing[0] + up * swing[1]
+    return velocity
 
 
 class _Surroundings(NamedTuple):
@@ -409,7 +414,7 @@ def _drag(
     """
     at = water.stations(model, points, DRAG * field.mean_length)
     normal = _normal(at)
-    shape, rows = normal @ at.project(shapes), _flow(at, field)
+    shape = normal @ at.project(shapes)
     drag = _drag_size(at, sea)
     y = at.position[:, 1]
     if planar:
@@ -419,4 +424,4 @@ def _drag(
     moving = size > 1e-9 * size.max()
     borne = partial(forces.of_drag, at=at, kept=wet, directions=moving, planar=planar)
     stream = np.ascontiguousarray(_stream(at, field)[wet][:, moving].T)
-    return _Drag(shape[wet][:, moving], rows[wet][:, moving], drag[wet], stream, borne)
+    return _Drag(shape[wet][:, moving], _flow(at, field, wet, moving), drag[wet], stream, borne)

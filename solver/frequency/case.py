@@ -46,11 +46,16 @@ def case_of(scene: Scene, hydrodynamics: Hydrodynamics | None) -> "Case":
 @lru_cache(maxsize=KNOWN)
 def _case(undamped: _Undamped, hydrodynamics: Hydrodynamics | None) -> "Case":
     scene = undamped.scene
-    none: dict[str, Any] = dict.fromkeys(DAMPERS, 0.0)
-    bare = tuple(replace(f, **none) for f in scene.floats)
-    system = prepare(replace(scene, floats=bare), hydrodynamics)
+    system = prepare(replace(scene, floats=tuple(map(_bare, scene.floats))), hydrodynamics)
     require_stable(system)
     return Case(system, hydrodynamics)
+
+
+@lru_cache
+def _bare(item: Float) -> Float:
+    """Without its dampers; seas share it."""
+    none: dict[str, Any] = dict.fromkeys(DAMPERS, 0.0)
+    return replace(item, **none)
 
 
 @dataclass(frozen=True, eq=False)
