@@ -136,7 +136,8 @@ def reduce_platform(
     around, size = _surroundings(at, field.sea.heading), _inertia_size(platform, at, sea)
     swing = np.concatenate(field.swing(around.places))
     push = -1j * field.sea.omega * swing
-    nodal = _nodal_load(model, at, around.by_swing(size), push)
+    inertial = around.by_swing(size)
+    nodal = _nodal_load(model, at, inertial, push)
     of_drag = _nodal_load(model, at, around.by_swing(_drag_linearised(at, around, swing, field, sea)), swing)
     loads = np.concatenate([nodal.view(float), of_drag.view(float)], axis=1)
     omega, shapes = kept
@@ -153,12 +154,13 @@ def reduce_platform(
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
     if asked.wanted.end.size or asked.wanted.grounded.size:
+        of_points = asked.influence.of_points(at)
         inertia = asked.influence.of_inertia(M, sea.density, shapes)
         elastic = np.arange(len(asked.influence.element)) < asked.wanted.end.size  # the ground bears damping, too
         borne = forces.reduced(
             asked,
             _forces_at_rest(platform, sea, asked),
-            rows=(around.by_swing(size).T @ asked.influence.of_points(at).reshape(3 * len(size), -1)).T @ push,
+            rows=_real_by_complex((inertial.T @ of_points.reshape(3 * len(size), of_points.shape[2])).T, push),
             inertia=inertia,
             damping=2 * omega[:, None] * inertia * elastic,
             carried=asked.influence.nodal[dof.ravel()],
