@@ -241,13 +241,10 @@ class _Surroundings(NamedTuple):
         return scaled
 
     def std(self, swing: np.ndarray) -> np.ndarray:
-        """Of the normal velocity (ns,), of lines (2 np, n) of that along the heading and upward."""
-        along, up = np.split(swing, 2)
-        squares = [np.einsum("pn,pn->p", *pair).real for pair in ((along, along.conj()), (up, up.conj()))]
-        both = np.einsum("pn,pn->p", along, up.conj()).real
-        parts = (self.along**2, squares[0]), (self.up**2, squares[1]), (2 * self.along * self.up, both)
-        square = sum(np.sum(part, axis=1) * of[self.place] for part, of in parts)
-        return np.sqrt(0.5 * np.maximum(square, 0.0))
+        """Of the normal velocity (ns,), of lines (2 np, n) of that along the heading and upward, in quadrature."""
+        along, up = np.split(np.sum(swing.real**2 + swing.imag**2, axis=1), 2)
+        parts = np.sum(self.along**2, axis=1) * along[self.place], np.sum(self.up**2, axis=1) * up[self.place]
+        return np.sqrt(0.5 * sum(parts))
 
 
 @lru_cache(maxsize=KNOWN)
