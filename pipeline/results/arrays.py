@@ -1,15 +1,16 @@
-"""Arrays over a whole study, filled one record at a time."""
+"""Arrays over a whole study, filled one record at a time, or several of one form at once."""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pipeline.results.netcdf import Variable
+from pipeline.results.packs import TASK
 
 # Dimensions of a record, in the order in which they follow those of the study.
 INNER = (
@@ -28,19 +29,20 @@ class Arrays:
         self.dims: dict[str, tuple[str, ...]] = {}
         self.values: dict[str, np.ndarray] = {}
 
-    def add(self, cell: tuple[int, ...], record: Mapping[str, Variable]) -> None:
-        """Take a record in at a cell of the study."""
-        places = {dim: self._places(dim, v.values.tolist()) for dim, v in record.items() if dim in INNER}
-        for name, (dims, values, _) in record.items():
-            if name not in places and set(dims) <= places.keys() and values.dtype.kind in "fiub":
+    def add(self, cells: Sequence[tuple[int, ...]], records: Mapping[str, Variable]) -> None:
+        """Take in a record at a cell of the study, or several: what differs among those has the dimension `task`."""
+        places = {dim: self._places(dim, v.values.tolist()) for dim, v in records.items() if dim in INNER}
+        for name, (dims, values, _) in records.items():
+            if name not in places and set(dims) <= {*places, TASK} and values.dtype.kind in "fiub":
                 inner = tuple(dim for dim in INNER if dim in dims)
                 target = self._array(name, inner)
-                order = [dims.index(dim) for dim in inner]
-                target[cell + np.ix_(*(places[dim] for dim in inner))] = values.transpose(order)
+                order = [dims.index(dim) for dim in (TASK, *inner) if dim in dims]
+                here = np.reshape(cells, (len(cells), len(self.shape), *(1,) * len(inner)))
+                target[(*np.moveaxis(here, 1, 0), *np.ix_(*(places[dim] for dim in inner)))] = values.transpose(order)
 
-    def put(self, cell: tuple[int, ...], name: str, value: float) -> None:
-        """A single number at a cell."""
-        self._array(name, ())[cell] = value
+    def put(self, cells: Sequence[tuple[int, ...]], name: str, values: Sequence[float]) -> None:
+        """Single numbers at cells."""
+        self._array(name, ())[tuple(np.transpose(cells))] = values
 
     def whole(self, name: str) -> np.ndarray:
         """A variable, with a place for every label met."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from pipeline import environment
 from pipeline.results.arrays import INNER, Arrays
 from pipeline.results.netcdf import Variable, to_file
 from pipeline.results.status import read_json
-from pipeline.results.store import Entry, Store, appearing, write_json
+from pipeline.results.store import Entry, Store, appearing, together, write_json
 from pipeline.results.variables import KNOBS, SLIDING, along, axis_units, meaning, meaning_of
 from pipeline.study import seas
 from pipeline.tasks.study import Study
@@ -26,6 +27,9 @@ SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
 NO_TASK = "no task"  # the state of a cell that its variant does not go along
 LAYOUT = 3  # raise it when the dataset's form changes, so that it is written anew
+
+
+Cell = tuple[int, ...]
 
 
 def current(study: Study, store: Store) -> Path:
@@ -48,10 +52,13 @@ def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int
     arrays = Arrays(shape, store.root)
     words = {name: np.full(shape, "", dtype=kind) for name, kind in (("status", "U8"), ("task", "U16"), ("unmet", "O"))}
     words["status"][...] = NO_TASK
-    for number, task in zip(study.tasks.cells, study.tasks.passing("collecting"), strict=True):
-        cell, entry = tuple(map(int, np.unravel_index(number, shape))), store.look(task)
-        words["status"][cell], words["task"][cell] = _fill(arrays, cell, entry), task.id
-        words["unmet"][cell] = entry.unmet
+    words["task"].ravel()[study.tasks.cells] = [f"{number:016x}" for number in study.tasks.ids.tolist()]
+    cells = zip(*(places.tolist() for places in np.unravel_index(study.tasks.cells, shape)), strict=True)
+    looked = ((cell, store.look(task)) for cell, task in zip(cells, study.tasks.passing("collecting"), strict=True))
+    for _, beside in groupby(looked, lambda one: one[1].record if one[1].place else one[0]):
+        places, entries = zip(*beside, strict=True)
+        for cell, entry, state in zip(places, entries, _fill(arrays, places, entries), strict=True):
+            words["status"][cell], words["unmet"][cell] = state, entry.unmet
     with appearing(path) as part:
         to_file(part, *_dataset(study, table, arrays, words))
     states, numbers = np.unique(words["status"][words["status"] != NO_TASK], return_counts=True)
@@ -65,21 +72,24 @@ def checksum(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _fill(arrays: Arrays, cell: tuple[int, ...], entry: Entry) -> str:
-    """A cell's numbers, if its record is whole; its state."""
-    if entry.state not in ("done", "stale"):
-        return entry.state
+def _fill(arrays: Arrays, cells: Sequence[Cell], entries: Sequence[Entry]) -> list[str]:
+    """Numbers of cells whose records lie in one file, where they are whole; the cells' states."""
+    there = [n for n, entry in enumerate(entries) if entry.state in ("done", "stale")]
+    states: list[str] = [entry.state for entry in entries]
     try:
-        record, _ = entry.made()
+        if there:
+            records = together([entries[n] for n in there])
+            arrays.add([cells[n] for n in there], _lowest(records))
+            arrays.put([cells[n] for n in there], "wall_time", [entries[n].status.wall_time for n in there])
     except (OSError, ValueError):
-        return "damaged"
-    arrays.add(cell, _lowest(record))
-    arrays.put(cell, "wall_time", entry.status.wall_time)
-    return entry.state
+        if len(cells) > 1:
+            return [state for pair in zip(cells, entries, strict=True) for state in _fill(arrays, pair[:1], pair[1:])]
+        return ["damaged"]
+    return states
 
 
 def _lowest(record: Mapping[str, Variable]) -> dict[str, Variable]:
-    """A record with its lowest modes alone."""
+    """Records with their lowest modes alone."""
     kept = {"mode": slice(LOWEST)}
     return {
         name: v._replace(values=v.values[tuple(kept.get(dim, slice(None)) for dim in v.dims)])

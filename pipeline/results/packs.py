@@ -107,6 +107,22 @@ class Place(NamedTuple):
         return variables, attrs
 
 
+def together(places: Sequence[Place]) -> dict[str, Variable]:
+    """Variables of several records of a pack, those that differ with the dimension `task`; raises as `record` does."""
+    path, checksum = places[0].records, places[0].checksum
+    variables, numbers = _opened(path, path.stat().st_mtime_ns)[0], [place.number for place in places]
+    mine = {name: _rows(v, numbers) for name, v in variables.items() if not name.startswith(ATTRIBUTE)}
+    if any(place.status.sha256 != checksum for place in places) or mine[TASK].values.tolist() != [
+        place.status.id for place in places
+    ]:
+        raise ValueError("the pack's content is not what was written")
+    return mine
+
+
+def _rows(variable: Variable, numbers: list[int]) -> Variable:
+    return variable._replace(values=variable.values[numbers]) if variable.dims[:1] == (TASK,) else variable
+
+
 class Packs:
     """The packs of a study."""
 

@@ -15,14 +15,15 @@ import json
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from filelock import FileLock, Timeout
 
-from pipeline.results.netcdf import from_bytes
+from pipeline.results import packs
+from pipeline.results.netcdf import Variable, from_bytes
 from pipeline.results.packs import Made, Packs, Place, Row
 from pipeline.results.status import Status, read_json, read_status
 from pipeline.tasks.task import Task
@@ -61,6 +62,12 @@ class Entry:
     def unmet(self) -> str:
         """What was asked of its record and not met, in a sentence; empty if there is none."""
         return self.status.unmet if self.state in ("done", "stale") else ""
+
+
+def together(entries: Sequence[Entry]) -> Mapping[str, Variable]:
+    """Variables of the records of one file, with the dimension `task` where several differ; raises as `made` does."""
+    places = [entry.place for entry in entries if entry.place]
+    return packs.together(places) if places else entries[0].made()[0]
 
 
 def _holds(folder: Path) -> bool:

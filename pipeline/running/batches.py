@@ -32,6 +32,7 @@ class _Group:
     left: int
     coefficients: bytes | None
     block: int  # so many, one after another, share more than that
+    taken: int = 0
 
 
 class Batches:
@@ -49,7 +50,7 @@ class Batches:
         return sum(group.left for group in self._ready)
 
     def add(self, tasks: Tasks, coefficients: bytes | None, block: int = 1) -> None:
-        """Queue tasks, with the file of their coefficients; a batch of several blocks of them has whole ones."""
+        """Queue tasks, with the file of their coefficients; a batch that reaches the end of a block ends with one."""
         if tasks:
             self._ready.append(_Group(iter(tasks), len(tasks), coefficients, block))
 
@@ -67,7 +68,9 @@ class Batches:
             return self._alone.popleft()
         group = self._ready[0]
         size = self._size(width)
-        tasks = tuple(itertools.islice(group.tasks, size - size % group.block if size > group.block else size))
+        beyond = (group.taken + size) % group.block
+        tasks = tuple(itertools.islice(group.tasks, size - beyond if size > beyond else size))
+        group.taken += len(tasks)
         group.left -= len(tasks)
         if not group.left:
             self._ready.popleft()

@@ -61,9 +61,9 @@ class Task:
     varied: tuple[str, ...] = AXES  # the axes worth naming, for people
     known: str = ""  # its id, if that is known already
 
-    @property
+    @cached_property
     def parameters(self) -> Parameters:
-        """All that decides its numbers, made at each call."""
+        """All that decides its numbers."""
         return self.make()
 
     @cached_property

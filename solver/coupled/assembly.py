@@ -120,9 +120,9 @@ def _axis(item: Float, name: str) -> tuple[bool, np.ndarray]:
     return not limits.slides(name), item.direction(name)
 
 
-def joint_law(floats: Iterable[Float], carriers: int = 0) -> JointLaw:
+@lru_cache(maxsize=KNOWN)
+def joint_law(items: tuple[Float, ...], carriers: int = 0) -> JointLaw:
     """The law of all joints' axes, its fields those of the floats; on the `carriers` coordinates before it is zero."""
-    items = tuple(floats)
     law = {name: _per_axis(items, name, carriers) for name in JointLaw._fields if name in PER_AXIS}
     stops = end_stops(*(_per_axis(items, f"end_stops.{name}", carriers) for name in EndStops._fields))
     lines = [f.moored for f in items]

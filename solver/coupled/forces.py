@@ -2,6 +2,9 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -73,12 +76,17 @@ class Places:
     wanted: Wanted
     influence: Influence
 
-    def split(self, y: np.ndarray) -> Borne:
-        """Of forces y (m, ny)."""
+    @cached_property
+    def _parts(self) -> tuple[tuple[slice, tuple[int, ...]], ...]:
+        """Where among the ny each part of what is borne is, and its shape."""
         nl, nm, nk = len(self.feet.axes), len(self.members), len(self.checked)
         shapes = (nl, 3), (self.tops, 3), (nm, 2, 6), (int(self.points.sum()), 3), (nk, 2, 3), (len(self.grounded), 6)
-        parts = np.split(y, np.cumsum([np.prod(shape, dtype=int) for shape in shapes])[:-1], axis=-1)
-        return Borne(*(part.reshape(len(y), *shape) for part, shape in zip(parts, shapes, strict=True)))
+        ends = np.cumsum([0, *map(prod, shapes)]).tolist()
+        return tuple((slice(*between), shape) for between, shape in zip(pairwise(ends), shapes, strict=True))
+
+    def split(self, y: np.ndarray) -> Borne:
+        """Of forces y (m, ny)."""
+        return Borne(*(y[:, part].reshape(len(y), *shape) for part, shape in self._parts))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -70,28 +70,46 @@ def _system_modes(
 ) -> SystemModes:
     """Scenes that differ in what damps them share their modes."""
     model = undamped.value
-    added, n = _added(model.active, model.added_mass, h), len(model.mass)
+    n = len(model.mass)
     count = min(n, len(joints) + PLATFORM)
     if not count:
         return SystemModes(np.zeros(0), np.zeros((n, 0)), ())
     kept = min(n, count + SPARE)
     value, basis = linalg.eigh(model.stiffness, model.mass, subset_by_index=(0, kept - 1))
-    pairs = [_settled(value, lambda omega: basis.T @ added(omega).real @ basis, i) for i in range(count)]
+    added = _added(model.active @ basis, model.added_mass, h)
+    low, high = (h.omega[0], h.omega[-1]) if h is not None else (0.0, 0.0)
+    # Many shapes have the added mass of the last frequency known.
+    known = lru_cache(lambda omega: _in_water(value, added(omega).real))
+    pairs = [_settled(value, lambda omega: known(min(max(omega, low), high)), i) for i in range(count)]
     omega, shapes = np.array([w for w, _ in pairs]), basis @ np.array([s for _, s in pairs]).T
     order = np.argsort(omega)
     omega, shapes = shared(omega[order]), shared(shapes[:, order])
     return SystemModes(omega, shapes, tuple(_name(joints, model.length, s, support) for s in shapes.T))
 
 
-def _settled(stiffness: np.ndarray, added: Added, i: int) -> tuple[float, np.ndarray]:
+class _InWater(NamedTuple):
+    """With the added mass of one frequency, in the shapes at infinite frequency."""
+
+    mass: np.ndarray  # (n, n)
+    squares: np.ndarray  # (m,) ω²
+    shapes: np.ndarray  # (n, m)
+
+
+def _in_water(stiffness: np.ndarray, added: np.ndarray) -> _InWater:
+    """Of shapes whose stiffness is `stiffness` (n,), and whose mass is one without what is added (n, n)."""
+    mass = np.eye(len(stiffness)) + added
+    mass = (mass + mass.T) / 2
+    return _InWater(mass, *_squares(stiffness, mass))
+
+
+def _settled(stiffness: np.ndarray, in_water: Callable[[float], _InWater], i: int) -> tuple[float, np.ndarray]:
     """ω and shape where the added mass is that of ω itself, from the i-th of the shapes at infinite frequency.
 
     In those shapes, whose stiffness is `stiffness` (n,) and whose mass is one.
     """
     omega, shape = float(np.sqrt(max(stiffness[i], 0.0))), np.eye(len(stiffness))[i]
     for _ in range(ROUNDS):
-        mass = np.eye(len(stiffness)) + added(omega)
-        values, shapes = _squares(stiffness, (mass + mass.T) / 2)
+        mass, values, shapes = in_water(omega)
         same = int(np.argmax(np.abs(shapes.T @ mass @ shape)))
         before, omega, shape = omega, float(np.sqrt(max(values[same], 0.0))), shapes[:, same]
         if abs(omega - before) <= AGREED * omega:
@@ -102,23 +120,31 @@ def _settled(stiffness: np.ndarray, added: Added, i: int) -> tuple[float, np.nda
 def _squares(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """ω² (m,) and shapes (n, m) of stiffness (n,) and mass (n, n).
 
-    Waves caught between bodies may make the added mass so negative that a shape has none in all, and no frequency:
-    1/ω² of the others is what the inverse problem has above zero.
+    By the inverse problem, whose 1/ω² are above zero: waves caught between bodies may make the added mass so negative
+    that a shape has none in all, and no frequency.
     """
-    with contextlib.suppress(np.linalg.LinAlgError):  # of a mass that is not positive
-        return linalg.eigh(np.diag(stiffness), mass)
-    held = np.maximum(stiffness, -UNSTABLE * stiffness.max())
-    inverse, shapes = linalg.eigh(mass, np.diag(held))
+    if stiffness.min() <= 0:
+        with contextlib.suppress(np.linalg.LinAlgError):  # of a mass that is not positive
+            return linalg.eigh(np.diag(stiffness), mass)
+        stiffness = np.maximum(stiffness, -UNSTABLE * stiffness.max())
+    root = np.sqrt(stiffness)
+    inverse, shapes = np.linalg.eigh(mass / np.outer(root, root))
     real = inverse > 0
-    return 1 / inverse[real], shapes[:, real] / np.sqrt(inverse[real])
+    return 1 / inverse[real], shapes[:, real] / (root[:, None] * np.sqrt(inverse[real]))
 
 
 def _added(active: np.ndarray, added_mass: np.ndarray, h: Hydrodynamics | None) -> Added:
     """Of what radiates E x; added_mass: A∞. Without coefficients nothing radiates."""
     if h is None:
         return lambda _: np.zeros((active.shape[1],) * 2, complex)
-    curve = CubicSpline(h.omega, h.added_mass - added_mass + 1j * h.radiation_damping)
-    return lambda omega: active.T @ curve(np.clip(omega, h.omega[0], h.omega[-1])) @ active
+    curve, first, last = _added_curve(h), h.omega[0], h.omega[-1]
+    return lambda omega: active.T @ (curve(min(max(omega, first), last)) - added_mass) @ active
+
+
+@lru_cache(maxsize=KNOWN)
+def _added_curve(h: Hydrodynamics) -> CubicSpline:
+    """A + iB (na, na) at any ω from the first to the last known."""
+    return CubicSpline(h.omega, h.added_mass + 1j * h.radiation_damping)
 
 
 def _joints(scene: Scene) -> tuple[str, ...]:

@@ -33,6 +33,7 @@ INERTIA, DRAG = 4.0, 1.0
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
 KNOWN = 8  # platforms that a process keeps, by themselves and in one sea
 PLANAR = np.array([0, 2, 4])
+EVERY = slice(None)
 
 
 class LeftOut(NamedTuple):
@@ -132,9 +133,13 @@ def reduce_platform(
     loaded = _loaded(model, platform.load_histories)
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
-    inertia_rows = _inertia_rows(platform, at, field, sea)
-    nodal = _nodal_load(model, at, inertia_rows)
-    loads = np.concatenate([nodal, _nodal_load(model, at, _drag_rows(at, field, sea))], axis=1)
+    around, size = _surroundings(at, field.sea.heading), _inertia_size(platform, at, sea)
+    swing = np.concatenate(field.swing(around.places))
+    push = -1j * field.sea.omega * swing
+    inertial = around.by_swing(size)
+    nodal = _nodal_load(model, at, inertial, push)
+    of_drag = _nodal_load(model, at, around.by_swing(_drag_linearised(at, around, swing, field, sea)), swing)
+    loads = np.concatenate([nodal.view(float), of_drag.view(float)], axis=1)
     omega, shapes = kept
     if modes != "all":
         unit = _unit_loads(len(nodal), np.concatenate([dof.ravel(), loaded]))
@@ -149,12 +154,13 @@ def reduce_platform(
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
     if asked.wanted.end.size or asked.wanted.grounded.size:
+        of_points = asked.influence.of_points(at)
         inertia = asked.influence.of_inertia(M, sea.density, shapes)
         elastic = np.arange(len(asked.influence.element)) < asked.wanted.end.size  # the ground bears damping, too
         borne = forces.reduced(
             asked,
             _forces_at_rest(platform, sea, asked),
-            rows=np.tensordot(asked.influence.of_points(at), inertia_rows, axes=([0, 1], [0, 1])),
+            rows=_real_by_complex((inertial.T @ of_points.reshape(3 * len(size), of_points.shape[2])).T, push),
             inertia=inertia,
             damping=2 * omega[:, None] * inertia * elastic,
             carried=asked.influence.nodal[dof.ravel()],
@@ -166,14 +172,14 @@ def reduce_platform(
         omega=omega,
         shapes=shapes,
         carrier=shapes[dof.ravel()],
-        wave_rows=shapes.T @ nodal,
+        wave_rows=_real_by_complex(shapes.T, nodal),
         station_shape=station_shape,
         station_rows=water_drag.rows,
         drag=water_drag.size,
         stream=water_drag.stream,
         applied=shapes[loaded],
         left_out=LeftOut(
-            waves=rest.T @ nodal,
+            waves=_real_by_complex(rest.T, nodal),
             drag=station_rest.transpose(1, 0, 2).reshape(station_rest.shape[0] * station_rest.shape[1], tops.size),
             inertia=shapes.T @ (M @ rest),
             tops=tops,
@@ -208,17 +214,58 @@ def _normal(at: water.Stations) -> np.ndarray:
     return np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
 
 
-@lru_cache(maxsize=2)
-def _flow(at: water.Stations, field: WaveField) -> np.ndarray:
-    """Particle velocity normal to the member at each station (ns, 3, n)."""
-    return shared((_normal(at) @ field.velocity(at.position).view(float)).view(complex))
+def _flow(
+    at: water.Stations, field: WaveField, kept: np.ndarray | slice = EVERY, directions: np.ndarray | slice = EVERY
+) -> np.ndarray:
+    """Particle velocity normal to the member at each station (ns, 3, n), or at some along some axes."""
+    around = _surroundings(at, field.sea.heading)
+    swing = [lines[around.place[kept], None] for lines in field.swing(around.places)]
+    along, up = (part[kept][:, directions, None] for part in (around.along, around.up))
+    velocity: np.ndarray = along * swing[0] + up * swing[1]
+    return velocity
 
 
-def _inertia_rows(platform: Platform, at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
-    """Wave inertia load on each station [N]: C_M ρ πD²/4 w (I - ttᵀ) du/dt, (ns, 3, n)."""
+class _Surroundings(NamedTuple):
+    """Where the water moves in its own way about ns stations: velocity normal to the members by that of np places."""
+
+    places: np.ndarray  # (np, 3)
+    place: np.ndarray  # (ns,) which of them is each station's
+    along: np.ndarray  # (ns, 3) normal velocity for unit velocity along the waves' heading
+    up: np.ndarray  # (ns, 3) and for unit velocity upward
+    normal: sparse.csr_array  # (3 ns, 2 np) of all of them, by those along the heading and upward at all places
+
+    def by_swing(self, size: np.ndarray) -> sparse.csr_array:
+        """`size` (ns,) times the normal velocity, (3 ns, 2 np)."""
+        scaled = self.normal.copy()
+        scaled.data *= np.repeat(np.repeat(size, 3), np.diff(scaled.indptr))
+        return scaled
+
+    def std(self, swing: np.ndarray) -> np.ndarray:
+        """Of the normal velocity (ns,), of lines (2 np, n) of that along the heading and upward, in quadrature."""
+        along, up = np.split(np.sum(swing.real**2 + swing.imag**2, axis=1), 2)
+        parts = np.sum(self.along**2, axis=1) * along[self.place], np.sum(self.up**2, axis=1) * up[self.place]
+        return np.sqrt(0.5 * sum(parts))
+
+
+@lru_cache(maxsize=KNOWN)
+def _surroundings(at: water.Stations, heading: float) -> _Surroundings:
+    """Legs side by side, and stations above each other in the same wave, share places."""
+    direction, normal = np.array([np.cos(heading), np.sin(heading), 0.0]), _normal(at)
+    seen = np.stack([at.position @ direction, at.position[:, 2]], axis=1)
+    _, first, place = np.unique(seen, axis=0, return_index=True, return_inverse=True)
+    along, up, place = normal @ direction, normal[:, :, 2], place.ravel()
+    columns = place[:, None, None] + np.array([[0], [len(first)]])
+    rows, columns = np.broadcast_arrays(np.arange(along.size).reshape(-1, 1, 3), columns)
+    parts = np.stack([along, up], axis=1)
+    spread = sparse.csr_array((parts.ravel(), (rows.ravel(), columns.ravel())), (along.size, 2 * len(first)))
+    spread.eliminate_zeros()
+    return _Surroundings(at.position[first], place, along, up, spread)
+
+
+def _inertia_size(platform: Platform, at: water.Stations, sea: Water) -> np.ndarray:
+    """Wave inertia load on each station over du/dt normal to it [kg]: C_M ρ πD²/4 w, (ns,)."""
     coefficient = at.inertia - (1 if platform.wave_inertia == "relative" else 0)
-    size = coefficient * sea.density * np.pi / 4 * at.diameter**2 * at.weight
-    return -1j * field.sea.omega * size[:, None, None] * _flow(at, field)
+    return coefficient * sea.density * np.pi / 4 * at.diameter**2 * at.weight
 
 
 def _drag_size(at: water.Stations, sea: Water) -> np.ndarray:
@@ -226,13 +273,14 @@ def _drag_size(at: water.Stations, sea: Water) -> np.ndarray:
     return 0.5 * sea.density * at.drag * at.diameter * at.weight
 
 
-def _drag_rows(at: water.Stations, field: WaveField, sea: Water) -> np.ndarray:
-    """Drag of the water alone on each station [N], linearised by its own std: ½ρ C_D D w √(8/π) σ u, (ns, 3, n)."""
-    velocity = _flow(at, field)
-    std = np.sqrt(0.5 * np.sum(np.abs(velocity) ** 2, axis=(1, 2)))
+def _drag_linearised(
+    at: water.Stations, around: _Surroundings, swing: np.ndarray, field: WaveField, sea: Water
+) -> np.ndarray:
+    """Drag of the water alone on each station over its velocity [N s/m], by its std: ½ρ C_D D w √(8/π) σ, (ns,)."""
+    std = around.std(swing)
     if field.current is not None:  # whose own share, 2|U|, is added: close enough for a pattern
         std = std + np.sqrt(np.pi / 2) * np.linalg.norm(_stream(at, field), axis=1)
-    return (np.sqrt(8 / np.pi) * _drag_size(at, sea) * std)[:, None, None] * velocity
+    return np.sqrt(8 / np.pi) * _drag_size(at, sea) * std
 
 
 def _stream(at: water.Stations, field: WaveField) -> np.ndarray:
@@ -260,10 +308,15 @@ def _unit_loads(size: int, dof: np.ndarray) -> np.ndarray:
     return unit
 
 
-def _nodal_load(model: FrameModel, at: water.Stations, rows: np.ndarray) -> np.ndarray:
-    """Nodal loads (6n, n) of point loads (ns, 3, n) at the stations."""
-    parts = np.ascontiguousarray(rows).reshape(3 * len(rows), rows.shape[2]).view(float)
-    return (_onto_nodes(model, at) @ parts).view(complex)
+def _nodal_load(model: FrameModel, at: water.Stations, by_swing: sparse.csr_array, swing: np.ndarray) -> np.ndarray:
+    """Nodal loads (6n, n) of point loads at the stations, which are by_swing (3 ns, m) of lines swing (m, n)."""
+    return _real_by_complex(_onto_nodes(model, at) @ by_swing, swing)
+
+
+def _real_by_complex(real: np.ndarray | sparse.csr_array, lines: np.ndarray) -> np.ndarray:
+    """Their product, in half the time of complex by complex."""
+    product: np.ndarray = real @ np.ascontiguousarray(lines).view(float)
+    return product.view(complex)
 
 
 @lru_cache(maxsize=KNOWN)
@@ -281,15 +334,22 @@ def _basis(
     kept: natural.Modes,
     symmetric: sparse.csr_array | None,
     steady: np.ndarray,
-    nodal: np.ndarray,
+    patterns: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Ritz frequencies and shapes (6n, nm), mass-normalised with M.
 
-    Static shapes of each of the loads `steady` (6n, ns), and the principal ones of the waves' (6n, n).
+    Static shapes of each of the loads `steady` (6n, ns), and the principal ones of the waves', `patterns` (6n, n).
     """
-    load = np.concatenate([steady, _principal(np.concatenate([nodal.real, nodal.imag], axis=1))], axis=1)
+    if symmetric is None:
+        principal = _principal(patterns)
+    else:  # in half the rows, and those of the clamped nodes, whose loads move nothing but count in what is principal
+        clamped = np.setdiff1d(np.arange(len(patterns)), model.free)
+        few = _principal(np.concatenate([symmetric.T @ patterns, patterns[clamped]]))
+        principal = symmetric @ few[: symmetric.shape[1]]
+    load = np.concatenate([steady, principal], axis=1)
     # Only what the kept modes lack: without this the large common part would hide the rest.
-    whole, rest = statics.static(model, load), natural.static_remainder(model, kept, load)
+    whole = statics.static(model, load)
+    rest = natural.static_remainder(kept, load, whole)
     if symmetric is not None:
         rest = symmetric @ (symmetric.T @ rest)  # rounding of the difference is not, and legs would differ by it
     size = np.sqrt(np.einsum("ij,ij->j", rest, M @ rest))
@@ -353,7 +413,7 @@ def _drag(
     """
     at = water.stations(model, points, DRAG * field.mean_length)
     normal = _normal(at)
-    shape, rows = normal @ at.project(shapes), _flow(at, field)
+    shape = normal @ at.project(shapes)
     drag = _drag_size(at, sea)
     y = at.position[:, 1]
     if planar:
@@ -363,4 +423,4 @@ def _drag(
     moving = size > 1e-9 * size.max()
     borne = partial(forces.of_drag, at=at, kept=wet, directions=moving, planar=planar)
     stream = np.ascontiguousarray(_stream(at, field)[wet][:, moving].T)
-    return _Drag(shape[wet][:, moving], rows[wet][:, moving], drag[wet], stream, borne)
+    return _Drag(shape[wet][:, moving], _flow(at, field, wet, moving), drag[wet], stream, borne)

@@ -46,11 +46,16 @@ def case_of(scene: Scene, hydrodynamics: Hydrodynamics | None) -> "Case":
 @lru_cache(maxsize=KNOWN)
 def _case(undamped: _Undamped, hydrodynamics: Hydrodynamics | None) -> "Case":
     scene = undamped.scene
-    none: dict[str, Any] = dict.fromkeys(DAMPERS, 0.0)
-    bare = tuple(replace(f, **none) for f in scene.floats)
-    system = prepare(replace(scene, floats=bare), hydrodynamics)
+    system = prepare(replace(scene, floats=tuple(map(_bare, scene.floats))), hydrodynamics)
     require_stable(system)
     return Case(system, hydrodynamics)
+
+
+@lru_cache
+def _bare(item: Float) -> Float:
+    """Without its dampers; seas share it."""
+    none: dict[str, Any] = dict.fromkeys(DAMPERS, 0.0)
+    return replace(item, **none)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,12 +132,13 @@ class Case:
 
     @cached_property
     def of_drag(self) -> np.ndarray:
-        """Maps (nd ns, nm + r + nt) from the stations' drag to modes, the frame's forces, what is left out of tops."""
-        shape, support = self.stations.shape.T, self.system.support
+        """Maps (r + nt, nd, ns) from the stations' drag to the frame's forces and what is left out of its tops."""
+        support, (_, nd, ns) = self.system.support, self.system.structure.station.shape
         if support is None:
-            return shape
+            return np.zeros((0, nd, ns))
         forces = [support.forces.drag] if support.forces is not None else []
-        return np.concatenate([shape, *forces, support.left_out.drag], axis=1)
+        maps = np.concatenate([*forces, support.left_out.drag], axis=1)
+        return maps.T.reshape(maps.shape[1], nd, ns)
 
     @cached_property
     def to_carriers(self) -> np.ndarray:
@@ -144,7 +150,7 @@ class Case:
     def drag_at_rest(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """K, and what it does to the modes (see Stations), where the frame does not move."""
         K = self.stations.equivalent(np.zeros((self.omega.size, self.system.structure.omega.size)))
-        return K, *self.stations.on_modes(K)
+        return K, *self.stations.acting(K, self.system.structure.station)
 
     @cached_property
     def equation(self) -> Condensed:

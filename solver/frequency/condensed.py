@@ -30,9 +30,11 @@ class Condensed:
         self.kept = np.ix_(~self.stiff, ~self.stiff)
         self.S, self.T = model.shape[:, self.stiff], model.shape[:, ~self.stiff]
         self.flexibility = 1 / d[:, stiff]
-        self.load = np.linalg.solve(np.eye(len(self.S)) + L @ ((self.S * self.flexibility[:, None]) @ self.S.T), L)
-        self.Z = self.T.T @ self.load @ self.T
-        soft = range(nm - int(stiff.sum()))
+        (ns, nz), nw = (int(stiff.sum()), len(self.S)), len(omega)
+        followed = (self.flexibility @ (self.S[:, None] * self.S).reshape(nz * nz, ns).T).reshape(nw, nz, nz)
+        self.load = np.linalg.solve(np.eye(nz) + L @ followed, L)
+        self.Z = self.T.T @ (self.load.reshape(nw * nz, nz) @ self.T).reshape(nw, nz, self.T.shape[1])
+        soft = range(nm - ns)
         self.Z[:, soft, soft] += d[:, ~stiff]
 
     def response(self, force: np.ndarray, damping: np.ndarray, rate: np.ndarray) -> np.ndarray:

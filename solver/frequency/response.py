@@ -129,25 +129,35 @@ def _agreed(case: Case, law: JointLaw) -> tuple[np.ndarray, Drag, np.ndarray, in
         rate, before, std = -1j * omega[:, None] * X, std, np.linalg.norm(X, axis=0)
         last, change = change, _change(before, std)
         if not (stations.size or quadratic.any() or bent) or _ahead(last, change) <= AGREED:
-            borne = np.zeros((omega.size, case.of_drag.shape[1]))
-            if stations.size:
-                borne = stations.borne(K, rate[:, :nm], case.of_drag)
-            return X, _parts(case, borne), pto, rounds
+            drag = _borne(case, K, damping[:nm, :nm], of_water, rate[:, :nm]) if stations.size else _no_drag(case)
+            return X, drag, pto, rounds
     what = "drag or power take-off" if bent else "drag"
     raise SimulationFailed(f"linearised {what} does not agree with its own result after {ROUNDS} rounds")
 
 
-def _parts(case: Case, borne: np.ndarray) -> Drag:
-    """Of what drag does by the case's maps (nw, nm + r + nt)."""
-    nm, support = case.model.modes.shape[1], case.system.support
+def _no_drag(case: Case) -> Drag:
+    return _parts(
+        case, np.zeros((case.omega.size, case.model.modes.shape[1])), np.zeros((case.omega.size, len(case.of_drag)))
+    )
+
+
+def _borne(case: Case, K: np.ndarray, damping: np.ndarray, of_water: np.ndarray, rate: np.ndarray) -> Drag:
+    """At modal rates (nw, nm), of K and what it does to the modes (see Stations)."""
+    against, pushed = case.stations.acting(K, case.of_drag)
+    return _parts(case, of_water - rate @ damping.T, pushed - rate @ against.T)
+
+
+def _parts(case: Case, modes: np.ndarray, others: np.ndarray) -> Drag:
+    """Of what drag does to the modes (nw, nm), and by the case's maps (nw, r + nt)."""
+    support = case.system.support
     r = support.forces.drag.shape[1] if support and support.forces is not None else 0
-    return Drag(*np.split(borne, [nm, nm + r], axis=1))
+    return Drag(modes, others[:, :r], others[:, r:])
 
 
 def _drag(case: Case, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """K, and what it does to the modes (see Stations), where they move at rates (nw, nm)."""
     K = case.stations.equivalent(rate)
-    return K, *case.stations.on_modes(K)
+    return K, *case.stations.acting(K, case.system.structure.station)
 
 
 def _change(before: np.ndarray, std: np.ndarray) -> float:

@@ -37,16 +37,10 @@ class Stations:
             return np.zeros(self.frame.station.shape[1:])
         return self.frame.drag * linear_drag.of_parts_in(self.stream, self._flow(rate))[0].T
 
-    def on_modes(self, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Damping (nm, nm) of the modes, and the water's force on them (nw, nm)."""
-        carried = linear_drag.by_station(np.swapaxes(K, 1, 2), self.frame.station).reshape(self.shape.shape)
+    def acting(self, K: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """By maps (k, nd, ns) of the drag: damping of what it does against modal rates (k, nm), the water's (nw, k)."""
+        carried = linear_drag.by_station(np.swapaxes(K, 1, 2), on).reshape(len(on), self.shape.shape[1])
         return carried @ self.shape.T, _lines(self.water @ carried.T)
-
-    def borne(self, K: np.ndarray, rate: np.ndarray, maps: np.ndarray) -> np.ndarray:
-        """What the drag on the frame does by maps (nd ns, k) of it, (nw, k)."""
-        flow, each = self._flow(rate), maps.T.reshape(maps.shape[1], *self.frame.station.shape[1:])
-        by_flow = linear_drag.by_station(np.swapaxes(K, 1, 2), each).reshape(len(each), len(maps))
-        return _lines(flow.reshape(len(flow), len(maps)) @ by_flow.T)
 
 
 def _lines(parts: np.ndarray) -> np.ndarray:

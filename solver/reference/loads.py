@@ -199,7 +199,7 @@ class Floats:
                 raise InputError(f"floats.{f.name}.mechanism_inertia", f.mechanism_inertia, limit)
         self.c, self.weight, self.dt = A.sum(axis=1), A[-1], dt
         nb, stages = len(scene.floats), len(A)
-        self.law = [joint_law([f]) for f in scene.floats]
+        self.law = [joint_law((f,)) for f in scene.floats]
         self.inertia = [f.per_axis("mechanism_inertia") for f in scene.floats]
         self.active = np.array([6 * b + i for b in range(nb) for i in (_index(h) if h else ())], int)
         self.convolution = Convolution(kernel, dt=dt, c=self.c, steps=steps) if kernel else None

@@ -52,20 +52,24 @@ class WaveField:
         """η [m]: rows (…, n)."""
         return self._phase(points)
 
-    def velocity(self, points: ArrayLike) -> np.ndarray:
-        """Particle velocity [m/s]: rows (…, 3, n); zero above z = 0 is not implied.
+    def swing(self, points: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Particle velocity [m/s] along the heading and upward: rows (…, n); zero above z = 0 is not implied.
 
-        along the heading: ω cosh k(z+h)/sinh kh, upward: -iω sinh k(z+h)/sinh kh.
+        ω cosh k(z+h)/sinh kh and -iω sinh k(z+h)/sinh kh.
         """
         z, place = np.unique(np.asarray(points, float)[..., 2], return_inverse=True)
         rise = np.exp(self.k * z[:, None])
         image = np.zeros_like(rise) if np.isinf(self.depth) else np.exp(-self.k * (z[:, None] + 2 * self.depth))
         scale = 0.0 if np.isinf(self.depth) else np.exp(-2 * self.k * self.depth)
         common = self.sea.omega * self._phase(points) / (1 - scale)
-        along = common * (rise + image)[place]
-        velocity = np.empty((*place.shape, 3, self.k.size), complex)
+        return common * (rise + image)[place], -1j * common * (rise - image)[place]
+
+    def velocity(self, points: ArrayLike) -> np.ndarray:
+        """The same along x, y and z: rows (…, 3, n)."""
+        along, up = self.swing(points)
+        velocity = np.empty((*along.shape[:-1], 3, self.k.size), complex)
         velocity[..., :2, :] = self.direction[:2, None] * along[..., None, :]
-        velocity[..., 2, :] = -1j * common * (rise - image)[place]
+        velocity[..., 2, :] = up
         return velocity
 
     def acceleration(self, points: ArrayLike) -> np.ndarray:

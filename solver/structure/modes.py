@@ -8,7 +8,6 @@ from scipy.spatial import cKDTree
 
 from solver.errors import InputError
 from solver.structure.frame_model import FrameModel
-from solver.structure.statics import static
 
 MIRROR_Y = np.array([1, -1, 1, -1, 1, -1])  # a displacement and an axial vector seen in the plane y = 0
 SAME_PLACE = 1e-6  # share of the frame's size within which a node and a mirror image are the same
@@ -71,12 +70,12 @@ def _inverted(K: np.ndarray, M: np.ndarray, count: int) -> tuple[np.ndarray, np.
     return inverse[::-1], vectors[:, ::-1]
 
 
-def static_remainder(model: FrameModel, kept: Modes, load: np.ndarray) -> np.ndarray:
+def static_remainder(kept: Modes, load: np.ndarray, whole: np.ndarray) -> np.ndarray:
     """What the left-out modes add quasi-statically: K⁻¹f - Σ φ (φᵀf)/ω² over the kept ones (mode acceleration).
 
-    Load and answer are (6n,), or (6n, nl) for several loads.
+    Load f, its whole K⁻¹f and the answer are (6n,), or (6n, nl) for several loads.
     """
-    return static(model, load) - kept.shapes @ ((kept.shapes / kept.omega**2).T @ load)
+    return whole - kept.shapes @ ((kept.shapes / kept.omega**2).T @ load)
 
 
 def _signed(shapes: np.ndarray) -> np.ndarray:

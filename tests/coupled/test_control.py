@@ -157,7 +157,7 @@ def test_pieces_of_a_table_meet_at_its_lines():
 def test_tables_are_linearised_as_they_take_power():
     """Against means of f ẏ over a sine's phases and over the normal distribution; at rest the mean slope."""
     table = PtoTable(velocity=(0.0, 0.3, 0.5, 1.1), force=(0.0, 6e3, 7e3, 5e3))
-    law = joint_law([mass(0.1, 1.0, pto_table=table).floats[0]])
+    law = joint_law(mass(0.1, 1.0, pto_table=table).floats[:1])
     (_, v, (f,)), phase, x = table.points, (np.arange(20000) + 0.5) * np.pi / 20000, np.linspace(-9, 9, 40001)
     gaussian = np.exp(-(x**2) / 2) / np.exp(-(x**2) / 2).sum()
     cases = [

@@ -138,7 +138,8 @@ def test_reactions_balance_all_that_acts():
     model, _, _ = support.dynamic_model(platform, ocean)
     at = water.stations(model, water.EXACT, support.INERTIA / system.waves.k.max())
     turn = np.exp(-1j * np.outer(times, system.scene.sea.omega)) * ramp(times, system.scene.settings.ramp)[:, None]
-    pushed = support._inertia_rows(platform, at, system.waves, ocean) @ turn.T
+    size = support._inertia_size(platform, at, ocean)
+    pushed = size[:, None, None] * -1j * system.scene.sea.omega * support._flow(at, system.waves) @ turn.T
     total = about_origin(at.position, pushed.real.transpose(2, 0, 1))
     drags = water.stations(model, 2, support.DRAG * system.waves.mean_length)
     total += about_origin(drags.position, output.drag.transpose(0, 2, 1))

@@ -137,7 +137,7 @@ def test_a_diagonal_matrix_is_the_stiffness_of_each_axis():
 def test_matrices_stand_at_the_axes_of_their_float():
     first = floating(mooring=lines(K, C, (1.0, 2.0, 3.0)), stiffness=(10.0, 0, 0))
     second = floating(motion=("heave", "pitch"), mooring=lines([[4.0, 1.0], [1.0, 5.0]]))
-    law = joint_law([first, second], carriers=2)
+    law = joint_law((first, second), carriers=2)
     y, dy = np.random.default_rng(3).normal(size=(2, 1, 7))
     y[:, :2] = dy[:, :2] = 0.0
     loads = joint_loads(law, y, dy)

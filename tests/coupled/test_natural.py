@@ -9,7 +9,14 @@ from scipy.interpolate import CubicSpline
 
 from solver.coupled.equilibrium import righting
 from solver.coupled.linear import linear_model
-from solver.coupled.natural import _settled, require_stable, system_modes, with_critical_damping, with_usual_step
+from solver.coupled.natural import (
+    _in_water,
+    _settled,
+    require_stable,
+    system_modes,
+    with_critical_damping,
+    with_usual_step,
+)
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -184,7 +191,8 @@ def test_two_digits_never_lengthen_a_step():
 
 def test_a_shape_whose_mass_in_water_is_negative_has_no_frequency():
     """Of two coupled ones that the added mass leaves one: K = diag(1, 4), M = [[1, 0.2], [0.2, -0.5]] by hand."""
-    omega, shape = _settled(np.array([1.0, 4.0]), lambda _: np.array([[0.0, 0.2], [0.2, -1.5]]), 0)
+    stiffness, added = np.array([1.0, 4.0]), np.array([[0.0, 0.2], [0.2, -1.5]])
+    omega, shape = _settled(stiffness, lambda _: _in_water(stiffness, added), 0)
     # det(K - xM) = -0.54 x² - 3.5 x + 4
     assert omega**2 == approx((-3.5 + np.sqrt(3.5**2 + 4 * 0.54 * 4)) / (2 * 0.54), rel=1e-12)
     mass = np.array([[1.0, 0.2], [0.2, -0.5]])

@@ -73,7 +73,7 @@ def test_a_lopsided_table_is_followed_to_fourth_order_and_its_power_accounted_fo
 
 
 def test_the_law_is_the_table_and_its_zones_are_its_pieces():
-    law = joint_law([replace(awkward.soft_mooring()[0].floats[0], pto_table=replace(LOPSIDED, axis="heave"))])
+    law = joint_law((replace(awkward.soft_mooring()[0].floats[0], pto_table=replace(LOPSIDED, axis="heave")),))
     _, v, (f,) = LOPSIDED.points
     assert bent(law).tolist() == absorbing(law).tolist() == [False, True, False]
     for dy in np.random.default_rng(0).uniform(-1, 1, 40):

@@ -12,11 +12,12 @@ from solver.coupled.scheme import AA, A
 from solver.errors import InputError
 from solver.scene import Platform, Water
 from solver.sea.field import WaveField
-from solver.sea.realization import Realization
+from solver.sea.realization import Realization, components
 from solver.structure import water
 from solver.structure.beam import tube
 from solver.structure.frame import Frame, Material, Member
 from solver.structure.frame_model import assemble
+from tests.awkward import tripod
 
 OCEAN = Water(depth=30.0)
 OMEGA = 2 * np.pi / 12.0
@@ -38,13 +39,42 @@ def waves():
 
 
 def inertia(waves, at, **changes):
-    return support._inertia_rows(Platform(frame=pile(), **changes), at, waves, OCEAN)[:, 0, 0]
+    size = support._inertia_size(Platform(frame=pile(), **changes), at, OCEAN)
+    return (size[:, None] * waves.acceleration(at.position)[:, 0])[:, 0]
 
 
 def drag_force(waves, at):
     """Drag at the crest on each station of a pile at rest [N]."""
     u = waves.velocity(at.position)[:, 0, 0].real
     return 0.5 * OCEAN.density * at.drag * at.diameter * at.weight * np.abs(u) * u
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.7])
+def test_water_moves_past_the_members_as_the_field_says(heading):
+    """Velocity less what is along the member, station by station: of legs side by side, and of leaning ones."""
+    sea = components(amplitude=[1.0, 0.4], omega=[0.8, 1.1], phase=[0.3, 2.0], heading=heading)
+    field, model = WaveField(sea, 25.0, 9.81), assemble(tripod().frame)
+    at = water.stations(model, 3)
+    velocity = field.velocity(at.position)
+    along = np.einsum("si,sin->sn", at.tangent, velocity)
+    across = velocity - at.tangent[:, :, None] * along[:, None]
+    assert support._flow(at, field) == approx(across, abs=1e-13)
+    around, size = support._surroundings(at, heading), np.linspace(1.0, 2.0, len(at.weight))
+    swing = np.concatenate(field.swing(around.places))
+    assert around.std(swing) == approx(np.sqrt(0.5 * np.sum(np.abs(across) ** 2, axis=(1, 2))), rel=1e-12)
+    nodal = support._nodal_load(model, at, around.by_swing(size), swing)
+    assert nodal == approx(at.total(across * (size / at.weight)[:, None, None], len(nodal)), abs=1e-12)
+
+
+def test_legs_in_the_same_wave_share_places():
+    """Two side by side, in waves along x and in others."""
+    one, nodes = pile(), {}
+    for y in (-3.0, 3.0):
+        nodes |= {f"{name}{y}": (x, y, z) for name, (x, _, z) in one.nodes.items()}
+    members = [replace(one.members[0], name=f"leg{y}", start=f"foot{y}", end=f"top{y}") for y in (-3.0, 3.0)]
+    pair = Frame(nodes=nodes, members=tuple(members), clamped=("foot-3.0", "foot3.0"))
+    at = water.stations(assemble(pair), 3)
+    assert [len(support._surroundings(at, heading).places) for heading in (0.0, 0.7)] == [120, 240]
 
 
 @pytest.mark.parametrize("loads", [4, 30])

@@ -30,14 +30,14 @@ def test_drag_goes_by_what_flows_past_the_moving_frame():
     flow = water - np.einsum("wm,mds->wds", rate, stations.frame.station)
     K = linear_drag.of_lines(flow) * stations.frame.drag[:, None, None]
     assert stations.equivalent(rate) == approx(K)
-    K, maps = K + np.triu(np.ones((ND, ND)), 1), np.random.default_rng(1).normal(size=(ND, NS, 6))
-    borne = np.einsum("dsk,sde,wes->wk", maps, K, flow)
-    assert stations.borne(K, rate, maps.reshape(ND * NS, 6)) == approx(borne)
 
 
-def test_drag_on_the_modes():
-    stations, water, _ = made()
-    K, shape = np.random.default_rng(2).normal(size=(NS, ND, ND)), stations.frame.station
-    damping, force = stations.on_modes(K)
-    assert damping == approx(np.einsum("mds,sde,nes->mn", shape, K, shape))
-    assert force == approx(np.einsum("mds,sde,wes->wm", shape, K, water))
+def test_what_drag_does_by_any_map_of_it():
+    stations, water, rate = made()
+    random, shape = np.random.default_rng(2), stations.frame.station
+    K, maps = random.normal(size=(NS, ND, ND)), random.normal(size=(6, ND, NS))
+    damping, force = stations.acting(K, maps)
+    assert damping == approx(np.einsum("kds,sde,nes->kn", maps, K, shape))
+    assert force == approx(np.einsum("kds,sde,wes->wk", maps, K, water))
+    flow = water - np.einsum("wm,mds->wds", rate, shape)
+    assert force - rate @ damping.T == approx(np.einsum("kds,sde,wes->wk", maps, K, flow))

@@ -9,8 +9,6 @@ from pytest import approx
 from solver.coupled import support
 from solver.errors import InputError
 from solver.scene import Platform, Water
-from solver.sea.field import WaveField
-from solver.sea.realization import Realization
 from solver.structure import beam, recovery, statics, water
 from solver.structure.frame import Frame, MarineGrowth
 from solver.structure.frame_model import assemble
@@ -163,14 +161,11 @@ def test_bad_tables_are_refused(pile, lines, message):
 
 def test_wave_loads_on_growth_are_those_of_its_diameter():
     """Morison's on a battered leg: inertia as D², drag as D, at the same places."""
-    sea = Realization(omega=np.array([0.9]), amplitude=np.array([1.0 + 0j]), peak_frequency=0.9, heading=0.4)
-    field, ocean = WaveField(sea, 25.0, W), Water(depth=25.0)
-    bare = tripod().frame
+    ocean, bare, loads = Water(depth=25.0), tripod().frame, []
     grown = replace(bare, growth=(MarineGrowth(depth=0.0, thickness=0.15, density=1325.0),))
-    loads = []
     for frame in (bare, grown):
         at = water.stations(assemble(frame), 3)
-        loads.append((support._inertia_rows(Platform(frame=frame), at, field, ocean), support._drag_size(at, ocean)))
+        loads.append((support._inertia_size(Platform(frame=frame), at, ocean), support._drag_size(at, ocean)))
     (inertia, drag), (more_inertia, more_drag) = loads
     assert more_inertia == approx(inertia * 1.5**2) and more_drag == approx(drag * 1.5)
 

@@ -213,7 +213,8 @@ def within_elements(system, steel, turn, output):
     places, density = steel.places, system.scene.water.density
     alone = replace(places.influence, nodal=np.zeros_like(places.influence.nodal))
     at = water.stations(model, water.EXACT, support.INERTIA / system.waves.k.max())
-    loads = support._inertia_rows(system.scene.platform, at, system.waves, system.scene.water)
+    size = support._inertia_size(system.scene.platform, at, system.scene.water)
+    loads = size[:, None, None] * -1j * system.scene.sea.omega * support._flow(at, system.waves)
     rows = np.tensordot(alone.of_points(at), loads, axes=([0, 1], [0, 1]))
     waves = (turn @ rows.T).real
     M = model.M + water.added_mass(model, density)

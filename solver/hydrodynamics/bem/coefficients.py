@@ -145,9 +145,14 @@ class Hydrodynamics:
 
     def arrival(self, omega: np.ndarray) -> np.ndarray:
         """exp(ik(x_b cosβ + y_b sinβ)) for each degree of freedom, (nw, n)."""
-        k = wavenumber(omega, self.depth, self.gravity)
+        k = _wavenumber(Bits(omega), self.depth, self.gravity)
         along = self.centres[:, 0] * np.cos(self.heading) + self.centres[:, 1] * np.sin(self.heading)
         return np.exp(1j * k[:, None] * np.repeat(along, len(self.dofs)))
+
+
+@lru_cache(maxsize=SEAS)
+def _wavenumber(omega: Bits[np.ndarray], depth: float, gravity: float) -> np.ndarray:
+    return shared(wavenumber(omega.value, depth, gravity))
 
 
 @lru_cache(maxsize=CURVES)

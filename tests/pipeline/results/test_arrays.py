@@ -17,8 +17,8 @@ def record(floats, values):
 
 def test_numbers_stand_where_their_labels_are_whatever_the_order(tmp_path):
     arrays = Arrays((2,), tmp_path)
-    arrays.add((0,), record(["rear", "front"], [[1, 2], [3, 4]]))
-    arrays.add((1,), record(["front", "aft", "rear"], [[5, 6, 7], [8, 9, 10]]))
+    arrays.add([(0,)], record(["rear", "front"], [[1, 2], [3, 4]]))
+    arrays.add([(1,)], record(["front", "aft", "rear"], [[5, 6, 7], [8, 9, 10]]))
     arrays.sort("float")
     assert list(arrays.labels["float"]) == ["aft", "front", "rear"] and list(arrays.labels["axis"]) == [
         "heave",
@@ -27,6 +27,27 @@ def test_numbers_stand_where_their_labels_are_whatever_the_order(tmp_path):
     assert arrays.dims["motion"] == ("float", "axis")
     expected = [[[np.nan] * 2, [2, 4], [1, 3]], [[6, 9], [5, 8], [7, 10]]]
     np.testing.assert_array_equal(arrays.whole("motion"), expected)
+
+
+def test_records_of_one_form_stand_in_their_own_cells(tmp_path):
+    """Two at once: what both have, and what each has of its own, with the dimension `task` first or not at all."""
+    one, other = record(["rear", "front"], [[1, 2], [3, 4]]), record(["rear", "front"], [[5, 6], [7, 8]])
+    both = {
+        **one,
+        "motion": Variable(("task", "axis", "float"), np.stack([r["motion"].values for r in (one, other)]), {}),
+        "speed": Variable(("task",), np.array([0.5, 0.7]), {}),
+        "depth": Variable((), np.array(9.0), {}),
+    }
+    alone, arrays = Arrays((2, 3), tmp_path), Arrays((2, 3), tmp_path)
+    arrays.add([(1, 2), (0, 1)], both)
+    arrays.put([(1, 2), (0, 1)], "wall_time", [1.5, 2.5])
+    for cell, part, height, seconds in (((1, 2), one, 0.5, 1.5), ((0, 1), other, 0.7, 2.5)):
+        alone.add([cell], part | {"speed": Variable((), np.array(height), {}), "depth": both["depth"]})
+        alone.put([cell], "wall_time", [seconds])
+    assert arrays.dims == alone.dims
+    for name in ("motion", "speed", "depth", "wall_time"):
+        np.testing.assert_array_equal(arrays.whole(name), alone.whole(name))
+    assert arrays.whole("speed")[1, 2] == 0.5 and np.isnan(arrays.whole("speed")[0, 0])
 
 
 def test_content_knows_values_of_the_same_bits_by_their_type():

@@ -1,6 +1,7 @@
 """Records that lie many to a file: each comes out as it went in, and counts only while the file is whole."""
 
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from pipeline.bridge.loading import load
 from pipeline.results import store as module
 from pipeline.results.netcdf import Variable, content
 from pipeline.results.packs import packed
-from pipeline.results.store import Store
+from pipeline.results.store import Store, together
 from pipeline.tasks.task import expand
 
 ERROR = {"error": {"kind": "ValueError", "message": "too much", "traceback": ""}}
@@ -65,6 +66,19 @@ def test_each_record_comes_out_as_it_went_in(store, tasks):
         assert sorted(data.task.values.tolist() + [tasks[i].id for i in (1, 2, 4, 5)]) == sorted(t.id for t in tasks)
 
 
+def test_several_come_out_together(store, tasks):
+    """In the order asked for; attributes that differ are no variables; another's row is refused."""
+    keep(store, tasks[:4], [1, 2, 3, 4])
+    entries = [store.look(tasks[n]) for n in (3, 0)]
+    found = together(entries)
+    assert found["power"].dims == ("task", "leg") and found["power"].values[:, 0].tolist() == [4, 1]
+    assert found["frequency"].dims == ("mode",) and found["task"].values.tolist() == [tasks[3].id, tasks[0].id]
+    assert found.keys() == entries[0].made()[0].keys()
+    wrong = replace(entries[1], place=entries[1].place._replace(number=1))
+    with pytest.raises(ValueError, match="not what was written"):
+        together([entries[0], wrong])
+
+
 def test_records_of_other_labels_lie_elsewhere(store, tasks):
     given = [record(task.id, 1, legs) for task, legs in zip(tasks, (("a", "b"), ("a", "c"), ("a", "b")), strict=False)]
     assert len({row.pack for row in packed(given)}) == 2
@@ -110,6 +124,8 @@ def test_a_damaged_pack_is_all_its_tasks(store, tasks):
     assert states(store, tasks[:4]) == ["damaged", "damaged", "done", "done"]
     with pytest.raises(ValueError, match="not what was written"):
         store.look(tasks[0]).made()
+    with pytest.raises(ValueError, match="not what was written"):
+        together([store.look(task) for task in tasks[:2]])
     path.unlink()
     assert states(store, tasks[:4]) == ["damaged", "damaged", "done", "done"]
 

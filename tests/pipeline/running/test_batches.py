@@ -30,3 +30,13 @@ def test_what_shares_more_stays_together():
     starts = [sum(taken[:n]) for n in range(len(taken))]
     assert all(start % 10 == 0 for start in starts if start < 900)
     assert sizes(100, 60, 0.02)[0] == 16  # a block that is larger than a batch is shared out
+
+
+def test_batches_end_with_blocks_after_the_first_single_tasks():
+    """Those go out one by one, before it is known how long a task takes."""
+    batches = Batches()
+    batches.add([SimpleNamespace(number=n) for n in range(1000)], None, 10)
+    first = [len(batches.take(2).tasks) for _ in range(6)]
+    batches.heard(0.02)
+    then = [len(batches.take(2).tasks) for _ in range(5)]
+    assert first == [1] * 6 and then == [24, 20, 20, 20, 20]
