@@ -64,7 +64,7 @@ def test_the_lid_covers_what_is_between_hull_and_well(hull, quarters, least):
     assert np.all(down < 0) and least < -4 / quarters * down.sum() / hull.waterplane[0] < 1
     shrunk = corners + 0.1 * (corners.mean(axis=1, keepdims=True) - corners)  # nothing reaches out
     points = np.concatenate([shrunk, (shrunk + np.roll(shrunk, 1, axis=1)) / 2]).reshape(-1, 3)[:, :2]
-    assert meshes._inside(points, hull.waterline).all()
+    assert meshes.inside(points, hull.waterline).all()
 
 
 def test_no_irregular_frequency_is_left_between_hull_and_well(monkeypatch):
