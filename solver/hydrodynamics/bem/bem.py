@@ -59,6 +59,7 @@ class Solution(NamedTuple):
     infinite: np.ndarray  # (n, n) A∞
     diffraction: np.ndarray  # (nw, nh, n) force
     far: np.ndarray  # (nw, n + nh, 2M + 1) modes of H, of each motion and heading; empty where not asked for
+    lid: float  # area of damping lids [m²]
     panels: int  # on hulls
 
 
@@ -246,13 +247,17 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
     (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, edged, lengths)
     if len(solutions) <= len(HALVED):
         left = _of_plates(problem, left, (impedance, impedance_inf, diffraction, far))
+    lid = solutions[0].lid
+    how = f"finest of {len(divisions)} meshes, damping lid" if lid > 0 else METHODS[len(divisions)]
     settings = {
         "panels": solutions[0].panels,
         "panels_coarse": solutions[-1].panels,
-        "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
+        "method": f"direct, {how}, lid on the waterplane",
         "green_function": "Delhommeau",
         "seabed_error": 0.0 if problem.standing else seas[0].seabed_error(omega, problem.largest),
     }
+    if problem.gap_damping > 0:
+        settings |= {"gap_damping": problem.gap_damping, "gap_width": problem.gap_width, "gap_area": lid}
     origin, n = meshes.mirror_planes(hulls, problem.centres)[0][:2], len(impedance_inf)
     return [
         Hydrodynamics(
@@ -448,7 +453,8 @@ def _coefficients(
         if problem.far_field:
             far[i] = mesh.far_field(potentials, sources, mesh.plane_waves(k, sea.depth, problem.orders), loss)
             far[i, n:] /= [s.pressure(mesh.origin[None], w) / (s.density * s.gravity) for s in seas]  # phase zero there
-    return Solution(impedance, limit, diffraction, far, bare.wet.size * len(bare.mirrors))
+    lid = float(mesh.part.faces_areas[mesh.gap].sum()) * len(mesh.mirrors)
+    return Solution(impedance, limit, diffraction, far, lid, bare.wet.size * len(bare.mirrors))
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:
@@ -482,12 +488,15 @@ def _extrapolated(
 
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
     solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
-    at a frequency that goes with the mesh there is no such limit, and the finest mesh stands. lengths: of the motions.
+    at a frequency that goes with the mesh there is no such limit, and the finest mesh stands; with damping lids at
+    all frequencies, for what is lost there is felt at others. lengths: of the motions.
     """
-    *finest, count = solutions[0]
+    *finest, lid, count = solutions[0]
     if len(solutions) == 1:
         return finest, [ONE_MESH / np.sqrt(count) * x for x in finest]
     best = _limits(solutions[:2], divisions[:2])
+    if lid > 0:
+        return finest, [b - f for b, f in zip(best, finest, strict=True)]
     of_limit, of_finest = (least_damping(each[0], lengths) for each in (best, finest))
     lost = (of_limit < -UNPASSIVE) & (of_limit < 2 * of_finest)
     for k in (0, 2, 3):  # what has a frequency
@@ -510,7 +519,7 @@ def _of_plates(problem: Problem, left: list[np.ndarray], best: Sequence[np.ndarr
 
 def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.ndarray]:
     fine, coarse = (n**2 for n in divisions)
-    return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-1] for s in pair), strict=True)]
+    return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-2] for s in pair), strict=True)]
 
 
 def require_solvable(
