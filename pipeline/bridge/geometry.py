@@ -152,8 +152,6 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "gravity": water.gravity,
         "panels": geometry.panels,
         "interaction": geometry.interaction,
-        "gap_damping": geometry.gap_damping,
-        "gap_width": geometry.gap_width,
     }
     return {
         "hulls": hulls,
@@ -163,6 +161,8 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "omega": frequency_grid(hulls, centres, band=geometry.band, **how),
         "planar": geometry.planar,
         "far_field": geometry.far_field,
+        "gap_damping": geometry.gap_damping,
+        "gap_width": geometry.gap_width,
         **how,
     }
 

@@ -257,7 +257,7 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
         "seabed_error": 0.0 if problem.standing else seas[0].seabed_error(omega, problem.largest),
     }
     if problem.gap_damping > 0:
-        settings |= {"gap_damping": problem.gap_damping, "gap_width": problem.gap_width, "gap_area": lid}
+        settings |= {"gap_damping": problem.gap_damping, "gap_width": problem.gap_width}
     origin, n = meshes.mirror_planes(hulls, problem.centres)[0][:2], len(impedance_inf)
     return [
         Hydrodynamics(

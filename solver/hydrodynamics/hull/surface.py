@@ -329,7 +329,8 @@ def quartered(panels: np.ndarray) -> np.ndarray:
 
 def divided(panels: np.ndarray, n: int) -> np.ndarray:
     """Each panel as n² whose corners are even shares of its sides."""
-    u, v = np.meshgrid(*[np.linspace(0, 1, n + 1)] * 2, indexing="ij")
-    nodes = np.einsum("cuv,pci->uvpi", np.stack([(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v]), panels)
+    u, v = (x[..., None, None] for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * 2, indexing="ij"))
+    a, b, c, d = np.moveaxis(panels, 1, 0)
+    nodes = (1 - v) * (a + u * (b - a)) + v * (d + u * (c - d))  # so that a triangle's last corners stay one
     cells = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]], axis=3)
     return cells.reshape(-1, 4, 3)
