@@ -10,7 +10,10 @@ from solver.hydrodynamics.hull.mesh import Hull, inside, nearest
 from solver.hydrodynamics.hull.revolution import Revolution
 
 CIRCLE = 64  # sides of the polygon, as large as its circle, that stands for a round waterplane
+ALONG = 1 / 4  # of the width: points of the outlines by which it is judged
 FINEST = 1 / 8  # of the panels' side: shorter pieces of an outline are not divided further
+CORNER = 0.1  # of the width squared: in a square corner a circle leaves (1 - π/4)/4 of its diameter's square free
+FLAT = 1e-9  # area over the sides' squares: corners of flatter triangles lie in one line
 SLIVER = 1e-3  # of a square of that side: smaller panels are left out
 
 
@@ -19,22 +22,21 @@ def gaps(hulls: Sequence[Hull], centres: np.ndarray, width: float, side: float) 
 
     That is, outside the hulls, their outlines' α-shape (Edelsbrunner, Kirkpatrick and Seidel 1983): Delaunay's
     triangles between points of the outlines, whose circles no other point is in, where those are that small. Patches
-    smaller than a panel, as in the corners of a wider well, are none.
+    smaller than a panel and a tenth of width², as in the corners of a wider well, are none.
     """
     outlines = [outline(hull) + at[:2] for hull, at in zip(hulls, centres, strict=True)]
     lines = np.concatenate(outlines)
-    points = _points(lines, side)
+    points = _points(lines, min(side, ALONG * width))
     if len(points) < 3:
         return np.zeros((0, 4, 3))
-    coarse = scipy.spatial.Delaunay(points)
-    middles = points[coarse.simplices].mean(axis=1)
-    # How far the circles' centres are from outlines, not from their points: these may be as far apart as the gap is wide.
-    narrow = 2 * nearest(_circumcentres(points[coarse.simplices]), lines)[1] <= width
+    judged = scipy.spatial.Delaunay(points)
+    circles, middles = _circumcentres(points[judged.simplices]), points[judged.simplices].mean(axis=1)
+    narrow = 2 * nearest(circles, lines)[1] <= width
     narrow &= ~np.any([inside(middles, each) for each in outlines], axis=0)
-    narrow = _large(coarse, narrow, side**2)
-    finer = scipy.spatial.Delaunay(np.concatenate([points, _within(coarse, narrow, side)]))
-    triangles = finer.points[finer.simplices]
-    place = coarse.find_simplex(triangles.mean(axis=1))
+    narrow = _large(judged, narrow, min(side**2, CORNER * width**2))
+    meshed = scipy.spatial.Delaunay(np.concatenate([_points(lines, side), _within(judged, narrow, side)]))
+    triangles = meshed.points[meshed.simplices]
+    place = judged.find_simplex(triangles.mean(axis=1))
     kept = triangles[(place >= 0) & narrow[place] & (_area(triangles) > SLIVER * side**2)]
     level = np.pad(kept, ((0, 0), (0, 0), (0, 1)))
     return level[:, [0, 2, 1, 1]]  # Delaunay's run counter-clockwise
@@ -92,6 +94,6 @@ def _area(triangles: np.ndarray) -> np.ndarray:
 def _circumcentres(triangles: np.ndarray) -> np.ndarray:
     """Of triangles (n, 3, 2), the last two sides a and b from the first corner: (a² b - b² a) × z / (2 a × b)."""
     a, b = (triangles[:, 1:] - triangles[:, :1]).transpose(1, 0, 2)
-    twice = np.maximum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], 1e-300)
+    twice = np.maximum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], FLAT * np.sum(a**2 + b**2, axis=1))
     x, y = (np.sum(a**2, axis=1)[:, None] * b - np.sum(b**2, axis=1)[:, None] * a).T
     return triangles[:, 0] + np.stack([y, -x], axis=1) / (2 * twice)[:, None]
