@@ -291,9 +291,9 @@ class _Mesh:
     """The part of the wetted surface that `mirrors` complete, and all of it, as capytaine meshes about `origin`.
 
     And of lids: inside the hulls against irregular frequencies; and damping ones, on water in gaps. There a pressure
-    ρμφ resists the water, which takes ½ρμ ω²/g |φ|² of power: with μ = εω, ∂φ/∂z = (1 + iε) Kφ, K = ω²/g (Chen 2004,
-    On hydrodynamic solvers, "fairly perfect fluid"; Orcina's OrcaWave). As ∂G/∂z = KG, Green's identity keeps of
-    φ ∂G/∂z - G ∂φ/∂z only -iεKφ G, a layer of sources, and each point of still water is seen whole.
+    ρμφ resists the water and takes ½ρμK|φ|² of power from each m²: with μ = εω, ∂φ/∂z = (1 + iε) Kφ, K = ω²/g
+    (Chen 2004, Hydrodynamics in offshore and naval applications; Orcina, OrcaWave's theory). As ∂G/∂z = KG, Green's
+    identity keeps of φ ∂G/∂z - G ∂φ/∂z only -iεKφ G, a layer of sources, and a point of still water is seen whole.
     """
 
     mirrors: np.ndarray  # (ng, 3) of signs, the identity first
@@ -315,7 +315,7 @@ class _Mesh:
         depth: float,
         *,
         lids: bool,
-        gap_width: float,
+        gap_width: float = 0.0,
     ) -> "_Mesh":
         """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count of each, refine: see mesh.panels.
 
@@ -434,7 +434,7 @@ def _coefficients(
     hulls, centres, dofs, seas = problem.hulls, problem.centres, problem.dofs, problem.seas
     build = partial(_Mesh.build, hulls, centres, dofs, counts, refine, problem.depth)
     # No irregular frequency at infinity, and no damping: φ = 0 on all still water.
-    bare, mesh = build(lids=False, gap_width=0.0), build(lids=True, gap_width=problem.gap_width)
+    bare, mesh = build(lids=False), build(lids=True, gap_width=problem.gap_width)
     n, sea = mesh.motions.shape[-1], seas[0]
     limit = np.zeros((0, 0))
     if infinite:

@@ -69,7 +69,7 @@ def _points(lines: np.ndarray, side: float) -> np.ndarray:
 
 
 def _within(mesh: "scipy.spatial.Delaunay", kept: np.ndarray, side: float) -> np.ndarray:
-    """Points of a lattice (n, 2) inside those of a mesh's triangles that are kept, no nearer than half a side to its."""
+    """Points of a lattice (n, 2) inside a mesh's triangles that are kept, no nearer than half a side to its points."""
     low, high = np.floor(mesh.points.min(axis=0) / side), np.ceil(mesh.points.max(axis=0) / side)
     x, y = (side * (np.arange(a, b) + 0.5) for a, b in zip(low, high, strict=True))
     points = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)

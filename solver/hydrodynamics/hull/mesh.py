@@ -157,12 +157,12 @@ def _fitted(corners: np.ndarray, outline: np.ndarray, kept: np.ndarray) -> np.nd
     """
     side = np.abs(corners[:, 2] - corners[:, 0]).min()
     place, gap = nearest(corners.reshape(-1, 2), outline)
-    interior = inside(corners.reshape(-1, 2), outline)
+    within = inside(corners.reshape(-1, 2), outline)
     near = gap < MOVED * side
-    away = (corners.reshape(-1, 2) - place) / np.maximum(gap, 1e-12 * side)[:, None] * np.where(interior, 1, -1)[:, None]
+    away = (corners.reshape(-1, 2) - place) / np.maximum(gap, 1e-12 * side)[:, None] * np.where(within, 1, -1)[:, None]
     moved = np.where(near[:, None], place + INSET * side * away, corners.reshape(-1, 2)).reshape(corners.shape)
     moved[kept] = corners[kept]
-    held = (interior | near).reshape(-1, 4)
+    held = (within | near).reshape(-1, 4)
     three = held.sum(axis=1) == 3
     turn = (np.argmin(held[three], axis=1)[:, None] + np.array([1, 2, 3, 3])) % 4
     cells = np.concatenate([moved[held.all(axis=1)], moved[three][np.arange(three.sum())[:, None], turn]])

@@ -63,10 +63,8 @@ def test_a_panel_in_still_water_on_itself(k, depth):
     """As 81 smaller panels on the middle one's middle, whose own part is a hundredth."""
 
     def square(n):
-        x = np.linspace(-0.25, 0.25, n + 1)
-        corners = [[(a, c), (a, d), (b, d), (b, c)] for a, b in zip(x, x[1:]) for c, d in zip(x, x[1:])]
-        vertices = np.pad(np.array(corners).reshape(-1, 2), ((0, 0), (0, 1)))
-        return joined([(vertices, np.arange(4 * n * n).reshape(-1, 4))])
+        corners = np.array([[(-0.25, -0.25, 0), (-0.25, 0.25, 0), (0.25, 0.25, 0), (0.25, -0.25, 0)]])
+        return joined([meshes.indexed(surface.divided(corners, n))])
 
     whole, fine = square(1), square(9)
     how = {"water_depth": depth, "wavenumber": k, "adjoint_double_layer": False}
@@ -114,7 +112,9 @@ def solved(hulls, places, width, epsilon, omega, *, refine=2, panels=200, densit
         force=whole / arrival,
         far=FarField(mesh.origin[:2], far[None, :-1], far[None, -1] / arrival),
         taken=density * omega * loss * np.einsum("gpi,gpj->ij", on_lid * area, on_lid.conj()),
-        elevation=complex((on_lid[..., -1:] * area).sum() / area.sum() / len(on_lid) * (1 + 1j * epsilon) * omega / (-1j * G)),
+        elevation=complex(
+            (on_lid[..., -1:] * area).sum() / area.sum() / len(on_lid) * (1 + 1j * epsilon) * omega / (-1j * G)
+        ),
     )
 
 
@@ -125,7 +125,12 @@ def of_scene(name, epsilon, omega, **how):
 
 # Scene, frequency [rad/s], least share of the bodies' heave damping that is the lid's, largest error of energy: half as
 # large panels leave a quarter, and in the ring's narrow gap they are wider than it.
-RINGING = [("ring", 1.5, 0.3, 0.05), ("ring", 1.65, 0.7, 0.05), ("boxes", 1.9, 0.06, 0.03), ("unequal", 1.9, 0.015, 0.04)]
+RINGING = [
+    ("ring", 1.5, 0.3, 0.05),
+    ("ring", 1.65, 0.7, 0.05),
+    ("boxes", 1.9, 0.06, 0.03),
+    ("unequal", 1.9, 0.015, 0.04),
+]
 
 
 @pytest.mark.parametrize(("name", "omega", "least", "error"), RINGING)
@@ -157,10 +162,10 @@ def test_bodies_held_still_absorb_what_the_lid_takes(name, omega, least, error):
 
 
 def test_the_piston_in_a_moonpool_in_closed_form():
-    """Water in a narrow well of radius a = 1 m, ζ (1 - K(1 + iε)Z) = (1 + iε)F, whatever ε: at KZ = 1 as 1/(ε + K Im Z).
+    """Water in a narrow well: ζ (1 - K(1 + iε)Z) = (1 + iε)F, Z and F whatever ε is; where KZ = 1 as 1/(ε + K Im Z).
 
-    Re Z is the draft and an open end, 0.6133a without flange (Levine and Schwinger 1948) to 0.8217a with an endless
-    one (King 1936). Im Z is what it radiates, ½kA|F|² by Haskind, A = πa².
+    Re Z is the draft and an open end: 0.6133a without flange (Levine and Schwinger 1948), 0.8217a with an endless one
+    (King 1936); a = 1 m. Im Z is what it radiates, ½kA|F|² by Haskind, A = πa².
     """
     draft, omega = 2.0, 1.9
     pool = ring(((3.0, -draft), (3.0, 2.0), (1.0, 2.0), (1.0, -draft)))
@@ -214,4 +219,6 @@ def test_the_finest_mesh_stands_where_there_is_a_lid_and_nothing_changes_where_t
     assert "finest of 2 meshes" in lidded.settings["method"] and "extrapolated" in none.settings["method"]
     assert (none.settings["gap_damping"], none.settings["gap_width"]) == (0.1, 0.3)
     # Without waves at infinite frequency there is no damping either: of the finest mesh, too.
-    assert lidded.added_mass_inf == approx(plain.added_mass_inf, rel=0.05, abs=0.05 * np.abs(plain.added_mass_inf).max())
+    assert lidded.added_mass_inf == approx(
+        plain.added_mass_inf, rel=0.05, abs=0.05 * np.abs(plain.added_mass_inf).max()
+    )

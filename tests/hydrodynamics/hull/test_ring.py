@@ -101,5 +101,5 @@ def test_outlines_that_cannot_be_are_refused(points, told):
 
 def test_an_outline_may_have_a_point_twice():
     outline = np.array([[[0, 0], [1, 0]], [[1, 0], [1, 0]], [[1, 0], [1, 1]], [[1, 1], [0, 0]]], float)
-    feet, gaps = meshes._nearest(np.array([[0.5, -1.0], [1.2, 0.5], [2.0, -1.0]]), outline)
+    feet, gaps = meshes.nearest(np.array([[0.5, -1.0], [1.2, 0.5], [2.0, -1.0]]), outline)
     assert feet == approx(np.array([[0.5, 0], [1, 0.5], [1, 0]])) and gaps == approx([1, 0.2, 2**0.5])
