@@ -17,7 +17,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem.alone import assembled
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
 from solver.hydrodynamics.bem.far_field import FarField, PlaneWaves, modes, orders, plane_waves
-from solver.hydrodynamics.bem.green import green_function, joined, own_influence
+from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
@@ -384,7 +384,6 @@ class _Mesh:
         single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
         if loss:
             lid = np.flatnonzero(self.gap)
-            single[0, lid, lid] = own_influence(self.part.extract_faces(lid), k, seabed)
             double[:, :, lid] = 1j * loss * single[:, :, lid]
             double[0, lid, lid] += 1
         potentials = []

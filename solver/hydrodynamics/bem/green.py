@@ -50,21 +50,3 @@ def joined(pieces: list[tuple[np.ndarray, np.ndarray]]) -> Any:
     vertices, faces = merged(pieces)
     # Cleaning would take panels away that we count on; nor is there anything to clean.
     return _capytaine().Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
-
-
-def own_influence(panels: Any, k: float, depth: float) -> np.ndarray:
-    """∫ G dS (n,) of each of a mesh's panels in still water on its own middle, which capytaine has wrong.
-
-    The wave part of G there goes as ln r and J₀(kr), and is taken at r → 0 where a table ends, with the sign of its
-    imaginary part turned. The mean of ln r over a disc as large as the panel, of radius a, is ln(a/√e): the wave part
-    is that at r = a/√e. Without waves, k = 0, G is -1/(2πr), which capytaine integrates.
-    """
-    from_middle = np.sqrt(panels.faces_areas / (np.pi * np.e))[:, None] * [1.0, 0.0, 0.0]
-
-    def influence(points: np.ndarray, **water: float) -> np.ndarray:
-        how = {"adjoint_double_layer": False, "diagonal_term_in_double_layer": False}
-        return np.diag(green_function().evaluate(points, panels, **water, **how)[0])
-
-    middles, near = panels.faces_centers, panels.faces_centers + from_middle
-    waves = influence(near, wavenumber=k, water_depth=depth) - influence(near, wavenumber=0.0)
-    return influence(middles, wavenumber=0.0) + waves

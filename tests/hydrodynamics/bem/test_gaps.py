@@ -10,7 +10,6 @@ from pytest import approx
 
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.far_field import FarField, Waves, excitation, radiation_damping
-from solver.hydrodynamics.bem.green import green_function, joined, own_influence
 from solver.hydrodynamics.bem.mean_hull import froude_krylov
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
@@ -55,22 +54,6 @@ def test_a_well_is_a_gap_as_wide_as_its_diameter():
     assert not len(gaps((well,), here, 3.9, 0.6))
     assert not len(gaps((SPAR,), here, 50.0, 0.6))  # a hull's outside is no gap, nor is water between bodies far apart
     assert not len(gaps((SPAR, SPAR), np.array([[0, 0, 0], [12.0, 0, 0]]), 3.0, 0.6))
-
-
-@pytest.mark.parametrize("k", [0.24, 4.0])
-@pytest.mark.parametrize("depth", [inf, 8.0])
-def test_a_panel_in_still_water_on_itself(k, depth):
-    """As 81 smaller panels on the middle one's middle, whose own part is a hundredth."""
-
-    def square(n):
-        corners = np.array([[(-0.25, -0.25, 0), (-0.25, 0.25, 0), (0.25, 0.25, 0), (0.25, -0.25, 0)]])
-        return joined([meshes.indexed(surface.divided(corners, n))])
-
-    whole, fine = square(1), square(9)
-    how = {"water_depth": depth, "wavenumber": k, "adjoint_double_layer": False}
-    row = green_function().evaluate(fine, fine, **how)[0][40]
-    row[40] = own_influence(fine, k, depth)[40]
-    assert own_influence(whole, k, depth)[0] == approx(row.sum(), rel=0.06 if k > 1 else 2e-3)
 
 
 @dataclass
@@ -190,10 +173,12 @@ def test_a_larger_damping_lowers_the_peak_where_it_is():
     assert len(set(curves.argmax(axis=1))) == 1 and 0 < curves[0].argmax() < len(omega) - 1
 
 
+RUN = {"depth": inf, "density": RHO, "omega": np.array([1.7]), "panels": 108}
+
+
 def solution(name, **how):
     hulls, centres, *_ = SCENES[name]
-    run = {"depth": inf, "density": RHO, "omega": np.array([1.7]), "panels": 108}
-    return bem.solve(hulls, np.array(centres, float), **run, **how)
+    return bem.solve(hulls, np.array(centres, float), **RUN, **how)
 
 
 NAMES = ("added_mass", "radiation_damping", "diffraction")
@@ -218,6 +203,12 @@ def test_the_finest_mesh_stands_where_there_is_a_lid_and_nothing_changes_where_t
         assert not np.array_equal(getattr(plain, each), getattr(lidded, each))
     assert "finest of 2 meshes" in lidded.settings["method"] and "extrapolated" in none.settings["method"]
     assert (none.settings["gap_damping"], none.settings["gap_width"]) == (0.1, 0.3)
+    hulls, centres, width, *_ = SCENES["boxes"]
+    problem = bem.Problem.of(hulls, np.array(centres, float), **RUN, gap_damping=0.1, gap_width=width)
+    ((finest, coarser),) = bem.part(problem)
+    assert np.array_equal(lidded.added_mass, finest.impedance.real)
+    assert np.array_equal(lidded.diffraction, finest.diffraction[:, 0])
+    assert np.abs(lidded.error.diffraction) == approx(np.abs(finest.diffraction - coarser.diffraction)[:, 0] / 3)
     # Without waves at infinite frequency there is no damping either: of the finest mesh, too.
     assert lidded.added_mass_inf == approx(
         plain.added_mass_inf, rel=0.05, abs=0.05 * np.abs(plain.added_mass_inf).max()
