@@ -395,7 +395,7 @@ class Settings:
     gap_damping: Annotated[
         float,
         Quantity("-", least=0, most=1),
-        "ε of a damping lid on water in narrow gaps and wells: a pressure ρμφ resists it, μ = εω",
+        "Damping ε of a lid on water in narrow gaps and wells: a pressure ρμφ resists it, μ = εω",
     ] = 0.0
     gap_width: Annotated[
         float, Quantity("m", least=0), "Of those gaps and wells: water at rest where no circle of this diameter fits"

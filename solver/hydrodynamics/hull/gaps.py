@@ -24,15 +24,14 @@ def gaps(hulls: Sequence[Hull], centres: np.ndarray, width: float, side: float) 
     triangles between points of the outlines, whose circles no other point is in, where those are that small. Patches
     smaller than a panel and a tenth of width², as in the corners of a wider well, are none.
     """
-    outlines = [outline(hull) + at[:2] for hull, at in zip(hulls, centres, strict=True)]
-    lines = np.concatenate(outlines)
+    lines = np.concatenate([outline(hull) + at[:2] for hull, at in zip(hulls, centres, strict=True)])
     points = _points(lines, min(side, ALONG * width))
     if len(points) < 3:
         return np.zeros((0, 4, 3))
     judged = scipy.spatial.Delaunay(points)
     circles, middles = _circumcentres(points[judged.simplices]), points[judged.simplices].mean(axis=1)
     narrow = 2 * nearest(circles, lines)[1] <= width
-    narrow &= ~np.any([inside(middles, each) for each in outlines], axis=0)
+    narrow &= ~inside(middles, lines)  # all at once: of bodies that adjoin each has an open outline
     narrow = _large(judged, narrow, min(side**2, CORNER * width**2))
     meshed = scipy.spatial.Delaunay(np.concatenate([_points(lines, side), _within(judged, narrow, side)]))
     triangles = meshed.points[meshed.simplices]

@@ -14,6 +14,7 @@ from solver.hydrodynamics.bem.mean_hull import froude_krylov
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.gaps import gaps
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
 from tests.awkward import prism
@@ -44,6 +45,14 @@ def test_lids_cover_the_water_in_gaps(name, side):
     cut = surface.area_vectors(surface.triangles(surface.divided(panels, 3)))
     assert cut[:, 2].sum() == approx(down[:, 2].sum(), rel=1e-12) and np.all(cut[:, 2] < 0)
     assert not len(gaps(hulls, at, {"ring": 0.42, "boxes": 0.58, "unequal": 0.48}[name], side))
+
+
+def test_no_lid_lies_within_bodies_that_adjoin():
+    """A box as two halves without the faces between them, beside a whole one: the lid of two whole boxes."""
+    halves = [PanelHull.of(*meshes.indexed(surface.below(BOX.panels, 0, sign=sign))) for sign in (1, -1)]
+    assert not any(half.closed for half in halves)
+    lid = gaps((*halves, BOX), np.array([[0, 0, 0], [0, 0, 0], [-4.6, 0, 0]]), 0.8, 0.5)
+    assert -surface.area_vectors(surface.triangles(lid))[:, 2].sum() == approx(0.6 * 8.0, rel=1e-3)
 
 
 def test_a_well_is_a_gap_as_wide_as_its_diameter():
