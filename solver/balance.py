@@ -10,6 +10,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull.clearance import openings
+from solver.hydrodynamics.hull.gaps import gaps
 from solver.scene import DOFS, Float, Scene, Water
 
 LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
@@ -23,6 +24,12 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     for group in scene.sharing:
         if len(edges := openings([f.hull for f in group], [f.centre for f in group])):
             sentences.append(f"floats: meshes leave {len(edges)} edges open below still water, a slip that is let pass")
+    width = scene.settings.gap_width
+    if width > 0 and not any(
+        len(gaps([f.hull for f in group], np.array([f.centre for f in group]), width, width / 4))
+        for group in scene.sharing
+    ):
+        sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes))
 
 

@@ -395,6 +395,15 @@ class Settings:
     diffraction: Annotated[bool, "Whether floats diffract waves"] = True
     radiation: Annotated[bool, "Whether floats radiate waves"] = True
     interaction: Annotated[bool, "Whether floats feel waves that others diffract and radiate"] = True
+    # ∂φ/∂z = (1 + iε) ω²/g φ: the same water rings as without, and loses εω of its energy in a second.
+    gap_damping: Annotated[
+        float,
+        Quantity("-", least=0, most=1),
+        "Damping ε of a lid on water in narrow gaps and wells: a pressure ρμφ resists it, μ = εω",
+    ] = 0.0
+    gap_width: Annotated[
+        float, Quantity("m", least=0), "Of those gaps and wells: water at rest where no circle of this diameter fits"
+    ] = 0.0
     # Newton's last update of a position [m or rad] in a step by the shortest wave, for hulls of 1 m radius and more;
     # for smaller ones as their radius, in shorter steps as their square: forces are as exact.
     newton_tolerance: Annotated[
@@ -437,6 +446,9 @@ class Settings:
         require_ranges(self, "settings")
         if self.tolerance is not None and self.paths.formulation == "augmented":
             raise InputError("settings.tolerance", self.tolerance, "chooses the knobs of the standard paths only")
+        if (self.gap_damping > 0) != (self.gap_width > 0):
+            name, other = ("gap_width", "gap_damping") if self.gap_damping > 0 else ("gap_damping", "gap_width")
+            raise InputError(f"settings.{name}", 0.0, f"must be > 0 with {other} = {getattr(self, other):g}")
         if self.method == "frequency":
             refuse(self._frequency_problems())
 

@@ -38,6 +38,7 @@ SUBJECTS = {
     "spectrum": "spectra.spectrum",
     "f3of": "f3of.decays",
     "rotors": "rotors.arrays",
+    "gaps": "gaps.lids",
 }
 # Longest first, so that neither process ends long before the other.
 DEAREST = (

@@ -78,6 +78,9 @@ def _contents(study: StudyFile) -> Iterator[InputError]:
     if study.coefficients and len(study.floats) > 1 and not study.solver.interaction:
         limit = "must be true: `coefficients` from a file are of floats that interact"
         yield InputError("solver.interaction", "false", limit)
+    if study.coefficients and study.solver.gap_damping > 0:
+        limit = "must be 0: `coefficients` from a file have the damping that they have"
+        yield InputError("solver.gap_damping", study.solver.gap_damping, limit)
     if study.current and not study.platform:
         yield InputError("current", "given", "acts on the members of an elastic platform: needs a [platform] table")
     yield from _left_out(study)

@@ -56,6 +56,8 @@ class Geometry(Table):
     planar: bool = True  # nothing leaves the plane y = 0
     panels: Count = panels_for(Solver().tolerance)
     interaction: Flag = True  # of several bodies
+    gap_damping: Number = 0.0
+    gap_width: Number = 0.0
     coefficients: CoefficientFile | None = (
         None  # from a file, whose bodies have these names and must have these motions
     )
@@ -107,6 +109,8 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         band=seas.band(parameters.sea_state, parameters.waves),
         panels=panels,
         interaction=parameters.solver.interaction or len(floats) == 1,
+        gap_damping=parameters.solver.gap_damping,
+        gap_width=parameters.solver.gap_width,
         needed=ways if some else (),
         memory=memory,
         far_field="drift" in parameters.record.outputs,
@@ -157,6 +161,8 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "omega": frequency_grid(hulls, centres, band=geometry.band, **how),
         "planar": geometry.planar,
         "far_field": geometry.far_field,
+        "gap_damping": geometry.gap_damping,
+        "gap_width": geometry.gap_width,
         **how,
     }
 

@@ -110,6 +110,8 @@ class Solver(Table):
     if TYPE_CHECKING:
         froude_krylov: str = DEFAULT.froude_krylov
         interaction: bool = DEFAULT.interaction
+        gap_damping: float = DEFAULT.gap_damping
+        gap_width: float = DEFAULT.gap_width
         method: str = DEFAULT.method
         accuracy: str = DEFAULT.accuracy
         tolerance: float | None = DEFAULT.tolerance

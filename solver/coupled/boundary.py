@@ -28,8 +28,8 @@ def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.H
     if scene.sea.amplitude.any():
         bands.append((scene.sea.omega.min(), scene.sea.omega.max()))
     whole = (float(np.min(bands)), float(np.max(bands))) if bands else None
-    panels, depth, gravity = panels_for(scene.settings.tolerance), water.depth, water.gravity
-    how: Any = {"depth": depth, "gravity": gravity, "panels": panels, "interaction": scene.settings.interaction}
+    s, depth, gravity = scene.settings, water.depth, water.gravity
+    how: Any = {"depth": depth, "gravity": gravity, "panels": panels_for(s.tolerance), "interaction": s.interaction}
     return bem.solve(
         hulls,
         centres,
@@ -37,5 +37,7 @@ def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.H
         heading=scene.sea.heading,
         omega=bem.frequency_grid(hulls, centres, band=whole, **how),
         planar=scene.planar,
+        gap_damping=s.gap_damping,
+        gap_width=s.gap_width,
         **how,
     )

@@ -353,6 +353,8 @@ def _check_same(scene: Scene, h: Hydrodynamics) -> None:
         "water.depth": (water.depth, h.depth),
         "water.density": (water.density, h.density),
         "water.gravity": (water.gravity, h.gravity),
+        "settings.gap_damping": (scene.settings.gap_damping, h.settings.get("gap_damping", 0.0)),
+        "settings.gap_width": (scene.settings.gap_width, h.settings.get("gap_width", 0.0)),
     }
     for key, (value, limit) in pairs.items():
         if value != limit:

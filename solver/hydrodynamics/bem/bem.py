@@ -22,10 +22,11 @@ from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
+from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import stands, walls
-from solver.hydrodynamics.hull.surface import mirrored
+from solver.hydrodynamics.hull.surface import divided, mirrored
 from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
 from solver.sea.dispersion import SHALLOWEST, too_shallow
 
@@ -58,6 +59,7 @@ class Solution(NamedTuple):
     infinite: np.ndarray  # (n, n) A∞
     diffraction: np.ndarray  # (nw, nh, n) force
     far: np.ndarray  # (nw, n + nh, 2M + 1) modes of H, of each motion and heading; empty where not asked for
+    lid: float  # area of damping lids [m²]
     panels: int  # on hulls
 
 
@@ -121,6 +123,9 @@ class Problem:
     panels: int
     interaction: bool  # without, each body is alone in the water, and equal ones are solved for once
     far_field: bool  # whether the waves far off are wanted
+    # On still water where no circle of this diameter fits ∂φ/∂z = (1 + iε) ω²/g φ: see _Mesh.
+    gap_damping: float  # ε
+    gap_width: float  # [m]
 
     @classmethod
     def of(
@@ -137,6 +142,8 @@ class Problem:
         panels: int = 432,
         interaction: bool = True,
         far_field: bool = False,
+        gap_damping: float = 0.0,
+        gap_width: float = 0.0,
     ) -> "Problem":
         """Checked, see require_solvable; frequencies as frequency_grid chooses them unless given."""
         at = np.asarray(centres, float).reshape(-1, 3)
@@ -156,6 +163,8 @@ class Problem:
             panels=panels,
             interaction=interaction or len(hulls) == 1,
             far_field=far_field,
+            gap_damping=gap_damping,
+            gap_width=gap_width,
         )
 
     @cached_property
@@ -238,13 +247,17 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
     (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, edged, lengths)
     if len(solutions) <= len(HALVED):
         left = _of_plates(problem, left, (impedance, impedance_inf, diffraction, far))
+    lid = solutions[0].lid
+    how = f"finest of {len(divisions)} meshes, damping lid" if lid > 0 else METHODS[len(divisions)]
     settings = {
         "panels": solutions[0].panels,
         "panels_coarse": solutions[-1].panels,
-        "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
+        "method": f"direct, {how}, lid on the waterplane",
         "green_function": "Delhommeau",
         "seabed_error": 0.0 if problem.standing else seas[0].seabed_error(omega, problem.largest),
     }
+    if problem.gap_damping > 0:
+        settings |= {"gap_damping": problem.gap_damping, "gap_width": problem.gap_width}
     origin, n = meshes.mirror_planes(hulls, problem.centres)[0][:2], len(impedance_inf)
     return [
         Hydrodynamics(
@@ -275,13 +288,20 @@ def _interleaved(pieces: Sequence[Solution]) -> Solution:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Mesh:
-    """The part of the wetted surface that `mirrors` complete, and all of it, as capytaine meshes about `origin`."""
+    """The part of the wetted surface that `mirrors` complete, and all of it, as capytaine meshes about `origin`.
+
+    And of lids: inside the hulls against irregular frequencies; and damping ones, on water in gaps. There a pressure
+    ρμφ resists the water and takes ½ρμK|φ|² of power from each m²: with μ = εω, ∂φ/∂z = (1 + iε) Kφ, K = ω²/g
+    (Chen 2004, Hydrodynamics in offshore and naval applications; Orcina, OrcaWave's theory). As ∂G/∂z = KG, Green's
+    identity keeps of φ ∂G/∂z - G ∂φ/∂z only -iεKφ G, a layer of sources, and a point of still water is seen whole.
+    """
 
     mirrors: np.ndarray  # (ng, 3) of signs, the identity first
     origin: np.ndarray  # (3,) where the mirror planes cross [m]
     part: Any  # nf panels
     whole: Any  # ng nf panels, mirror by mirror
     wet: np.ndarray  # (nf,) True on hulls, False on lids
+    gap: np.ndarray  # (nf,) True on damping lids
     motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
 
     @classmethod
@@ -295,10 +315,11 @@ class _Mesh:
         depth: float,
         *,
         lids: bool,
+        gap_width: float = 0.0,
     ) -> "_Mesh":
         """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count of each, refine: see mesh.panels.
 
-        Hulls that stand on the seabed, in `depth` [m], have no panels there.
+        Hulls that stand on the seabed, in `depth` [m], have no panels there. gap_width: of gaps with damping lids [m].
         """
         origin, mirrors = meshes.mirror_planes(hulls, centres)
         # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
@@ -313,25 +334,46 @@ class _Mesh:
                 pieces.append((vertices + at, faces))
                 owners.append(np.full(len(faces), b))
                 hulled.append(np.full(len(faces), make is meshes.panels))
+        if gap_width > 0:
+            side = min(np.sqrt(2 * h.wetted_area / count) for h, count in zip(hulls, counts, strict=True))
+            lid = meshes.part_of(gaps(hulls, centres - origin, gap_width, side), 4 // len(mirrors))
+            pieces.append(meshes.indexed(divided(lid, refine)))
+            owners.append(np.zeros(len(pieces[-1][1]), int))
+            hulled.append(np.zeros(len(pieces[-1][1]), bool))
         part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])
         wet, body = np.concatenate(hulled), np.concatenate(owners)
+        gap = np.arange(len(wet)) >= len(wet) - (len(hulled[-1]) if gap_width > 0 else 0)
         bodies = np.concatenate([meshes.partner(hulls, centres - origin, m)[body] for m in mirrors])
         motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
         motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
-        return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, motions=motions)
+        return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, gap=gap, motions=motions)
 
-    def scattered(self, seas: Sequence[Sea], omega: float) -> np.ndarray:
-        """Normal velocities (ng, nf, number of seas) that cancel those of the unit incident waves, 0 on lids."""
+    def scattered(self, seas: Sequence[Sea], omega: float, loss: float) -> np.ndarray:
+        """Normal velocities (ng, nf, number of seas) that cancel those of the unit incident waves, 0 on lids;
+
+        on damping ones, of this `loss` [1/m], what the incident waves' φ adds to sources, see `solve`.
+        """
         points, normals = self.whole.faces_centers + self.origin, self.whole.faces_normals
         normal = np.stack([np.sum(sea.wave(points, omega)[1] * normals, axis=1) for sea in seas], axis=-1)
-        return -(normal.reshape(len(self.mirrors), -1, len(seas)) * self.wet[:, None])
+        total = -(normal.reshape(len(self.mirrors), -1, len(seas)) * self.wet[:, None])
+        if loss:
+            total[:, self.gap] -= 1j * loss * self.incident(seas, omega)
+        return total
 
-    def solve(self, normal_velocity: np.ndarray, k: float, seabed: float) -> list[tuple[np.ndarray, np.ndarray]]:
+    def incident(self, seas: Sequence[Sea], omega: float) -> np.ndarray:
+        """φ = p/(iρω) (ng, number of panels, number of seas) of the unit incident waves on damping lids."""
+        points = (self.whole.faces_centers + self.origin).reshape(len(self.mirrors), -1, 3)[:, self.gap]
+        waves = [sea.pressure(points.reshape(-1, 3), omega) / (1j * sea.density * omega) for sea in seas]
+        return np.stack(waves, axis=-1).reshape(*points.shape[:2], len(seas))
+
+    def solve(
+        self, normal_velocity: np.ndarray, k: float, seabed: float, loss: float = 0.0
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
         """The outgoing potentials with ∂φ/∂n = normal_velocity (ng, nf, nc): of each class of symmetry that they have
 
         its signs χ(g) (ng,) and φ (nf, nc) of the part; on the image g it is χ(g) φ. Green's identity
         D φ = S ∂φ/∂n, class by class: its share of the motion, mean of χ(g) v_g over the images g, drives
-        D = sum of χ(g) D_g.
+        D = sum of χ(g) D_g. On damping lids of loss εK [1/m] sources are normal_velocity - iεKφ.
         """
         ng, nf, _ = normal_velocity.shape
         single, double = green_function().evaluate(
@@ -340,6 +382,10 @@ class _Mesh:
         # In a panel's plane its dipoles do not act, on its edge neither, where slips of a mesh bring another's middle.
         double[~np.isfinite(double)] = 0.0
         single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
+        if loss:
+            lid = np.flatnonzero(self.gap)
+            double[:, :, lid] = 1j * loss * single[:, :, lid]
+            double[0, lid, lid] += 1
         potentials = []
         for sign in meshes.symmetry_classes(self.mirrors):
             source = np.tensordot(sign, normal_velocity, 1) / ng
@@ -361,15 +407,22 @@ class _Mesh:
         return plane_waves(self.whole.faces_centers, self.whole.faces_normals, k, depth, most)
 
     def far_field(
-        self, potentials: list[tuple[np.ndarray, np.ndarray]], normal_velocity: np.ndarray, waves: PlaneWaves
+        self,
+        potentials: list[tuple[np.ndarray, np.ndarray]],
+        normal_velocity: np.ndarray,
+        waves: PlaneWaves,
+        loss: float = 0.0,
     ) -> np.ndarray:
-        """Modes (nc, 2M + 1) of H = ∫ (φ ∂ψ/∂n - ψ ∂φ/∂n) dS."""
+        """Modes (nc, 2M + 1) of H = ∫ (φ ∂ψ/∂n - ψ ∂φ/∂n) dS, on damping lids of -∫ ψ (normal_velocity - iεKφ) dS."""
         ng, nf, _ = normal_velocity.shape
         value, slope = (part.reshape(ng, nf, -1) for part in waves)
         weight = (self.wet * self.part.faces_areas)[:, None]
-        total = -np.tensordot(normal_velocity * weight, value, ([0, 1], [0, 1]))
+        lid = (self.gap * self.part.faces_areas)[:, None]
+        total = -np.tensordot(normal_velocity * (weight + lid), value, ([0, 1], [0, 1]))
         for sign, potential in potentials:
             total += potential.T @ (weight * np.tensordot(sign, slope, 1))
+            if loss:
+                total += potential.T @ (1j * loss * lid * np.tensordot(sign, value, 1))
         return modes(total)
 
 
@@ -379,7 +432,8 @@ def _coefficients(
     """At frequencies (nw,), of one mesh; A(inf) is empty where it is not asked for."""
     hulls, centres, dofs, seas = problem.hulls, problem.centres, problem.dofs, problem.seas
     build = partial(_Mesh.build, hulls, centres, dofs, counts, refine, problem.depth)
-    bare, mesh = build(lids=False), build(lids=True)  # no irregular frequency at infinity
+    # No irregular frequency at infinity, and no damping: φ = 0 on all still water.
+    bare, mesh = build(lids=False), build(lids=True, gap_width=problem.gap_width)
     n, sea = mesh.motions.shape[-1], seas[0]
     limit = np.zeros((0, 0))
     if infinite:
@@ -389,15 +443,17 @@ def _coefficients(
     diffraction = np.empty((len(omega), len(seas), n), complex)
     far = np.empty((len(omega), (n + len(seas)) * problem.far_field, max(2 * problem.orders + 1, 0)), complex)
     for i, w in enumerate(omega):
-        sources = np.concatenate([mesh.motions, mesh.scattered(seas, w)], axis=2)
+        loss = problem.gap_damping * w**2 / sea.gravity * mesh.gap.any()
+        sources = np.concatenate([mesh.motions, mesh.scattered(seas, w, loss)], axis=2)
         k = sea.wavenumber(w)
-        potentials = mesh.solve(sources, k, problem.seabed(k))
+        potentials = mesh.solve(sources, k, problem.seabed(k), loss)
         forces = sea.density * mesh.forces(potentials, sources.shape[2])
         impedance[i], diffraction[i] = _symmetric(forces[:n]), 1j * w * forces[n:]
         if problem.far_field:
-            far[i] = mesh.far_field(potentials, sources, mesh.plane_waves(k, sea.depth, problem.orders))
+            far[i] = mesh.far_field(potentials, sources, mesh.plane_waves(k, sea.depth, problem.orders), loss)
             far[i, n:] /= [s.pressure(mesh.origin[None], w) / (s.density * s.gravity) for s in seas]  # phase zero there
-    return Solution(impedance, limit, diffraction, far, bare.wet.size * len(bare.mirrors))
+    lid = float(mesh.part.faces_areas[mesh.gap].sum()) * len(mesh.mirrors)
+    return Solution(impedance, limit, diffraction, far, lid, bare.wet.size * len(bare.mirrors))
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:
@@ -431,12 +487,15 @@ def _extrapolated(
 
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
     solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
-    at a frequency that goes with the mesh there is no such limit, and the finest mesh stands. lengths: of the motions.
+    at a frequency that goes with the mesh there is no such limit, and the finest mesh stands; with damping lids at
+    all frequencies, for what is lost there is felt at others. lengths: of the motions.
     """
-    *finest, count = solutions[0]
+    *finest, lid, count = solutions[0]
     if len(solutions) == 1:
         return finest, [ONE_MESH / np.sqrt(count) * x for x in finest]
     best = _limits(solutions[:2], divisions[:2])
+    if lid > 0:
+        return finest, [b - f for b, f in zip(best, finest, strict=True)]
     of_limit, of_finest = (least_damping(each[0], lengths) for each in (best, finest))
     lost = (of_limit < -UNPASSIVE) & (of_limit < 2 * of_finest)
     for k in (0, 2, 3):  # what has a frequency
@@ -459,7 +518,7 @@ def _of_plates(problem: Problem, left: list[np.ndarray], best: Sequence[np.ndarr
 
 def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.ndarray]:
     fine, coarse = (n**2 for n in divisions)
-    return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-1] for s in pair), strict=True)]
+    return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-2] for s in pair), strict=True)]
 
 
 def require_solvable(

@@ -8,7 +8,7 @@ has far off φ → e^{iπ/4} H(θ) f e^{ikR}/(2N √(2πkR)), N = ∫ f² dz = c
 H = Σ hₘ exp(imθ), m = -M ... M. Beside the wave of amplitude a towards β, in the mean over a period:
 
     outgoing power   P_out = ρω/(16πN) ∫|H|² dθ
-    absorbed power   P = ½ρg Re{a* H(β)} - P_out
+    absorbed power   P = ½ρg Re{a* H(β)} - P_out, by bodies and damping lids
     drift force      F = (½ρg Re{a* H(β)} e_β - ρω/(16πN) ∫|H|² e_θ dθ)/c
     drift moment     M_z = ρg/(2ω) Im{a* H'(β)} - ρ/(16πN) Im ∫H* H' dθ
 

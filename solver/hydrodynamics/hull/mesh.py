@@ -54,13 +54,17 @@ def _revolved_panels(hull: Revolution, count: int, refine: int, quarters: int) -
 
 def _halved_panels(hull: PanelHull, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
     """The panels of a mesh, halved until there are about `count`, then each into refine², a power of 4."""
-    pieces = hull.wetted
-    for axis in (1, 0)[: {4: 0, 2: 1, 1: 2}[quarters]]:
-        pieces = surface.below(pieces, axis, sign=-1)
-    pieces = surface.split(pieces, _longest_side(hull, count))
+    pieces = surface.split(part_of(hull.wetted, quarters), _longest_side(hull, count))
     while refine > 1:
         pieces, refine = surface.quartered(pieces), refine // 2
-    return _indexed(pieces)
+    return indexed(pieces)
+
+
+def part_of(pieces: np.ndarray, quarters: int) -> np.ndarray:
+    """What of panels (n, 4, 3) lies in so many quarters, see `panels`."""
+    for axis in (1, 0)[: {4: 0, 2: 1, 1: 2}[quarters]]:
+        pieces = surface.below(pieces, axis, sign=-1)
+    return pieces
 
 
 @lru_cache(maxsize=64)  # each frequency's mesh is the same
@@ -78,7 +82,7 @@ def halved_count(hull: PanelHull, count: int) -> int:
     return len(surface.split(hull.wetted, _longest_side(hull, count)))
 
 
-def _indexed(pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def indexed(pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     faces = np.arange(4 * len(pieces)).reshape(-1, 4)
     faces[np.all(pieces[:, 2] == pieces[:, 3], axis=1), 3] -= 1
     return pieces.reshape(-1, 3), faces
@@ -136,13 +140,13 @@ def _lattice_lid(hull: PanelHull, count: int, refine: int, quarters: int) -> tup
         cells = _fitted(corners, hull.waterline, (corners == 0.0) & np.array([quarters < 2, quarters < 4]))
     else:
         cells = _within(corners, hull.waterline)
-    return _indexed(np.concatenate([cells, np.zeros((*cells.shape[:2], 1))], axis=2))
+    return indexed(np.concatenate([cells, np.zeros((*cells.shape[:2], 1))], axis=2))
 
 
 def _within(corners: np.ndarray, outline: np.ndarray) -> np.ndarray:
     """Those of a lattice's cells (n, 4, 2) that lie within an outline (ns, 2, 2)."""
     shrunk = corners + 1e-3 * (corners.mean(axis=1, keepdims=True) - corners)
-    return corners[_inside(shrunk.reshape(-1, 2), outline).reshape(-1, 4).all(axis=1)]
+    return corners[inside(shrunk.reshape(-1, 2), outline).reshape(-1, 4).all(axis=1)]
 
 
 def _fitted(corners: np.ndarray, outline: np.ndarray, kept: np.ndarray) -> np.ndarray:
@@ -152,13 +156,13 @@ def _fitted(corners: np.ndarray, outline: np.ndarray, kept: np.ndarray) -> np.nd
     triangles; no side cuts across a well.
     """
     side = np.abs(corners[:, 2] - corners[:, 0]).min()
-    place, gap = _nearest(corners.reshape(-1, 2), outline)
-    inside = _inside(corners.reshape(-1, 2), outline)
+    place, gap = nearest(corners.reshape(-1, 2), outline)
+    within = inside(corners.reshape(-1, 2), outline)
     near = gap < MOVED * side
-    away = (corners.reshape(-1, 2) - place) / np.maximum(gap, 1e-12 * side)[:, None] * np.where(inside, 1, -1)[:, None]
+    away = (corners.reshape(-1, 2) - place) / np.maximum(gap, 1e-12 * side)[:, None] * np.where(within, 1, -1)[:, None]
     moved = np.where(near[:, None], place + INSET * side * away, corners.reshape(-1, 2)).reshape(corners.shape)
     moved[kept] = corners[kept]
-    held = (inside | near).reshape(-1, 4)
+    held = (within | near).reshape(-1, 4)
     three = held.sum(axis=1) == 3
     turn = (np.argmin(held[three], axis=1)[:, None] + np.array([1, 2, 3, 3])) % 4
     cells = np.concatenate([moved[held.all(axis=1)], moved[three][np.arange(three.sum())[:, None], turn]])
@@ -166,10 +170,10 @@ def _fitted(corners: np.ndarray, outline: np.ndarray, kept: np.ndarray) -> np.nd
     cells = cells[(x * v - y * u) / 2 > SLIVER * side**2]
     centre, middles = cells.mean(axis=1, keepdims=True), (cells + np.roll(cells, 1, axis=1)) / 2
     points = np.concatenate([centre, middles + INSET * (centre - middles)], axis=1)
-    return cells[_inside(points.reshape(-1, 2), outline).reshape(-1, 5).all(axis=1)]
+    return cells[inside(points.reshape(-1, 2), outline).reshape(-1, 5).all(axis=1)]
 
 
-def _nearest(points: np.ndarray, outline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def nearest(points: np.ndarray, outline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The point (n, 2) of an outline (ns, 2, 2) nearest to each of points (n, 2), and how far it is (n,)."""
     start, along = outline[:, 0], outline[:, 1] - outline[:, 0]
     length = np.maximum(np.sum(along**2, axis=1), np.finfo(float).tiny)  # a mesh may give a point twice
@@ -180,7 +184,7 @@ def _nearest(points: np.ndarray, outline: np.ndarray) -> tuple[np.ndarray, np.nd
     return feet[first[1], first[0]], gaps[first[1], first[0]]
 
 
-def _inside(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+def inside(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
     """Which points (n, 2) a ray along x leaves across an odd number of an outline's segments (ns, 2, 2)."""
     (x0, y0), (x1, y1) = segments[:, 0].T, segments[:, 1].T
     x, y = points.T[:, :, None]

@@ -71,7 +71,7 @@ def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
     return vertices, faces[~(flat | twice)], [f"left out: {n} panels {what}" for n, what in counts if n]
 
 
-def _parts(links: np.ndarray, count: int) -> tuple[int, np.ndarray]:
+def connected(links: np.ndarray, count: int) -> tuple[int, np.ndarray]:
     """How many connected parts `count` points have with links (n, 2) between them, and the part of each (count,)."""
     graph = scipy.sparse.coo_array((np.ones(len(links)), tuple(links.T)), shape=(count,) * 2)
     parts, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
@@ -82,7 +82,7 @@ def _one_each(vertices: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np
     """Points that coincide made one, and the indices of all into what is left."""
     extent = np.ptp(vertices[indices.ravel()], axis=0).max()
     near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
-    _, place = _parts(near, len(vertices))
+    _, place = connected(near, len(vertices))
     return vertices[np.unique(place, return_index=True)[1]], place[indices]
 
 
@@ -123,7 +123,7 @@ def outlines(lines: np.ndarray) -> tuple[int, np.ndarray]:
     if not len(lines):
         return 0, np.zeros(0, int)
     vertices, pairs = _one_each(lines.reshape(-1, 3), np.arange(2 * len(lines)).reshape(-1, 2))
-    count, part = _parts(pairs, len(vertices))
+    count, part = connected(pairs, len(vertices))
     return count, part[pairs[:, 0]]
 
 
@@ -198,7 +198,7 @@ def _column_volume(panels: np.ndarray) -> np.ndarray:
 def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
     """Faces to turn (count,) so that neighbours (n, 2) agree, None where no choice does; and each one's part."""
     a, b = neighbours.T if len(neighbours) else np.zeros((2, 0), int)
-    parts, part = _parts(neighbours.reshape(-1, 2), count)
+    parts, part = connected(neighbours.reshape(-1, 2), count)
     turned = np.zeros(count, bool)
     if not against.any():
         return turned, part
@@ -246,7 +246,7 @@ def alike(panels: np.ndarray, other: np.ndarray, tolerance: float) -> bool:
     first = len(triangles(panels))
     key = np.column_stack([reach * normal, np.einsum("ni,ni->n", normal, corners[:, 0])])
     near = scipy.spatial.cKDTree(key).query_pairs(4 * tolerance, output_type="ndarray")
-    planes, plane = _parts(near, len(key))
+    planes, plane = connected(near, len(key))
     middles = (corners + np.roll(corners, -1, axis=1)) / 2  # integrate second degrees exactly
     x = np.concatenate([np.ones((*middles.shape[:2], 1)), middles / reach], axis=2)
     moments = np.einsum("n,nki,nkj->nij", area / 3, x, x).reshape(len(x), -1)
@@ -325,3 +325,12 @@ def quartered(panels: np.ndarray) -> np.ndarray:
     thirds = [(a, ab, ca, ca), (ab, b, bc, bc), (ca, bc, c, c), (ab, bc, ca, ca)]
     flat = np.all(c == d, axis=1)
     return np.concatenate([np.stack(q, axis=1)[~flat] for q in quads] + [np.stack(t, axis=1)[flat] for t in thirds])
+
+
+def divided(panels: np.ndarray, n: int) -> np.ndarray:
+    """Each panel as n² whose corners are even shares of its sides."""
+    u, v = (x[..., None, None] for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * 2, indexing="ij"))
+    a, b, c, d = np.moveaxis(panels, 1, 0)
+    nodes = (1 - v) * (a + u * (b - a)) + v * (d + u * (c - d))  # so that a triangle's last corners stay one
+    cells = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]], axis=3)
+    return cells.reshape(-1, 4, 3)

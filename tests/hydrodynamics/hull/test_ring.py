@@ -64,7 +64,7 @@ def test_the_lid_covers_what_is_between_hull_and_well(hull, quarters, least):
     assert np.all(down < 0) and least < -4 / quarters * down.sum() / hull.waterplane[0] < 1
     shrunk = corners + 0.1 * (corners.mean(axis=1, keepdims=True) - corners)  # nothing reaches out
     points = np.concatenate([shrunk, (shrunk + np.roll(shrunk, 1, axis=1)) / 2]).reshape(-1, 3)[:, :2]
-    assert meshes._inside(points, hull.waterline).all()
+    assert meshes.inside(points, hull.waterline).all()
 
 
 def test_no_irregular_frequency_is_left_between_hull_and_well(monkeypatch):
@@ -101,5 +101,5 @@ def test_outlines_that_cannot_be_are_refused(points, told):
 
 def test_an_outline_may_have_a_point_twice():
     outline = np.array([[[0, 0], [1, 0]], [[1, 0], [1, 0]], [[1, 0], [1, 1]], [[1, 1], [0, 0]]], float)
-    feet, gaps = meshes._nearest(np.array([[0.5, -1.0], [1.2, 0.5], [2.0, -1.0]]), outline)
+    feet, gaps = meshes.nearest(np.array([[0.5, -1.0], [1.2, 0.5], [2.0, -1.0]]), outline)
     assert feet == approx(np.array([[0.5, 0], [1, 0.5], [1, 0]])) and gaps == approx([1, 0.2, 2**0.5])

@@ -361,6 +361,14 @@ def test_floats_of_a_file_interact(ours, study, tmp_path):
         load(path)
 
 
+def test_no_lid_lies_on_water_of_a_file(ours, study, tmp_path):
+    wamit_files(tmp_path, ours)
+    path = study("pair.1", method="frequency")
+    path.write_text(path.read_text().replace("[solver]", "[solver]\ngap_damping = 0.1\ngap_width = 0.5"))
+    with pytest.raises(StudyError, match=r"solver.gap_damping = 0.1: must be 0: `coefficients` from a file"):
+        load(path)
+
+
 def test_a_task_is_known_by_the_content_of_its_files(ours, study, tmp_path):
     before = only_task(study()).id
     wamit_files(tmp_path, ours)

@@ -157,6 +157,17 @@ def test_floats_without_interaction_have_coefficients_of_their_own(buan_tables, 
     assert one.key == geometry_of(task(study_of(buan_tables), platform="fixed").parameters).key
 
 
+def test_damping_lids_have_coefficients_of_their_own(buan_tables, study_of):
+    usual = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
+    assert not {"gap_damping", "gap_width"} & usual.model_dump(exclude_defaults=True).keys()
+    buan_tables["solver"] |= {"gap_damping": 0.05, "gap_width": 0.5}
+    lidded = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
+    buan_tables["solver"] |= {"gap_damping": 0.1}
+    assert len({usual.key, lidded.key, geometry_of(task(study_of(buan_tables), platform="fixed").parameters).key}) == 3
+    arguments = bem_arguments(lidded)
+    assert (arguments["gap_damping"], arguments["gap_width"]) == (0.05, 0.5)
+
+
 def test_scenes_whose_drift_is_asked_for_have_coefficients_with_a_far_field(buan_tables, study_of):
     usual = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
     buan_tables["solver"] |= {"method": "frequency", "froude_krylov": "linear"}

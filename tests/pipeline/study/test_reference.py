@@ -23,7 +23,16 @@ PURE = {"gamma", "components", "base_seed", "elements", "count", "seed", "axis",
 PURE |= {"modes", "azimuths", "arc_points", "line_points", "panel_size", "field_tolerance", "memory_tolerance"}
 PURE |= {"one_way", "stations_per_element", "newton_tolerance", "tolerance", "critical_damping", "damping_ratio"}
 PURE |= {"drag_coefficient", "inertia_coefficient", "from", "scale", "scf", "exponent", "shear_factor", '"PATH"'}
-PURE |= {"generating", "motoring", "error", "parameters", "material_factor", "moment_factor", "occurrence"}
+PURE |= {
+    "generating",
+    "motoring",
+    "error",
+    "parameters",
+    "material_factor",
+    "moment_factor",
+    "occurrence",
+    "gap_damping",
+}
 
 
 def test_every_key_has_a_meaning_and_every_quantity_a_unit():
