@@ -21,6 +21,7 @@ from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull.coarse import coarse
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -47,6 +48,7 @@ RESOLVED = 2.0
 # they are not, of the coefficient, for each time that a panel is as wide as the part is thick. Measured on heave plates
 # of 1/20 to 1/150 of their radius, from the finest to the coarsest meshes.
 ALIKE_PLATES, UNLIKE_PLATES = 4.0, 0.02
+TRIANGLES = 2  # of a dense mesh made coarser, for each panel asked for: with sides as long as quadrilaterals have
 FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
 
@@ -204,6 +206,19 @@ class Problem:
         """Of the base mesh, to solve for."""
         return _divisions(self.hulls, self.centres, self.counts)
 
+    @cached_property
+    def base(self) -> tuple[int, ...]:
+        """Panels of each body in the base mesh."""
+        return tuple(count // max(self.divisions) ** 2 for count in self.counts)
+
+    @cached_property
+    def meshed(self) -> tuple[Hull, ...]:
+        """The hulls as panels show them: dense meshes coarser."""
+        return tuple(
+            coarse(hull, TRIANGLES * base) if _dense(hull, count) else hull
+            for hull, count, base in zip(self.hulls, self.counts, self.base, strict=True)
+        )
+
 
 def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]]:
     """Of each problem apart, and of each mesh, the finest first: frequencies `first`, first + step, and so on.
@@ -214,9 +229,8 @@ def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]
 
 
 def _solutions(problem: Problem, first: int, step: int) -> list[Solution]:
-    divisions = problem.divisions
-    base = tuple(count // max(divisions, default=1) ** 2 for count in problem.counts)
-    return [_coefficients(problem, problem.omega[first::step], base, n, infinite=first == 0) for n in divisions]
+    omega = problem.omega[first::step]
+    return [_coefficients(problem, omega, n, infinite=first == 0) for n in problem.divisions]
 
 
 def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydrodynamics]:
@@ -373,12 +387,10 @@ class _Mesh:
         return modes(total)
 
 
-def _coefficients(
-    problem: Problem, omega: np.ndarray, counts: tuple[int, ...], refine: int, *, infinite: bool
-) -> Solution:
+def _coefficients(problem: Problem, omega: np.ndarray, refine: int, *, infinite: bool) -> Solution:
     """At frequencies (nw,), of one mesh; A(inf) is empty where it is not asked for."""
-    hulls, centres, dofs, seas = problem.hulls, problem.centres, problem.dofs, problem.seas
-    build = partial(_Mesh.build, hulls, centres, dofs, counts, refine, problem.depth)
+    hulls, centres, dofs, seas = problem.meshed, problem.centres, problem.dofs, problem.seas
+    build = partial(_Mesh.build, hulls, centres, dofs, problem.base, refine, problem.depth)
     bare, mesh = build(lids=False), build(lids=True)  # no irregular frequency at infinity
     n, sea = mesh.motions.shape[-1], seas[0]
     limit = np.zeros((0, 0))
@@ -418,10 +430,20 @@ def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, 
     _, mirrors = meshes.mirror_planes(hulls, centres)
     divided = HALVED[0] ** 2
     count = sum(
-        divided * meshes.halved_count(h, n // divided) if isinstance(h, PanelHull) else n
+        TRIANGLES * n if _dense(h, n) else divided * meshes.halved_count(h, n // divided) if isinstance(h, PanelHull) else n
         for h, n in zip(hulls, counts, strict=True)
     )
     return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
+
+
+def _dense(hull: Hull, count: int) -> bool:
+    """Whether a hull is a mesh of more panels than a coarser one has that stands for `count`; not one with holes,
+
+    which others close.
+    """
+    if not isinstance(hull, PanelHull) or len(hull.holes):
+        return False
+    return meshes.halved_count(hull, count) > TRIANGLES * count
 
 
 def _extrapolated(
@@ -450,7 +472,7 @@ def _extrapolated(
 
 def _of_plates(problem: Problem, left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:
     """What is left of the error of meshes of two sizes or one, more where hulls have plates."""
-    plates = [found for found in map(meshes.plates, problem.hulls, problem.counts) if found]
+    plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
     unlike = max((found.unlike for found in plates), default=0.0)
     if unlike > 0:
         return [error + UNLIKE_PLATES * unlike * x for error, x in zip(left, best, strict=True)]

@@ -53,10 +53,15 @@ def _revolved_panels(hull: Revolution, count: int, refine: int, quarters: int) -
 
 
 def _halved_panels(hull: PanelHull, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
-    """The panels of a mesh, halved until there are about `count`, then each into refine², a power of 4."""
-    pieces = hull.wetted
+    """The panels of a mesh, halved until there are about `count`, then each into refine², a power of 4.
+
+    Of one made coarser with its `finer` ones, these.
+    """
+    pieces = hull.wetted if hull.finer is None or refine == 1 else hull.finer
     for axis in (1, 0)[: {4: 0, 2: 1, 1: 2}[quarters]]:
         pieces = surface.below(pieces, axis, sign=-1)
+    if hull.finer is not None:
+        return _indexed(pieces)
     pieces = surface.split(pieces, _longest_side(hull, count))
     while refine > 1:
         pieces, refine = surface.quartered(pieces), refine // 2

@@ -30,6 +30,7 @@ class PanelHull:
     holes: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 3)))  # (n, 2, 3) open edges below still water [m]
     notes: tuple[str, ...] = ()  # what was mended
     name: str = "mesh"  # of its file
+    finer: np.ndarray | None = None  # (n, 4, 3) [m] wetted panels with sides half as long; None: by halving them
     edged = True  # as far as the boundary elements' error goes: panels meet at angles
 
     @classmethod

@@ -245,8 +245,11 @@ def alike(panels: np.ndarray, other: np.ndarray, tolerance: float) -> bool:
     normal = vector / area[:, None]
     first = len(triangles(panels))
     key = np.column_stack([reach * normal, np.einsum("ni,ni->n", normal, corners[:, 0])])
-    near = scipy.spatial.cKDTree(key).query_pairs(4 * tolerance, output_type="ndarray")
-    planes, plane = _parts(near, len(key))
+    # Thousands of panels may lie in one plane, and have millions of pairs: first what rounds to the same.
+    cells, cell = np.unique(np.round(key / tolerance), axis=0, return_inverse=True)
+    near = scipy.spatial.cKDTree(cells).query_pairs(6.0, output_type="ndarray")  # 4, and half a cell's diagonal twice
+    planes, part = _parts(near, len(cells))
+    plane = part[cell]
     middles = (corners + np.roll(corners, -1, axis=1)) / 2  # integrate second degrees exactly
     x = np.concatenate([np.ones((*middles.shape[:2], 1)), middles / reach], axis=2)
     moments = np.einsum("n,nki,nkj->nij", area / 3, x, x).reshape(len(x), -1)

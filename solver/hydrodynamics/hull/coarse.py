@@ -1,0 +1,435 @@
+"""Dense meshes in fewer panels, for the boundary elements alone.
+
+Sides are cut, collapsed and flipped, and corners moved on the hull, until all are about as long as each other (Botsch
+and Kobbelt 2004, A remeshing approach to multiresolution modeling). Corners stay; sharp edges, the waterline and the
+planes of symmetry keep their curves.
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import lru_cache
+from math import sqrt
+
+import numpy as np
+import scipy  # sparse and spatial are slow to import, and the command line needs scenes but rarely meshes
+
+from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+
+SHARP = np.cos(np.pi / 6)  # of the angle between normals, below which the edge between two panels is one of the hull
+CORNER = 0.5  # cosine of an edge's turn, below which it has a corner there
+SHORT, LONG = 0.8, 4 / 3  # of the side aimed at: what is shorter collapses, what is longer is cut, if that does well
+LEAN, TURN = 0.5, 0.7  # cosines: of a panel's normal to the hull's at its corners, and to what it was, at least
+SLIVER = 0.05  # 4√3 area over the sum of the squared sides, 1 if all are equal: no collapse makes less of a better one
+PASSES = 12
+LEVEL = 0.1  # of the largest: lesser squares of normals about a corner tell nothing of how it moves
+FREE, ON_EDGE, AT_CORNER = range(3)
+
+Point = tuple[float, float, float]
+Triangle = tuple[int, int, int]
+
+
+@lru_cache(maxsize=16)
+def coarse(hull: PanelHull, count: int) -> PanelHull:
+    """The wetted part of a hull in `count` triangles or a few more; its `finer` panels have their corners on the hull.
+
+    Symmetric where the hull is.
+    """
+    pieces, planes = hull.wetted, [axis for axis in (0, 1) if hull.symmetry[axis]]
+    for axis in planes:
+        pieces = surface.below(pieces, axis, sign=-1)
+    longest = min(sqrt(4 / sqrt(3) * hull.wetted_area / count), hull.waterplane_width / 2)
+    original = _Original(pieces, longest)
+    net = _Net(original)
+    _remesh(net, longest, count / 2 ** len(planes))
+    base, finer = (_as_large(*mesh, original, planes) for mesh in (net.mesh(), net.quartered()))
+    for axis in planes:
+        sign = np.where(np.arange(3) == axis, -1.0, 1.0)
+        base, finer = (np.concatenate([p, (p * sign)[:, [0, 2, 1, 1]]]) for p in (base, finer))
+    faces = np.tile([0, 1, 2, 2], (len(base), 1)) + 4 * np.arange(len(base))[:, None]
+    return replace(PanelHull.of(base.reshape(-1, 3), faces, name=hull.name), finer=finer)
+
+
+def _remesh(net: "_Net", longest: float, count: float) -> None:
+    """Sides of a length at which there are `count` triangles or a few more, little above `longest` [m] at most."""
+    side = longest
+    for done in range(1, 4 * PASSES):
+        net.collapse(side)
+        net.cut(side)
+        net.flip()
+        net.relax()
+        if done >= PASSES and len(net.faces) >= count:
+            break
+        if len(net.faces) < count or done < PASSES // 2:
+            side = min(LONG * longest, side * sqrt(len(net.faces) / count) * (0.99 if len(net.faces) < count else 1.0))
+
+
+def _as_large(points: np.ndarray, faces: np.ndarray, original: "_Original", planes: list[int]) -> np.ndarray:
+    """Panels (n, 4, 3) [m] of triangles with their corners on the hull, moved off it until as much lies within.
+
+    Over a triangle on a curved hull the mean distance is 3/4 of that at its middle, δ. Each corner moves by u with
+    n·u = 3/4 δ of the triangles about it, in their least squares, but stays in still water and in planes of symmetry.
+    """
+    corners = points[faces]
+    vectors, middles = surface.area_vectors(corners), corners.mean(axis=1)
+    areas = np.linalg.norm(vectors, axis=1)
+    normals = vectors / areas[:, None]
+    off = 0.75 * np.sum((original.nearest(middles, normals)[0] - middles) * normals, axis=1)
+    n = np.where((corners == 0.0) & np.isin(np.arange(3), [*planes, 2]), 0.0, normals[:, None])
+    squares, rest = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
+    np.add.at(squares, faces, areas[:, None, None, None] * n[..., None] * n[..., None, :])
+    np.add.at(rest, faces, (areas * off)[:, None, None] * n)
+    moved = points + np.einsum("nij,nj->ni", np.linalg.pinv(squares, rcond=LEVEL, hermitian=True), rest)
+    return moved[faces[:, [0, 1, 2, 2]]]
+
+
+class _Original:
+    """The surface that is to be met, and its curves: sharp edges and rims between corners."""
+
+    def __init__(self, panels: np.ndarray, side: float):
+        corners = surface.triangles(panels)
+        faces = np.arange(3 * len(corners)).reshape(-1, 3)[:, [0, 1, 2, 2]]
+        self.points, faces, _ = surface.welded(corners.reshape(-1, 3), faces)
+        self.faces = faces[:, :3]
+        vectors = surface.area_vectors(self.points[self.faces])
+        self.normals = vectors / np.linalg.norm(vectors, axis=1)[:, None]
+        pairs = self._sharp()
+        self.rank = self._ranks(pairs)
+        inner = np.where(self.rank[pairs] == AT_CORNER, -1, pairs)
+        links = scipy.sparse.coo_array(
+            (np.ones(inner.size), (np.repeat(np.arange(len(pairs)), 2), inner.ravel() + 1)),
+            shape=(len(pairs), len(self.points) + 1),
+        ).tocsc()[:, 1:]
+        _, curve = scipy.sparse.csgraph.connected_components(links @ links.T, directed=False)
+        self.curves = {_key(*pair): int(c) for pair, c in zip(pairs.tolist(), curve, strict=True)}
+        self._segments = [self.points[pairs[curve == c]] for c in range(curve.max(initial=-1) + 1)]
+        around = np.zeros_like(self.points)
+        np.add.at(around, self.faces.ravel(), np.repeat(vectors, 3, axis=0))
+        self.around = around / np.maximum(np.linalg.norm(around, axis=1), 1e-300)[:, None]
+        self._parts = surface.split(self.points[faces], side)[:, :3]  # none that reaches far from its centre
+        vectors = surface.area_vectors(self._parts)
+        self._facing = vectors / np.linalg.norm(vectors, axis=1)[:, None]
+        self._centres = self._parts.mean(axis=1)
+        self._reach = np.linalg.norm(self._parts - self._centres[:, None], axis=2).max(axis=1)
+
+    def _sharp(self) -> np.ndarray:
+        """Edges (n, 2) of one face, or of two at an angle."""
+        sides = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        pairs, place, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+        total = np.zeros((len(pairs), 3))
+        np.add.at(total, place, np.repeat(self.normals, 3, axis=0))
+        # |n + m|² = 2 + 2 n·m
+        return pairs[(count != 2) | (np.sum(total**2, axis=1) < 2 + 2 * SHARP)]
+
+    def _ranks(self, pairs: np.ndarray) -> np.ndarray:
+        """Of each point: free, on an edge, or at a corner, where edges end, meet or turn."""
+        degree = np.bincount(pairs.ravel(), minlength=len(self.points))
+        along = self.points[pairs[:, 1]] - self.points[pairs[:, 0]]
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        total = np.zeros_like(self.points)
+        for end, sign in ((0, 1), (1, -1)):
+            np.add.at(total, pairs[:, end], sign * along)
+        # |a + b|² = 2 + 2 a·b of the two directions away from the point, a = -b where it is straight
+        turned = np.sum(total**2, axis=1) > 2 - 2 * CORNER
+        return np.where(degree == 0, FREE, np.where((degree == 2) & ~turned, ON_EDGE, AT_CORNER))
+
+    def nearest(self, points: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The points (n, 3) nearest to others on what faces the same way as normals (n, 3), and the normals there."""
+        places, there = np.empty_like(points), np.empty_like(points)
+        step = max(1, surface.PAIRS // len(self._centres))
+        for part in (slice(n, n + step) for n in range(0, len(points), step)):
+            far = scipy.spatial.distance.cdist(points[part], self._centres)
+            far[normals[part] @ self._facing.T <= 0] = np.inf
+            nearest = np.min(far + self._reach, axis=1, keepdims=True)
+            which, face = np.nonzero((far - self._reach <= nearest) & np.isfinite(far))
+            place = _on_triangles(points[part][which], self._parts[face])
+            order = np.lexsort((np.linalg.norm(place - points[part][which], axis=1), which))
+            best = order[np.unique(which[order], return_index=True)[1]]
+            places[part], there[part] = place[best], self._facing[face[best]]
+        return places, there
+
+    def on_curve(self, point: Point, curve: int) -> Point:
+        """The nearest point of a curve."""
+        start, end = np.moveaxis(self._segments[curve], 1, 0)
+        along = end - start
+        way = np.clip(np.sum((point - start) * along, axis=1) / np.sum(along**2, axis=1), 0, 1)
+        place = start + way[:, None] * along
+        return _point(place[np.argmin(np.sum((place - point) ** 2, axis=1))])
+
+
+def _on_triangles(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """The point (n, 3) of each triangle (n, 3, 3) that is nearest to one of points (n, 3)."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    u, v, w = b - a, c - a, points - a
+    uu, uv, vv, wu, wv = (np.sum(x * y, axis=1) for x, y in ((u, u), (u, v), (v, v), (w, u), (w, v)))
+    area = np.maximum(uu * vv - uv**2, 1e-300)
+    s, t = (vv * wu - uv * wv) / area, (uu * wv - uv * wu) / area
+    best = a + s[:, None] * u + t[:, None] * v
+    outside = (s < 0) | (t < 0) | (s + t > 1)
+    gap = np.where(outside, np.inf, 0.0)
+    for start, end in ((a, b), (b, c), (c, a)):
+        along = end - start
+        way = np.clip(np.sum((points - start) * along, axis=1) / np.maximum(np.sum(along**2, axis=1), 1e-300), 0, 1)
+        place = start + way[:, None] * along
+        off = np.linalg.norm(place - points, axis=1)
+        nearer = off < gap
+        best[nearer], gap[nearer] = place[nearer], off[nearer]
+    return best
+
+
+class _Net:
+    """Triangles that share corners, and what of their sides lies on curves of the original."""
+
+    def __init__(self, original: _Original):
+        self.original = original
+        self.points = [_point(p) for p in original.points]
+        self.normals = [_point(n) for n in original.around]
+        self.rank = original.rank.tolist()
+        self.curves = dict(original.curves)
+        self.faces: dict[int, Triangle] = {}
+        self.around: list[set[int]] = [set() for _ in self.points]
+        self._count = 0
+        for a, b, c in original.faces.tolist():
+            self._add((a, b, c))
+
+    def mesh(self) -> tuple[np.ndarray, np.ndarray]:
+        """Corners (nv, 3) [m] and triangles (n, 3)."""
+        used, faces = np.unique(list(self.faces.values()), return_inverse=True)
+        return np.array(self.points)[used], faces.reshape(-1, 3)
+
+    def quartered(self) -> tuple[np.ndarray, np.ndarray]:
+        """Each triangle as four, the middles of their sides moved to the original."""
+        points, faces = self.mesh()
+        sides = {pair: len(points) + n for n, (_, pair) in enumerate(self._sides())}
+        middles = self._middles(set(sides))
+        found = []
+        for (a, b, c), (u, v, w) in zip(faces.tolist(), self.faces.values(), strict=True):
+            ab, bc, ca = sides[_key(u, v)], sides[_key(v, w)], sides[_key(w, u)]
+            found += [(a, ab, ca), (ab, b, bc), (bc, c, ca), (ab, bc, ca)]
+        return np.concatenate([points, [middles[pair][0] for pair in sides]]), np.array(found)
+
+    def collapse(self, side: float) -> None:
+        """Sides shorter than SHORT of `side` [m], the shortest first, where nothing becomes longer than LONG of it."""
+        for length, (a, b) in self._sides():
+            if length > SHORT * side:
+                break
+            if b in self._neighbours(a) and self._length(a, b) < SHORT * side:
+                gone, kept = (a, b) if self.rank[a] < self.rank[b] else (b, a)
+                if not self._collapsed(gone, kept, LONG * side) and self.rank[a] == self.rank[b]:
+                    self._collapsed(kept, gone, LONG * side)
+
+    def cut(self, side: float) -> None:
+        """Sides longer than LONG of `side` [m], the longest first."""
+        while long := [pair for length, pair in self._sides() if length > LONG * side]:
+            middles = self._middles(set(long))
+            if not sum([self._halved(pair, *middles[pair]) for pair in reversed(long)]):
+                break
+
+    def flip(self) -> None:
+        """Sides between two triangles, if that makes the worse of them better."""
+        for _, (a, b) in self._sides():
+            faces = self.around[a] & self.around[b]
+            if _key(a, b) in self.curves or len(faces) != 2:
+                continue
+            one, other = faces
+            old = [self.faces[one], self.faces[other]]
+            c, d = (next(v for v in f if v not in (a, b)) for f in old)
+            if d in self._neighbours(c):
+                continue
+            if not _follows(old[0], a, b):
+                c, d = d, c
+            new: list[Triangle] = [(a, d, c), (d, b, c)]
+            normal = _sum(self._vector(f) for f in old)
+            if min(map(self._quality, new)) > min(map(self._quality, old)) and all(self._fits(f, normal) for f in new):
+                self._remove(one)
+                self._remove(other)
+                for f in new:
+                    self._add(f)
+
+    def relax(self) -> None:
+        """Corners moved to the middle of those about them, and back to the hull."""
+        free = [v for v, faces in enumerate(self.around) if faces and self.rank[v] == FREE]
+        if free:
+            places, normals = self.original.nearest(
+                np.array([self._middle(v) for v in free]), np.array([self.normals[v] for v in free])
+            )
+            for v, place, normal in zip(free, places, normals, strict=True):
+                self._move(v, _point(place), _point(normal))
+        for v, faces in enumerate(self.around):
+            if faces and self.rank[v] == ON_EDGE:
+                a, b = self._along(v)
+                middle = _scaled(_sum((self.points[a], self.points[b])), 0.5)
+                self._move(v, self.original.on_curve(middle, self.curves[_key(v, a)]), self.normals[v])
+
+    def _sides(self) -> list[tuple[float, tuple[int, int]]]:
+        """Lengths [m] and ends of all sides, the shortest first."""
+        return sorted(
+            (self._length(*pair), pair)
+            for pair in {_key(*pair) for a, b, c in self.faces.values() for pair in ((a, b), (b, c), (c, a))}
+        )
+
+    def _middles(self, pairs: set[tuple[int, int]]) -> dict[tuple[int, int], tuple[Point, Point]]:
+        """Of sides: the middle, moved to the original, and the normal there."""
+        half = {pair: _scaled(_sum(self.points[v] for v in pair), 0.5) for pair in sorted(pairs)}
+        normals = {p: _sum(self._vector(self.faces[f]) for f in self.around[p[0]] & self.around[p[1]]) for p in half}
+        free = [pair for pair in half if pair not in self.curves]
+        found = {p: (self.original.on_curve(half[p], self.curves[p]), normals[p]) for p in half if p in self.curves}
+        if free:
+            places, there = self.original.nearest(
+                np.array([half[p] for p in free]), np.array([normals[p] for p in free])
+            )
+            found |= {p: (_point(x), _point(n)) for p, x, n in zip(free, places, there, strict=True)}
+        return found
+
+    def _collapsed(self, gone: int, kept: int, longest: float) -> bool:
+        """Whether a side could be collapsed into its end `kept`, and was."""
+        shared = self.around[gone] & self.around[kept]
+        rim = {v for f in shared for v in self.faces[f]} - {gone, kept}
+        curve = self.curves.get(_key(gone, kept))
+        if self.rank[gone] == AT_CORNER or (self.rank[gone] == ON_EDGE and curve is None):
+            return False
+        if self._neighbours(gone) & self._neighbours(kept) != rim:
+            return False
+        other = -1
+        if self.rank[gone] == ON_EDGE:
+            a, b = self._along(gone)
+            other = b if a == kept else a
+            if other in self._neighbours(kept):
+                return False
+        new = []
+        for f in self.around[gone] - shared:
+            old = self.faces[f]
+            a, b, c = (kept if v == gone else v for v in old)
+            if self._longest((a, b, c)) > max(longest, self._longest(old)):
+                return False
+            if self._quality((a, b, c)) < min(SLIVER, self._quality(old)) or not self._fits((a, b, c), self._vector(old)):
+                return False
+            new.append((a, b, c))
+        for f in list(self.around[gone]):
+            self._remove(f)
+        for f in new:
+            self._add(f)
+        if curve is not None and self.rank[gone] == ON_EDGE:
+            del self.curves[_key(gone, kept)], self.curves[_key(gone, other)]
+            self.curves[_key(kept, other)] = curve
+        return True
+
+    def _halved(self, pair: tuple[int, int], place: Point, normal: Point) -> bool:
+        """Whether a side could be cut there, and was."""
+        faces, v = self.around[pair[0]] & self.around[pair[1]], len(self.points)
+        new: list[tuple[Triangle, Point]] = []
+        for f in faces:
+            for end in pair:
+                a, b, c = (v if w == end else w for w in self.faces[f])
+                new.append(((a, b, c), self._vector(self.faces[f])))
+        self.points.append(place)
+        self.normals.append(_scaled(normal, 1 / max(_norm(normal), 1e-300)))
+        self.rank.append(FREE if pair not in self.curves else ON_EDGE)
+        self.around.append(set())
+        if not all(self._fits(triangle, before) for triangle, before in new):
+            for row in (self.points, self.normals, self.rank, self.around):
+                row.pop()
+            return False
+        for f in faces:
+            self._remove(f)
+        for triangle, _ in new:
+            self._add(triangle)
+        if pair in self.curves:
+            curve = self.curves.pop(pair)
+            self.curves |= {_key(end, v): curve for end in pair}
+        return True
+
+    def _move(self, v: int, place: Point, normal: Point) -> None:
+        """A corner and its normal, if all triangles about it stay what they should be."""
+        before = [self._vector(self.faces[f]) for f in self.around[v]]
+        worst = min(self._quality(self.faces[f]) for f in self.around[v])
+        old = self.points[v], self.normals[v]
+        self.points[v], self.normals[v] = place, normal
+        faces = [self.faces[f] for f in self.around[v]]
+        if not all(map(self._fits, faces, before)) or min(map(self._quality, faces)) < worst / 2:
+            self.points[v], self.normals[v] = old
+
+    def _middle(self, v: int) -> Point:
+        """Of the triangles about a corner, their centroid."""
+        total, weight = (0.0, 0.0, 0.0), 0.0
+        for f in self.around[v]:
+            area = _norm(self._vector(self.faces[f]))
+            total = _sum((total, _scaled(_sum(self.points[w] for w in self.faces[f]), area / 3)))
+            weight += area
+        return _scaled(total, 1 / weight)
+
+    def _along(self, v: int) -> list[int]:
+        """The neighbours on the curve of a corner that lies on one."""
+        return [w for w in self._neighbours(v) if _key(v, w) in self.curves]
+
+    def _neighbours(self, v: int) -> set[int]:
+        return {w for f in self.around[v] for w in self.faces[f]} - {v}
+
+    def _fits(self, triangle: Triangle, before: Point) -> bool:
+        """Whether a triangle faces as one did `before`, and as the hull does at its free corners."""
+        vector = self._vector(triangle)
+        size = _norm(vector)
+        if size == 0 or _dot(vector, before) < TURN * size * _norm(before):
+            return False
+        return all(_dot(vector, self.normals[v]) > LEAN * size for v in triangle if self.rank[v] == FREE)
+
+    def _quality(self, triangle: Triangle) -> float:
+        """4√3 area over the sum of the squared sides."""
+        a, b, c = triangle
+        sides = self._length(a, b) ** 2 + self._length(b, c) ** 2 + self._length(c, a) ** 2
+        return 2 * sqrt(3) * _norm(self._vector(triangle)) / sides if sides else 0.0
+
+    def _vector(self, triangle: Triangle) -> Point:
+        """Twice n dS."""
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (self.points[v] for v in triangle)
+        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+        return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+
+    def _longest(self, triangle: Triangle) -> float:
+        a, b, c = triangle
+        return max(self._length(a, b), self._length(b, c), self._length(c, a))
+
+    def _length(self, a: int, b: int) -> float:
+        (ax, ay, az), (bx, by, bz) = self.points[a], self.points[b]
+        return sqrt((ax - bx) ** 2 + (ay - by) ** 2 + (az - bz) ** 2)
+
+    def _add(self, triangle: Triangle) -> None:
+        self.faces[self._count] = triangle
+        for v in triangle:
+            self.around[v].add(self._count)
+        self._count += 1
+
+    def _remove(self, face: int) -> None:
+        for v in self.faces.pop(face):
+            self.around[v].discard(face)
+
+
+def _key(a: int, b: int) -> tuple[int, int]:
+    return (a, b) if a < b else (b, a)
+
+
+def _follows(triangle: Triangle, a: int, b: int) -> bool:
+    """Whether b comes after a."""
+    return triangle[(triangle.index(a) + 1) % 3] == b
+
+
+def _point(row: np.ndarray) -> Point:
+    x, y, z = row.tolist()
+    return x, y, z
+
+
+def _sum(rows: Iterable[Point]) -> Point:
+    x, y, z = (sum(part) for part in zip(*rows, strict=True))
+    return x, y, z
+
+
+def _scaled(p: Point, by: float) -> Point:
+    return p[0] * by, p[1] * by, p[2] * by
+
+
+def _dot(p: Point, q: Point) -> float:
+    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+
+
+def _norm(p: Point) -> float:
+    return sqrt(_dot(p, p))
