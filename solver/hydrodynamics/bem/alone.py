@@ -59,5 +59,6 @@ def _settings(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "panels_coarse": sum(s["panels_coarse"] for s in each),
         "method": "; ".join(dict.fromkeys(s["method"] for s in each)),
         "seabed_error": max(s["seabed_error"] for s in each),
+        "coarser": "; ".join(dict.fromkeys(s["coarser"] for s in each if s["coarser"])),
         "bodies": EACH_ALONE,
     }

@@ -39,7 +39,7 @@ HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it
 METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
 # Without the h² error the next power of h is left: even ones where the hull is smooth, all of them at edges.
 NEXT_SMOOTH, NEXT_EDGED = 4, 3
-TWO_MESHES = 0.5  # of the h² error, that is left of it at edges: measured on cylinders of draft 0.5 and 2 radii
+TWO_MESHES = 0.5  # of the h² error, that is left of it at least: measured on a sphere of 216 and 864 triangles
 ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
 # Of the wavenumber times a panel's side: up to here coefficients err by 2 % of the added mass at most, at 2.5 by 80 %
 # (heave and surge of a hemisphere and of a cylinder, against eight times the panels).
@@ -215,9 +215,15 @@ class Problem:
     def meshed(self) -> tuple[Hull, ...]:
         """The hulls as panels show them: dense meshes coarser."""
         return tuple(
-            coarse(hull, TRIANGLES * base) if _dense(hull, count) else hull
-            for hull, count, base in zip(self.hulls, self.counts, self.base, strict=True)
+            _coarser(hull, count, self.divisions[0]) if _dense(hull, count) else hull
+            for hull, count in zip(self.hulls, self.counts, strict=True)
         )
+
+    @property
+    def coarser(self) -> str:
+        """Which hulls have fewer panels than their meshes."""
+        pairs = dict(zip(self.hulls, self.meshed, strict=True)).items()
+        return "; ".join(_fewer(hull, made, self.divisions[0]) for hull, made in pairs if made is not hull)
 
 
 def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]]:
@@ -248,8 +254,8 @@ def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydr
 def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodynamics]:
     hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
-    edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
-    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, edged, lengths)
+    lengths = motion_lengths(hulls, problem.dofs)
+    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, problem.meshed, lengths)
     if len(solutions) <= len(HALVED):
         left = _of_plates(problem, left, (impedance, impedance_inf, diffraction, far))
     settings = {
@@ -258,6 +264,7 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
         "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
         "green_function": "Delhommeau",
         "seabed_error": 0.0 if problem.standing else seas[0].seabed_error(omega, problem.largest),
+        "coarser": problem.coarser,
     }
     origin, n = meshes.mirror_planes(hulls, problem.centres)[0][:2], len(impedance_inf)
     return [
@@ -429,25 +436,30 @@ def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, 
         return DIVISIONS
     _, mirrors = meshes.mirror_planes(hulls, centres)
     divided = HALVED[0] ** 2
-    count = sum(
-        TRIANGLES * n if _dense(h, n) else divided * meshes.halved_count(h, n // divided) if isinstance(h, PanelHull) else n
-        for h, n in zip(hulls, counts, strict=True)
-    )
+    count = 0
+    for h, n in zip(hulls, counts, strict=True):
+        if not isinstance(h, PanelHull):
+            count += n
+        else:
+            count += len(_coarser(h, n).finer) if _dense(h, n) else divided * meshes.halved_count(h, n // divided)
     return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
 
 
 def _dense(hull: Hull, count: int) -> bool:
-    """Whether a hull is a mesh of more panels than a coarser one has that stands for `count`; not one with holes,
-
-    which others close.
-    """
+    """Whether a hull is a mesh of more panels than one made for about `count` has; not with holes that others close."""
     if not isinstance(hull, PanelHull) or len(hull.holes):
         return False
-    return meshes.halved_count(hull, count) > TRIANGLES * count
+    given = meshes.halved_count(hull, count)
+    return given > TRIANGLES * count and given > len(_coarser(hull, count).finer)
+
+
+def _coarser(hull: PanelHull, count: int, divided: int = HALVED[0]) -> PanelHull:
+    """The hull in triangles: TRIANGLES for each of `count` panels, once divided."""
+    return coarse(hull, TRIANGLES * (count // divided**2))
 
 
 def _extrapolated(
-    solutions: list[Solution], divisions: tuple[int, ...], edged: bool, lengths: np.ndarray
+    solutions: list[Solution], divisions: tuple[int, ...], hulls: tuple[Hull, ...], lengths: np.ndarray
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
@@ -464,10 +476,27 @@ def _extrapolated(
     for k in (0, 2, 3):  # what has a frequency
         best[k][lost] = finest[k][lost]
     if len(solutions) == 2:
-        return best, [TWO_MESHES * (b - f) for b, f in zip(best, finest, strict=True)]
-    left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if edged else NEXT_SMOOTH)
+        return best, [_of_edges(hulls) * (b - f) for b, f in zip(best, finest, strict=True)]
+    left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if any(h.edged for h in hulls) else NEXT_SMOOTH)
     coarser = _limits(solutions[1:], divisions[1:])
     return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
+
+
+def _of_edges(hulls: tuple[Hull, ...]) -> float:
+    """What two meshes leave of the error, over the step from the finer to their limit for an error ~ h².
+
+    At an edge that turns by α the potential goes as r^(π/(π+α)), and the error of even panels as h^p, p = 2π/(π+α):
+    of 2^p - 1 parts the limit takes three.
+    """
+    turn = max((h.sharpest for h in hulls if isinstance(h, PanelHull)), default=0.0)
+    return max(TWO_MESHES, 3 / (2 ** (2 * np.pi / (np.pi + turn)) - 1) - 1)
+
+
+def _fewer(hull: Hull, made: Hull, divided: int) -> str:
+    assert isinstance(hull, PanelHull) and isinstance(made, PanelHull) and made.finer is not None
+    panels = len(made.finer if divided > 1 else made.wetted)
+    off = abs(made.volume / hull.volume - 1)
+    return f"hull {hull.name}: {panels} panels for {len(hull.wetted)} (volume within {max(off, 1e-6):.1g})"
 
 
 def _of_plates(problem: Problem, left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:

@@ -20,7 +20,6 @@ SHARP = np.cos(np.pi / 6)  # of the angle between normals, below which the edge 
 CORNER = 0.5  # cosine of an edge's turn, below which it has a corner there
 SHORT, LONG = 0.8, 4 / 3  # of the side aimed at: what is shorter collapses, what is longer is cut, if that does well
 LEAN, TURN = 0.5, 0.7  # cosines: of a panel's normal to the hull's at its corners, and to what it was, at least
-SLIVER = 0.05  # 4√3 area over the sum of the squared sides, 1 if all are equal: no collapse makes less of a better one
 PASSES = 12
 LEVEL = 0.1  # of the largest: lesser squares of normals about a corner tell nothing of how it moves
 FREE, ON_EDGE, AT_CORNER = range(3)
@@ -139,9 +138,11 @@ class _Original:
         step = max(1, surface.PAIRS // len(self._centres))
         for part in (slice(n, n + step) for n in range(0, len(points), step)):
             far = scipy.spatial.distance.cdist(points[part], self._centres)
-            far[normals[part] @ self._facing.T <= 0] = np.inf
-            nearest = np.min(far + self._reach, axis=1, keepdims=True)
-            which, face = np.nonzero((far - self._reach <= nearest) & np.isfinite(far))
+            away = normals[part] @ self._facing.T <= 0
+            far[away & ~away.all(axis=1, keepdims=True)] = np.inf
+            near = _on_triangles(points[part], self._parts[np.argmin(far + self._reach, axis=1)])
+            bound = np.linalg.norm(near - points[part], axis=1)[:, None] * (1 + 1e-9)
+            which, face = np.nonzero((far - self._reach <= bound) & np.isfinite(far))
             place = _on_triangles(points[part][which], self._parts[face])
             order = np.lexsort((np.linalg.norm(place - points[part][which], axis=1), which))
             best = order[np.unique(which[order], return_index=True)[1]]
@@ -302,7 +303,7 @@ class _Net:
             a, b, c = (kept if v == gone else v for v in old)
             if self._longest((a, b, c)) > max(longest, self._longest(old)):
                 return False
-            if self._quality((a, b, c)) < min(SLIVER, self._quality(old)) or not self._fits((a, b, c), self._vector(old)):
+            if not self._fits((a, b, c), self._vector(old)):
                 return False
             new.append((a, b, c))
         for f in list(self.around[gone]):
