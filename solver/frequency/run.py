@@ -48,7 +48,9 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         "drag_rounds": response.rounds,
         "buckling_factor": support.buckling_factor if support else np.inf,
         "unmet": "",
-        "skipped": "; ".join([f"time: a linear model in the frequency domain has no {LEFT_OUT}", *coarser(hydrodynamics)]),
+        "skipped": "; ".join(
+            [f"time: a linear model in the frequency domain has no {LEFT_OUT}", *coarser(hydrodynamics)]
+        ),
         **scene.sea.parameters(),
     }
     power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)

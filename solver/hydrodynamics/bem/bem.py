@@ -21,10 +21,12 @@ from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
-from solver.hydrodynamics.hull.coarse import coarse
+from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
+from solver.hydrodynamics.hull.coarse import fewer
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.plates import Plates
 from solver.hydrodynamics.hull.standing import stands, walls
 from solver.hydrodynamics.hull.surface import mirrored
 from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
@@ -48,7 +50,6 @@ RESOLVED = 2.0
 # they are not, of the coefficient, for each time that a panel is as wide as the part is thick. Measured on heave plates
 # of 1/20 to 1/150 of their radius, from the finest to the coarsest meshes.
 ALIKE_PLATES, UNLIKE_PLATES = 4.0, 0.02
-TRIANGLES = 2  # of a dense mesh made coarser, for each panel asked for: with sides as long as quadrilaterals have
 FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
 
@@ -215,7 +216,7 @@ class Problem:
     def meshed(self) -> tuple[Hull, ...]:
         """The hulls as panels show them: dense meshes coarser."""
         return tuple(
-            _coarser(hull, count, self.divisions[0]) if _dense(hull, count) else hull
+            fewer(hull, count, self.divisions[0]) if isinstance(hull, PanelHull) else hull
             for hull, count in zip(self.hulls, self.counts, strict=True)
         )
 
@@ -223,7 +224,7 @@ class Problem:
     def coarser(self) -> str:
         """Which hulls have fewer panels than their meshes."""
         pairs = dict(zip(self.hulls, self.meshed, strict=True)).items()
-        return "; ".join(_fewer(hull, made, self.divisions[0]) for hull, made in pairs if made is not hull)
+        return "; ".join(_told(hull, made, self.divisions[0]) for hull, made in pairs if made is not hull)
 
 
 def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]]:
@@ -254,17 +255,19 @@ def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydr
 def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodynamics]:
     hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
-    lengths = motion_lengths(hulls, problem.dofs)
-    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, problem.meshed, lengths)
-    if len(solutions) <= len(HALVED):
-        left = _of_plates(problem, left, (impedance, impedance_inf, diffraction, far))
+    edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
+    plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
+    share = TWO_MESHES if plates else _of_edges(problem.meshed)
+    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, edged, lengths, share)
+    if plates and len(solutions) <= len(HALVED):
+        left = _of_plates(plates, left, (impedance, impedance_inf, diffraction, far))
     settings = {
         "panels": solutions[0].panels,
         "panels_coarse": solutions[-1].panels,
         "method": f"direct, {METHODS[len(divisions)]}, lid on the waterplane",
         "green_function": "Delhommeau",
         "seabed_error": 0.0 if problem.standing else seas[0].seabed_error(omega, problem.largest),
-        "coarser": problem.coarser,
+        **({"coarser": problem.coarser} if problem.coarser else {}),
     }
     origin, n = meshes.mirror_planes(hulls, problem.centres)[0][:2], len(impedance_inf)
     return [
@@ -436,36 +439,22 @@ def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, 
         return DIVISIONS
     _, mirrors = meshes.mirror_planes(hulls, centres)
     divided = HALVED[0] ** 2
-    count = 0
-    for h, n in zip(hulls, counts, strict=True):
-        if not isinstance(h, PanelHull):
-            count += n
-        else:
-            count += len(_coarser(h, n).finer) if _dense(h, n) else divided * meshes.halved_count(h, n // divided)
+    count = sum(
+        divided * meshes.halved_count(fewer(h, n, HALVED[0]), n // divided) if isinstance(h, PanelHull) else n
+        for h, n in zip(hulls, counts, strict=True)
+    )
     return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
 
 
-def _dense(hull: Hull, count: int) -> bool:
-    """Whether a hull is a mesh of more panels than one made for about `count` has; not with holes that others close."""
-    if not isinstance(hull, PanelHull) or len(hull.holes):
-        return False
-    given = meshes.halved_count(hull, count)
-    return given > TRIANGLES * count and given > len(_coarser(hull, count).finer)
-
-
-def _coarser(hull: PanelHull, count: int, divided: int = HALVED[0]) -> PanelHull:
-    """The hull in triangles: TRIANGLES for each of `count` panels, once divided."""
-    return coarse(hull, TRIANGLES * (count // divided**2))
-
-
 def _extrapolated(
-    solutions: list[Solution], divisions: tuple[int, ...], hulls: tuple[Hull, ...], lengths: np.ndarray
+    solutions: list[Solution], divisions: tuple[int, ...], edged: bool, lengths: np.ndarray, share: float = TWO_MESHES
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
     solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
-    at a frequency that goes with the mesh there is no such limit, and the finest mesh stands. lengths: of the motions.
+    at a frequency that goes with the mesh there is no such limit, and the finest mesh stands. lengths: of the motions;
+    share: of the step from the finer of two meshes to their limit, that is left.
     """
     *finest, count = solutions[0]
     if len(solutions) == 1:
@@ -476,14 +465,14 @@ def _extrapolated(
     for k in (0, 2, 3):  # what has a frequency
         best[k][lost] = finest[k][lost]
     if len(solutions) == 2:
-        return best, [_of_edges(hulls) * (b - f) for b, f in zip(best, finest, strict=True)]
-    left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if any(h.edged for h in hulls) else NEXT_SMOOTH)
+        return best, [share * (b - f) for b, f in zip(best, finest, strict=True)]
+    left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if edged else NEXT_SMOOTH)
     coarser = _limits(solutions[1:], divisions[1:])
     return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
 
 
 def _of_edges(hulls: tuple[Hull, ...]) -> float:
-    """What two meshes leave of the error, over the step from the finer to their limit for an error ~ h².
+    """What two even meshes leave of the error, over the step from the finer to their limit for an error ~ h².
 
     At an edge that turns by α the potential goes as r^(π/(π+α)), and the error of even panels as h^p, p = 2π/(π+α):
     of 2^p - 1 parts the limit takes three.
@@ -492,20 +481,20 @@ def _of_edges(hulls: tuple[Hull, ...]) -> float:
     return max(TWO_MESHES, 3 / (2 ** (2 * np.pi / (np.pi + turn)) - 1) - 1)
 
 
-def _fewer(hull: Hull, made: Hull, divided: int) -> str:
+def _told(hull: Hull, made: Hull, divided: int) -> str:
+    """How many panels a coarser mesh has, in place of how many."""
     assert isinstance(hull, PanelHull) and isinstance(made, PanelHull) and made.finer is not None
-    panels = len(made.finer if divided > 1 else made.wetted)
-    off = abs(made.volume / hull.volume - 1)
-    return f"hull {hull.name}: {panels} panels for {len(hull.wetted)} (volume within {max(off, 1e-6):.1g})"
+    panels = made.finer if divided > 1 else made.wetted
+    off = surface.volume(panels) / hull.volume - 1
+    return f"hull {hull.name}: {len(panels)} panels for {len(hull.wetted)}, with {off:+.1g} of its volume"
 
 
-def _of_plates(problem: Problem, left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """What is left of the error of meshes of two sizes or one, more where hulls have plates."""
-    plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
-    unlike = max((found.unlike for found in plates), default=0.0)
+def _of_plates(plates: list[Plates], left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """What is left of the error of meshes of two sizes or one, of hulls with plates."""
+    unlike = max(found.unlike for found in plates)
     if unlike > 0:
         return [error + UNLIKE_PLATES * unlike * x for error, x in zip(left, best, strict=True)]
-    return [ALIKE_PLATES * error for error in left] if plates else left
+    return [ALIKE_PLATES * error for error in left]
 
 
 def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.ndarray]:

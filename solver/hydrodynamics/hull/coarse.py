@@ -14,8 +14,10 @@ import numpy as np
 import scipy  # sparse and spatial are slow to import, and the command line needs scenes but rarely meshes
 
 from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.mesh import halved_count
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 
+TRIANGLES = 2  # for each panel asked for: with sides as long as quadrilaterals have
 SHARP = np.cos(np.pi / 6)  # of the angle between normals, below which the edge between two panels is one of the hull
 CORNER = 0.5  # cosine of an edge's turn, below which it has a corner there
 SHORT, LONG = 0.8, 4 / 3  # of the side aimed at: what is shorter collapses, what is longer is cut, if that does well
@@ -28,6 +30,18 @@ Point = tuple[float, float, float]
 Triangle = tuple[int, int, int]
 
 
+def fewer(hull: PanelHull, count: int, divided: int) -> PanelHull:
+    """A mesh of more panels than one made for about `count` needs as that, to be divided; any other as it is.
+
+    So is one with holes, which others close, and one whose edges and corners leave no fewer panels.
+    """
+    given = halved_count(hull, count)
+    if len(hull.holes) or given <= TRIANGLES * count:
+        return hull
+    made = coarse(hull, TRIANGLES * (count // divided**2))
+    return made if divided**2 * len(made.wetted) < given else hull
+
+
 @lru_cache(maxsize=16)
 def coarse(hull: PanelHull, count: int) -> PanelHull:
     """The wetted part of a hull in `count` triangles or a few more; its `finer` panels have their corners on the hull.
@@ -37,6 +51,7 @@ def coarse(hull: PanelHull, count: int) -> PanelHull:
     pieces, planes = hull.wetted, [axis for axis in (0, 1) if hull.symmetry[axis]]
     for axis in planes:
         pieces = surface.below(pieces, axis, sign=-1)
+    pieces = np.where(np.abs(pieces) < surface.WELD * hull.size, 0.0, pieces)  # in still water and in the planes
     longest = min(sqrt(4 / sqrt(3) * hull.wetted_area / count), hull.waterplane_width / 2)
     original = _Original(pieces, longest)
     net = _Net(original)
@@ -297,7 +312,7 @@ class _Net:
             other = b if a == kept else a
             if other in self._neighbours(kept):
                 return False
-        new = []
+        new: list[Triangle] = []
         for f in self.around[gone] - shared:
             old = self.faces[f]
             a, b, c = (kept if v == gone else v for v in old)
@@ -308,8 +323,8 @@ class _Net:
             new.append((a, b, c))
         for f in list(self.around[gone]):
             self._remove(f)
-        for f in new:
-            self._add(f)
+        for triangle in new:
+            self._add(triangle)
         if curve is not None and self.rank[gone] == ON_EDGE:
             del self.curves[_key(gone, kept)], self.curves[_key(gone, other)]
             self.curves[_key(kept, other)] = curve
@@ -321,8 +336,8 @@ class _Net:
         new: list[tuple[Triangle, Point]] = []
         for f in faces:
             for end in pair:
-                a, b, c = (v if w == end else w for w in self.faces[f])
-                new.append(((a, b, c), self._vector(self.faces[f])))
+                x, y, z = (v if w == end else w for w in self.faces[f])
+                new.append(((x, y, z), self._vector(self.faces[f])))
         self.points.append(place)
         self.normals.append(_scaled(normal, 1 / max(_norm(normal), 1e-300)))
         self.rank.append(FREE if pair not in self.curves else ON_EDGE)

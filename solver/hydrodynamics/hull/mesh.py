@@ -80,6 +80,8 @@ def _longest_side(hull: PanelHull, count: int) -> float:
 
 def halved_count(hull: PanelHull, count: int) -> int:
     """How many panels `panels` makes of a mesh that is not divided further."""
+    if hull.finer is not None:
+        return len(hull.wetted)
     return len(surface.split(hull.wetted, _longest_side(hull, count)))
 
 
@@ -95,7 +97,7 @@ def plates(hull: Hull, count: int) -> Plates | None:
     if not isinstance(hull, PanelHull):
         faced = sum(piece.segment.area for piece in pieces(hull) if piece.twin >= 0)
         return Plates(faced / hull.wetted_area, 0.0) if faced else None
-    vertices, faces = panels(hull, count)
+    vertices, faces = panels(hull, count, refine=1 if hull.finer is None else 2)
     found = of_panels(vertices[faces])
     return found if found.share > LEAST_PLATE else None
 

@@ -195,6 +195,11 @@ def _column_volume(panels: np.ndarray) -> np.ndarray:
     return total
 
 
+def volume(panels: np.ndarray) -> float:
+    """Between wetted panels (n, 4, 3) and still water [m³], ∫ z n_z dS."""
+    return float(_column_volume(panels).sum())
+
+
 def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
     """Faces to turn (count,) so that neighbours (n, 2) agree, None where no choice does; and each one's part."""
     a, b = neighbours.T if len(neighbours) else np.zeros((2, 0), int)
