@@ -37,7 +37,7 @@ __all__ = [
 ]  # fmt: skip
 
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
-HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it and halved
+HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it, or coarser, and halved
 METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
 # Without the h² error the next power of h is left: even ones where the hull is smooth, all of them at edges.
 NEXT_SMOOTH, NEXT_EDGED = 4, 3
@@ -110,7 +110,8 @@ class Problem:
     """What is solved; any number of headings share what radiates.
 
     Each coefficient is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many. A hull
-    that is a mesh is solved as it is, or halved until it has panels / 4, and with all sides halved once more.
+    that is a mesh is solved as it is, or halved until it has panels / 4, and with all sides halved once more; one of
+    more than twice as many panels in place of that with coarser ones, see `coarse`.
     """
 
     hulls: tuple[Hull, ...]
@@ -223,8 +224,13 @@ class Problem:
     @property
     def coarser(self) -> str:
         """Which hulls have fewer panels than their meshes."""
-        pairs = dict(zip(self.hulls, self.meshed, strict=True)).items()
-        return "; ".join(_told(hull, made, self.divisions[0]) for hull, made in pairs if made is not hull)
+        notes = []
+        for hull, made in zip(self.hulls, self.meshed, strict=True):
+            if isinstance(hull, PanelHull) and isinstance(made, PanelHull) and made.finer is not None:
+                panels = made.finer if self.divisions[0] > 1 else made.wetted
+                off = surface.volume(panels) / hull.volume - 1
+                notes.append(f"hull {hull.name}: {len(panels)} panels for {len(hull.wetted)} (volume {off:+.1e})")
+        return "; ".join(dict.fromkeys(notes))
 
 
 def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]]:
@@ -479,14 +485,6 @@ def _of_edges(hulls: tuple[Hull, ...]) -> float:
     """
     turn = max((h.sharpest for h in hulls if isinstance(h, PanelHull)), default=0.0)
     return max(TWO_MESHES, 3 / (2 ** (2 * np.pi / (np.pi + turn)) - 1) - 1)
-
-
-def _told(hull: Hull, made: Hull, divided: int) -> str:
-    """How many panels a coarser mesh has, in place of how many."""
-    assert isinstance(hull, PanelHull) and isinstance(made, PanelHull) and made.finer is not None
-    panels = made.finer if divided > 1 else made.wetted
-    off = surface.volume(panels) / hull.volume - 1
-    return f"hull {hull.name}: {len(panels)} panels for {len(hull.wetted)}, with {off:+.1g} of its volume"
 
 
 def _of_plates(plates: list[Plates], left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:
