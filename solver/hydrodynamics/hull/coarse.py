@@ -11,22 +11,18 @@ from functools import lru_cache
 from math import sqrt
 
 import numpy as np
-import scipy  # sparse and spatial are slow to import, and the command line needs scenes but rarely meshes
 
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.mesh import halved_count
+from solver.hydrodynamics.hull.original import AT_CORNER, FREE, ON_EDGE, Original, Point, key, point
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 
 TRIANGLES = 2  # for each panel asked for: with sides as long as quadrilaterals have
-SHARP = np.cos(np.pi / 6)  # of the angle between normals, below which the edge between two panels is one of the hull
-CORNER = 0.5  # cosine of an edge's turn, below which it has a corner there
 SHORT, LONG = 0.8, 4 / 3  # of the side aimed at: what is shorter collapses, what is longer is cut, if that does well
 LEAN, TURN = 0.5, 0.7  # cosines: of a panel's normal to the hull's at its corners, and to what it was, at least
 PASSES = 12
 LEVEL = 0.1  # of the largest: lesser squares of normals about a corner tell nothing of how it moves
-FREE, ON_EDGE, AT_CORNER = range(3)
 
-Point = tuple[float, float, float]
 Triangle = tuple[int, int, int]
 
 
@@ -53,7 +49,7 @@ def coarse(hull: PanelHull, count: int) -> PanelHull:
         pieces = surface.below(pieces, axis, sign=-1)
     pieces = np.where(np.abs(pieces) < surface.WELD * hull.size, 0.0, pieces)  # in still water and in the planes
     longest = min(sqrt(4 / sqrt(3) * hull.wetted_area / count), hull.waterplane_width / 2)
-    original = _Original(pieces, longest)
+    original = Original(pieces, longest)
     net = _Net(original)
     _remesh(net, longest, count / 2 ** len(planes))
     base, finer = (_as_large(*mesh, original, planes) for mesh in (net.mesh(), net.quartered()))
@@ -78,7 +74,7 @@ def _remesh(net: "_Net", longest: float, count: float) -> None:
             side = min(LONG * longest, side * sqrt(len(net.faces) / count) * (0.99 if len(net.faces) < count else 1.0))
 
 
-def _as_large(points: np.ndarray, faces: np.ndarray, original: "_Original", planes: list[int]) -> np.ndarray:
+def _as_large(points: np.ndarray, faces: np.ndarray, original: "Original", planes: list[int]) -> np.ndarray:
     """Panels (n, 4, 3) [m] of triangles with their corners on the hull, moved off it until as much lies within.
 
     Over a triangle on a curved hull the mean distance is 3/4 of that at its middle, δ. Each corner moves by u with
@@ -97,109 +93,13 @@ def _as_large(points: np.ndarray, faces: np.ndarray, original: "_Original", plan
     return moved[faces[:, [0, 1, 2, 2]]]
 
 
-class _Original:
-    """The surface that is to be met, and its curves: sharp edges and rims between corners."""
-
-    def __init__(self, panels: np.ndarray, side: float):
-        corners = surface.triangles(panels)
-        faces = np.arange(3 * len(corners)).reshape(-1, 3)[:, [0, 1, 2, 2]]
-        self.points, faces, _ = surface.welded(corners.reshape(-1, 3), faces)
-        self.faces = faces[:, :3]
-        vectors = surface.area_vectors(self.points[self.faces])
-        self.normals = vectors / np.linalg.norm(vectors, axis=1)[:, None]
-        pairs = self._sharp()
-        self.rank = self._ranks(pairs)
-        inner = np.where(self.rank[pairs] == AT_CORNER, -1, pairs)
-        links = scipy.sparse.coo_array(
-            (np.ones(inner.size), (np.repeat(np.arange(len(pairs)), 2), inner.ravel() + 1)),
-            shape=(len(pairs), len(self.points) + 1),
-        ).tocsc()[:, 1:]
-        _, curve = scipy.sparse.csgraph.connected_components(links @ links.T, directed=False)
-        self.curves = {_key(*pair): int(c) for pair, c in zip(pairs.tolist(), curve, strict=True)}
-        self._segments = [self.points[pairs[curve == c]] for c in range(curve.max(initial=-1) + 1)]
-        around = np.zeros_like(self.points)
-        np.add.at(around, self.faces.ravel(), np.repeat(vectors, 3, axis=0))
-        self.around = around / np.maximum(np.linalg.norm(around, axis=1), 1e-300)[:, None]
-        self._parts = surface.split(self.points[faces], side)[:, :3]  # none that reaches far from its centre
-        vectors = surface.area_vectors(self._parts)
-        self._facing = vectors / np.linalg.norm(vectors, axis=1)[:, None]
-        self._centres = self._parts.mean(axis=1)
-        self._reach = np.linalg.norm(self._parts - self._centres[:, None], axis=2).max(axis=1)
-
-    def _sharp(self) -> np.ndarray:
-        """Edges (n, 2) of one face, or of two at an angle."""
-        sides = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        pairs, place, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
-        total = np.zeros((len(pairs), 3))
-        np.add.at(total, place, np.repeat(self.normals, 3, axis=0))
-        # |n + m|² = 2 + 2 n·m
-        return pairs[(count != 2) | (np.sum(total**2, axis=1) < 2 + 2 * SHARP)]
-
-    def _ranks(self, pairs: np.ndarray) -> np.ndarray:
-        """Of each point: free, on an edge, or at a corner, where edges end, meet or turn."""
-        degree = np.bincount(pairs.ravel(), minlength=len(self.points))
-        along = self.points[pairs[:, 1]] - self.points[pairs[:, 0]]
-        along /= np.linalg.norm(along, axis=1)[:, None]
-        total = np.zeros_like(self.points)
-        for end, sign in ((0, 1), (1, -1)):
-            np.add.at(total, pairs[:, end], sign * along)
-        # |a + b|² = 2 + 2 a·b of the two directions away from the point, a = -b where it is straight
-        turned = np.sum(total**2, axis=1) > 2 - 2 * CORNER
-        return np.where(degree == 0, FREE, np.where((degree == 2) & ~turned, ON_EDGE, AT_CORNER))
-
-    def nearest(self, points: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The points (n, 3) nearest to others on what faces the same way as normals (n, 3), and the normals there."""
-        places, there = np.empty_like(points), np.empty_like(points)
-        step = max(1, surface.PAIRS // len(self._centres))
-        for part in (slice(n, n + step) for n in range(0, len(points), step)):
-            far = scipy.spatial.distance.cdist(points[part], self._centres)
-            away = normals[part] @ self._facing.T <= 0
-            far[away & ~away.all(axis=1, keepdims=True)] = np.inf
-            near = _on_triangles(points[part], self._parts[np.argmin(far + self._reach, axis=1)])
-            bound = np.linalg.norm(near - points[part], axis=1)[:, None] * (1 + 1e-9)
-            which, face = np.nonzero((far - self._reach <= bound) & np.isfinite(far))
-            place = _on_triangles(points[part][which], self._parts[face])
-            order = np.lexsort((np.linalg.norm(place - points[part][which], axis=1), which))
-            best = order[np.unique(which[order], return_index=True)[1]]
-            places[part], there[part] = place[best], self._facing[face[best]]
-        return places, there
-
-    def on_curve(self, point: Point, curve: int) -> Point:
-        """The nearest point of a curve."""
-        start, end = np.moveaxis(self._segments[curve], 1, 0)
-        along = end - start
-        way = np.clip(np.sum((point - start) * along, axis=1) / np.sum(along**2, axis=1), 0, 1)
-        place = start + way[:, None] * along
-        return _point(place[np.argmin(np.sum((place - point) ** 2, axis=1))])
-
-
-def _on_triangles(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """The point (n, 3) of each triangle (n, 3, 3) that is nearest to one of points (n, 3)."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    u, v, w = b - a, c - a, points - a
-    uu, uv, vv, wu, wv = (np.sum(x * y, axis=1) for x, y in ((u, u), (u, v), (v, v), (w, u), (w, v)))
-    area = np.maximum(uu * vv - uv**2, 1e-300)
-    s, t = (vv * wu - uv * wv) / area, (uu * wv - uv * wu) / area
-    best = a + s[:, None] * u + t[:, None] * v
-    outside = (s < 0) | (t < 0) | (s + t > 1)
-    gap = np.where(outside, np.inf, 0.0)
-    for start, end in ((a, b), (b, c), (c, a)):
-        along = end - start
-        way = np.clip(np.sum((points - start) * along, axis=1) / np.maximum(np.sum(along**2, axis=1), 1e-300), 0, 1)
-        place = start + way[:, None] * along
-        off = np.linalg.norm(place - points, axis=1)
-        nearer = off < gap
-        best[nearer], gap[nearer] = place[nearer], off[nearer]
-    return best
-
-
 class _Net:
     """Triangles that share corners, and what of their sides lies on curves of the original."""
 
-    def __init__(self, original: _Original):
+    def __init__(self, original: Original):
         self.original = original
-        self.points = [_point(p) for p in original.points]
-        self.normals = [_point(n) for n in original.around]
+        self.points = [point(p) for p in original.points]
+        self.normals = [point(n) for n in original.around]
         self.rank = original.rank.tolist()
         self.curves = dict(original.curves)
         self.faces: dict[int, Triangle] = {}
@@ -220,7 +120,7 @@ class _Net:
         middles = self._middles(set(sides))
         found = []
         for (a, b, c), (u, v, w) in zip(faces.tolist(), self.faces.values(), strict=True):
-            ab, bc, ca = sides[_key(u, v)], sides[_key(v, w)], sides[_key(w, u)]
+            ab, bc, ca = sides[key(u, v)], sides[key(v, w)], sides[key(w, u)]
             found += [(a, ab, ca), (ab, b, bc), (bc, c, ca), (ab, bc, ca)]
         return np.concatenate([points, [middles[pair][0] for pair in sides]]), np.array(found)
 
@@ -245,7 +145,7 @@ class _Net:
         """Sides between two triangles, if that makes the worse of them better."""
         for _, (a, b) in self._sides():
             faces = self.around[a] & self.around[b]
-            if _key(a, b) in self.curves or len(faces) != 2:
+            if key(a, b) in self.curves or len(faces) != 2:
                 continue
             one, other = faces
             old = [self.faces[one], self.faces[other]]
@@ -270,18 +170,18 @@ class _Net:
                 np.array([self._middle(v) for v in free]), np.array([self.normals[v] for v in free])
             )
             for v, place, normal in zip(free, places, normals, strict=True):
-                self._move(v, _point(place), _point(normal))
+                self._move(v, point(place), point(normal))
         for v, faces in enumerate(self.around):
             if faces and self.rank[v] == ON_EDGE:
                 a, b = self._along(v)
                 middle = _scaled(_sum((self.points[a], self.points[b])), 0.5)
-                self._move(v, self.original.on_curve(middle, self.curves[_key(v, a)]), self.normals[v])
+                self._move(v, self.original.on_curve(middle, self.curves[key(v, a)]), self.normals[v])
 
     def _sides(self) -> list[tuple[float, tuple[int, int]]]:
         """Lengths [m] and ends of all sides, the shortest first."""
         return sorted(
             (self._length(*pair), pair)
-            for pair in {_key(*pair) for a, b, c in self.faces.values() for pair in ((a, b), (b, c), (c, a))}
+            for pair in {key(*pair) for a, b, c in self.faces.values() for pair in ((a, b), (b, c), (c, a))}
         )
 
     def _middles(self, pairs: set[tuple[int, int]]) -> dict[tuple[int, int], tuple[Point, Point]]:
@@ -294,14 +194,14 @@ class _Net:
             places, there = self.original.nearest(
                 np.array([half[p] for p in free]), np.array([normals[p] for p in free])
             )
-            found |= {p: (_point(x), _point(n)) for p, x, n in zip(free, places, there, strict=True)}
+            found |= {p: (point(x), point(n)) for p, x, n in zip(free, places, there, strict=True)}
         return found
 
     def _collapsed(self, gone: int, kept: int, longest: float) -> bool:
         """Whether a side could be collapsed into its end `kept`, and was."""
         shared = self.around[gone] & self.around[kept]
         rim = {v for f in shared for v in self.faces[f]} - {gone, kept}
-        curve = self.curves.get(_key(gone, kept))
+        curve = self.curves.get(key(gone, kept))
         if self.rank[gone] == AT_CORNER or (self.rank[gone] == ON_EDGE and curve is None):
             return False
         if self._neighbours(gone) & self._neighbours(kept) != rim:
@@ -326,8 +226,8 @@ class _Net:
         for triangle in new:
             self._add(triangle)
         if curve is not None and self.rank[gone] == ON_EDGE:
-            del self.curves[_key(gone, kept)], self.curves[_key(gone, other)]
-            self.curves[_key(kept, other)] = curve
+            del self.curves[key(gone, kept)], self.curves[key(gone, other)]
+            self.curves[key(kept, other)] = curve
         return True
 
     def _halved(self, pair: tuple[int, int], place: Point, normal: Point) -> bool:
@@ -352,7 +252,7 @@ class _Net:
             self._add(triangle)
         if pair in self.curves:
             curve = self.curves.pop(pair)
-            self.curves |= {_key(end, v): curve for end in pair}
+            self.curves |= {key(end, v): curve for end in pair}
         return True
 
     def _move(self, v: int, place: Point, normal: Point) -> None:
@@ -376,7 +276,7 @@ class _Net:
 
     def _along(self, v: int) -> list[int]:
         """The neighbours on the curve of a corner that lies on one."""
-        return [w for w in self._neighbours(v) if _key(v, w) in self.curves]
+        return [w for w in self._neighbours(v) if key(v, w) in self.curves]
 
     def _neighbours(self, v: int) -> set[int]:
         return {w for f in self.around[v] for w in self.faces[f]} - {v}
@@ -420,18 +320,9 @@ class _Net:
             self.around[v].discard(face)
 
 
-def _key(a: int, b: int) -> tuple[int, int]:
-    return (a, b) if a < b else (b, a)
-
-
 def _follows(triangle: Triangle, a: int, b: int) -> bool:
     """Whether b comes after a."""
     return triangle[(triangle.index(a) + 1) % 3] == b
-
-
-def _point(row: np.ndarray) -> Point:
-    x, y, z = row.tolist()
-    return x, y, z
 
 
 def _sum(rows: Iterable[Point]) -> Point:
