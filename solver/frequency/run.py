@@ -9,7 +9,7 @@ from solver.errors import InputError
 from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
 from solver.frequency.response import Response, respond_in
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, seabed_error
 from solver.record.audit import left_out_effect, together
 from solver.record.bound import above
 from solver.record.recorder import ELEVATION, Labelled, Record
@@ -48,7 +48,9 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         "drag_rounds": response.rounds,
         "buckling_factor": support.buckling_factor if support else np.inf,
         "unmet": "",
-        "skipped": f"time: a linear model in the frequency domain has no {LEFT_OUT}",
+        "skipped": "; ".join(
+            [f"time: a linear model in the frequency domain has no {LEFT_OUT}", *coarser(hydrodynamics)]
+        ),
         **scene.sea.parameters(),
     }
     power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)

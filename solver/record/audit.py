@@ -12,7 +12,7 @@ from solver.coupled.linear import LinearModel, impedance, linear_model, wave_for
 from solver.coupled.stages import State, copied
 from solver.coupled.step import HITS, Output
 from solver.coupled.system import System, blocks
-from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
+from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
 from solver.multibody.joint_law import JointLaw, absorbing
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
@@ -122,7 +122,7 @@ def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> di
         "memory_poles": system.fit.beta.size if system.fit else 0,
         "constraint_drift": constraint_drift(system, state),
         "unmet": "; ".join(unmet(system.scene.settings, system.fit, errors["estimated_error"])),
-        "skipped": "; ".join(skipped(system)),
+        "skipped": "; ".join([*skipped(system), *coarser(hydrodynamics)]),
     }
 
 

@@ -21,7 +21,7 @@ from solver.coupled.natural import require_stable, system_modes, with_usual_step
 from solver.coupled.step import Output
 from solver.coupled.system import BALANCE, System, energy_residual, prepare, unbalanced
 from solver.errors import SimulationFailed
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, seabed_error
 from solver.multibody.joint_law import bent, joint_energy, stop_loads
 from solver.record.audit import PROBE, coefficient_effects, probed, shapes_effect, statistics_error, together, unmet
 from solver.record.bound import above
@@ -112,7 +112,7 @@ def simulate_reference(
         **_errors(case, hydrodynamics, probe, options, tolerance),
         "seabed_error": seabed_error(hydrodynamics),
         "unmet": "; ".join(unmet(case.scene.settings, case.system.fit)),
-        "skipped": "",
+        "skipped": "; ".join(coarser(hydrodynamics)),
         **_told(case.scene),
         "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,
         "prepare_time": prepared - clock,

@@ -146,3 +146,12 @@ def test_record_says_what_it_skipped(buan, coefficients):
     fixed = simulate(buan.scene("fixed", duration=20.0, discard=0.0), coefficients).attrs["skipped"]
     assert "mirror symmetry" in whole and "708" in whole and "support is fixed" not in whole
     assert "support is fixed" in fixed and "708" not in fixed
+
+
+@pytest.mark.parametrize("method", ["time", "frequency"])
+def test_record_says_which_hulls_have_fewer_panels(buan, coefficients, method):
+    note = "hull a.stl: 864 panels for 6000 (volume -1e-05)"
+    coarser = replace(coefficients, settings={**coefficients.settings, "coarser": note})
+    scene = buan.scene("fixed", duration=20.0, discard=0.0, method=method, froude_krylov="linear")
+    assert note in simulate(scene, coarser).attrs["skipped"].split("; ")
+    assert "panels for" not in simulate(scene, coefficients).attrs["skipped"]

@@ -53,6 +53,7 @@ def _blocks(parts: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def _settings(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    coarser = dict.fromkeys(s["coarser"] for s in each if "coarser" in s)
     return {
         **each[0],
         "panels": sum(s["panels"] for s in each),
@@ -60,4 +61,5 @@ def _settings(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "method": "; ".join(dict.fromkeys(s["method"] for s in each)),
         "seabed_error": max(s["seabed_error"] for s in each),
         "bodies": EACH_ALONE,
+        **({"coarser": "; ".join(coarser)} if coarser else {}),
     }

@@ -21,10 +21,13 @@ from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
+from solver.hydrodynamics.hull.coarse import fewer
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.plates import Plates
 from solver.hydrodynamics.hull.standing import stands, walls
 from solver.hydrodynamics.hull.surface import divided, mirrored
 from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
@@ -35,11 +38,11 @@ __all__ = [
 ]  # fmt: skip
 
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
-HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it and halved
+HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it, or coarser, and halved
 METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
 # Without the h² error the next power of h is left: even ones where the hull is smooth, all of them at edges.
 NEXT_SMOOTH, NEXT_EDGED = 4, 3
-TWO_MESHES = 0.5  # of the h² error, that is left of it at edges: measured on cylinders of draft 0.5 and 2 radii
+TWO_MESHES = 0.5  # of the h² error, that is left of it at least: measured on a sphere of 216 and 864 triangles
 ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
 # Of the wavenumber times a panel's side: up to here coefficients err by 2 % of the added mass at most, at 2.5 by 80 %
 # (heave and surge of a hemisphere and of a cylinder, against eight times the panels).
@@ -109,7 +112,8 @@ class Problem:
     """What is solved; any number of headings share what radiates.
 
     Each coefficient is the h² extrapolation from a mesh of about `panels` a body and one of 4/9 as many. A hull
-    that is a mesh is solved as it is, or halved until it has panels / 4, and with all sides halved once more.
+    that is a mesh is solved as it is, or halved until it has panels / 4, and with all sides halved once more; one of
+    more than twice as many panels in place of that with coarser ones, see `coarse`.
     """
 
     hulls: tuple[Hull, ...]
@@ -213,6 +217,30 @@ class Problem:
         """Of the base mesh, to solve for."""
         return _divisions(self.hulls, self.centres, self.counts)
 
+    @cached_property
+    def base(self) -> tuple[int, ...]:
+        """Panels of each body in the base mesh."""
+        return tuple(count // max(self.divisions) ** 2 for count in self.counts)
+
+    @cached_property
+    def meshed(self) -> tuple[Hull, ...]:
+        """The hulls as panels show them: dense meshes coarser."""
+        return tuple(
+            fewer(hull, count, self.divisions[0]) if isinstance(hull, PanelHull) else hull
+            for hull, count in zip(self.hulls, self.counts, strict=True)
+        )
+
+    @property
+    def coarser(self) -> str:
+        """Which hulls have fewer panels than their meshes."""
+        notes = []
+        for hull, made in zip(self.hulls, self.meshed, strict=True):
+            if isinstance(hull, PanelHull) and isinstance(made, PanelHull) and made.finer is not None:
+                panels = made.finer if self.divisions[0] > 1 else made.wetted
+                off = surface.volume(panels) / hull.volume - 1
+                notes.append(f"hull {hull.name}: {len(panels)} panels for {len(hull.wetted)} (volume {off:+.1e})")
+        return "; ".join(dict.fromkeys(notes))
+
 
 def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]]:
     """Of each problem apart, and of each mesh, the finest first: frequencies `first`, first + step, and so on.
@@ -223,9 +251,8 @@ def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]
 
 
 def _solutions(problem: Problem, first: int, step: int) -> list[Solution]:
-    divisions = problem.divisions
-    base = tuple(count // max(divisions, default=1) ** 2 for count in problem.counts)
-    return [_coefficients(problem, problem.omega[first::step], base, n, infinite=first == 0) for n in divisions]
+    omega = problem.omega[first::step]
+    return [_coefficients(problem, omega, n, infinite=first == 0) for n in problem.divisions]
 
 
 def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydrodynamics]:
@@ -244,9 +271,11 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
     hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
     edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
-    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, edged, lengths)
-    if len(solutions) <= len(HALVED):
-        left = _of_plates(problem, left, (impedance, impedance_inf, diffraction, far))
+    plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
+    share = TWO_MESHES if plates else _of_edges(problem.meshed)
+    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, edged, lengths, share)
+    if plates and len(solutions) <= len(HALVED):
+        left = _of_plates(plates, left, (impedance, impedance_inf, diffraction, far))
     lid = solutions[0].lid
     how = f"finest of {len(divisions)} meshes, damping lid" if lid > 0 else METHODS[len(divisions)]
     settings = {
@@ -255,6 +284,7 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
         "method": f"direct, {how}, lid on the waterplane",
         "green_function": "Delhommeau",
         "seabed_error": 0.0 if problem.standing else seas[0].seabed_error(omega, problem.largest),
+        **({"coarser": problem.coarser} if problem.coarser else {}),
     }
     if problem.gap_damping > 0:
         settings |= {"gap_damping": problem.gap_damping, "gap_width": problem.gap_width}
@@ -426,12 +456,10 @@ class _Mesh:
         return modes(total)
 
 
-def _coefficients(
-    problem: Problem, omega: np.ndarray, counts: tuple[int, ...], refine: int, *, infinite: bool
-) -> Solution:
+def _coefficients(problem: Problem, omega: np.ndarray, refine: int, *, infinite: bool) -> Solution:
     """At frequencies (nw,), of one mesh; A(inf) is empty where it is not asked for."""
-    hulls, centres, dofs, seas = problem.hulls, problem.centres, problem.dofs, problem.seas
-    build = partial(_Mesh.build, hulls, centres, dofs, counts, refine, problem.depth)
+    hulls, centres, dofs, seas = problem.meshed, problem.centres, problem.dofs, problem.seas
+    build = partial(_Mesh.build, hulls, centres, dofs, problem.base, refine, problem.depth)
     # No irregular frequency at infinity, and no damping: φ = 0 on all still water.
     bare, mesh = build(lids=False), build(lids=True, gap_width=problem.gap_width)
     n, sea = mesh.motions.shape[-1], seas[0]
@@ -474,21 +502,22 @@ def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, 
     _, mirrors = meshes.mirror_planes(hulls, centres)
     divided = HALVED[0] ** 2
     count = sum(
-        divided * meshes.halved_count(h, n // divided) if isinstance(h, PanelHull) else n
+        divided * meshes.halved_count(fewer(h, n, HALVED[0]), n // divided) if isinstance(h, PanelHull) else n
         for h, n in zip(hulls, counts, strict=True)
     )
     return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
 
 
 def _extrapolated(
-    solutions: list[Solution], divisions: tuple[int, ...], edged: bool, lengths: np.ndarray
+    solutions: list[Solution], divisions: tuple[int, ...], edged: bool, lengths: np.ndarray, share: float = TWO_MESHES
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
     solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
     at a frequency that goes with the mesh there is no such limit, and the finest mesh stands; with damping lids at
-    all frequencies, for what is lost there is felt at others. lengths: of the motions.
+    all frequencies, for what is lost there is felt at others. lengths: of the motions; share: of the step from the
+    finer of two meshes to their limit, that is left.
     """
     *finest, lid, count = solutions[0]
     if len(solutions) == 1:
@@ -501,19 +530,28 @@ def _extrapolated(
     for k in (0, 2, 3):  # what has a frequency
         best[k][lost] = finest[k][lost]
     if len(solutions) == 2:
-        return best, [TWO_MESHES * (b - f) for b, f in zip(best, finest, strict=True)]
+        return best, [share * (b - f) for b, f in zip(best, finest, strict=True)]
     left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if edged else NEXT_SMOOTH)
     coarser = _limits(solutions[1:], divisions[1:])
     return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
 
 
-def _of_plates(problem: Problem, left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """What is left of the error of meshes of two sizes or one, more where hulls have plates."""
-    plates = [found for found in map(meshes.plates, problem.hulls, problem.counts) if found]
-    unlike = max((found.unlike for found in plates), default=0.0)
+def _of_edges(hulls: tuple[Hull, ...]) -> float:
+    """What two even meshes leave of the error, over the step from the finer to their limit for an error ~ h².
+
+    At an edge that turns by α the potential goes as r^(π/(π+α)), and the error of even panels as h^p, p = 2π/(π+α):
+    of 2^p - 1 parts the limit takes three.
+    """
+    turn = max((h.sharpest for h in hulls if isinstance(h, PanelHull)), default=0.0)
+    return max(TWO_MESHES, 3 / (2 ** (2 * np.pi / (np.pi + turn)) - 1) - 1)
+
+
+def _of_plates(plates: list[Plates], left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """What is left of the error of meshes of two sizes or one, of hulls with plates."""
+    unlike = max(found.unlike for found in plates)
     if unlike > 0:
         return [error + UNLIKE_PLATES * unlike * x for error, x in zip(left, best, strict=True)]
-    return [ALIKE_PLATES * error for error in left] if plates else left
+    return [ALIKE_PLATES * error for error in left]
 
 
 def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.ndarray]:

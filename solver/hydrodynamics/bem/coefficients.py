@@ -184,6 +184,11 @@ def _smooth_impedance(h: Hydrodynamics) -> Curve:
     return h.curve(h.radiation_damping - 1j * h.omega[:, None, None] * h.added_mass)
 
 
+def coarser(h: Hydrodynamics | None) -> list[str]:
+    """Which hulls the boundary elements saw in fewer panels than their meshes have."""
+    return [note for note in [h.settings.get("coarser", "")] if note] if h is not None else []
+
+
 def seabed_error(h: Hydrodynamics | None) -> float:
     """Largest share of a coefficient that the seabed has where the boundary elements left it out."""
     return float(h.settings.get("seabed_error", 0.0)) if h is not None else 0.0

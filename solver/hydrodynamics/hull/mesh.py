@@ -53,8 +53,14 @@ def _revolved_panels(hull: Revolution, count: int, refine: int, quarters: int) -
 
 
 def _halved_panels(hull: PanelHull, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
-    """The panels of a mesh, halved until there are about `count`, then each into refine², a power of 4."""
-    pieces = surface.split(part_of(hull.wetted, quarters), _longest_side(hull, count))
+    """The panels of a mesh, halved until there are about `count`, then each into refine², a power of 4.
+
+    Of one made coarser with its `finer` ones, these.
+    """
+    pieces = part_of(hull.wetted if hull.finer is None or refine == 1 else hull.finer, quarters)
+    if hull.finer is not None:
+        return indexed(pieces)
+    pieces = surface.split(pieces, _longest_side(hull, count))
     while refine > 1:
         pieces, refine = surface.quartered(pieces), refine // 2
     return indexed(pieces)
@@ -79,6 +85,8 @@ def _longest_side(hull: PanelHull, count: int) -> float:
 
 def halved_count(hull: PanelHull, count: int) -> int:
     """How many panels `panels` makes of a mesh that is not divided further."""
+    if hull.finer is not None:
+        return len(hull.wetted)
     return len(surface.split(hull.wetted, _longest_side(hull, count)))
 
 
@@ -94,7 +102,7 @@ def plates(hull: Hull, count: int) -> Plates | None:
     if not isinstance(hull, PanelHull):
         faced = sum(piece.segment.area for piece in pieces(hull) if piece.twin >= 0)
         return Plates(faced / hull.wetted_area, 0.0) if faced else None
-    vertices, faces = panels(hull, count)
+    vertices, faces = panels(hull, count, refine=1 if hull.finer is None else 2)
     found = of_panels(vertices[faces])
     return found if found.share > LEAST_PLATE else None
 

@@ -30,6 +30,7 @@ class PanelHull:
     holes: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 3)))  # (n, 2, 3) open edges below still water [m]
     notes: tuple[str, ...] = ()  # what was mended
     name: str = "mesh"  # of its file
+    finer: np.ndarray | None = None  # (n, 4, 3) [m] wetted panels with sides half as long; None: by halving them
     edged = True  # as far as the boundary elements' error goes: panels meet at angles
 
     @classmethod
@@ -166,6 +167,22 @@ class PanelHull:
         start, end = self.wetted, np.roll(self.wetted, -1, axis=1)
         at = np.abs(np.stack([start[..., 2], end[..., 2]], axis=-1)).max(axis=-1) < surface.WELD * self.size
         return np.stack([start[at], end[at]], axis=1)[..., :2]
+
+    @cached_property
+    def sharpest(self) -> float:
+        """Largest angle by which the wetted surface turns where two panels meet at an edge that juts out [rad]."""
+        faces = np.arange(4 * len(self.wetted)).reshape(-1, 4)
+        vertices, faces, _ = surface.welded(self.wetted.reshape(-1, 3), faces)
+        pairs, owner = surface.edges(faces)
+        _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
+        order = np.argsort(place, kind="stable")
+        one, other = owner[order[count[place[order]] == 2]].reshape(-1, 2).T
+        corners = vertices[faces]
+        normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        away = np.sum((corners.mean(axis=1)[other] - corners.mean(axis=1)[one]) * normals[one], axis=1)
+        turn = np.arccos(np.clip(np.sum(normals[one] * normals[other], axis=1), -1, 1))
+        return float(turn[away < 0].max(initial=0.0))
 
     @cached_property
     def waterplane_width(self) -> float:

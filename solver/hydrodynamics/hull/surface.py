@@ -195,6 +195,11 @@ def _column_volume(panels: np.ndarray) -> np.ndarray:
     return total
 
 
+def volume(panels: np.ndarray) -> float:
+    """Between wetted panels (n, 4, 3) and still water [m³], ∫ z n_z dS."""
+    return float(_column_volume(panels).sum())
+
+
 def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
     """Faces to turn (count,) so that neighbours (n, 2) agree, None where no choice does; and each one's part."""
     a, b = neighbours.T if len(neighbours) else np.zeros((2, 0), int)
@@ -245,8 +250,11 @@ def alike(panels: np.ndarray, other: np.ndarray, tolerance: float) -> bool:
     normal = vector / area[:, None]
     first = len(triangles(panels))
     key = np.column_stack([reach * normal, np.einsum("ni,ni->n", normal, corners[:, 0])])
-    near = scipy.spatial.cKDTree(key).query_pairs(4 * tolerance, output_type="ndarray")
-    planes, plane = connected(near, len(key))
+    # Thousands of panels may lie in one plane, and have millions of pairs: first what rounds to the same.
+    cells, cell = np.unique(np.round(key / tolerance), axis=0, return_inverse=True)
+    near = scipy.spatial.cKDTree(cells).query_pairs(6.0, output_type="ndarray")  # 4, and half a cell's diagonal twice
+    planes, part = connected(near, len(cells))
+    plane = part[cell]
     middles = (corners + np.roll(corners, -1, axis=1)) / 2  # integrate second degrees exactly
     x = np.concatenate([np.ones((*middles.shape[:2], 1)), middles / reach], axis=2)
     moments = np.einsum("n,nki,nkj->nij", area / 3, x, x).reshape(len(x), -1)
