@@ -35,7 +35,6 @@ class WettedQuadrature(NamedTuple):
     line_u: np.ndarray
     line_w: np.ndarray
     half: bool
-    surface_terms: int
 
 
 class QuadratureRoom(NamedTuple):
@@ -75,6 +74,7 @@ class Incident(NamedTuple):
     """The incident wave around a hull, and how its pressure is made of it."""
 
     c: np.ndarray  # (2, terms) local field [m^(1-n)] about `centre` (at z = 0)
+    surface_terms: int  # of the elevation across the hull, a shorter series than that of the whole field
     centre: np.ndarray  # (3,)
     direction: np.ndarray  # (2,) of the waves
     rho_g: float
@@ -100,13 +100,8 @@ class Meridian(NamedTuple):
     z0: float
 
 
-def quadrature(
-    hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool, surface_terms: int = 99
-) -> WettedQuadrature:
-    """Rule with `azimuths` on the full circle; half = only ψ in (0, π), for planar scenes.
-
-    surface_terms: of the elevation across the hull, a shorter series than that of the whole field.
-    """
+def quadrature(hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool) -> WettedQuadrature:
+    """Rule with `azimuths` on the full circle; half = only ψ in (0, π), for a hull that does not leave its plane."""
     rows = []
     for kind, r0, z0, r1, z1, zc, radius, _ in hull.segments():
         if kind == 0:
@@ -136,7 +131,6 @@ def quadrature(
         line_u=line[0],
         line_w=line[1],
         half=half,
-        surface_terms=surface_terms,
     )
 
 
@@ -284,7 +278,7 @@ def pressure_load(
     """
     direction, rays = waves.direction, room.rays
     s0 = (position[0] - waves.centre[0]) * direction[0] + (position[1] - waves.centre[1]) * direction[1]
-    surface = surface_series(waves.c, s0, rule.surface_terms, room.series)
+    surface = surface_series(waves.c, s0, waves.surface_terms, room.series)
     axis_s = rotation[0, 2] * direction[0] + rotation[1, 2] * direction[1]
     axis = Direction(rotation[0, 2], rotation[1, 2], rotation[2, 2], axis_s)
     _rays(rule, rotation, direction, rays)
