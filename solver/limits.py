@@ -38,7 +38,7 @@ def _extent(platform: Platform) -> float:
 
 
 def sight(flat: bool) -> np.ndarray:
-    """Factors (3,) of the way from where the wave field is expanded: without y where a float does not leave its plane."""
+    """Factors (3,) of a way in the waves: y counts for nothing where a float does not leave its plane."""
     return np.array([1.0, 0.0 if flat else 1.0, 1.0])
 
 
@@ -65,7 +65,7 @@ def field_error(scene: Scene, bodies: Bodies, field: WaveField, furthest: np.nda
 
 
 def _way(bodies: Bodies, b: int, furthest: np.ndarray, flat: bool = False) -> float:
-    """How far from rest a float's reference point may get [m]: axis by axis, from the joint's last; flat: in its plane."""
+    """How far from rest a float's reference point may get [m]: axis by axis, from the joint's last; flat: see sight."""
     way = 0.0
     for i in reversed(range(bodies.axes[b])):
         size = furthest[bodies.coordinate[b, i]]

@@ -13,7 +13,6 @@ from solver.coupled.modal import Structure
 from solver.coupled.support import PLANAR, Support
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadrature
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
