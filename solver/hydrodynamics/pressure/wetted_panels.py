@@ -6,6 +6,7 @@ the middles of the sides of what is wet: exact for still water and for any plane
 order in the panels' size for waves.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,8 @@ from solver.hydrodynamics.pressure.froude_krylov import Incident, heads, stretch
 from solver.kernels import fast_kernel
 from solver.sea.field import WaveField
 
-BLOCK = 128  # points, five numbers of each
+BLOCK = 256  # points, five numbers of each
+KNOWN = 32  # hulls' triangles that a process keeps
 
 
 class WettedPanels(NamedTuple):
@@ -117,6 +119,7 @@ def _sides(vertices: np.ndarray, corners: np.ndarray, area: np.ndarray) -> tuple
     return sides, load.reshape(-1, 6)
 
 
+@lru_cache(maxsize=KNOWN)
 def _triangles(hull: PanelHull, size: float, half: bool) -> tuple[np.ndarray, np.ndarray]:
     panels = surface.below(hull.panels, 1, sign=-1) if half else hull.panels
     # Triangles first: halving them leaves no vertex on a neighbour's side, and so no gap at a curved surface.
