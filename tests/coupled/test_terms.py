@@ -8,9 +8,11 @@ from pytest import approx
 
 from solver import limits
 from solver.coupled.system import prepare
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.multibody.minimal import move, new_motion, pressure_room, pressures
 from solver.scene import Float
-from tests.awkward import BALL, BUOYED, big_beside_small, rotors, sea
+from tests.awkward import BALL, BUOYED, RHO, big_beside_small, rotors, sea
+from tests.hydrodynamics.shapes import box
 
 
 def bare(item, **settings):
@@ -19,9 +21,9 @@ def bare(item, **settings):
     return replace(item, settings=replace(item.settings, **asked))
 
 
-def shifted(item, y):
-    """The scene moved across the waves."""
-    floats = (replace(f, hinge=(f.hinge[0], f.hinge[1] + y, f.hinge[2])) for f in item.floats)
+def apart(item, y):
+    """The scene with its floats moved across the waves, each by as much further than the one before."""
+    floats = (replace(f, hinge=(f.hinge[0], f.hinge[1] + n * y, f.hinge[2])) for n, f in enumerate(item.floats))
     return replace(item, floats=tuple(floats))
 
 
@@ -107,19 +109,22 @@ def loaded(system, t=77.0):
 def test_what_lies_off_the_middle_and_stays_in_its_plane_is_as_in_the_middle():
     """Meshes and hulls of revolution in waves along x: half of each is integrated, in as many terms."""
     for item in (rotors(), big_beside_small()[0]):
-        middle, off = (prepare(bare(shifted(item, y)), None) for y in (0.0, 5.0))
+        middle, off = (prepare(bare(apart(item, y)), None) for y in (0.0, 5.0))
         assert middle.scene.planar and not off.scene.planar
-        assert off.terms == middle.terms and limits.radii(off.scene) == limits.radii(middle.scene)
-        assert loaded(off) == approx(loaded(middle), rel=1e-12, abs=1e-9)
+        assert off.terms == middle.terms and loaded(off) == approx(loaded(middle), rel=1e-12, abs=1e-9)
+        far = 0.3 * np.ones(off.bodies.mechanism.size)
+        errors = [limits.field_error(x.scene, x.bodies, x.near, far) for x in (off, middle)]
+        assert errors[0] == approx(errors[1], rel=1e-12) and errors[0] > 0
 
 
 def test_halves_are_of_hulls_alone_that_are_symmetric_and_stay_in_their_plane():
-    """Not where a barge rolls, with what it carries, or waves come from the side."""
+    """Not of a box beside its middle, nor where a barge rolls, with what it carries, or waves come from the side."""
     item = bare(rotors())
-    ball = Float(name="ball", hull=BALL, mass=BUOYED, inertia=(859.0,) * 3, hinge=(0, 9, 0), motion=("heave",))
-    with_ball = replace(item, floats=(*item.floats, ball))
+    side = PanelHull.of(*box((2.0, 2.0, 2.0), (0, 0.3, 0)))
+    beside = Float(name="side", hull=side, mass=RHO * 4, inertia=(2e3,) * 3, hinge=(0, 9, 0), motion=("heave",))
+    ball = replace(beside, name="ball", hull=BALL, mass=BUOYED, hinge=(0, 15, 0))
     barge = replace(item.floats[0], motion=("heave", "roll"), stiffness=0.0, damping=0.0)
-    rolling = replace(item, floats=(barge, *item.floats[1:]))
+    more, rolling = (replace(item, floats=x) for x in ((*item.floats, beside, ball), (barge, *item.floats[1:])))
     askew = replace(item, sea=sea(Hs=0.5, Tp=4.5, band=(0.8, 3.0), heading=0.3))
-    halves = [prepare(one, None).bodies.panels.copies.tolist() for one in (item, with_ball, rolling, askew)]
-    assert halves == [[2.0] * 3, [2.0] * 3 + [1.0], [1.0] * 3, [1.0] * 3]
+    halves = [prepare(one, None).bodies.panels.copies.tolist() for one in (item, more, rolling, askew)]
+    assert halves == [[2.0] * 3, [2.0, 2.0, 2.0, 1.0, 1.0], [1.0] * 3, [1.0] * 3]

@@ -99,16 +99,15 @@ def wetted_panels(hulls: list[PanelHull | None], sizes: list[float], halves: lis
 def _sides(vertices: np.ndarray, corners: np.ndarray, area: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of all triangles, in the order of their first vertices: sides (ns, 4) and load (3 ns, 6), see WettedPanels.
 
-    A side of more than two triangles is there once for every two.
+    No side has more than two: PanelHull.of refuses hulls with panels that meet so.
     """
     ends = np.sort(corners[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
     order = np.lexsort(ends.T[::-1])
     ends, across = ends[order], corners[:, [2, 0, 1]].ravel()[order]
     middle, third = vertices[ends].mean(axis=1), area[order // 3] / 3
     single = np.concatenate([third, np.cross(middle, third)], axis=1)
-    new, row = np.ones(len(ends), bool), np.arange(len(ends))
-    new[1:] = np.any(ends[1:] != ends[:-1], axis=1)
-    second = (row - np.maximum.accumulate(np.where(new, row, 0))) % 2 == 1
+    second = np.zeros(len(ends), bool)
+    second[1:] = np.all(ends[1:] == ends[:-1], axis=1)
     side = np.cumsum(~second) - 1
     sides = np.column_stack([ends, across, across])[~second]
     sides[side[second], 3] = across[second]
