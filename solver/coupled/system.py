@@ -305,8 +305,8 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None) -> System:
     if hydrodynamics is not None and settings.radiation:
         added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
     height = scene.sea.parameters()["Hm0"]
-    reaches = [_reach(scene, b, height) if nonlinear else 0.0 for b, nonlinear in enumerate(scene.nonlinear)]
-    reach = max(reaches, default=0.0)
+    reaches = _reaches(scene, height)
+    reach = max((r for r, nonlinear in zip(reaches, scene.nonlinear, strict=True) if nonlinear), default=0.0)
     near = waves.near(reach, settings.field_tolerance)
     if near != waves:
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
@@ -384,14 +384,17 @@ def remembered(
     return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths, moved)
 
 
-def _reach(scene: Scene, b: int, height: float) -> float:
-    """How far from rest a hull's wetted surface gets [m]: at ±0.8 rad of its arm and ±0.2 rad of what carries it."""
-    item, seen = scene.floats[b], limits.sight(motions.in_plane(scene)[b])
-    reach = limits.radii(scene)[b] + _way(item, seen * (item.centre - item.hinge), 0.8, height)
-    while (b := scene.carriers[b]) >= 0:
-        point, item = np.array(item.hinge, float), scene.floats[b]
-        reach += _way(item, seen * (point - item.hinge), 0.2, height)
-    return reach
+def _reaches(scene: Scene, height: float) -> list[float]:
+    """How far from rest each hull's wetted surface gets [m]: at ±0.8 rad of its arm and ±0.2 rad of what carries it."""
+    reaches, flat = limits.radii(scene), motions.in_plane(scene)
+    for b, item in enumerate(scene.floats):
+        seen, carrier, hinge = limits.sight(flat[b]), scene.carriers[b], np.array(item.hinge, float)
+        reaches[b] += _way(item, seen * (item.centre - hinge), 0.8, height)
+        while carrier >= 0:
+            by, point = scene.floats[carrier], hinge
+            hinge, carrier = np.array(by.hinge, float), scene.carriers[carrier]
+            reaches[b] += _way(by, seen * (point - hinge), 0.2, height)
+    return reaches
 
 
 def _way(item: Float, lever: np.ndarray, angle: float, height: float) -> float:

@@ -222,7 +222,8 @@ def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureR
             continue
         first, last = bodies.first_term[b], bodies.first_term[b + 1]
         waves = Incident(
-            field[2 * first : 2 * last].reshape((2, last - first)),
+            field[2 * first : first + last],
+            field[first + last : 2 * last],
             bodies.surface_terms[b],
             bodies.reference[b],
             bodies.wave_direction,

@@ -110,7 +110,8 @@ class PressureForce:
 
         def load(b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
             out = np.zeros(6)
-            waves = Incident(local[b], TERMS, scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
+            real, imag = local[b]
+            waves = Incident(real, imag, TERMS, scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
             self.quadratures[b](position, rotation, waves, out)
             return out
 

@@ -237,7 +237,7 @@ def _evaluate_heads(waves: Incident, series: np.ndarray, s0: float, count: int, 
                 level[i] = stretched(z[i], head[i], waves.depth)
         for i in range(s.size):
             s[i] += s0
-        heads(waves.c, s, level, head, imag)
+        heads(waves, s, level, head, imag)
 
 
 @fast_kernel
@@ -296,9 +296,9 @@ def panels_pressure(
     load: np.ndarray,
 ) -> None:
     """Load (6,) [N, N m] about the reference point of hull b, added to `load`; see froude_krylov.pressure_load."""
-    direction, c = waves.direction, waves.c
+    direction = waves.direction
     s0 = (position[0] - waves.centre[0]) * direction[0] + (position[1] - waves.centre[1]) * direction[1]
-    series = surface_series(c, s0, waves.surface_terms, np.empty(c.shape[1]))
+    series = surface_series(waves, s0, np.empty(waves.real.size))
     along, up = np.empty(3), np.empty(3)
     for r in range(3):
         along[r] = rotation[0, r] * direction[0] + rotation[1, r] * direction[1]

@@ -31,7 +31,7 @@ def load(hull, shift, rotation, c=STILL, *, side=1e9, half=False, wheeler=False,
     centre, heading, depth = sea_.get("centre", CENTRE), sea_.get("heading", 0.0), sea_.get("depth", 50.0)
     rule = wetted_panels([None, hull], [0.0, side], [False, half])
     out, direction = np.zeros(6), np.array([np.cos(heading), np.sin(heading)])
-    waves = Incident(c, 99, centre, direction, RHO_G, wheeler, depth)
+    waves = Incident(*c, 99, centre, direction, RHO_G, wheeler, depth)
     panels_pressure(1, centre + np.array(shift), rotation, rule, waves, panels_room(rule), out)
     return out
 
