@@ -1,7 +1,10 @@
 """Bounds on every coordinate, within which a scene's model holds, and the message of a run that passes one."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from solver import motions
 from solver.multibody.chain import PRISMATIC
 from solver.multibody.minimal import Bodies
 from solver.scene import DOFS, Float, Platform, Scene
@@ -14,16 +17,16 @@ HANGING = np.pi / 6  # an arm at rest so near to the vertical swings beneath its
 ROUGH = 1e-2
 
 
-def excursions(scene: Scene, field: WaveField, terms: int, carrier_axes: np.ndarray) -> np.ndarray:
-    """Least and largest value (nz, 2) [m or rad] of each coordinate, carriers first."""
+def excursions(scene: Scene, field: WaveField, terms: Sequence[int], carrier_axes: np.ndarray) -> np.ndarray:
+    """Least and largest value (nz, 2) [m or rad] of each coordinate, carriers first; terms: of the wave fields."""
     rows: list[float] = []
     if scene.platform is not None:
         size = _extent(scene.platform)
         rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
     bounds = [(-row, row) for row in rows]
-    for item, nonlinear in zip(scene.floats, scene.nonlinear, strict=True):
+    for item, nonlinear, count, size in zip(scene.floats, scene.nonlinear, terms, radii(scene), strict=True):
         # The local wave field is for pressure at the instantaneous place; linear loads are those at rest, however far.
-        away = field.radius_for(terms, ROUGH) - item.hull.size if nonlinear else np.inf
+        away = field.radius_for(count, ROUGH) - size if nonlinear else np.inf
         bounds += [_joint_bounds(item, name, away) for name in item.motion]
     return np.array(bounds, float).reshape(-1, 2)
 
@@ -34,21 +37,39 @@ def _extent(platform: Platform) -> float:
     return float(np.linalg.norm(np.ptp(xyz, axis=0)))
 
 
-def field_error(scene: Scene, bodies: Bodies, field: WaveField, terms: int, furthest: np.ndarray) -> float:
-    """Largest error of the local wave field on a hull, as a share of the sum of amplitudes, for `terms` of its series.
+def sight(flat: bool) -> np.ndarray:
+    """Factors (3,) of a way in the waves: y counts for nothing where a float does not leave its plane."""
+    return np.array([1.0, 0.0 if flat else 1.0, 1.0])
+
+
+def radii(scene: Scene) -> list[float]:
+    """Distance from each float's reference point within which its hull lies, of what the waves' field goes by [m]."""
+    flat = motions.in_plane(scene)
+    return [f.hull.profile_size if stays else f.hull.size for f, stays in zip(scene.floats, flat, strict=True)]
+
+
+def field_error(scene: Scene, bodies: Bodies, field: WaveField, furthest: np.ndarray) -> float:
+    """Largest error of the local wave field on a hull, as a share of the sum of amplitudes.
 
     furthest (nz,): largest magnitude of each coordinate so far [m or rad].
     """
-    reached = [f.hull.size + _way(bodies, b, furthest) for b, f in enumerate(scene.floats) if bodies.nonlinear[b]]
-    return max((field.left_out(terms, radius) for radius in reached), default=0.0)
+    hulls = zip(motions.in_plane(scene), radii(scene), np.diff(bodies.first_term), strict=True)
+    return max(
+        (
+            field.left_out(terms, size + _way(bodies, b, furthest, flat))
+            for b, (flat, size, terms) in enumerate(hulls)
+            if bodies.nonlinear[b]
+        ),
+        default=0.0,
+    )
 
 
-def _way(bodies: Bodies, b: int, furthest: np.ndarray) -> float:
-    """How far from rest a float's reference point may get [m]: axis by axis, from the joint's last."""
+def _way(bodies: Bodies, b: int, furthest: np.ndarray, flat: bool = False) -> float:
+    """How far from rest a float's reference point may get [m]: axis by axis, from the joint's last; flat: see sight."""
     way = 0.0
     for i in reversed(range(bodies.axes[b])):
         size = furthest[bodies.coordinate[b, i]]
-        lever = float(np.linalg.norm(bodies.reference[b] - bodies.point[b, i])) + way
+        lever = float(np.linalg.norm(sight(flat) * (bodies.reference[b] - bodies.point[b, i]))) + way
         way += size if bodies.kind[b, i] == PRISMATIC else 2 * np.sin(min(size, np.pi) / 2) * lever
     return way
 

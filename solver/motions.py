@@ -21,6 +21,13 @@ def of_scene(scene: Scene) -> tuple[tuple[str, ...], ...]:
     return possible(scene.floats, planar=scene.planar, elastic=scene.platform is not None)
 
 
+def in_plane(scene: Scene) -> tuple[bool, ...]:
+    """Which floats of a scene do not leave the plane y = const that they are in, where waves run along x."""
+    along = scene.sea.heading % np.pi == 0
+    ways = possible(scene.floats, planar=scene.planar, elastic=scene.platform is not None)
+    return tuple(along and set(way) <= set(PLANAR) for way in ways)
+
+
 def possible(floats: Iterable[Float], *, planar: bool, elastic: bool) -> tuple[tuple[str, ...], ...]:
     """For each float the motions of its reference point that its joint and whatever carries it leave it, anywhere.
 

@@ -123,7 +123,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
         "stored_energy_change": float(stored - state.energy[AT_START]),
         **audit(probe, hydrodynamics, state),
-        "field_error": field_error(scene, system.bodies, system.near, system.terms, furthest),
+        "field_error": field_error(scene, system.bodies, system.near, furthest),
         "seabed_error": seabed_error(hydrodynamics),
         **{name: getattr(s, name) for name in KNOBS},
         "memory_tolerance": s.memory_tolerance or USUAL,

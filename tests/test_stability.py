@@ -100,13 +100,13 @@ def test_bounds_follow_from_the_scene(buan):
     """Hinges half way past straight down, slides as far as the wave field is known, carriers the frame's size."""
     waves = WaveField(buan.sea(), 50.0, 9.81)
     scene = buan.scene()
-    bound = limits.excursions(scene, waves, 16, np.array([0, 2, 4]))
+    bound = limits.excursions(scene, waves, (16, 16), np.array([0, 2, 4]))
     size = np.linalg.norm([3.0, 2.4, 52.6])
     assert bound[:6] == approx(np.outer([size, size, np.pi / 2] * 2, [-1, 1]))
     down = np.arctan2(2.36, 2.6)
     assert bound[6:] == approx(np.array([[-1.5 * down, np.pi / 2], [-np.pi / 2, 1.5 * down]]))
     guided = replace(scene, floats=buan.floats(motion=("heave",)), platform=None)
-    heave = limits.excursions(guided, waves, 16, np.zeros(0, int))
+    heave = limits.excursions(guided, waves, (16, 16), np.zeros(0, int))
     reach = heave[0, 1] + scene.floats[0].hull.size
     assert heave == approx(np.outer([1, 1], [-heave[0, 1], heave[0, 1]])) and waves.terms_for(reach, 1e-2) == 16
 
@@ -127,7 +127,7 @@ def test_a_record_says_how_well_the_wave_field_was_known(buan, coefficients):
         scene = buan.scene("fixed", floats=floats, duration=5.0, discard=0.0, keep_series=True)
         system, record = prepare(scene, coefficients), simulate(scene, coefficients)
         reach = max(start, np.abs(record.series["motion"][1]).max()) + floats[0].hull.size
-        assert record.attrs["field_error"] == approx(system.waves.left_out(system.terms, reach), rel=1e-9)
+        assert record.attrs["field_error"] == approx(system.waves.left_out(system.terms[0], reach), rel=1e-9)
         assert 0 < record.attrs["field_error"] < scene.settings.field_tolerance
     flat = replace(scene, settings=replace(scene.settings, froude_krylov="linear"))
     assert simulate(flat, coefficients).attrs["field_error"] == 0
@@ -164,7 +164,7 @@ def test_a_float_that_reaches_through_too_many_waves_is_refused(buan, coefficien
     with pytest.raises(InputError, match=rf"sea = waves down to 5\.\d+ m: too short for a series 32\.\d m {feels}"):
         prepare(buan.scene("fixed", floats=floats), known)
     # Linear pressure is that at rest, wherever the float is.
-    assert prepare(buan.scene("fixed", floats=floats, froude_krylov="linear"), known).terms < 3
+    assert prepare(buan.scene("fixed", floats=floats, froude_krylov="linear"), known).terms == (0, 0)
 
 
 def test_waves_that_a_hull_hardly_feels_may_be_too_short_for_a_series():

@@ -7,13 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import block_diag
 
-from solver import limits
+from solver import limits, motions
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure
 from solver.coupled.support import PLANAR, Support
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadrature
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
@@ -53,9 +52,9 @@ def bodies(
     support: Support | None,
     hydrodynamics: Hydrodynamics | None,
     added_mass: np.ndarray,
-    terms: int,
+    terms: tuple[int, ...],
 ) -> Bodies:
-    """Arrays of all floats; carrier coordinates only with an elastic support; terms of the local wave field."""
+    """Arrays of all floats; carrier coordinates only with an elastic support; terms of the wave field around each."""
     floats, water = scene.floats, scene.water
     nb = len(floats)
     carrier = carrier_axes(scene.planar) if support is not None else np.zeros(0, int)
@@ -82,6 +81,8 @@ def bodies(
         cog=np.array([f.cog for f in floats], float).reshape(nb, 3),
         inertia=np.array([np.diag(f.inertia) for f in floats], float).reshape(nb, 3, 3),
         nonlinear=np.array(scene.nonlinear, bool),
+        first_term=np.cumsum([0, *terms]),
+        surface_terms=np.array(terms_of(scene, field, limits.radii(scene)), np.int64),
         **rules(scene, field),
         buoyancy=buoyancy,
         stiffness=stiffness,
@@ -142,46 +143,42 @@ def _per_axis(floats: Iterable[Float], name: str, carriers: int) -> np.ndarray:
     return np.concatenate([np.zeros(carriers), *(f.per_axis(name) for f in floats)])
 
 
-def _rule(hull: Revolution, scene: Scene, field: WaveField) -> WettedQuadrature:
-    s = scene.settings
-    return quadrature(
-        hull,
-        azimuths=s.azimuths,
-        arc_points=s.arc_points,
-        line_points=s.line_points,
-        half=scene.planar,
-        surface_terms=field.terms_for(hull.size, s.field_tolerance),
+def terms_of(scene: Scene, field: WaveField, radii: Iterable[float]) -> tuple[int, ...]:
+    """Of the wave field's series about each float to within a radius [m]; none where the pressure is linear."""
+    tolerance = scene.settings.field_tolerance
+    return tuple(
+        field.terms_for(radius, tolerance) if nonlinear else 0
+        for radius, nonlinear in zip(radii, scene.nonlinear, strict=True)
     )
 
 
 def rules(scene: Scene, field: WaveField) -> dict[str, Any]:
     """Fields of Bodies by which the pressure on each float is integrated; nothing where it is linear."""
+    s, flat = scene.settings, motions.in_plane(scene)
     hulls = [None if isinstance(f.hull, PanelHull) else f.hull for f in scene.floats]
+    points = {"azimuths": s.azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
     quadratures = [
-        _rule(hull, scene, field) if nonlinear and hull else None
+        quadrature(hull, **points, half=all(flat)) if nonlinear and hull else None
         for hull, nonlinear in zip(hulls, scene.nonlinear, strict=True)
     ]
     return {
         "meshed": np.array([hull is None for hull in hulls], bool),
         "rule": _stacked(quadratures),
         "patches": np.array([len(r.patch) if r else 0 for r in quadratures], np.int64),
-        "panels": _panels(scene, field),
+        "panels": _panels(scene, field, flat),
     }
 
 
-def _panels(scene: Scene, field: WaveField) -> WettedPanels:
+def _panels(scene: Scene, field: WaveField, flat: tuple[bool, ...]) -> WettedPanels:
     """Triangles of the floats that are meshes; none where the pressure is linear."""
-    s = scene.settings
     hulls = [
         f.hull if nonlinear and isinstance(f.hull, PanelHull) else None
         for f, nonlinear in zip(scene.floats, scene.nonlinear, strict=True)
     ]
-    sizes = [h.size for h in hulls if h]
     return wetted_panels(
         hulls,
-        [longest_side(f.hull, s.panel_size, field) for f in scene.floats],
-        half=scene.planar,
-        surface_terms=max((field.terms_for(size, s.field_tolerance) for size in sizes), default=1),
+        [longest_side(f.hull, scene.settings.panel_size, field) for f in scene.floats],
+        [bool(hull and stays and hull.symmetry[1]) for hull, stays in zip(hulls, flat, strict=True)],
     )
 
 
@@ -191,12 +188,11 @@ def _stacked(quadratures: list[WettedQuadrature | None]) -> WettedQuadrature:
     if not present:
         none = np.zeros(0)
         patch, whole, azimuth = np.zeros((0, 0, 7)), np.zeros((0, 0, 0, 5)), np.zeros((0, 2))
-        return WettedQuadrature(patch, whole, azimuth, 0.0, none, none, none, none, False, 1)
+        return WettedQuadrature(patch, whole, azimuth, 0.0, none, none, none, none, False)
     most = max(len(r.patch) for r in present)
     return present[0]._replace(
         patch=np.stack([_padded(r.patch if r else present[0].patch[:0], most) for r in quadratures]),
         whole=np.stack([_padded(r.whole if r else present[0].whole[:0], most) for r in quadratures]),
-        surface_terms=max(r.surface_terms for r in present),
     )
 
 
@@ -262,11 +258,11 @@ def wave_rows(
     near: WaveField,
     support: Support | None,
     hydrodynamics: Hydrodynamics | None,
-    terms: int,
+    terms: tuple[int, ...],
 ) -> tuple[np.ndarray, Layout]:
     """All rows (m, n) that the wave drives and where each quantity is; near: of the waves around the floats.
 
-    The pressure of waves that are not among those is linear.
+    terms: of the series around each float. The pressure of waves that are not among those is linear.
     """
     every, kind = (True,) * len(scene.floats), scene.settings.froude_krylov
     wanted = (("diffraction", every, False),) * scene.settings.diffraction
@@ -287,13 +283,14 @@ def _rows(
     centres: tuple[tuple[float, float, float], ...],
     support: Support | None,
     hydrodynamics: Hydrodynamics | None,
-    terms: int,
+    terms: tuple[int, ...],
     wanted: Wanted,
 ) -> tuple[np.ndarray, Layout]:
     """Tasks that differ in their joints alone share them."""
     n, nb = field.sea.omega.size, len(centres)
+    around = (near.local_pressure(np.array(c), m).reshape(-1, n) for c, m in zip(centres, terms, strict=True))
     parts = [
-        np.array([near.local_pressure(np.array(c), terms) for c in centres]).reshape(-1, n),
+        np.concatenate([np.zeros((0, n)), *around]),
         _excitation(field, near, nb, hydrodynamics, wanted).reshape(-1, n) if nb else np.zeros((0, n)),
         support.wave_rows if support else np.zeros((0, n)),
         support.station_rows.transpose(1, 0, 2).reshape(-1, n) if support else np.zeros((0, n)),

@@ -41,14 +41,15 @@ def balance(
 ) -> tuple[np.ndarray, np.ndarray]:
     """JᵀW (..., nz) of the floats and W (..., nb, 6), all loads on each, at z, ż, z̈ (..., nz), rest by default.
 
-    field (nb, 2, terms) and excitation (nb, 6) of the waves, still water by default.
+    field (see minimal.pressures) and excitation (nb, 6) of the waves, still water by default.
     """
     nz, nb, na = body.mechanism.size, body.axes.size, body.axes.size * body.active.size
     many = math.prod(z.shape[:-1])
     states = (np.zeros(z.shape) if x is None else x for x in (z, dz, ddz))
     z_, dz_, ddz_ = (np.ascontiguousarray(x).reshape(many, nz) for x in states)
     at = Coordinates(z_, dz_, ddz_, np.empty((2, nz), np.int64))
-    field = np.zeros((nb, 2, 1)) if field is None else field
+    if field is None:
+        body, field = body._replace(first_term=np.arange(nb + 1)), np.zeros(2 * nb)
     excitation = np.zeros((nb, 6)) if excitation is None else excitation
     water = WaterLoads(pressure=np.empty((nb, 6)), since=np.zeros(nz), excitation=excitation, memory=np.zeros(na))
     out = Loads(np.empty(at.z.shape), *np.empty((2, many, nb, 6)))

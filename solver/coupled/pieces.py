@@ -470,11 +470,10 @@ def _sample(drive: Drive, at: float, n: int, fine: Fine) -> None:
     own.station[n] = 0.0
     for j in range(count):
         w, m = fine.weight[j], first + j
+        _add(w, drive.field[m], own.field[n])
         _add(w, drive.modal[m], own.modal[n])
-        for b in range(own.field.shape[1]):
+        for b in range(own.excitation.shape[1]):
             _add(w, drive.excitation[m, b], own.excitation[n, b])
-            for d in range(2):
-                _add(w, drive.field[m, b, d], own.field[n, b, d])
         for d in range(own.station.shape[1]):
             _add(w, drive.station[m, d], own.station[n, d])
 

@@ -64,7 +64,7 @@ HOLDS, LET_GO = len(CONTACT), len(CONTACT) + 1
 class Drive(NamedTuple):
     """Samples of all that the wave drives; first axis time, samples dt/2 apart."""
 
-    field: np.ndarray  # (m, nb, 2, terms)
+    field: np.ndarray  # (m, 2 terms of all floats), see minimal.pressures
     excitation: np.ndarray  # (m, nb, 6)
     modal: np.ndarray  # (m, nm)
     station: np.ndarray  # (m, nd, ns) particle velocity normal to the members

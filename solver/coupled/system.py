@@ -155,10 +155,9 @@ class System:
         return max(self.scene.settings.newton_tolerance * share, LEAST)
 
     @property
-    def terms(self) -> int:
-        """Number of terms of the local wave field around each float."""
-        at = self.layout.field
-        return (at.stop - at.start) // max(2 * len(self.scene.floats), 1)
+    def terms(self) -> tuple[int, ...]:
+        """Number of terms of the local wave field around each float; none where its pressure is linear."""
+        return tuple(np.diff(self.bodies.first_term).tolist())
 
     @property
     def least_energy(self) -> float:
@@ -261,7 +260,7 @@ class System:
         nb, (_, nd, ns) = len(self.scene.floats), self.structure.station.shape
         m, at = len(samples), self.layout
         return Drive(
-            field=np.ascontiguousarray(samples[:, at.field]).reshape(m, nb, 2, self.terms),
+            field=np.ascontiguousarray(samples[:, at.field]),
             excitation=np.ascontiguousarray(samples[:, at.excitation]).reshape(m, nb, 6),
             modal=np.ascontiguousarray(samples[:, at.modal]),
             station=np.ascontiguousarray(samples[:, at.station]).reshape(m, nd, ns),
@@ -305,11 +304,12 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
     if hydrodynamics is not None and settings.radiation:
         added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
     height = scene.sea.parameters()["Hm0"]
-    reach = max((_reach(scene, b, height) for b, nonlinear in enumerate(scene.nonlinear) if nonlinear), default=0.0)
+    reaches = _reaches(scene, height)
+    reach = max((r for r, nonlinear in zip(reaches, scene.nonlinear, strict=True) if nonlinear), default=0.0)
     near = waves.near(reach, settings.field_tolerance)
     if near != waves:
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
-    terms = near.terms_for(reach, settings.field_tolerance)
+    terms = assembly.terms_of(scene, near, reaches)
     body = assembly.bodies(scene, near, support, hydrodynamics, added_mass, terms)
     rows, layout = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms)
     return System(
@@ -391,19 +391,24 @@ def remembered(
     return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths, moved, asked)
 
 
-def _reach(scene: Scene, b: int, height: float) -> float:
-    """How far from rest a hull's wetted surface gets [m]: at ±0.8 rad of its arm and ±0.2 rad of what carries it."""
-    item = scene.floats[b]
-    reach = item.hull.size + _way(item, item.centre, 0.8, height)
-    while (b := scene.carriers[b]) >= 0:
-        point, item = item.hinge, scene.floats[b]
-        reach += _way(item, np.array(point, float), 0.2, height)
-    return reach
+def _reaches(scene: Scene, height: float) -> list[float]:
+    """How far from rest each hull's wetted surface gets [m]: at ±0.8 rad of its arm and ±0.2 rad of what carries it."""
+    reaches, flat = limits.radii(scene), motions.in_plane(scene)
+    for b, item in enumerate(scene.floats):
+        seen, carrier, hinge = limits.sight(flat[b]), scene.carriers[b], np.array(item.hinge, float)
+        reaches[b] += _way(item, seen * (item.centre - hinge), 0.8, height)
+        while carrier >= 0:
+            by, point = scene.floats[carrier], hinge
+            hinge, carrier = np.array(by.hinge, float), scene.carriers[carrier]
+            reaches[b] += _way(by, seen * (point - hinge), 0.2, height)
+    return reaches
 
 
-def _way(item: Float, point: np.ndarray, angle: float, height: float) -> float:
-    """How far a point gets: turned by an angle, or sliding from where it is let go by twice the wave height [m]."""
-    turned = 2 * np.sin(angle / 2) * float(np.linalg.norm(point - item.hinge))
+def _way(item: Float, lever: np.ndarray, angle: float, height: float) -> float:
+    """How far the end of a lever gets: turned by an angle, or sliding from where it is let go by twice the wave height
+    [m].
+    """
+    turned = 2 * np.sin(angle / 2) * float(np.linalg.norm(lever))
     start = zip(item.motion, item.per_axis("offset"), strict=True)
     return max((abs(x) + 2 * height if slides(name) else turned for name, x in start), default=0.0)
 

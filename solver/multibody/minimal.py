@@ -47,6 +47,8 @@ class Bodies(NamedTuple):
     cog: np.ndarray  # (nb, 3) from the reference point
     inertia: np.ndarray  # (nb, 3, 3) about the c.o.g., body frame
     nonlinear: np.ndarray  # (nb,) pressure by quadrature, else linear hydrostatics
+    first_term: np.ndarray  # (nb + 1,) of each in the series of the wave field around all of them
+    surface_terms: np.ndarray  # (nb,) of the elevation across each
     meshed: np.ndarray  # (nb,) hulls that are panel meshes, not of revolution
     rule: WettedQuadrature  # patch (nb, np, 7) stacked
     patches: np.ndarray  # (nb,)
@@ -192,7 +194,6 @@ def _rule_of(bodies: Bodies, b: int) -> WettedQuadrature:
         rule.line_u,
         rule.line_w,
         rule.half,
-        rule.surface_terms,
     )
 
 
@@ -209,15 +210,26 @@ def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarra
 
 @fast_lean_kernel
 def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureRoom, out: np.ndarray) -> None:
-    """Hydrostatic load, the incident wave's where it is body-nonlinear, and the mooring lines': out (nb, 6)."""
+    """Hydrostatic load, the incident wave's where it is body-nonlinear, and the mooring lines': out (nb, 6).
+
+    field (2 first_term[-1],): of each float in turn the real and the imaginary parts of its series.
+    """
     out[:] = 0.0
     for b in range(bodies.axes.size):
         add_lines(bodies.lines, b, motion.position[b], motion.rotation[b], out[b])
         if not bodies.nonlinear[b]:
             _linear_hydrostatics(bodies, b, motion, out[b])
             continue
+        first, last = bodies.first_term[b], bodies.first_term[b + 1]
         waves = Incident(
-            field[b], bodies.reference[b], bodies.wave_direction, bodies.rho_g, bodies.wheeler, bodies.depth
+            field[2 * first : first + last],
+            field[first + last : 2 * last],
+            bodies.surface_terms[b],
+            bodies.reference[b],
+            bodies.wave_direction,
+            bodies.rho_g,
+            bodies.wheeler,
+            bodies.depth,
         )
         if bodies.meshed[b]:
             panels_pressure(b, motion.position[b], motion.rotation[b], bodies.panels, waves, room.panels, out[b])

@@ -60,7 +60,7 @@ class PressureForce:
     def _quadrature(self, hull: Hull) -> Quadrature:
         s = self.scene.settings
         if isinstance(hull, PanelHull):
-            panels = wetted_panels([hull], [self._side(hull)], half=False, surface_terms=TERMS)
+            panels = wetted_panels([hull], [self._side(hull)], [False])
             pieces = panels_room(panels)
             return lambda x, R, waves, load: panels_pressure(0, x, R, panels, waves, pieces, load)
         points = {"azimuths": s.azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
@@ -110,7 +110,8 @@ class PressureForce:
 
         def load(b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
             out = np.zeros(6)
-            waves = Incident(local[b], scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
+            real, imag = local[b]
+            waves = Incident(real, imag, TERMS, scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
             self.quadratures[b](position, rotation, waves, out)
             return out
 

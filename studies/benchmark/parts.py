@@ -82,13 +82,15 @@ def pressure_pair() -> tuple[float, float, float]:
     system = prepare(item, known)
     body, sea = system.bodies, item.sea
     sample = 1000  # well after the ramp
-    local = system.drive(system.series(system.dt).block(sample, 1)).field[0, 0]
+    field = system.drive(system.series(system.dt).block(sample, 1)).field[0]
+    real, imag = field[: 2 * system.terms[0]].reshape(2, -1)
     rule = body.rule._replace(patch=body.rule.patch[0], whole=body.rule.whole[0])
     mesh = revolution_mesh(item.floats[0].hull, along=71, around=120)
     k, t = WaveField(sea, item.water.depth, item.water.gravity).k, sample * system.dt / 2
     waves = waves_at(k, sea.omega, sea.amplitude, depth=item.water.depth, heading=sea.heading, t=t)
     position, turned = body.reference[0] + np.array([0.05, 0.0, 0.1]), np.eye(3)
-    incident = Incident(local, body.reference[0], body.wave_direction, body.rho_g, False, body.depth)
+    about = body.reference[0], body.wave_direction, body.rho_g, False, body.depth
+    incident = Incident(real, imag, body.surface_terms[0], *about)
     at = (position, turned, rule, incident, quadrature_room(rule))
     fast, slow = np.zeros(6), np.zeros(6)
     pressure_load(*at, fast)

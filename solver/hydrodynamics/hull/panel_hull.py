@@ -145,6 +145,11 @@ class PanelHull:
         return float(np.linalg.norm(self.panels, axis=-1).max())
 
     @property
+    def profile_size(self) -> float:
+        """The same as seen along y [m]."""
+        return float(np.linalg.norm(self.panels[..., ::2], axis=-1).max())
+
+    @property
     def wetted_area(self) -> float:
         """Surface below still water [m²]."""
         return float(np.linalg.norm(surface.area_vectors(surface.triangles(self.wetted)), axis=1).sum())

@@ -265,6 +265,11 @@ class Revolution:
         return max(s.furthest for s in self.meridian)
 
     @property
+    def profile_size(self) -> float:
+        """The same as seen along y [m]."""
+        return self.size
+
+    @property
     def waterplane_radius(self) -> float:
         """Radius of the waterplane [m]."""
         return self.wetted()[-1].end[0]

@@ -35,7 +35,6 @@ class WettedQuadrature(NamedTuple):
     line_u: np.ndarray
     line_w: np.ndarray
     half: bool
-    surface_terms: int
 
 
 class QuadratureRoom(NamedTuple):
@@ -74,7 +73,9 @@ def quadrature_room(rule: WettedQuadrature) -> QuadratureRoom:
 class Incident(NamedTuple):
     """The incident wave around a hull, and how its pressure is made of it."""
 
-    c: np.ndarray  # (2, terms) local field [m^(1-n)] about `centre` (at z = 0)
+    real: np.ndarray  # (terms,) of the local field Cₙ [m^(1-n)] about `centre` (at z = 0)
+    imag: np.ndarray  # (terms,)
+    surface_terms: int  # of the elevation across the hull, a shorter series than that of the whole field
     centre: np.ndarray  # (3,)
     direction: np.ndarray  # (2,) of the waves
     rho_g: float
@@ -100,13 +101,8 @@ class Meridian(NamedTuple):
     z0: float
 
 
-def quadrature(
-    hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool, surface_terms: int = 99
-) -> WettedQuadrature:
-    """Rule with `azimuths` on the full circle; half = only ψ in (0, π), for planar scenes.
-
-    surface_terms: of the elevation across the hull, a shorter series than that of the whole field.
-    """
+def quadrature(hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool) -> WettedQuadrature:
+    """Rule with `azimuths` on the full circle; half = only ψ in (0, π), for a hull that does not leave its plane."""
     rows = []
     for kind, r0, z0, r1, z1, zc, radius, _ in hull.segments():
         if kind == 0:
@@ -136,7 +132,6 @@ def quadrature(
         line_u=line[0],
         line_w=line[1],
         half=half,
-        surface_terms=surface_terms,
     )
 
 
@@ -234,13 +229,14 @@ def _heights(rule: WettedQuadrature, axis: Direction, z0: float, surface: np.nda
 
 
 @fast_kernel(inline="always")
-def surface_series(c: np.ndarray, s0: float, terms: int, eta: np.ndarray) -> np.ndarray:
-    """Coefficients of η about s0, from η(s) = Re Σ Cₙ (is)ⁿ: a Taylor shift in eta, of which `terms` are kept."""
-    n = c.shape[1]
+def surface_series(waves: Incident, s0: float, eta: np.ndarray) -> np.ndarray:
+    """Coefficients of η about s0, from η(s) = Re Σ Cₙ (is)ⁿ: a Taylor shift in eta, of which surface_terms are kept."""
+    a, b = waves.real, waves.imag
+    n = a.size
     for i in range(n):
         k = i % 4
-        eta[i] = c[0, i] if k == 0 else -c[1, i] if k == 1 else -c[0, i] if k == 2 else c[1, i]
-    kept = min(n, terms)
+        eta[i] = a[i] if k == 0 else -b[i] if k == 1 else -a[i] if k == 2 else b[i]
+    kept = min(n, waves.surface_terms)
     for i in range(kept):
         carried = eta[n - 1]
         for k in range(n - 2, i - 1, -1):
@@ -250,13 +246,13 @@ def surface_series(c: np.ndarray, s0: float, terms: int, eta: np.ndarray) -> np.
 
 
 @fast_kernel(inline="always")
-def heads(c: np.ndarray, s: np.ndarray, z: np.ndarray, head: np.ndarray, imag: np.ndarray) -> None:
+def heads(waves: Incident, s: np.ndarray, z: np.ndarray, head: np.ndarray, imag: np.ndarray) -> None:
     """head = Re Σ Cₙ (z + is)ⁿ at all points, Horner with the points innermost (SIMD); imag is scratch."""
-    n, count = c.shape[1], s.size
+    n, count = waves.real.size, s.size
     for i in range(count):
-        head[i], imag[i] = c[0, n - 1], c[1, n - 1]
+        head[i], imag[i] = waves.real[n - 1], waves.imag[n - 1]
     for k in range(n - 2, -1, -1):
-        a, b = c[0, k], c[1, k]
+        a, b = waves.real[k], waves.imag[k]
         for i in range(count):
             re = head[i] * z[i] - imag[i] * s[i] + a
             imag[i] = head[i] * s[i] + imag[i] * z[i] + b
@@ -284,7 +280,7 @@ def pressure_load(
     """
     direction, rays = waves.direction, room.rays
     s0 = (position[0] - waves.centre[0]) * direction[0] + (position[1] - waves.centre[1]) * direction[1]
-    surface = surface_series(waves.c, s0, rule.surface_terms, room.series)
+    surface = surface_series(waves, s0, room.series)
     axis_s = rotation[0, 2] * direction[0] + rotation[1, 2] * direction[1]
     axis = Direction(rotation[0, 2], rotation[1, 2], rotation[2, 2], axis_s)
     _rays(rule, rotation, direction, rays)
@@ -372,7 +368,7 @@ def _evaluate_heads(waves: Incident, s0: float, surface: np.ndarray, room: Quadr
     if waves.wheeler:
         for i in range(count):
             level[i] = stretched(z[i], polynomial(surface, s[i] - s0), waves.depth)
-    heads(waves.c, s, level, room.head[0, :count], room.head[1, :count])
+    heads(waves, s, level, room.head[0, :count], room.head[1, :count])
 
 
 @fast_kernel(inline="always")

@@ -25,7 +25,7 @@ def pitched(angle):
 def load(hull, shift, angle, field, *, azimuths=16, arc=8, line=4, half=False, wheeler=False, depth=50.0):
     rule = quadrature(hull, azimuths=azimuths, arc_points=arc, line_points=line, half=half)
     out = np.zeros(6)
-    waves = Incident(field, CENTRE, np.array([1.0, 0.0]), RHO_G, wheeler, depth)
+    waves = Incident(*field, 99, CENTRE, np.array([1.0, 0.0]), RHO_G, wheeler, depth)
     pressure_load(CENTRE + shift, pitched(angle), rule, waves, quadrature_room(rule), out)
     return out
 

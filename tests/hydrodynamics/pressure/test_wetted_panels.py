@@ -29,9 +29,9 @@ def field(t, *, heading=0.0, depth=50.0, centre=CENTRE):
 
 def load(hull, shift, rotation, c=STILL, *, side=1e9, half=False, wheeler=False, **sea_):
     centre, heading, depth = sea_.get("centre", CENTRE), sea_.get("heading", 0.0), sea_.get("depth", 50.0)
-    rule = wetted_panels([None, hull], [0.0, side], half=half, surface_terms=99)
+    rule = wetted_panels([None, hull], [0.0, side], [False, half])
     out, direction = np.zeros(6), np.array([np.cos(heading), np.sin(heading)])
-    waves = Incident(c, centre, direction, RHO_G, wheeler, depth)
+    waves = Incident(*c, 99, centre, direction, RHO_G, wheeler, depth)
     panels_pressure(1, centre + np.array(shift), rotation, rule, waves, panels_room(rule), out)
     return out
 
@@ -163,5 +163,5 @@ def test_waves_too_short_for_the_series_are_refused():
 
 def test_a_hull_of_revolution_has_no_triangles():
     ball = meshed(Revolution.sphere(radius=1.0, draft=1.0), 8)
-    rule = wetted_panels([None, ball, None], [0, 9, 0], half=True, surface_terms=9)
+    rule = wetted_panels([None, ball, None], [0, 9, 0], [False, True, False])
     assert rule.first_triangle[1] == 0 and rule.first_triangle[2] == rule.first_triangle[3] == len(rule.corners)
