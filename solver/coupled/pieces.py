@@ -424,6 +424,7 @@ def _of_length(problem: Problem, length: float, fine: Fine) -> Problem:
         problem.pace,
         length,
         max(problem.tolerance * share, LEAST),
+        problem.near / share,
         problem.iterations,
     )
 

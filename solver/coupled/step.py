@@ -50,7 +50,8 @@ from solver.multibody.joint_law import HELD, PTO_ZONE
 from solver.multibody.minimal import Bodies, PressureRoom, powers, pressure_room, pressures
 
 # Pressure and drag are evaluated again where a stage has moved by so many tolerances since; nearer than that
-# the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance.
+# the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance. A piece of
+# a step, whose tolerance goes by its length, may be farther by as much as it is shorter.
 NEAR = 25.0
 
 OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED = 0, 1, 2, 3, 4
@@ -100,6 +101,7 @@ class Problem(NamedTuple):
     pace: np.ndarray  # (nz,) [s] in which what swings on a stop is followed from its first touch
     dt: float
     tolerance: float  # of Newton's last update of any stage position [m or rad]
+    near: float  # [m or rad] a stage may be from where its pressure and drag were evaluated, see NEAR
     iterations: int  # of Newton's method, at most
 
 
@@ -133,7 +135,7 @@ def new_problem(
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
     fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace)
-    return Problem(bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, iterations)
+    return Problem(bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, NEAR * tolerance, iterations)
 
 
 def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
@@ -194,7 +196,7 @@ def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: W
     for spent in range(1, problem.iterations + 1):
         change = collocate(problem.structure, problem.inverse, problem.dt, state, room.start, stage)
         follow(problem.bodies, problem.memory, stage)
-        if spent == 1 or stage.z.size == 0 or moved(stage) > NEAR * tolerance:
+        if spent == 1 or stage.z.size == 0 or moved(stage) > problem.near:
             _evaluate(problem, drive, sample, room)
         load_bodies(problem.bodies, drive.excitation[sample : sample + 2], stage)
         newton_side(problem.structure, problem.inverse, stage, newton.update)
