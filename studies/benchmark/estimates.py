@@ -45,11 +45,13 @@ def remembered(item: Scene, known: Hydrodynamics) -> Hydrodynamics:
     """Coefficients that a memory fits exactly, and which `FINE` has: that of a fit to the boundary elements'."""
     memory = prepare(with_settings(item, memory_tolerance=FINE["memory_tolerance"]), known).fit
     assert memory is not None, "of floats that radiate"
-    Y, infinite = memory.frequency(known.omega), memory.added_mass_inf
+    Y, infinite, fitted = memory.frequency(known.omega), memory.added_mass_inf, memory.residue.any(axis=0)
     exact = replace(
-        known, radiation_damping=Y.real, added_mass=infinite - Y.imag / known.omega[:, None, None],
+        known,
+        radiation_damping=np.where(fitted, Y.real, known.radiation_damping),
+        added_mass=np.where(fitted, infinite - Y.imag / known.omega[:, None, None], known.added_mass),
         added_mass_inf=infinite,
-    )  # fmt: skip
+    )
     return replace(exact, memory=memory, memory_tolerance=FINE["memory_tolerance"], memory_motions=of_scene(item))
 
 
