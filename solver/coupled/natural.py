@@ -24,6 +24,7 @@ KNOWN = 32  # undamped scenes that a process keeps
 SPARE = 20  # shapes beyond those told, of which they are made where the added mass is another
 ROUNDS, AGREED = 50, 1e-9  # of added mass and frequency in turn
 MOVES = 0.3  # of the largest motion: what moves by less is not part of a shape's name
+FAR = 100.0  # times its frequency without waves: there an axis has none
 FRAME = "platform "  # and the axis, in a shape's name
 DRAWN = 20  # steps in the period of a decay, which is looked at as a curve
 
@@ -218,29 +219,41 @@ def with_critical_damping(scene: Scene, h: Hydrodynamics | None) -> Scene:
         return scene
     system = prepare(scene, h)
     model = linear_model(system)
-    added = _added(model.active, system.bodies.added_mass, h if scene.settings.radiation else None)
+    radiating = h if scene.settings.radiation else None
+    added = _added(model.active, system.bodies.added_mass, radiating)
+    known = np.zeros(0) if radiating is None else radiating.omega
     coordinate, floats = system.structure.omega.size, []
     for f in scene.floats:
         damping = f.per_axis("damping").copy()
         for i, ratio in enumerate(f.per_axis("critical_damping")):
             if ratio > 0:
-                damping[i] += _damping(model, added, coordinate, ratio, f"floats.{f.name}.critical_damping")
+                damping[i] += _damping(model, added, known, coordinate, ratio, f"floats.{f.name}.critical_damping")
             coordinate += 1
         floats.append(replace(f, damping=tuple(damping.tolist()), critical_damping=0.0))
     return replace(scene, floats=tuple(floats))
 
 
-def _damping(model: LinearModel, added: Added, axis: int, ratio: float, key: str) -> float:
+def _damping(model: LinearModel, added: Added, known: np.ndarray, axis: int, ratio: float, key: str) -> float:
     C, M = model.stiffness[axis, axis], model.mass[axis, axis]
     if not C > 0:
         raise InputError(key, ratio, "needs an axis that something restores")
-    omega = np.sqrt(C / M)
-    for _ in range(ROUNDS):
-        before, omega = omega, float(np.sqrt(C / (M + added(omega)[axis, axis].real)))
-        if abs(omega - before) <= AGREED * omega:
-            break
+    omega = _own(lambda omega: omega**2 * (M + added(omega)[axis, axis].real) - C, float(np.sqrt(C / M)), known)
     change = added(omega)[axis, axis]
     critical, radiated = 2 * (M + change.real) * omega, change.imag
     if radiated > ratio * critical:
         raise InputError(key, ratio, f"must be >= {radiated / critical:.3g}: radiation alone damps as much")
     return float(ratio * critical - radiated)
+
+
+def _own(excess: Callable[[float], float], still: float, known: np.ndarray) -> float:
+    """The ω nearest to `still` at which `excess`, below zero at 0 and above it at infinity, vanishes.
+
+    Where water rings between bodies their added mass rises and falls, and there are several. known: frequencies
+    between which it is a smooth curve.
+    """
+    from scipy.optimize import brentq
+
+    at = np.unique(np.concatenate([[still / FAR, still, still * FAR], known]))
+    above = np.array([excess(omega) > 0 for omega in at])
+    ends = np.flatnonzero(above[1:] != above[:-1])
+    return min((float(brentq(excess, at[k], at[k + 1])) for k in ends), key=lambda omega: abs(omega - still))

@@ -16,7 +16,7 @@ from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
 from solver.multibody.joint_law import JointLaw, absorbing
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
-from solver.record.recorder import Recorder
+from solver.record.recorder import Channels, Recorder
 from solver.record.sampling import expected_error, least_force
 from solver.scene import Scene, Settings
 from solver.statistics import FAINT, apart, moments
@@ -225,7 +225,7 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     """What the memory's misfit and the boundary elements' mesh do to the linear response's std and mean power.
 
     In this sea, or let go from the scene's offsets: with the fit's B - iω(A - A∞) in place of the
-    coefficients', and with coefficients off by their estimated error.
+    coefficients', of the joints' forces, too; and with coefficients off by their estimated error.
     """
     if h is None:
         return 0.0, 0.0
@@ -236,12 +236,34 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     def response(known: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
         return _waves(system, model, known, Y) if waves else decay(system, model, omega, Y)
 
-    exact = response(h, impedance(system, h, omega))
-    fitted = response(h, system.fit.frequency(omega)) if system.fit else exact
-    shifted = response(h.shifted, impedance(system, h.shifted, omega))
-    either = (fitted, exact), (shifted, exact)
-    memory, mesh = (response_error(system, system.bodies.law, omega, *pair) for pair in either)
-    return memory, mesh
+    Y, Z = (impedance(system, known, omega) for known in (h, h.shifted))
+    exact, shifted, memory = response(h, Y), response(h.shifted, Z), 0.0
+    if system.fit:
+        fit = system.fit.frequency(omega)
+        fitted = response(h, fit)
+        pushed = excitation(system, h, omega) * (sea.amplitude[:, None] if waves else 0.0)
+        forces = (joint_forces(system, omega, X, y, pushed) for X, y in ((fitted, fit), (exact, Y)))
+        memory = max(response_error(system, system.bodies.law, omega, fitted, exact), force_error(system, *forces))
+    return memory, response_error(system, system.bodies.law, omega, shifted, exact)
+
+
+def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray) -> np.ndarray:
+    """Of response X (nw, n), radiation impedance Y and the waves' force (nw, na): (nw, nb, 3) [N]."""
+    model, active = linear_model(system), system.bodies.active
+    w, loads = omega[:, None], np.zeros((omega.size, system.bodies.axes.size, 6), complex)
+    loads[..., active] = (pushed + 1j * w * (Y @ (X @ model.active.T)[..., None])[..., 0]).reshape(
+        loads[..., active].shape
+    )
+    for k, part in enumerate(model.wrench):
+        loads += np.tensordot((-1j * w) ** k * X, part, axes=(1, 2))
+    return Channels(system.scene, None).hinge_force(loads)
+
+
+def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:
+    """Largest relative change of the std of a joint's force (nw, nb, 3), but for those that count as zero."""
+    std, true = (np.sqrt(np.sum(np.abs(F) ** 2, axis=0)) for F in (forces, exact))
+    least = np.maximum(np.sqrt(2) * least_force(system.scene), FAINT * true.max())
+    return float(np.max(np.abs(std - true) / np.maximum(true, least), initial=0.0))
 
 
 def _waves(

@@ -29,7 +29,7 @@ LEAST = 0.1  # of a motion's largest response: changes of less are relative to t
 def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
     """The scene as arrays; its memory is fitted to the motions where the usual fit sways them more than it may."""
     best, asked = prepare(scene, h), scene.settings
-    if h is None or best.fit is None or asked.memory_tolerance is not None:
+    if h is None or best.fit is None or asked.memory == "convolution" or asked.memory_tolerance is not None:
         return best
     if np.any(best.fit.residue, axis=(0, 1)).sum() > FEW:
         return best
@@ -39,11 +39,12 @@ def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
         counts = Bits(importance(best, h))
         hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
         for tolerance in TOLERANCES:
-            fitted = prepare(scene, h, remembered(h, hulls, tolerance, ways, counts))
+            fit = remembered(h, hulls, tolerance, ways, counts)
+            fitted = prepare(scene, h, fit)
             less = coefficient_effects(fitted, h)[0]
             if less < effect:
                 best, effect = fitted, less
-            if effect <= allowed:
+            if effect <= allowed or fit.error > tolerance:  # what is not met finer ones will not meet
                 break
     return best
 

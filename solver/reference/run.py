@@ -19,13 +19,14 @@ from solver.coupled.assembly import joint_law
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.natural import require_stable, system_modes, with_usual_step
 from solver.coupled.step import Output
-from solver.coupled.system import BALANCE, System, energy_residual, prepare, unbalanced
+from solver.coupled.system import BALANCE, System, energy_residual, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, seabed_error
 from solver.multibody.joint_law import bent, joint_energy, stop_loads
 from solver.record.audit import PROBE, coefficient_effects, probed, shapes_effect, statistics_error, together, unmet
 from solver.record.bound import above
 from solver.record.recorder import Record, Recorder
+from solver.record.refit import prepared
 from solver.reference import axes as joint_axes
 from solver.reference.augmented import (
     NO_SUPPORTS,
@@ -140,7 +141,7 @@ def _case(
     panels: tuple[int, int],
     stages: int,
 ) -> Case:
-    system = prepare(replace(scene, settings=scene.settings.paths), h)
+    system = prepared(replace(scene, settings=scene.settings.paths), h)
     system = with_usual_step(system, system_modes(system, h))
     scene, dt, h = system.scene, system.dt, h if scene.floats else None
     s = scene.settings

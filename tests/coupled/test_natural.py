@@ -91,6 +91,27 @@ def test_critical_damping_damps_by_as_much(name, ratio):
     assert not np.any(damped.floats[0].critical_damping)
 
 
+def test_critical_damping_does_not_hang_on_rounding_where_added_mass_rings():
+    """Frequency and added mass in turn would go round: where A rises faster than 2(M + A)/ω, that is no contraction."""
+    item, h = SCENES["flap"]()
+    J, M, C = hinged_by_hand(item, h)
+    mass = (M + J.T @ h.added_mass_inf @ J)[0, 0]
+    ringing = 0.9 * mass * np.sin(np.pi / 2 * np.arange(h.omega.size)) / (J.T @ J)[0, 0]
+    h = replace(h, added_mass=h.added_mass + ringing[:, None, None] * np.eye(len(h.added_mass_inf)))
+    damping = []
+    for off in (0.0, 1e-9):
+        f = replace(item.floats[0], pto_damping=0.0, critical_damping=3.0, stiffness=2 * C[0, 0] * (1 + off))
+        (total,) = with_critical_damping(linear(replace(item, floats=(f,))), h).floats[0].per_axis("damping")
+        damping.append(total)
+    assert damping[1] == approx(damping[0], rel=1e-6)
+    curves = (CubicSpline(h.omega, x) for x in (h.added_mass, h.radiation_damping))
+    grid = np.linspace(*h.omega[[0, -1]], 20001)
+    A, b = ((J.T @ curve(grid) @ J)[:, 0, 0] for curve in curves)
+    own = np.abs((damping[0] + b) / (2 * 3.0 * (M[0, 0] + A) * grid) - 1)
+    restored = np.abs((M[0, 0] + A) * grid**2 / (3 * C[0, 0]) - 1)
+    assert np.min(own + restored) < 1e-2
+
+
 def test_critical_damping_is_what_a_decay_shows():
     """Let go, two extremes of one sign fall by exp(-2πκ/√(1 - κ²)); what else there is of radiation is in κ."""
     item, h = SCENES["model_scale"]()

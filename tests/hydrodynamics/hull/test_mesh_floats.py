@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from solver.coupled.system import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.record.refit import prepared
 from solver.reference.run import simulate_reference
-from solver.run import prepare, simulate
+from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import CALM, regular
 from tests.hydrodynamics.shapes import box, fine_box, meshed
@@ -110,7 +112,7 @@ def test_linear_lopsided_hulls_move_alike_on_both_paths(centre, cog, joint, sea)
     linear = scene(item, sea=sea, duration=3.0, discard=0.0, ramp=0.0, froude_krylov="linear", time_step=0.05,
                    newton_tolerance=1e-11)  # fmt: skip
     name = "motion" if "motion" in joint else "rotation"
-    fast, slow = simulate(linear, known), simulate_reference(linear, known, kernel=prepare(linear, known).fit)
+    fast, slow = simulate(linear, known), simulate_reference(linear, known, kernel=prepared(linear, known).fit)
     # Both are of fourth order at a sixtieth of the period; angles or quaternions differ in its constant.
     assert series(slow, name) == approx(series(fast, name), abs=1e-6)
     assert series(slow, "hinge_force") == approx(series(fast, "hinge_force"), abs=1e-5 * 1025 * 3.0 * 9.81)
