@@ -15,7 +15,7 @@ from solver.scene import Settings
 from studies.validation import gaps
 from tests.once import solve
 
-NAME = next(iter(gaps.SCENES))
+RING, BOXES = gaps.SCENES
 
 
 def known(item):
@@ -27,7 +27,7 @@ def known(item):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", gaps.SCENES)
+@pytest.mark.parametrize("name", [pytest.param(RING, marks=pytest.mark.slow), BOXES])
 def test_a_memory_fits_what_a_lid_damps(name):
     """And floats give as much power in time as in the frequency domain; without a lid neither, see studies.validate."""
     march, lines = (gaps.scene(name, 0.1, method) for method in ("time", "frequency"))
@@ -39,13 +39,13 @@ def test_a_memory_fits_what_a_lid_damps(name):
 
 
 def test_coefficients_have_the_lid_that_the_scene_says():
-    item = gaps.scene(NAME, 0.1, "frequency")
+    item = gaps.scene(BOXES, 0.1, "frequency")
     with pytest.raises(InputError, match=r"settings.gap_damping = 0.2: must be 0.1, that of the coefficients"):
         prepare(replace(item, settings=replace(item.settings, gap_damping=0.2)), known(item))
 
 
 def test_a_lid_that_lies_nowhere_is_told():
-    item = gaps.scene(NAME, 0.1, "frequency")
+    item = gaps.scene(RING, 0.1, "frequency")
     assert not [text for text in warnings(item) if "gap" in text]
     wide = replace(item, settings=replace(item.settings, gap_width=0.3))
     assert "solver.gap_width: no gap or well at rest is narrower than 0.3 m, so no lid damps any" in warnings(wide)
