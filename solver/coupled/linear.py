@@ -70,6 +70,18 @@ class LinearModel:
         p = (force[:, :nm] - (L[:, :nc] @ z)[..., 0] @ S) / d
         return np.concatenate([p, z[:, nc:, 0]], axis=1)
 
+    def loads(
+        self, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray, active: np.ndarray
+    ) -> np.ndarray:
+        """W (nw, nb, 6) on the floats of response X (nw, n), the waves' force `pushed` (nw, nb, 6) included.
+
+        active: which of the six motions of a float radiate.
+        """
+        w, total = omega[:, None], pushed.copy()
+        radiated = Y @ (-1j * w * (X @ self.active.T))[..., None]
+        total[..., active] -= radiated.reshape(total[..., active].shape)
+        return total + sum(np.tensordot((-1j * w) ** k * X, part, axes=(1, 2)) for k, part in enumerate(self.wrench))
+
     def of_modes(self, omega: np.ndarray) -> np.ndarray:
         """ω_m² - 2iζω_mω - ω² (nw, nm)."""
         w = omega[:, None]

@@ -62,16 +62,12 @@ def respond_in(case: Case, law: JointLaw) -> Response:
     """To a case's sea, with the law of its joints."""
     model, omega, frame = case.model, case.omega, case.system.structure
     X, drag, pto, rounds = _agreed(case, law)
-    w, nm, active = omega[:, None], frame.omega.size, case.system.bodies.active
-    excitation = case.excitation.copy()
-    radiated = case.impedance @ (-1j * w * (X @ model.active.T))[..., None]
-    excitation[..., active] -= radiated.reshape(excitation[..., active].shape)
-    by_motion = sum(np.tensordot((-1j * w) ** k * X, part, axes=(1, 2)) for k, part in enumerate(model.wrench))
+    w, nm = omega[:, None], frame.omega.size
     return Response(
         omega=omega,
         X=X,
         Z=X @ model.shape.T,
-        wrench=excitation + by_motion,
+        wrench=model.loads(omega, X, case.impedance, case.excitation, case.system.bodies.active),
         carried=_carried(case, w, X[:, :nm], case.rows[case.system.layout.modal].T + drag.modes),
         drag=drag,
         pto=pto,

@@ -249,13 +249,9 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
 
 def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray) -> np.ndarray:
     """Of response X (nw, n), radiation impedance Y and the waves' force (nw, na): (nw, nb, 3) [N]."""
-    model, active = linear_model(system), system.bodies.active
-    w, loads = omega[:, None], np.zeros((omega.size, system.bodies.axes.size, 6), complex)
-    loads[..., active] = (pushed + 1j * w * (Y @ (X @ model.active.T)[..., None])[..., 0]).reshape(
-        loads[..., active].shape
-    )
-    for k, part in enumerate(model.wrench):
-        loads += np.tensordot((-1j * w) ** k * X, part, axes=(1, 2))
+    active, push = system.bodies.active, np.zeros((omega.size, system.bodies.axes.size, 6), complex)
+    push[..., active] = pushed.reshape(push[..., active].shape)
+    loads = linear_model(system).loads(omega, X, Y, push, active)
     return Channels(system.scene, None).hinge_force(loads)
 
 

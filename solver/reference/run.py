@@ -86,7 +86,7 @@ def simulate_reference(
     options: dict[str, Any] = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
     case = _case(scene, hydrodynamics, **options)
     require_stable(case.system)
-    prepared = time.perf_counter()
+    ready = time.perf_counter()
     recorder = Recorder(scene, case.system.support, layout=case.system.layout)
     probe = Recorder(probed(case.scene, _probe_steps(case)), case.system.support, layout=case.system.layout)
     samples = _march(case, tolerance)
@@ -116,8 +116,8 @@ def simulate_reference(
         "skipped": "; ".join(coarser(hydrodynamics)),
         **_told(case.scene),
         "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,
-        "prepare_time": prepared - clock,
-        "march_time": marched - prepared,
+        "prepare_time": ready - clock,
+        "march_time": marched - ready,
         **scene.sea.parameters(),
     }
     if odd := (*warnings(scene), *above(scene, recorder.mean_power)):

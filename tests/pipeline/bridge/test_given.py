@@ -353,19 +353,21 @@ def test_coefficients_of_our_own_give_the_same_answers(ours, study, tmp_path, me
             assert np.abs(theirs - value).max() <= 2e-5 * np.abs(value).max(), (name, variable)
 
 
-def test_floats_of_a_file_interact(ours, study, tmp_path):
+@pytest.mark.parametrize(
+    ("settings", "refused"),
+    [
+        ("interaction = false", r"solver.interaction = false: must be true"),
+        (
+            "gap_damping = 0.1\ngap_width = 0.5",
+            r"solver.gap_damping = 0.1: must be 0: `coefficients` from a file",
+        ),
+    ],
+)
+def test_settings_that_a_files_coefficients_cannot_follow_are_refused(ours, study, tmp_path, settings, refused):
     wamit_files(tmp_path, ours)
     path = study("pair.1", method="frequency")
-    path.write_text(path.read_text().replace("[solver]", "[solver]\ninteraction = false"))
-    with pytest.raises(StudyError, match=r"solver.interaction = false: must be true"):
-        load(path)
-
-
-def test_no_lid_lies_on_water_of_a_file(ours, study, tmp_path):
-    wamit_files(tmp_path, ours)
-    path = study("pair.1", method="frequency")
-    path.write_text(path.read_text().replace("[solver]", "[solver]\ngap_damping = 0.1\ngap_width = 0.5"))
-    with pytest.raises(StudyError, match=r"solver.gap_damping = 0.1: must be 0: `coefficients` from a file"):
+    path.write_text(path.read_text().replace("[solver]", f"[solver]\n{settings}"))
+    with pytest.raises(StudyError, match=refused):
         load(path)
 
 
