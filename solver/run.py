@@ -12,7 +12,7 @@ from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
 from solver.coupled.natural import require_stable, system_modes, with_critical_damping, with_usual_step
 from solver.coupled.stages import copied
-from solver.coupled.system import BALANCE, blocks, energy_residual, prepare, unbalanced
+from solver.coupled.system import BALANCE, blocks, energy_residual, unbalanced
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
 from solver.hydrodynamics.radiation.memory import USUAL
@@ -71,7 +71,7 @@ def _content(_settings: Settings, _told: Mapping[str, float]) -> None:
 
 def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record | Settings:
     """The record with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone."""
-    s, system = scene.settings, prepare(scene, hydrodynamics)
+    s, system = scene.settings, prepared(scene, hydrodynamics)
     dt = with_usual_step(system, system_modes(system, hydrodynamics)).dt
     finer = replace(s, time_step=dt / 4, newton_tolerance=s.newton_tolerance / 4**2)
     try:

@@ -137,21 +137,23 @@ def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]
 
 
 def _resolution(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
-    """Two waves can be told apart in a record that is as long as their beat."""
+    """Two waves can be told apart in a record that is as long as their beat, one from a mean in its period."""
     spacing = _spacing(sea, study.waves) if study.record.rao else math.inf
     beat = 2 * math.pi / spacing if spacing > 0 else math.inf
     if study.record.duration < beat:
-        limit = f"must be >= {beat:.4g} s for record.rao, to tell the waves of {key} apart"
+        limit = f"must be >= {beat:.4g} s for record.rao, to tell the waves of {key} and a mean apart"
         yield InputError("record.duration", study.record.duration, limit)
 
 
 def _spacing(sea: SeaState, waves: Waves) -> float:
-    """Smallest difference of two frequencies of a sea [rad/s]."""
-    if isinstance(sea, Still | Regular):
+    """Smallest difference of two frequencies of a sea, of which a mean is one of zero [rad/s]."""
+    if isinstance(sea, Still):
         return math.inf
+    if isinstance(sea, Regular):
+        return 2 * math.pi / sea.period
     if isinstance(sea, Components | Elevation):
         omega = realizations.realize(sea, waves, (0,)).omega
-        return min((float(b - a) for a, b in itertools.pairwise(omega)), default=math.inf)
+        return min((float(b - a) for a, b in itertools.pairwise((0.0, *omega))), default=math.inf)
     span = seas.frequencies(sea, waves) or (0.0, math.inf)
     # Random intervals have edges up to 0.4 of a width from even ones, and their middles half of that each.
     return (span[1] - span[0]) / waves.components * (0.6 if waves.intervals == "random" else 1.0)

@@ -285,7 +285,10 @@ def test_waves_too_close_for_the_record_cannot_have_an_rao(study_with, tmp_path)
     with pytest.raises(StudyError, match=r"record.duration = 485.0: must be >= 486.2 s for record.rao"):
         study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f"{BAND}\n[record]\nrao = true\nduration = 485.0")
     study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f'{BAND}\nintervals = "even"\n[record]\nrao = true\nduration = 292.0')
-    study_with('{ kind = "regular", height = 1.0, period = 8.0 }', waves="[record]\nrao = true\nduration = 20.0")
+    regular = '{ kind = "regular", height = 1.0, period = 8.0 }'
+    study_with(regular, waves="[record]\nrao = true\nduration = 8.0")
+    with pytest.raises(StudyError, match=r"record.duration = 7.9: must be >= 8 s for record.rao"):
+        study_with(regular, waves="[record]\nrao = true\nduration = 7.9")
 
 
 def test_all_sea_states_have_an_occurrence_or_none(study_with):
