@@ -9,7 +9,7 @@ from numba import float64
 
 from solver.hydrodynamics.bem import bem, green
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.kernels import fast_kernel, fast_lean_kernel, inner_kernel, kernel, lean_kernel
+from solver.kernels import fast_kernel, fast_lean_kernel, inner_kernel, kernel, lean_kernel, part_kernel
 
 FLOAT = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
 
@@ -35,7 +35,7 @@ def test_numba_leaves_the_counting_of_references_out_where_kernels_ask_for_it(co
     assert ("NRT_decref" in code) == counts, told
 
 
-@pytest.mark.parametrize(("compiled", "doors"), [(lean_kernel, ["cpython"]), (inner_kernel, [])])
+@pytest.mark.parametrize(("compiled", "doors"), [(lean_kernel, ["cpython"]), (part_kernel, []), (inner_kernel, [])])
 def test_numba_makes_no_doors_that_nobody_uses(compiled, doors):
     """Without: take both options out of solver/kernels.py; a march compiles three times as long."""
     function = compiled(cache=False)(first_row_sum)
@@ -43,6 +43,17 @@ def test_numba_makes_no_doors_that_nobody_uses(compiled, doors):
     code = function.inspect_llvm(function.signatures[0])
     made = [door for door in ("cpython", "cfunc") if re.search(rf"^define .*@_ZN\d+{door}", code, re.M)]
     assert made == doors, f"numba {numba_version} no longer heeds `no_cfunc_wrapper` or `no_cpython_wrapper`"
+
+
+TAKEN_IN = [(kernel, False), (inner_kernel, False), (lean_kernel, True), (fast_lean_kernel, True), (part_kernel, True)]
+
+
+@pytest.mark.parametrize(("compiled", "taken_in"), TAKEN_IN)
+def test_numba_takes_kernels_into_those_that_call_them_where_they_ask_for_it(compiled, taken_in):
+    """Without: a march takes a third longer."""
+    function = compiled(cache=False)(first_row_sum)
+    function.compile((float64[:, ::1],))
+    assert ("alwaysinline" in function.inspect_llvm(function.signatures[0])) == taken_in
 
 
 @pytest.fixture

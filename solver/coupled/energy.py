@@ -4,7 +4,7 @@ import numpy as np
 
 from solver.coupled.modal import Structure, carry
 from solver.coupled.stages import State
-from solver.kernels import inner_kernel, kernel, lean_kernel
+from solver.kernels import kernel, lean_kernel, part_kernel
 from solver.multibody.minimal import Bodies, Motion, move, new_motion, stored_energy
 
 # Work [J] of: pressure and excitation, radiation memory, PTO, other losses of the joints,
@@ -16,7 +16,7 @@ WAVE, RADIATION, PTO, JOINT_DAMPING, FRAME_INERTIA, FRAME_DRAG, STRUCTURAL = ran
 AT_START, SCALE, GAP = range(3)
 
 
-@inner_kernel
+@part_kernel
 def stored(bodies: Bodies, structure: Structure, state: State, z: np.ndarray, dz: np.ndarray, motion: Motion) -> float:
     """Energy stored in floats and modes [J], radiation memory excluded; z, dz (nz,) and motion are the state's."""
     total = stored_energy(bodies, z, dz, motion)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.kernels import inner_kernel, lean_kernel
+from solver.kernels import lean_kernel, part_kernel
 
 
 class Memory(NamedTuple):
@@ -16,7 +16,7 @@ class Memory(NamedTuple):
     direct: np.ndarray  # (2, 2, na, na) load at stage s from velocity at stage j
 
 
-@inner_kernel
+@part_kernel
 def memory_loads(memory: Memory, history: np.ndarray, velocity: np.ndarray, out: np.ndarray) -> None:
     """Memory load (2, na) at both stages: history plus that of the stages' velocities (2, na)."""
     for s in range(2):

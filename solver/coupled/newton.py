@@ -8,7 +8,7 @@ from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure
 from solver.coupled.scheme import AA, A
 from solver.coupled.stages import Stages
-from solver.kernels import inner_kernel, kernel, lean_kernel
+from solver.kernels import inner_kernel, kernel, lean_kernel, part_kernel
 from solver.multibody.joint_law import HELD, PTO_ZONE, STOP_ZONE, add_coupled_damping, axis_damping, tangent
 from solver.multibody.minimal import Bodies, Motion, mass_matrix, move, new_motion, project_active
 
@@ -170,7 +170,7 @@ def newton_matrix(
                 K[s * nz + i, s * nz + i] = 1.0
 
 
-@inner_kernel
+@part_kernel
 def newton_side(structure: Structure, inverse: np.ndarray, stage: Stages, side: np.ndarray) -> None:
     """Newton's right-hand side (2nz,) from the stages' residuals.
 
@@ -193,7 +193,7 @@ def newton_side(structure: Structure, inverse: np.ndarray, stage: Stages, side: 
             side[nz + i] += structure.carrier[i, m] * a1
 
 
-@inner_kernel
+@part_kernel
 def hold(bent: np.ndarray, stage: Stages, side: np.ndarray) -> None:
     """On Newton's right-hand side (2nz,), axes that are held have no acceleration."""
     nz = stage.z.shape[1]

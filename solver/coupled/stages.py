@@ -7,7 +7,7 @@ import numpy as np
 from solver.coupled.memory import Memory, memory_loads
 from solver.coupled.modal import Structure
 from solver.coupled.scheme import A0, AA, AA0, A, C
-from solver.kernels import inner_kernel, kernel
+from solver.kernels import kernel, part_kernel
 from solver.multibody.minimal import Bodies, Coordinates, Loads, Motion, WaterLoads, loads, move, new_motion
 
 
@@ -88,7 +88,7 @@ def coordinates(stage: Stages, s: int) -> Coordinates:
     return Coordinates(stage.z[s], stage.dz[s], stage.ddz[s], stage.zone)
 
 
-@inner_kernel
+@part_kernel
 def predict(structure: Structure, dt: float, modal: np.ndarray, state: State, stage: Stages) -> None:
     """Fill stage.known with what the step's start says of the modal loads, and extrapolate the others.
 
@@ -109,7 +109,7 @@ def predict(structure: Structure, dt: float, modal: np.ndarray, state: State, st
             stage.ddz[s, nc + i] = a * state.ddz[0, i] + b * state.ddz[1, i] + c * state.ddz[2, i]
 
 
-@inner_kernel
+@part_kernel
 def collocate(structure: Structure, inverse: np.ndarray, dt: float, state: State, start: Start, stage: Stages) -> float:
     """Stage values of modes, carriers and joints from modal loads and joint accelerations.
 

@@ -45,7 +45,7 @@ from solver.coupled.stages import (
     new_stages,
     predict,
 )
-from solver.kernels import inner_kernel, kernel, lean_kernel
+from solver.kernels import kernel, lean_kernel, part_kernel
 from solver.multibody.joint_law import HELD, PTO_ZONE
 from solver.multibody.minimal import Bodies, PressureRoom, powers, pressure_room, pressures
 
@@ -168,7 +168,7 @@ def copy(source: np.ndarray, target: np.ndarray) -> None:
         target[i] = source[i]
 
 
-@inner_kernel
+@part_kernel
 def refresh(problem: Problem, room: Workspace) -> bool:
     """Newton's matrix of the step's start, factored; False when singular."""
     newton, bodies = room.newton, problem.bodies
@@ -177,7 +177,7 @@ def refresh(problem: Problem, room: Workspace) -> bool:
     return factorize(newton.K, newton.pivot)
 
 
-@inner_kernel
+@part_kernel
 def attempt(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
     """The stages of a step from `state`, ½ of which is at `sample`, in its start's zones; (outcome, iterations)."""
     memory_history(problem.memory, state.memory, room.start.velocity, room.stage.history)
@@ -253,7 +253,7 @@ def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
     load_bodies(problem.bodies, drive.excitation[sample : sample + 2], room.stage)
 
 
-@inner_kernel
+@part_kernel
 def account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
     """Works by Simpson's rule over the step's three points."""
     structure, stage, power = problem.structure, room.stage, room.power
@@ -271,14 +271,14 @@ def account_work(problem: Problem, drive: Drive, sample: int, state: State, room
     copy(power[2], state.power)
 
 
-@inner_kernel
+@part_kernel
 def put_out(room: Workspace, output: Output, row: int) -> None:
     """Both stages as rows of the output."""
     for s in range(2):
         put_stage(room, s, output, row + s)
 
 
-@inner_kernel
+@part_kernel
 def put_stage(room: Workspace, s: int, output: Output, row: int) -> None:
     """Stage s as a row of the output."""
     stage, nc = room.stage, output.carried.shape[1]
@@ -294,7 +294,7 @@ def put_stage(room: Workspace, s: int, output: Output, row: int) -> None:
         copy(room.flow[s, d], output.drag[row, d])
 
 
-@inner_kernel
+@part_kernel
 def advance(problem: Problem, state: State, room: Workspace) -> None:
     """The step's end becomes the next one's start."""
     start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]

@@ -30,7 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import erf
 
-from solver.kernels import kernel
+from solver.kernels import kernel, lean_kernel
 from solver.multibody.load_table import (
     Tables,
     beyond_piece,
@@ -337,20 +337,24 @@ def next_zone(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) 
     return HELD if abs(dy) < 0.5 * rate else reached
 
 
-@kernel
 def joint_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> JointLoads:
     """Loads of all axes from positions and rates (m, n), in the zones where these lie: no power take-off has let go."""
-    pto, loss, spring = np.empty(y.shape), np.empty(y.shape), np.empty(y.shape)
+    loads = JointLoads(*np.empty((3, *y.shape)))
+    _fill(law, y, dy, loads)
+    return loads
+
+
+@lean_kernel
+def _fill(law: JointLaw, y: np.ndarray, dy: np.ndarray, loads: JointLoads) -> None:
     for s in range(y.shape[0]):
         for i in range(y.shape[1]):
             stops, zone = stops_zone(law, i, y[s, i], dy[s, i]), pto_zone(law, i, y[s, i], dy[s, i])
             load = axis_load(law, i, stops, zone, y[s, i], dy[s, i])
-            pto[s, i], loss[s, i], spring[s, i] = load.pto, load.loss, load.spring
+            loads.pto[s, i], loads.loss[s, i], loads.spring[s, i] = load.pto, load.loss, load.spring
         row, column, stiffness, damping = law.couplings
         for e in range(row.size):
-            spring[s, row[e]] += stiffness[e] * y[s, column[e]]
-            loss[s, row[e]] += damping[e] * dy[s, column[e]]
-    return JointLoads(pto, loss, spring)
+            loads.spring[s, row[e]] += stiffness[e] * y[s, column[e]]
+            loads.loss[s, row[e]] += damping[e] * dy[s, column[e]]
 
 
 def pto_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> np.ndarray:

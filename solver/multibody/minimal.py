@@ -20,7 +20,7 @@ from solver.hydrodynamics.pressure.froude_krylov import (
     quadrature_room,
 )
 from solver.hydrodynamics.pressure.wetted_panels import PanelsRoom, WettedPanels, panels_pressure, panels_room
-from solver.kernels import fast_lean_kernel, inner_kernel, kernel, lean_kernel
+from solver.kernels import fast_lean_kernel, kernel, lean_kernel, part_kernel
 from solver.multibody.chain import Chain, cross, kinematics, rotated
 from solver.multibody.joint_law import (
     PTO_ZONE,
@@ -156,7 +156,7 @@ def move(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> None:
             motion.active_velocity[b * nr + r] = motion.velocity[b, bodies.active[r]]
 
 
-@inner_kernel
+@part_kernel
 def _spatial_inertia(bodies: Bodies, b: int, rotation: np.ndarray, M: np.ndarray, lever: np.ndarray) -> None:
     """M (6, 6) about the reference point in world axes; lever (3,) to the c.o.g."""
     m, inertia = bodies.mass[b], bodies.inertia[b]
@@ -295,7 +295,7 @@ def _wave_wrench(bodies: Bodies, b: int, motion: Motion, water: WaterLoads, W: n
             W[r] -= (bodies.stiffness[b, r, c] + bodies.pulled[b, r, c]) * moved
 
 
-@inner_kernel
+@part_kernel
 def powers(
     bodies: Bodies, at: Coordinates, motion: Motion, external: np.ndarray, memory: np.ndarray
 ) -> tuple[float, float, float, float]:
@@ -317,7 +317,7 @@ def powers(
     return waves, radiation, pto, loss + coupled_loss(bodies.law, at.dz)
 
 
-@inner_kernel
+@part_kernel
 def _weight_and_inertia(bodies: Bodies, b: int, motion: Motion, W: np.ndarray) -> None:
     """W += weight and d'Alembert's loads about the reference point, by Newton and Euler at the c.o.g."""
     R, inertia, a = motion.rotation[b], bodies.inertia[b], motion.acceleration[b]
@@ -402,7 +402,7 @@ def project_active(bodies: Bodies, motion: Motion, X: np.ndarray, M: np.ndarray)
             _project(bodies, motion, b, c, block, M)
 
 
-@inner_kernel
+@part_kernel
 def stored_energy(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> float:
     """Kinetic (added mass included), gravitational and spring energy [J]."""
     energy = 0.0

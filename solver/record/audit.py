@@ -60,7 +60,9 @@ class Probe:
         self._before: dict[str, float] = {}
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
-        """Take in a block."""
+        """Take in a block, of those that the steps reach into."""
+        if self.full:
+            return
         times = times - self.first * self.system.dt
         self.recorder.add(times, output, samples)
         pressure, every = self.system.drive(samples).field, max(1, 2 * self.steps // STATES)
