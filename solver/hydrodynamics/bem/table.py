@@ -1,9 +1,8 @@
 """Frequencies at which the table of the Green function tells the faces of a heave plate apart.
 
 Capytaine interpolates the wave part in cells of -k(z + z'), on a grid of even ratios. What a thin level plate radiates
-is the small difference of that part between its faces: where these lie in two cells, what both miss takes its place. The
-heave damping of a plate of 1/150 of its radius is then half of what it should be, or more than that too much, at up to
-one frequency of ten.
+is the small difference of that part between its faces: where these lie in two cells, what both miss takes its place.
+The heave damping of a plate of 1/150 of its radius is then 0.4 to 1.9 times what it should be, at 7 of 100 frequencies.
 """
 
 from collections.abc import Sequence
