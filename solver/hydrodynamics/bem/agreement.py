@@ -44,17 +44,17 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str
     expected (nw, 6 nb): Froude-Krylov force on the hulls.
     """
     _require_stiffness(six, floats)
-    expected = expected + _passing(six, floats)
+    exerted = expected + _passing(six, floats)
     k = np.array([floats.sea.wavenumber(w) for w in six.omega])
     long = _long(k * max(h.largest_radius for h in floats.hulls))
     if not long.any():
         return six, "no waves long against the hulls are among the frequencies: phases were not judged"
-    told, fits = six.excitation[long, 0], expected[long]
+    told, fits = six.excitation[long, 0], exerted[long]
     columns = _felt(fits)
     if _cosine(told, fits, columns) < IN_PHASE:
         moved = _moved(six, floats, k)
         if len(floats.hulls) > 1 or _cosine(moved.excitation[long, 0], fits, columns) < BETTER:
-            raise InputError(KEY, six.name, _misfit(told, fits, columns, floats.names))
+            raise InputError(KEY, six.name, _misfit(six, floats, expected, long))
         x, y, _ = floats.centres[0]
         return moved, f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"
     _require_size(six, told, fits, floats)
@@ -110,18 +110,26 @@ def _cosine(told: np.ndarray, expected: np.ndarray, columns: np.ndarray) -> floa
     return float(np.min(inner[there] / size[there], initial=1.0)) if there.any() else 0.0
 
 
-def _misfit(told: np.ndarray, fits: np.ndarray, columns: np.ndarray, names: tuple[str, ...]) -> str:
+def _misfit(six: Given, floats: Floats, expected: np.ndarray, long: np.ndarray) -> str:
     """Under which convention the force would fit."""
+    told, fits = six.excitation[long, 0], (expected + _passing(six, floats))[long]
+    names, columns = floats.names, _felt(fits)
     tries = [
-        (told.conj(), f"{TIME}; Re{{X exp(-iωt)}} is needed, and headings are directions that waves travel to"),
-        (-told, "has the opposite sign"),
-        (1j * told, "is a quarter of a period off: phases refer to a crest at x = y = 0"),
-        (-1j * told, "is a quarter of a period off: phases refer to a crest at x = y = 0"),
-        *((_permuted(told, order), text) for order, text in _orders(names)),
+        (
+            _cosine(told.conj(), fits, columns),
+            f"{TIME}; Re{{X exp(-iωt)}} is needed, and headings are directions that waves travel to",
+        ),
+        (_cosine(-told, fits, columns), "has the opposite sign"),
+        (_cosine(1j * told, fits, columns), "is a quarter of a period off: phases refer to a crest at x = y = 0"),
+        (_cosine(-1j * told, fits, columns), "is a quarter of a period off: phases refer to a crest at x = y = 0"),
     ]
-    scores = [_cosine(force, fits, columns) for force, _ in tries]
-    if max(scores) >= BETTER:
-        return "wave force " + tries[int(np.argmax(scores))][1]
+    for order, text in _orders(names):
+        other = _permuted(six, order)
+        fit = (expected + _passing(other, floats))[long]
+        tries.append((_cosine(other.excitation[long, 0], fit, _felt(fit)), text))
+    best, text = max(tries, key=lambda scored: scored[0])
+    if best >= BETTER:
+        return f"wave force {text}"
     each = [_cosine(told, fits, np.array([c])) for c in columns]
     worst = int(columns[int(np.argmin(each))])
     text = f"wave force on {names[worst // 6]} in {DOFS[worst % 6]} is out of phase with what long waves exert on"
@@ -137,8 +145,16 @@ def _orders(names: Sequence[str]) -> Iterator[tuple[tuple[int, ...], str]]:
             yield order, f"is of the bodies in another order: {', '.join(names[b] for b in np.argsort(order))}"
 
 
-def _permuted(told: np.ndarray, order: tuple[int, ...]) -> np.ndarray:
-    return told.reshape(len(told), -1, 6)[:, list(order)].reshape(told.shape)
+def _permuted(six: Given, order: tuple[int, ...]) -> Given:
+    """The force, added mass and damping with the bodies in this order."""
+    columns = (6 * np.array(order)[:, None] + np.arange(6)).ravel()
+    both = (slice(None), columns[:, None], columns)
+    return replace(
+        six,
+        added_mass=six.added_mass[both],
+        radiation_damping=six.radiation_damping[both],
+        excitation=six.excitation[..., columns],
+    )
 
 
 def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> None:
