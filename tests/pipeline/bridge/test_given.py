@@ -437,6 +437,12 @@ def test_a_missing_file_is_refused_with_status_2(study, tmp_path):
     assert "Traceback" not in run.stderr
 
 
+def test_a_plan_counts_no_boundary_elements_where_a_file_has_the_coefficients(ours, study, tmp_path):
+    capytaine_file(tmp_path / "pair.nc", ours)
+    plan = [sys.executable, "-m", "pipeline", "plan", str(study("pair.nc")), "--results", str(tmp_path / "results")]
+    assert "to run: 1 tasks; about" in subprocess.run(plan, capture_output=True, text=True, check=True).stdout
+
+
 def test_a_study_finds_the_coefficients_of_its_base(ours, study, tmp_path):
     capytaine_file(tmp_path / "pair.nc", ours)
     study("pair.nc")
