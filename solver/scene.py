@@ -390,7 +390,7 @@ class Settings:
     pressure: Annotated[Literal["wheeler", "extrapolated"], "Wave pressure above still water"] = "wheeler"
     froude_krylov: Annotated[
         Literal["body-nonlinear", "linear", "none"],
-        "Froude-Krylov forces, and hydrostatics with them; none leaves diffraction alone",
+        "Froude-Krylov forces, and hydrostatics with them; none leaves diffraction and linear hydrostatics",
     ] = "body-nonlinear"
     diffraction: Annotated[bool, "Whether floats diffract waves"] = True
     radiation: Annotated[bool, "Whether floats radiate waves"] = True

@@ -57,7 +57,7 @@ class Estimate:
             length = parameters.record.duration + parameters.record.discard
             self.length[platform] += length
             self.usual += length / REAL_TIME * (SLOWER if parameters.solver.accuracy == "reference" else 1)
-            if geometry := geometry_of(parameters):
+            if (geometry := geometry_of(parameters)) and not geometry.coefficients:
                 self.geometries.add(geometry)
         elif entry.state in ("done", "stale"):
             self._ran(entry.status)

@@ -138,14 +138,19 @@ def _force(rows: np.ndarray, periods: np.ndarray, headings: np.ndarray, turns: n
     return force * length ** (2.0 + turns)
 
 
-def read_out(file: Attachment, _density: float, _gravity: float) -> Given:
-    """The printed output, with length scale, water and places of the bodies; phases are whole degrees there."""
+def read_out(file: Attachment, density: float, _gravity: float) -> Given:
+    """The printed output, with length scale, depth and places of the bodies; phases are whole degrees there.
+
+    It tells the water's density only where the run's force control file did; `density` stands for it elsewhere.
+    """
     text = file.data.decode("latin-1")
     number = r"([-+0-9.Ee]+|infinite)"
-    gravity, length, depth, density = (
+    gravity, length, depth = (
         float(_found(text, f"{word}:\\s+{number}").replace("infinite", "inf"))
-        for word in ("Gravity", "Length scale", "Water depth", "Water density")
+        for word in ("Gravity", "Length scale", "Water depth")
     )
+    if told := re.search(f"Water density:\\s+{number}", text):
+        density = float(told[1])
     xyz = [
         [float(v) for v in m]
         for m in re.findall(rf"XBODY =\s*{number}\s+YBODY =\s*{number}\s+ZBODY =\s*{number}", text)

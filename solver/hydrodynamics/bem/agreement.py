@@ -1,8 +1,9 @@
 """Whether a wave's force is that on the hulls it is said to act on, and if not, under which convention it would be.
 
-In waves long against a hull the scattered wave's force goes with the incident one's: the water that passes is
-accelerated, and the hull with it. The force told is therefore in phase with the Froude-Krylov force on the hull, and
-of its order; another sign of time, reference for the phase, heading, order of bodies or unit shows at once.
+In waves long against a hull the scattered wave's force is that of the water passing it as if the hull moved the other
+way, (B - iωA)u with the file's own A and B: much more than the Froude-Krylov force on a heave plate, and against it.
+The force told is therefore in phase with the sum of both, and of its order; another sign of time, reference for the
+phase, heading, order of bodies or unit shows at once.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,10 +20,10 @@ from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull.mesh import Hull
 
 LONG = 0.5  # ka of waves that are long; up to twice that where there are no longer ones
-FELT = 0.02  # of the largest Froude-Krylov force on a body: of less the phase is not judged
+FELT = 0.02  # of the largest force on a body: of less the phase is not judged
 IN_PHASE = 0.5  # cosine of the phase, force-weighted
 BETTER = 0.85  # of another convention that explains the difference
-OF_ITS_ORDER = 0.3, 3.0  # heave force told over the Froude-Krylov force
+OF_ITS_ORDER = 0.3, 3.0  # heave force told over that in long waves
 # Turning the waves round turns the Froude-Krylov force into its conjugate, so that the two cannot be told apart.
 TIME = "is of the other sign of time, Re{X exp(+iωt)}, or of waves from the other side"
 SAME_HULL = 0.1  # relative: heave stiffness, and the Froude-Krylov force where it is told
@@ -43,20 +44,33 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str
     expected (nw, 6 nb): Froude-Krylov force on the hulls.
     """
     _require_stiffness(six, floats)
+    exerted = expected + _passing(six, floats)
     k = np.array([floats.sea.wavenumber(w) for w in six.omega])
     long = _long(k * max(h.largest_radius for h in floats.hulls))
     if not long.any():
         return six, "no waves long against the hulls are among the frequencies: phases were not judged"
-    told, fits = six.excitation[long, 0], expected[long]
+    told, fits = six.excitation[long, 0], exerted[long]
     columns = _felt(fits)
     if _cosine(told, fits, columns) < IN_PHASE:
         moved = _moved(six, floats, k)
         if len(floats.hulls) > 1 or _cosine(moved.excitation[long, 0], fits, columns) < BETTER:
-            raise InputError(KEY, six.name, _misfit(told, fits, columns, floats.names))
+            raise InputError(KEY, six.name, _misfit(six, floats, expected, long))
         x, y, _ = floats.centres[0]
         return moved, f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"
     _require_size(six, told, fits, floats)
     return six, ""
+
+
+def _passing(six: Given, floats: Floats) -> np.ndarray:
+    """(B - iωA)u (nw, 6 nb), u the mean over the wetted hull of the water's velocity, weighted as the wall faces it."""
+    u = np.zeros((len(six.omega), 6 * len(floats.hulls)), complex)
+    for b, (hull, centre) in enumerate(zip(floats.hulls, floats.centres, strict=True)):
+        points, areas = hull.surface_points()
+        weight = np.abs(areas)
+        velocity = np.array([floats.sea.wave(points + centre, w)[1] for w in six.omega])
+        u[:, 6 * b : 6 * b + 3] = np.sum(velocity * weight, axis=1) / weight.sum(axis=0)
+    Z = six.radiation_damping - 1j * six.omega[:, None, None] * six.added_mass
+    return np.einsum("wij,wj->wi", Z, u)
 
 
 def _moved(six: Given, floats: Floats, k: np.ndarray) -> Given:
@@ -96,22 +110,30 @@ def _cosine(told: np.ndarray, expected: np.ndarray, columns: np.ndarray) -> floa
     return float(np.min(inner[there] / size[there], initial=1.0)) if there.any() else 0.0
 
 
-def _misfit(told: np.ndarray, fits: np.ndarray, columns: np.ndarray, names: tuple[str, ...]) -> str:
+def _misfit(six: Given, floats: Floats, expected: np.ndarray, long: np.ndarray) -> str:
     """Under which convention the force would fit."""
+    told, fits = six.excitation[long, 0], (expected + _passing(six, floats))[long]
+    names, columns = floats.names, _felt(fits)
     tries = [
-        (told.conj(), f"{TIME}; Re{{X exp(-iωt)}} is needed, and headings are directions that waves travel to"),
-        (-told, "has the opposite sign"),
-        (1j * told, "is a quarter of a period off: phases refer to a crest at x = y = 0"),
-        (-1j * told, "is a quarter of a period off: phases refer to a crest at x = y = 0"),
-        *((_permuted(told, order), text) for order, text in _orders(names)),
+        (
+            _cosine(told.conj(), fits, columns),
+            f"{TIME}; Re{{X exp(-iωt)}} is needed, and headings are directions that waves travel to",
+        ),
+        (_cosine(-told, fits, columns), "has the opposite sign"),
+        (_cosine(1j * told, fits, columns), "is a quarter of a period off: phases refer to a crest at x = y = 0"),
+        (_cosine(-1j * told, fits, columns), "is a quarter of a period off: phases refer to a crest at x = y = 0"),
     ]
-    scores = [_cosine(force, fits, columns) for force, _ in tries]
-    if max(scores) >= BETTER:
-        return "wave force " + tries[int(np.argmax(scores))][1]
+    for order, text in _orders(names):
+        other = _permuted(six, order)
+        fit = (expected + _passing(other, floats))[long]
+        tries.append((_cosine(other.excitation[long, 0], fit, _felt(fit)), text))
+    best, text = max(tries, key=lambda scored: scored[0])
+    if best >= BETTER:
+        return f"wave force {text}"
     each = [_cosine(told, fits, np.array([c])) for c in columns]
     worst = int(columns[int(np.argmin(each))])
-    text = f"wave force on {names[worst // 6]} in {DOFS[worst % 6]} is out of phase with the Froude-Krylov force on"
-    return f"{text} its hull in long waves (cosine {min(each):.2f}); is it this hull, and where it was computed?"
+    text = f"wave force on {names[worst // 6]} in {DOFS[worst % 6]} is out of phase with what long waves exert on"
+    return f"{text} its hull (cosine {min(each):.2f}); is it this hull, and where it was computed?"
 
 
 def _orders(names: Sequence[str]) -> Iterator[tuple[tuple[int, ...], str]]:
@@ -123,8 +145,16 @@ def _orders(names: Sequence[str]) -> Iterator[tuple[tuple[int, ...], str]]:
             yield order, f"is of the bodies in another order: {', '.join(names[b] for b in np.argsort(order))}"
 
 
-def _permuted(told: np.ndarray, order: tuple[int, ...]) -> np.ndarray:
-    return told.reshape(len(told), -1, 6)[:, list(order)].reshape(told.shape)
+def _permuted(six: Given, order: tuple[int, ...]) -> Given:
+    """The force, added mass and damping with the bodies in this order."""
+    columns = (6 * np.array(order)[:, None] + np.arange(6)).ravel()
+    both = (slice(None), columns[:, None], columns)
+    return replace(
+        six,
+        added_mass=six.added_mass[both],
+        radiation_damping=six.radiation_damping[both],
+        excitation=six.excitation[..., columns],
+    )
 
 
 def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> None:
@@ -160,11 +190,11 @@ def _require_stiffness(six: Given, floats: Floats) -> None:
 
 
 def _require_size(six: Given, told: np.ndarray, fits: np.ndarray, floats: Floats) -> None:
-    """Refuse a heave force far from the Froude-Krylov force on a body that pierces the surface."""
+    """Refuse a heave force far from that of long waves on a body that pierces the surface."""
     low, high = OF_ITS_ORDER
     for b, (hull, name) in enumerate(zip(floats.hulls, floats.names, strict=True)):
         column = 6 * b + 2
         ratio = float(np.linalg.norm(told[:, column]) / np.linalg.norm(fits[:, column]))
         if ratio and not low < ratio < high and hull.waterplane[0] * hull.draft > 0.1 * hull.volume:
-            text = f"heave force on {name} in long waves is {ratio:.3g} times the Froude-Krylov force on its hull"
+            text = f"heave force on {name} is {ratio:.3g} times what long waves exert on its hull"
             raise InputError(KEY, six.name, f"{text}: other units, or a length scale other than 1 m?")

@@ -20,6 +20,7 @@ from solver.hydrodynamics.bem.far_field import FarField, PlaneWaves, modes, orde
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths, unit_motions
+from solver.hydrodynamics.bem.table import clear
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
@@ -82,7 +83,7 @@ def frequency_grid(
     None above that, not of the band, which meshes of about `panels` a body do not resolve: RESOLVED.
     `count` even ones for a body alone. A wave reflected between bodies L apart turns the phase
     of a force by 2kL: the spacing is then at most g/(4ωL), 1 rad, up to Ka = 2 and through the band. Without
-    interaction none is.
+    interaction none is. Hulls with heave plates have some moved by 0.3 % at most: see `clear`.
     """
     radii = [h.largest_radius for h in hulls]
     shallow = 1.001 * np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
@@ -98,7 +99,8 @@ def frequency_grid(
     density = (count - 1) / (high - low) + 0.0 * omega
     density = np.maximum(density, 4 * apart / gravity * omega / (1 + (omega / resolved) ** 16))
     index = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(omega))])
-    return np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1] - 1e-6)) + 1), index, omega)
+    grid = np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1] - 1e-6)) + 1), index, omega)
+    return clear(grid, hulls, depth, gravity)
 
 
 def solve(hulls: tuple[Hull, ...], centres: np.ndarray, *, heading: float = 0.0, **water: Any) -> Hydrodynamics:

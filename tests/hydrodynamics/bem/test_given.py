@@ -133,13 +133,40 @@ def shuffled(h):
     )
 
 
+def test_a_heave_plate_is_known_by_the_water_that_it_accelerates():
+    plate = Revolution.profile([[3.0, -6.0], [3.0, -5.4], [0.6, -5.4], [0.6, 1.0]])
+    omega = np.linspace(0.4, 4.4, 21)
+    h = solve((plate,), np.zeros((1, 3)), **WATER, omega=omega, planar=False, panels=108)
+    whole = h.diffraction + h.froude_krylov
+    assert np.sum(whole[:4, 2] * h.froude_krylov[:4, 2].conj()).real < 0  # against its Froude-Krylov force
+    same(taken(told(h), (plate,), np.zeros((1, 3)), ("spar",)), h)
+    backwards = told(h, excitation=whole[:, None].conj())
+    refused(backwards, match="other sign of time", hulls=(plate,), centres=np.zeros((1, 3)), names=("spar",))
+
+
+def test_a_heave_plate_in_another_order_is_named():
+    hulls = Revolution.profile([[3.0, -6.0], [3.0, -5.4], [0.6, -5.4], [0.6, 1.0]]), HULLS[0]
+    omega = np.linspace(0.4, 4.4, 12)
+    h = solve(hulls, CENTRES, **WATER, omega=omega, planar=False, panels=108)
+    given, turned = told(h, bodies=("", "")), np.r_[6:12, 0:6]
+    both = (slice(None), turned[:, None], turned)
+    given = replace(
+        given,
+        added_mass=h.added_mass[both],
+        radiation_damping=h.radiation_damping[both],
+        added_mass_inf=h.added_mass_inf[both[1:]],
+        excitation=given.excitation[..., turned],
+    )
+    refused(given, match="another order: ball, spar", hulls=hulls, names=("spar", "ball"))
+
+
 def test_every_other_convention_is_named():
     h, force = ours(), told().excitation
     refused(told(excitation=force.conj()), match=r"other sign of time, Re\{X exp\(\+iωt\)\}")
     refused(told(excitation=-force), match="opposite sign")
     refused(told(excitation=1j * force), match="quarter of a period")
     refused(shuffled(h), match="bodies in another order: rear, front")
-    refused(told(excitation=force * 8), match="heave force on front in long waves is .* times")
+    refused(told(excitation=force * 8), match="heave force on front is .* times")
     refused(told(radiation_damping=-h.radiation_damping), match="damping is negative at")
     refused(told(radiation_damping=2 * np.pi * h.radiation_damping), match="do not go together .* do their units agree")
     lopsided = h.added_mass.copy()

@@ -203,9 +203,9 @@ def wamit_files(folder, h, L=1.0):
     (folder / "pair.hst").write_text("\n".join(f"{i + 1} {j + 1} {C[i, j]:.6e}" for i in range(12) for j in range(12)))
 
 
-def wamit_out(path, h, L=2.0):
+def wamit_out(path, h, L=2.0, water=""):
     """The printed output for a length scale L, with the bodies' places; phases have decimals here."""
-    lines = [f" Gravity: {h.gravity}   Length scale: {L}", f" Water depth: {h.depth}  Water density: {h.density}"]
+    lines = [f" Gravity: {h.gravity}   Length scale: {L}", f" Water depth: {h.depth}   {water}"]
     lines += [f" XBODY = {x} YBODY = {y} ZBODY = {z} PHIBODY = 0.0" for x, y, z in h.centres]
     first, third = wamit_rows(h, L)
     words = [line.split() for line in first], [line.split() for line in third]
@@ -245,6 +245,7 @@ def test_every_format_reads_back_what_was_written(ours, tmp_path):
     bemio_file(tmp_path / "pair.h5", ours)
     wamit_files(tmp_path, ours)
     wamit_out(tmp_path / "pair.out", ours)
+    wamit_out(tmp_path / "told.out", ours, water=f"Water density: {RHO}")
     (tmp_path / "own.nc").write_bytes(cache.encode(ours, "key"))
     for name in ("pair.nc", "pair.h5", "pair.out", "own.nc"):
         given = reading.read(attached(tmp_path / name), RHO, G)
@@ -253,6 +254,7 @@ def test_every_format_reads_back_what_was_written(ours, tmp_path):
     texts = {k: (tmp_path / f"pair{k}").read_text() for k in (".1", ".3", ".hst")}
     whole = Attachment.of("pair.1", json.dumps(texts).encode())
     close(reading.read(whole, RHO, G), ours, rel=1e-6)
+    close(reading.read(attached(tmp_path / "told.out"), 1000.0, G), ours, rel=1e-6)
 
 
 def nemoh_files(folder, h, about=-2.0, wrapped=False):
@@ -433,6 +435,12 @@ def test_a_missing_file_is_refused_with_status_2(study, tmp_path):
     )
     assert run.returncode == 2 and "coefficients = 'nowhere.nc': no such file: " in run.stderr + run.stdout
     assert "Traceback" not in run.stderr
+
+
+def test_a_plan_counts_no_boundary_elements_where_a_file_has_the_coefficients(ours, study, tmp_path):
+    capytaine_file(tmp_path / "pair.nc", ours)
+    plan = [sys.executable, "-m", "pipeline", "plan", str(study("pair.nc")), "--results", str(tmp_path / "results")]
+    assert "to run: 1 tasks; about" in subprocess.run(plan, capture_output=True, text=True, check=True).stdout
 
 
 def test_a_study_finds_the_coefficients_of_its_base(ours, study, tmp_path):
