@@ -10,6 +10,9 @@ export NUMBA_NUM_THREADS := 1
 # numba's cache misses an edit in another file: a new folder for each state of the sources.
 export NUMBA_CACHE_DIR := $(CURDIR)/.jit/$(shell find solver -name '*.py' | LC_ALL=C sort | xargs cat | cksum | tr -d ' ')
 
+# Whatever the shell says: every process would compile all sources again that it imports, and tests start a hundred.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: study-buan paper jeju life test nightly validate bench bench-pipeline stress test-python kills faults fuzz figure lint setup clean
 
 study-buan: $(READY)

@@ -12,7 +12,8 @@ def main() -> None:
         from pipeline import environment
 
         environment.prepare()
-        from pipeline.cli import cli
+        with environment.importing():
+            from pipeline.cli import cli
 
         cli.main()
     except interrupt.Interrupted:

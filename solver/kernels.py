@@ -10,6 +10,8 @@ from typing import Any, Protocol, TypeVar, overload
 os.environ.setdefault("NUMBA_OPT", "1")
 from numba import njit
 from numba.core import event
+from numba.core.caching import FunctionCache
+from numba.core.runtime import rtsys
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -43,6 +45,19 @@ class _Uncollected(event.Listener):  # type: ignore[misc]  # numba has no types
 
 
 event.register("numba:compile", _Uncollected())
+
+
+def _load(cache: Any, signature: Any, target: Any) -> Any:
+    """What is in the cache, without all that numba first learns of compiling: that takes longer than most loading.
+
+    Of what it learns machine code needs numba's runtime alone; the compiler, where something is not there, learns it.
+    """
+    rtsys.initialize(target)
+    with cache._guard_against_spurious_io_errors():
+        return cache._load_overload(signature, target)
+
+
+FunctionCache.load_overload = _load
 # A sum of ~100 terms in another order differs in its last bits only; it lets the compiler use SIMD.
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 # A division by zero gives inf, which the march looks for, and not a branch at every division: a tenth of its time.

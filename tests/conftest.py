@@ -15,6 +15,7 @@ from filelock import FileLock
 from hypothesis import HealthCheck, settings
 from numba.core.dispatcher import Dispatcher
 
+from pipeline.environment import importing
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import Realization, realize
@@ -43,6 +44,13 @@ def pytest_unconfigure(config):
     if folder := getattr(config, "coefficients", None):
         del os.environ[FOLDER]
         shutil.rmtree(folder)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """All files are imported: a third of the time would go into looks for garbage among what stays."""
+    with importing():
+        return (yield)
 
 
 def pytest_addoption(parser):

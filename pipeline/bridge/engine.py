@@ -8,7 +8,8 @@ import traceback
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -113,8 +114,17 @@ def coefficients(geometries: Sequence[Geometry], shares: Sequence[Share]) -> lis
     return [cache.encode(one, geometry.key) for one, geometry in zip(known, geometries, strict=True)]
 
 
+@cache
+def _import() -> None:
+    """What a task needs, all at once and once a process."""
+    with environment.importing():
+        for name in ("solver.run", "pipeline.bridge.cache", "pipeline.bridge.scenes", "pipeline.results.records"):
+            import_module(name)
+
+
 def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
     """One task, from its parameters and its geometry's file."""
+    _import()
     from pipeline.bridge import cache, scenes
 
     known, scene = cache.decode(coefficients) if coefficients else None, scenes.scene(parameters)

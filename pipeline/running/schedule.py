@@ -45,11 +45,7 @@ SETTINGS = {
 MALLOC = {"MALLOC_MMAP_THRESHOLD_": "33554432", "MALLOC_TRIM_THRESHOLD_": "67108864"}
 # What cleans up after a killed run need not tell.
 QUIET = {"PYTHONWARNINGS": "ignore:resource_tracker:UserWarning"}
-# What workers need before their first step.
-IMPORTED = (
-    "distributed", "solver.run", "pipeline.bridge.scenes", "pipeline.bridge.cache", "pipeline.results.records",
-    "pipeline.cli.cli",
-)  # fmt: skip
+IMPORTED = "pipeline.running.imported"  # what workers need before their first step
 LEAST_MEMORY = 100e6  # less than what a worker imports [bytes]
 ADDRESS = r"(tcp|tls|ws|wss)://(\[[0-9A-Fa-f:.]+\]|[^\s:/\[\]]+):[0-9]{1,5}"
 SMALL = 2  # so few pieces of work are done sooner than a cluster starts
@@ -306,7 +302,7 @@ def _start_fork_server() -> None:
     environment.prepare()
     for name, value in {**MALLOC, **QUIET}.items():
         os.environ.setdefault(name, value)
-    set_forkserver_preload(list(IMPORTED))
+    set_forkserver_preload([IMPORTED])
     resource_tracker.ensure_running()  # or else the fork server starts it, and it ends by unblocking
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -327,9 +323,10 @@ def pool(work: int, place: Place, say: Callable[[str], None]) -> Iterator[Pool]:
     if place.scheduler is None and _small(work, place):
         yield Here()
         return
-    import dask
-    from distributed import Client
-    from distributed.comm.core import CommClosedError
+    with environment.importing():
+        import dask
+        from distributed import Client
+        from distributed.comm.core import CommClosedError
 
     for name in ("distributed", "distributed.client"):
         # Dask tells in tracebacks how a cluster breaks; what a user can do about it is said here.

@@ -39,7 +39,7 @@ def scene(*floats, **settings):
 @cache
 def known():
     """Of pillar and ball."""
-    omega = np.linspace(0.5, 7.0, 22)
+    omega = np.linspace(0.5, 7.0, 15)
     return solve((PILLAR, BALL), np.array([[0.0, 0, 0], [5.0, 0, 0]]), depth=30.0, omega=omega, panels=108)
 
 

@@ -27,7 +27,7 @@ SEA = realize(PiersonMoskowitz(Hs=0.8, Tp=5.46), components=60, band=(0.7, 3.4),
 
 @pytest.fixture(scope="module")
 def coefficients():
-    omega = np.concatenate([np.linspace(0.4, 4.0, 18), np.linspace(4.5, 9.0, 8)])
+    omega = np.concatenate([np.linspace(0.4, 4.0, 13), np.linspace(4.5, 9.0, 5)])
     hulls, centres = (COLUMN, HULL), np.array([[0.0, 0, 0], [-6.0, 0, 0]])
     return solve(hulls, centres, depth=50.0, omega=omega, panels=108)
 

@@ -1,10 +1,12 @@
 """What must be settled before numpy is imported."""
 
+import gc
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
+from pipeline import environment
 from pipeline.bridge.geometry import BEM_VERSION
 from pipeline.tasks.task import MODEL_VERSION
 
@@ -31,9 +33,15 @@ def test_the_version_is_that_of_the_project_and_costs_no_heavy_import():
     assert done.stdout == f"study {version}, model version {MODEL_VERSION}, BEM version {BEM_VERSION}\n"
 
 
+def test_garbage_is_left_alone_during_imports_and_collected_again_afterwards():
+    """What imports make stays: to look through it, again and again, is a sixth of their time."""
+    with environment.importing():
+        assert not gc.isenabled()
+    assert gc.isenabled()
+
+
 def test_the_first_run_says_that_it_compiles(tmp_path, monkeypatch):
     """Also after a plan or an interrupted run, which have left some kernels compiled."""
-    from pipeline import environment
     from solver.coupled.march import march
 
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))

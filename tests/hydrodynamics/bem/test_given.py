@@ -188,7 +188,7 @@ def test_moments_about_another_point_than_told_show_in_the_froude_krylov_moment(
 
 def test_one_float_alone_is_moved_to_its_place():
     """A file of one body is computed anywhere; the wave then reaches it at another time, and nothing else changes."""
-    hull, omega, at = HULLS[1], ours().omega, CENTRES[1:]
+    hull, omega, at = HULLS[1], ours().omega[::2], CENTRES[1:]
     here, there = (bem.solve((hull,), c, **WATER, omega=omega, planar=False, panels=108) for c in ([[0, 0, 0]], at))
     given = told(here, points=np.array([[0.0, 0.0, 0.0]]), bodies=("",))
     moved = taken(given, (hull,), at, ("rear",))

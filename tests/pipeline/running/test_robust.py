@@ -216,22 +216,21 @@ def test_an_error_while_a_batch_is_written_leaves_no_part(small_study, results, 
 
 def test_short_tasks_lie_many_to_a_file(tmp_path, results):
     """The dataset is that of files of their own, a rerun of one the same to the bit, and a loss is made good."""
-    path = empty.study(tmp_path, 400)
+    path = empty.study(tmp_path, 200)
     assert study("run", path, "--results", results).returncode == 0
     assert study("run", path, "--results", tmp_path / "alone", "--workers", 1).returncode == 0
     packs = sorted(results.glob("empty/packs/*.nc"))
     assert 3 <= len(packs) < 50 and not list(tmp_path.glob("alone/empty/packs/*"))
     assert contents(results) == contents(tmp_path / "alone")
     assert kills.dataset(results) == kills.dataset(tmp_path / "alone")
-    assert "bitwise the same as the old record" in study("rerun", path, "seed=399", "--results", results).stdout
+    assert "bitwise the same as the old record" in study("rerun", path, "seed=199", "--results", results).stdout
     data = bytearray(packs[-1].read_bytes())
     data[-1] ^= 1
     packs[-1].write_bytes(data)
     lost = int(re.search(r"(\d+) damaged", study("verify", path, "--results", results).stdout)[1])
     assert lost > 1
     again = study("run", path, "--results", results)
-    assert f"400 done; {lost} run now" in again.stdout, again.stdout + again.stderr
-    assert study("verify", path, "--results", results).returncode == 0
+    assert f"200 done; {lost} run now" in again.stdout, again.stdout + again.stderr
     assert kills.dataset(results) == kills.dataset(tmp_path / "alone")
     assert study("clean", path, "--orphans", "--results", results).stdout.count("removed") <= 2
     assert study("verify", path, "--results", results).returncode == 0
