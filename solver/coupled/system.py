@@ -58,6 +58,8 @@ BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's 
 KNOWN = 32  # scenes at rest that a process keeps
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
+Resting = Bits[tuple[Bodies, Structure, np.ndarray]]
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class System:
@@ -116,9 +118,14 @@ class System:
         return out
 
     @cached_property
+    def resting(self) -> Resting:
+        """Equal for all scenes that move alike in still water, about the same equilibrium."""
+        return Bits((self.bodies, self.structure, self.equilibrium[0]))
+
+    @cached_property
     def differences(self) -> Differences:
         """Of the floats' loads there."""
-        return differences(self.bodies, self.equilibrium[0])
+        return known_differences(self.resting)
 
     @property
     def stiffness(self) -> np.ndarray:
@@ -143,7 +150,7 @@ class System:
         scene = replace(self.scene, settings=replace(self.scene.settings, time_step=dt))
         memory = assembly.memory(self.fit, dt, self.bodies.added_mass.shape[0])
         other = replace(self, scene=scene, dt=dt, memory=memory)
-        kept = ("equilibrium", "differences", "factored")
+        kept = ("equilibrium", "resting", "differences", "factored")
         vars(other).update({name: value for name, value in vars(self).items() if name in kept})
         return other
 
@@ -265,6 +272,13 @@ class System:
             modal=np.ascontiguousarray(samples[:, at.modal]),
             station=np.ascontiguousarray(samples[:, at.station]).reshape(m, nd, ns),
         )
+
+
+@lru_cache(maxsize=KNOWN)
+def known_differences(scene: Resting) -> Differences:
+    """Scenes that differ in their seas alone share them."""
+    bodies, _, z = scene.value
+    return differences(bodies, z)
 
 
 @lru_cache(maxsize=KNOWN)

@@ -103,7 +103,7 @@ def test_published_pile(waves):
 def test_drag_of_the_reduced_platform_is_the_published_piles(waves):
     """At the crest, on a platform that does not move, from the coefficients and velocities that enter the march."""
     s = reduced(waves)
-    u = s.station_rows[:, 0, 0].real
+    u = support.driven(s, waves).stations[:, 0, 0].real
     assert s.drag @ (np.abs(u) * u) == approx(205_475, rel=1e-5)
 
 
@@ -122,7 +122,7 @@ def reduced(waves, modes=4, **changes):
 def test_kernel_drag_is_that_of_relative_velocity(waves):
     """Power and modal force of ½ρC_D D|u - v|(u - v), summed over stations in plain numpy."""
     s = reduced(waves)
-    u = s.station_rows[..., 0].real.T
+    u = support.driven(s, waves).stations[..., 0].real.T
     shape = np.ascontiguousarray(s.station_shape.transpose(2, 1, 0))
     structure = Structure(s.omega, 0 * s.omega, s.carrier, shape, s.drag, 0 * s.omega)
     dp = np.random.default_rng(0).normal(size=s.omega.size)
@@ -141,7 +141,9 @@ def test_basis_is_orthonormal_and_holds_the_static_answer(waves):
     model = assemble(pile())
     M = model.M + water.added_mass(model, OCEAN.density)
     assert s.shapes.T @ (M @ s.shapes) == approx(np.eye(s.omega.size), abs=1e-8)
-    few, all_modes = (x.shapes @ (x.wave_rows / x.omega[:, None] ** 2) for x in (s, every))
+    few, all_modes = (
+        x.shapes @ (support.driven(x, waves).modes / x.omega[:, None] ** 2) for x in (s, every)
+    )
     assert few == approx(all_modes, abs=1e-6 * np.abs(all_modes).max())
 
 
