@@ -8,7 +8,7 @@ import numpy as np
 
 from solver import limits, motions
 from solver.coupled import assembly
-from solver.coupled import support as platform
+from solver.coupled import support as supports
 from solver.coupled.energy import AT_START, GAP, SCALE, WORKS, energy, open_by
 from solver.coupled.equilibrium import (
     Differences,
@@ -24,6 +24,7 @@ from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure, drag
 from solver.coupled.pieces import SWING, new_fine
 from solver.coupled.stages import State
+from solver.coupled.support import Support
 from solver.coupled.step import (
     EXCURSION,
     NOT_CONVERGED,
@@ -45,9 +46,9 @@ from solver.keys import Bits, shared
 from solver.limits import slides
 from solver.multibody import joint_law
 from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
-from solver.scene import Float, Scene
+from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.field import Factored, WaveField, WaveSeries, factored, wave_field
-from solver.sea.realization import ramp
+from solver.sea.realization import CALM, ramp
 from solver.structure.load_history import LoadHistory
 
 FELT = 0.1  # of a float's largest force per wave amplitude: by no more do waves push whose pressure may be linear
@@ -67,7 +68,7 @@ class System:
 
     scene: Scene
     bodies: Bodies
-    support: platform.Support | None
+    support: Support | None
     structure: Structure
     fit: radiation.RadiationMemory | None
     memory: Memory
@@ -299,7 +300,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
     waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
     support = None
     if scene.platform is not None:
-        reduced = platform.reduce_platform(
+        reduced = supports.reduce_platform(
             replace(scene.platform, damping_ratio=0.0),  # which changes none of it
             waves,
             water,
@@ -309,7 +310,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
             stations=settings.stations_per_element,
             outputs=settings.outputs,
         )
-        support = platform.damped(reduced, scene.platform.damping_ratio)
+        support = supports.damped(reduced, scene.platform.damping_ratio)
     if fit is None and scene.floats and settings.radiation and settings.method == "time":
         hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
         fit = remembered(hydrodynamics, hulls, settings.memory_tolerance or radiation.USUAL, ways)
@@ -324,7 +325,9 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
     if near != waves:
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
     terms = assembly.terms_of(scene, near, reaches)
-    body = assembly.bodies(scene, near, support, hydrodynamics, added_mass, terms)
+    felt = near if any(scene.nonlinear) else None
+    still = scene.water, scene.sea.heading, scene.floats, scene.platform, scene.settings
+    body = _bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms)
     rows, layout = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms)
     return System(
         scene=scene,
@@ -339,6 +342,26 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
         near=near,
         dt=dt,
     )
+
+
+@lru_cache(maxsize=KNOWN)
+def _bodies(
+    water: Water,
+    heading: float,
+    floats: tuple[Float, ...],
+    platform: Platform | None,
+    settings: Settings,
+    field: WaveField | None,
+    support: Support | None,
+    hydrodynamics: Hydrodynamics | None,
+    added_mass: Bits[np.ndarray],
+    terms: tuple[int, ...],
+) -> Bodies:
+    """Scenes that differ in their seas alone share them, unless they are pushed where they are."""
+    sea = replace(CALM, heading=heading) if field is None else field.sea
+    scene = Scene(water=water, sea=sea, floats=floats, platform=platform, settings=settings)
+    field = wave_field(sea, water.depth, water.gravity, None) if field is None else field
+    return assembly.bodies(scene, field, support, hydrodynamics, added_mass.value, terms)
 
 
 def _require_hardly_felt(

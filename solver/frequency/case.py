@@ -160,18 +160,14 @@ class Case:
         return Condensed(self.model, self.omega, self.impedance, drag)
 
     @cached_property
-    def meshes(self) -> tuple[tuple[Condensed, np.ndarray], ...]:
-        """Equation and forces (nw, n), without drag, by the coefficients, and by those off by their estimated error."""
+    def meshes(self) -> tuple[Condensed, np.ndarray] | None:
+        """Equation and forces (2 nw, n), without drag, by the coefficients, then by those off by their estimated error."""
         h, system = self.hydrodynamics, self.system
         if h is None or h.shifted is h:
-            return ()
-        return tuple(
-            (
-                Condensed(self.model, self.omega, impedance(system, known, self.omega)),
-                force_of_waves(system, known)[self.met],
-            )
-            for known in (h, h.shifted)
-        )
+            return None
+        Y = np.concatenate([impedance(system, known, self.omega) for known in (h, h.shifted)])
+        force = np.concatenate([force_of_waves(system, known)[self.met] for known in (h, h.shifted)])
+        return Condensed(self.model, np.tile(self.omega, 2), Y), force
 
     @cached_property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:
@@ -198,9 +194,9 @@ class Case:
 
     def mesh_effect(self, law: JointLaw) -> float:
         """See audit.coefficient_effects; with the law's dampers."""
-        if not self.meshes:
+        if self.meshes is None:
             return 0.0
-        damping = self.added_damping(law)
-        at_rest = np.zeros(self.force.shape, complex)
-        exact, shifted = (equation.response(force, damping, at_rest) for equation, force in self.meshes)
+        equation, force = self.meshes
+        X = equation.response(force, self.added_damping(law), np.zeros(force.shape, complex))
+        exact, shifted = np.split(X, 2)
         return response_error(self.system, law, self.omega, shifted, exact)
