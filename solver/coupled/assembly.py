@@ -216,6 +216,7 @@ def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None) -> tuple[np
     return stiffness, buoyancy
 
 
+@lru_cache(maxsize=KNOWN)
 def structure(support: Support | None, damping_ratio: float) -> Structure:
     """Modal arrays; empty without an elastic support."""
     if support is None:
@@ -289,7 +290,7 @@ def _rows(
     """Tasks that differ in their joints alone share them."""
     n, nb = field.sea.omega.size, len(centres)
     frame = driven(support, field) if support else None
-    around = (near.local_pressure(np.array(c), m).reshape(-1, n) for c, m in zip(centres, terms, strict=True))
+    around = (near.local_pressure(np.array(c), m).reshape(-1, n) for c, m in zip(centres, terms, strict=True) if m)
     parts = [
         np.concatenate([np.zeros((0, n)), *around]),
         _excitation(field, near, nb, hydrodynamics, wanted).reshape(-1, n) if nb else np.zeros((0, n)),

@@ -94,6 +94,7 @@ class LinearModel:
         return K - w**2 * M - 1j * w * (D + self.radiating.T @ Y @ self.radiating)
 
 
+@lru_cache(maxsize=KNOWN)
 def linear_model(system: System) -> LinearModel:
     """The model of a scene; all its loads are those that the march evaluates."""
     return _linear_model(system.resting, tuple(f.hull.size for f in system.scene.floats))

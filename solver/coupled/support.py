@@ -33,6 +33,8 @@ PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the larg
 # Pieces of an element in which loads are integrated: of 1/k of the shortest wave for inertia, whose EXACT points are
 # then right to 2e-5 of it, and of the mean wave for drag.
 INERTIA, DRAG = 4.0, 1.0
+NODES = 16, 32, 48, 64  # of curves over wavenumbers
+SMOOTH = 1e-11  # of the largest of its kind, between them
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
 KNOWN = 8  # platforms that a process keeps, by themselves and in one sea
 PLANAR = np.array([0, 2, 4])
@@ -60,6 +62,7 @@ class Support:
     omega: np.ndarray  # (nm,) of the basis, with added mass [rad/s]
     shapes: np.ndarray  # (6n, nm)
     carrier: np.ndarray  # (nc, nm)
+    typical: WaveField  # waves of such seas
     places: np.ndarray  # (np, 3) where the water moves in its own way
     waves: np.ndarray  # (2 np, nm) modal load for unit du/dt there, first along the heading, then upward
     station_shape: np.ndarray  # (ns, nd, nm)
@@ -84,12 +87,68 @@ class Driven(NamedTuple):
 
 @lru_cache(maxsize=KNOWN)
 def driven(support: Support, field: WaveField) -> Driven:
-    """By one sea."""
-    maps = [support.waves, support.left_out.waves, *([support.forces.waves] if support.forces else [])]
+    """By one sea; from a curve over typical waves where those are fewer than its own."""
+    curve = _curve(support) if field.k.size > NODES[0] and support.typical.k.size < field.k.size else None
+    rows = _rows(support, field) if curve is None else curve.at(field)
+    (ns, nd, _), sizes = support.station_shape.shape, [part.shape[1] for part in _maps(support)]
+    modes, left_out, borne, stations = np.split(rows, np.cumsum(sizes))
+    return Driven(modes, stations.reshape(ns, nd, field.k.size), borne, left_out)
+
+
+class _Curve(NamedTuple):
+    """Rows per amplitude over log k: the polynomial through Chebyshev's nodes, by its barycentric formula."""
+
+    nodes: np.ndarray  # (n,)
+    values: np.ndarray  # (n, m) complex
+
+    def at(self, field: WaveField) -> np.ndarray:
+        """(m, nw) of a sea."""
+        n = len(self.nodes)
+        weight = (-1.0) ** np.arange(n) * np.sin((np.arange(n) + 0.5) * np.pi / n)
+        away = np.log(field.k)[:, None] - self.nodes
+        share = weight / np.where(away == 0, np.finfo(float).tiny ** 0.1, away)
+        share /= share.sum(axis=1, keepdims=True)
+        rows: np.ndarray = (_real_by_complex(share, self.values) * field.sea.amplitude[:, None]).T
+        return rows
+
+
+@lru_cache(maxsize=KNOWN)
+def _curve(support: Support) -> _Curve | None:
+    """Over the typical waves, to rounding of the largest of each kind of row; None where no number of nodes is enough.
+
+    Many seas share it, and it costs less than what the water does at each place.
+    """
+    typical, ends = support.typical, np.log(support.typical.k[[0, -1]])
+    sizes = np.cumsum([part.shape[1] for part in _maps(support)])
+    for n in NODES:
+        nodes = ends.mean() + np.ptp(ends) / 2 * np.cos((np.arange(n) + 0.5) * np.pi / n)
+        curve = _Curve(nodes, _rows(support, _unit(nodes, typical)).T)
+        between = _unit((nodes[1:] + nodes[:-1]) / 2, typical)
+        kinds = (np.split(rows, sizes) for rows in (curve.at(between), _rows(support, between)))
+        if all(
+            np.abs(a - b).max(initial=0.0) <= SMOOTH * np.abs(b).max(initial=0.0) for a, b in zip(*kinds, strict=True)
+        ):
+            return curve
+    return None
+
+
+def _unit(log_k: np.ndarray, like: WaveField) -> WaveField:
+    """Waves of 1 m."""
+    field = _waves(tuple(np.exp(log_k).tolist()), like.sea.heading, like.depth, like.gravity, None)
+    return replace(field, sea=replace(field.sea, amplitude=np.ones(log_k.size, complex)))
+
+
+def _maps(support: Support) -> tuple[np.ndarray, ...]:
+    """From du/dt at the places (2 np, …) to modes, what is left out, and forces."""
+    forces = np.zeros((len(support.waves), 0)) if support.forces is None else support.forces.waves
+    return support.waves, support.left_out.waves, forces
+
+
+def _rows(support: Support, field: WaveField) -> np.ndarray:
+    """Of modes, of what is left out, of forces, of stations, (m, n)."""
     push = -1j * field.sea.omega * np.concatenate(field.swing(support.places))
-    rows = _real_by_complex(np.concatenate(maps, axis=1).T, push)
-    modes, left_out, borne = np.split(rows, np.cumsum([part.shape[1] for part in maps[:2]]))
-    return Driven(modes, support.flow(field), borne, left_out)
+    rows = _real_by_complex(np.concatenate(_maps(support), axis=1).T, push)
+    return np.concatenate([rows, support.flow(field).reshape(-1, field.k.size)])
 
 
 @lru_cache(maxsize=KNOWN)
@@ -210,6 +269,7 @@ def _reduced(
         omega=omega,
         shapes=shapes,
         carrier=shapes[dof.ravel()],
+        typical=field,
         places=around.places,
         waves=nodal @ shapes,
         station_shape=station_shape,
@@ -247,10 +307,8 @@ def _typical(field: WaveField, at: water.Stations) -> WaveField:
 
 
 @lru_cache(maxsize=KNOWN)
-def _waves(
-    k: tuple[float, ...], heading: float, depth: float, gravity: float, current: Current | None
-) -> WaveField:
-    omega = np.sqrt(gravity * np.array(k) * np.tanh(np.array(k) * depth))
+def _waves(k: tuple[float, ...], heading: float, depth: float, gravity: float, current: Current | None) -> WaveField:
+    omega = np.sqrt(gravity * np.array(k) * np.tanh(np.array(k) * depth))  # infinite depth is deep
     sea = Realization(omega=omega, amplitude=(1 / omega).astype(complex), heading=heading)
     return WaveField(sea, depth, gravity, current)
 

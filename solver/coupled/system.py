@@ -24,7 +24,6 @@ from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure, drag
 from solver.coupled.pieces import SWING, new_fine
 from solver.coupled.stages import State
-from solver.coupled.support import Support
 from solver.coupled.step import (
     EXCURSION,
     NOT_CONVERGED,
@@ -37,6 +36,7 @@ from solver.coupled.step import (
     new_problem,
     new_workspace,
 )
+from solver.coupled.support import Support
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.bem.mean_hull import motion_lengths
@@ -283,6 +283,14 @@ def known_differences(scene: Resting) -> Differences:
 
 
 @lru_cache(maxsize=KNOWN)
+def loads_at_rest(scene: Resting) -> tuple[np.ndarray, np.ndarray]:
+    """JᵀW (nz,) and W (nb, 6) of the floats there."""
+    bodies, _, z = scene.value
+    load, wrench = balance(bodies, z)
+    return shared(load), shared(wrench)
+
+
+@lru_cache(maxsize=KNOWN)
 def _equilibrium(
     scene: Bits[tuple[Bodies, np.ndarray, np.ndarray, np.ndarray]], stride: float
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -319,7 +327,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
     if hydrodynamics is not None and settings.radiation:
         added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
     height = scene.sea.parameters()["Hm0"]
-    reaches = _reaches(scene, height)
+    reaches = _reaches(scene, height) if any(scene.nonlinear) else [0.0] * len(scene.floats)
     reach = max((r for r, nonlinear in zip(reaches, scene.nonlinear, strict=True) if nonlinear), default=0.0)
     near = waves.near(reach, settings.field_tolerance)
     if near != waves:
