@@ -246,7 +246,7 @@ def _reduced(
     rest = _rest(model, tops, symmetric, omega, shapes)
     both = np.concatenate([shapes, rest], axis=1)
     nodal = (_onto_nodes(model, at) @ inertial).T
-    water_drag = _drag(model, field, drags, sea, both, omega.size, planar=planar)
+    water_drag = _drag(field, drags, sea, both, omega.size, planar=planar)
     station_shape, station_rest = np.split(water_drag.shape, [omega.size], axis=2)
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
@@ -536,7 +536,6 @@ class _Drag(NamedTuple):
 
 
 def _drag(
-    model: FrameModel,
     field: WaveField,
     at: water.Stations,
     sea: Water,

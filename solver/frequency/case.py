@@ -158,7 +158,10 @@ class Case:
 
     @cached_property
     def meshes(self) -> tuple[Condensed, np.ndarray] | None:
-        """Equation and forces (2 nw, n), without drag, by the coefficients, then by those off by their estimated error."""
+        """Equation and forces (2 nw, n), without drag: by the coefficients, then by those off by their estimated error.
+
+        None where the coefficients have none.
+        """
         h, system = self.hydrodynamics, self.system
         if h is None or h.shifted is h:
             return None
