@@ -88,7 +88,7 @@ class Driven(NamedTuple):
 @lru_cache(maxsize=KNOWN)
 def driven(support: Support, field: WaveField) -> Driven:
     """By one sea; from a curve over typical waves where those are fewer than its own."""
-    curve = _curve(support) if field.k.size > NODES[0] and support.typical.k.size < field.k.size else None
+    curve = _curve(support) if 1 < support.typical.k.size < field.k.size else None
     rows = _rows(support, field) if curve is None else curve.at(field)
     (ns, nd, _), sizes = support.station_shape.shape, [part.shape[1] for part in _maps(support)]
     modes, left_out, borne, stations = np.split(rows, np.cumsum(sizes))
