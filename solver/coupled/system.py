@@ -47,6 +47,7 @@ from solver.limits import slides
 from solver.multibody import joint_law
 from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
 from solver.scene import Float, Platform, Scene, Settings, Water
+from solver.sea.current import Current
 from solver.sea.field import Factored, WaveField, WaveSeries, factored, wave_field
 from solver.sea.realization import CALM, ramp
 from solver.structure.load_history import LoadHistory
@@ -334,7 +335,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
     terms = assembly.terms_of(scene, near, reaches)
     felt = near if any(scene.nonlinear) else None
-    still = scene.water, scene.sea.heading, scene.floats, scene.platform, scene.settings
+    still = scene.water, scene.current, scene.sea.heading, scene.floats, scene.platform, scene.settings
     body = _bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms)
     rows, layout = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms)
     return System(
@@ -355,6 +356,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
 @lru_cache(maxsize=KNOWN)
 def _bodies(
     water: Water,
+    current: Current | None,
     heading: float,
     floats: tuple[Float, ...],
     platform: Platform | None,
@@ -367,8 +369,8 @@ def _bodies(
 ) -> Bodies:
     """Scenes that differ in their seas alone share them, unless they are pushed where they are."""
     sea = replace(CALM, heading=heading) if field is None else field.sea
-    scene = Scene(water=water, sea=sea, floats=floats, platform=platform, settings=settings)
-    field = wave_field(sea, water.depth, water.gravity, None) if field is None else field
+    scene = Scene(water=water, sea=sea, current=current, floats=floats, platform=platform, settings=settings)
+    field = wave_field(sea, water.depth, water.gravity, current) if field is None else field
     return assembly.bodies(scene, field, support, hydrodynamics, added_mass.value, terms)
 
 
