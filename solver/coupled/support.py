@@ -134,7 +134,7 @@ def _curve(support: Support) -> _Curve | None:
 
 def _unit(log_k: np.ndarray, like: WaveField) -> WaveField:
     """Waves of 1 m."""
-    field = _waves(tuple(np.exp(log_k).tolist()), like.sea.heading, like.depth, like.gravity, None)
+    field = _of_one_speed(np.exp(log_k), like.sea.heading, like.depth, like.gravity)
     return replace(field, sea=replace(field.sea, amplitude=np.ones(log_k.size, complex)))
 
 
@@ -308,7 +308,14 @@ def _typical(field: WaveField, at: water.Stations) -> WaveField:
 
 @lru_cache(maxsize=KNOWN)
 def _waves(k: tuple[float, ...], heading: float, depth: float, gravity: float, current: Current | None) -> WaveField:
-    omega = np.sqrt(gravity * np.array(k) * np.tanh(np.array(k) * depth))  # infinite depth is deep
+    """One object for all who ask for the same."""
+    return _of_one_speed(np.array(k), heading, depth, gravity, current)
+
+
+def _of_one_speed(
+    k: np.ndarray, heading: float, depth: float, gravity: float, current: Current | None = None
+) -> WaveField:
+    omega = np.sqrt(gravity * k * np.tanh(k * depth))  # infinite depth is deep
     sea = Realization(omega=omega, amplitude=(1 / omega).astype(complex), heading=heading)
     return WaveField(sea, depth, gravity, current)
 

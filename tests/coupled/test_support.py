@@ -186,9 +186,12 @@ def test_seas_of_few_waves_have_their_own_shapes():
 @pytest.mark.parametrize(("apart", "heading"), [(8.0, 0.0), (45.0, 0.7)])
 def test_rows_come_from_a_curve_over_typical_waves_to_rounding(apart, heading):
     sea, platform = many_waves(heading), Platform(frame=pair_of_piles(apart), legs=("leg0.0",))
-    s = support.reduce_platform(platform, sea, OCEAN, (), planar=False, modes=2, stations=2)
+    options = {"planar": False, "modes": 2, "stations": 2}
+    s = support.reduce_platform(platform, sea, OCEAN, (), **options)
     curve, exact = support._curve(s), support._rows(s, sea)
     assert curve is not None
+    louder = replace(sea, sea=replace(sea.sea, amplitude=2 * sea.sea.amplitude))
+    assert support.reduce_platform(platform, louder, OCEAN, (), **options) is s
     kinds = np.cumsum([part.shape[1] for part in support._maps(s)])
     for rows, true in zip(np.split(curve.at(sea), kinds), np.split(exact, kinds), strict=True):
         assert len(true) and rows == approx(true, abs=1e-11 * np.abs(true).max())
