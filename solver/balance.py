@@ -5,6 +5,7 @@ Mended hulls and records cut short are told here, too.
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from solver.hydrodynamics.hull.clearance import openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.scene import DOFS, Float, Scene, Water
 
+KNOWN = 64  # floats that a process keeps
 LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 
@@ -33,7 +35,8 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes))
 
 
-def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list[str]:
+@lru_cache(maxsize=KNOWN)
+def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tuple[str, ...]:
     """Axes of the joint along which weight and buoyancy at rest, with those of what it carries, differ by over ALLOWED.
 
     A float so held moves to its equilibrium before the run; that is rarely what was meant.
@@ -49,7 +52,7 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> list
                 f"floats.{item.name} is out of equilibrium: {told}{'' if name == 'heave' else moments}."
                 " It settles before the run begins"
             )
-    return sentences
+    return tuple(sentences)
 
 
 def _along(item: Float, water: Water, floats: Sequence[Float]) -> Iterator[tuple[str, float, float, float]]:

@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 from solver import limits, motions
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure
-from solver.coupled.support import PLANAR, Support
+from solver.coupled.support import PLANAR, Support, driven
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadrature
@@ -216,6 +216,7 @@ def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None) -> tuple[np
     return stiffness, buoyancy
 
 
+@lru_cache(maxsize=KNOWN)
 def structure(support: Support | None, damping_ratio: float) -> Structure:
     """Modal arrays; empty without an elastic support."""
     if support is None:
@@ -288,14 +289,15 @@ def _rows(
 ) -> tuple[np.ndarray, Layout]:
     """Tasks that differ in their joints alone share them."""
     n, nb = field.sea.omega.size, len(centres)
-    around = (near.local_pressure(np.array(c), m).reshape(-1, n) for c, m in zip(centres, terms, strict=True))
+    frame = driven(support, field) if support else None
+    around = (near.local_pressure(np.array(c), m).reshape(-1, n) for c, m in zip(centres, terms, strict=True) if m)
     parts = [
         np.concatenate([np.zeros((0, n)), *around]),
         _excitation(field, near, nb, hydrodynamics, wanted).reshape(-1, n) if nb else np.zeros((0, n)),
-        support.wave_rows if support else np.zeros((0, n)),
-        support.station_rows.transpose(1, 0, 2).reshape(-1, n) if support else np.zeros((0, n)),
+        frame.modes if frame else np.zeros((0, n)),
+        frame.stations.transpose(1, 0, 2).reshape(-1, n) if frame else np.zeros((0, n)),
         field.elevation(np.zeros((1, 3))),
-        support.forces.rows if support and support.forces else np.zeros((0, n)),
+        frame.forces if frame else np.zeros((0, n)),
     ]
     ends = np.cumsum([0] + [len(p) for p in parts])
     columns = [slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]

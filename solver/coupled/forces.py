@@ -91,13 +91,13 @@ class Places:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Forces:
-    """Maps to the ny forces that are asked for: y = (waves + p̈ A + ṗ B + h C + g D) S, besides those at rest.
+    """Maps to the ny forces that are asked for: y = (w + p̈ A + ṗ B + h C + g D) S, besides those at rest.
 
     Few of the ny go their own way: the others are sums of the r in the brackets, to rounding.
     """
 
     places: Places
-    rows: np.ndarray  # (r, n) complex, of the wave's inertia load
+    waves: np.ndarray  # (2 np, r) of the wave's inertia load, as Support.waves: w is of these
     inertia: np.ndarray  # (nm, r) of modal accelerations
     damping: np.ndarray  # (nm, r) of modal rates, for a damping ratio of 1 until it is known: see damped
     carried: np.ndarray  # (nc, r) of the floats' loads on the carriers
@@ -122,13 +122,13 @@ class Forces:
         return waves + (ddp @ self.inertia + dp @ self.damping + carried @ self.carried)
 
 
-def reduced(places: Places, at_rest: np.ndarray, rows: np.ndarray, **maps: np.ndarray) -> Forces:
-    """Of maps to all ny forces: rows (ny, n), the others (…, ny).
+def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
+    """Of maps (…, ny) to all ny forces.
 
     The r that are kept are rows of the maps themselves, those by which a QR decomposition with pivots leaves no more
     than ROUNDING; what drives them counts by its largest effect, a force or a moment by the largest of its kind.
     """
-    whole = np.concatenate([rows.real.T, rows.imag.T, *maps.values()])
+    whole = np.concatenate([*maps.values()])
     moment = places.wanted.moments
     size = np.where(moment, *(np.abs(whole[:, kind]).max(initial=0.0) for kind in (moment, ~moment)))
     scaled = whole / np.where(size > 0, size, 1.0)
@@ -142,7 +142,6 @@ def reduced(places: Places, at_rest: np.ndarray, rows: np.ndarray, **maps: np.nd
     spread *= size / size[kept, None]
     return Forces(
         places=places,
-        rows=rows[kept],
         **{name: values[:, kept] for name, values in maps.items()},
         moments=moment[kept],
         spread=spread,

@@ -20,11 +20,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from solver.coupled.system import System
+from solver.coupled.equilibrium import symmetric_stiffness
+from solver.coupled.system import Resting, System, known_differences
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.multibody.minimal import move, new_motion
+from solver.multibody.minimal import Bodies, move, new_motion
 
-KNOWN = 4  # systems whose model a process keeps
+KNOWN = 8  # models that a process keeps
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -96,19 +97,25 @@ class LinearModel:
 @lru_cache(maxsize=KNOWN)
 def linear_model(system: System) -> LinearModel:
     """The model of a scene; all its loads are those that the march evaluates."""
-    frame, (z, _) = system.structure, system.equilibrium
+    return _linear_model(system.resting, tuple(f.hull.size for f in system.scene.floats))
+
+
+@lru_cache(maxsize=KNOWN)
+def _linear_model(scene: Resting, sizes: tuple[float, ...]) -> LinearModel:
+    """Scenes that differ in their seas alone share it."""
+    bodies, frame, z = scene.value
     (nc, nm), nz = frame.carrier.shape, z.size
     T = np.zeros((nz, nm + nz - nc))
     T[:nc, :nm], T[nc:, nm:] = frame.carrier, np.eye(nz - nc)
-    loads = system.differences
-    floats = np.stack([system.stiffness, *(-loads.residual[1:])])
+    loads = known_differences(scene)
+    floats = np.stack([symmetric_stiffness(loads.residual[0]), *(-loads.residual[1:])])
     modal = np.zeros((3, nm + nz - nc))
     modal[:, :nm] = frame.omega**2, 2 * frame.damping * frame.omega, np.ones(nm)
     parts = zip(floats, modal, strict=True)
     stiffness, damping, mass = (T.T @ of_floats @ T + np.diag(of_modes) for of_floats, of_modes in parts)
-    J = _jacobian(system, z)
-    radiating = J[:, system.bodies.active].reshape(len(J) * system.bodies.active.size, nz)
-    reach = np.linalg.norm(J[:, :3], axis=1) + _sizes(system)[:, None] * np.linalg.norm(J[:, 3:], axis=1)
+    J = _jacobian(bodies, z)
+    radiating = J[:, bodies.active].reshape(len(J) * bodies.active.size, nz)
+    reach = np.linalg.norm(J[:, :3], axis=1) + np.reshape(sizes, (-1, 1)) * np.linalg.norm(J[:, 3:], axis=1)
     return LinearModel(
         shape=T,
         active=radiating @ T,
@@ -123,13 +130,9 @@ def linear_model(system: System) -> LinearModel:
     )
 
 
-def _sizes(system: System) -> np.ndarray:
-    return np.array([f.hull.size for f in system.scene.floats])
-
-
-def _jacobian(system: System, z: np.ndarray) -> np.ndarray:
+def _jacobian(body: Bodies, z: np.ndarray) -> np.ndarray:
     """Motion (nb, 6, nz) of the reference points for unit coordinates."""
-    body, motion = system.bodies, new_motion(system.bodies)
+    motion = new_motion(body)
     move(body, z, np.zeros(z.size), motion)
     J = np.zeros((body.axes.size, 6, z.size))
     for b, n in enumerate(body.axes):

@@ -27,19 +27,30 @@ def of_gaussian(S: np.ndarray) -> np.ndarray:
     With variances a ≥ b in that plane, m = 1 - b/a, and complete elliptic integrals E(m), K(m): mean speed
     √(2a/π) E, and ⟨u₁²/|u|⟩ = √(2a/π) (E - (b/a) K)/m; the other direction has the rest of the mean speed.
     """
-    value, axis = np.linalg.eigh(S)
-    a = value[..., -1].clip(min=0.0)
-    b = value[..., -2].clip(min=0.0) if S.shape[-1] > 1 else np.zeros(a.shape)
+    a, b, first, second = _principal(S)
     ratio = np.divide(b, a, out=np.ones(a.shape), where=a > 0)
     m = np.maximum(1 - ratio, ROUND)
     speed = np.sqrt(2 * a / np.pi) * ellipe(m)
-    second = ratio * np.where(ratio > 0, ellipkm1(np.maximum(1 - m, np.finfo(float).tiny)), 0.0)
-    along = np.where(1 - ratio > ROUND, np.sqrt(2 * a / np.pi) * (ellipe(m) - second) / m, speed / 2)
-    K = np.broadcast_to(speed[..., None], value.shape).copy()
-    K[..., -1] += along
-    if S.shape[-1] > 1:
-        K[..., -2] += speed - along
-    return np.einsum("...ij,...j,...kj->...ik", axis, K, axis)
+    less = ratio * np.where(ratio > 0, ellipkm1(np.maximum(1 - m, np.finfo(float).tiny)), 0.0)
+    along = np.where(1 - ratio > ROUND, np.sqrt(2 * a / np.pi) * (ellipe(m) - less) / m, speed / 2)
+    parts = (speed, np.eye(S.shape[-1])), (along, first), (speed - along, second)
+    return np.sum([size[..., None, None] * way for size, way in parts], axis=0)
+
+
+def _principal(S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """The two largest variances (…), and the projections (…, d, d) on their axes; of one direction the other is 0."""
+    d = S.shape[-1]
+    if d == 2:
+        half, middle = (S[..., 0, 0] - S[..., 1, 1]) / 2, (S[..., 0, 0] + S[..., 1, 1]) / 2
+        size = np.hypot(half, S[..., 0, 1])
+        turned = np.stack([half, S[..., 0, 1], S[..., 0, 1], -half], axis=-1).reshape(S.shape)
+        turned = np.divide(turned, size[..., None, None], out=np.zeros(S.shape), where=size[..., None, None] > 0)
+        first = (np.eye(2) + turned) / 2
+        return (middle + size).clip(min=0.0), (middle - size).clip(min=0.0), first, np.eye(2) - first
+    value, axis = np.linalg.eigh(S)
+    first, second = (axis[..., i, None] * axis[..., None, :, i] for i in (-1, -min(d, 2)))
+    b = value[..., -2].clip(min=0.0) if d > 1 else np.zeros(value.shape[:-1])
+    return value[..., -1].clip(min=0.0), b, first, second if d > 1 else np.zeros(S.shape)
 
 
 def in_stream(U: np.ndarray, S: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

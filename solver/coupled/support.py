@@ -19,17 +19,22 @@ from solver.coupled.forces import Forces, Places
 from solver.errors import InputError
 from solver.keys import shared
 from solver.scene import Platform, Water
+from solver.sea.current import Current
 from solver.sea.field import WaveField
+from solver.sea.realization import Realization
 from solver.structure import legs, statics, water
 from solver.structure import modes as natural
 from solver.structure.frame_model import FrameModel, assemble, sparse_sum
 from solver.structure.legs import Legs
 from solver.structure.load_history import LoadHistory
 
+OCTAVE = 2  # so many wavenumbers in it: their loads stand for those of all between
 PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
 # Pieces of an element in which loads are integrated: of 1/k of the shortest wave for inertia, whose EXACT points are
 # then right to 2e-5 of it, and of the mean wave for drag.
 INERTIA, DRAG = 4.0, 1.0
+NODES = 16, 32, 48, 64  # of curves over wavenumbers
+SMOOTH = 1e-11  # of the largest of its kind, between them
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
 KNOWN = 8  # platforms that a process keeps, by themselves and in one sea
 PLANAR = np.array([0, 2, 4])
@@ -43,7 +48,7 @@ class LeftOut(NamedTuple):
     balance.
     """
 
-    waves: np.ndarray  # (nt, n) complex, to the wave inertia load
+    waves: np.ndarray  # (2 np, nt) to the wave inertia load, see Support.waves
     drag: np.ndarray  # (nd ns, nt) to unit drag at the stations
     inertia: np.ndarray  # (nm, nt) to unit p̈, with its sign changed
     tops: np.ndarray  # (nt,) degrees of freedom
@@ -51,15 +56,17 @@ class LeftOut(NamedTuple):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Support:
-    """Arrays of a platform for one sea; nm modes, nc carrier coordinates, ns drag stations."""
+    """Arrays of a platform in seas that are alike; nm modes, nc carrier coordinates, ns drag stations."""
 
     dry_omega: np.ndarray  # natural frequencies without added mass, all modes [rad/s]
     omega: np.ndarray  # (nm,) of the basis, with added mass [rad/s]
     shapes: np.ndarray  # (6n, nm)
     carrier: np.ndarray  # (nc, nm)
-    wave_rows: np.ndarray  # (nm, n) complex modal wave inertia load
+    typical: WaveField  # waves of such seas
+    places: np.ndarray  # (np, 3) where the water moves in its own way
+    waves: np.ndarray  # (2 np, nm) modal load for unit du/dt there, first along the heading, then upward
     station_shape: np.ndarray  # (ns, nd, nm)
-    station_rows: np.ndarray  # (ns, nd, n) complex normal particle velocity
+    flow: Callable[[WaveField], np.ndarray]  # rows (ns, nd, n) of the normal particle velocity there
     drag: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
     stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
     applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
@@ -67,6 +74,81 @@ class Support:
     forces: Forces | None  # None where neither legs nor outputs ask for any
     left_out: LeftOut
     buckling_factor: float  # gravity times this buckles the frame
+
+
+class Driven(NamedTuple):
+    """Complex rows of what n waves drive on a support."""
+
+    modes: np.ndarray  # (nm, n) inertia load
+    stations: np.ndarray  # (ns, nd, n) normal particle velocity
+    forces: np.ndarray  # (r, n) what the inertia load does to the frame's forces
+    left_out: np.ndarray  # (nt, n) and to what is left out of the tops
+
+
+@lru_cache(maxsize=KNOWN)
+def driven(support: Support, field: WaveField) -> Driven:
+    """By one sea; from a curve over typical waves where those are fewer than its own."""
+    curve = _curve(support) if 1 < support.typical.k.size < field.k.size else None
+    rows = _rows(support, field) if curve is None else curve.at(field)
+    (ns, nd, _), sizes = support.station_shape.shape, [part.shape[1] for part in _maps(support)]
+    modes, left_out, borne, stations = np.split(rows, np.cumsum(sizes))
+    return Driven(modes, stations.reshape(ns, nd, field.k.size), borne, left_out)
+
+
+class _Curve(NamedTuple):
+    """Rows per amplitude over log k: the polynomial through Chebyshev's nodes, by its barycentric formula."""
+
+    nodes: np.ndarray  # (n,)
+    values: np.ndarray  # (n, m) complex
+
+    def at(self, field: WaveField) -> np.ndarray:
+        """(m, nw) of a sea."""
+        n = len(self.nodes)
+        weight = (-1.0) ** np.arange(n) * np.sin((np.arange(n) + 0.5) * np.pi / n)
+        away = np.log(field.k)[:, None] - self.nodes
+        share = weight / np.where(away == 0, np.finfo(float).tiny ** 0.1, away)
+        share /= share.sum(axis=1, keepdims=True)
+        rows: np.ndarray = (_real_by_complex(share, self.values) * field.sea.amplitude[:, None]).T
+        return rows
+
+
+@lru_cache(maxsize=KNOWN)
+def _curve(support: Support) -> _Curve | None:
+    """Over the typical waves, to rounding of the largest of each kind of row; None where no number of nodes is enough.
+
+    Many seas share it, and it costs less than what the water does at each place.
+    """
+    typical, ends = support.typical, np.log(support.typical.k[[0, -1]])
+    sizes = np.cumsum([part.shape[1] for part in _maps(support)])
+    for n in NODES:
+        nodes = ends.mean() + np.ptp(ends) / 2 * np.cos((np.arange(n) + 0.5) * np.pi / n)
+        curve = _Curve(nodes, _rows(support, _unit(nodes, typical)).T)
+        between = _unit((nodes[1:] + nodes[:-1]) / 2, typical)
+        kinds = (np.split(rows, sizes) for rows in (curve.at(between), _rows(support, between)))
+        if all(
+            np.abs(a - b).max(initial=0.0) <= SMOOTH * np.abs(b).max(initial=0.0) for a, b in zip(*kinds, strict=True)
+        ):
+            return curve
+    return None
+
+
+def _unit(log_k: np.ndarray, like: WaveField) -> WaveField:
+    """Waves of 1 m."""
+    field = _of_one_speed(np.exp(log_k), like.sea.heading, like.depth, like.gravity)
+    return replace(field, sea=replace(field.sea, amplitude=np.ones(log_k.size, complex)))
+
+
+def _maps(support: Support) -> tuple[np.ndarray, ...]:
+    """From du/dt at the places (2 np, …) to modes, what is left out, and forces."""
+    forces = np.zeros((len(support.waves), 0)) if support.forces is None else support.forces.waves
+    return support.waves, support.left_out.waves, forces
+
+
+def _rows(support: Support, field: WaveField) -> np.ndarray:
+    """Of modes, of what is left out, of forces, of stations, (m, n)."""
+    push = -1j * field.sea.omega * np.concatenate(field.swing(support.places))
+    rows = _real_by_complex(np.concatenate(_maps(support), axis=1).T, push)
+    return np.concatenate([rows, support.flow(field).reshape(-1, field.k.size)])
 
 
 @lru_cache(maxsize=KNOWN)
@@ -110,7 +192,6 @@ def _kept_modes(
     return M, natural.modes_in(symmetric, model.K, M, count), symmetric
 
 
-@lru_cache(maxsize=KNOWN)
 def reduce_platform(
     platform: Platform,
     field: WaveField,
@@ -122,34 +203,50 @@ def reduce_platform(
     stations: int,
     outputs: tuple[str, ...] = (),
 ) -> Support:
-    """Reduce a platform for one sea; tasks one after another that share both share what comes of it.
+    """Reduce a platform for seas like one; tasks in any of those share what comes of it.
 
     hinge_nodes: names of nodes in the order of the floats; modes: lowest ones kept, or "all"; stations: Gauss points
     of the drag on each wetted element; outputs: what is asked for besides the legs. InputError for a planar scene on
     a frame that is not symmetric.
     """
+    model = dynamic_model(platform, sea)[0]
+    at = water.stations(model, water.EXACT, INERTIA / field.k.max())
+    drags = water.stations(model, stations, DRAG * field.mean_length)
+    typical = _typical(field, at)
+    return _reduced(platform, sea, hinge_nodes, at, drags, typical, planar=planar, modes=modes, outputs=outputs)
+
+
+@lru_cache(maxsize=KNOWN)
+def _reduced(
+    platform: Platform,
+    sea: Water,
+    hinge_nodes: tuple[str, ...],
+    at: water.Stations,
+    drags: water.Stations,
+    field: WaveField,
+    *,
+    planar: bool,
+    modes: int | Literal["all"],
+    outputs: tuple[str, ...],
+) -> Support:
+    """By stations of inertia and of drag, in typical waves."""
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
     loaded = _loaded(model, platform.load_histories)
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
-    at = water.stations(model, water.EXACT, INERTIA / field.k.max())
-    around, size = _surroundings(at, field.sea.heading), _inertia_size(platform, at, sea)
-    swing = np.concatenate(field.swing(around.places))
-    push = -1j * field.sea.omega * swing
-    inertial = around.by_swing(size)
-    nodal = _nodal_load(model, at, inertial, push)
-    of_drag = _nodal_load(model, at, around.by_swing(_drag_linearised(at, around, swing, field, sea)), swing)
-    loads = np.concatenate([nodal.view(float), of_drag.view(float)], axis=1)
+    around = _surroundings(at, field.sea.heading)
+    inertial = around.by_swing(_inertia_size(platform, at, sea))
     omega, shapes = kept
     if modes != "all":
-        unit = _unit_loads(len(nodal), np.concatenate([dof.ravel(), loaded]))
+        unit = _unit_loads(len(shapes), np.concatenate([dof.ravel(), loaded]))
         if field.current is not None:
-            unit = np.concatenate([unit, _stream_load(model, field, sea, stations)], axis=1)
-        omega, shapes = _basis(model, M, kept, symmetric, unit, loads)
+            unit = np.concatenate([unit, _stream_load(model, field, drags, sea)], axis=1)
+        omega, shapes = _basis(model, M, kept, symmetric, unit, _patterns(model, at, around, inertial, field, sea))
     tops = _tops(model, platform.legs)
     rest = _rest(model, tops, symmetric, omega, shapes)
     both = np.concatenate([shapes, rest], axis=1)
-    water_drag = _drag(model, field, sea, both, omega.size, stations, planar=planar)
+    nodal = (_onto_nodes(model, at) @ inertial).T
+    water_drag = _drag(field, drags, sea, both, omega.size, planar=planar)
     station_shape, station_rest = np.split(water_drag.shape, [omega.size], axis=2)
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
@@ -160,7 +257,7 @@ def reduce_platform(
         borne = forces.reduced(
             asked,
             _forces_at_rest(platform, sea, asked),
-            rows=_real_by_complex((inertial.T @ of_points.reshape(3 * len(size), of_points.shape[2])).T, push),
+            waves=inertial.T @ of_points.reshape(inertial.shape[0], of_points.shape[2]),
             inertia=inertia,
             damping=2 * omega[:, None] * inertia * elastic,
             carried=asked.influence.nodal[dof.ravel()],
@@ -172,14 +269,16 @@ def reduce_platform(
         omega=omega,
         shapes=shapes,
         carrier=shapes[dof.ravel()],
-        wave_rows=_real_by_complex(shapes.T, nodal),
+        typical=field,
+        places=around.places,
+        waves=nodal @ shapes,
         station_shape=station_shape,
-        station_rows=water_drag.rows,
+        flow=water_drag.flow,
         drag=water_drag.size,
         stream=water_drag.stream,
         applied=shapes[loaded],
         left_out=LeftOut(
-            waves=_real_by_complex(rest.T, nodal),
+            waves=nodal @ rest,
             drag=station_rest.transpose(1, 0, 2).reshape(station_rest.shape[0] * station_rest.shape[1], tops.size),
             inertia=shapes.T @ (M @ rest),
             tops=tops,
@@ -188,6 +287,56 @@ def reduce_platform(
         forces=borne,
         buckling_factor=factor,
     )
+
+
+def _typical(field: WaveField, at: water.Stations) -> WaveField:
+    """Waves that load stations in the patterns of all those of a sea: of a velocity of 1 m/s at the surface.
+
+    Their wavenumbers are half an octave apart, and no more than turn the phase by a radian on the stations' way along
+    the heading, so that many seas have the same; a sea of fewer waves has its own.
+    """
+    k = field.k if field.sea.amplitude.any() else np.zeros(0)
+    if k.size > 1:
+        first, last = np.floor(np.log2(k.min()) * OCTAVE), np.ceil(np.log2(k.max()) * OCTAVE)
+        way = float(np.ptp(at.position @ field.direction)) if len(at.position) else 0.0
+        low, high = 2 ** (first / OCTAVE) * way, 2 ** (last / OCTAVE) * way
+        if last - first + 1 + high - low < k.size:
+            turned = np.arange(np.ceil(low), high) / way if way > 0 else np.zeros(0)
+            k = np.union1d(2 ** (np.arange(first, last + 1) / OCTAVE), turned)
+    return _waves(tuple(k.tolist()), field.sea.heading, field.depth, field.gravity, field.current)
+
+
+@lru_cache(maxsize=KNOWN)
+def _waves(k: tuple[float, ...], heading: float, depth: float, gravity: float, current: Current | None) -> WaveField:
+    """One object for all who ask for the same."""
+    return _of_one_speed(np.array(k), heading, depth, gravity, current)
+
+
+def _of_one_speed(
+    k: np.ndarray, heading: float, depth: float, gravity: float, current: Current | None = None
+) -> WaveField:
+    omega = np.sqrt(gravity * k * np.tanh(k * depth))  # infinite depth is deep
+    sea = Realization(omega=omega, amplitude=(1 / omega).astype(complex), heading=heading)
+    return WaveField(sea, depth, gravity, current)
+
+
+def _patterns(
+    model: FrameModel,
+    at: water.Stations,
+    around: "_Surroundings",
+    inertial: sparse.csr_array,
+    field: WaveField,
+    sea: Water,
+) -> np.ndarray:
+    """Nodal loads (6n, m) of waves: their inertia's, and their drag's by what else moves the water, waves or current.
+
+    Each kind as large as the others.
+    """
+    swing, drag = np.concatenate(field.swing(around.places)), _drag_size(at, sea)
+    sizes = [drag * around.std(swing), drag * np.linalg.norm(_stream(at, field), axis=1)]
+    kinds = [inertial, *map(around.by_swing, sizes)]
+    loads = [_nodal_load(model, at, kind, swing).view(float) for kind in kinds]
+    return np.concatenate([load / np.linalg.norm(load) for load in loads if load.any()] or loads, axis=1)
 
 
 @lru_cache(maxsize=KNOWN)
@@ -273,24 +422,13 @@ def _drag_size(at: water.Stations, sea: Water) -> np.ndarray:
     return 0.5 * sea.density * at.drag * at.diameter * at.weight
 
 
-def _drag_linearised(
-    at: water.Stations, around: _Surroundings, swing: np.ndarray, field: WaveField, sea: Water
-) -> np.ndarray:
-    """Drag of the water alone on each station over its velocity [N s/m], by its std: ½ρ C_D D w √(8/π) σ, (ns,)."""
-    std = around.std(swing)
-    if field.current is not None:  # whose own share, 2|U|, is added: close enough for a pattern
-        std = std + np.sqrt(np.pi / 2) * np.linalg.norm(_stream(at, field), axis=1)
-    return np.sqrt(8 / np.pi) * _drag_size(at, sea) * std
-
-
 def _stream(at: water.Stations, field: WaveField) -> np.ndarray:
     """Velocity of the current normal to the member at each station (ns, 3)."""
     return (_normal(at) @ field.stream(at.position)[..., None])[..., 0]
 
 
-def _stream_load(model: FrameModel, field: WaveField, sea: Water, points: int) -> np.ndarray:
-    """Nodal loads (6n, 1) of the current's drag on the frame at rest."""
-    at = water.stations(model, points, DRAG * field.mean_length)
+def _stream_load(model: FrameModel, field: WaveField, at: water.Stations, sea: Water) -> np.ndarray:
+    """Nodal loads (6n, 1) of the current's drag on the frame at rest, by stations of the drag."""
     flow = _stream(at, field)
     load = _drag_size(at, sea) * np.linalg.norm(flow, axis=1)
     return _onto_nodes(model, at) @ (load[:, None] * flow).reshape(-1, 1)
@@ -398,20 +536,25 @@ class _Drag(NamedTuple):
     """Of the ns stations that count: normal shapes, velocities, coefficients."""
 
     shape: np.ndarray  # (ns, nd, nm)
-    rows: np.ndarray  # (ns, nd, n) complex
+    flow: Callable[[WaveField], np.ndarray]  # rows (ns, nd, n)
     size: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
     stream: np.ndarray  # (nd, ns) of the current
     borne: Callable[[Places], np.ndarray]  # what their drag does to forces asked for
 
 
 def _drag(
-    model: FrameModel, field: WaveField, sea: Water, shapes: np.ndarray, modes: int, points: int, *, planar: bool
+    field: WaveField,
+    at: water.Stations,
+    sea: Water,
+    shapes: np.ndarray,
+    modes: int,
+    *,
+    planar: bool,
 ) -> _Drag:
-    """Of the drag stations; the first `modes` of the shapes move.
+    """Of the stations of the drag; the first `modes` of the shapes move.
 
     In a planar scene a station and its mirror image in y = 0 are loaded alike: one counts twice.
     """
-    at = water.stations(model, points, DRAG * field.mean_length)
     normal = _normal(at)
     shape = normal @ at.project(shapes)
     drag = _drag_size(at, sea)
@@ -423,4 +566,5 @@ def _drag(
     moving = size > 1e-9 * size.max()
     borne = partial(forces.of_drag, at=at, kept=wet, directions=moving, planar=planar)
     stream = np.ascontiguousarray(_stream(at, field)[wet][:, moving].T)
-    return _Drag(shape[wet][:, moving], _flow(at, field, wet, moving), drag[wet], stream, borne)
+    flow = partial(_flow, at, kept=wet, directions=moving)
+    return _Drag(shape[wet][:, moving], flow, drag[wet], stream, borne)

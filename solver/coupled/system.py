@@ -8,7 +8,7 @@ import numpy as np
 
 from solver import limits, motions
 from solver.coupled import assembly
-from solver.coupled import support as platform
+from solver.coupled import support as supports
 from solver.coupled.energy import AT_START, GAP, SCALE, WORKS, energy, open_by
 from solver.coupled.equilibrium import (
     Differences,
@@ -36,6 +36,7 @@ from solver.coupled.step import (
     new_problem,
     new_workspace,
 )
+from solver.coupled.support import Support
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.bem.mean_hull import motion_lengths
@@ -45,9 +46,10 @@ from solver.keys import Bits, shared
 from solver.limits import slides
 from solver.multibody import joint_law
 from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
-from solver.scene import Float, Scene
+from solver.scene import Float, Platform, Scene, Settings, Water
+from solver.sea.current import Current
 from solver.sea.field import Factored, WaveField, WaveSeries, factored, wave_field
-from solver.sea.realization import ramp
+from solver.sea.realization import CALM, ramp
 from solver.structure.load_history import LoadHistory
 
 FELT = 0.1  # of a float's largest force per wave amplitude: by no more do waves push whose pressure may be linear
@@ -58,6 +60,8 @@ BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's 
 KNOWN = 32  # scenes at rest that a process keeps
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
+Resting = Bits[tuple[Bodies, Structure, np.ndarray]]
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class System:
@@ -65,7 +69,7 @@ class System:
 
     scene: Scene
     bodies: Bodies
-    support: platform.Support | None
+    support: Support | None
     structure: Structure
     fit: radiation.RadiationMemory | None
     memory: Memory
@@ -116,9 +120,14 @@ class System:
         return out
 
     @cached_property
+    def resting(self) -> Resting:
+        """Equal for all scenes that move alike in still water, about the same equilibrium."""
+        return Bits((self.bodies, self.structure, self.equilibrium[0]))
+
+    @cached_property
     def differences(self) -> Differences:
         """Of the floats' loads there."""
-        return differences(self.bodies, self.equilibrium[0])
+        return known_differences(self.resting)
 
     @property
     def stiffness(self) -> np.ndarray:
@@ -143,7 +152,7 @@ class System:
         scene = replace(self.scene, settings=replace(self.scene.settings, time_step=dt))
         memory = assembly.memory(self.fit, dt, self.bodies.added_mass.shape[0])
         other = replace(self, scene=scene, dt=dt, memory=memory)
-        kept = ("equilibrium", "differences", "factored")
+        kept = ("equilibrium", "resting", "differences", "factored")
         vars(other).update({name: value for name, value in vars(self).items() if name in kept})
         return other
 
@@ -268,6 +277,21 @@ class System:
 
 
 @lru_cache(maxsize=KNOWN)
+def known_differences(scene: Resting) -> Differences:
+    """Scenes that differ in their seas alone share them."""
+    bodies, _, z = scene.value
+    return differences(bodies, z)
+
+
+@lru_cache(maxsize=KNOWN)
+def loads_at_rest(scene: Resting) -> tuple[np.ndarray, np.ndarray]:
+    """JᵀW (nz,) and W (nb, 6) of the floats there."""
+    bodies, _, z = scene.value
+    load, wrench = balance(bodies, z)
+    return shared(load), shared(wrench)
+
+
+@lru_cache(maxsize=KNOWN)
 def _equilibrium(
     scene: Bits[tuple[Bodies, np.ndarray, np.ndarray, np.ndarray]], stride: float
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -285,7 +309,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
     waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
     support = None
     if scene.platform is not None:
-        reduced = platform.reduce_platform(
+        reduced = supports.reduce_platform(
             replace(scene.platform, damping_ratio=0.0),  # which changes none of it
             waves,
             water,
@@ -295,7 +319,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
             stations=settings.stations_per_element,
             outputs=settings.outputs,
         )
-        support = platform.damped(reduced, scene.platform.damping_ratio)
+        support = supports.damped(reduced, scene.platform.damping_ratio)
     if fit is None and scene.floats and settings.radiation and settings.method == "time":
         hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
         fit = remembered(hydrodynamics, hulls, settings.memory_tolerance or radiation.USUAL, ways)
@@ -304,13 +328,15 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
     if hydrodynamics is not None and settings.radiation:
         added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
     height = scene.sea.parameters()["Hm0"]
-    reaches = _reaches(scene, height)
+    reaches = _reaches(scene, height) if any(scene.nonlinear) else [0.0] * len(scene.floats)
     reach = max((r for r, nonlinear in zip(reaches, scene.nonlinear, strict=True) if nonlinear), default=0.0)
     near = waves.near(reach, settings.field_tolerance)
     if near != waves:
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
     terms = assembly.terms_of(scene, near, reaches)
-    body = assembly.bodies(scene, near, support, hydrodynamics, added_mass, terms)
+    felt = near if any(scene.nonlinear) else None
+    still = scene.water, scene.current, scene.sea.heading, scene.floats, scene.platform, scene.settings
+    body = _bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms)
     rows, layout = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms)
     return System(
         scene=scene,
@@ -325,6 +351,27 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
         near=near,
         dt=dt,
     )
+
+
+@lru_cache(maxsize=KNOWN)
+def _bodies(
+    water: Water,
+    current: Current | None,
+    heading: float,
+    floats: tuple[Float, ...],
+    platform: Platform | None,
+    settings: Settings,
+    field: WaveField | None,
+    support: Support | None,
+    hydrodynamics: Hydrodynamics | None,
+    added_mass: Bits[np.ndarray],
+    terms: tuple[int, ...],
+) -> Bodies:
+    """Scenes that differ in their seas alone share them, unless they are pushed where they are."""
+    sea = replace(CALM, heading=heading) if field is None else field.sea
+    scene = Scene(water=water, sea=sea, current=current, floats=floats, platform=platform, settings=settings)
+    field = wave_field(sea, water.depth, water.gravity, current) if field is None else field
+    return assembly.bodies(scene, field, support, hydrodynamics, added_mass.value, terms)
 
 
 def _require_hardly_felt(

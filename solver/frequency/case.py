@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from solver.balance import warnings
-from solver.coupled.equilibrium import balance
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.natural import SystemModes, require_stable, system_modes
-from solver.coupled.system import System, prepare
+from solver.coupled.support import Support
+from solver.coupled.system import System, loads_at_rest, prepare
 from solver.frequency.condensed import Condensed
 from solver.frequency.stations import Stations
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.keys import Bits
 from solver.multibody.joint_law import DAMPERS, JointLaw, damped, dampers
 from solver.record.audit import force_of_waves, response_error
 from solver.record.recorder import Channels
@@ -130,21 +131,17 @@ class Case:
         stream = self.system.support.stream if self.system.support else None
         return Stations(self.system.structure, self.rows[self.system.layout.station].T, stream)
 
-    @cached_property
+    @property
     def of_drag(self) -> np.ndarray:
         """Maps (r + nt, nd, ns) from the stations' drag to the frame's forces and what is left out of its tops."""
-        support, (_, nd, ns) = self.system.support, self.system.structure.station.shape
-        if support is None:
-            return np.zeros((0, nd, ns))
-        forces = [support.forces.drag] if support.forces is not None else []
-        maps = np.concatenate([*forces, support.left_out.drag], axis=1)
-        return maps.T.reshape(maps.shape[1], nd, ns)
+        if self.system.support is None:
+            return np.zeros((0, *self.system.structure.station.shape[1:]))
+        return _of_drag(self.system.support)
 
-    @cached_property
+    @property
     def to_carriers(self) -> np.ndarray:
         """(nm, nc) from loads on the modes to those on the carriers that make them."""
-        carrier = self.system.structure.carrier
-        return np.linalg.pinv(carrier, rtol=max(1, *carrier.shape) * np.finfo(float).eps)
+        return _inverse(Bits(self.system.structure.carrier))
 
     @cached_property
     def drag_at_rest(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -160,23 +157,22 @@ class Case:
         return Condensed(self.model, self.omega, self.impedance, drag)
 
     @cached_property
-    def meshes(self) -> tuple[tuple[Condensed, np.ndarray], ...]:
-        """Equation and forces (nw, n), without drag, by the coefficients, and by those off by their estimated error."""
+    def meshes(self) -> tuple[Condensed, np.ndarray] | None:
+        """Equation and forces (2 nw, n), without drag: by the coefficients, then by those off by their estimated error.
+
+        None where the coefficients have none.
+        """
         h, system = self.hydrodynamics, self.system
         if h is None or h.shifted is h:
-            return ()
-        return tuple(
-            (
-                Condensed(self.model, self.omega, impedance(system, known, self.omega)),
-                force_of_waves(system, known)[self.met],
-            )
-            for known in (h, h.shifted)
-        )
+            return None
+        Y = np.concatenate([impedance(system, known, self.omega) for known in (h, h.shifted)])
+        force = np.concatenate([force_of_waves(system, known)[self.met] for known in (h, h.shifted)])
+        return Condensed(self.model, np.tile(self.omega, 2), Y), force
 
-    @cached_property
+    @property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:
         """JᵀW (nz,) and W (nb, 6) of the floats."""
-        return balance(self.system.bodies, self.system.equilibrium[0])
+        return loads_at_rest(self.system.resting)
 
     def law(self, floats: tuple[Float, ...]) -> JointLaw:
         """Of the same joints with these floats' dampers."""
@@ -198,9 +194,23 @@ class Case:
 
     def mesh_effect(self, law: JointLaw) -> float:
         """See audit.coefficient_effects; with the law's dampers."""
-        if not self.meshes:
+        if self.meshes is None:
             return 0.0
-        damping = self.added_damping(law)
-        at_rest = np.zeros(self.force.shape, complex)
-        exact, shifted = (equation.response(force, damping, at_rest) for equation, force in self.meshes)
+        equation, force = self.meshes
+        X = equation.response(force, self.added_damping(law), np.zeros(force.shape, complex))
+        exact, shifted = np.split(X, 2)
         return response_error(self.system, law, self.omega, shifted, exact)
+
+
+@lru_cache(maxsize=KNOWN)
+def _of_drag(support: Support) -> np.ndarray:
+    """Scenes on one platform share it."""
+    forces = [support.forces.drag] if support.forces is not None else []
+    maps = np.concatenate([*forces, support.left_out.drag], axis=1)
+    return maps.T.reshape(maps.shape[1], *support.station_shape.shape[1::-1])
+
+
+@lru_cache(maxsize=KNOWN)
+def _inverse(matrix: Bits[np.ndarray]) -> np.ndarray:
+    """The pseudoinverse, to rounding."""
+    return np.linalg.pinv(matrix.value, rtol=max(1, *matrix.value.shape) * np.finfo(float).eps)

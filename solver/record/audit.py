@@ -11,6 +11,7 @@ from solver.coupled import assembly, linear_drag
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.stages import State, copied
 from solver.coupled.step import HITS, Output
+from solver.coupled.support import driven
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
@@ -323,9 +324,10 @@ def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
     if support is None or not support.left_out.tops.size:
         return 0.0
     rest, waves = support.left_out, np.abs(sea.amplitude) > 0
+    of_waves = driven(support, system.waves).left_out[:, waves].T
     p, w = X[:, : len(support.omega)], sea.omega[waves, None]
     usual = p @ support.shapes[rest.tops].T
-    more = rest.waves[:, waves].T + drag + w**2 * (p @ rest.inertia)
+    more = of_waves + drag + w**2 * (p @ rest.inertia)
     std, exact = np.linalg.norm(usual, axis=0), np.linalg.norm(usual + more, axis=0)
     used = std > FAINT * std.max()
     return float(np.abs(exact[used] / std[used] - 1).max(initial=0.0))

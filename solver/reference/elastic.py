@@ -7,7 +7,7 @@ floats until nothing changes. A node turns by its three rotations in turn about 
 
 import numpy as np
 
-from solver.coupled.support import Support
+from solver.coupled.support import Driven, Support
 from solver.reference.augmented import NO_SUPPORTS
 from solver.reference.joints import GROUND, Frames
 
@@ -48,16 +48,23 @@ class ElasticSupport:
     """Modes of a frame that carries one float at each of `nodes` (nb, 3) [m]."""
 
     def __init__(
-        self, support: Support, damping_ratio: float, nodes: np.ndarray, c: np.ndarray, A: np.ndarray, dt: float
+        self,
+        support: Support,
+        rows: Driven,
+        damping_ratio: float,
+        nodes: np.ndarray,
+        c: np.ndarray,
+        A: np.ndarray,
+        dt: float,
     ) -> None:
-        self.support, self.nodes, self.dt, self.A = support, nodes, dt, A
+        self.support, self.rows, self.nodes, self.dt, self.A = support, rows, nodes, dt, A
         nm, s = support.omega.size, len(c)
         self.omega, self.damping = support.omega, 2 * damping_ratio * support.omega
         D = np.eye(s) + dt * self.damping[:, None, None] * A + (dt * self.omega[:, None, None]) ** 2 * (A @ A)
         self.inverse = np.linalg.inv(D[:, 1:, 1:])
         self.axes = np.arange(6) if len(support.carrier) == 6 * len(nodes) else np.array([0, 2, 4])
         self.station = support.station_shape.reshape(-1, nm)
-        self.station_rows = support.station_rows.reshape(-1, support.station_rows.shape[-1])
+        self.station_rows = rows.stations.reshape(-1, rows.stations.shape[-1])
         # Stage values, [0] the step's start.
         self.p, self.dp, self.ddp = np.zeros((3, s, nm))
         self.node = np.zeros((s, len(support.carrier)))  # loads of the joints on the nodes
@@ -79,7 +86,7 @@ class ElasticSupport:
 
     def begin(self, _times: np.ndarray, turn: np.ndarray) -> None:
         """Waves of the step's stages; turn (n, s): exp(-iωt) times the ramp there."""
-        self.wave = (self.support.wave_rows @ turn).real.T
+        self.wave = (self.rows.modes @ turn).real.T
         self.flow = (self.station_rows @ turn).real.T
         self.node[1:] = self.node[0]
         self.answer, self.tried = None, []

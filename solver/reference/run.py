@@ -19,6 +19,7 @@ from solver.coupled.assembly import joint_law
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.natural import require_stable, system_modes, with_usual_step
 from solver.coupled.step import Output
+from solver.coupled.support import driven
 from solver.coupled.system import BALANCE, System, energy_residual, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, seabed_error
@@ -154,7 +155,8 @@ def _case(
     support: FixedSupport | ElasticSupport = FixedSupport()
     if scene.platform is not None and system.support is not None:
         nodes = np.array([f.hinge for f in scene.floats], float).reshape(-1, 3)
-        support = ElasticSupport(system.support, scene.platform.damping_ratio, nodes, A.sum(axis=1), A, dt)
+        rows = driven(system.support, system.waves)
+        support = ElasticSupport(system.support, rows, scene.platform.damping_ratio, nodes, A.sum(axis=1), A, dt)
     force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
     floats = Floats(scene, h, kernel, force, support, dt=dt, A=A, steps=steps)
     bodies, state = _at_rest(scene, system, floats, support, kernel)

@@ -1,8 +1,13 @@
 """Linear dispersion of gravity waves."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from solver.keys import Bits, shared
+
+KNOWN = 64  # seas whose wavenumbers a process keeps
 SHALLOWEST = 0.1  # kh; longer waves have no coefficients
 
 
@@ -22,6 +27,16 @@ def wavenumber(omega: ArrayLike, depth: float, gravity: float = 9.81) -> np.ndar
         slope = t + y * (1 - t * t)
         y = y - np.where(slope > 0, (y * t - y0) / np.where(slope > 0, slope, 1.0), 0.0)
     return y / depth
+
+
+def wavenumbers(omega: np.ndarray, depth: float, gravity: float) -> np.ndarray:
+    """The same of a sea, whose parts share them."""
+    return _wavenumbers(Bits(omega), depth, gravity)
+
+
+@lru_cache(maxsize=KNOWN)
+def _wavenumbers(omega: Bits[np.ndarray], depth: float, gravity: float) -> np.ndarray:
+    return shared(wavenumber(omega.value, depth, gravity))
 
 
 def too_shallow(omega: float, depth: float, gravity: float) -> bool:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.sea.current import Current
-from solver.sea.dispersion import wavenumber
+from solver.sea.dispersion import wavenumbers
 from solver.sea.realization import Realization
 
 ROUNDING = 1e-14  # of what is factored: sums of 130 waves are little better
@@ -37,7 +37,7 @@ class WaveField:
     @cached_property
     def k(self) -> np.ndarray:
         """Wavenumbers (n,) [1/m]."""
-        return wavenumber(self.sea.omega, self.depth, self.gravity)
+        return wavenumbers(self.sea.omega, self.depth, self.gravity)
 
     @property
     def direction(self) -> np.ndarray:

@@ -71,9 +71,15 @@ def stations(model: FrameModel, points: int, longest: float = np.inf) -> Station
     """
     if points < 1:
         raise InputError("stations.points", points, "must be >= 1")
-    wet, span = _wet(model, np.array([member.in_water for member in model.frame.members]))
-    pieces = np.ceil(np.diff(span)[:, 0] * model.length[wet] / longest).astype(int).clip(min=1)
+    pieces = np.ceil(_wet_length(model) / longest).astype(int).clip(min=1)
     return _pieces(model, points, tuple(pieces.tolist()))
+
+
+@lru_cache(maxsize=8)
+def _wet_length(model: FrameModel) -> np.ndarray:
+    """Of what is wet of each wetted element with water coefficients (n,) [m]."""
+    wet, span = _wet(model, np.array([member.in_water for member in model.frame.members]))
+    return np.diff(span)[:, 0] * model.length[wet]
 
 
 @lru_cache(maxsize=8)

@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
-from solver.coupled import natural
+from solver.coupled import linear, natural, support
 from solver.coupled import system as systems
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import prepare
@@ -81,7 +81,10 @@ def test_modes_eliminated_answer_as_all_together(name):
 
 
 @pytest.mark.parametrize("name", ["unequal_legs", "bare_legs"])
-def test_shapes_effect_is_what_all_shapes_show(name):
+def test_shapes_effect_is_what_all_shapes_show(name, monkeypatch):
+    """With few of the static shapes, for all of them leave out less than the drag's rounds do."""
+    monkeypatch.setattr(support, "PATTERN", 0.3)
+    support._reduced.cache_clear()
     scene, h = SCENES[name]()
     linear = replace(scene, settings=replace(scene.settings, froude_krylov="linear", method="frequency"))
 
@@ -93,6 +96,7 @@ def test_shapes_effect_is_what_all_shapes_show(name):
     true = np.abs(usual / exact - 1)[exact > 1e-3 * exact.max()].max()
     assert told > 1e-5 and 1 / 3 < true / told < 3
     assert none < 1e-9
+    support._reduced.cache_clear()
 
 
 @pytest.mark.parametrize(("drag", "legs"), [(0.0, True), (1.0, False), (0.0, False)])
@@ -122,11 +126,36 @@ def test_what_is_kept_of_another_damping_changes_no_bit(method, kept):
     before = [known.cache_info().hits for known in kept]
     after = simulate(other, h)
     assert all(known.cache_info().hits > hits for known, hits in zip(kept, before, strict=True))
-    for known in (case._case, natural._system_modes, systems._equilibrium, linear_model):
+    forget()
+    same_bits(simulate(other, h), after)
+
+
+@pytest.mark.parametrize("method", ["frequency", "time"])
+def test_what_is_kept_of_another_sea_changes_no_bit(method):
+    """One that is alike: the platform is reduced once for both."""
+    scene, h = SCENES["unequal_legs"]()
+    scene = replace(scene, settings=replace(scene.settings, froude_krylov="linear", method=method, duration=60.0))
+    other = replace(scene, sea=replace(scene.sea, amplitude=1.2 * np.roll(scene.sea.amplitude, 1)))
+    forget()
+    simulate(scene, h)
+    after = simulate(other, h)
+    assert support._reduced.cache_info().misses == 1
+    assert systems._bodies.cache_info().misses == 1
+    forget()
+    same_bits(simulate(other, h), after)
+
+
+def forget():
+    """All that a process keeps of other scenes."""
+    kept = (support._reduced, support._curve, support.driven, systems._bodies, systems._equilibrium)
+    kept += (systems.known_differences, systems.loads_at_rest, linear._linear_model, linear_model)
+    for known in (*kept, case._case, natural._system_modes):
         known.cache_clear()
-    alone = simulate(other, h)
-    for name, (_, values) in alone.variables.items():
-        assert np.asarray(values).tobytes() == np.asarray(after.variables[name][1]).tobytes()
+
+
+def same_bits(one, other):
+    for name, (_, values) in one.variables.items():
+        assert np.asarray(values).tobytes() == np.asarray(other.variables[name][1]).tobytes()
 
 
 @pytest.mark.parametrize("name", ["duck", "soft_mooring", "flap", "oblique"])

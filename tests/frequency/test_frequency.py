@@ -58,6 +58,17 @@ def test_drag_turns_with_the_velocity():
     assert drag.of_harmonic(R @ np.array([0.9, 0.2j])) == approx(R @ drag.of_harmonic(np.array([0.9, 0.2j])) @ R.T)
 
 
+@pytest.mark.parametrize(("a", "b"), [(0.9, 0.2), (0.5, 0.5), (0.6, 0.0), (0.0, 0.0)])
+def test_drag_in_a_plane_is_that_of_the_plane_in_space(a, b):
+    """In two directions by a closed form, in three by eigenvectors: the third has the mean speed alone."""
+    flat = np.cos(0.7) * np.eye(2) + np.sin(0.7) * np.array([[0, -1], [1, 0]])
+    S = flat @ np.diag([a, b]) @ flat.T
+    lean = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    whole = lean.T @ drag.of_gaussian(lean @ np.pad(S, (0, 1)) @ lean.T) @ lean
+    assert whole[:2, :2] == approx(drag.of_gaussian(S), abs=1e-7)  # where b/a is rounding, K goes with its root
+    assert whole[2] == approx(np.array([0, 0, np.trace(drag.of_gaussian(S)) / 3]), abs=1e-7)
+
+
 def test_drag_of_a_harmonic():
     """8U/3π along a line; round a circle the speed is always U."""
     assert drag.of_harmonic(np.array([0.8 + 0.6j]))[0, 0] == approx(8 / (3 * np.pi), rel=1e-4)

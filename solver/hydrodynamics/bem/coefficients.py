@@ -17,7 +17,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem.far_field import FarField, Waves
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import Bits, shared
-from solver.sea.dispersion import wavenumber
+from solver.sea.dispersion import wavenumbers
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")
@@ -113,7 +113,7 @@ class Hydrodynamics:
         if self.far_field is None:
             raise InputError("coefficients", "no far field", "must be boundary elements that were asked for one")
         origin, radiated, scattered = self.far_field
-        k = wavenumber(omega, self.depth, self.gravity)
+        k = wavenumbers(omega, self.depth, self.gravity)
         there = amplitude * np.exp(1j * k * (origin @ [np.cos(self.heading), np.sin(self.heading)]))
         sent = self.curve(np.concatenate([radiated, scattered[:, None]], axis=1))(omega)
         return Waves(
@@ -145,14 +145,9 @@ class Hydrodynamics:
 
     def arrival(self, omega: np.ndarray) -> np.ndarray:
         """exp(ik(x_b cosβ + y_b sinβ)) for each degree of freedom, (nw, n)."""
-        k = _wavenumber(Bits(omega), self.depth, self.gravity)
+        k = wavenumbers(omega, self.depth, self.gravity)
         along = self.centres[:, 0] * np.cos(self.heading) + self.centres[:, 1] * np.sin(self.heading)
         return np.exp(1j * k[:, None] * np.repeat(along, len(self.dofs)))
-
-
-@lru_cache(maxsize=SEAS)
-def _wavenumber(omega: Bits[np.ndarray], depth: float, gravity: float) -> np.ndarray:
-    return shared(wavenumber(omega.value, depth, gravity))
 
 
 @lru_cache(maxsize=CURVES)
