@@ -85,6 +85,7 @@ def _begin(problem: Problem, state: State, room: Workspace) -> None:
     copy(state.dz, start.dz[nc:])
     move(problem.bodies, start.z, start.dz, motion)
     copy(motion.active_velocity, start.velocity)
+    room.newton.first[0] = 0.0
     for kind in range(2):
         copy(state.zone[kind], room.stage.zone[kind])
 

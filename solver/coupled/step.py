@@ -191,23 +191,53 @@ def attempt(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
 @kernel(inline="always")
 def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
     """Newton's method on the stages, of which ½ is at `sample`; (outcome, iterations)."""
-    stage, newton, tolerance = room.stage, room.newton, problem.tolerance
+    stage, newton, tolerance, bends = room.stage, room.newton, problem.tolerance, problem.bent.size > 0
+    first, update = 1, np.inf
+    if bends and newton.first[0] > problem.near:
+        _carry_on(stage)
+        first = 2
     stage.p[:] = np.inf
     for spent in range(1, problem.iterations + 1):
         change = collocate(problem.structure, problem.inverse, problem.dt, state, room.start, stage)
         follow(problem.bodies, problem.memory, stage)
-        if spent == 1 or stage.z.size == 0 or moved(stage) > problem.near:
+        fresh = spent == first or stage.z.size == 0 or (spent > first and moved(stage) > problem.near)
+        if fresh:
             _evaluate(problem, drive, sample, room)
         load_bodies(problem.bodies, drive.excitation[sample : sample + 2], stage)
         newton_side(problem.structure, problem.inverse, stage, newton.update)
         hold(problem.bent, stage, newton.update)
         substitute(newton.K, newton.pivot, newton.update)
-        change = max(change, _update(problem, stage, newton))
+        before, update = update, _update(problem, stage, newton)
         if not np.isfinite(np.sum(newton.update)):
             return NOT_FINITE, spent
-        if change < tolerance:
+        if spent == 1:
+            newton.first[0] = update
+        if bends and not fresh:  # the modes have followed the update before; they will follow this one by less
+            change *= update / before
+        if spent >= first and max(change, update) < tolerance:
             return OK, spent
     return NOT_CONVERGED, problem.iterations
+
+
+@kernel(inline="always")
+def _carry_on(stage: Stages) -> None:
+    """Pressure, drag and the coordinates that they are of go on straight through the last step's two stages.
+
+    Where a hit has set modes ringing no extrapolated acceleration is near, but pressure is smooth: by Newton's first
+    update with these the stages are where pressure need be evaluated only once.
+    """
+    _go_on(stage.anchor)
+    _go_on(stage.drag)
+    for b in range(stage.pressure.shape[1]):
+        _go_on(stage.pressure[:, b])
+
+
+@kernel(inline="always")
+def _go_on(part: np.ndarray) -> None:
+    for i in range(part.shape[1]):
+        change = part[1, i] - part[0, i]
+        part[0, i] = part[1, i] + change
+        part[1, i] = part[0, i] + change
 
 
 @kernel(inline="always")
