@@ -42,6 +42,7 @@ def march(
     """
     used = spent = 0
     _begin(problem, state, room)
+    patience = 2 if fine is None else 3
     steps, nc = (drive.modal.shape[0] - 1) // 2, problem.structure.carrier.shape[0]
     for step in range(steps):
         sample = 2 * step  # where the step starts
@@ -51,7 +52,7 @@ def march(
         if fine is not None:
             whole = not in_contact(problem, state, room)
         if whole:
-            if (step % REFRESH == 0 or spent > 2) and not refresh(problem, room):
+            if (step % REFRESH == 0 or spent > patience) and not refresh(problem, room):
                 return NOT_FINITE, sample, used
             outcome, spent = attempt(problem, drive, sample + 1, state, room)
             used += spent

@@ -150,7 +150,7 @@ def in_pieces(
                     return NOT_FINITE, used
         put_stage(room, ONE, output, row)
     room.newton.first[0] = 0.0
-    return OK, max(used, 3)  # so that Newton's matrix is renewed
+    return OK, max(used, 4)  # so that Newton's matrix is renewed
 
 
 @inner_kernel

@@ -212,7 +212,7 @@ def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: W
             return NOT_FINITE, spent
         if spent == 1:
             newton.first[0] = update
-        if bends and not fresh:  # the modes have followed the update before; they will follow this one by less
+        if bends and spent > first and not fresh:  # the modes have followed the update before; they will follow this one by less
             change *= update / before
         if spent >= first and max(change, update) < tolerance:
             return OK, spent
