@@ -19,6 +19,7 @@ from solver.coupled.step import (
     copy,
     put_out,
     refresh,
+    rings,
     within,
 )
 from solver.kernels import kernel, lean_kernel
@@ -42,7 +43,7 @@ def march(
     """
     used = spent = 0
     _begin(problem, state, room)
-    patience = 2 if fine is None else 3
+    patience = 3 if rings(problem) else 2
     steps, nc = (drive.modal.shape[0] - 1) // 2, problem.structure.carrier.shape[0]
     for step in range(steps):
         sample = 2 * step  # where the step starts

@@ -168,6 +168,12 @@ def copy(source: np.ndarray, target: np.ndarray) -> None:
         target[i] = source[i]
 
 
+@kernel(inline="always")
+def rings(problem: Problem) -> bool:
+    """Whether a joint's law sets modes ringing where it changes: Newton then takes an iteration or two more."""
+    return problem.bent.size > 0 and problem.structure.omega.size > 0
+
+
 @inner_kernel
 def refresh(problem: Problem, room: Workspace) -> bool:
     """Newton's matrix of the step's start, factored; False when singular."""
@@ -191,9 +197,9 @@ def attempt(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
 @kernel(inline="always")
 def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
     """Newton's method on the stages, of which ½ is at `sample`; (outcome, iterations)."""
-    stage, newton, tolerance, bends = room.stage, room.newton, problem.tolerance, problem.bent.size > 0
+    stage, newton, tolerance, ringing = room.stage, room.newton, problem.tolerance, rings(problem)
     first, update = 1, np.inf
-    if bends and newton.first[0] > problem.near:
+    if ringing and newton.first[0] > problem.near:
         _carry_on(stage)
         first = 2
     stage.p[:] = np.inf
@@ -212,7 +218,7 @@ def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: W
             return NOT_FINITE, spent
         if spent == 1:
             newton.first[0] = update
-        if bends and spent > first and not fresh:  # the modes have followed the update before; they will follow this one by less
+        if ringing and spent > first and not fresh:  # modes that have followed the update before follow this by less
             change *= update / before
         if spent >= first and max(change, update) < tolerance:
             return OK, spent
@@ -223,8 +229,8 @@ def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: W
 def _carry_on(stage: Stages) -> None:
     """Pressure, drag and the coordinates that they are of go on straight through the last step's two stages.
 
-    Where a hit has set modes ringing no extrapolated acceleration is near, but pressure is smooth: by Newton's first
-    update with these the stages are where pressure need be evaluated only once.
+    Of modes that ring no extrapolated acceleration is near, but pressure is smooth: with it Newton's first update puts
+    the stages so near that pressure need be evaluated only once.
     """
     _go_on(stage.anchor)
     _go_on(stage.drag)
