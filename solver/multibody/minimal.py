@@ -374,9 +374,7 @@ def mass_matrix(bodies: Bodies, motion: Motion, M: np.ndarray) -> None:
 
 
 @lean_kernel
-def _project(
-    bodies: Bodies, motion: Motion, b: int, c: int, X: np.ndarray, column: np.ndarray, M: np.ndarray
-) -> None:
+def _project(bodies: Bodies, motion: Motion, b: int, c: int, X: np.ndarray, column: np.ndarray, M: np.ndarray) -> None:
     """M += J_bᵀ X J_c for X (6, 6); column (6,): scratch. In a plane half of J is zero."""
     for j in range(bodies.axes[c]):
         column[:] = 0.0
