@@ -19,6 +19,7 @@ from solver.coupled.step import (
     copy,
     put_out,
     refresh,
+    rings,
     within,
 )
 from solver.kernels import kernel, lean_kernel
@@ -42,6 +43,7 @@ def march(
     """
     used = spent = 0
     _begin(problem, state, room)
+    patience = 3 if rings(problem) else 2
     steps, nc = (drive.modal.shape[0] - 1) // 2, problem.structure.carrier.shape[0]
     for step in range(steps):
         sample = 2 * step  # where the step starts
@@ -51,7 +53,7 @@ def march(
         if fine is not None:
             whole = not in_contact(problem, state, room)
         if whole:
-            if (step % REFRESH == 0 or spent > 2) and not refresh(problem, room):
+            if (step % REFRESH == 0 or spent > patience) and not refresh(problem, room):
                 return NOT_FINITE, sample, used
             outcome, spent = attempt(problem, drive, sample + 1, state, room)
             used += spent
@@ -85,6 +87,7 @@ def _begin(problem: Problem, state: State, room: Workspace) -> None:
     copy(state.dz, start.dz[nc:])
     move(problem.bodies, start.z, start.dz, motion)
     copy(motion.active_velocity, start.velocity)
+    room.newton.first[0] = 0.0
     for kind in range(2):
         copy(state.zone[kind], room.stage.zone[kind])
 

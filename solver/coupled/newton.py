@@ -28,6 +28,7 @@ class Newton(NamedTuple):
     K: np.ndarray  # (2nz, 2nz) Newton's matrix with the frame, then its factors
     pivot: np.ndarray  # (2nz,)
     update: np.ndarray  # (2nz,) of the stage accelerations
+    first: np.ndarray  # (1,) what the first one of the last step moved a position by [m or rad]; 0 for none to go by
 
 
 def new_newton(nz: int) -> Newton:
@@ -38,6 +39,7 @@ def new_newton(nz: int) -> Newton:
         K=np.empty((2 * nz, 2 * nz)),
         pivot=np.empty(2 * nz, np.int64),
         update=np.empty(2 * nz),
+        first=np.zeros(1),
     )
 
 

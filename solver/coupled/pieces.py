@@ -149,7 +149,8 @@ def in_pieces(
                 if not _change(problem, state, room, i, kind, output.contact[row]):
                     return NOT_FINITE, used
         put_stage(room, ONE, output, row)
-    return OK, max(used, 3)  # so that Newton's matrix is renewed
+    room.newton.first[0] = 0.0
+    return OK, max(used, 4)  # so that Newton's matrix is renewed
 
 
 @inner_kernel
@@ -173,6 +174,7 @@ def _piece(
         _sample(drive, sample + n * length / problem.dt, n, fine)
     if not refresh(other, room):
         return NOT_FINITE, 0
+    room.newton.first[0] = 0.0  # what the stages hold is of another length
     return attempt(other, fine.drive, ONE, state, room)
 
 

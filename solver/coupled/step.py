@@ -45,7 +45,7 @@ from solver.coupled.stages import (
     new_stages,
     predict,
 )
-from solver.kernels import kernel, lean_kernel, part_kernel
+from solver.kernels import inner_kernel, kernel, lean_kernel, part_kernel
 from solver.multibody.joint_law import HELD, PTO_ZONE
 from solver.multibody.minimal import Bodies, PressureRoom, powers, pressure_room, pressures
 
@@ -168,7 +168,13 @@ def copy(source: np.ndarray, target: np.ndarray) -> None:
         target[i] = source[i]
 
 
-@part_kernel
+@kernel(inline="always")
+def rings(problem: Problem) -> bool:
+    """Whether a joint's law sets modes ringing where it changes: Newton then takes an iteration or two more."""
+    return problem.bent.size > 0 and problem.structure.omega.size > 0
+
+
+@inner_kernel
 def refresh(problem: Problem, room: Workspace) -> bool:
     """Newton's matrix of the step's start, factored; False when singular."""
     newton, bodies = room.newton, problem.bodies
@@ -177,7 +183,7 @@ def refresh(problem: Problem, room: Workspace) -> bool:
     return factorize(newton.K, newton.pivot)
 
 
-@part_kernel
+@inner_kernel
 def attempt(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
     """The stages of a step from `state`, ½ of which is at `sample`, in its start's zones; (outcome, iterations)."""
     memory_history(problem.memory, state.memory, room.start.velocity, room.stage.history)
@@ -191,23 +197,53 @@ def attempt(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
 @kernel(inline="always")
 def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
     """Newton's method on the stages, of which ½ is at `sample`; (outcome, iterations)."""
-    stage, newton, tolerance = room.stage, room.newton, problem.tolerance
+    stage, newton, tolerance, ringing = room.stage, room.newton, problem.tolerance, rings(problem)
+    first, update = 1, np.inf
+    if ringing and newton.first[0] > problem.near:
+        _carry_on(stage)
+        first = 2
     stage.p[:] = np.inf
     for spent in range(1, problem.iterations + 1):
         change = collocate(problem.structure, problem.inverse, problem.dt, state, room.start, stage)
         follow(problem.bodies, problem.memory, stage)
-        if spent == 1 or stage.z.size == 0 or moved(stage) > problem.near:
+        fresh = spent == first or stage.z.size == 0 or (spent > first and moved(stage) > problem.near)
+        if fresh:
             _evaluate(problem, drive, sample, room)
         load_bodies(problem.bodies, drive.excitation[sample : sample + 2], stage)
         newton_side(problem.structure, problem.inverse, stage, newton.update)
         hold(problem.bent, stage, newton.update)
         substitute(newton.K, newton.pivot, newton.update)
-        change = max(change, _update(problem, stage, newton))
+        before, update = update, _update(problem, stage, newton)
         if not np.isfinite(np.sum(newton.update)):
             return NOT_FINITE, spent
-        if change < tolerance:
+        if spent == 1:
+            newton.first[0] = update
+        if ringing and spent > first and not fresh and before > 0:  # modes follow as they followed the update before
+            change *= update / before
+        if spent >= first and max(change, update) < tolerance:
             return OK, spent
     return NOT_CONVERGED, problem.iterations
+
+
+@kernel(inline="always")
+def _carry_on(stage: Stages) -> None:
+    """Pressure, drag and the coordinates that they are of go on straight through the last step's two stages.
+
+    Of modes that ring no extrapolated acceleration is near, but pressure is smooth: with it Newton's first update puts
+    the stages so near that pressure need be evaluated only once.
+    """
+    _go_on(stage.anchor)
+    _go_on(stage.drag)
+    for b in range(stage.pressure.shape[1]):
+        _go_on(stage.pressure[:, b])
+
+
+@kernel(inline="always")
+def _go_on(part: np.ndarray) -> None:
+    for i in range(part.shape[1]):
+        change = part[1, i] - part[0, i]
+        part[0, i] = part[1, i] + change
+        part[1, i] = part[0, i] + change
 
 
 @kernel(inline="always")
@@ -253,7 +289,7 @@ def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
     load_bodies(problem.bodies, drive.excitation[sample : sample + 2], room.stage)
 
 
-@part_kernel
+@inner_kernel
 def account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
     """Works by Simpson's rule over the step's three points."""
     structure, stage, power = problem.structure, room.stage, room.power
@@ -294,7 +330,7 @@ def put_stage(room: Workspace, s: int, output: Output, row: int) -> None:
         copy(room.flow[s, d], output.drag[row, d])
 
 
-@part_kernel
+@inner_kernel
 def advance(problem: Problem, state: State, room: Workspace) -> None:
     """The step's end becomes the next one's start."""
     start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]

@@ -358,29 +358,31 @@ def mass_matrix(bodies: Bodies, motion: Motion, M: np.ndarray) -> None:
     """M (nz, nz) of the floats with the added mass at infinite frequency."""
     nb, nr = bodies.axes.size, bodies.active.size
     M[:] = 0.0
-    spatial, lever = np.empty((6, 6)), np.empty(3)
+    spatial, lever, column = np.empty((6, 6)), np.empty(3), np.empty(6)
     for b in range(nb):
         _spatial_inertia(bodies, b, motion.rotation[b], spatial, lever)
-        _project(bodies, motion, b, b, spatial, M)
+        _project(bodies, motion, b, b, spatial, column, M)
     block = np.zeros((6, 6))
     for b in range(nb):
         for c in range(nb):
             for r in range(nr):
                 for s in range(nr):
                     block[bodies.active[r], bodies.active[s]] = bodies.added_mass[b * nr + r, c * nr + s]
-            _project(bodies, motion, b, c, block, M)
+            _project(bodies, motion, b, c, block, column, M)
     for i in range(bodies.mechanism.size):
         M[i, i] += bodies.mechanism[i]
 
 
-@kernel
-def _project(bodies: Bodies, motion: Motion, b: int, c: int, X: np.ndarray, M: np.ndarray) -> None:
-    """M += J_bᵀ X J_c for X (6, 6)."""
+@lean_kernel
+def _project(bodies: Bodies, motion: Motion, b: int, c: int, X: np.ndarray, column: np.ndarray, M: np.ndarray) -> None:
+    """M += J_bᵀ X J_c for X (6, 6); column (6,): scratch. In a plane half of J is zero."""
     for j in range(bodies.axes[c]):
-        column = np.zeros(6)
-        for r in range(6):
-            for s in range(6):
-                column[r] += X[r, s] * motion.jacobian[c, s, j]
+        column[:] = 0.0
+        for s in range(6):
+            along = motion.jacobian[c, s, j]
+            if along != 0:
+                for r in range(6):
+                    column[r] += X[r, s] * along
         for i in range(bodies.axes[b]):
             total = 0.0
             for r in range(6):
@@ -393,13 +395,13 @@ def project_active(bodies: Bodies, motion: Motion, X: np.ndarray, M: np.ndarray)
     """M (nz, nz) = Jᵀ X J for X (nb nr, nb nr) over the active DOF of all bodies."""
     nr = bodies.active.size
     M[:] = 0.0
-    block = np.zeros((6, 6))
+    block, column = np.zeros((6, 6)), np.empty(6)
     for b in range(bodies.axes.size):
         for c in range(bodies.axes.size):
             for r in range(nr):
                 for s in range(nr):
                     block[bodies.active[r], bodies.active[s]] = X[b * nr + r, c * nr + s]
-            _project(bodies, motion, b, c, block, M)
+            _project(bodies, motion, b, c, block, column, M)
 
 
 @part_kernel

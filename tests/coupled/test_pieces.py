@@ -43,14 +43,15 @@ def mass(dt, seconds, motion=("surge",), **law):
 class Run:
     """Histories (m,) of the mass, and the march's state at the end."""
 
-    def __init__(self, scene, rate=0.0):
-        self.system = prepare(scene, None)
+    def __init__(self, scene, rate=0.0, known=None):
+        self.system = prepare(scene, known)
         self.state = self.system.start()
         self.state.dz[0] = rate
         self.state.energy[AT_START] = energy(self.system.bodies, self.system.structure, self.state)
         parts = list(blocks(self.system, self.state, round(scene.settings.duration / self.system.dt)))
         self.t = np.concatenate([times for _, _, times in parts])
-        self.y, self.dy = (np.concatenate([getattr(o, n)[:, 0] for _, o, _ in parts]) for n in ("z", "dz"))
+        first = self.system.structure.carrier.shape[0]
+        self.y, self.dy = (np.concatenate([getattr(o, n)[:, first] for _, o, _ in parts]) for n in ("z", "dz"))
         contact = np.concatenate([out.contact for _, out, _ in parts])[:, :1]
         self.contact = contact.sum(axis=1)
         self.held = contact[:, 0, HOLDS] if contact.size else np.zeros(len(self.t))
@@ -207,6 +208,22 @@ def test_pieces_of_a_step_lead_where_the_step_leads(name):
         ends.append(np.concatenate([state.z, state.dz]))
     assert hits > 3
     assert ends[1] == approx(ends[0], abs=2e-3 * np.abs(ends[0]).max())
+
+
+def test_ringing_after_hits_leaves_newton_within_its_tolerance():
+    """A thousandth of its tolerance changes less than a hundredth of what a quarter of the step does."""
+    whole, h = SCENES["unequal_legs"]()
+    stops = EndStops(lower=-0.08, upper=0.08, stiffness=4e6, damping=4e4)
+    scene = replace(whole, floats=(replace(whole.floats[0], end_stops=stops, pto_damping=1e4),))
+    motions = []
+    for dt, tolerance in ((0.1, 1e-6), (0.1, 1e-9), (0.025, 1e-9)):
+        settings = replace(scene.settings, duration=40.0, discard=0.0, time_step=dt, newton_tolerance=tolerance)
+        run = Run(replace(scene, settings=settings), known=h)
+        assert run.contact[:, HITS].sum() == 10 and run.residual < 1e-3
+        every = round(0.1 / dt)
+        motions.append(run.y[2 * every - 1 :: 2 * every])
+    usual, tight, finer = motions
+    assert np.abs(usual - tight).max() < 0.01 * np.abs(finer - tight).max()
 
 
 def test_the_memory_of_a_piece_is_that_of_a_step():
