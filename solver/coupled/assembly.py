@@ -8,9 +8,10 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from solver import limits, motions
+from solver.coupled.driving import driven
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure
-from solver.coupled.support import PLANAR, Support, driven
+from solver.coupled.support import PLANAR, Support
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadrature

@@ -16,25 +16,21 @@ from scipy import linalg, sparse
 
 from solver.coupled import forces
 from solver.coupled.forces import Forces, Places
+from solver.coupled.typical import typical_waves
 from solver.errors import InputError
 from solver.keys import shared
 from solver.scene import Platform, Water
-from solver.sea.current import Current
 from solver.sea.field import WaveField
-from solver.sea.realization import Realization
 from solver.structure import legs, statics, water
 from solver.structure import modes as natural
 from solver.structure.frame_model import FrameModel, assemble, sparse_sum
 from solver.structure.legs import Legs
 from solver.structure.load_history import LoadHistory
 
-OCTAVE = 2  # so many wavenumbers in it: their loads stand for those of all between
 PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
 # Pieces of an element in which loads are integrated: of 1/k of the shortest wave for inertia, whose EXACT points are
 # then right to 2e-5 of it, and of the mean wave for drag.
 INERTIA, DRAG = 4.0, 1.0
-NODES = 16, 32, 48, 64  # of curves over wavenumbers
-SMOOTH = 1e-11  # of the largest of its kind, between them
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
 KNOWN = 8  # platforms that a process keeps, by themselves and in one sea
 PLANAR = np.array([0, 2, 4])
@@ -74,81 +70,6 @@ class Support:
     forces: Forces | None  # None where neither legs nor outputs ask for any
     left_out: LeftOut
     buckling_factor: float  # gravity times this buckles the frame
-
-
-class Driven(NamedTuple):
-    """Complex rows of what n waves drive on a support."""
-
-    modes: np.ndarray  # (nm, n) inertia load
-    stations: np.ndarray  # (ns, nd, n) normal particle velocity
-    forces: np.ndarray  # (r, n) what the inertia load does to the frame's forces
-    left_out: np.ndarray  # (nt, n) and to what is left out of the tops
-
-
-@lru_cache(maxsize=KNOWN)
-def driven(support: Support, field: WaveField) -> Driven:
-    """By one sea; from a curve over typical waves where those are fewer than its own."""
-    curve = _curve(support) if 1 < support.typical.k.size < field.k.size else None
-    rows = _rows(support, field) if curve is None else curve.at(field)
-    (ns, nd, _), sizes = support.station_shape.shape, [part.shape[1] for part in _maps(support)]
-    modes, left_out, borne, stations = np.split(rows, np.cumsum(sizes))
-    return Driven(modes, stations.reshape(ns, nd, field.k.size), borne, left_out)
-
-
-class _Curve(NamedTuple):
-    """Rows per amplitude over log k: the polynomial through Chebyshev's nodes, by its barycentric formula."""
-
-    nodes: np.ndarray  # (n,)
-    values: np.ndarray  # (n, m) complex
-
-    def at(self, field: WaveField) -> np.ndarray:
-        """(m, nw) of a sea."""
-        n = len(self.nodes)
-        weight = (-1.0) ** np.arange(n) * np.sin((np.arange(n) + 0.5) * np.pi / n)
-        away = np.log(field.k)[:, None] - self.nodes
-        share = weight / np.where(away == 0, np.finfo(float).tiny ** 0.1, away)
-        share /= share.sum(axis=1, keepdims=True)
-        rows: np.ndarray = (_real_by_complex(share, self.values) * field.sea.amplitude[:, None]).T
-        return rows
-
-
-@lru_cache(maxsize=KNOWN)
-def _curve(support: Support) -> _Curve | None:
-    """Over the typical waves, to rounding of the largest of each kind of row; None where no number of nodes is enough.
-
-    Many seas share it, and it costs less than what the water does at each place.
-    """
-    typical, ends = support.typical, np.log(support.typical.k[[0, -1]])
-    sizes = np.cumsum([part.shape[1] for part in _maps(support)])
-    for n in NODES:
-        nodes = ends.mean() + np.ptp(ends) / 2 * np.cos((np.arange(n) + 0.5) * np.pi / n)
-        curve = _Curve(nodes, _rows(support, _unit(nodes, typical)).T)
-        between = _unit((nodes[1:] + nodes[:-1]) / 2, typical)
-        kinds = (np.split(rows, sizes) for rows in (curve.at(between), _rows(support, between)))
-        if all(
-            np.abs(a - b).max(initial=0.0) <= SMOOTH * np.abs(b).max(initial=0.0) for a, b in zip(*kinds, strict=True)
-        ):
-            return curve
-    return None
-
-
-def _unit(log_k: np.ndarray, like: WaveField) -> WaveField:
-    """Waves of 1 m."""
-    field = _of_one_speed(np.exp(log_k), like.sea.heading, like.depth, like.gravity)
-    return replace(field, sea=replace(field.sea, amplitude=np.ones(log_k.size, complex)))
-
-
-def _maps(support: Support) -> tuple[np.ndarray, ...]:
-    """From du/dt at the places (2 np, …) to modes, what is left out, and forces."""
-    forces = np.zeros((len(support.waves), 0)) if support.forces is None else support.forces.waves
-    return support.waves, support.left_out.waves, forces
-
-
-def _rows(support: Support, field: WaveField) -> np.ndarray:
-    """Of modes, of what is left out, of forces, of stations, (m, n)."""
-    push = -1j * field.sea.omega * np.concatenate(field.swing(support.places))
-    rows = _real_by_complex(np.concatenate(_maps(support), axis=1).T, push)
-    return np.concatenate([rows, support.flow(field).reshape(-1, field.k.size)])
 
 
 @lru_cache(maxsize=KNOWN)
@@ -212,7 +133,7 @@ def reduce_platform(
     model = dynamic_model(platform, sea)[0]
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
     drags = water.stations(model, stations, DRAG * field.mean_length)
-    typical = _typical(field, at)
+    typical = typical_waves(field, at)
     return _reduced(platform, sea, hinge_nodes, at, drags, typical, planar=planar, modes=modes, outputs=outputs)
 
 
@@ -287,37 +208,6 @@ def _reduced(
         forces=borne,
         buckling_factor=factor,
     )
-
-
-def _typical(field: WaveField, at: water.Stations) -> WaveField:
-    """Waves that load stations in the patterns of all those of a sea: of a velocity of 1 m/s at the surface.
-
-    Their wavenumbers are half an octave apart, and no more than turn the phase by a radian on the stations' way along
-    the heading, so that many seas have the same; a sea of fewer waves has its own.
-    """
-    k = field.k if field.sea.amplitude.any() else np.zeros(0)
-    if k.size > 1:
-        first, last = np.floor(np.log2(k.min()) * OCTAVE), np.ceil(np.log2(k.max()) * OCTAVE)
-        way = float(np.ptp(at.position @ field.direction)) if len(at.position) else 0.0
-        low, high = 2 ** (first / OCTAVE) * way, 2 ** (last / OCTAVE) * way
-        if last - first + 1 + high - low < k.size:
-            turned = np.arange(np.ceil(low), high) / way if way > 0 else np.zeros(0)
-            k = np.union1d(2 ** (np.arange(first, last + 1) / OCTAVE), turned)
-    return _waves(tuple(k.tolist()), field.sea.heading, field.depth, field.gravity, field.current)
-
-
-@lru_cache(maxsize=KNOWN)
-def _waves(k: tuple[float, ...], heading: float, depth: float, gravity: float, current: Current | None) -> WaveField:
-    """One object for all who ask for the same."""
-    return _of_one_speed(np.array(k), heading, depth, gravity, current)
-
-
-def _of_one_speed(
-    k: np.ndarray, heading: float, depth: float, gravity: float, current: Current | None = None
-) -> WaveField:
-    omega = np.sqrt(gravity * k * np.tanh(k * depth))  # infinite depth is deep
-    sea = Realization(omega=omega, amplitude=(1 / omega).astype(complex), heading=heading)
-    return WaveField(sea, depth, gravity, current)
 
 
 def _patterns(
@@ -448,10 +338,10 @@ def _unit_loads(size: int, dof: np.ndarray) -> np.ndarray:
 
 def _nodal_load(model: FrameModel, at: water.Stations, by_swing: sparse.csr_array, swing: np.ndarray) -> np.ndarray:
     """Nodal loads (6n, n) of point loads at the stations, which are by_swing (3 ns, m) of lines swing (m, n)."""
-    return _real_by_complex(_onto_nodes(model, at) @ by_swing, swing)
+    return real_by_complex(_onto_nodes(model, at) @ by_swing, swing)
 
 
-def _real_by_complex(real: np.ndarray | sparse.csr_array, lines: np.ndarray) -> np.ndarray:
+def real_by_complex(real: np.ndarray | sparse.csr_array, lines: np.ndarray) -> np.ndarray:
     """Their product, in half the time of complex by complex."""
     product: np.ndarray = real @ np.ascontiguousarray(lines).view(float)
     return product.view(complex)

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from solver.coupled import assembly, linear_drag
+from solver.coupled.driving import driven
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.stages import State, copied
 from solver.coupled.step import HITS, Output
-from solver.coupled.support import driven
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory

@@ -16,10 +16,10 @@ from scipy.spatial.transform import Rotation
 from solver import limits
 from solver.balance import warnings
 from solver.coupled.assembly import joint_law
+from solver.coupled.driving import driven
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.natural import require_stable, system_modes, with_usual_step
 from solver.coupled.step import Output
-from solver.coupled.support import driven
 from solver.coupled.system import BALANCE, System, energy_residual, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, seabed_error

@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
-from solver.coupled import linear, natural, support
+from solver.coupled import driving, linear, natural, support
 from solver.coupled import system as systems
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import prepare
@@ -147,7 +147,7 @@ def test_what_is_kept_of_another_sea_changes_no_bit(method):
 
 def forget():
     """All that a process keeps of other scenes."""
-    kept = (support._reduced, support._curve, support.driven, systems._bodies, systems._equilibrium)
+    kept = (support._reduced, driving._curve, driving.driven, systems._bodies, systems._equilibrium)
     kept += (systems.known_differences, systems.loads_at_rest, linear._linear_model, linear_model)
     for known in (*kept, case._case, natural._system_modes):
         known.cache_clear()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled import support
+from solver.coupled import driving, support, typical
 from solver.coupled.modal import Structure, drag, flexibility
 from solver.coupled.scheme import AA, A
 from solver.errors import InputError
@@ -103,7 +103,7 @@ def test_published_pile(waves):
 def test_drag_of_the_reduced_platform_is_the_published_piles(waves):
     """At the crest, on a platform that does not move, from the coefficients and velocities that enter the march."""
     s = reduced(waves)
-    u = support.driven(s, waves).stations[:, 0, 0].real
+    u = driving.driven(s, waves).stations[:, 0, 0].real
     assert s.drag @ (np.abs(u) * u) == approx(205_475, rel=1e-5)
 
 
@@ -122,7 +122,7 @@ def reduced(waves, modes=4, **changes):
 def test_kernel_drag_is_that_of_relative_velocity(waves):
     """Power and modal force of ½ρC_D D|u - v|(u - v), summed over stations in plain numpy."""
     s = reduced(waves)
-    u = support.driven(s, waves).stations[..., 0].real.T
+    u = driving.driven(s, waves).stations[..., 0].real.T
     shape = np.ascontiguousarray(s.station_shape.transpose(2, 1, 0))
     structure = Structure(s.omega, 0 * s.omega, s.carrier, shape, s.drag, 0 * s.omega)
     dp = np.random.default_rng(0).normal(size=s.omega.size)
@@ -141,7 +141,7 @@ def test_basis_is_orthonormal_and_holds_the_static_answer(waves):
     model = assemble(pile())
     M = model.M + water.added_mass(model, OCEAN.density)
     assert s.shapes.T @ (M @ s.shapes) == approx(np.eye(s.omega.size), abs=1e-8)
-    few, all_modes = (x.shapes @ (support.driven(x, waves).modes / x.omega[:, None] ** 2) for x in (s, every))
+    few, all_modes = (x.shapes @ (driving.driven(x, waves).modes / x.omega[:, None] ** 2) for x in (s, every))
     assert few == approx(all_modes, abs=1e-6 * np.abs(all_modes).max())
 
 
@@ -169,10 +169,10 @@ def test_shapes_of_typical_waves_hold_the_static_answer_to_all_waves(apart, most
         support.reduce_platform(platform, sea, OCEAN, (), planar=False, modes=modes, stations=2) for modes in (2, "all")
     )
     assert few.typical.k.size < most and few.typical.k.min() <= sea.k.min() and sea.k.max() <= few.typical.k.max()
-    answers = [s.shapes @ (support.driven(s, sea).modes / s.omega[:, None] ** 2) for s in (few, every)]
+    answers = [s.shapes @ (driving.driven(s, sea).modes / s.omega[:, None] ** 2) for s in (few, every)]
     off, size = (np.linalg.norm(answer, axis=0) for answer in (answers[0] - answers[1], answers[1]))
     assert np.all(off < 1e-3 * size)
-    drag = [np.einsum("sdm,sdn->mn", s.station_shape, support.driven(s, sea).stations) for s in (few, every)]
+    drag = [np.einsum("sdm,sdn->mn", s.station_shape, driving.driven(s, sea).stations) for s in (few, every)]
     answers = [s.shapes @ (load / s.omega[:, None] ** 2) for s, load in zip((few, every), drag, strict=True)]
     assert answers[0] == approx(answers[1], abs=3e-3 * np.abs(answers[1]).max())
 
@@ -182,7 +182,7 @@ def test_seas_of_few_waves_have_their_own_shapes():
     few = support.reduce_platform(Platform(frame=pile()), sea, OCEAN, (), planar=True, modes=2, stations=2)
     assert few.typical.k == approx(sea.k)
     still = replace(sea, sea=replace(sea.sea, amplitude=np.zeros(5, complex)))
-    assert support._typical(still, water.stations(assemble(pile()), 4)).k.size == 0
+    assert typical.typical_waves(still, water.stations(assemble(pile()), 4)).k.size == 0
 
 
 @pytest.mark.parametrize(("apart", "heading"), [(8.0, 0.0), (45.0, 0.7)])
@@ -190,22 +190,22 @@ def test_rows_come_from_a_curve_over_typical_waves_to_rounding(apart, heading):
     sea, platform = many_waves(heading), Platform(frame=pair_of_piles(apart), legs=("leg0.0",))
     options = {"planar": False, "modes": 2, "stations": 2}
     s = support.reduce_platform(platform, sea, OCEAN, (), **options)
-    curve, exact = support._curve(s), support._rows(s, sea)
+    curve, exact = driving._curve(s), driving._rows(s, sea)
     assert curve is not None
     louder = replace(sea, sea=replace(sea.sea, amplitude=2 * sea.sea.amplitude))
     assert support.reduce_platform(platform, louder, OCEAN, (), **options) is s
-    kinds = np.cumsum([part.shape[1] for part in support._maps(s)])
+    kinds = np.cumsum([part.shape[1] for part in driving._maps(s)])
     for rows, true in zip(np.split(curve.at(sea), kinds), np.split(exact, kinds), strict=True):
         assert len(true) and rows == approx(true, abs=1e-11 * np.abs(true).max())
-    assert curve.at(support._unit(curve.nodes, sea)) == approx(curve.values.T, rel=1e-11)
+    assert curve.at(driving._unit(curve.nodes, sea)) == approx(curve.values.T, rel=1e-11)
 
 
 def test_waves_that_no_curve_follows_are_reckoned_one_by_one():
     """A kilometre between two piles: the phase turns too often."""
     sea, platform = many_waves(components=1500), Platform(frame=pair_of_piles(1000.0))
     s = support.reduce_platform(platform, sea, OCEAN, (), planar=False, modes=2, stations=2)
-    assert s.typical.k.size < 1500 and support._curve(s) is None
-    assert np.array_equal(support.driven(s, sea).modes, support._rows(s, sea)[: s.omega.size])
+    assert s.typical.k.size < 1500 and driving._curve(s) is None
+    assert np.array_equal(driving.driven(s, sea).modes, driving._rows(s, sea)[: s.omega.size])
 
 
 def test_added_mass_lowers_the_frequencies(waves):
