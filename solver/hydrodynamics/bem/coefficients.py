@@ -106,16 +106,17 @@ class Hydrodynamics:
 
     @cached_property
     def ringing(self) -> np.ndarray:
-        """Exponents β (p,) [rad/s], in the upper half plane, of water that rings, by vector fitting of the impedance."""
+        """Exponents β (p,) [rad/s], Im β > 0, of water that rings, by vector fitting of the impedance."""
         omega = self.omega[self.resolved]
         transfer = self.radiation_damping + 1j * self.omega[:, None, None] * (self.added_mass - self.added_mass_inf)
         lengths = np.repeat(np.cbrt(self.displaced_mass / self.density), len(self.dofs))
         lengths[np.tile([DOFS.index(dof) < 3 for dof in self.dofs], len(self.centres))] = 1.0
         size = np.sqrt(np.abs(np.einsum("wii->wi", transfer)).max(axis=0))
-        heard = np.flatnonzero((size / lengths) ** 2 >= SILENT * np.max((size / lengths) ** 2))
-        scaled = (transfer / np.outer(size, size))[self.resolved][:, heard[:, None], heard]
+        heard = np.flatnonzero((size > 0) & ((size / lengths) ** 2 >= SILENT * np.max((size / lengths) ** 2)))
+        scaled = transfer[self.resolved][:, heard[:, None], heard] / np.outer(size[heard], size[heard])
         # Fewer than there are differences to tell how much of each a curve has.
-        beta = fewest_poles(omega, scaled.reshape(omega.size, -1), CLOSE, most=2 * (omega.size - ROUGH) // 3)
+        most = 2 * (omega.size - ROUGH) // 3 if heard.size else 0
+        beta = fewest_poles(omega, scaled.reshape(omega.size, -1), CLOSE, most)
         return beta[beta.imag > 0]
 
     @property
