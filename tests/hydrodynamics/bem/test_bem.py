@@ -278,7 +278,7 @@ def test_water_that_rings_between_bodies_rings_between_the_frequencies_solved_fo
 
 def test_frequencies_that_alias_what_bodies_reflect_are_told_from_others():
     """Those beyond the waves' from one to the next of which the way there and back, 2 kL, grows by more than π."""
-    omega = np.concatenate([np.linspace(1.0, 3.0, 21), [4.0, 4.1, 6.0]])
+    omega = np.concatenate([np.linspace(1.0, 3.0, 21), [3.3, 3.4, 6.0]])
     apart = np.array([[0.0, 0.0, 0.0], [6.0, 8.0, 0.0]])
     pair = replace(hemisphere(), omega=omega, centres=apart)
     turned = 2 * 10.0 * np.diff(omega**2) / G
@@ -286,7 +286,7 @@ def test_frequencies_that_alias_what_bodies_reflect_are_told_from_others():
     assert pair.resolved.all()  # waves of any frequency
     assert replace(pair, waves_to=3.0).resolved.tolist() == [True] * 21 + [False] * 3
     assert replace(pair, waves_to=1.0).resolved.sum() == 21
-    assert replace(pair, waves_to=4.0).resolved.tolist() == [True] * 23 + [False]
+    assert replace(pair, waves_to=3.3).resolved.tolist() == [True] * 23 + [False]
     assert replace(pair, waves_to=3.0, centres=apart[:1]).resolved.all()
     assert replace(pair, waves_to=3.0, settings={"bodies": "each alone"}).resolved.all()
 
