@@ -161,7 +161,7 @@ def _in_time() -> list[Check]:
     waves = components(amplitude=np.full(RINGS.size, SMALL), omega=RINGS, phase=np.zeros(RINGS.size))
     between = replace(linear, sea=waves)
     exact = _response(between, solve(omega=RINGS))
-    return [*checks, *_apart("between the frequencies solved for", _response(between, known), exact, 0.01)]
+    return [*checks, *_apart("between the frequencies solved for", _response(between, known), exact, 0.005)]
 
 
 def _apart(words: str, ours: np.ndarray, exact: np.ndarray, allowed: float) -> list[Check]:
