@@ -12,6 +12,7 @@ import numpy as np
 from solver import motions
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import System, prepare, remembered
+from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.radiation.memory import USUAL
 from solver.keys import Bits
@@ -21,7 +22,7 @@ from solver.scene import Scene
 from solver.statistics import FAINT
 
 SWAYED = 3e-3  # what the fit may change a motion's RAO, its std or its power by, relative, where no tolerance is given
-TIMES = (1, 3, 10)  # that a change by so much counts as the usual tolerance, one after another until it is less
+TIMES = (1, 2, 5, 15)  # that what misfits do to the motions counts, one after another until it is little enough
 FEW = 24  # motions that there are: their fits take seconds, those of many more minutes
 LEAST = 0.1  # of a motion's largest response: changes of less are relative to that
 
@@ -36,15 +37,17 @@ def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
         return best
     allowed = SWAYED if asked.tolerance is None else SHARE["memory_effect"] ** 0.5 * asked.tolerance / MARGIN
     effect = _swayed(best, h)
-    if effect > allowed:
-        counts = importance(best, h) * (USUAL / allowed)
-        for times in TIMES:
+    counts = importance(best, h) if effect > allowed else np.zeros(0)
+    for times in TIMES:
+        if effect <= allowed:
+            break
+        try:
             fitted = prepare(scene, h, remembered(h, hulls, USUAL, ways, Bits(times * counts)))
-            less = _swayed(fitted, h)
-            if less < effect:
-                best, effect = fitted, less
-            if effect <= allowed:
-                break
+        except SimulationFailed:  # nothing comes as close as that; `memory_effect` says what is left
+            continue
+        less = _swayed(fitted, h)
+        if less < effect:
+            best, effect = fitted, less
     return best
 
 
