@@ -74,7 +74,7 @@ FAR = {
     "radiated": ("far_field_radiated", ("omega", DOF[1], MODE, "complex"), "m2", "Modes of the Kochin function"),
     "scattered": ("far_field_scattered", ("omega", MODE, "complex"), "m2 s-1", "The same of the scattered unit wave"),
 }
-SCALARS = ("depth", "density", "gravity", "heading")
+SCALARS = ("depth", "density", "gravity", "heading", "waves_to")
 
 
 def encode(hydrodynamics: Hydrodynamics, key: str = "") -> bytes:

@@ -84,7 +84,8 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     else:
         problem = bem_problem(geometries)
         each = dict(zip(problem.headings, bem.united(problem, shares), strict=True))
-        found = [each[geometry.heading] for geometry in geometries]
+        highest = first.band[1] if first.band else np.inf
+        found = [replace(each[geometry.heading], waves_to=highest) for geometry in geometries]
     if not first.memory:
         return found
     hulls = tuple(hull(body.hull) for body in first.bodies)

@@ -435,7 +435,8 @@ def remembered(
         return h.memory
     lengths = motion_lengths(hulls, h.dofs)
     asked = None if importance is None else importance.value
-    return radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf, tolerance, lengths, moved, asked)
+    known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
+    return radiation.fit(*known, tolerance, lengths, moved, asked, h.resolved)
 
 
 def _reaches(scene: Scene, height: float) -> list[float]:

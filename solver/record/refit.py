@@ -12,6 +12,7 @@ import numpy as np
 from solver import motions
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import System, prepare, remembered
+from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.radiation.memory import USUAL
 from solver.keys import Bits
@@ -20,9 +21,9 @@ from solver.record.audit import coefficient_effects, decay, excitation
 from solver.scene import Scene
 from solver.statistics import FAINT
 
-SWAYED = 3e-3  # what the fit may change a motion's std or its power by, relative, where no tolerance is given
-TOLERANCES = (USUAL, 2e-3, 1e-3, 3e-4)  # of the fit that counts by the motions, one after another until it does
-FEW = 12  # motions that radiate: their fits take seconds, those of many more minutes
+SWAYED = 3e-3  # what the fit may change a motion's RAO, its std or its power by, relative, where no tolerance is given
+TIMES = (1, 2, 5, 15)  # that what misfits do to the motions counts, one after another until it is little enough
+FEW = 24  # motions that there are: their fits take seconds, those of many more minutes
 LEAST = 0.1  # of a motion's largest response: changes of less are relative to that
 
 
@@ -31,39 +32,57 @@ def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
     best, asked = prepare(scene, h), scene.settings
     if h is None or best.fit is None or asked.memory == "convolution" or asked.memory_tolerance is not None:
         return best
-    if np.any(best.fit.residue, axis=(0, 1)).sum() > FEW:
+    hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
+    if h.moved(ways).sum() > FEW:
         return best
     allowed = SWAYED if asked.tolerance is None else SHARE["memory_effect"] ** 0.5 * asked.tolerance / MARGIN
-    effect = coefficient_effects(best, h)[0]
-    if effect > allowed:
-        counts = Bits(importance(best, h))
-        hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
-        for tolerance in TOLERANCES:
-            fit = remembered(h, hulls, tolerance, ways, counts)
-            fitted = prepare(scene, h, fit)
-            less = coefficient_effects(fitted, h)[0]
-            if less < effect:
-                best, effect = fitted, less
-            if effect <= allowed or fit.error > tolerance:  # what is not met finer ones will not meet
-                break
+    effect = _swayed(best, h)
+    counts = importance(best, h) if effect > allowed else np.zeros(0)
+    for times in TIMES:
+        if effect <= allowed:
+            break
+        try:
+            fitted = prepare(scene, h, remembered(h, hulls, USUAL, ways, Bits(times * counts)))
+        except SimulationFailed:  # nothing comes as close as that; `memory_effect` says what is left
+            continue
+        less = _swayed(fitted, h)
+        if less < effect:
+            best, effect = fitted, less
     return best
 
 
-def importance(system: System, h: Hydrodynamics) -> np.ndarray:
-    """max_k ω |(Z⁻¹Eᵀ)_ki| |(E X)_j| / |X_k| (nw, na, na) at the frequencies solved, zero beyond the scene's waves.
+def _swayed(system: System, h: Hydrodynamics) -> float:
+    """What the fit changes of the motions at the frequencies solved, over the largest of each, and of their means."""
+    inside, exact = _motions(system, h, impedance(system, h, h.omega))
+    assert system.fit is not None, "asked of a scene that has one"
+    change = np.abs(_motions(system, h, system.fit.frequency(h.omega))[1] - exact)[inside].max(axis=0)
+    used, largest = _used(system, exact[inside])
+    return max(coefficient_effects(system, h)[0], float(np.max(change[used] / largest[used], initial=0.0)))
 
-    X: in waves of one height at all frequencies; in still water what follows from the offsets.
+
+def _motions(system: System, h: Hydrodynamics, Y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which of the frequencies solved (nw,) the scene's waves have, and X (nw, n) in waves of one height at all of
+    them; in still water what follows from the offsets.
     """
     model, omega, sea = linear_model(system), h.omega, system.scene.sea
-    Y = impedance(system, h, omega)
-    if sea.amplitude.any():
-        X = model.response(omega, Y, excitation(system, h, omega) @ model.active)
-        low, high = np.interp([sea.omega.min(), sea.omega.max()], omega, np.arange(omega.size))
-        inside = (np.arange(omega.size) >= np.floor(low)) & (np.arange(omega.size) <= np.ceil(high))
-    else:
-        X, inside = decay(system, model, omega, Y), np.ones(omega.size, bool)
-    size, largest = np.abs(X), np.abs(X)[inside].max(axis=0)
-    used = model.length * largest > FAINT * np.max(model.length * largest, initial=0.0)
+    if not sea.amplitude.any():
+        return np.ones(omega.size, bool), decay(system, model, omega, Y)
+    low, high = np.interp([sea.omega.min(), sea.omega.max()], omega, np.arange(omega.size))
+    inside = (np.arange(omega.size) >= np.floor(low)) & (np.arange(omega.size) <= np.ceil(high))
+    return inside, model.response(omega, Y, excitation(system, h, omega) @ model.active)
+
+
+def _used(system: System, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which motions (n,) there are, and the largest X (nw, n) of each."""
+    model, largest = linear_model(system), np.abs(X).max(axis=0)
+    return model.length * largest > FAINT * np.max(model.length * largest, initial=0.0), largest
+
+
+def importance(system: System, h: Hydrodynamics) -> np.ndarray:
+    """max_k ω |(Z⁻¹Eᵀ)_ki| |(E X)_j| / |X_k| (nw, na, na) at the frequencies solved, zero beyond the scene's waves."""
+    model, omega, Y = linear_model(system), h.omega, impedance(system, h, h.omega)
+    inside, X = _motions(system, h, Y)
+    size, (used, largest) = np.abs(X), _used(system, X[inside])
     receptance = np.linalg.solve(
         model.dynamic_stiffness(omega, Y), np.broadcast_to(model.active.T, (omega.size, *model.active.T.shape))
     )

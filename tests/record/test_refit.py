@@ -49,6 +49,17 @@ def test_the_usual_fit_stays_where_it_is_asked_for_or_good_enough_or_dear(monkey
     assert refit.prepared(item, h).fit is usual
 
 
+def test_where_no_fit_comes_as_close_as_is_asked_the_best_there_is_stays(monkeypatch):
+    item, h = SCENES["duck"]()
+    floats = (replace(item.floats[0], pto_damping=0.0, coulomb=500.0),)
+    item = replace(item, floats=floats, settings=replace(item.settings, froude_krylov="linear"))
+    usual, fitted = prepare(item, h), refit.prepared(item, h)
+    before, after = (coefficient_effects(system, h)[0] for system in (usual, fitted))
+    assert refit.SWAYED < after < 0.5 * before
+    monkeypatch.setattr(refit, "TIMES", (1e4,))
+    assert refit.prepared(item, h).fit is usual.fit
+
+
 @pytest.mark.parametrize("name", ["big_beside_small", "soft_mooring"])
 def test_importance_is_what_a_small_change_of_the_impedance_does(name):
     """By a second solution, with one entry of Y changed at one frequency."""

@@ -16,6 +16,8 @@ from scipy.interpolate import CubicSpline
 from solver.errors import InputError
 from solver.hydrodynamics.bem.far_field import FarField, Waves
 from solver.hydrodynamics.radiation.memory import RadiationMemory
+from solver.hydrodynamics.radiation.passivity import SILENT
+from solver.hydrodynamics.radiation.rational import fewest_poles
 from solver.keys import Bits, shared
 from solver.sea.dispersion import wavenumbers
 
@@ -23,7 +25,8 @@ DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")
 EACH_ALONE = "each alone"  # what the settings say of bodies that do not interact
 ROUGH = 3  # order of the differences by which a curve is rough
-RESOLVED = 1e-8  # of the largest singular value: poles too broad to be told from a smooth rest are left to that
+RESOLVED = 1e-3  # of the largest singular value: poles too broad to be told from a smooth rest are left to that
+CLOSE = 1e-3  # of each motion's largest impedance: what the poles of what rings may leave of it
 CURVES = 16  # sets of coefficients whose curves a process keeps
 SEAS = 32  # seas and coefficients at whose frequencies it keeps them
 
@@ -65,6 +68,7 @@ class Hydrodynamics:
     settings: MappingProxyType[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     error: MeshError | None = None  # what the panels leave, as far as is known
     far_field: FarField | None = None  # the waves far off, where asked for
+    waves_to: float = np.inf  # [rad/s] the highest frequency of waves that these are for, see `resolved`
     memory: RadiationMemory | None = None  # fitted to these, for scenes that ask for
     memory_tolerance: float = np.nan  # this tolerance, and
     memory_motions: tuple[tuple[str, ...], ...] = ()  # floats that have these motions; all of them where empty
@@ -87,6 +91,33 @@ class Hydrodynamics:
         if self.error is None:
             return 0.0
         return max(float(np.abs(e).max() / np.abs(getattr(self, n)).max()) for n, e in self.error._asdict().items())
+
+    @cached_property
+    def resolved(self) -> np.ndarray:
+        """Whether frequencies are close enough to each other to tell what goes on between them, (nw,).
+
+        All up to `waves_to`; beyond, as long as a wave to the farthest body and back turns by π at most from one to
+        the next. Then what bodies reflect to each other is aliased.
+        """
+        apart = np.linalg.norm(self.centres[:, None] - self.centres, axis=-1).max() if self.interacting else 0.0
+        k = wavenumber(self.omega, self.depth, self.gravity)
+        turned = 2 * apart * np.diff(k, prepend=k[0])
+        return np.logical_and.accumulate((self.omega <= self.waves_to) | (turned <= np.pi))
+
+    @cached_property
+    def ringing(self) -> np.ndarray:
+        """Exponents β (p,) [rad/s], Im β > 0, of water that rings, by vector fitting of the impedance."""
+        omega = self.omega[self.resolved]
+        transfer = self.radiation_damping + 1j * self.omega[:, None, None] * (self.added_mass - self.added_mass_inf)
+        lengths = np.repeat(np.cbrt(self.displaced_mass / self.density), len(self.dofs))
+        lengths[np.tile([DOFS.index(dof) < 3 for dof in self.dofs], len(self.centres))] = 1.0
+        size = np.sqrt(np.abs(np.einsum("wii->wi", transfer)).max(axis=0))
+        heard = np.flatnonzero((size > 0) & ((size / lengths) ** 2 >= SILENT * np.max((size / lengths) ** 2)))
+        scaled = transfer[self.resolved][:, heard[:, None], heard] / np.outer(size[heard], size[heard])
+        # Fewer than there are differences to tell how much of each a curve has.
+        most = 2 * (omega.size - ROUGH) // 3 if heard.size else 0
+        beta = fewest_poles(omega, scaled.reshape(omega.size, -1), CLOSE, most)
+        return beta[beta.imag > 0]
 
     @property
     def interacting(self) -> bool:
@@ -129,17 +160,18 @@ class Hydrodynamics:
     def curve(self, values: np.ndarray) -> Curve:
         """Through values (nw, ...) at the frequencies solved for: cubic splines of what the water's resonances leave.
 
-        Water between bodies rings in bands narrower than frequencies are apart. Its poles β are the memory's, where
-        there is one; of each a curve has as much, Re β/(-iω - β*), as leaves the smoothest rest, by third differences.
+        Water between bodies rings in bands narrower than frequencies are apart. Of each of its poles β a curve has as
+        much, Re β/(-iω - β*), as leaves the smoothest rest, by third differences where they are resolved.
         """
-        beta = self.memory.beta if self.memory is not None else np.zeros(0, complex)
-        beta = beta[beta.imag > 0]
 
         def ringing(omega: np.ndarray) -> np.ndarray:
-            return beta.real / (-1j * np.asarray(omega)[:, None] - beta.conj())
+            return self.ringing.real / (-1j * np.asarray(omega)[:, None] - self.ringing.conj())
+
+        def rough(values: np.ndarray) -> np.ndarray:
+            return np.diff(values[self.resolved], ROUGH, axis=0)
 
         at, flat = ringing(self.omega), values.reshape(len(values), -1)
-        share = np.linalg.lstsq(np.diff(at, ROUGH, axis=0), np.diff(flat, ROUGH, axis=0), rcond=RESOLVED)[0]
+        share = np.linalg.lstsq(rough(at), rough(flat), rcond=RESOLVED)[0]
         rest = CubicSpline(self.omega, flat - at @ share)
         return lambda omega: (rest(omega) + ringing(omega) @ share).reshape(-1, *values.shape[1:])
 

@@ -18,6 +18,7 @@ PAIRS = 30  # of poles, at most
 FALL = 6  # misfits count less beyond the peak of the diagonal, as its frequency over ω to this power
 HOPELESS = 4  # times the tolerance: so far away no weights will help
 LOOSER = 2  # times the tolerance, where it is not met: of poles chosen for less, passive residues are more easily found
+UNRESOLVED = 0.1  # of what misfits count, where frequencies are too far apart
 BETTER = 0.9  # of a misfit above the tolerance: what one with more poles must have
 LOST = 1.0  # a misfit as large as what is fitted
 SETTLE, EQUALIZE = 4, 12  # relocations of the poles: with even weights, then with weights that lower the largest misfit
@@ -53,6 +54,7 @@ def fit(
     lengths: np.ndarray | None = None,
     moved: np.ndarray | None = None,
     importance: np.ndarray | None = None,
+    resolved: np.ndarray | None = None,
 ) -> RadiationMemory:
     """The passive memory of least order whose misfit of B - iωA is at most `tolerance`, else one of nearly the best.
 
@@ -69,6 +71,8 @@ def fit(
     be passive. What they do to the others is load on joints, without work, and fitted beside; the rest is zero.
     importance: (nw, n, n) what a unit of an entry changes at each ω of what it is for; where its misfit does more to
     that than its share of the largest it counts as that much.
+    resolved: (nw,) whether frequencies are close enough to each other to tell what goes on between them, all by
+    default: elsewhere no poles are sought, and misfits count UNRESOLVED of that.
     """
     if not tolerance > 0:
         raise InputError("memory_tolerance", tolerance, "must be > 0")
@@ -89,8 +93,16 @@ def fit(
             f" frequencies, most at {worst:.4g} rad/s: these are no coefficients of passive bodies"
         )
     asked = np.zeros(impedance.shape) if importance is None else importance
+    told = sound if resolved is None else sound & resolved
     data = _Data.of(
-        omega[sound], added_mass[sound], radiation_damping[sound], added_mass_inf, lengths, moved, asked[sound]
+        omega[sound],
+        added_mass[sound],
+        radiation_damping[sound],
+        added_mass_inf,
+        lengths,
+        moved,
+        asked[sound],
+        told[sound],
     )
     looser, known = tolerance, dict[int, float]()
     while looser < LOST:
@@ -125,6 +137,7 @@ class _Data:
     """
 
     omega: np.ndarray  # (nw,)
+    resolved: np.ndarray  # (nw,) bool
     samples: np.ndarray  # (nw, m) complex
     weight: np.ndarray  # (nw,) of the least squares
     counts: np.ndarray  # (nw, m) what a misfit counts, of that
@@ -145,6 +158,7 @@ class _Data:
         lengths: np.ndarray,
         moved: np.ndarray,
         importance: np.ndarray,
+        resolved: np.ndarray,
     ) -> "_Data":
         """Samples of the motions that radiate; arguments as of `fit`."""
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
@@ -160,9 +174,11 @@ class _Data:
         total = transfer + 1j * omega[:, None, None] * infinite
         counts = 1 / (1 + (omega[:, None] / peak) ** FALL)
         counts = np.maximum(counts, np.maximum(importance[:, i, j], importance[:, j, i]) * scale)
+        counts = counts * np.where(resolved, 1.0, UNRESOLVED)[:, None]
         weight = counts.max(axis=1)
         return cls(
             omega=omega,
+            resolved=resolved,
             samples=(total[:, i, j] / scale + total[:, j, i] / scale) / 2,
             weight=weight,
             counts=counts / weight[:, None],
@@ -180,7 +196,7 @@ class _Data:
         known: misfits that no fit with so many pairs falls below; they are added to.
         """
         best, tolerance = None, looser
-        for pairs in range(2, min(PAIRS, len(self.omega) // 2) + 1):
+        for pairs in range(2, min(PAIRS, len(self.omega) // 2, 2 * int(self.resolved.sum()) // 3) + 1):
             if known.get(pairs, 0.0) > tolerance:
                 continue
             candidate = self.unconstrained(pairs, tolerance)
@@ -199,11 +215,12 @@ class _Data:
         each sample's weight is therefore multiplied by the root of its misfit, again and again
         (Lawson 1961), and the best of these fits is kept.
         """
-        poles, even = starting_poles(self.omega, pairs), np.ones(self.omega.size)
+        at, even = self.resolved, np.ones(self.omega.size)
+        poles = starting_poles(self.omega[at], pairs)
         best: _Candidate | None = None
-        strictly = mixed(self.samples - 1j * self.omega[:, None] * self.infinite)
+        strictly = mixed((self.samples - 1j * self.omega[:, None] * self.infinite)[at])
         for n in range(SETTLE + EQUALIZE):
-            poles = relocated(poles, self.omega, strictly, self.weight * even)
+            poles = relocated(poles, self.omega[at], strictly, (self.weight * even)[at])
             if n < SETTLE:
                 continue
             candidate, misfit = self._solved(poles, even)

@@ -7,6 +7,8 @@ and Semlyen (1999) and Gustavsen (2006); the per-entry elimination is Deschrijve
 import numpy as np
 
 FASTEST = 10  # largest modulus of a pole, in units of the highest frequency
+FEWEST = 2  # pairs of poles that are tried
+RELOCATED = 8  # times
 
 
 def starting_poles(omega: np.ndarray, pairs: int) -> np.ndarray:
@@ -80,6 +82,25 @@ def relocated(poles: np.ndarray, omega: np.ndarray, samples: np.ndarray, weight:
     if abs(constant) < 1e-8:
         constant = np.copysign(1e-8, constant)
     return _stable(_zeros(poles, solution[:-1], constant), omega)
+
+
+def fewest_poles(omega: np.ndarray, samples: np.ndarray, goal: float, most: int) -> np.ndarray:
+    """Poles, `most` pairs at most, with which samples (nw, m) at s = iω are met within the goal, but for a share of iω.
+
+    As few as that takes, by steps of a quarter more, or those that come nearest.
+    """
+    fewer, target, nearest = mixed(samples), _stacked(samples), np.inf
+    best, pairs = np.zeros(0, complex), FEWEST
+    while pairs <= most and nearest > goal:
+        poles = starting_poles(omega, pairs)
+        for _ in range(RELOCATED):
+            poles = relocated(poles, omega, fewer, np.ones(omega.size))
+        columns = _stacked(np.column_stack([basis(poles, omega), 1j * omega]))
+        misfit = float(np.abs(columns @ np.linalg.lstsq(columns, target, rcond=None)[0] - target).max())
+        if misfit < nearest:
+            best, nearest = poles, misfit
+        pairs += max(1, pairs // 4)
+    return best
 
 
 def _stacked(rows: np.ndarray) -> np.ndarray:

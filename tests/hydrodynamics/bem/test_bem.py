@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem, incident
@@ -13,7 +14,6 @@ from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.hydrodynamics.radiation.memory import RadiationMemory
 
 REFERENCE = Path(__file__).parents[2] / "published"
 FLOAT = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
@@ -249,24 +249,20 @@ def test_excitation_between_the_frequencies_solved_for():
 
 
 def test_water_that_rings_between_bodies_rings_between_the_frequencies_solved_for():
-    """A resonance half as wide as frequencies are apart, from file to response, and without the memory's poles."""
-    alone, beta = hemisphere(), np.array([-0.04 + 2.41j, -0.5 + 0.0j, -3.0 + 4.0j])
+    """A resonance half as wide as frequencies are apart, which splines miss."""
+    alone, beta = hemisphere(), -0.04 + 2.41j
     assert 0.55 * np.diff(alone.omega)[np.searchsorted(alone.omega, 2.41) - 1] > 2 * 0.04
     n = len(alone.added_mass_inf)
     loads = np.linspace(1, 2, n) * (1 + 0.5j)
-    memory = RadiationMemory(
-        beta=beta, residue=np.zeros((3, n, n), complex), added_mass_inf=alone.added_mass_inf, error=0.0
-    )
 
     def ringing(omega):
-        return -0.04 / (-1j * omega - beta[0].conj())
+        return -0.04 / (-1j * omega - beta.conjugate())
 
     size = np.abs(alone.radiation_damping).max()
     rung = ringing(alone.omega)
     impedance = size * rung[:, None, None] * np.ones((n, n))
     rings = replace(
         alone,
-        memory=memory,
         diffraction=alone.diffraction + size * rung[:, None] * loads,
         radiation_damping=alone.radiation_damping + impedance.real,
         added_mass=alone.added_mass - impedance.imag / alone.omega[:, None, None],
@@ -277,8 +273,22 @@ def test_water_that_rings_between_bodies_rings_between_the_frequencies_solved_fo
     more = rings.impedance(omega) - alone.impedance(omega)
     assert more == pytest.approx(size * ringing(omega)[:, None, None] * np.ones((n, n)), abs=2e-3 * size)
     assert rings.impedance(alone.omega[5:6])[0].real == pytest.approx(rings.radiation_damping[5], abs=1e-9 * size)
-    by_splines = replace(rings, memory=None).impedance(omega) - alone.impedance(omega)
-    assert np.abs(by_splines[:, 0, 0] - size * ringing(omega)).max() > 0.1 * size
+    assert np.abs(CubicSpline(alone.omega, rung)(omega) - ringing(omega)).max() > 0.1
+
+
+def test_frequencies_that_alias_what_bodies_reflect_are_told_from_others():
+    """Those beyond the waves' from one to the next of which the way there and back, 2 kL, grows by more than π."""
+    omega = np.concatenate([np.linspace(1.0, 3.0, 21), [3.3, 3.4, 6.0]])
+    apart = np.array([[0.0, 0.0, 0.0], [6.0, 8.0, 0.0]])
+    pair = replace(hemisphere(), omega=omega, centres=apart)
+    turned = 2 * 10.0 * np.diff(omega**2) / G
+    assert np.all(turned[:20] < np.pi) and turned[20] > np.pi > turned[21]
+    assert pair.resolved.all()  # waves of any frequency
+    assert replace(pair, waves_to=3.0).resolved.tolist() == [True] * 21 + [False] * 3
+    assert replace(pair, waves_to=1.0).resolved.sum() == 21
+    assert replace(pair, waves_to=3.3).resolved.tolist() == [True] * 23 + [False]
+    assert replace(pair, waves_to=3.0, centres=apart[:1]).resolved.all()
+    assert replace(pair, waves_to=3.0, settings={"bodies": "each alone"}).resolved.all()
 
 
 def test_the_grid_covers_the_band_and_resolves_reflections():

@@ -12,7 +12,14 @@ from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation import passivity
 from solver.hydrodynamics.radiation.memory import RadiationMemory, fit, retardation
 from solver.hydrodynamics.radiation.passivity import Constraint, enforce
-from solver.hydrodynamics.radiation.rational import basis, complex_residues, mixed, relocated, starting_poles
+from solver.hydrodynamics.radiation.rational import (
+    basis,
+    complex_residues,
+    fewest_poles,
+    mixed,
+    relocated,
+    starting_poles,
+)
 
 REFERENCE = Path(__file__).parents[2] / "published"
 OMEGA = np.linspace(0.2, 8.0, 50)
@@ -382,3 +389,34 @@ def test_misfits_count_by_their_importance():
     asked = fit(omega, A, B, infinite, 0.02, importance=np.where(low, 1 / B, 0.0))
     assert is_passive(asked)
     assert relative(plain) > 0.04 and relative(asked) <= 0.02 * (1 + 1e-9)
+
+
+def test_no_poles_are_sought_where_frequencies_are_too_far_apart():
+    """What ripples there, aliased, does not spoil the rest."""
+    exact, resolved = known(), OMEGA < 5.0
+    ripple = np.where(resolved, 0.0, 0.3 * np.cos(7.0 * np.arange(OMEGA.size)))[:, None, None]
+    y = exact.frequency(OMEGA) * (1 + ripple)
+    A, B = exact.added_mass_inf - y.imag / OMEGA[:, None, None], y.real
+    told, untold = (fit(OMEGA, A, B, exact.added_mass_inf, 1e-3, resolved=mask) for mask in (resolved, None))
+    inside = np.linspace(0.2, 5.0, 97)
+    true = exact.frequency(inside)
+
+    def off(memory):
+        Y = memory.frequency(inside) - 1j * inside[:, None, None] * (memory.added_mass_inf - exact.added_mass_inf)
+        return np.abs(Y - true).max() / np.abs(true).max()
+
+    assert is_passive(told)
+    assert np.sort_complex(told.beta) == pytest.approx(np.sort_complex(exact.beta), rel=1e-4)
+    assert untold.beta.size > told.beta.size
+    assert off(told) < 0.4 * off(untold)
+
+
+def test_as_few_poles_are_found_as_there_are():
+    rng, beta = np.random.default_rng(1), np.array([-0.05 + 1.1j, -0.4 + 2.0j, -0.2 + 5.0j])
+    shares = rng.normal(size=(6, 9))
+    samples = basis(beta, OMEGA) @ shares + 1j * OMEGA[:, None] * rng.normal(size=9)
+    spoiled = samples + 1e-6 * rng.normal(size=samples.shape)
+    found = fewest_poles(OMEGA, spoiled, 1e-3, 20)
+    assert np.sort_complex(found) == pytest.approx(np.sort_complex(beta), rel=1e-4)
+    assert fewest_poles(OMEGA, spoiled, 1e-3, 2).size <= 4
+    assert fewest_poles(OMEGA, spoiled, 1e-3, 0).size == 0
