@@ -66,11 +66,11 @@ kernel: Compiler = partial(njit, **COMMON, _nrt=True)
 fast_kernel: Compiler = partial(njit, **COMMON, _nrt=True, fastmath=FAST)
 # Kernels that allocate nothing need not count who refers to their arrays, 25 ns at every call and view: an eighth of a
 # march. numba's private option; what a counting kernel returns must not be handed to such a one, it would leak.
-# Who calls one takes its code in: handing it a scene's hundred arrays, eight numbers each, took a third of a march.
-lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False, forceinline=True)
-fast_lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False, forceinline=True, fastmath=FAST)
+lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False)
+fast_lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False, fastmath=FAST)
 # Of those that only other kernels call, no door from Python is made (so a call from there crashes): with a march's
 # hundred arrays it would take five seconds of the compiler, ten times what the rest of a short kernel takes.
-part_kernel: Compiler = partial(njit, **COMMON, _nrt=False, no_cpython_wrapper=True, forceinline=True)
-# And of what few steps need, or several places: it stays by itself.
 inner_kernel: Compiler = partial(njit, **COMMON, _nrt=False, no_cpython_wrapper=True)
+# With `forceinline` a part of every step is taken into what calls it: handing it a scene's hundred arrays, eight numbers
+# each, took a third of a march. What few steps need, or several places, is not: it would be compiled over and over.
+part_kernel: Compiler = partial(inner_kernel, forceinline=True)

@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
@@ -48,7 +49,8 @@ def test_numba_makes_no_doors_that_nobody_uses(compiled, doors):
     assert made == doors, f"numba {numba_version} no longer heeds `no_cfunc_wrapper` or `no_cpython_wrapper`"
 
 
-TAKEN_IN = [(kernel, False), (inner_kernel, False), (lean_kernel, True), (fast_lean_kernel, True), (part_kernel, True)]
+FORCED = partial(fast_lean_kernel, forceinline=True)
+TAKEN_IN = [(kernel, False), (lean_kernel, False), (inner_kernel, False), (part_kernel, True), (FORCED, True)]
 
 
 @pytest.mark.parametrize(("compiled", "taken_in"), TAKEN_IN)

@@ -28,7 +28,7 @@ def memory_loads(memory: Memory, history: np.ndarray, velocity: np.ndarray, out:
             out[s, i] = total
 
 
-@lean_kernel
+@lean_kernel(forceinline=True)
 def memory_history(memory: Memory, past: np.ndarray, velocity: np.ndarray, history: np.ndarray) -> None:
     """Load (2, na) at the stages from the memory so far, past (p, na), and the velocity at the step's start."""
     history[:] = 0.0
@@ -42,7 +42,7 @@ def memory_history(memory: Memory, past: np.ndarray, velocity: np.ndarray, histo
                     history[s, i] += (memory.residue[q, k, i] * r).real
 
 
-@lean_kernel
+@lean_kernel(forceinline=True)
 def remember(memory: Memory, past: np.ndarray, start: np.ndarray, stages: np.ndarray) -> None:
     """past (p, na) at the step's end from velocities at its three points."""
     for q in range(memory.residue.shape[0]):

@@ -19,7 +19,7 @@ class Structure(NamedTuple):
     scale: np.ndarray  # (nm,) largest displacement of unit amplitude, for convergence
 
 
-@fast_lean_kernel
+@fast_lean_kernel(forceinline=True)
 def drag(structure: Structure, water: np.ndarray, dp: np.ndarray, force: np.ndarray, flow: np.ndarray) -> float:
     """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame.
 

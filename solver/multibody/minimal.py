@@ -134,7 +134,7 @@ def new_motion(bodies: Bodies) -> Motion:
     )
 
 
-@lean_kernel
+@lean_kernel(forceinline=True)
 def move(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> None:
     """Positions, Jacobians and velocities of all bodies from z, dz (nz,)."""
     nr = bodies.active.size
@@ -208,7 +208,7 @@ def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarra
             load[r] -= bodies.stiffness[b, r, c] * shift[c]
 
 
-@fast_lean_kernel
+@fast_lean_kernel(forceinline=True)
 def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureRoom, out: np.ndarray) -> None:
     """Hydrostatic load, the incident wave's where it is body-nonlinear, and the mooring lines': out (nb, 6).
 
@@ -249,7 +249,7 @@ def line_tensions(bodies: Bodies, z: np.ndarray, motion: Motion, out: np.ndarray
                 out[k, i] = np.sqrt(fx * fx + fy * fy + fz * fz)
 
 
-@lean_kernel
+@lean_kernel(forceinline=True)
 def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, out: Loads) -> None:
     """Fill out (Loads) with the equations of motion at coordinates `at`, moved there as `motion`, under WaterLoads."""
     nb, nr = bodies.axes.size, bodies.active.size

@@ -100,7 +100,7 @@ class Hydrodynamics:
         the next. Then what bodies reflect to each other is aliased.
         """
         apart = np.linalg.norm(self.centres[:, None] - self.centres, axis=-1).max() if self.interacting else 0.0
-        k = wavenumber(self.omega, self.depth, self.gravity)
+        k = wavenumbers(self.omega, self.depth, self.gravity)
         turned = 2 * apart * np.diff(k, prepend=k[0])
         return np.logical_and.accumulate((self.omega <= self.waves_to) | (turned <= np.pi))
 
