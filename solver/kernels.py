@@ -71,6 +71,6 @@ fast_lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False, fastmath=FAST)
 # Of those that only other kernels call, no door from Python is made (so a call from there crashes): with a march's
 # hundred arrays it would take five seconds of the compiler, ten times what the rest of a short kernel takes.
 inner_kernel: Compiler = partial(njit, **COMMON, _nrt=False, no_cpython_wrapper=True)
-# With `forceinline` a part of every step is taken into what calls it: handing it a scene's hundred arrays, eight numbers
-# each, took a third of a march. What few steps need, or several places, is not: it would be compiled over and over.
+# With `forceinline` a part of every step is taken into what calls it: handing it a scene's hundred arrays, eight
+# numbers each, took a third of a march. What few steps need, or several places, is not: it would be compiled each time.
 part_kernel: Compiler = partial(inner_kernel, forceinline=True)
