@@ -7,7 +7,8 @@ floats until nothing changes. A node turns by its three rotations in turn about 
 
 import numpy as np
 
-from solver.coupled.support import Driven, Support
+from solver.coupled.driving import Driven
+from solver.coupled.support import Support
 from solver.reference.augmented import NO_SUPPORTS
 from solver.reference.joints import GROUND, Frames
 
