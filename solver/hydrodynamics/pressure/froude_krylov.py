@@ -291,17 +291,43 @@ def pressure_load(
         meridian = Meridian(out, axis, s0, position[2])
         for i in range(rule.patch.shape[0]):
             start, middle, end = room.height[2 * i, j], room.height[2 * i + 1, j], room.height[2 * i + 2, j]
+            at = 0.0
+            if rule.patch[i, 0] != 0 and (start < 0) == (middle < 0) and (middle < 0) == (end < 0):
+                at = _extreme(rule.patch[i], start, middle, end)
+                if at != 0:
+                    middle = _height(rule.patch[i], at, meridian, surface)
             if start < 0 or middle < 0 or end < 0:
-                count = _wet_points(rule, i, (start, middle, end), meridian, surface, room, count)
+                count = _wet_points(rule, i, at, (start, middle, end), meridian, surface, room, count)
     if count > 0:
         _evaluate_heads(waves, s0, surface, room, count)
         _add_load(rule, waves.rho_g, room, count, load)
+
+
+@kernel(inline="always")
+def _extreme(patch: np.ndarray, start: float, middle: float, end: float) -> float:
+    """u where an arc, dry or wet at its ends and middle, is the other in between; else 0.
+
+    By these three heights above a plane surface, A + B cos φ + C sin φ from the arc's middle: its lowest or highest
+    point.
+    """
+    t = patch[5]
+    cosine, sine = (1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t)
+    C = (end - start) / (2.0 * sine)
+    B = (middle - 0.5 * (start + end)) / (1.0 - cosine)
+    A, square = middle - B, B * B + C * C
+    if square <= A * A:
+        return 0.0
+    side = np.sqrt(square) if start < 0 else -np.sqrt(square)
+    if B / side <= cosine:
+        return 0.0
+    return C / side / (1.0 + B / side) / t
 
 
 @fast_kernel(inline="always")
 def _wet_points(
     rule: WettedQuadrature,
     i: int,
+    at: float,
     heights: tuple[float, float, float],
     meridian: Meridian,
     surface: np.ndarray,
@@ -310,15 +336,15 @@ def _wet_points(
 ) -> int:
     """Put Gauss points on what is wet of a patch, after `count` others; their number with these.
 
-    One wet interval about the middle, or one at each end where the middle is dry.
+    heights: at its start, at u = `at`, at its end. One wet interval about `at`, or one at each end where that is dry.
     """
     start, middle, end = heights
     patch = rule.patch[i]
     low = high = 0.0
     if (start < 0) != (middle < 0):
-        low = _crossing(patch, -1.0, start, 0.0, middle, meridian, surface)
+        low = _crossing(patch, -1.0, start, at, middle, meridian, surface)
     if (middle < 0) != (end < 0):
-        high = _crossing(patch, 0.0, middle, 1.0, end, meridian, surface)
+        high = _crossing(patch, at, middle, 1.0, end, meridian, surface)
     for side in range(1 if middle < 0 else 2):
         if middle < 0:
             a, b = -1.0 if start < 0 else low, 1.0 if end < 0 else high

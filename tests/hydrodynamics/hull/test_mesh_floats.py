@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled.system import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -63,7 +62,7 @@ def test_decay_of_a_barge_as_on_the_reference_path(motion):
     known = coefficients((BARGE,), (tuple(item.centre),))
     decay = scene(item, duration=4.0, discard=0.0, ramp=0.0, time_step=0.05, newton_tolerance=1e-9)
     ours = simulate(decay, known)
-    slow = simulate_reference(decay, known, kernel=prepare(decay, known).fit, surface="panels")
+    slow = simulate_reference(decay, known, kernel=prepared(decay, known).fit, surface="panels")
     name = "motion" if motion == ("heave",) else "rotation"
     # Hydrostatics are exact on both sides, and so is the collocation: iterations end at 1e-9, measured 1e-8.
     assert np.abs(series(ours, name) - series(slow, name)).max() < 1e-7

@@ -90,6 +90,27 @@ def test_load_in_waves_is_the_sum_of_every_waves_pressure(wheeler):
     assert got == approx(expected, abs=3e-3 * RHO_G)
 
 
+BALL = Revolution.sphere(radius=1.0, draft=1.0)
+
+
+@pytest.mark.parametrize("hull, shift, angle, volume", [
+    (BUAN, 0.95, 0.37, 0.05**2 * np.pi * (3 - 0.05) / 3),  # a cap beside the pole is wet, and neither pole nor rim
+    (BALL, 0.95, -0.37, 0.05**2 * np.pi * (3 - 0.05) / 3),
+    (BALL, -0.95, 0.37, 4 / 3 * np.pi - 0.05**2 * np.pi * (3 - 0.05) / 3),  # and here one is dry
+])  # fmt: skip
+def test_a_cap_between_ends_and_middle_of_an_arc_counts(hull, shift, angle, volume):
+    force = load(hull, np.array([0, 0, shift]), angle, STILL, azimuths=4096, arc=12)
+    assert force[2] == approx(RHO_G * volume, rel=1e-5)
+    assert np.abs(force[[0, 1, 3, 4, 5]]).max() < 1e-4 * RHO_G
+
+
+def test_a_tilted_hull_that_is_hardly_wet_is_pushed_by_a_force_without_jumps():
+    """Buoyancy's slope is the waterplane's area: in 0.1 mm it cannot change by more than a few times that."""
+    shifts = np.arange(0.9, 1.0, 1e-4)
+    force = [load(BUAN, np.array([0, 0, shift]), 0.37, STILL, azimuths=12, arc=6)[2] for shift in shifts]
+    assert np.abs(np.diff(force)).max() < 5 * RHO_G * np.pi * (1 - 0.9**2) * 1e-4
+
+
 def test_slope_of_buoyancy_is_the_waterplane():
     up, down = (load(BUAN, np.array([0, 0, s * 1e-4]), 0.0, STILL, arc=10)[2] for s in (1, -1))
     assert -(up - down) / 2e-4 == approx(RHO_G * np.pi, rel=1e-6)

@@ -21,7 +21,7 @@ from pipeline.running.schedule import Place
 from pipeline.study.schema import Recording
 from pipeline.tasks.task import wave_seed
 
-SHORT = "[record]\nduration = 4.0\ndiscard = 1.0\nramp = 1.0\nseries = 'full'\n"
+SHORT = "[record]\nduration = 6.0\ndiscard = 1.0\nramp = 1.0\nseries = 'full'\n"
 SPHERE = """
 [water]
 depth = inf
