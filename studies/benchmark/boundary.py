@@ -66,7 +66,9 @@ def problems() -> Iterator[tuple[str, Problem]]:
     yield "mesh under water in 40 m", _problem((sunk,), [(0, 0, 0)], 40.0)
 
 
-def _problem(hulls: tuple[Hull, ...], centres: list[tuple[float, ...]], depth: float, *, planar: bool = True) -> Problem:
+def _problem(
+    hulls: tuple[Hull, ...], centres: list[tuple[float, ...]], depth: float, *, planar: bool = True
+) -> Problem:
     at = np.array(centres, float)
     return Problem.of(hulls, at, depth=depth, omega=frequency_grid(hulls, at, depth=depth), planar=planar)
 
