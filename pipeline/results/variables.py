@@ -55,6 +55,7 @@ VARIABLES = {
     "drift_offset": Meaning("{axis}", "Mean offset of the moored support by drift force and moment, linear"),
     "slow_drift": Meaning("{axis}", "Standard deviation of the moored support's slow drift about that offset"),
     "top_displacement": Meaning("m", "Displacement of the top of the leg from static equilibrium"),
+    "static_displacement": Meaning("m", "Displacement of the top of the leg by weight, buoyancy and constant loads"),
     "bottom_stress": Meaning("Pa", "Stress of the most compressive fibre at the bottom of the leg"),
     "displacement_envelope": Meaning("m", "Largest absolute displacement along the leg"),
     "stress_envelope": Meaning("Pa", "Largest absolute stress along the leg"),
@@ -125,6 +126,7 @@ VARIABLES = {
     "memory_effect": Meaning(
         "1", "Relative error that the misfit of the radiation memory makes in the linear response"
     ),
+    "mesh_error": Meaning("1", "Estimated relative error of the coefficients by the boundary elements' mesh, at most"),
     "mesh_effect": Meaning("1", "Relative error that the boundary elements' mesh makes in the linear response"),
     "shapes_effect": Meaning("1", "Relative error that the frame's left-out shapes make in the linear response"),
     "memory_error": Meaning("1", "Largest relative misfit of the radiation memory"),

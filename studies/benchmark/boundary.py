@@ -1,4 +1,4 @@
-"""What boundary elements cost beside what `study plan` foresees: `python -m studies.benchmark.boundary`, and in `make bench`.
+"""What boundary elements cost beside what `study plan` foresees: `python -m studies.benchmark.boundary`.
 
 Processor time of one core.
 """

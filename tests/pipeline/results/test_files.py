@@ -39,7 +39,7 @@ offset = 0.5
 end_stops = { lower = -0.3, upper = 2.0, stiffness = 1e7, damping = 1e5 }
 [sea_states]
 still = { kind = "still" }
-regular = { kind = "regular", height = 0.2, period = 6.0 }
+regular = { kind = "regular", height = 0.2, period = 3.5 }
 """
 # A float that turns, hinged on one that slides: axes of both kinds.
 CARRIED = """
