@@ -29,10 +29,10 @@ EVERY = 10  # of the frequencies, one is solved for
 BARGE = Path("studies/barge.gdf")
 
 
-def seconds(function: Callable[[], object]) -> float:
+def seconds(function: Callable[..., object], *arguments: object) -> float:
     """Processor time of one call [s]."""
     start = time.process_time()
-    function()
+    function(*arguments)
     return time.process_time() - start
 
 
@@ -46,10 +46,10 @@ def parts() -> tuple[float, float, float]:
             green_function().evaluate(mesh, mesh, water_depth=depth, wavenumber=k, adjoint_double_layer=False)
 
         evaluate(0.1)  # import, and read the table
-        return float(np.mean([seconds(lambda k=k: evaluate(k)) for k in (0.05, 0.1, 0.2, 0.4)])) / pairs
+        return float(np.mean([seconds(evaluate, k) for k in (0.05, 0.1, 0.2, 0.4)])) / pairs
 
     matrix = np.eye(600) + 1j * np.random.default_rng(0).random((600, 600))
-    return pair(np.inf), pair(20.0), seconds(lambda: lu_factor(matrix)) / 600**3
+    return pair(np.inf), pair(20.0), seconds(lu_factor, matrix) / 600**3
 
 
 def problems() -> Iterator[tuple[str, Problem]]:
@@ -82,7 +82,7 @@ def table() -> None:
     print(f"the Green function's table, once for each machine: {table_time:.0f} s")
     for name, whole in problems():
         some = replace(whole, omega=whole.omega[::EVERY])
-        told, spent = cost.seconds(some), seconds(lambda some=some: part(some))
+        told, spent = cost.seconds(some), seconds(part, some)
         print(f"  {name:28s}{len(some.omega):3d} of {len(whole.omega)} frequencies: {spent:6.2f} s,", end=" ")
         print(f"over what was foreseen {spent / told:.2f}; all {cost.seconds(whole):.0f} s")
 
