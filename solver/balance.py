@@ -22,6 +22,7 @@ ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 def warnings(scene: Scene) -> tuple[str, ...]:
     """Sentences for the user, the key first."""
     sentences = [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
+    sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
     for group in scene.sharing:
         if len(edges := openings([f.hull for f in group], [f.centre for f in group])):
@@ -51,6 +52,26 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tupl
             sentences.append(
                 f"floats.{item.name} is out of equilibrium: {told}{'' if name == 'heave' else moments}."
                 " It settles before the run begins"
+            )
+    return tuple(sentences)
+
+
+@lru_cache(maxsize=KNOWN)
+def held(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tuple[str, ...]:
+    """Axes along which a preload is more than the less of weight and buoyancy, so that one is twice the other.
+
+    It keeps any mass where it is, one in other units, too. Moments are of the displaced weight at the hull's size, at
+    least; where neither acts along an axis they tell nothing of its preload.
+    """
+    displaced = water.density * item.hull.volume
+    sentences = []
+    for (name, *both, _), pull in zip(_along(item, water, floats), item.per_axis("preload"), strict=True):
+        weight, buoyancy = both
+        if any(both) and abs(pull) > max(min(map(abs, both)), _least(item, name, displaced * water.gravity)):
+            sentences.append(
+                f"floats.{item.name}: a preload of {pull:.4g} {'N' if name == 'heave' else 'N m'} in {name} holds what"
+                f" weight, {weight:.4g}, and buoyancy, {buoyancy:.4g}, do not balance within a factor of 2: mass"
+                f" {item.mass:g} kg, displaced {displaced:g} kg"
             )
     return tuple(sentences)
 

@@ -14,7 +14,7 @@ from solver.coupled.natural import require_stable, system_modes, with_critical_d
 from solver.coupled.stages import copied
 from solver.coupled.system import BALANCE, blocks, energy_residual, unbalanced
 from solver.errors import SimulationFailed, StepTooLong
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics, seabed_error
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_errors
 from solver.hydrodynamics.radiation.memory import USUAL
 from solver.limits import field_error
 from solver.record.accuracy import ATTEMPTS, first_guess, refined, shortened
@@ -124,7 +124,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         "stored_energy_change": float(stored - state.energy[AT_START]),
         **audit(probe, hydrodynamics, state),
         "field_error": field_error(scene, system.bodies, system.near, furthest),
-        "seabed_error": seabed_error(hydrodynamics),
+        **coefficient_errors(hydrodynamics),
         **{name: getattr(s, name) for name in KNOBS},
         "memory_tolerance": s.memory_tolerance or USUAL,
         "buckling_factor": system.support.buckling_factor if system.support else np.inf,

@@ -15,7 +15,7 @@ mpl.use("Agg")
 import numpy as np
 import xarray as xr
 
-from studies.benchmark import estimates, knobs, outputs, paper, parts, scaling
+from studies.benchmark import boundary, estimates, knobs, outputs, paper, parts, scaling
 from studies.benchmark.case import OUT, coefficients, scene, timed, with_settings
 
 
@@ -24,6 +24,7 @@ def main() -> int:
     OUT.mkdir(parents=True, exist_ok=True)
     print(f"{machine()}, load {os.getloadavg()[0]:.1f}")
     print(f"boundary elements of the pair, default mesh: {coefficients()[1]:.1f} s; known: nothing")
+    boundary.table()
     attrs = {}
     for platform in ("elastic", "fixed"):
         case, (known, _) = scene(platform), coefficients()

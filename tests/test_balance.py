@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver.balance import balanced, imbalance, warnings
+from solver.balance import balanced, held, imbalance, warnings
 from solver.errors import InputError
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -130,13 +130,31 @@ def test_lines_that_pull_are_balanced_too():
 def test_a_held_float_has_the_load_that_is_missing():
     """A ball 20 t too light, a rotor; what is held twice is held as once."""
     light = ball(mass=DISPLACED - 2e4, preload=500.0)
-    (held,) = balanced([light], DEEP, [("hold",)])
-    assert held.preload == pytest.approx((-2e4 * DEEP.gravity,)) and held.mass == light.mass
-    assert len(imbalance(light, DEEP)) == 1 and imbalance(held, DEEP) == ()
-    assert balanced([held], DEEP, [("hold",)])[0].preload == pytest.approx(held.preload)
+    (kept,) = balanced([light], DEEP, [("hold",)])
+    assert kept.preload == pytest.approx((-2e4 * DEEP.gravity,)) and kept.mass == light.mass
+    assert len(imbalance(light, DEEP)) == 1 and imbalance(kept, DEEP) == ()
+    assert balanced([kept], DEEP, [("hold",)])[0].preload == pytest.approx(kept.preload)
     (turned,) = balanced([rotor(cog=(0.7, 0, -1.0))], DEEP, [("hold",)])
     about = 1000 * ROTOR.volume * DEEP.gravity * (0.8 * 0.7 - ROTOR.buoyancy_point[0])  # of weight less buoyancy
     assert turned.preload == pytest.approx((-about,))
+
+
+@pytest.mark.parametrize("share", [1e-3, 0.49, 0.51, 1.0, 1.99, 2.01, 1e3])
+@pytest.mark.parametrize("joint", [{}, {"motion": ("hinge",), "hinge": (-20, 0, 3), "arm": (20, 0, -3)}])
+def test_a_mass_of_another_order_that_is_held_is_told(share, joint):
+    """Where its weight is beyond a half to twice the buoyancy: the load that holds it is more than either."""
+    (kept,) = balanced([ball(mass=share * DISPLACED, **joint)], DEEP, [("hold",)])
+    told = warnings(Scene(water=DEEP, sea=CALM, floats=(kept,)))
+    assert len(told) == (not 0.5 <= share <= 2)
+    assert all(f"{'hinge' if joint else 'heave'} holds what weight" in text for text in told)
+    assert all(f"mass {share * DISPLACED:g} kg, displaced {DISPLACED:g} kg" in text for text in told)
+
+
+def test_loads_that_balance_no_weight_are_not_weighed():
+    """A pretension in surge, a twist in yaw, a trim of a spar about its middle."""
+    loads = {"motion": ("surge", "heave", "yaw"), "preload": (1e9, 0.0, 1e9)}
+    assert held(ball(**loads), DEEP) == ()
+    assert held(ball(motion=("pitch",), cog=(0.5, 0, -2), preload=(DISPLACED * 9.81 * 0.5,)), DEEP) == ()
 
 
 def test_what_a_float_is_held_with_its_carrier_bears():

@@ -138,6 +138,7 @@ def test_a_record_says_how_much_of_the_seabed_was_left_out(buan, coefficients, f
     short = {"duration": 1.0, "discard": 0.0, "time_step": 0.1, "formulation": formulation}
     attrs = simulate(buan.scene("fixed", **short), coefficients).attrs
     assert attrs["seabed_error"] == coefficients.settings["seabed_error"] > 0
+    assert attrs["mesh_error"] == coefficients.mesh_error > 0
 
 
 def test_how_far_a_float_has_been_is_reckoned_from_the_support_on(buan, coefficients):

@@ -167,6 +167,13 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
     }
 
 
+def bem_time(geometry: Geometry) -> float:
+    """Processor time [s] that boundary elements will take, to a factor of 3."""
+    from solver.hydrodynamics.bem import cost
+
+    return cost.seconds(bem_problem([geometry]))
+
+
 @lru_cache(maxsize=64)
 def require_solvable(geometry: Geometry) -> None:
     """Refuse, with InputError, what boundary elements do not solve."""

@@ -8,7 +8,9 @@ from functools import partial
 
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.scenes import objections
+from pipeline.bridge.sea_checks import of_sea
 from pipeline.study.reading import StudyError
+from pipeline.study.seas import Components, Regular
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Parameters, Task
 
@@ -56,8 +58,11 @@ class _Listener:
 
 
 def _problems(judge: Callable[[Parameters], object], task: Task) -> Iterator[str]:
+    given, sea = task.parameters, f"sea_states.{task.labels['sea_state']}"
     try:
-        yield from map(str, objections(partial(judge, task.parameters)))
+        for error in objections(partial(judge, given)):
+            own = given.waves.band is None or isinstance(given.sea_state, Regular | Components)
+            yield str(of_sea(error, sea, given.sea_state) if own and error.key == "waves.band" else error)
     except Exception:
         # Not bad input: the task will meet it again, and its failure is recorded with all there is to know.
         return

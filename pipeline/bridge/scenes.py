@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, assert_never
 
 from pipeline.bridge import realizations
@@ -91,8 +91,6 @@ def _as_written(value: object) -> object:
 def _key(theirs: str) -> str:
     """settings.time_step -> solver.time_step; band -> waves.band."""
     first, dot, rest = theirs.partition(".")
-    if theirs == "settings.keep_series":
-        return "record.series"
     if first == "settings":
         table = "record" if rest.partition(".")[0] in Recording.model_fields else "solver"
         return f"{table}.{rest}"
@@ -120,7 +118,12 @@ def _settings(recording: Recording, solver: Solver) -> physics.Settings:
     knobs = {**dict(recording), **dict(solver)}
     kinds = {"fatigue": physics.Fatigue, "utilisation": physics.Utilisation}
     rules = {name: kind(**dict(knobs.pop(name))) for name, kind in kinds.items()}
-    return physics.Settings(keep_series=knobs.pop("series") != "none", **rules, **knobs)
+    try:
+        return physics.Settings(keep_series=knobs.pop("series") != "none", **rules, **knobs)
+    except InputError as first:
+        series = partial(InputError, "record.series", recording.series)
+        refuse(series(e.limit) if e.key == "settings.keep_series" else e for e in (first, *first.others))
+        raise
 
 
 def sea(parameters: Parameters) -> Realization:

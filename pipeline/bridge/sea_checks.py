@@ -126,14 +126,15 @@ def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]
     if waves.band and span and not isinstance(sea, Elevation | WhiteNoise):
         low, high = waves.band
         if not low <= span[0] <= span[1] <= high:
-            name, value, what = _named(key, sea)
+            name, value, what = named(key, sea)
             outside = span[1] if span[1] > high else span[0]
             limit = f"must put {what}, {outside:.3g} rad/s, inside waves.band = [{low:g}, {high:g}]"
             yield InputError(name, value, limit)
     wanted = seas.band(sea, waves)
     if study.floats and wanted and too_shallow(wanted[0], water.depth, water.gravity):
         limit = f"must start where kh > {SHALLOWEST:g} in {water.depth:g} m"
-        yield InputError("waves.band", list(wanted), limit)
+        error = InputError("waves.band", list(wanted), limit)
+        yield error if waves.band else of_sea(error, key, sea)
 
 
 def _resolution(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
@@ -159,7 +160,13 @@ def _spacing(sea: SeaState, waves: Waves) -> float:
     return (span[1] - span[0]) / waves.components * (0.6 if waves.intervals == "random" else 1.0)
 
 
-def _named(key: str, sea: SeaState) -> tuple[str, object, str]:
+def of_sea(error: InputError, key: str, sea: SeaState) -> InputError:
+    """An objection to the band of coefficients, under the key that gives a sea its frequencies."""
+    name, value, _ = named(key, sea)
+    return InputError(name, value, f"needs coefficients at {error.value} rad/s, which {error.limit}")
+
+
+def named(key: str, sea: SeaState) -> tuple[str, object, str]:
     """Key and value that give a sea its frequency, and what that is."""
     match sea:
         case Irregular():

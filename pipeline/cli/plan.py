@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import itertools
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from pipeline.bridge.cache import Cache
-from pipeline.bridge.geometry import Geometry, geometry_of
+from pipeline.bridge.geometry import Geometry, bem_time, geometry_of
 from pipeline.results.status import Status, read_status
 from pipeline.results.store import Entry
 from pipeline.tasks.task import Label, Task
 from pipeline.terminal import about
 
 SAMPLE = 200  # tasks of other studies looked at
+SOLUTIONS = 20  # whose times are reckoned; others take as long in the mean
 # Of Buan on one idle core, where nothing is known of this machine and study.
 REAL_TIME = 3600  # simulated seconds in a second, elastic platform
 SLOWER = 1600  # times as long takes the paper's own method
-BEM_TIME = 3.0  # of a solution, for each pair of floats in the same order: 12 s for two [s]
 
 
 @dataclass
@@ -75,8 +75,7 @@ class Estimate:
         origin = f"from {count} {source}" if count else f"at {REAL_TIME} times real time, for there is no past run"
         time = f"{about((self._seconds() if count else self.usual) / workers)} on {workers} workers, {origin}"
         fresh = {one.radiating for one in self.geometries if Cache(results).get(one.key) is None}
-        effort = sum(BEM_TIME * len(one.bodies) ** 2 for one in fresh) / workers
-        bem = f" after {len(fresh)} boundary element solutions, {about(effort)}" if fresh else ""
+        bem = f" after {len(fresh)} boundary element solutions, {about(_effort(fresh) / workers)}" if fresh else ""
         return f"to run: {self.left} tasks{bem}; {time}"
 
     def _ran(self, status: Status) -> None:
@@ -86,6 +85,12 @@ class Estimate:
         """By tasks with the same platform, or else by all."""
         every = Rate(sum(r.total for r in self.past.values()), sum(r.tasks for r in self.past.values()))
         return sum(length * self.past.get(platform, every).mean for platform, length in self.length.items())
+
+
+def _effort(fresh: Collection[Geometry]) -> float:
+    """Processor time of solutions [s]."""
+    some = [bem_time(one) for one in sorted(fresh, key=lambda one: one.key)[:SOLUTIONS]]
+    return sum(some) / len(some) * len(fresh)
 
 
 def _others(results: Path) -> Iterator[Status]:

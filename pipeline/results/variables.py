@@ -33,11 +33,11 @@ VARIABLES = {
     "wave_frequency": Meaning("rad s-1", "Angular frequency of each wave of the realization"),
     "mass": Meaning("kg", "Mass of the float, given or found from weight and buoyancy"),
     "cog": Meaning("m", "Centre of gravity of the float, from its reference point, given or found"),
-    "preload": Meaning("J {axis}-1", "Constant load along the axis, given or found to hold the float: N, or N m"),
+    "preload": Meaning("{load}", "Constant load along the axis, given or found to hold the float: N, or N m"),
     "absorbed_power": Meaning("W", "Mechanical power absorbed by the power take-off"),
     "capture_width": Meaning("m", "Width of the waves' crests that carries the mean power which the float absorbs"),
     "electrical_power": Meaning("W", "Electrical power of the power take-off, what its stiffness exchanges included"),
-    "pto_force": Meaning("J {axis}-1", "Load of the power take-off on the float along each free axis: N, or N m"),
+    "pto_force": Meaning("{load}", "Load of the power take-off on the float along each free axis: N, or N m"),
     "pto_rate": Meaning("{axis} s-1", "Rate of each free axis, at which the power take-off works"),
     "pto_stroke": Meaning("{axis}", "Farthest way of an axis from one end to the other in the analysed time"),
     "pto_travel": Meaning("{axis} h-1", "Way of an axis to and fro, an hour"),
@@ -48,13 +48,14 @@ VARIABLES = {
     "end_stop_hits": Meaning("1", "Number of times that the float met an end stop of its joint in the analysed time"),
     "end_stop_hit_rate": Meaning("h-1", "Number of times that the float met an end stop of its joint, an hour"),
     "impact_rate": Meaning("{axis} s-1", "Largest rate at which an axis of the joint met an end stop"),
-    "end_stop_load": Meaning("J {axis}-1", "Largest load of an end stop on an axis of the joint: N, or N m"),
+    "end_stop_load": Meaning("{load}", "Largest load of an end stop on an axis of the joint: N, or N m"),
     "drift_force": Meaning("N", "Mean drift force of the waves on all floats together, of second order; x and y"),
     "drift_force_per_wave": Meaning("N m-2", "Mean drift force of each wave of the realization, per amplitude squared"),
     "drift_moment": Meaning("N m", "Mean drift moment about the vertical through the support's joint, or the origin"),
     "drift_offset": Meaning("{axis}", "Mean offset of the moored support by drift force and moment, linear"),
     "slow_drift": Meaning("{axis}", "Standard deviation of the moored support's slow drift about that offset"),
     "top_displacement": Meaning("m", "Displacement of the top of the leg from static equilibrium"),
+    "static_displacement": Meaning("m", "Displacement of the top of the leg by weight, buoyancy and constant loads"),
     "bottom_stress": Meaning("Pa", "Stress of the most compressive fibre at the bottom of the leg"),
     "displacement_envelope": Meaning("m", "Largest absolute displacement along the leg"),
     "stress_envelope": Meaning("Pa", "Largest absolute stress along the leg"),
@@ -125,6 +126,7 @@ VARIABLES = {
     "memory_effect": Meaning(
         "1", "Relative error that the misfit of the radiation memory makes in the linear response"
     ),
+    "mesh_error": Meaning("1", "Estimated relative error of the coefficients by the boundary elements' mesh, at most"),
     "mesh_effect": Meaning("1", "Relative error that the boundary elements' mesh makes in the linear response"),
     "shapes_effect": Meaning("1", "Relative error that the frame's left-out shapes make in the linear response"),
     "memory_error": Meaning("1", "Largest relative misfit of the radiation memory"),
@@ -170,7 +172,7 @@ COORDINATES = {
     "float": Meaning(None, "Name of the float"),
     "component": Meaning("1", "Number of the wave in its realization, from 1"),
     "axis": Meaning(None, "Free axis of the joint"),
-    "axis_unit": Meaning(None, "Unit of motion along the axis"),
+    "axis_unit": Meaning(None, "Unit of motion along the axis; of loads it is N along m, N m about rad"),
     "line": Meaning(None, "Mooring line: its float, and its number there from 1"),
     "leg": Meaning("1", "Number of the leg in the study file, from 1"),
     "direction": Meaning(None, "Axis of the component"),
@@ -200,6 +202,7 @@ SPECTRA = {
     "_coherence": ("1", "Share of the variance that follows the waves linearly"),
     "_spectrum": ("{}2 s rad-1", "Variance density by angular frequency"),
 }
+LOADS = {"m": "N", "rad": "N m"}  # unit of a load along an axis by that of its motion
 SLIDING = {"surge", "sway", "heave"}  # the other axes turn
 
 
@@ -219,9 +222,9 @@ def meaning(name: str, axes: Iterable[str] = ()) -> dict[str, str]:
             return _spectral(meaning(name.removesuffix(suffix), axes), pattern, words)
     known = VARIABLES.get(name) or KNOBS.get(name) or COORDINATES.get(name)
     attrs = known.attrs() if known else {"long_name": name.replace("_", " ")}
-    if "{axis}" in attrs.get("units", ""):
+    if "{" in attrs.get("units", ""):
         pattern, units = attrs.pop("units"), set(axis_units(axes))
-        attrs |= {"units": pattern.format(axis=units.pop())} if len(units) == 1 else {}
+        attrs |= {"units": pattern.format(axis=(of := units.pop()), load=LOADS[of])} if len(units) == 1 else {}
     return attrs | {"positive": "up"} if name == "height" else attrs
 
 

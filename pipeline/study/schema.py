@@ -489,7 +489,8 @@ class StudyFile(Table):
     title: Annotated[Title, "What the study is, in a line"] = ""
     coefficients: Annotated[
         CoefficientFile | None,
-        "From others' boundary elements: capytaine's .nc, BEMIO's .h5, WAMIT's .1 (.3, .hst) or .out, Nemoh's .tec",
+        "From others' boundary elements: capytaine's .nc, BEMIO's .h5, WAMIT's .1 (.3, .hst) or .out, Nemoh's .tec; "
+        "bodies without the floats' names are the floats in order",
     ] = None
     water: Annotated[Water, "The water"]
     current: Annotated[Current | None, "A steady current"] = None

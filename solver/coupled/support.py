@@ -67,6 +67,7 @@ class Support:
     stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
     applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
     legs: Legs | None
+    static_tops: np.ndarray  # (nl, 3) displacement of the legs' tops by weight, buoyancy and constant loads [m]
     forces: Forces | None  # None where neither legs nor outputs ask for any
     left_out: LeftOut
     buckling_factor: float  # gravity times this buckles the frame
@@ -205,6 +206,7 @@ def _reduced(
             tops=tops,
         ),
         legs=legs.outputs(platform.legs, model, sea.density, sea.gravity, at_rest, shapes) if platform.legs else None,
+        static_tops=_static_tops(platform, sea),
         forces=borne,
         buckling_factor=factor,
     )
@@ -238,6 +240,14 @@ def damped(support: Support, ratio: float) -> Support:
 @lru_cache(maxsize=KNOWN)
 def _places(platform: Platform, sea: Water, outputs: tuple[str, ...]) -> Places:
     return forces.places(dynamic_model(platform, sea)[0], platform.legs, outputs)
+
+
+@lru_cache(maxsize=KNOWN)
+def _static_tops(platform: Platform, sea: Water) -> np.ndarray:
+    """(nl, 3) [m], of the softened frame where gravity softens it."""
+    model = dynamic_model(platform, sea)[0]
+    bent = statics.static(model, water.static_load(model, sea.density, sea.gravity))
+    return bent[_tops(model, platform.legs)].reshape(-1, 3)
 
 
 @lru_cache(maxsize=KNOWN)

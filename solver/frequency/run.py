@@ -9,7 +9,7 @@ from solver.errors import InputError
 from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
 from solver.frequency.response import Response, respond_in
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, seabed_error
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.record.audit import left_out_effect, together
 from solver.record.bound import above
 from solver.record.recorder import ELEVATION, Labelled, Record
@@ -44,7 +44,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         "estimated_error": together((mesh, shapes)),
         "mesh_effect": mesh,
         "shapes_effect": shapes,
-        "seabed_error": seabed_error(hydrodynamics),
+        **coefficient_errors(hydrodynamics),
         "drag_rounds": response.rounds,
         "buckling_factor": support.buckling_factor if support else np.inf,
         "unmet": "",

@@ -71,6 +71,7 @@ class Channels:
         forces = support.forces if support is not None else None
         self.steel = Steel(forces, scene.settings) if forces is not None else None
         self.frequencies = support.dry_omega if support is not None else np.zeros(0)
+        self.static_tops = support.static_tops if support is not None else np.zeros((0, 3))
         floats = scene.floats
         self.owner = np.array([b for b, f in enumerate(floats) for _ in f.motion], int)  # of each joint axis
         self.names = [name for f in floats for name in f.motion]
@@ -137,6 +138,7 @@ class Channels:
             coords["line"] = np.array(self.lines)
         if self.legs is not None:
             coords["leg"], coords["height"] = np.arange(1, len(self.legs.twin) + 1), self.legs.height
+            variables["static_displacement"] = ("leg", "direction"), self.static_tops
         if self.steel is not None:
             coords |= self.steel.coords()
             variables |= self.steel.variables() | dict(counted[0])

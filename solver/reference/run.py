@@ -22,7 +22,7 @@ from solver.coupled.natural import require_stable, system_modes, with_usual_step
 from solver.coupled.step import Output
 from solver.coupled.system import BALANCE, System, energy_residual, unbalanced
 from solver.errors import SimulationFailed
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, seabed_error
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import bent, joint_energy, stop_loads
 from solver.record.audit import PROBE, coefficient_effects, probed, shapes_effect, statistics_error, together, unmet
 from solver.record.bound import above
@@ -112,7 +112,7 @@ def simulate_reference(
         "constraint_drift_velocity": float(errors[1]),
         "constraint_drift_acceleration": float(errors[2]),
         **_errors(case, hydrodynamics, probe, options, tolerance),
-        "seabed_error": seabed_error(hydrodynamics),
+        **coefficient_errors(hydrodynamics),
         "unmet": "; ".join(unmet(case.scene.settings, case.system.fit)),
         "skipped": "; ".join(coarser(hydrodynamics)),
         **_told(case.scene),

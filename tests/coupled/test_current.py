@@ -309,3 +309,37 @@ def test_a_float_leans_with_its_platform_in_the_current():
     high, low, mean, *_ = np.moveaxis(record.variables["top_displacement"][1], -1, 0)
     assert np.abs(mean).max() > 1e-4
     assert np.abs(high - low).max() < 1e-5 * np.abs(mean).max()
+
+
+@pytest.mark.parametrize("method", ["time", "frequency"])
+def test_constant_loads_bend_the_frame_statically(method):
+    """A cantilever's tip, FL³/3EI + qL⁴/8EI, what its weight less buoyancy shortens it by; motion is from there."""
+    item = pile(None, waves=sea(Hs=0.1), method=method, froude_krylov="linear", time_step=0.05)
+    frame = item.platform.frame
+    leg = replace(frame.members[0], distributed_load=(300.0, 0.0, 0.0))
+    loads = (PointLoad(node="top", force=(2e4, -3e4, 0.0)),)
+    bent = replace(item, platform=replace(item.platform, frame=replace(frame, members=(leg,), loads=loads)))
+    L, section = 25.0, tube(0.8, 0.02)
+    EI, EA = STEEL.E * section.Iy, STEEL.E * section.area
+    found, plain = (simulate(each).variables for each in (bent, item))
+    dims, ((x, y, z),) = found["static_displacement"]
+    assert dims == ("leg", "direction")
+    assert x == approx(2e4 * L**3 / (3 * EI) + 300 * L**4 / (8 * EI), rel=1e-6)
+    assert y == approx(-3e4 * L**3 / (3 * EI), rel=1e-6)
+    heaviest = STEEL.density * section.area * 9.81 * L**2 / (2 * EA)
+    assert -heaviest < z < -0.8 * heaviest
+    assert plain["static_displacement"][1][0, :2] == approx([0, 0], abs=1e-12)
+    assert found["top_displacement"][1] == approx(plain["top_displacement"][1], abs=1e-9)
+
+
+def test_weight_on_top_bends_a_softened_frame_further():
+    """FL³/3EI · 3(tan u - u)/u³, u = L(P/EI)^½, of a cantilever that bears P; steel without weight."""
+    item, L, EI = pile(None), 25.0, STEEL.E * tube(0.8, 0.02).Iy
+    frame, P, F = item.platform.frame, 1.5e6, 1e4
+    leg = replace(frame.members[0], material=replace(STEEL, density=1.0), elements=8)
+    loads = (PointLoad(node="top", force=(F, 0.0, -P)),)
+    stiff = replace(item.platform, frame=replace(frame, members=(leg,), loads=loads))
+    plain, soft = (support._static_tops(replace(stiff, geometric_stiffness=s), item.water)[0, 0] for s in (False, True))
+    u = L * np.sqrt(P / EI)
+    assert plain == approx(F * L**3 / (3 * EI), rel=1e-6)
+    assert soft / plain == approx(3 * (np.tan(u) - u) / u**3, rel=1e-2)  # the water lifts the steel by 0.7 % of P

@@ -85,7 +85,7 @@ class Hydrodynamics:
             return self
         return replace(self, **{name: getattr(self, name) + off for name, off in self.error._asdict().items()})
 
-    @property
+    @cached_property
     def mesh_error(self) -> float:
         """Largest estimated error of a curve, as a share of the largest value of its kind."""
         if self.error is None:
@@ -216,6 +216,8 @@ def coarser(h: Hydrodynamics | None) -> list[str]:
     return [note for note in [h.settings.get("coarser", "")] if note] if h is not None else []
 
 
-def seabed_error(h: Hydrodynamics | None) -> float:
-    """Largest share of a coefficient that the seabed has where the boundary elements left it out."""
-    return float(h.settings.get("seabed_error", 0.0)) if h is not None else 0.0
+def coefficient_errors(h: Hydrodynamics | None) -> dict[str, float]:
+    """By name: the largest share of a coefficient that the seabed has where it was left out, and that of the mesh."""
+    if h is None:
+        return {"seabed_error": 0.0, "mesh_error": 0.0}
+    return {"seabed_error": float(h.settings.get("seabed_error", 0.0)), "mesh_error": h.mesh_error}

@@ -407,6 +407,15 @@ def test_misfits_are_said_before_anything_runs(ours, study, tmp_path):
     assert "waves.band = [0.4" in judged(
         path
     ) and "must be within 0.5 to 7.5 rad/s, the frequencies of pair.1" in judged(path)
+    sea = 'one = { kind = "regular", height = 0.1, period = 16.0 }'
+    for band in ("", "band = [0.3, 3.0]"):
+        path = study("pair.1")
+        text = path.read_text().replace("one = { Hs = 0.5, Tp = 5.0 }", sea).replace("band = [0.7, 3.0]", band)
+        path.write_text(text)
+        told = "sea_states.one.period = 16.0: needs coefficients at [0.3927, 0.3927] rad/s, which must be within 0.5 to"
+        assert told in judged(path)
+    path.write_text(text.replace(sea, "one = { Hs = 0.5, Tp = 16.0 }").replace(band, ""))
+    assert "sea_states.one.Tp = 16.0: needs coefficients at [0.2" in judged(path)
     path = study("pair.1", method="frequency")
     path.write_text(path.read_text().replace("[record]", "[record]\noutputs = ['drift']"))
     assert "record.outputs = drift: needs boundary elements" in judged(path)

@@ -28,6 +28,11 @@ BAD = [
     ("band = [0.7, 3.4]", "band = [3.4, 0.7]", "waves.band = [3.4, 0.7]: must rise"),
     ("band = [0.7, 3.4]", "band = [0.7]", "waves.band"),
     (
+        "[water]",
+        '[record]\nseries = "decimated"\n[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n[water]',
+        "record.series = decimated: needs none with method",
+    ),
+    (
         "band = [0.7, 3.4]",
         "band = [0.7, 3.4]\ncomponents = 0",
         "waves.components = 0: must be >= 1",

@@ -1,0 +1,37 @@
+"""How long boundary elements take, told before there are panels or a Green function."""
+
+import numpy as np
+
+from solver.hydrodynamics.bem.bem import Problem
+from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+
+# Processor time [s] on the machine of README's times: `python -m studies.benchmark.boundary` prints what it is here.
+FREE, SEABED = 3.7e-7, 2.9e-6  # Green function of a pair of panels, in deep water and above a seabed that matters
+FACTORED = 1e-10  # a system's factorization, over the cube of its panels
+
+
+def seconds(problem: Problem) -> float:
+    """Processor time [s] to solve a problem, to a factor of 3: Green function and factorizations, of hulls alone."""
+    return sum(_together(alone) for alone in problem.apart.values())
+
+
+def _together(problem: Problem) -> float:
+    """Images of a plane of symmetry are seen, not solved for; each is the mirror of a system of its own."""
+    images = len(meshes.mirror_planes(problem.hulls, problem.centres)[1])
+    waves = [problem.seas[0].wavenumber(w) for w in problem.omega]
+    pair = sum(SEABED if np.isfinite(problem.seabed(k)) else FREE for k in (*waves, np.inf))
+    total, most = 0.0, _panels(problem)
+    for n in problem.divisions:
+        part = most * (n / problem.divisions[0]) ** 2 / images
+        total += pair * images * part**2 + (1 + len(waves)) * images * FACTORED * part**3
+    return total
+
+
+def _panels(problem: Problem) -> int:
+    """Of the hulls in the finest mesh."""
+    base = (
+        meshes.halved_count(hull, count) if isinstance(hull, PanelHull) else count
+        for hull, count in zip(problem.meshed, problem.base, strict=True)
+    )
+    return sum(base) * problem.divisions[0] ** 2
