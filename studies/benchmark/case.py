@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.bridge import cache, scenes
-from pipeline.bridge.geometry import bem_arguments, geometry_of
+from pipeline.bridge.geometry import BEM_VERSION, bem_arguments, geometry_of
 from pipeline.bridge.loading import load
 from pipeline.tasks.task import Task, expand
 from solver.hydrodynamics.bem import bem
@@ -40,7 +40,7 @@ def scene(platform: str, seed: int = 0) -> Scene:
 def coefficients(name: str = "default", **changed) -> tuple[Hydrodynamics, float]:
     """The pair's coefficients with BEM arguments `changed`, and the time they took [s]; kept in a file."""
     OUT.mkdir(parents=True, exist_ok=True)
-    file = OUT / f"bem-{name}.nc"
+    file = OUT / f"bem-{name}-{BEM_VERSION}.nc"
     if file.exists():
         solution = cache.decode(file.read_bytes())
         return solution, float(file.with_suffix(".seconds").read_text())
