@@ -46,9 +46,9 @@ def test_a_scene_implies_the_arguments_of_its_boundary_elements(monkeypatch):
     sea = solver.regular(height=0.1, period=2 * np.pi / 5.5, heading=0.4)
     coefficients(solver.Scene(water=water, sea=sea, floats=(ball(),), settings=solver.Settings(time_step=0.1)))
     assert (asked["depth"], asked["density"], asked["heading"], asked["planar"]) == (30.0, 1000.0, 0.4, False)
-    assert asked["omega"][-1] >= 5.5
+    assert asked["omega"][-1] >= 5.5 and asked["waves_to"] == pytest.approx(5.5, rel=1e-12)
     coefficients(solver.Scene(water=water, floats=(ball(),)), band=(0.21, 7.0))
-    assert asked["planar"] and asked["omega"][-1] >= 7.0
+    assert asked["planar"] and asked["omega"][-1] >= 7.0 and asked["waves_to"] == 7.0
     assert coefficients(solver.Scene(water=water)) is None
 
 

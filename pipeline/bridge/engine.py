@@ -84,8 +84,7 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     else:
         problem = bem_problem(geometries)
         each = dict(zip(problem.headings, bem.united(problem, shares), strict=True))
-        highest = first.band[1] if first.band else np.inf
-        found = [replace(each[geometry.heading], waves_to=highest) for geometry in geometries]
+        found = [each[geometry.heading] for geometry in geometries]
     if not first.memory:
         return found
     hulls = tuple(hull(body.hull) for body in first.bodies)
@@ -116,7 +115,7 @@ def coefficients(geometries: Sequence[Geometry], shares: Sequence[Share]) -> lis
 
 
 @cache
-def _import() -> None:
+def import_solver() -> None:
     """What a task needs, all at once and once a process."""
     with environment.importing():
         for name in ("solver.run", "pipeline.bridge.cache", "pipeline.bridge.scenes", "pipeline.results.records"):
@@ -125,7 +124,7 @@ def _import() -> None:
 
 def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
     """One task, from its parameters and its geometry's file."""
-    _import()
+    import_solver()
     from pipeline.bridge import cache, scenes
 
     known, scene = cache.decode(coefficients) if coefficients else None, scenes.scene(parameters)

@@ -159,6 +159,7 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "density": water.density,
         "heading": geometry.heading,
         "omega": frequency_grid(hulls, centres, band=geometry.band, **how),
+        "waves_to": geometry.band[1] if geometry.band else np.inf,
         "planar": geometry.planar,
         "far_field": geometry.far_field,
         "gap_damping": geometry.gap_damping,

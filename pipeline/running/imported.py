@@ -3,12 +3,9 @@
 from importlib import import_module
 
 from pipeline import environment
-
-NAMES = (
-    "distributed", "solver.run", "pipeline.bridge.scenes", "pipeline.bridge.cache", "pipeline.results.records",
-    "pipeline.cli.cli",
-)  # fmt: skip
+from pipeline.bridge import engine
 
 with environment.importing():
-    for name in NAMES:
+    for name in ("distributed", "pipeline.cli.cli"):
         import_module(name)
+engine.import_solver()

@@ -40,7 +40,7 @@ def coefficients(geometry: Geometry) -> Hydrodynamics:
     known = COEFFICIENTS.get(plain.key)
     if known is None:
         arguments = bem_arguments(plain)
-        arguments |= {"omega": np.concatenate([LOWEST, arguments["omega"]]), "panels": PANELS}
+        arguments |= {"omega": np.concatenate([LOWEST, arguments["omega"]]), "waves_to": np.inf, "panels": PANELS}
         known = cache.encode(bem.solve(**arguments), plain.key)
         COEFFICIENTS.put(plain.key, known)
     return cache.decode(known)

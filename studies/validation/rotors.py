@@ -149,9 +149,7 @@ def _in_time() -> list[Check]:
         bem.solve, hulls, centres, depth=item.water.depth, density=item.water.density, gravity=item.water.gravity,
         planar=False,
     )  # fmt: skip
-    found = replace(
-        solve(omega=bem.frequency_grid(hulls, centres, depth=item.water.depth, band=BAND)), waves_to=BAND[1]
-    )
+    found = solve(omega=bem.frequency_grid(hulls, centres, depth=item.water.depth, band=BAND), waves_to=BAND[1])
     memory = remembered(found, hulls, USUAL, ways)
     known = replace(found, memory=memory, memory_tolerance=USUAL, memory_motions=ways)
     sea = response.white_noise(height=0.01, band=BAND, components=80)

@@ -71,6 +71,7 @@ def test_equal_hulls_are_solved_once_and_one_alone_as_ever(monkeypatch):
     for name in ("omega", "added_mass", "radiation_damping", "diffraction", "froude_krylov"):
         assert np.array_equal(getattr(ours, name), getattr(plain, name)), name
     assert dict(ours.settings) == dict(plain.settings) and ours.interacting
+    assert ours.waves_to == scene.sea.omega.max()
 
 
 @pytest.mark.slow

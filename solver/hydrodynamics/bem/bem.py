@@ -125,6 +125,7 @@ class Problem:
     gravity: float
     headings: tuple[float, ...]  # [rad]
     omega: np.ndarray  # (nw,) [rad/s]
+    waves_to: float  # [rad/s] see Hydrodynamics
     dofs: tuple[str, ...]
     panels: int
     interaction: bool  # without, each body is alone in the water, and equal ones are solved for once
@@ -144,6 +145,7 @@ class Problem:
         gravity: float = 9.81,
         headings: tuple[float, ...] = (0.0,),
         omega: np.ndarray | None = None,
+        waves_to: float = np.inf,
         planar: bool = True,
         panels: int = 432,
         interaction: bool = True,
@@ -165,6 +167,7 @@ class Problem:
             gravity=gravity,
             headings=headings,
             omega=grid,
+            waves_to=waves_to,
             dofs=PLANAR if planar else DOFS,
             panels=panels,
             interaction=interaction or len(hulls) == 1,
@@ -302,6 +305,7 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
             settings=MappingProxyType(settings),
             error=MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2][:, h]),
             far_field=FarField(origin, far[:, :n], far[:, n + h]) if problem.far_field else None,
+            waves_to=problem.waves_to,
             **at_rest(hulls, problem.centres, problem.dofs, sea),
         )
         for h, sea in enumerate(seas)

@@ -491,7 +491,5 @@ def test_without_need_of_a_memory_none_is_fitted(study_with, monkeypatch):
     monkeypatch.setattr(bem, "part", lambda *arguments: [])
     monkeypatch.setattr(bem, "united", lambda *arguments: [known])
     monkeypatch.setattr(system, "remembered", lambda *arguments: fitted.append(arguments))
-    monkeypatch.setattr(engine, "replace", lambda one, **fields: (one, fields))
     geometry = geometry_of(task(study_with(FREE)).parameters)
-    told = {"waves_to": geometry.band[1]}
-    assert engine.hydrodynamics(geometry.model_copy(update={"memory": False})) == (known, told) and not fitted
+    assert engine.hydrodynamics(geometry.model_copy(update={"memory": False})) is known and not fitted

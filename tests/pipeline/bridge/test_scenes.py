@@ -129,7 +129,9 @@ def test_elastic_and_fixed_see_the_same_elevation(buan_tables, study_of):
 def test_coefficients_cover_the_waves(buan_tables, study_of, band):
     study = study_of(buan_tables)
     geometry = geometry_of(task(study, platform="fixed").parameters).model_copy(update={"band": band})
-    omega = bem_arguments(geometry)["omega"]
+    arguments = bem_arguments(geometry)
+    omega = arguments["omega"]
+    assert arguments["waves_to"] == band[1]
     assert omega[0] <= band[0]
     assert omega[-1] >= band[1]
     assert (np.diff(omega) > 0).all()
