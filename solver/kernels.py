@@ -11,6 +11,8 @@ os.environ.setdefault("NUMBA_OPT", "1")
 from numba import njit
 from numba.core import event
 from numba.core.caching import FunctionCache
+from numba.core.codegen import JITCodeLibrary, ll
+from numba.core.compiler import Compiler as NumbaCompiler
 from numba.core.runtime import rtsys
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -58,6 +60,39 @@ def _load(cache: Any, signature: Any, target: Any) -> Any:
 
 
 FunctionCache.load_overload = _load
+
+
+class _Part(JITCodeLibrary):  # type: ignore[misc]
+    """A kernel that only others call: optimized and made machine code of in these alone.
+
+    numba does both for each kernel with all that it calls, so as often as there are levels above: a quarter of its
+    time.
+    """
+
+    _final_module: Any
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        """Make machine code of the pointers to environments alone: numba sets them for every kernel."""
+        whole = self._final_module
+        code = str(self._codegen._create_empty_module(self.name))
+        for variable in whole.global_variables:
+            if variable.name.startswith("_ZN08NumbaEnv"):
+                code += f'@"{variable.name}" = common global ptr null\n'
+        self._final_module = ll.parse_assembly(code)
+        super()._finalize_final_module()
+        self._final_module = whole
+
+
+class _PartCompiler(NumbaCompiler):  # type: ignore[misc]
+    def __init__(self, typing: Any, target: Any, _library: Any, *others: Any) -> None:
+        part = _Part(target.codegen(), "part")
+        part.enable_object_caching()
+        super().__init__(typing, target, part, *others)
+
+
 # A sum of ~100 terms in another order differs in its last bits only; it lets the compiler use SIMD.
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 # A division by zero gives inf, which the march looks for, and not a branch at every division: a tenth of its time.
@@ -70,7 +105,7 @@ lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False)
 fast_lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False, fastmath=FAST)
 # Of those that only other kernels call, no door from Python is made (so a call from there crashes): with a march's
 # hundred arrays it would take five seconds of the compiler, ten times what the rest of a short kernel takes.
-inner_kernel: Compiler = partial(njit, **COMMON, _nrt=False, no_cpython_wrapper=True)
+inner_kernel: Compiler = partial(njit, **COMMON, _nrt=False, no_cpython_wrapper=True, pipeline_class=_PartCompiler)
 # With `forceinline` a part of every step is taken into what calls it: handing it a scene's hundred arrays, eight
 # numbers each, took a third of a march. What few steps need, or several places, is not: it would be compiled each time.
 part_kernel: Compiler = partial(inner_kernel, forceinline=True)

@@ -61,6 +61,17 @@ def test_numba_takes_kernels_into_those_that_call_them_where_they_ask_for_it(com
     assert ("alwaysinline" in function.inspect_llvm(function.signatures[0])) == taken_in
 
 
+def test_numba_makes_machine_code_of_what_only_kernels_call_in_these_alone():
+    """Without: take `pipeline_class` out of solver/kernels.py; a march compiles a third longer."""
+    part = inner_kernel(cache=False)(first_row_sum)
+    whole = kernel(cache=False)(lambda rows: part(rows) + 1.0)
+    assert whole(np.eye(2)) == 2.0
+    made, inside = (one.overloads[one.signatures[0]].library._get_compiled_object() for one in (whole, part))
+    functions = re.compile(rb"_ZN(?!08NumbaEnv)")
+    told = f"numba {numba_version} no longer makes libraries as solver/kernels.py overrides it"
+    assert functions.search(made) and not functions.search(inside), told
+
+
 def test_numba_loads_what_is_compiled_without_what_it_compiles_with():
     """Without: take `_load` out of solver/kernels.py; the first call of a kernel then takes 0.15 s more."""
     Statistics().add(np.eye(3))  # its kernel is compiled and cached by now
