@@ -3,7 +3,7 @@
 Mended hulls and records cut short are told here, too.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -13,6 +13,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.hull.clearance import openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.scene import DOFS, Float, Scene, Water
+from solver.statistics import STATISTICS
 
 KNOWN = 64  # floats that a process keeps
 LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
@@ -34,6 +35,15 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     ):
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes))
+
+
+def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for floats that meet at angles between the extremes of a run, of which `tables` has statistics."""
+    if (angles := tables.get("rotation")) is not None:
+        high, low = (angles[:, STATISTICS.index(name)] for name in ("max", "min"))
+        hinged = {f.name: (low[b], high[b]) for b, f in enumerate(scene.floats) if f.motion == ("hinge",)}
+        for a, b, at in scene.meetings(hinged):
+            yield f"floats.{a} and floats.{b} meet at {at} rad, angles that each of them passed; no load tells of it"
 
 
 @lru_cache(maxsize=KNOWN)

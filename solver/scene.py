@@ -16,6 +16,7 @@ from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.standing import ON_SEABED, stands
+from solver.hydrodynamics.hull.swing import Hinged, Stroke, meeting
 from solver.mooring import SIX, AxisMooring, Line, Mooring, line_loads, none
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.quantities import Quantity, out_of_range, require_ranges
@@ -224,6 +225,19 @@ class Float:
     def direction(self, name: str) -> np.ndarray:
         """Of an axis of the joint, along which it slides or about which it turns (3,)."""
         return np.divide(self.axis, np.linalg.norm(self.axis)) if name == "hinge" else np.eye(3)[DOFS.index(name) % 3]
+
+    @property
+    def hinged(self) -> Hinged:
+        """Its hull and hinge."""
+        return Hinged(self.hull, tuple(self.hinge), tuple(self.arm), tuple(self.direction("hinge").tolist()))
+
+    @property
+    def stroke(self) -> Stroke:
+        """Of a hinge between its end stops [rad]; none without."""
+        if self.motion != ("hinge",) or self.end_stops is None:
+            return 0.0, 0.0
+        low, high = (float(self.per_axis(f"end_stops.{end}")[0]) for end in ("lower", "upper"))
+        return low, high
 
     @property
     def moored(self) -> AxisMooring:
@@ -525,6 +539,10 @@ class Scene:
                 key, gap = f"distance of floats.{a.name} and floats.{b.name}", np.linalg.norm(a.centre - b.centre)
                 limit = f"must be > {reach(a.hull) + reach(b.hull):g} m, or the floats touch"
                 yield InputError(key, f"{gap:g} m", limit)
+        for f in self.floats:
+            for first, second, angles in self.meetings({f.name: f.stroke}):
+                limit = f"must keep floats.{first} and floats.{second} apart, which meet at {angles} rad"
+                yield InputError(f"floats.{f.name}.end_stops", "{:g} to {:g} rad".format(*f.stroke), limit)
         for key, place in self.platform.frame.places() if self.platform else ():
             if place[2] < -self.water.depth - STILL_WATER:
                 limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
@@ -670,6 +688,20 @@ class Scene:
     def sharing(self) -> tuple[tuple[Float, ...], ...]:
         """The floats by what water they share: all of them the same, or without interaction each its own."""
         return (self.floats,) if self.settings.interaction else tuple((f,) for f in self.floats)
+
+    def meetings(self, strokes: Mapping[str, Stroke]) -> Iterator[tuple[str, str, str]]:
+        """Names of floats whose hulls meet as some turn on their hinges within `strokes` [rad], and at which angles.
+
+        Of those on one support, or of which one carries the other: of others the hinges do not tell how near they get.
+        """
+        for a, b in (pair for group in self.sharing for pair in combinations(group, 2)):
+            # What carries the other takes it along.
+            first = strokes.get(a.name, (0.0, 0.0)) if b.on != a.name else (0.0, 0.0)
+            second = strokes.get(b.name, (0.0, 0.0)) if a.on != b.name else (0.0, 0.0)
+            if np.any((first, second)) and (b.on in (a.on, a.name) or a.on == b.name):
+                at = meeting(a.hinged, b.hinged, (first, second))
+                if at is not None:
+                    yield a.name, b.name, "{:+.3g} and {:+.3g}".format(*at)
 
     @property
     def carriers(self) -> tuple[int, ...]:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.balance import met
 from solver.errors import InputError
 from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
@@ -54,7 +55,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         **scene.sea.parameters(),
     }
     power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
-    if notes := (*case.warnings, *above(scene, power)):
+    if notes := (*case.warnings, *met(scene, tables), *above(scene, power)):
         attrs["warnings"] = "; ".join(notes)
     rao = None
     if scene.settings.rao and scene.floats:

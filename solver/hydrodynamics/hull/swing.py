@@ -1,0 +1,100 @@
+"""Whether hinged floats meet as they turn: between their end stops, or as far as a run took them."""
+
+from functools import lru_cache
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
+
+POSES = 5  # of each float that are looked at, from end to end of its stroke
+AROUND = 24  # panels round a hull of revolution
+ALONG = 6  # and along each segment of its meridian
+ACROSS = 12  # points across the smaller hull
+INSIDE = 0.6  # turns round a point inside another hull, or below the waterplane of one that is open; 1/2 on it
+
+Hull = Revolution | PanelHull
+Vector = tuple[float, ...]
+Stroke = tuple[float, float]
+
+
+class Hinged(NamedTuple):
+    """A hull and its hinge."""
+
+    hull: Hull
+    hinge: Vector  # (3,) [m]
+    arm: Vector  # (3,) [m], from there to the reference point at rest
+    axis: Vector  # (3,) unit vector
+
+
+def meeting(a: Hinged, b: Hinged, strokes: tuple[Stroke, Stroke]) -> tuple[float, float] | None:
+    """Angles of both [rad] in their strokes at which the hulls meet, the least of those looked at.
+
+    None where hulls meet at rest, which may be meant so, or where no point can come as far as they are apart.
+    """
+    way = sum(max(abs(low), abs(high)) * _reach(item) for item, (low, high) in zip((a, b), strokes, strict=True))
+    if way <= _gap(a, b):
+        return None
+    angles = [sorted({0.0, *np.linspace(*stroke, POSES).tolist()}) for stroke in strokes]
+    poses = sorted(product(*angles), key=lambda pose: max(abs(pose[0]), abs(pose[1])))
+    at = next((pose for pose in poses if _overlap(a, b, pose)), None)
+    return at if at is not None and any(at) else None
+
+
+@lru_cache(maxsize=64)
+def _reach(item: Hinged) -> float:
+    """Distance of the hull's farthest point from the hinge [m], which no point's way exceeds for an angle of one."""
+    return float(np.linalg.norm(_panels(item.hull) + np.array(item.arm), axis=-1).max())
+
+
+@lru_cache(maxsize=256)
+def _gap(a: Hinged, b: Hinged) -> float:
+    """Distance of the hulls at rest [m], at least; 0 where that is less than what lies between the points on them."""
+    size = _size(a.hull, b.hull)
+    points, others = (_points(item.hull, size) + np.add(item.hinge, item.arm) for item in (a, b))
+    return max(0.0, float(cKDTree(points).query(others)[0].min()) - size)
+
+
+def _overlap(a: Hinged, b: Hinged, pose: tuple[float, float]) -> bool:
+    """Whether a point of one hull is inside the other."""
+    size = _size(a.hull, b.hull)
+    at = {item: _posed(item, _points(item.hull, size), angle) for item, angle in zip((a, b), pose, strict=True)}
+    for one, other, angle in ((a, b, pose[0]), (b, a, pose[1])):
+        near = at[other][cKDTree(at[one]).query(at[other], distance_upper_bound=2 * size)[0] < np.inf]
+        if len(near) and np.any(surface.turns_round(_posed(one, _panels(one.hull), angle), near) > INSIDE):
+            return True
+    return False
+
+
+def _posed(item: Hinged, points: np.ndarray, angle: float) -> np.ndarray:
+    """Points (…, 3) [m] of a hull, turned by an angle about its hinge."""
+    turn = Rotation.from_rotvec(angle * np.array(item.axis)).as_matrix()
+    return (points + np.array(item.arm)) @ turn.T + np.array(item.hinge)
+
+
+def _size(*hulls: Hull) -> float:
+    return min(float(np.ptp(_panels(hull).reshape(-1, 3), axis=0).max()) for hull in hulls) / ACROSS
+
+
+@lru_cache(maxsize=64)
+def _points(hull: Hull, size: float) -> np.ndarray:
+    """Middles and corners (n, 3) [m] of the panels' triangles, split until no side is longer than `size` [m]."""
+    triangles = surface.split(surface.triangles(_panels(hull))[:, [0, 1, 2, 2]], size)[:, :3]
+    return np.concatenate([triangles.mean(axis=1), np.unique(triangles.reshape(-1, 3), axis=0)])
+
+
+@lru_cache(maxsize=64)
+def _panels(hull: Hull) -> np.ndarray:
+    """Panels (n, 4, 3) [m] of the whole hull, below and above still water, normals outwards."""
+    if isinstance(hull, PanelHull):
+        return hull.panels
+    rings = [s.at(np.arange(ALONG) / ALONG) for s in hull.meridian]
+    r, z = np.concatenate([*rings, [hull.meridian[-1].end]]).T
+    at = r[:, None] * np.exp(2j * np.pi * np.arange(AROUND + 1) / AROUND)
+    points = np.stack([at.real, at.imag, np.broadcast_to(z[:, None], at.shape)], axis=-1)
+    return np.stack([points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]], axis=2).reshape(-1, 4, 3)

@@ -1,0 +1,92 @@
+"""Floats that meet as they turn on their hinges: in closed form, between end stops, and in runs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solver.balance import met
+from solver.errors import InputError
+from solver.hydrodynamics.hull.duck import duck
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.swing import Hinged, meeting
+from solver.run import simulate
+from solver.scene import EndStops, Float, Scene, Settings, Water
+from tests import awkward
+
+SPAR = Revolution.vertical_cylinder(radius=1.0, draft=2.0, freeboard=1.0)
+UP, APART = (0.0, 0.0, 1.0), 3.5
+
+
+def swings(length=3.0):
+    """Two cylinders on arms along x, which turn about upright axes APART in y."""
+    return [Hinged(SPAR, (0.0, y, 0.0), (length, 0.0, 0.0), UP) for y in (0.0, APART)]
+
+
+def touches(length=3.0):
+    """Angle at which one touches the other at rest: (L cos θ - L)² + (L sin θ - d)² = (2 r)²."""
+    side = (2 * length**2 + APART**2 - 4.0) / 2
+    return np.arctan2(APART, length) - np.arccos(side / np.hypot(length**2, length * APART))
+
+
+@pytest.mark.parametrize("length", [2.5, 3.0, 6.0])
+def test_cylinders_meet_at_the_angle_of_the_closed_form(length):
+    a, b = swings(length)
+    least = touches(length)
+    assert meeting(a, b, ((-1.0, 0.96 * least), (0.0, 0.0))) is None
+    assert meeting(a, b, ((-1.0, 1.04 * least), (0.0, 0.0))) == (pytest.approx(1.04 * least), 0.0)
+    assert meeting(b, a, ((-1.04 * least, 1.0), (0.0, 0.0))) == (pytest.approx(-1.04 * least), 0.0)
+
+
+def test_both_turn_half_as_far_as_one():
+    a, b = swings(30.0)
+    least = touches(30.0) / 2
+    assert meeting(a, b, ((0.0, 0.95 * least), (-0.95 * least, 0.0))) is None
+    assert meeting(a, b, ((0.0, 1.1 * least), (-1.1 * least, 0.0))) == pytest.approx((1.1 * least, -1.1 * least))
+
+
+def in_line(distance, **changes):
+    """Two ducks, one behind the other, with their sterns so far apart: a beak reaches 2.5 m, and 2.3 m at rest."""
+    hull = duck(radius=1.0, beak=2.5, elevation=0.4, submergence=0.5, width=3.0)
+    one = Float(
+        name="fore", hull=hull, mass=1000 * hull.volume, inertia=(1e4,) * 3, cog=(hull.buoyancy_point[0], 0.0, -0.2),
+        hinge=(0.0, 0.0, -0.5), arm=(0.0, 0.0, 0.5), **changes,
+    )  # fmt: skip
+    return [one, replace(one, name="aft", hinge=(distance, 0.0, -0.5))]
+
+
+def test_stops_that_let_floats_meet_are_refused_by_name_and_angle():
+    stops = EndStops(lower=-1.2, upper=1.2, stiffness=1e6, damping=0.0)
+    Scene(water=Water(depth=30.0, density=1000.0), floats=tuple(in_line(6.0, end_stops=stops)))
+    near = in_line(3.3)
+    Scene(water=Water(depth=30.0, density=1000.0), floats=tuple(near))
+    aft = replace(near[1], end_stops=stops)
+    with pytest.raises(InputError, match=r"floats.aft.end_stops.*-1.2 to 1.2 rad.*floats.fore.*meet at \+0 and -"):
+        Scene(water=Water(depth=30.0, density=1000.0), floats=(near[0], aft))
+    alone = Settings(interaction=False)
+    Scene(water=Water(depth=30.0, density=1000.0), floats=(near[0], aft), settings=alone)
+
+
+def test_a_float_turns_against_what_carries_it_and_not_with_it():
+    fore, aft = in_line(6.0)
+    stops = EndStops(lower=-0.6, upper=0.6, stiffness=1e6, damping=0.0)
+    carried = replace(aft, on="fore", end_stops=stops)
+    scene = Scene(water=Water(depth=30.0, density=1000.0), floats=(replace(fore, end_stops=stops), carried))
+    assert not list(scene.meetings({"fore": (-3.0, 3.0)}))
+    assert not list(scene.meetings({"aft": (-0.1, 0.1)}))
+
+
+@pytest.mark.parametrize("method", ["time", "frequency"])
+def test_a_run_says_which_floats_met(method):
+    waves = awkward.sea(Hs=1.0, Tp=4.0)
+    settings = {"radiation": False, "diffraction": False, "froude_krylov": "linear", "method": method}
+    floats = in_line(3.3, pto_damping=2e4)
+    told = simulate(awkward.scene(floats, waves=waves, **settings))
+    assert "floats.fore and floats.aft meet at" in told.attrs["warnings"]
+    calm = awkward.scene(floats, waves=awkward.sea(Hs=0.01, Tp=4.0), **settings)
+    assert "meet" not in simulate(calm).attrs.get("warnings", "")
+
+
+def test_hulls_that_meet_at_rest_are_not_told_again():
+    scene = awkward.scene(in_line(3.0))
+    assert not list(met(scene, {"rotation": np.zeros((2, 5))}))
