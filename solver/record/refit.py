@@ -22,7 +22,7 @@ from solver.scene import Scene
 from solver.statistics import FAINT
 
 SWAYED = 3e-3  # what the fit may change a motion's RAO, its std or its power by, relative, where no tolerance is given
-TIMES = (1, 2, 5, 15)  # that what misfits do to the motions counts, one after another until it is little enough
+TIMES = (2, 4, 8, 16)  # that what misfits do to the motions counts, one after another until it is little enough
 FEW = 24  # motions that there are: their fits take seconds, those of many more minutes
 LEAST = 0.1  # of a motion's largest response: changes of less are relative to that
 
