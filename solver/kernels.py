@@ -86,11 +86,33 @@ class _Part(JITCodeLibrary):  # type: ignore[misc]
         self._final_module = whole
 
 
-class _PartCompiler(NumbaCompiler):  # type: ignore[misc]
+class _Whole(JITCodeLibrary):  # type: ignore[misc]
+    """A kernel that no other calls: its cache needs no code that others might take in, which takes 0.1 s to read."""
+
+    def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
+        """Name, kind and machine code, with its door from Python alone for a module."""
+        code = str(self._codegen._create_empty_module(self.name))
+        for function in self.get_defined_functions():
+            if function.name.startswith("_ZN7cpython"):
+                code += f'define void @"{function.name}"() {{ ret void }}\n'
+        return self.name, "object", (self._get_compiled_object(), ll.parse_assembly(code).as_bitcode())
+
+
+class _Compiler(NumbaCompiler):  # type: ignore[misc]
+    kind: type[JITCodeLibrary]
+
     def __init__(self, typing: Any, target: Any, _library: Any, *others: Any) -> None:
-        part = _Part(target.codegen(), "part")
-        part.enable_object_caching()
-        super().__init__(typing, target, part, *others)
+        library = self.kind(target.codegen(), self.kind.__name__)
+        library.enable_object_caching()
+        super().__init__(typing, target, library, *others)
+
+
+class _PartCompiler(_Compiler):
+    kind = _Part
+
+
+class _WholeCompiler(_Compiler):
+    kind = _Whole
 
 
 # A sum of ~100 terms in another order differs in its last bits only; it lets the compiler use SIMD.
@@ -103,6 +125,8 @@ fast_kernel: Compiler = partial(njit, **COMMON, _nrt=True, fastmath=FAST)
 # march. numba's private option; what a counting kernel returns must not be handed to such a one, it would leak.
 lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False)
 fast_lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False, fastmath=FAST)
+# One that no other kernel calls: such a call would end in numba's error of a symbol that is not there.
+whole_kernel: Compiler = partial(lean_kernel, pipeline_class=_WholeCompiler)
 # Of those that only other kernels call, no door from Python is made (so a call from there crashes): with a march's
 # hundred arrays it would take five seconds of the compiler, ten times what the rest of a short kernel takes.
 inner_kernel: Compiler = partial(njit, **COMMON, _nrt=False, no_cpython_wrapper=True, pipeline_class=_PartCompiler)

@@ -5,8 +5,6 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
-from scipy.spatial.transform import Rotation
 
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -55,6 +53,8 @@ def _reach(item: Hinged) -> float:
 @lru_cache(maxsize=256)
 def _gap(a: Hinged, b: Hinged) -> float:
     """Distance of the hulls at rest [m], at least; 0 where that is less than what lies between the points on them."""
+    from scipy.spatial import cKDTree  # 0.1 s to import, and few scenes have hinged floats so near
+
     size = _size(a.hull, b.hull)
     points, others = (_points(item.hull, size) + np.add(item.hinge, item.arm) for item in (a, b))
     return max(0.0, float(cKDTree(points).query(others)[0].min()) - size)
@@ -62,6 +62,8 @@ def _gap(a: Hinged, b: Hinged) -> float:
 
 def _overlap(a: Hinged, b: Hinged, pose: tuple[float, float]) -> bool:
     """Whether a point of one hull is inside the other."""
+    from scipy.spatial import cKDTree
+
     size = _size(a.hull, b.hull)
     at = {item: _posed(item, _points(item.hull, size), angle) for item, angle in zip((a, b), pose, strict=True)}
     for one, other, angle in ((a, b, pose[0]), (b, a, pose[1])):
@@ -72,9 +74,11 @@ def _overlap(a: Hinged, b: Hinged, pose: tuple[float, float]) -> bool:
 
 
 def _posed(item: Hinged, points: np.ndarray, angle: float) -> np.ndarray:
-    """Points (…, 3) [m] of a hull, turned by an angle about its hinge."""
-    turn = Rotation.from_rotvec(angle * np.array(item.axis)).as_matrix()
-    return (points + np.array(item.arm)) @ turn.T + np.array(item.hinge)
+    """Points (…, 3) [m] of a hull, turned by an angle about its hinge: by Rodrigues' formula."""
+    axis, lever = np.array(item.axis), points + np.array(item.arm)
+    along = (lever @ axis)[..., None] * axis
+    turned = along + np.cos(angle) * (lever - along) + np.sin(angle) * np.cross(axis, lever)
+    return turned + np.array(item.hinge)
 
 
 def _size(*hulls: Hull) -> float:
