@@ -12,6 +12,7 @@ import numpy as np
 from solver.errors import InputError
 from solver.hydrodynamics.hull.clearance import openings
 from solver.hydrodynamics.hull.gaps import gaps
+from solver.hydrodynamics.hull.swing import inside
 from solver.scene import DOFS, Float, Scene, Water
 from solver.statistics import STATISTICS
 
@@ -41,7 +42,7 @@ def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
     """A sentence for floats that meet at angles between the extremes of a run, of which `tables` has statistics."""
     if (angles := tables.get("rotation")) is not None:
         high, low = (angles[:, STATISTICS.index(name)] for name in ("max", "min"))
-        hinged = {f.name: (low[b], high[b]) for b, f in enumerate(scene.floats) if f.motion == ("hinge",)}
+        hinged = {f.name: inside(low[b], high[b]) for b, f in enumerate(scene.floats) if f.motion == ("hinge",)}
         for a, b, at in scene.meetings(hinged):
             yield f"floats.{a} and floats.{b} meet at {at} rad, angles that each of them passed; no load tells of it"
 

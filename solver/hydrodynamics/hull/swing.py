@@ -10,7 +10,7 @@ from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 
-POSES = 5  # of each float that are looked at, from end to end of its stroke
+STEP = 0.1  # between the angles of a stroke that are looked at, besides its ends [rad]
 AROUND = 24  # panels round a hull of revolution
 ALONG = 6  # and along each segment of its meridian
 ACROSS = 12  # points across the smaller hull
@@ -38,10 +38,20 @@ def meeting(a: Hinged, b: Hinged, strokes: tuple[Stroke, Stroke]) -> tuple[float
     way = sum(max(abs(low), abs(high)) * _reach(item) for item, (low, high) in zip((a, b), strokes, strict=True))
     if way <= _gap(a, b):
         return None
-    angles = [sorted({0.0, *np.linspace(*stroke, POSES).tolist()}) for stroke in strokes]
-    poses = sorted(product(*angles), key=lambda pose: max(abs(pose[0]), abs(pose[1])))
+    poses = sorted(product(_angles(strokes[0]), _angles(strokes[1])), key=lambda pose: max(abs(pose[0]), abs(pose[1])))
     at = next((pose for pose in poses if _overlap(a, b, pose)), None)
     return at if at is not None and any(at) else None
+
+
+def inside(low: float, high: float) -> Stroke:
+    """A stroke to whole STEPs, so that much the same ones are looked at once."""
+    return STEP * float(np.trunc(low / STEP)), STEP * float(np.trunc(high / STEP))
+
+
+def _angles(stroke: Stroke) -> set[float]:
+    """Of a stroke [rad], those that others look at, too, the same numbers."""
+    low, high = (int(np.trunc(end / STEP)) for end in stroke)
+    return {0.0, *stroke, *(STEP * n for n in range(low, high + 1))}
 
 
 @lru_cache(maxsize=64)
@@ -60,8 +70,19 @@ def _gap(a: Hinged, b: Hinged) -> float:
     return max(0.0, float(cKDTree(points).query(others)[0].min()) - size)
 
 
+@lru_cache(maxsize=4096)
+def _box(item: Hinged, angle: float) -> np.ndarray:
+    """Corners (2, 3) [m] of the box about a hull turned by an angle."""
+    points = _posed(item, _panels(item.hull), angle).reshape(-1, 3)
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+@lru_cache(maxsize=4096)
 def _overlap(a: Hinged, b: Hinged, pose: tuple[float, float]) -> bool:
     """Whether a point of one hull is inside the other."""
+    box, other_box = _box(a, pose[0]), _box(b, pose[1])
+    if np.any(box[0] >= other_box[1]) or np.any(other_box[0] >= box[1]):
+        return False
     from scipy.spatial import cKDTree
 
     size = _size(a.hull, b.hull)
