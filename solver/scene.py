@@ -539,7 +539,7 @@ class Scene:
                 key, gap = f"distance of floats.{a.name} and floats.{b.name}", np.linalg.norm(a.centre - b.centre)
                 limit = f"must be > {reach(a.hull) + reach(b.hull):g} m, or the floats touch"
                 yield InputError(key, f"{gap:g} m", limit)
-        for f in self.floats:
+        for f in (f for f in self.floats if any(f.stroke)):
             for first, second, angles in self.meetings({f.name: f.stroke}):
                 limit = f"must keep floats.{first} and floats.{second} apart, which meet at {angles} rad"
                 yield InputError(f"floats.{f.name}.end_stops", "{:g} to {:g} rad".format(*f.stroke), limit)
@@ -698,7 +698,7 @@ class Scene:
             # What carries the other takes it along.
             first = strokes.get(a.name, (0.0, 0.0)) if b.on != a.name else (0.0, 0.0)
             second = strokes.get(b.name, (0.0, 0.0)) if a.on != b.name else (0.0, 0.0)
-            if np.any((first, second)) and (b.on in (a.on, a.name) or a.on == b.name):
+            if any((*first, *second)) and (b.on in (a.on, a.name) or a.on == b.name):
                 at = meeting(a.hinged, b.hinged, (first, second))
                 if at is not None:
                     yield a.name, b.name, "{:+.3g} and {:+.3g}".format(*at)

@@ -30,6 +30,7 @@ class Hinged(NamedTuple):
     axis: Vector  # (3,) unit vector
 
 
+@lru_cache(maxsize=256)
 def meeting(a: Hinged, b: Hinged, strokes: tuple[Stroke, Stroke]) -> tuple[float, float] | None:
     """Angles of both [rad] in their strokes at which the hulls meet, the least of those looked at.
 
@@ -44,8 +45,9 @@ def meeting(a: Hinged, b: Hinged, strokes: tuple[Stroke, Stroke]) -> tuple[float
 
 
 def inside(low: float, high: float) -> Stroke:
-    """A stroke to whole STEPs, so that much the same ones are looked at once."""
-    return STEP * float(np.trunc(low / STEP)), STEP * float(np.trunc(high / STEP))
+    """A stroke to whole STEPs, so that much the same ones are looked at once; half a turn each way is all there is."""
+    low, high = (float(np.trunc(np.clip(end, -np.pi, np.pi) / STEP)) for end in (low, high))
+    return STEP * low, STEP * high
 
 
 def _angles(stroke: Stroke) -> set[float]:

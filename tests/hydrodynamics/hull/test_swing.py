@@ -92,3 +92,8 @@ def test_a_run_says_which_floats_met(method):
 def test_hulls_that_meet_at_rest_are_not_told_again():
     scene = awkward.scene(in_line(3.0))
     assert not list(met(scene, {"rotation": np.zeros((2, 5))}))
+
+
+def test_linear_angles_of_many_turns_are_looked_at_once():
+    angles = np.tile([900.0, -900.0, 0.0, 0.0, 0.0], (2, 1))
+    assert len(list(met(awkward.scene(in_line(3.3)), {"rotation": angles}))) == 1
