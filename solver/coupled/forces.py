@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from solver.sea.field import ROUNDING
 from solver.structure import recovery, water
+from solver.structure.frame import Member
 from solver.structure.frame_model import FrameModel
 from solver.structure.influence import Influence, Wanted, influence
 from solver.structure.legs import BENDING
@@ -22,6 +23,7 @@ REACTIONS, SECTIONS, FIBRES, FATIGUE = "reactions", "section_forces", "fibre_str
 TOPS, UTILISATION = "leg_tops", "utilisation"
 SHEAR = [1, 2, 3]  # Vy, Vz, T among the section forces
 MIRROR = np.array([1.0, -1.0, 1.0])
+SAME = 1e-9  # of the largest force or moment by one cause: rounding of the static solutions
 
 
 class Feet(NamedTuple):
@@ -57,8 +59,8 @@ class Borne(NamedTuple):
     feet: np.ndarray  # (m, nl, 3) N, My, Mz at the legs' feet
     tops: np.ndarray  # (m, nl, 3) at their tops, or none
     sections: np.ndarray  # (m, nm, 2, 6) section forces at the members' ends
-    along: np.ndarray  # (m, np, 3) N, My, Mz at all points of the tubes that are utilised, tube after tube
-    shear: np.ndarray  # (m, nk, 2, 3) Vy, Vz, T at their ends
+    along: np.ndarray  # (m, np, 3) N, My, Mz at all points of the tubes that are looked at, tube after tube
+    shear: np.ndarray  # (m, no, 2, 3) Vy, Vz, T at their ends
     reactions: np.ndarray  # (m, nc, 6)
 
 
@@ -69,8 +71,9 @@ class Places:
     feet: Feet
     tops: int  # of the legs, 0 or nl
     members: tuple[str, ...]
-    checked: tuple[str, ...]  # tubes that are utilised
-    points: np.ndarray  # (nk,) of each: its ends, and where two of its elements meet and bear the same
+    checked: tuple[str, ...]  # nk tubes that are utilised
+    twin: np.ndarray  # (nk,) which of the no that are looked at bears what each does, or its mirror image
+    points: np.ndarray  # (no,) of each: its ends, and where two of its elements meet and bear the same
     grounded: tuple[str, ...]  # nodes
     foot: np.ndarray  # (nc, 3) their places [m]
     wanted: Wanted
@@ -79,14 +82,46 @@ class Places:
     @cached_property
     def _parts(self) -> tuple[tuple[slice, tuple[int, ...]], ...]:
         """Where among the ny each part of what is borne is, and its shape."""
-        nl, nm, nk = len(self.feet.axes), len(self.members), len(self.checked)
-        shapes = (nl, 3), (self.tops, 3), (nm, 2, 6), (int(self.points.sum()), 3), (nk, 2, 3), (len(self.grounded), 6)
+        nl, nm, no = len(self.feet.axes), len(self.members), len(self.points)
+        shapes = (nl, 3), (self.tops, 3), (nm, 2, 6), (int(self.points.sum()), 3), (no, 2, 3), (len(self.grounded), 6)
         ends = np.cumsum([0, *map(prod, shapes)]).tolist()
         return tuple((slice(*between), shape) for between, shape in zip(pairwise(ends), shapes, strict=True))
 
     def split(self, y: np.ndarray) -> Borne:
         """Of forces y (m, ny)."""
         return Borne(*(y[:, part].reshape(len(y), *shape) for part, shape in self._parts))
+
+    @property
+    def tubes(self) -> list[Member]:
+        """The no that are looked at."""
+        members = {m.name: m for m in self.influence.model.frame.members}
+        return [members[self.checked[k]] for k in np.unique(self.twin, return_index=True)[1]]
+
+    def without_twins(self, maps: np.ndarray) -> tuple["Places", np.ndarray]:
+        """Tubes that bear the same as others, or its mirror image, by maps (k, ny) to all forces are not looked at.
+
+        The second: (ny,) which of the forces are left.
+        """
+        frame, kept = self.influence.model.frame, np.ones(maps.shape[1], bool)
+        moment = self.wanted.moments
+        scale = [np.abs(maps[:, kind]).max(axis=1, initial=0.0) for kind in (~moment, moment)]
+        maps = maps / np.maximum(np.where(moment, *(s[:, None] for s in scale[::-1])), np.finfo(float).tiny)
+        columns = self.split(np.arange(maps.shape[1])[None])
+        each = [columns.along[0][slice(*ends)] for ends in pairwise([0, *np.cumsum(self.points)])]
+        makes = [(m.section, m.material, frame.buckling_length(m), m.moment_factor) for m in self.tubes]
+        first: list[int] = []
+        twin = np.zeros(len(self.checked), int)
+        for k, (make, along, shear) in enumerate(zip(makes, each, columns.shear[0], strict=True)):
+            for place, other in enumerate(first):
+                pairs = (along, each[other]), (shear, columns.shear[0][other])
+                if make == makes[other] and all(_mirrored(maps, *pair) for pair in pairs):
+                    twin[k] = place
+                    kept[along], kept[shear] = False, False
+                    break
+            else:
+                twin[k] = len(first)
+                first.append(k)
+        return replace(self, twin=twin, points=self.points[first]), kept
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -129,7 +164,8 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
     than ROUNDING; what drives them counts by its largest effect, a force or a moment by the largest of its kind.
     """
     whole = np.concatenate([*maps.values()])
-    moment = places.wanted.moments
+    places, left = places.without_twins(np.vstack([whole, at_rest]))
+    whole, moment = whole[:, left], places.wanted.moments[left]
     size = np.where(moment, *(np.abs(whole[:, kind]).max(initial=0.0) for kind in (moment, ~moment)))
     scaled = whole / np.where(size > 0, size, 1.0)
     effect = np.abs(scaled).max(axis=1, initial=0.0)
@@ -142,10 +178,10 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
     spread *= size / size[kept, None]
     return Forces(
         places=places,
-        **{name: values[:, kept] for name, values in maps.items()},
+        **{name: values[:, left][:, kept] for name, values in maps.items()},
         moments=moment[kept],
         spread=spread,
-        at_rest=at_rest,
+        at_rest=at_rest[left],
     )
 
 
@@ -179,12 +215,22 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
         tops=len(tops),
         members=members,
         checked=tuple(m.name for m in checked),
+        twin=np.arange(len(checked)),
         points=np.array([m.elements + 1 for m in checked], int),
         grounded=grounded,
         foot=model.xyz[nodes],
         wanted=wanted,
         influence=influence(model, wanted),
     )
+
+
+def _mirrored(maps: np.ndarray, one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether what some columns (n, 3) give is what others do, each of the three but for its sign."""
+    if one.shape != other.shape:
+        return False
+    a, b = maps[:, one], maps[:, other]
+    apart = np.minimum(*(np.abs(a - sign * b).max(axis=(0, 1)) for sign in (1, -1)))
+    return bool(apart.max() <= SAME)
 
 
 def _ends(model: FrameModel, name: str) -> tuple[int, int]:

@@ -20,34 +20,51 @@ class Structure(NamedTuple):
 
 
 @fast_lean_kernel(forceinline=True)
-def drag(structure: Structure, water: np.ndarray, dp: np.ndarray, force: np.ndarray, flow: np.ndarray) -> float:
-    """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), added to force; power [W] on the frame.
+def drag(
+    structure: Structure, water: np.ndarray, dp: np.ndarray, force: np.ndarray, flow: np.ndarray, power: np.ndarray
+) -> None:
+    """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), at both stages of a step, added to force (2, nm).
 
-    water (nd, ns): particle velocity; flow (nd, ns) is left with the stations' drag [N]. Stations are
-    innermost, so that both products with the modal shapes run along memory.
+    water (2, nd, ns): particle velocity; flow (2, nd, ns) is left with the stations' drag [N], power (2,) with that
+    on the frame [W]. Stations are innermost, so that both products with the modal shapes run along memory, and each
+    shape is read once for both stages.
     """
     nm, nd, ns = structure.station.shape
     flow[:] = 0.0
-    for m in range(nm):
-        for d in range(nd):
+    for d in range(nd):
+        first, second = flow[0, d], flow[1, d]
+        for m in range(nm):
+            shape, rate, later = structure.station[m, d], dp[0, m], dp[1, m]
             for i in range(ns):
-                flow[d, i] += structure.station[m, d, i] * dp[m]
+                first[i] += shape[i] * rate
+                second[i] += shape[i] * later
+    for s in range(2):
+        power[s] = _relative_drag(structure.drag, water[s], flow[s])
+    for d in range(nd):
+        first, second = flow[0, d], flow[1, d]
+        for m in range(nm):
+            shape = structure.station[m, d]
+            total = later = 0.0
+            for i in range(ns):
+                total += shape[i] * first[i]
+                later += shape[i] * second[i]
+            force[0, m] += total
+            force[1, m] += later
+
+
+@fast_lean_kernel(forceinline=True)
+def _relative_drag(size: np.ndarray, water: np.ndarray, flow: np.ndarray) -> float:
+    """flow (nd, ns) <- drag [N] of water beside stations that move by it [m/s]; power [W] on these."""
     power = 0.0
-    for i in range(ns):
+    for i in range(size.size):
         square = 0.0
-        for d in range(nd):
+        for d in range(flow.shape[0]):
             square += (water[d, i] - flow[d, i]) ** 2
-        size = structure.drag[i] * np.sqrt(square)
-        for d in range(nd):
+        factor = size[i] * np.sqrt(square)
+        for d in range(flow.shape[0]):
             speed = flow[d, i]
-            flow[d, i] = size * (water[d, i] - speed)
+            flow[d, i] = factor * (water[d, i] - speed)
             power += flow[d, i] * speed
-    for m in range(nm):
-        total = 0.0
-        for d in range(nd):
-            for i in range(ns):
-                total += structure.station[m, d, i] * flow[d, i]
-        force[m] += total
     return power
 
 

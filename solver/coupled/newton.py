@@ -8,7 +8,7 @@ from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure
 from solver.coupled.scheme import AA, A
 from solver.coupled.stages import Stages
-from solver.kernels import inner_kernel, kernel, lean_kernel, part_kernel
+from solver.kernels import fast_lean_kernel, inner_kernel, kernel, lean_kernel, part_kernel
 from solver.multibody.joint_law import HELD, PTO_ZONE, STOP_ZONE, add_coupled_damping, axis_damping, tangent
 from solver.multibody.minimal import Bodies, Motion, mass_matrix, move, new_motion, project_active
 
@@ -67,21 +67,24 @@ def factorize(K: np.ndarray, pivot: np.ndarray) -> bool:
     return True
 
 
-@lean_kernel
+@fast_lean_kernel
 def substitute(K: np.ndarray, pivot: np.ndarray, b: np.ndarray) -> None:
-    """b (n,) <- K⁻¹ b with the factors of `factorize`."""
+    """b (n,) <- K⁻¹ b with the factors of `factorize`, along their rows."""
     n = K.shape[0]
     for k in range(n):
         best = pivot[k]
         if best != k:
             b[k], b[best] = b[best], b[k]
     for k in range(n):
-        for i in range(k + 1, n):
-            b[i] -= K[i, k] * b[k]
+        total = b[k]
+        for j in range(k):
+            total -= K[k, j] * b[j]
+        b[k] = total
     for k in range(n - 1, -1, -1):
+        total = b[k]
         for j in range(k + 1, n):
-            b[k] -= K[k, j] * b[j]
-        b[k] /= K[k, k]
+            total -= K[k, j] * b[j]
+        b[k] = total / K[k, k]
 
 
 @kernel

@@ -254,8 +254,8 @@ def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> N
     for s in range(2):
         copy(stage.z[s], stage.anchor[s])
         pressures(problem.bodies, stage.motion[s], drive.field[sample + s], room.pressure, stage.pressure[s])
-        water = drive.station[sample + s]
-        room.power[1 + s, FRAME_DRAG] = drag(problem.structure, water, stage.dp[s], stage.drag[s], room.flow[s])
+    water, power = drive.station[sample : sample + 2], room.power[1:, FRAME_DRAG]
+    drag(problem.structure, water, stage.dp, stage.drag, room.flow, power)
 
 
 @kernel(inline="always")

@@ -97,10 +97,11 @@ class System:
 
     def drag_at_rest(self, flow: np.ndarray) -> np.ndarray:
         """Modal drag (nm,) of water of velocity flow (nd, ns) at the stations, on the frame at rest."""
-        load = np.zeros(self.structure.omega.size)
+        load = np.zeros((2, self.structure.omega.size))
         if flow.any():
-            drag(self.structure, flow, np.zeros(load.size), load, np.empty(flow.shape))
-        return load
+            both = np.stack([flow, flow])
+            drag(self.structure, both, np.zeros(load.shape), load, np.empty(both.shape), np.empty(2))
+        return load[0]
 
     @property
     def histories(self) -> tuple[LoadHistory, ...]:

@@ -1,5 +1,6 @@
 """Fatigue of signed stress: rainflow of samples (ASTM E1049), Dirlik's ranges of a Gaussian process, Miner's sum."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from solver.record.sn_curves import MPA, curve
 from solver.scene import Fatigue
 
 HOUR = 3600.0  # [s]
+SAME = 1e-8  # of the largest stress: what histories on both sides of a plane of symmetry differ by
 NARROW = 1e-6  # of one: a process whose zero crossings and peaks are that nearly as many has Rayleigh's ranges
 
 
@@ -32,7 +34,8 @@ def turning_points(x: np.ndarray) -> np.ndarray:
 
 def ranges(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Ranges of samples (m,) by rainflow, and their counts: a half or one."""
-    cycles = np.array([(size, count) for size, _, count, _, _ in rainflow.extract_cycles(turning_points(x))])
+    points = turning_points(x).tolist()  # Python's numbers: the library reckons faster with them than with numpy's
+    cycles = np.array([(size, count) for size, _, count, _, _ in rainflow.extract_cycles(points)])
     size, count = cycles.reshape(-1, 2).T
     return size, count
 
@@ -42,9 +45,12 @@ def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: F
     line, shape = curve(how.curve, how.environment), stress.shape[1:]
     larger = line.thicker(thickness if how.thickness is None else np.full(thickness.shape, how.thickness))
     per_hour, equivalent, failed = np.full(shape, np.nan), np.full(shape, np.nan), []
-    for leg, fibre in np.ndindex(*shape):
-        x = stress[:, leg, fibre]
+    for (leg, fibre), twin in zip(np.ndindex(*shape), _twins(stress.reshape(len(stress), -1)), strict=True):
+        x, like = stress[:, leg, fibre], np.unravel_index(twin, shape)
         if np.isnan(x).all() and len(x):
+            continue
+        if like != (leg, fibre) and larger[like[0]] == larger[leg] and np.isfinite(per_hour[like]):
+            per_hour[leg, fibre], equivalent[leg, fibre] = per_hour[like], equivalent[like]
             continue
         try:
             if not (np.isfinite(x).all() and seconds > 0):
@@ -58,6 +64,21 @@ def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: F
         per_hour[leg, fibre] = count @ line.damage(hot * larger[leg]) / hours
         equivalent[leg, fibre] = (count @ hot**how.exponent / (how.cycles * hours)) ** (1 / how.exponent)
     return Damage(per_hour, equivalent, tuple(failed))
+
+
+def _twins(x: np.ndarray) -> Iterator[int]:
+    """Of each column of x (m, n) the first that it differs from by no more than rounding, maybe itself."""
+    size, some = np.abs(x).max(axis=0, initial=0.0), slice(None, None, len(x) // 16 + 1)
+    first: list[int] = []
+
+    def alike(i: int, j: int) -> bool:
+        return all(np.abs(x[rows, i] - x[rows, j]).max() <= SAME * size[j] for rows in (some, slice(None)))
+
+    for j in range(x.shape[1]):
+        found = next((i for i in first if alike(i, j)), j) if size[j] < np.inf else j
+        if found == j and size[j] < np.inf:
+            first.append(j)
+        yield found
 
 
 def of_lines(X: np.ndarray, omega: np.ndarray, thickness: np.ndarray, how: Fatigue) -> Damage:

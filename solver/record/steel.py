@@ -81,23 +81,22 @@ class Steel:
     def utilisation(self, along: np.ndarray, shear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Largest of each tube (m, nk): of axial force and bending at all its points, of shear and torsion at its ends.
 
-        along (m, np, 3): N, My, Mz; shear (m, nk, 2, 3): Vy, Vz, T.
+        along (m, np, 3): N, My, Mz; shear (m, no, 2, 3): Vy, Vz, T.
         """
-        of, points = self._resistance, self.places.points
+        of, points, twin = self._resistance, self.places.points, self.places.twin
         at_points = Resistance(*(np.repeat(values, points) for values in of))
         N, My, Mz = np.ascontiguousarray(np.moveaxis(along, -1, 0))
         Vy, Vz, T = np.moveaxis(shear, -1, 0)
         bent = utilisation(N, My, Mz, at_points)
         sheared = shear_utilisation(Vy, Vz, T, Resistance(*(values[:, None] for values in of)))
-        return np.maximum.reduceat(bent, np.cumsum(points) - points, axis=1), sheared.max(axis=-1)
+        largest = np.maximum.reduceat(bent, np.cumsum(points) - points, axis=1)
+        return largest[:, twin], sheared.max(axis=-1)[:, twin]
 
     @cached_property
     def _resistance(self) -> Resistance:
-        """Of each tube (nk,)."""
+        """Of each tube that is looked at (no,)."""
         frame = self.places.influence.model.frame
-        members = {m.name: m for m in frame.members}
-        tubes = [members[name] for name in self.places.checked]
-        each = [resistance(m, frame.buckling_length(m), self.material_factor) for m in tubes]
+        each = [resistance(m, frame.buckling_length(m), self.material_factor) for m in self.places.tubes]
         return Resistance(*map(np.array, zip(*each, strict=True)))
 
     @property

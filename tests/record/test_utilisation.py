@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from solver.coupled import support
+from solver.coupled.forces import Places
 from solver.coupled.system import blocks, prepare
 from solver.errors import InputError
 from solver.record.steel import Steel
@@ -13,8 +15,8 @@ from solver.run import simulate
 from solver.scene import Platform, Scene, Settings, Utilisation, Water
 from solver.structure import tubular
 from solver.structure.beam import solid_rectangle, tube
-from solver.structure.frame import Frame, Material, Member, PointLoad
-from tests.awkward import bare_legs
+from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
+from tests.awkward import bare_legs, scene
 
 FY, E = 355e6, 2.1e11
 STEEL = Material(E=E, G=8.08e10, density=7850.0, yield_strength=FY)
@@ -179,6 +181,44 @@ def test_tubes_are_utilised_by_their_section_forces():
         assert np.ptp(expected) > 0
         borne = steel.places.split(y)
         assert borne.along[:, 2 * row : 2 * row + 2] == approx(np.stack([N, My, Mz], axis=-1), rel=1e-9, abs=1e-6)
+
+
+def raking(factor=1.0):
+    """Two legs that lean to each other across y = 0 and one in that plane, in waves from ahead."""
+    nodes = {"deck": (0.0, 0.0, 3.0), "a": (-4.0, -3.0, -25.0), "b": (-4.0, 3.0, -25.0), "c": (5.0, 0.0, -20.0)}
+    legs = [
+        member(name=f"leg {foot}", start=foot, end="deck", elements=2, drag_coefficient=1.0, inertia_coefficient=2.0)
+        for foot in "abc"
+    ]
+    legs[1] = replace(legs[1], moment_factor=factor)
+    frame = Frame(
+        nodes=nodes, members=tuple(legs), clamped=("a", "b", "c"), masses=(PointMass(node="deck", mass=3e4),),
+        loads=(PointLoad(node="deck", force=(2e4, 0.0, -9e5)),),
+    )  # fmt: skip
+    platform = Platform(frame=frame, legs=("leg a", "leg b", "leg c"))
+    return scene([], depth=25.0, platform=platform, outputs=("utilisation",), time_step=0.1, duration=60.0)
+
+
+def test_mirrored_tubes_are_looked_at_once(monkeypatch):
+    """Where all is symmetric, with the same answer as one by one; not those checked in other ways, nor unequal ones."""
+    item, names = raking(), ("utilisation", "shear_utilisation")
+    assert item.planar
+    places = prepare(item, None).support.forces.places
+    assert places.twin.tolist() == [0, 0, 1] and places.points.tolist() == [3, 3]
+    once = simulate(item).variables
+    assert prepare(raking(0.7), None).support.forces.places.twin.tolist() == [0, 1, 2]
+    steel = replace(STEEL, G=8.33e10)
+    legs = bare_legs()[0]
+    frame = replace(legs.platform.frame, members=tuple(replace(m, material=steel) for m in legs.platform.frame.members))
+    legs = replace(legs, platform=replace(legs.platform, frame=frame), settings=item.settings)
+    assert prepare(legs, None).support.forces.places.twin.tolist() == [0, 1, 2]
+    support._reduced.cache_clear()
+    monkeypatch.setattr(Places, "without_twins", lambda self, maps: (self, np.ones(maps.shape[1], bool)))
+    each = simulate(item).variables
+    support._reduced.cache_clear()
+    for name in names:
+        assert once[name][1] == approx(each[name][1], rel=1e-7) and np.ptp(each[name][1][0]) > 1e-3
+        assert each[name][1][2] != approx(each[name][1][0], rel=1e-3)
 
 
 def test_a_stub_is_utilised_by_its_shear_and_a_crank_by_its_torsion():
