@@ -30,6 +30,12 @@ settings.register_profile("same", UNTIMED, derandomize=True)
 settings.register_profile("random", UNTIMED)
 settings.load_profile("same")
 
+BEGIN = (  # with which each of three workers begins
+    ("tests/pipeline/study/", "tests/pipeline/tasks/", "tests/pipeline/report/"),
+    ("tests/coupled/",),
+    ("tests/hydrodynamics/bem/",),
+)
+
 HULL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
 WATER = Water(depth=50.0)
 DISPLACED = 1025 * 2 / 3 * np.pi  # of the hemisphere [kg]
@@ -60,9 +66,20 @@ def pytest_addoption(parser):
 def pytest_collection_modifyitems(config, items):
     """No test may lean on another one: any order is as good, and fixtures of a file are still made once.
 
-    Workers begin with a part each: the pipeline's first, so that the kernels are compiled in the others meanwhile.
+    Three workers begin with a third each: one of these with what compiles the time loop, the others with what needs
+    none, and would wait for it.
     """
-    items.sort(key=lambda item: "pipeline" not in item.path.parts)
+    begin: list[list] = [[] for _ in BEGIN]
+    others = []
+    for item in items:
+        path = item.path.as_posix()
+        next(
+            (part for part, folders in zip(begin, BEGIN, strict=True) if any(f in path for f in folders)), others
+        ).append(item)
+    third = -(-len(items) // len(begin))
+    for part in begin:
+        part += [others.pop(0) for _ in range(min(len(others), third - len(part)))]
+    items[:] = [item for part in (*begin, others) for item in part]
     if (seed := config.getoption("shuffle")) is not None:
         dice, files = random.Random(seed), {}
         for item in items:

@@ -33,7 +33,7 @@ class Steel:
 
     def __init__(self, forces: Forces, settings: Settings):
         self.forces, self.places, self.outputs, self.fatigue = forces, forces.places, settings.outputs, settings.fatigue
-        self.feet = forces.places.feet
+        self.feet, self.extreme, self.stress = forces.places.feet, forces.places.feet.extreme, forces.places.feet.stress
         self.material_factor = settings.utilisation.material_factor
 
     @property
@@ -44,11 +44,11 @@ class Steel:
 
     def compression(self, y: np.ndarray) -> np.ndarray:
         """N/A, c My/Iy, c Mz/Iz at the legs' feet, (m, nl, 3)."""
-        return self.places.split(y).feet * self.feet.extreme
+        return self.places.split(y).feet * self.extreme
 
     def fibres(self, bent: np.ndarray) -> np.ndarray:
         """Signed stress (m, nl, nf), tension positive, of N, My, Mz at an end of the legs (m, nl, 3)."""
-        return np.einsum("mlf,lfp->mlp", bent, self.feet.stress)
+        return (bent.swapaxes(0, 1) @ self.stress).swapaxes(0, 1)
 
     def ends(self, y: np.ndarray) -> dict[str, np.ndarray]:
         """N, My, Mz (m, nl, 3) at the ends of the legs where fibres are looked at, by what outputs there end in."""

@@ -162,7 +162,8 @@ def test_forces_of_few_are_the_forces_of_all():
     mix = rng.normal(size=(7, 40)) * np.where(wanted.moments, 1e3, 1.0)
     units = {"waves": 1e2, "inertia": 1e4, "damping": 1e7, "carried": 1.0, "drag": 1e-3, "applied": 1.0}
     maps = {name: unit * rng.normal(size=(5, 7)) @ mix for name, unit in units.items()}
-    few = forces.reduced(Places(wanted=wanted), np.zeros(40), **maps)
+    places = Places(wanted=wanted, without_twins=lambda maps: (places, np.ones(maps.shape[1], bool)))
+    few = forces.reduced(places, np.zeros(40), **maps)
     assert few.spread.shape == (7, 40)
     for name, values in maps.items():
         assert getattr(few, name) @ few.spread == approx(values, abs=1e-12 * np.abs(values).max())

@@ -26,7 +26,7 @@ WATER = {"depth": 20.0, "density": 1025.0, "gravity": 9.81, "heading": 0.3}
 @cache
 def ours():
     """Of two unlike floats, in all motions."""
-    omega = np.linspace(0.6, 6.6, 21)
+    omega = np.linspace(0.6, 6.6, 17)
     return solve(HULLS, CENTRES, **WATER, omega=omega, planar=False, panels=108)
 
 
@@ -135,10 +135,10 @@ def shuffled(h):
 
 def test_a_heave_plate_is_known_by_the_water_that_it_accelerates():
     plate = Revolution.profile([[3.0, -6.0], [3.0, -5.4], [0.6, -5.4], [0.6, 1.0]])
-    omega = np.linspace(0.4, 4.4, 21)
+    omega = np.linspace(0.4, 4.4, 11)
     h = solve((plate,), np.zeros((1, 3)), **WATER, omega=omega, planar=False, panels=108)
     whole = h.diffraction + h.froude_krylov
-    assert np.sum(whole[:4, 2] * h.froude_krylov[:4, 2].conj()).real < 0  # against its Froude-Krylov force
+    assert np.sum(whole[:2, 2] * h.froude_krylov[:2, 2].conj()).real < 0  # against its Froude-Krylov force
     same(taken(told(h), (plate,), np.zeros((1, 3)), ("spar",)), h)
     backwards = told(h, excitation=whole[:, None].conj())
     refused(backwards, match="other sign of time", hulls=(plate,), centres=np.zeros((1, 3)), names=("spar",))
