@@ -419,7 +419,7 @@ def _check_same(scene: Scene, h: Hydrodynamics) -> None:
     for key, (value, limit) in pairs.items():
         if value != limit:
             raise InputError(key, value, f"must be {limit:g}, that of the coefficients")
-    if not np.allclose(places, h.centres, rtol=0, atol=1e-6):
+    if not np.abs(places - h.centres).max(initial=0.0) <= 1e-6:
         raise InputError("floats", places.tolist(), f"must be where the coefficients' floats are, {h.centres.tolist()}")
     if len(places) > 1 and scene.settings.interaction != h.interacting:
         said = f"must be {str(h.interacting).lower()}, as of the coefficients"

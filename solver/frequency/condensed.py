@@ -29,8 +29,12 @@ class Condensed:
         self.S, self.T = model.shape[:, self.stiff], model.shape[:, ~self.stiff]
         flexibility = 1 / d[:, stiff]
         (ns, nz), nw = (int(stiff.sum()), len(self.S)), len(omega)
-        followed = (flexibility @ (self.S[:, None] * self.S).reshape(nz * nz, ns).T).reshape(nw, nz, nz)
-        self.load = np.linalg.solve(np.eye(nz) + L @ followed, L)
+        carriers = self.S[: nz - (len(model.mass) - nm)]  # which alone the modes move
+        nc = len(carriers)
+        followed = (flexibility @ (carriers[:, None] * carriers).reshape(nc * nc, ns).T).reshape(nw, nc, nc)
+        given, self.load = L[:, :, :nc] @ followed, L.copy()
+        self.load[:, :nc] = np.linalg.solve(np.eye(nc) + given[:, :nc], L[:, :nc])
+        self.load[:, nc:] -= given[:, nc:] @ self.load[:, :nc]
         self.Z = self.T.T @ (self.load.reshape(nw * nz, nz) @ self.T).reshape(nw, nz, self.T.shape[1])
         soft = range(nm - ns)
         self.Z[:, soft, soft] += d[:, ~stiff]

@@ -257,6 +257,19 @@ def test_quadratic_damping_of_a_joint_is_the_marchs():
     assert table == approx(exact, rel=0.03)
 
 
+def test_what_a_mesh_does_is_what_it_does_to_the_damped_motion():
+    """Quadratic damping counts in it, as the linear one that it is like."""
+    item, h = SCENES["duck"]()
+    (body,), quadratic = item.floats, 3e6
+    bent = replace(item, floats=(replace(body, quadratic_damping=quadratic),))
+    lines = respond(linear(bent, method="frequency"), h)
+    rate = np.sqrt(0.5 * np.sum(np.abs(lines.omega * lines.Z[:, 0]) ** 2))
+    alike = replace(item, floats=(replace(body, damping=quadratic * np.sqrt(8 / np.pi) * rate),))
+    told, exact, without = (frequency(one, h).attrs["mesh_effect"] for one in (bent, alike, item))
+    assert told == approx(exact, rel=1e-3)
+    assert abs(without / exact - 1) > 0.1
+
+
 @pytest.mark.parametrize("law", [{"coulomb": 500.0}, {"pto_damping": 1.2e5, "force_limit": 700.0}])
 def test_a_bent_power_take_off_takes_the_marchs_power(law):
     """Statistically linearised: as much power from a Gaussian rate; the rate of a bent one is not quite Gaussian."""
