@@ -3,6 +3,7 @@
 depth: Annotated[float, Quantity("m", above=0), "Depth of the water"]
 """
 
+import math
 import operator
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,6 +13,11 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from solver.errors import InputError, refuse
+
+BOUNDS = (
+    ("above", ">", operator.gt), ("least", ">=", operator.ge),
+    ("below", "<", operator.lt), ("most", "<=", operator.le),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,14 +33,12 @@ class Quantity:
 
     def limit(self, values: Any) -> str:
         """The limit that numbers outside the range break, as text; empty if all are inside."""
-        bounds = {
-            ">": (self.above, operator.gt), ">=": (self.least, operator.ge),
-            "<": (self.below, operator.lt), "<=": (self.most, operator.le),
-        }  # fmt: skip
-        for sign, (bound, holds) in bounds.items():
+        for name, sign, holds in BOUNDS:
+            bound = getattr(self, name)
             if bound is not None and not _all(holds(values, bound)):
                 return f"must be {sign} {bound:g} {self.unit}".removesuffix(" -")
-        if not (_all(np.isfinite(values)) or (self.infinite and not np.any(np.isnan(values)))):
+        finite = np.isfinite(values).all() if isinstance(values, np.ndarray) else math.isfinite(values)
+        if not (finite or (self.infinite and not np.any(np.isnan(values)))):
             return f"must be finite {self.unit}".removesuffix(" -")
         return ""
 

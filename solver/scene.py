@@ -644,7 +644,7 @@ class Scene:
         for f in self.floats:
             for name in (*jumping, "force_limit", "end_stops"):
                 value = "given" if name == "end_stops" else getattr(f, name)
-                if f.end_stops is None if name == "end_stops" else not np.any(f.per_axis(name) != STARTS[name]):
+                if f.end_stops is None if name == "end_stops" else not np.any(np.not_equal(value, STARTS[name])):
                     continue
                 if s.method == "frequency" and name in ("end_stops", "one_way", "latch_load", "declutch_load"):
                     yield InputError(f"floats.{f.name}.{name}", value, 'needs method = "time": it is not linear')

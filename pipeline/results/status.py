@@ -69,12 +69,15 @@ class Status(_Shape):
         return self
 
 
+MISSING = Status()
+
+
 def read_status(path: Path) -> Status:
     """The content of a status.json; that of a missing task if it is absent, damaged or of another shape."""
     try:
         return Status.model_validate_json(path.read_bytes())
     except (OSError, ValueError):
-        return Status()
+        return MISSING
 
 
 def read_json(path: Path) -> dict[str, Any] | None:

@@ -126,16 +126,18 @@ def wave_seed(parameters: Parameters) -> tuple[int, ...]:
 
     Not the task: an elastic and a fixed platform meet the same waves.
     """
+    words = _sea_words(Same(parameters.sea_state), Same(parameters.waves))
+    return parameters.waves.base_seed, *words, parameters.seed
+
+
+@lru_cache(maxsize=128)  # one for tasks that share it
+def _sea_words(sea_state: Same[SeaState], waves: Same[Waves]) -> tuple[int, ...]:
     sea = {
-        "sea_state": parameters.sea_state.model_dump(mode="json", exclude_defaults=True),
-        "waves": parameters.waves.model_dump(mode="json", exclude_defaults=True, exclude={"base_seed", "heading"}),
+        "sea_state": sea_state.table.model_dump(mode="json", exclude_defaults=True),
+        "waves": waves.table.model_dump(mode="json", exclude_defaults=True, exclude={"base_seed", "heading"}),
     }
     words = hashlib.sha256(canonical(sea).encode()).digest()
-    return (
-        parameters.waves.base_seed,
-        *(int.from_bytes(words[i : i + 4], "little") for i in range(0, 16, 4)),
-        parameters.seed,
-    )
+    return tuple(int.from_bytes(words[i : i + 4], "little") for i in range(0, 16, 4))
 
 
 def axes(study: StudyFile) -> dict[str, tuple[Label, ...]]:
@@ -227,7 +229,8 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     sea = study.sea_states[str(labels["sea_state"])]
     if study.survival and seas.labels(sea).get("Hs", 0.0) > study.survival.Hs:
         study = surviving(Same(study))
-    floats = _floats(study, labels)
+    spacing = float(labels["hinge_spacing"]) if study.axes.hinge_spacing else None
+    floats = _floats(Same(study), spacing, labels["pto_damping"] if study.axes.pto_damping else None)
     platform = None
     if study.platform and labels["platform"] != "fixed":
         platform = _with_hinges(Same(study.platform), tuple(hinge_nodes(floats).items()))
@@ -262,13 +265,14 @@ def _with_hinges(same: Same[Platform], hinges: tuple[tuple[str, Vector], ...]) -
     return same.table.model_copy(update={"nodes": {**same.table.nodes, **dict(hinges)}})
 
 
-def _floats(study: StudyFile, labels: Mapping[str, Label]) -> tuple[Float, ...]:
-    floats = study.floats
-    if study.axes.hinge_spacing:
-        floats = spaced(floats, float(labels["hinge_spacing"]))
-    if study.axes.pto_damping:
-        damping = {"pto_damping": labels["pto_damping"]}
-        floats = tuple(f.model_copy(update=damping) if f.motion else f for f in floats)
+@lru_cache(maxsize=128)  # one for tasks that share it
+def _floats(same: Same[StudyFile], spacing: float | None, damping: Label | None) -> tuple[Float, ...]:
+    """With the hinges so far apart and that damping, where these vary."""
+    floats = same.table.floats
+    if spacing is not None:
+        floats = spaced(floats, spacing)
+    if damping is not None:
+        floats = tuple(f.model_copy(update={"pto_damping": damping}) if f.motion else f for f in floats)
     return floats
 
 

@@ -302,7 +302,7 @@ def _rows(
     ]
     ends = np.cumsum([0] + [len(p) for p in parts])
     columns = [slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
-    return shared(np.concatenate(parts).astype(complex)), Layout(*columns)
+    return shared(np.concatenate(parts, dtype=complex)), Layout(*columns)
 
 
 def _excitation(

@@ -46,8 +46,9 @@ class _Curve(NamedTuple):
         away = np.log(field.k)[:, None] - self.nodes
         share = weight / np.where(away == 0, np.finfo(float).tiny ** 0.1, away)
         share /= share.sum(axis=1, keepdims=True)
-        rows: np.ndarray = (real_by_complex(share, self.values) * field.sea.amplitude[:, None]).T
-        return rows
+        rows = real_by_complex(share, self.values)
+        rows *= field.sea.amplitude[:, None]
+        return rows.T
 
 
 @lru_cache(maxsize=KNOWN)

@@ -21,6 +21,7 @@ from functools import lru_cache
 import numpy as np
 
 from solver.coupled.equilibrium import symmetric_stiffness
+from solver.coupled.support import real_by_complex
 from solver.coupled.system import Resting, System, known_differences
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody.minimal import Bodies, move, new_motion
@@ -78,10 +79,12 @@ class LinearModel:
 
         active: which of the six motions of a float radiate.
         """
-        w, total = omega[:, None], pushed.copy()
-        radiated = Y @ (-1j * w * (X @ self.active.T))[..., None]
+        (_, nb, _, n), rate, total = self.wrench.shape, -1j * omega, pushed.copy()
+        parts = real_by_complex(np.concatenate([self.wrench.reshape(-1, n), self.active]), X.T)
+        held, damped, pulled = parts[: 18 * nb].reshape(3, nb, 6, omega.size)
+        radiated = Y @ (rate * parts[18 * nb :]).T[..., None]
         total[..., active] -= radiated.reshape(total[..., active].shape)
-        return total + sum(np.tensordot((-1j * w) ** k * X, part, axes=(1, 2)) for k, part in enumerate(self.wrench))
+        return total + np.moveaxis(held + rate * (damped + rate * pulled), -1, 0)
 
     def of_modes(self, omega: np.ndarray) -> np.ndarray:
         """ω_m² - 2iζω_mω - ω² (nw, nm)."""

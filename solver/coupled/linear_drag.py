@@ -27,30 +27,31 @@ def of_gaussian(S: np.ndarray) -> np.ndarray:
     With variances a ≥ b in that plane, m = 1 - b/a, and complete elliptic integrals E(m), K(m): mean speed
     √(2a/π) E, and ⟨u₁²/|u|⟩ = √(2a/π) (E - (b/a) K)/m; the other direction has the rest of the mean speed.
     """
-    a, b, first, second = _principal(S)
+    a, b, plane, axes = _principal(S)
     ratio = np.divide(b, a, out=np.ones(a.shape), where=a > 0)
-    m = np.maximum(1 - ratio, ROUND)
-    speed = np.sqrt(2 * a / np.pi) * ellipe(m)
-    less = ratio * np.where(ratio > 0, ellipkm1(np.maximum(1 - m, np.finfo(float).tiny)), 0.0)
-    along = np.where(1 - ratio > ROUND, np.sqrt(2 * a / np.pi) * (ellipe(m) - less) / m, speed / 2)
-    parts = (speed, np.eye(S.shape[-1])), (along, first), (speed - along, second)
-    return np.sum([size[..., None, None] * way for size, way in parts], axis=0)
+    m, scale = np.maximum(1 - ratio, ROUND), np.sqrt(2 * a / np.pi)
+    mean = ellipe(m)
+    less = ratio * ellipkm1(np.maximum(1 - m, np.finfo(float).tiny))
+    along = np.where(1 - ratio > ROUND, (mean - less) / m, mean / 2)
+    uneven = scale * (along - mean / 2)
+    return (scale * mean)[..., None, None] * (np.eye(S.shape[-1]) + plane / 2) + uneven[..., None, None] * axes
 
 
 def _principal(S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """The two largest variances (…), and the projections (…, d, d) on their axes; of one direction the other is 0."""
+    """The two largest variances (…), of one direction the other is 0; sum and difference of the projections (…, d, d)
+    on their axes.
+    """
     d = S.shape[-1]
     if d == 2:
         half, middle = (S[..., 0, 0] - S[..., 1, 1]) / 2, (S[..., 0, 0] + S[..., 1, 1]) / 2
-        size = np.hypot(half, S[..., 0, 1])
-        turned = np.stack([half, S[..., 0, 1], S[..., 0, 1], -half], axis=-1).reshape(S.shape)
+        size, turned = np.hypot(half, S[..., 0, 1]), S - middle[..., None, None] * np.eye(2)
         turned = np.divide(turned, size[..., None, None], out=np.zeros(S.shape), where=size[..., None, None] > 0)
-        first = (np.eye(2) + turned) / 2
-        return (middle + size).clip(min=0.0), (middle - size).clip(min=0.0), first, np.eye(2) - first
+        return middle + size, (middle - size).clip(min=0.0), np.eye(2), turned
     value, axis = np.linalg.eigh(S)
     first, second = (axis[..., i, None] * axis[..., None, :, i] for i in (-1, -min(d, 2)))
-    b = value[..., -2].clip(min=0.0) if d > 1 else np.zeros(value.shape[:-1])
-    return value[..., -1].clip(min=0.0), b, first, second if d > 1 else np.zeros(S.shape)
+    if d == 1:
+        return value[..., -1].clip(min=0.0), np.zeros(value.shape[:-1]), first, first
+    return value[..., -1].clip(min=0.0), value[..., -2].clip(min=0.0), first + second, first - second
 
 
 def in_stream(U: np.ndarray, S: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -107,29 +108,34 @@ def _over_a_period(U: np.ndarray) -> np.ndarray:
 
 def of_lines(u: np.ndarray) -> np.ndarray:
     """K (n, d, d) of velocities of lines (nw, d, n): of one harmonic, or of a Gaussian process."""
-    return of_parts(np.concatenate([u.real, u.imag]))
+    return of_parts(parts(u))
+
+
+def parts(u: np.ndarray) -> np.ndarray:
+    """Real and imaginary parts (d, n, 2 nw) of lines (nw, d, n), side by side."""
+    return np.ascontiguousarray(np.moveaxis(u, 0, -1)).view(float)
 
 
 def of_parts(u: np.ndarray) -> np.ndarray:
-    """The same of lines as their real parts above their imaginary ones (2 nw, d, n)."""
-    if len(u) == 2:
-        return of_harmonic((u[0] + 1j * u[1]).T)
+    """The same of lines as their parts (d, n, 2 nw)."""
+    if u.shape[-1] == 2:
+        return of_harmonic(u.view(complex)[..., 0].T)
     return of_gaussian(_covariance(u))
 
 
 def of_parts_in(stream: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """F (n, d) and K (n, d, d) of a current (d, n) and lines as in of_parts (2 nw, d, n)."""
-    if len(u) == 2:
-        return harmonic_in_stream(stream.T, (u[0] + 1j * u[1]).T)
+    """F (n, d) and K (n, d, d) of a current (d, n) and lines as in of_parts (d, n, 2 nw)."""
+    if u.shape[-1] == 2:
+        return harmonic_in_stream(stream.T, u.view(complex)[..., 0].T)
     return in_stream(stream.T, _covariance(u))
 
 
 def _covariance(u: np.ndarray) -> np.ndarray:
-    """(n, d, d) of lines as in of_parts (2 nw, d, n)."""
-    d, n = u.shape[1:]
+    """(n, d, d) of lines as in of_parts (d, n, 2 nw)."""
+    d, n = u.shape[:2]
     S = np.empty((n, d, d))
     for i, j in np.ndindex(d, d):
-        S[:, i, j] = S[:, j, i] if j < i else 0.5 * np.einsum("ws,ws->s", u[:, i], u[:, j])
+        S[:, i, j] = S[:, j, i] if j < i else 0.5 * np.einsum("sw,sw->s", u[i], u[j])
     return S
 
 

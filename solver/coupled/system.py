@@ -42,7 +42,7 @@ from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.bem.mean_hull import motion_lengths
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.radiation import memory as radiation
-from solver.keys import Bits, shared
+from solver.keys import Bits, Same, shared
 from solver.limits import slides
 from solver.multibody import joint_law
 from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
@@ -82,11 +82,13 @@ class System:
     @cached_property
     def equilibrium(self) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates z (nz,) and modal amplitudes p (nm,) at rest without waves, under the loads of the start."""
-        stride = 0.1 * min(1.0, *(f.hull.size for f in self.scene.floats), 1.0)
-        frame, law = self.structure, joint_law.at_rest(self.bodies.law)
-        bodies = self.bodies._replace(law=law)
-        z, p = _equilibrium(Bits((bodies, frame.omega, frame.carrier, self._steady())), stride)
+        _, z, p = self._at_rest
         return z.copy(), p.copy()  # kernels are compiled once more for arrays that nobody may write to
+
+    @cached_property
+    def _at_rest(self) -> tuple[Resting, np.ndarray, np.ndarray]:
+        stride = 0.1 * min(1.0, *(f.hull.size for f in self.scene.floats), 1.0)
+        return _at_rest(Same(self.bodies), Same(self.structure), Bits(self._steady()), stride)
 
     def _steady(self) -> np.ndarray:
         """Modal loads (nm,) of the current and of the load histories' start on the frame at rest."""
@@ -120,10 +122,10 @@ class System:
                 out[:, at.forces] = force @ support.forces.applied
         return out
 
-    @cached_property
+    @property
     def resting(self) -> Resting:
         """Equal for all scenes that move alike in still water, about the same equilibrium."""
-        return Bits((self.bodies, self.structure, self.equilibrium[0]))
+        return self._at_rest[0]
 
     @cached_property
     def differences(self) -> Differences:
@@ -153,7 +155,7 @@ class System:
         scene = replace(self.scene, settings=replace(self.scene.settings, time_step=dt))
         memory = assembly.memory(self.fit, dt, self.bodies.added_mass.shape[0])
         other = replace(self, scene=scene, dt=dt, memory=memory)
-        kept = ("equilibrium", "resting", "differences", "factored")
+        kept = ("equilibrium", "_at_rest", "differences", "factored")
         vars(other).update({name: value for name, value in vars(self).items() if name in kept})
         return other
 
@@ -293,6 +295,17 @@ def loads_at_rest(scene: Resting) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=KNOWN)
+def _at_rest(
+    bodies: Same[Bodies], structure: Same[Structure], steady: Bits[np.ndarray], stride: float
+) -> tuple[Resting, np.ndarray, np.ndarray]:
+    """What stands for a scene at rest, and its equilibrium; scenes that differ in their seas alone have one object."""
+    frame = structure.value
+    still = bodies.value._replace(law=joint_law.at_rest(bodies.value.law))
+    z, p = _equilibrium(Bits((still, frame.omega, frame.carrier, steady.value)), stride)
+    return Bits((bodies.value, frame, z.copy())), z, p
+
+
+@lru_cache(maxsize=KNOWN)
 def _equilibrium(
     scene: Bits[tuple[Bodies, np.ndarray, np.ndarray, np.ndarray]], stride: float
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -407,7 +420,7 @@ def _check_same(scene: Scene, h: Hydrodynamics) -> None:
     for key, (value, limit) in pairs.items():
         if value != limit:
             raise InputError(key, value, f"must be {limit:g}, that of the coefficients")
-    if not np.allclose(places, h.centres, rtol=0, atol=1e-6):
+    if not np.abs(places - h.centres).max(initial=0.0) <= 1e-6:
         raise InputError("floats", places.tolist(), f"must be where the coefficients' floats are, {h.centres.tolist()}")
     if len(places) > 1 and scene.settings.interaction != h.interacting:
         said = f"must be {str(h.interacting).lower()}, as of the coefficients"

@@ -16,7 +16,7 @@ from solver.frequency.stations import Stations
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits
 from solver.multibody.joint_law import DAMPERS, JointLaw, damped, dampers
-from solver.record.audit import force_of_waves, response_error
+from solver.record.audit import force_of_waves
 from solver.record.recorder import Channels
 from solver.scene import Float, Scene
 
@@ -104,7 +104,7 @@ class Case:
     @cached_property
     def rows(self) -> np.ndarray:
         """All that the waves drive (m, nw)."""
-        return self.system.rows[:, self.met]
+        return self.system.rows if self.met.all() else self.system.rows[:, self.met]
 
     @cached_property
     def impedance(self) -> np.ndarray:
@@ -121,15 +121,15 @@ class Case:
 
     @cached_property
     def force(self) -> np.ndarray:
-        """F (nw, n) of the waves, without drag."""
+        """F (n, nw) of the waves, without drag."""
         radiating = self.excitation[..., self.system.bodies.active].reshape(self.omega.size, len(self.model.active))
-        return wave_force(self.model, radiating, self.rows[self.system.layout.modal])
+        return np.ascontiguousarray(wave_force(self.model, radiating, self.rows[self.system.layout.modal]).T)
 
     @cached_property
     def stations(self) -> Stations:
         """Where the frame has drag."""
         stream = self.system.support.stream if self.system.support else None
-        return Stations(self.system.structure, self.rows[self.system.layout.station].T, stream)
+        return Stations(self.system.structure, self.rows[self.system.layout.station], stream)
 
     @property
     def of_drag(self) -> np.ndarray:
@@ -143,31 +143,36 @@ class Case:
         """(nm, nc) from loads on the modes to those on the carriers that make them."""
         return _inverse(Bits(self.system.structure.carrier))
 
+    def drag(self, rate: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """K, and what it does to the modes (see Stations), where they move at rates (nm, nw), if they do."""
+        if not self.stations.size:
+            nm = self.system.structure.omega.size
+            return np.zeros((0, 0, 0)), np.zeros((nm, nm)), np.zeros((nm, self.omega.size), complex)
+        K = self.stations.equivalent(rate)
+        return K, *self.stations.acting(K, self.system.structure.station)
+
     @cached_property
     def drag_at_rest(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """K, and what it does to the modes (see Stations), where the frame does not move."""
-        K = self.stations.equivalent(np.zeros((self.omega.size, self.system.structure.omega.size)))
-        return K, *self.stations.acting(K, self.system.structure.station)
+        """The same where the frame does not move."""
+        return self.drag(None)
 
     @cached_property
     def equation(self) -> Condensed:
         """Without dampers."""
-        nm = self.system.structure.omega.size
-        drag = self.drag_at_rest[1] if self.stations.size else np.zeros((nm, nm))
-        return Condensed(self.model, self.omega, self.impedance, drag)
+        return self._equation(self.impedance)
+
+    def _equation(self, Y: np.ndarray) -> Condensed:
+        """With a radiation impedance (nw, na, na)."""
+        return Condensed(self.model, self.omega, Y, self.drag_at_rest[1])
 
     @cached_property
-    def meshes(self) -> tuple[Condensed, np.ndarray] | None:
-        """Equation and forces (2 nw, n), without drag: by the coefficients, then by those off by their estimated error.
-
-        None where the coefficients have none.
-        """
+    def shifted(self) -> tuple[Condensed, np.ndarray] | None:
+        """Equation and forces (n, nw), without drag, by coefficients off by their estimated error; None without one."""
         h, system = self.hydrodynamics, self.system
         if h is None or h.shifted is h:
             return None
-        Y = np.concatenate([impedance(system, known, self.omega) for known in (h, h.shifted)])
-        force = np.concatenate([force_of_waves(system, known)[self.met] for known in (h, h.shifted)])
-        return Condensed(self.model, np.tile(self.omega, 2), Y), force
+        force = force_of_waves(system, h.shifted)[self.met]
+        return self._equation(impedance(system, h.shifted, self.omega)), np.ascontiguousarray(force.T)
 
     @property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:
@@ -184,22 +189,11 @@ class Case:
         """(nj,) of the law's dampers, which the model does not have."""
         return (dampers(law) - dampers(self.system.bodies.law))[self.system.structure.carrier.shape[0] :]
 
-    def added_damping(self, law: JointLaw) -> np.ndarray:
-        """D (n, n) of the law's dampers."""
-        return np.diag(np.concatenate([np.zeros(self.system.structure.omega.size), self.linear_damping(law)]))
-
     def damped_model(self, law: JointLaw) -> LinearModel:
         """With the law's dampers."""
-        return replace(self.model, damping=self.model.damping + self.added_damping(law))
-
-    def mesh_effect(self, law: JointLaw) -> float:
-        """See audit.coefficient_effects; with the law's dampers."""
-        if self.meshes is None:
-            return 0.0
-        equation, force = self.meshes
-        X = equation.response(force, self.added_damping(law), np.zeros(force.shape, complex))
-        exact, shifted = np.split(X, 2)
-        return response_error(self.system, law, self.omega, shifted, exact)
+        modes = np.zeros(self.system.structure.omega.size)
+        added = np.diag(np.concatenate([modes, self.linear_damping(law)]))
+        return replace(self.model, damping=self.model.damping + added)
 
 
 @lru_cache(maxsize=KNOWN)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from solver.coupled.linear import LinearModel
+from solver.coupled.support import real_by_complex
 
 STIFF = 2.0  # times the fastest wave's frequency: modes above may follow
 WEAK = 0.05  # share that drag has, at most, in what holds all of them together
@@ -18,27 +19,29 @@ class Condensed:
     Stiff modes follow: drag on them, and by them, is that of the last known rates, weak beside d_t. Without it all do.
     """
 
-    def __init__(self, model: LinearModel, omega: np.ndarray, Y: np.ndarray, drag: np.ndarray | None = None):
-        """Y (nw, na, na): radiation impedance; drag (nm, nm): damping of the modes, if there is any."""
+    def __init__(self, model: LinearModel, omega: np.ndarray, Y: np.ndarray, drag: np.ndarray):
+        """Y (nw, na, na): radiation impedance; drag (nm, nm): damping of the modes."""
         nm, d, L = model.modes.shape[1], model.of_modes(omega), model.of_floats(omega, Y)
-        if drag is None and np.all(model.modes[1] > 0):
-            stiff = np.ones(nm, bool)
-        else:
-            stiff = _stiff(model.modes[0], omega.max(), np.zeros((nm, nm)) if drag is None else drag)
+        stiff = _stiff(model.modes[0], omega.max(), drag)
         self.omega = omega
         self.stiff = np.concatenate([stiff, np.zeros(len(model.mass) - nm, bool)])
         self.kept = np.ix_(~self.stiff, ~self.stiff)
         self.S, self.T = model.shape[:, self.stiff], model.shape[:, ~self.stiff]
-        self.flexibility = 1 / d[:, stiff]
+        flexibility = 1 / d[:, stiff]
         (ns, nz), nw = (int(stiff.sum()), len(self.S)), len(omega)
-        followed = (self.flexibility @ (self.S[:, None] * self.S).reshape(nz * nz, ns).T).reshape(nw, nz, nz)
-        self.load = np.linalg.solve(np.eye(nz) + L @ followed, L)
+        carriers = self.S[: nz - (len(model.mass) - nm)]  # which alone the modes move
+        nc = len(carriers)
+        followed = (flexibility @ (carriers[:, None] * carriers).reshape(nc * nc, ns).T).reshape(nw, nc, nc)
+        given, self.load = L[:, :, :nc] @ followed, L.copy()
+        self.load[:, :nc] = np.linalg.solve(np.eye(nc) + given[:, :nc], L[:, :nc])
+        self.load[:, nc:] -= given[:, nc:] @ self.load[:, :nc]
         self.Z = self.T.T @ (self.load.reshape(nw * nz, nz) @ self.T).reshape(nw, nz, self.T.shape[1])
         soft = range(nm - ns)
         self.Z[:, soft, soft] += d[:, ~stiff]
+        self.flexibility = np.ascontiguousarray(flexibility.T)
 
     def response(self, force: np.ndarray, damping: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """X (nw, n) to forces (nw, n) with further damping (n, n), at the last known rates (nw, n).
+        """X (n, nw) to forces (n, nw) with further damping (n, n), at the last known rates (n, nw).
 
         Not a number where the equation is singular.
         """
@@ -48,13 +51,17 @@ class Condensed:
             apart = damping.copy()
             apart[self.kept] = 0.0
             if apart.any():
-                force = force - rate @ apart.T
-        X, follow = np.empty(force.shape, complex), force[:, stiff] * self.flexibility
-        of_follow = (self.load @ (follow @ self.S.T)[..., None])[..., 0]
-        x = X[:, ~stiff] = _solved(Z, force[:, ~stiff] - of_follow @ self.T)
-        load = of_follow + (self.load @ (x @ self.T.T)[..., None])[..., 0]
-        X[:, stiff] = follow - (load @ self.S) * self.flexibility
+                force = force - real_by_complex(apart, rate)
+        X, follow = np.empty(force.shape, complex), force[stiff] * self.flexibility
+        of_follow = self._loads(real_by_complex(self.S, follow))
+        x = X[~stiff] = _solved(Z, force[~stiff] - real_by_complex(self.T.T, of_follow))
+        load = of_follow + self._loads(real_by_complex(self.T, x))
+        X[stiff] = follow - real_by_complex(self.S.T, load) * self.flexibility
         return X
+
+    def _loads(self, z: np.ndarray) -> np.ndarray:
+        """Λ z (nz, nw) of z (nz, nw)."""
+        return (self.load @ z.T[..., None])[..., 0].T
 
 
 def _stiff(squares: np.ndarray, fastest: float, drag: np.ndarray) -> np.ndarray:
@@ -68,8 +75,8 @@ def _stiff(squares: np.ndarray, fastest: float, drag: np.ndarray) -> np.ndarray:
 
 
 def _solved(Z: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """X (nw, n); not a number where Z is singular."""
+    """X (n, nw) to forces (n, nw); not a number where Z (nw, n, n) is singular."""
     try:
-        return np.linalg.solve(Z, force[..., None])[..., 0]
+        return np.linalg.solve(Z, force.T[..., None])[..., 0].T
     except np.linalg.LinAlgError:  # which does not say where
         return np.full(force.shape, np.nan, complex)

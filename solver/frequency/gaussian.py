@@ -56,11 +56,12 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
     if len(V) == 1:
         return moments(_sampled(V) ** 2 @ c[:, None])[0]
     CS = c[:, None] * covariance(V, V)
-    mean, std = np.trace(CS), np.sqrt(2 * np.trace(CS @ CS))
-    strongest = np.max(np.linalg.eigvals(CS).real, initial=0.0)
-    power = np.abs(V) ** 2
+    principal = np.linalg.eigvals(CS).real if c.size > 1 else CS.ravel()
+    mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2))
+    strongest = principal.max(initial=0.0)
+    power = V.real**2 + V.imag**2
     peaks = 2 * np.max(cycles(power.sum(axis=0), omega**2 @ power, duration), initial=np.e)
-    largest = min(mean + strongest * (2 * (np.log(peaks) + EULER) - 1), float(c @ np.abs(V).sum(axis=0) ** 2))
+    largest = min(mean + strongest * (2 * (np.log(peaks) + EULER) - 1), float(c @ np.sqrt(power).sum(axis=0) ** 2))
     return np.array([largest, 0.0, mean, np.hypot(mean, std), std])
 
 

@@ -7,11 +7,13 @@ import numpy as np
 
 from solver.coupled import linear_drag
 from solver.coupled.linear import LinearModel
+from solver.coupled.support import real_by_complex
 from solver.errors import SimulationFailed
 from solver.frequency.case import Case, case_of
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 from solver.multibody.joint_law import JointLaw
+from solver.record.audit import response_error
 from solver.scene import Scene
 
 AGREED = 1e-5  # error of any coordinate's std, relative to itself, at which the drag is that of its own result
@@ -50,6 +52,7 @@ class Response:
     pto: np.ndarray  # (nj,) damping of the power take-offs, linearised: power over the rate's mean square
     rounds: int  # until the drag agreed with its own result
     mean: Mean
+    mesh_effect: float  # see audit.coefficient_effects
 
 
 def respond(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Response:
@@ -61,23 +64,24 @@ def respond(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Response:
 def respond_in(case: Case, law: JointLaw) -> Response:
     """To a case's sea, with the law of its joints."""
     model, omega, frame = case.model, case.omega, case.system.structure
-    X, drag, pto, rounds = _agreed(case, law)
-    w, nm = omega[:, None], frame.omega.size
+    last, nm = _agreed(case, law), frame.omega.size
+    X, drag = last.X.T, _borne(case, last) if case.stations.size else _no_drag(case)
     return Response(
         omega=omega,
         X=X,
-        Z=X @ model.shape.T,
+        Z=real_by_complex(model.shape, last.X).T,
         wrench=model.loads(omega, X, case.impedance, case.excitation, case.system.bodies.active),
-        carried=_carried(case, w, X[:, :nm], case.rows[case.system.layout.modal].T + drag.modes),
+        carried=_carried(case, omega, last.X[:nm], case.rows[case.system.layout.modal] + drag.modes.T),
         drag=drag,
-        pto=pto,
-        rounds=rounds,
-        mean=_mean(case, -1j * w * X[:, :nm]),
+        pto=last.pto,
+        rounds=last.rounds,
+        mean=_mean(case, last.rate[:nm]),
+        mesh_effect=_mesh_effect(case, law, last),
     )
 
 
 def _mean(case: Case, rate: np.ndarray) -> Mean:
-    """At modal rates (nw, nm); the shift from rest is by what the mean drag is more than the current's alone."""
+    """At modal rates (nm, nw); the shift from rest is by what the mean drag is more than the current's alone."""
     model, stations, frame = case.model, case.stations, case.system.structure
     (nc, nm), n, nb = frame.carrier.shape, len(model.stiffness), len(case.system.scene.floats)
     if stations.stream is None:
@@ -86,50 +90,74 @@ def _mean(case: Case, rate: np.ndarray) -> Mean:
     more = drag - frame.drag * np.linalg.norm(stations.stream, axis=0) * stations.stream
     load[:nm] = np.tensordot(frame.station, more, axes=2)
     x = np.linalg.lstsq(model.stiffness, load, rcond=None)[0]
-    carried = _carried(case, np.zeros((1, 1)), x[None, :nm], load[None, :nm])[0].real
+    carried = _carried(case, np.zeros(1), x[:nm, None], load[:nm, None])[0].real
     return Mean(x=x, wrench=model.wrench[0] @ x, carried=carried, drag=drag)
 
 
 def _carried(case: Case, w: np.ndarray, P: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """What the modes' equation leaves to the floats, Sᵀ h = (-ω² - 2iζω_mω + ω_m²) P - load: h (nw, nc)."""
-    frame = case.system.structure
-    force = (-(w**2) - 2j * frame.damping * frame.omega * w + frame.omega**2) * P - load
-    return force @ case.to_carriers
+    """What the modes' equation leaves to the floats, Sᵀ h = (-ω² - 2iζω_mω + ω_m²) P - load: h (nw, nc).
+
+    At frequencies w (nw,), of P and load (nm, nw).
+    """
+    own, slope = case.system.structure.omega[:, None], case.system.structure.damping[:, None]
+    force = (own**2 - w**2 - 2j * slope * own * w) * P - load
+    return real_by_complex(case.to_carriers.T, force).T
 
 
-def _agreed(case: Case, law: JointLaw) -> tuple[np.ndarray, Drag, np.ndarray, int]:
-    """X (nw, n), the drag in it, the power take-offs' damping (nj,), and the rounds until both were of X."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Round:
+    """What moves with a damping, and what the water's drag pushes, both linearised by what moved before."""
+
+    X: np.ndarray  # (n, nw)
+    rate: np.ndarray  # (n, nw)
+    damping: np.ndarray  # (n, n) of drag and dampers
+    K: np.ndarray  # (ns, nd, nd) of the drag: see Stations
+    of_water: np.ndarray  # (nm, nw) what it does to the modes where they do not move
+    pto: np.ndarray  # (nj,) damping of the power take-offs
+    rounds: int
+
+
+def _agreed(case: Case, law: JointLaw) -> _Round:
+    """The round that agrees with the one before it."""
     model, omega, stations = case.model, case.omega, case.stations
     nm, nc = model.modes.shape[1], case.system.structure.carrier.shape[0]
     height = float(np.abs(case.system.scene.sea.amplitude).sum())
     quadratic, bent = joint_law.drag(law), joint_law.bent(law).any()
-    linear = case.linear_damping(law)
-    at_rest = pto = joint_law.damping_of_gaussian(law, np.zeros(quadratic.size))[nc:]
-    rate = np.zeros((omega.size, len(model.mass)), complex)
+    linear, joints = case.linear_damping(law), range(nm, len(model.mass))
+    at_rest = pto = joint_law.damping_at_rest(law)[nc:]
+    rate = np.zeros((len(model.mass), omega.size), complex)
     std, change = np.zeros(len(model.mass)), np.inf
     for rounds in range(1, ROUNDS + 1):
-        damping, push = np.zeros(model.damping.shape), case.force
-        if stations.size:
-            K, damping[:nm, :nm], of_water = _drag(case, rate[:, :nm]) if rounds > 1 else case.drag_at_rest
-            push = push.copy()
-            push[:, :nm] += of_water
+        damping, push = np.zeros(model.damping.shape), case.force.copy()
+        K, damping[:nm, :nm], of_water = case.drag(rate[:nm]) if rounds > 1 else case.drag_at_rest
+        push[:nm] += of_water
         dampers = linear
         if quadratic.any():
-            dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rate[:, None, nm:])[:, 0, 0]
+            dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rate[nm:].T[:, None])[:, 0, 0]
         if bent:
-            pto = _taking(law, nc, rate[:, nm:])
+            pto = _taking(law, nc, rate[nm:])
             dampers = dampers + (pto - at_rest)
-        damping[nm:, nm:] = np.diag(dampers)
+        damping[joints, joints] = dampers
         X = case.equation.response(push, damping, rate)
-        rate, before, std = -1j * omega[:, None] * X, std, np.linalg.norm(X, axis=0)
+        rate, before, std = -1j * omega * X, std, np.linalg.norm(X.view(float), axis=1)
         if not np.all(std * model.length < UNBOUNDED * height):  # each wave's part is less
             _require_bounded(model, omega, X, height)
         last, change = change, _change(before, std)
         if not (stations.size or quadratic.any() or bent) or _ahead(last, change) <= AGREED:
-            drag = _borne(case, K, damping[:nm, :nm], of_water, rate[:, :nm]) if stations.size else _no_drag(case)
-            return X, drag, pto, rounds
+            return _Round(X=X, rate=rate, damping=damping, K=K, of_water=of_water, pto=pto, rounds=rounds)
     what = "drag or power take-off" if bent else "drag"
     raise SimulationFailed(f"linearised {what} does not agree with its own result after {ROUNDS} rounds")
+
+
+def _mesh_effect(case: Case, law: JointLaw, last: _Round) -> float:
+    """What coefficients off by their estimated error do: see audit.coefficient_effects. Drag and dampers stay."""
+    if case.shifted is None:
+        return 0.0
+    equation, force = case.shifted
+    push = force.copy()
+    push[: len(last.of_water)] += last.of_water
+    X = equation.response(push, last.damping, last.rate)
+    return response_error(case.system, law, case.omega, X.T, last.X.T)
 
 
 def _no_drag(case: Case) -> Drag:
@@ -138,10 +166,12 @@ def _no_drag(case: Case) -> Drag:
     )
 
 
-def _borne(case: Case, K: np.ndarray, damping: np.ndarray, of_water: np.ndarray, rate: np.ndarray) -> Drag:
-    """At modal rates (nw, nm), of K and what it does to the modes (see Stations)."""
-    against, pushed = case.stations.acting(K, case.of_drag)
-    return _parts(case, of_water - rate @ damping.T, pushed - rate @ against.T)
+def _borne(case: Case, last: _Round) -> Drag:
+    nm = len(last.of_water)
+    against, pushed = case.stations.acting(last.K, case.of_drag)
+    both = np.concatenate([last.damping[:nm, :nm], against])
+    drag = np.concatenate([last.of_water, pushed]) - real_by_complex(both, last.rate[:nm])
+    return _parts(case, drag[:nm].T, drag[nm:].T)
 
 
 def _parts(case: Case, modes: np.ndarray, others: np.ndarray) -> Drag:
@@ -149,12 +179,6 @@ def _parts(case: Case, modes: np.ndarray, others: np.ndarray) -> Drag:
     support = case.system.support
     r = support.forces.drag.shape[1] if support and support.forces is not None else 0
     return Drag(modes, others[:, :r], others[:, r:])
-
-
-def _drag(case: Case, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """K, and what it does to the modes (see Stations), where they move at rates (nw, nm)."""
-    K = case.stations.equivalent(rate)
-    return K, *case.stations.acting(K, case.system.structure.station)
 
 
 def _change(before: np.ndarray, std: np.ndarray) -> float:
@@ -172,21 +196,21 @@ def _ahead(last: float, change: float) -> float:
 
 
 def _taking(law: JointLaw, nc: int, rate: np.ndarray) -> np.ndarray:
-    """Damping (nj,) of the power take-offs at rates (nw, nj): of one harmonic, or of a Gaussian process.
+    """Damping (nj,) of the power take-offs at rates (nj, nw): of one harmonic, or of a Gaussian process.
 
     nc: coordinates before the joints'.
     """
     size = np.zeros(len(joint_law.dampers(law)))
-    if len(rate) == 1:
-        size[nc:] = np.abs(rate[0])
+    if rate.shape[1] == 1:
+        size[nc:] = np.abs(rate[:, 0])
         return joint_law.damping_of_harmonic(law, size)[nc:]
-    size[nc:] = np.sqrt(0.5 * np.sum(np.abs(rate) ** 2, axis=0))
+    size[nc:] = np.sqrt(0.5 * np.sum(np.abs(rate) ** 2, axis=1))
     return joint_law.damping_of_gaussian(law, size)[nc:]
 
 
 def _require_bounded(model: LinearModel, omega: np.ndarray, X: np.ndarray, height: float) -> None:
     """Raise SimulationFailed with the wave at which nothing holds or damps the scene."""
-    reach = (np.abs(X) * model.length).max(axis=1, initial=0.0)
+    reach = (np.abs(X) * model.length[:, None]).max(axis=0, initial=0.0)
     if np.all(reach < UNBOUNDED * height):
         return
     worst = omega[np.argmax(np.nan_to_num(reach, nan=np.inf))]

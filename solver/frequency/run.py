@@ -40,7 +40,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     frame = _forces(case, response)
     linear = list(_outputs(case, response, frame))
     tables = _tables(case, linear) | dict(_of_squares(case, response, frame))
-    mesh, shapes = case.mesh_effect(law), left_out_effect(case.system, response.X, response.drag.tops)
+    mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X, response.drag.tops)
     attrs: dict[str, float | str] = {
         "estimated_error": together((mesh, shapes)),
         "mesh_effect": mesh,
@@ -103,8 +103,9 @@ def _of_squares(case: Case, response: Response, frame: Forces) -> Iterator[tuple
         powers = [gaussian.power_table(pto[i], rates[:, i], omega, case.duration) for i in owned]
         yield "absorbed_power", np.array(powers)
     if channels.steel is not None and channels.legs is not None:
-        level, lines = map(channels.steel.compression, frame)
-        yield "bottom_stress", gaussian.compression_table(level[0], lines, omega, case.duration)
+        level, lines = (channels.steel.compression(y)[:, channels.legs.first] for y in frame)
+        of_legs = gaussian.compression_table(level[0], lines, omega, case.duration)
+        yield "bottom_stress", of_legs[channels.legs.twin]
 
 
 def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:

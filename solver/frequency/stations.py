@@ -7,9 +7,9 @@ from solver.coupled.modal import Structure
 
 
 class Stations:
-    """The frame's drag at its ns stations, in nd directions, in water of velocity (nw, nd ns) and a current (nd, ns).
+    """The frame's drag at its ns stations, in nd directions, in water of velocity (nd ns, nw) and a current (nd, ns).
 
-    Lines are taken as twice as many real ones, for products with real shapes.
+    Complex lines are taken as twice as many real numbers, side by side, for products with real shapes.
     """
 
     def __init__(self, frame: Structure, water: np.ndarray, stream: np.ndarray | None):
@@ -18,32 +18,29 @@ class Stations:
         self.stream = stream if stream is not None and stream.any() else None
         nm, nd, ns = frame.station.shape
         self.shape = frame.station.reshape(nm, nd * ns)
-        self.water = np.concatenate([water.real, water.imag])
+        self.water = np.ascontiguousarray(water).view(float)
 
-    def _flow(self, rate: np.ndarray) -> np.ndarray:
-        """Of the water past the frame (2 nw, nd, ns) at modal rates (nw, nm)."""
-        flow = self.water - np.concatenate([rate.real, rate.imag]) @ self.shape
-        return flow.reshape(len(flow), *self.frame.station.shape[1:])
+    def _flow(self, rate: np.ndarray | None) -> np.ndarray:
+        """Of the water past the frame (nd, ns, 2 nw) at modal rates (nm, nw); None of a frame that does not move."""
+        flow = self.water
+        if rate is not None:
+            moved = self.shape.T @ np.ascontiguousarray(rate).view(float)
+            flow = np.subtract(flow, moved, out=moved)  # memory is dearer here than sums
+        return flow.reshape(*self.frame.station.shape[1:], flow.shape[1])
 
-    def equivalent(self, rate: np.ndarray) -> np.ndarray:
-        """K (ns, nd, nd) [N s/m] at modal rates (nw, nm)."""
+    def equivalent(self, rate: np.ndarray | None) -> np.ndarray:
+        """K (ns, nd, nd) [N s/m] at modal rates (nm, nw), or of a frame that does not move."""
         flow = self._flow(rate)
         K = linear_drag.of_parts(flow) if self.stream is None else linear_drag.of_parts_in(self.stream, flow)[1]
         return K * self.frame.drag[:, None, None]
 
     def mean(self, rate: np.ndarray) -> np.ndarray:
-        """Mean drag (nd, ns) [N] at modal rates (nw, nm): none without a current."""
+        """Mean drag (nd, ns) [N] at modal rates (nm, nw): none without a current."""
         if self.stream is None:
             return np.zeros(self.frame.station.shape[1:])
         return self.frame.drag * linear_drag.of_parts_in(self.stream, self._flow(rate))[0].T
 
     def acting(self, K: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """By maps (k, nd, ns) of the drag: damping of what it does against modal rates (k, nm), the water's (nw, k)."""
+        """By maps (k, nd, ns) of the drag: damping of what it does against modal rates (k, nm), the water's (k, nw)."""
         carried = linear_drag.by_station(np.swapaxes(K, 1, 2), on).reshape(len(on), self.shape.shape[1])
-        return carried @ self.shape.T, _lines(self.water @ carried.T)
-
-
-def _lines(parts: np.ndarray) -> np.ndarray:
-    """Complex lines (nw, k) of their real parts above their imaginary ones (2 nw, k)."""
-    half = len(parts) // 2
-    return parts[:half] + 1j * parts[half:]
+        return carried @ self.shape.T, (carried @ self.water).view(complex)

@@ -417,6 +417,11 @@ def damping_of_gaussian(law: JointLaw, std: np.ndarray) -> np.ndarray:
     return whole + equivalent_damping(law.tables, std, lambda x: 0.5 * erf(x / np.sqrt(2)))
 
 
+def damping_at_rest(law: JointLaw) -> np.ndarray:
+    """The same (n,) of rates that are next to nothing."""
+    return law.pto_damping + law.tables.slope
+
+
 def damping_of_harmonic(law: JointLaw, amplitude: np.ndarray) -> np.ndarray:
     """The same (n,) of a rate V sin θ, V (n,): its describing function, with sin θ₁ = a/V where the limit is reached.
 

@@ -12,6 +12,7 @@ from solver.coupled.driving import driven
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.stages import State, copied
 from solver.coupled.step import HITS, Output
+from solver.coupled.support import real_by_complex
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
@@ -315,7 +316,7 @@ def _equivalent(stream: np.ndarray, water: np.ndarray) -> np.ndarray:
     """K (ns, nd, nd) [m/s] of the waves' own velocity (nw, nd, ns) in a current."""
     if not stream.any():
         return linear_drag.of_lines(water)
-    return linear_drag.of_parts_in(stream, np.concatenate([water.real, water.imag]))[1]
+    return linear_drag.of_parts_in(stream, linear_drag.parts(water))[1]
 
 
 def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
@@ -324,11 +325,10 @@ def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
     if support is None or not support.left_out.tops.size:
         return 0.0
     rest, waves = support.left_out, np.abs(sea.amplitude) > 0
-    of_waves = driven(support, system.waves).left_out[:, waves].T
-    p, w = X[:, : len(support.omega)], sea.omega[waves, None]
-    usual = p @ support.shapes[rest.tops].T
-    more = of_waves + drag + w**2 * (p @ rest.inertia)
-    std, exact = np.linalg.norm(usual, axis=0), np.linalg.norm(usual + more, axis=0)
+    of_waves, p = driven(support, system.waves).left_out[:, waves], X.T[: len(support.omega)]
+    usual, inertia = np.split(real_by_complex(np.concatenate([support.shapes[rest.tops], rest.inertia.T]), p), 2)
+    exact = usual + of_waves + drag.T + sea.omega[waves] ** 2 * inertia
+    std, exact = (np.linalg.norm(lines.view(float), axis=1) for lines in (usual, exact))
     used = std > FAINT * std.max()
     return float(np.abs(exact[used] / std[used] - 1).max(initial=0.0))
 
@@ -343,14 +343,14 @@ def decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) 
 
 def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
     """Largest relative change of a coordinate's std, or of its rate's square where that is power absorbed by a law."""
-    largest = linear_model(system).length * np.sqrt(np.sum(np.abs(exact) ** 2, axis=0))
+    squares, true = (x.real**2 + x.imag**2 for x in (X, exact))
+    largest = linear_model(system).length * np.sqrt(true.sum(axis=0))
     used = largest > FAINT * largest.max(initial=0.0)
     first, pto = system.structure.omega.size, absorbing(law)[system.structure.carrier.shape[0] :]
     absorbs = used & np.concatenate([np.zeros(first, bool), pto])
-    std = [np.sqrt(np.sum(np.abs(x[:, used]) ** 2, axis=0)) for x in (X, exact)]
-    power = [np.sum(np.abs(omega[:, None] * x[:, absorbs]) ** 2, axis=0) for x in (X, exact)]
-    changes = np.concatenate([np.abs(a / b - 1) for a, b in (std, power)])
-    return float(changes.max(initial=0.0))
+    std = np.sqrt(squares.sum(axis=0)[used] / true.sum(axis=0)[used])
+    power = (omega**2 @ squares)[absorbs] / (omega**2 @ true)[absorbs]
+    return float(np.abs(np.concatenate([std, power]) - 1).max(initial=0.0))
 
 
 def skipped(system: System) -> list[str]:

@@ -148,7 +148,7 @@ def test_what_is_kept_of_another_sea_changes_no_bit(method):
 def forget():
     """All that a process keeps of other scenes."""
     kept = (support._reduced, driving._curve, driving.driven, systems._bodies, systems._equilibrium)
-    kept += (systems.known_differences, systems.loads_at_rest, linear._linear_model, linear_model)
+    kept += (systems._at_rest, systems.known_differences, systems.loads_at_rest, linear._linear_model, linear_model)
     for known in (*kept, case._case, natural._system_modes):
         known.cache_clear()
 

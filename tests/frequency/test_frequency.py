@@ -210,12 +210,12 @@ def test_modes_that_follow_are_what_the_whole_equation_has():
     damping[nm:, nm:] = 0.01 * np.diag(np.diag(model.mass)[nm:])
     equation = Condensed(model, omega, Y, damping[:nm, :nm])
     assert 0 < equation.stiff.sum() < nm
-    X = np.zeros(force.shape, complex)
+    X = np.zeros((n, omega.size), complex)
     for _ in range(20):
-        X = equation.response(force, damping, -1j * omega[:, None] * X)
+        X = equation.response(np.ascontiguousarray(force.T), damping, -1j * omega * X)
     Z = model.dynamic_stiffness(omega, Y) - 1j * omega[:, None, None] * damping
     exact = np.linalg.solve(Z, force[..., None])[..., 0]
-    assert np.all(np.abs(X - exact) < 1e-9 * np.abs(exact).max(axis=0))
+    assert np.all(np.abs(X.T - exact) < 1e-9 * np.abs(exact).max(axis=0))
     assert not Condensed(model, omega, Y, 1e4 * damping[:nm, :nm]).stiff.any()
 
 
@@ -255,6 +255,19 @@ def test_quadratic_damping_of_a_joint_is_the_marchs():
     item = replace(item, sea=replace(item.sea, amplitude=0.1 * item.sea.amplitude))
     exact, table = (r.variables["rotation"][1][0, 4] for r in (simulate(item, h), frequency(item, h)))
     assert table == approx(exact, rel=0.03)
+
+
+def test_what_a_mesh_does_is_what_it_does_to_the_damped_motion():
+    """Quadratic damping counts in it, as the linear one that it is like."""
+    item, h = SCENES["duck"]()
+    (body,), quadratic = item.floats, 3e6
+    bent = replace(item, floats=(replace(body, quadratic_damping=quadratic),))
+    lines = respond(linear(bent, method="frequency"), h)
+    rate = np.sqrt(0.5 * np.sum(np.abs(lines.omega * lines.Z[:, 0]) ** 2))
+    alike = replace(item, floats=(replace(body, damping=quadratic * np.sqrt(8 / np.pi) * rate),))
+    told, exact, without = (frequency(one, h).attrs["mesh_effect"] for one in (bent, alike, item))
+    assert told == approx(exact, rel=1e-3)
+    assert abs(without / exact - 1) > 0.1
 
 
 @pytest.mark.parametrize("law", [{"coulomb": 500.0}, {"pto_damping": 1.2e5, "force_limit": 700.0}])

@@ -130,11 +130,16 @@ class Hydrodynamics:
         kind: "total", "diffraction" or "froude_krylov". Curves of X exp(-ik·x_b): without the phase of the wave's
         arrival at the body they are smooth, but for the water's resonances.
         """
-        return _excitation(self, Bits(np.atleast_1d(np.asarray(omega, float))), kind)
+        omega, (low, high) = np.atleast_1d(np.asarray(omega, float)), self.omega[[0, -1]]
+        # A band that ends on the grid may miss it by rounding.
+        if omega.min() < low * (1 - 1e-9) or omega.max() > high * (1 + 1e-9):
+            raise InputError("omega", (omega.min(), omega.max()), f"must be within {low:.6g} to {high:.6g} rad/s")
+        values = _values(self, Bits(omega))
+        return values.diffraction + values.froude_krylov if kind == "total" else getattr(values, kind)
 
     def impedance(self, omega: np.ndarray) -> np.ndarray:
         """B - iωA (nw', n, n) at any ω in the solved range."""
-        return _impedance(self, Bits(omega))
+        return _values(self, Bits(omega)).impedance
 
     def waves(self, omega: np.ndarray, amplitude: np.ndarray, velocity: np.ndarray) -> Waves:
         """Far off, with incident waves of amplitude (nw',) at x = y = 0 and velocities (nw', n) of the motions.
@@ -182,33 +187,28 @@ class Hydrodynamics:
         return np.exp(1j * k[:, None] * np.repeat(along, len(self.dofs)))
 
 
-@lru_cache(maxsize=CURVES)
-def _smooth(h: Hydrodynamics, kind: str) -> Curve:
-    force = {
-        "diffraction": h.diffraction,
-        "froude_krylov": h.froude_krylov,
-        "total": h.diffraction + h.froude_krylov,
-    }[kind]
-    return h.curve(force * h.arrival(h.omega).conj())
+class _Values(NamedTuple):
+    """Of a set of coefficients at some frequencies."""
 
-
-@lru_cache(maxsize=SEAS)
-def _excitation(h: Hydrodynamics, frequencies: Bits[np.ndarray], kind: str) -> np.ndarray:
-    omega, (low, high) = frequencies.value, h.omega[[0, -1]]
-    # A band that ends on the grid may miss it by rounding.
-    if omega.min() < low * (1 - 1e-9) or omega.max() > high * (1 + 1e-9):
-        raise InputError("omega", (omega.min(), omega.max()), f"must be within {low:.6g} to {high:.6g} rad/s")
-    return shared(_smooth(h, kind)(omega) * h.arrival(omega))
-
-
-@lru_cache(maxsize=SEAS)
-def _impedance(h: Hydrodynamics, omega: Bits[np.ndarray]) -> np.ndarray:
-    return shared(_smooth_impedance(h)(omega.value))
+    impedance: np.ndarray  # (nw', n, n) B - iωA
+    diffraction: np.ndarray  # (nw', n)
+    froude_krylov: np.ndarray
 
 
 @lru_cache(maxsize=CURVES)
-def _smooth_impedance(h: Hydrodynamics) -> Curve:
-    return h.curve(h.radiation_damping - 1j * h.omega[:, None, None] * h.added_mass)
+def _curves(h: Hydrodynamics) -> Curve:
+    """Of all of them side by side, (nw', n² + 2n); of forces without the phase of the wave's arrival."""
+    Z = h.radiation_damping - 1j * h.omega[:, None, None] * h.added_mass
+    without = h.arrival(h.omega).conj()
+    return h.curve(np.concatenate([Z.reshape(len(Z), -1), h.diffraction * without, h.froude_krylov * without], axis=1))
+
+
+@lru_cache(maxsize=SEAS)
+def _values(h: Hydrodynamics, omega: Bits[np.ndarray]) -> _Values:
+    n = len(h.added_mass_inf)
+    Z, *forces = np.split(shared(_curves(h)(omega.value)), [n * n, n * n + n], axis=1)
+    arrival = h.arrival(omega.value)
+    return _Values(Z.reshape(-1, n, n), *(shared(force * arrival) for force in forces))
 
 
 def coarser(h: Hydrodynamics | None) -> list[str]:
