@@ -24,7 +24,7 @@ from solver.sea.dispersion import wavenumbers
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")
 EACH_ALONE = "each alone"  # what the settings say of bodies that do not interact
-ROUGH = 3  # order of the differences by which a curve is rough
+ROUGH = 3  # order of the divided differences by which a curve is rough
 RESOLVED = 1e-3  # of the largest singular value: poles too broad to be told from a smooth rest are left to that
 CLOSE = 1e-3  # of each motion's largest impedance: what the poles of what rings may leave of it
 CURVES = 16  # sets of coefficients whose curves a process keeps
@@ -166,14 +166,19 @@ class Hydrodynamics:
         """Through values (nw, ...) at the frequencies solved for: cubic splines of what the water's resonances leave.
 
         Water between bodies rings in bands narrower than frequencies are apart. Of each of its poles β a curve has as
-        much, Re β/(-iω - β*), as leaves the smoothest rest, by third differences where they are resolved.
+        much, Re β/(-iω - β*), as leaves the smoothest rest, by third divided differences where they are resolved.
         """
 
         def ringing(omega: np.ndarray) -> np.ndarray:
             return self.ringing.real / (-1j * np.asarray(omega)[:, None] - self.ringing.conj())
 
+        known = self.omega[self.resolved]
+
         def rough(values: np.ndarray) -> np.ndarray:
-            return np.diff(values[self.resolved], ROUGH, axis=0)
+            rest = values[self.resolved]
+            for n in range(1, ROUGH + 1):
+                rest = np.diff(rest, axis=0) / (known[n:] - known[:-n])[:, None]
+            return rest
 
         at, flat = ringing(self.omega), values.reshape(len(values), -1)
         share = np.linalg.lstsq(rough(at), rough(flat), rcond=RESOLVED)[0]
