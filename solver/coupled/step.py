@@ -18,6 +18,7 @@ from solver.coupled.energy import (
     STRUCTURAL,
     WAVE,
     WORKS,
+    stored,
 )
 from solver.coupled.memory import Memory, memory_history, remember
 from solver.coupled.modal import Structure, drag, flexibility
@@ -292,6 +293,16 @@ def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
 @inner_kernel
 def account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
     """Works by Simpson's rule over the step's three points."""
+    power_at(problem, drive, sample, state, room)
+    power = room.power
+    for i in range(state.work.size):
+        state.work[i] += problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
+    copy(power[2], state.power)
+
+
+@part_kernel
+def power_at(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
+    """Fill room.power, at the step's three points."""
     structure, stage, power = problem.structure, room.stage, room.power
     for s in range(2):
         inertia = structural = 0.0
@@ -302,9 +313,20 @@ def account_work(problem: Problem, drive: Drive, sample: int, state: State, room
         of_floats = powers(problem.bodies, coordinates(stage, s), stage.motion[s], stage.external[s], stage.memory[s])
         power[1 + s, WAVE], power[1 + s, RADIATION], power[1 + s, PTO], power[1 + s, JOINT_DAMPING] = of_floats
     copy(state.power, power[0])
-    for i in range(state.work.size):
-        state.work[i] += problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
-    copy(power[2], state.power)
+
+
+@inner_kernel
+def gap(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> float:
+    """Work [J] of the step that the stages hold, less the energy that is stored at its end."""
+    stage, power = room.stage, room.power
+    power_at(problem, drive, sample, state, room)
+    balance = 0.0
+    for i in range(len(WORKS)):
+        gained = i == WAVE or i == FRAME_INERTIA or i == FRAME_DRAG
+        work = problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
+        balance += work if gained else -work
+    end = stage.motion[1]
+    return balance - stored(problem.bodies, problem.structure, stage.p[1], stage.dp[1], stage.z[1], stage.dz[1], end)
 
 
 @part_kernel
