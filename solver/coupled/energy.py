@@ -26,7 +26,7 @@ def stored(
     dz: np.ndarray,
     motion: Motion,
 ) -> float:
-    """Energy stored in floats and modes [J], radiation memory excluded; p, dp (nm,), z, dz (nz,), all of one instant."""
+    """Energy stored in floats and modes [J], radiation memory excluded; p, dp (nm,), z, dz (nz,) of one instant."""
     total = stored_energy(bodies, z, dz, motion)
     for m in range(structure.omega.size):
         total += 0.5 * (dp[m] ** 2 + (structure.omega[m] * p[m]) ** 2)

@@ -289,8 +289,10 @@ def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> 
 
 @inner_kernel
 def _stored(problem: Problem, state: State, room: Workspace) -> float:
-    """Energy [J] at the start of a piece."""
+    """Energy [J] at the start of a piece that is to keep the balance."""
     start = room.start
+    if state.ring[0] == np.inf:
+        return 0.0
     return stored(problem.bodies, problem.structure, state.p, state.dp, start.z, start.dz, room.stage.motion[1])
 
 
@@ -312,9 +314,7 @@ def _fastest(state: State, room: Workspace, i: int) -> float:
 
 
 @inner_kernel
-def _misses(
-    problem: Problem, length: float, state: State, room: Workspace, fine: Fine, before: float, i: int
-) -> bool:
+def _misses(problem: Problem, length: float, state: State, room: Workspace, fine: Fine, before: float, i: int) -> bool:
     """Whether a piece that was to end where axis i's load jumps is too long for that, on a platform that rings."""
     law, stage = problem.bodies.law, room.stage
     if not (rings(problem) and jumps(law, i) and length > SHORTEST * problem.dt):
@@ -327,7 +327,7 @@ def _misses(
     else:
         beyond = leaving(law, i, PTO_ZONE, zone, stage.z[1, i], stage.dz[1, i])
         missed = abs(beyond) > MISSED * _fastest(state, room, i)
-    return missed or _opened(problem, length, state, room, fine, before) > 1
+    return missed or (state.ring[0] < np.inf and _opened(problem, length, state, room, fine, before) > 1)
 
 
 # ---- where a zone ends

@@ -28,7 +28,7 @@ class State(NamedTuple):
     zone: np.ndarray  # (2, nz) of the joints' laws, see joint_law
     held: np.ndarray  # (nz,) what holds an axis at rest [N or N m], in its zone HELD
     pace: np.ndarray  # (nz,) [s] in which an axis on its stop is followed now
-    ring: np.ndarray  # (1,) [s] in which the platform's modes are followed since a load jumped; infinite when they are not
+    ring: np.ndarray  # (1,) [s] in which modes are followed since a load jumped; infinite if they are not
     fastest: np.ndarray  # (nz,) rate of each so far [m/s or rad/s]
 
 

@@ -322,7 +322,7 @@ def gap(problem: Problem, drive: Drive, sample: int, state: State, room: Workspa
     power_at(problem, drive, sample, state, room)
     balance = 0.0
     for i in range(len(WORKS)):
-        gained = i == WAVE or i == FRAME_INERTIA or i == FRAME_DRAG
+        gained = i in (WAVE, FRAME_INERTIA, FRAME_DRAG)
         work = problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
         balance += work if gained else -work
     end = stage.motion[1]
