@@ -88,6 +88,7 @@ def _begin(problem: Problem, state: State, room: Workspace) -> None:
     move(problem.bodies, start.z, start.dz, motion)
     copy(motion.active_velocity, start.velocity)
     room.newton.first[0] = 0.0
+    start.known[0] = False
     for kind in range(2):
         copy(state.zone[kind], room.stage.zone[kind])
 

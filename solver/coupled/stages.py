@@ -43,6 +43,9 @@ class Start(NamedTuple):
     z: np.ndarray  # (nz,) carriers, then joints
     dz: np.ndarray  # (nz,)
     velocity: np.ndarray  # (na,) of what radiates
+    anchor: np.ndarray  # (nz,) coordinates at which the pressure there was evaluated
+    pressure: np.ndarray  # (nb, 6)
+    known: np.ndarray  # (1,) whether that has been
 
 
 class Stages(NamedTuple):

@@ -104,6 +104,7 @@ class Problem(NamedTuple):
     tolerance: float  # of Newton's last update of any stage position [m or rad]
     near: float  # [m or rad] a stage may be from where its pressure and drag were evaluated, see NEAR
     iterations: int  # of Newton's method, at most
+    short: bool  # whether the pressure at a step's middle is near the mean of those at its ends
 
 
 class Workspace(NamedTuple):
@@ -136,14 +137,23 @@ def new_problem(
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
     fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace)
-    return Problem(bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, NEAR * tolerance, iterations)
+    return Problem(
+        bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, NEAR * tolerance, iterations, False
+    )
 
 
 def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
     """Scratch for marches of these bodies and modes."""
     nz = bodies.mechanism.size
     return Workspace(
-        start=Start(np.empty(nz), np.empty(nz), np.empty(bodies.axes.size * bodies.active.size)),
+        start=Start(
+            np.empty(nz),
+            np.empty(nz),
+            np.empty(bodies.axes.size * bodies.active.size),
+            np.empty(nz),
+            np.empty((bodies.axes.size, 6)),
+            np.zeros(1, np.bool_),
+        ),
         stage=new_stages(bodies, structure.omega.size),
         newton=new_newton(nz),
         power=np.zeros((3, len(WORKS))),
@@ -251,12 +261,20 @@ def _go_on(part: np.ndarray) -> None:
 def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> None:
     """Pressure and drag where the stages are: expensive, and slowly varying."""
     stage = room.stage
+    start, between = room.start, problem.short and room.start.known[0]
     stage.drag[:] = 0.0
     for s in range(2):
-        copy(stage.z[s], stage.anchor[s])
-        pressures(problem.bodies, stage.motion[s], drive.field[sample + s], room.pressure, stage.pressure[s])
         water = drive.station[sample + s]
         room.power[1 + s, FRAME_DRAG] = drag(problem.structure, water, stage.dp[s], stage.drag[s], room.flow[s])
+    for s in range(1 if between else 0, 2):
+        copy(stage.z[s], stage.anchor[s])
+        pressures(problem.bodies, stage.motion[s], drive.field[sample + s], room.pressure, stage.pressure[s])
+    if between:
+        for i in range(stage.z.shape[1]):
+            stage.anchor[0, i] = 0.5 * (start.anchor[i] + stage.anchor[1, i])
+        for b in range(stage.pressure.shape[1]):
+            for i in range(6):
+                stage.pressure[0, b, i] = 0.5 * (start.pressure[b, i] + stage.pressure[1, b, i])
 
 
 @kernel(inline="always")
@@ -369,6 +387,10 @@ def advance(problem: Problem, state: State, room: Workspace) -> None:
         state.fastest[i] = max(state.fastest[i], abs(stage.dz[1, i]))
     copy(stage.z[1], start.z)
     copy(stage.dz[1], start.dz)
+    start.known[0] = True
+    copy(stage.anchor[1], start.anchor)
+    for b in range(stage.pressure.shape[1]):
+        copy(stage.pressure[1, b], start.pressure[b])
     copy(start.z[nc:], state.z)
     copy(start.dz[nc:], state.dz)
     copy(stage.p[1], state.p)
