@@ -69,7 +69,7 @@ SWING = 16  # pieces in the period of what swings on a stop
 SCAN = 8  # points of a step at which its polynomial is looked at
 HALVINGS = 50  # of the interval in which it leaves a zone
 NEVER = 2.0  # shares of a step
-SHORT = 0.25  # of a step: in such pieces pressure is evaluated at their ends alone
+SHORT = 0.25  # of a step: in such pieces pressure and drag are evaluated at their ends alone
 CHANGES = 200  # of laws in one step, at most
 # Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
 # swings. Pieces above it are halved, and grow as long as it stays below, with the cube of their length.

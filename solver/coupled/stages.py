@@ -43,9 +43,10 @@ class Start(NamedTuple):
     z: np.ndarray  # (nz,) carriers, then joints
     dz: np.ndarray  # (nz,)
     velocity: np.ndarray  # (na,) of what radiates
-    anchor: np.ndarray  # (nz,) coordinates at which the pressure there was evaluated
+    anchor: np.ndarray  # (nz,) coordinates at which pressure and drag there were evaluated
     pressure: np.ndarray  # (nb, 6)
-    known: np.ndarray  # (1,) whether that has been
+    drag: np.ndarray  # (nm,)
+    known: np.ndarray  # (1,) whether they have been
 
 
 class Stages(NamedTuple):

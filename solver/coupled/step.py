@@ -104,7 +104,7 @@ class Problem(NamedTuple):
     tolerance: float  # of Newton's last update of any stage position [m or rad]
     near: float  # [m or rad] a stage may be from where its pressure and drag were evaluated, see NEAR
     iterations: int  # of Newton's method, at most
-    short: bool  # whether the pressure at a step's middle is near the mean of those at its ends
+    short: bool  # whether pressure and drag at a step's middle are near the mean of those at its ends
 
 
 class Workspace(NamedTuple):
@@ -152,6 +152,7 @@ def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
             np.empty(bodies.axes.size * bodies.active.size),
             np.empty(nz),
             np.empty((bodies.axes.size, 6)),
+            np.empty(structure.omega.size),
             np.zeros(1, np.bool_),
         ),
         stage=new_stages(bodies, structure.omega.size),
@@ -260,21 +261,30 @@ def _go_on(part: np.ndarray) -> None:
 @kernel(inline="always")
 def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> None:
     """Pressure and drag where the stages are: expensive, and slowly varying."""
-    stage = room.stage
-    start, between = room.start, problem.short and room.start.known[0]
+    stage, between = room.stage, problem.short and room.start.known[0]
     stage.drag[:] = 0.0
-    for s in range(2):
-        water = drive.station[sample + s]
-        room.power[1 + s, FRAME_DRAG] = drag(problem.structure, water, stage.dp[s], stage.drag[s], room.flow[s])
     for s in range(1 if between else 0, 2):
         copy(stage.z[s], stage.anchor[s])
         pressures(problem.bodies, stage.motion[s], drive.field[sample + s], room.pressure, stage.pressure[s])
+        water = drive.station[sample + s]
+        room.power[1 + s, FRAME_DRAG] = drag(problem.structure, water, stage.dp[s], stage.drag[s], room.flow[s])
     if between:
-        for i in range(stage.z.shape[1]):
-            stage.anchor[0, i] = 0.5 * (start.anchor[i] + stage.anchor[1, i])
-        for b in range(stage.pressure.shape[1]):
-            for i in range(6):
-                stage.pressure[0, b, i] = 0.5 * (start.pressure[b, i] + stage.pressure[1, b, i])
+        room.power[1, FRAME_DRAG] = _halfway(room.start, stage)
+
+
+@kernel(inline="always")
+def _halfway(start: Start, stage: Stages) -> float:
+    """Pressure and drag at a step's middle, from those at its ends; power of the drag [W]."""
+    for i in range(stage.z.shape[1]):
+        stage.anchor[0, i] = 0.5 * (start.anchor[i] + stage.anchor[1, i])
+    for b in range(stage.pressure.shape[1]):
+        for i in range(6):
+            stage.pressure[0, b, i] = 0.5 * (start.pressure[b, i] + stage.pressure[1, b, i])
+    power = 0.0
+    for m in range(stage.drag.shape[1]):
+        stage.drag[0, m] = 0.5 * (start.drag[m] + stage.drag[1, m])
+        power += stage.drag[0, m] * stage.dp[0, m]
+    return power
 
 
 @kernel(inline="always")
@@ -391,6 +401,7 @@ def advance(problem: Problem, state: State, room: Workspace) -> None:
     copy(stage.anchor[1], start.anchor)
     for b in range(stage.pressure.shape[1]):
         copy(stage.pressure[1, b], start.pressure[b])
+    copy(stage.drag[1], start.drag)
     copy(start.z[nc:], state.z)
     copy(start.dz[nc:], state.dz)
     copy(stage.p[1], state.p)
