@@ -15,7 +15,7 @@ from solver.coupled import assembly
 from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
 from solver.coupled.pieces import _fill_memory, _sample, new_fine
-from solver.coupled.step import HITS, HOLDS, LOAD, RATE, Drive
+from solver.coupled.step import HITS, HOLDS, LOAD, RATE, Drive, _halfway, new_workspace
 from solver.coupled.system import blocks, energy_residual, prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -224,6 +224,20 @@ def test_ringing_after_hits_leaves_newton_within_its_tolerance():
         motions.append(run.y[2 * every - 1 :: 2 * every])
     usual, tight, finer = motions
     assert np.abs(usual - tight).max() < 0.01 * np.abs(finer - tight).max()
+
+
+def test_at_a_short_piece_s_middle_the_water_pushes_as_between_its_ends():
+    """And the drag does its work on the middle's own rates."""
+    system = prepare(*SCENES["unequal_legs"]())
+    room, dice = new_workspace(system.bodies, system.structure), np.random.default_rng(3)
+    start, stage = room.start, room.stage
+    ends = [(start.anchor, stage.anchor), (start.pressure, stage.pressure), (start.drag, stage.drag)]
+    for part in (*sum(ends, ()), stage.dp):
+        part[:] = dice.normal(size=part.shape)
+    power = _halfway(start, stage)
+    for before, after in ends:
+        assert after[0] == approx((before + after[1]) / 2)
+    assert power == approx(stage.drag[0] @ stage.dp[0])
 
 
 def test_the_memory_of_a_piece_is_that_of_a_step():
