@@ -636,8 +636,6 @@ class Scene:
         """Joint laws that the method does not have."""
         s, jumping = self.settings, ("coulomb", "one_way", "latch_load", "declutch_load")
         for f in self.floats if s.method == "frequency" else ():
-            if f.pto_efficiency is not None:
-                yield InputError(f"floats.{f.name}.pto_efficiency", "given", 'needs method = "time": it is not linear')
             if f.pto_table is not None and not f.pto_table.alike:
                 limit = 'needs method = "time": it goes by position, or is not alike in both senses'
                 yield InputError(f"floats.{f.name}.pto_table", "given", limit)

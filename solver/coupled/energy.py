@@ -17,11 +17,19 @@ AT_START, SCALE, GAP = range(3)
 
 
 @part_kernel
-def stored(bodies: Bodies, structure: Structure, state: State, z: np.ndarray, dz: np.ndarray, motion: Motion) -> float:
-    """Energy stored in floats and modes [J], radiation memory excluded; z, dz (nz,) and motion are the state's."""
+def stored(
+    bodies: Bodies,
+    structure: Structure,
+    p: np.ndarray,
+    dp: np.ndarray,
+    z: np.ndarray,
+    dz: np.ndarray,
+    motion: Motion,
+) -> float:
+    """Energy stored in floats and modes [J], radiation memory excluded; p, dp (nm,), z, dz (nz,) of one instant."""
     total = stored_energy(bodies, z, dz, motion)
     for m in range(structure.omega.size):
-        total += 0.5 * (state.dp[m] ** 2 + (structure.omega[m] * state.p[m]) ** 2)
+        total += 0.5 * (dp[m] ** 2 + (structure.omega[m] * p[m]) ** 2)
     return total
 
 
@@ -34,7 +42,7 @@ def energy(bodies: Bodies, structure: Structure, state: State) -> float:
     carry(structure, state.dp, dz)
     z[nc:], dz[nc:] = state.z, state.dz
     move(bodies, z, dz, motion)
-    return stored(bodies, structure, state, z, dz, motion)
+    return stored(bodies, structure, state.p, state.dp, z, dz, motion)
 
 
 @lean_kernel

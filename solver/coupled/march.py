@@ -88,6 +88,7 @@ def _begin(problem: Problem, state: State, room: Workspace) -> None:
     move(problem.bodies, start.z, start.dz, motion)
     copy(motion.active_velocity, start.velocity)
     room.newton.first[0] = 0.0
+    start.known[0] = False
     for kind in range(2):
         copy(state.zone[kind], room.stage.zone[kind])
 
@@ -96,7 +97,7 @@ def _begin(problem: Problem, state: State, room: Workspace) -> None:
 def _balanced(problem: Problem, state: State, room: Workspace, settling: bool) -> bool:
     """Whether the gap of the energy balance has not grown by more than GROSSLY since the end of `settling`."""
     start, motion = room.start, room.stage.motion[1]
-    now = stored(problem.bodies, problem.structure, state, start.z, start.dz, motion)
+    now = stored(problem.bodies, problem.structure, state.p, state.dp, start.z, start.dz, motion)
     gap = open_by(state.work, now, state.energy)
     if settling:
         state.energy[GAP] = gap

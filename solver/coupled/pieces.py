@@ -9,13 +9,18 @@ accelerations jump by what the mass matrix says:
 Each piece is a step of the same scheme, of the same order: the radiation memory is exact for any length, and what
 the wave drives is a polynomial through its samples. On a stop, pieces follow the swing from its first touch, and grow
 as far as the axis's acceleration is a straight line.
+
+Where a load jumps, all modes of an elastic platform ring, and those that a piece does not follow move the axis as no
+polynomial tells: it would be caught while it moves, let go at another load, and damped by what Simpson's rule does not
+see. From then on pieces are halved until they keep the energy balance and end where the law changes, and grow as far
+as they keep it.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.coupled.energy import JOINT_DAMPING, PTO
+from solver.coupled.energy import JOINT_DAMPING, PTO, stored
 from solver.coupled.memory import Memory
 from solver.coupled.modal import fill_flexibility
 from solver.coupled.newton import factorize, shorter_part, substitute
@@ -37,8 +42,10 @@ from solver.coupled.step import (
     advance,
     attempt,
     copy,
+    gap,
     put_stage,
     refresh,
+    rings,
 )
 from solver.kernels import inner_kernel, kernel, lean_kernel
 from solver.multibody.joint_law import (
@@ -51,6 +58,7 @@ from solver.multibody.joint_law import (
     STOP_ZONE,
     axis_load,
     holding,
+    jumps,
     leaving,
     next_zone,
     stop_load,
@@ -61,10 +69,17 @@ SWING = 16  # pieces in the period of what swings on a stop
 SCAN = 8  # points of a step at which its polynomial is looked at
 HALVINGS = 50  # of the interval in which it leaves a zone
 NEVER = 2.0  # shares of a step
+SHORT = 0.25  # of a step: in such pieces pressure is evaluated at their ends alone
 CHANGES = 200  # of laws in one step, at most
 # Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
 # swings. Pieces above it are halved, and grow as long as it stays below, with the cube of their length.
 BEND = 0.03
+# Of the energy of an axis's fastest swing so far, by which a piece after a jump may open the balance: some hundred
+# pieces a swing then keep it. One of twice the length opens it by GROWTH as much.
+OPENED = 1e-5
+GROWTH = 2**5
+MISSED = 1e-3  # of that rate, or of what holds an axis, by which such a piece may miss the change at its end
+SHORTEST = 2.0**-14  # of a step: in shorter pieces Newton's tolerance opens the balance
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
 NODES = 6  # of the polynomial through the drive's samples around a piece
@@ -99,7 +114,9 @@ def new_fine(problem: Problem, drive: Drive) -> Fine:
 
 @inner_kernel
 def in_contact(problem: Problem, state: State, room: Workspace) -> bool:
-    """Whether an axis swings on its stop too fast for a whole step."""
+    """Whether an axis swings on its stop, or the platform since a load jumped, too fast for a whole step."""
+    if state.ring[0] < problem.dt:
+        return True
     for n in range(problem.bent.size):
         i = problem.bent[n]
         if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED and state.pace[i] < problem.dt:
@@ -119,6 +136,7 @@ def in_pieces(
 ) -> tuple[int, int]:
     """Advance `state` by the step from `sample` on; (outcome, iterations). Pieces end at the step's middle, too."""
     used = changes = 0
+    before = _stored(problem, state, room)
     for half in range(2):
         row, done, whole = sample + half, 0.0, 0.5 * problem.dt
         while done < whole * (1 - SLIVER):
@@ -130,6 +148,13 @@ def in_pieces(
             if _too_long(problem, state, room, length):
                 _halve(problem, state, room, length)
                 continue
+            if state.ring[0] < np.inf:
+                share = _opened(problem, length, state, room, fine, before)
+                if share > 1 and length > SHORTEST * problem.dt:
+                    state.ring[0] = 0.5 * length
+                    continue
+                if share * GROWTH < 1:
+                    state.ring[0] = max(state.ring[0], 2 * length) if 2 * length < problem.dt else np.inf
             at, i, kind = _first(problem, state, room, length)
             if 0 < at < NEVER:
                 length *= at
@@ -139,15 +164,20 @@ def in_pieces(
                 used += spent
                 if outcome != OK:
                     return outcome, used
+                if kind == PTO_ZONE and _misses(problem, length, state, room, fine, before, i):
+                    state.ring[0] = 0.5 * length
+                    continue
             if at > 0:
                 _take(problem, length, state, room, fine, output, row)
                 done += length
+                before = _stored(problem, state, room)
             if at < NEVER:
                 changes += 1
                 if changes > CHANGES:
                     return NOT_CONVERGED, used
                 if not _change(problem, state, room, i, kind, output.contact[row]):
                     return NOT_FINITE, used
+                before = _stored(problem, state, room)
         put_stage(room, ONE, output, row)
     room.newton.first[0] = 0.0
     return OK, max(used, 4)  # so that Newton's matrix is renewed
@@ -156,7 +186,7 @@ def in_pieces(
 @inner_kernel
 def _length(problem: Problem, state: State, room: Workspace, left: float) -> float:
     """Of the next piece [s]: all that is left of the half, or a whole part of it."""
-    pace = left
+    pace = min(left, state.ring[0])
     for n in range(problem.bent.size):
         i = problem.bent[n]
         if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
@@ -224,7 +254,7 @@ def _bend(problem: Problem, state: State, room: Workspace, i: int, length: float
     """Of coordinate i's acceleration in the stages, times their step's length, over its largest rate so far."""
     stage, nc = room.stage, problem.structure.carrier.shape[0]
     bend = abs(state.ddz[2, i - nc] - 2 * stage.ddz[0, i] + stage.ddz[1, i]) * length
-    rate = max(state.fastest[i], abs(stage.dz[1, i]))
+    rate = _fastest(state, room, i)
     return bend / rate if rate > 0 else 0.0
 
 
@@ -256,6 +286,49 @@ def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> 
         presses = abs(room.stage.zone[STOP_ZONE, i]) == PRESSED
         if presses and _bend(problem, state, room, i, length) * longer**3 < BEND:
             state.pace[i] *= 2
+
+
+@inner_kernel
+def _stored(problem: Problem, state: State, room: Workspace) -> float:
+    """Energy [J] at the start of a piece that is to keep the balance."""
+    start = room.start
+    if state.ring[0] == np.inf:
+        return 0.0
+    return stored(problem.bodies, problem.structure, state.p, state.dp, start.z, start.dz, room.stage.motion[1])
+
+
+@inner_kernel
+def _opened(problem: Problem, length: float, state: State, room: Workspace, fine: Fine, before: float) -> float:
+    """By how many times what it may a piece opens the energy balance, with the energy [J] before it."""
+    swing = 0.0
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        swing = max(swing, 0.5 * room.newton.mass[i, i] * _fastest(state, room, i) ** 2)
+    opened = abs(before + gap(_of_length(problem, length, fine), fine.drive, ONE, state, room))
+    return opened / (OPENED * swing) if opened > 0 else 0.0
+
+
+@inner_kernel
+def _fastest(state: State, room: Workspace, i: int) -> float:
+    """Rate of axis i so far [m/s or rad/s]."""
+    return max(state.fastest[i], abs(room.stage.dz[1, i]))
+
+
+@inner_kernel
+def _misses(problem: Problem, length: float, state: State, room: Workspace, fine: Fine, before: float, i: int) -> bool:
+    """Whether a piece that was to end where axis i's load jumps is too long for that, on a platform that rings."""
+    law, stage = problem.bodies.law, room.stage
+    if not (rings(problem) and jumps(law, i) and length > SHORTEST * problem.dt):
+        return False
+    zone = stage.zone[PTO_ZONE, i]
+    if zone == HELD:
+        load = stage.residual[1, i]
+        most = holding(law, i, 1 if load > 0 else -1)
+        missed = abs(abs(load) - most) > MISSED * most
+    else:
+        beyond = leaving(law, i, PTO_ZONE, zone, stage.z[1, i], stage.dz[1, i])
+        missed = abs(beyond) > MISSED * _fastest(state, room, i)
+    return missed or (state.ring[0] < np.inf and _opened(problem, length, state, room, fine, before) > 1)
 
 
 # ---- where a zone ends
@@ -331,6 +404,8 @@ def _change(problem: Problem, state: State, room: Workspace, i: int, kind: int, 
             if problem.bent[n] == i and old == OPEN:
                 contact[n, HITS] += 1
                 contact[n, RATE] = max(contact[n, RATE], abs(start.dz[i]))
+    if kind == PTO_ZONE and rings(problem) and jumps(law, i):
+        state.ring[0] = min(state.ring[0], 0.5 * problem.dt)
     if kind == PTO_ZONE and new == HELD:
         start.dz[i] = 0.0
         state.dz[i - nc] = 0.0
@@ -428,6 +503,7 @@ def _of_length(problem: Problem, length: float, fine: Fine) -> Problem:
         max(problem.tolerance * share, LEAST),
         problem.near / share,
         problem.iterations,
+        share <= SHORT,
     )
 
 

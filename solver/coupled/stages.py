@@ -28,6 +28,7 @@ class State(NamedTuple):
     zone: np.ndarray  # (2, nz) of the joints' laws, see joint_law
     held: np.ndarray  # (nz,) what holds an axis at rest [N or N m], in its zone HELD
     pace: np.ndarray  # (nz,) [s] in which an axis on its stop is followed now
+    ring: np.ndarray  # (1,) [s] in which modes are followed since a load jumped; infinite if they are not
     fastest: np.ndarray  # (nz,) rate of each so far [m/s or rad/s]
 
 
@@ -42,6 +43,9 @@ class Start(NamedTuple):
     z: np.ndarray  # (nz,) carriers, then joints
     dz: np.ndarray  # (nz,)
     velocity: np.ndarray  # (na,) of what radiates
+    anchor: np.ndarray  # (nz,) coordinates at which pressure there was evaluated
+    pressure: np.ndarray  # (nb, 6)
+    known: np.ndarray  # (1,) whether it has been
 
 
 class Stages(NamedTuple):

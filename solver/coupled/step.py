@@ -18,6 +18,7 @@ from solver.coupled.energy import (
     STRUCTURAL,
     WAVE,
     WORKS,
+    stored,
 )
 from solver.coupled.memory import Memory, memory_history, remember
 from solver.coupled.modal import Structure, drag, flexibility
@@ -103,6 +104,7 @@ class Problem(NamedTuple):
     tolerance: float  # of Newton's last update of any stage position [m or rad]
     near: float  # [m or rad] a stage may be from where its pressure and drag were evaluated, see NEAR
     iterations: int  # of Newton's method, at most
+    short: bool  # whether pressure at a step's middle is near the mean of that at its ends
 
 
 class Workspace(NamedTuple):
@@ -135,14 +137,23 @@ def new_problem(
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
     fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace)
-    return Problem(bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, NEAR * tolerance, iterations)
+    return Problem(
+        bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, NEAR * tolerance, iterations, False
+    )
 
 
 def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
     """Scratch for marches of these bodies and modes."""
     nz = bodies.mechanism.size
     return Workspace(
-        start=Start(np.empty(nz), np.empty(nz), np.empty(bodies.axes.size * bodies.active.size)),
+        start=Start(
+            np.empty(nz),
+            np.empty(nz),
+            np.empty(bodies.axes.size * bodies.active.size),
+            np.empty(nz),
+            np.empty((bodies.axes.size, 6)),
+            np.zeros(1, np.bool_),
+        ),
         stage=new_stages(bodies, structure.omega.size),
         newton=new_newton(nz),
         power=np.zeros((3, len(WORKS))),
@@ -249,13 +260,25 @@ def _go_on(part: np.ndarray) -> None:
 @kernel(inline="always")
 def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> None:
     """Pressure and drag where the stages are: expensive, and slowly varying."""
-    stage = room.stage
+    stage, between = room.stage, problem.short and room.start.known[0]
     stage.drag[:] = 0.0
-    for s in range(2):
+    for s in range(1 if between else 0, 2):
         copy(stage.z[s], stage.anchor[s])
         pressures(problem.bodies, stage.motion[s], drive.field[sample + s], room.pressure, stage.pressure[s])
+    if between:
+        _halfway(room.start, stage)
     water, power = drive.station[sample : sample + 2], room.power[1:, FRAME_DRAG]
     drag(problem.structure, water, stage.dp, stage.drag, room.flow, power)
+
+
+@kernel(inline="always")
+def _halfway(start: Start, stage: Stages) -> None:
+    """Pressure at a step's middle, from that at its ends."""
+    for i in range(stage.z.shape[1]):
+        stage.anchor[0, i] = 0.5 * (start.anchor[i] + stage.anchor[1, i])
+    for b in range(stage.pressure.shape[1]):
+        for i in range(6):
+            stage.pressure[0, b, i] = 0.5 * (start.pressure[b, i] + stage.pressure[1, b, i])
 
 
 @kernel(inline="always")
@@ -292,6 +315,16 @@ def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
 @inner_kernel
 def account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
     """Works by Simpson's rule over the step's three points."""
+    power_at(problem, drive, sample, state, room)
+    power = room.power
+    for i in range(state.work.size):
+        state.work[i] += problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
+    copy(power[2], state.power)
+
+
+@part_kernel
+def power_at(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
+    """Fill room.power, at the step's three points."""
     structure, stage, power = problem.structure, room.stage, room.power
     for s in range(2):
         inertia = structural = 0.0
@@ -302,9 +335,20 @@ def account_work(problem: Problem, drive: Drive, sample: int, state: State, room
         of_floats = powers(problem.bodies, coordinates(stage, s), stage.motion[s], stage.external[s], stage.memory[s])
         power[1 + s, WAVE], power[1 + s, RADIATION], power[1 + s, PTO], power[1 + s, JOINT_DAMPING] = of_floats
     copy(state.power, power[0])
-    for i in range(state.work.size):
-        state.work[i] += problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
-    copy(power[2], state.power)
+
+
+@inner_kernel
+def gap(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> float:
+    """Work [J] of the step that the stages hold, less the energy that is stored at its end."""
+    stage, power = room.stage, room.power
+    power_at(problem, drive, sample, state, room)
+    balance = 0.0
+    for i in range(len(WORKS)):
+        gained = i in (WAVE, FRAME_INERTIA, FRAME_DRAG)
+        work = problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
+        balance += work if gained else -work
+    end = stage.motion[1]
+    return balance - stored(problem.bodies, problem.structure, stage.p[1], stage.dp[1], stage.z[1], stage.dz[1], end)
 
 
 @part_kernel
@@ -347,6 +391,10 @@ def advance(problem: Problem, state: State, room: Workspace) -> None:
         state.fastest[i] = max(state.fastest[i], abs(stage.dz[1, i]))
     copy(stage.z[1], start.z)
     copy(stage.dz[1], start.dz)
+    start.known[0] = True
+    copy(stage.anchor[1], start.anchor)
+    for b in range(stage.pressure.shape[1]):
+        copy(stage.pressure[1, b], start.pressure[b])
     copy(start.z[nc:], state.z)
     copy(start.dz[nc:], state.dz)
     copy(stage.p[1], state.p)

@@ -207,6 +207,7 @@ class System:
             zone=zone,
             held=held,
             pace=self.pace,
+            ring=np.full(1, np.inf),
             fastest=np.zeros(nz),
         )
         state.energy[AT_START] = energy(body, self.structure, state)

@@ -6,16 +6,22 @@ extremes those that a narrow band is expected to have in a time T (Cartwright an
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
-from scipy.special import erf
+from scipy.special import erf, ndtr, ndtri
 
 from solver.keys import shared
+from solver.power_takeoff import PtoEfficiency
 from solver.statistics import moments
 
 EULER = 0.5772156649015329
 PHASES = 360  # at which a harmonic is looked at, and directions of an integral all round
 FIBRES = 36  # whose extremes are looked at
+POINTS = 2**14  # of a normal distribution of several variables, and as many opposite ones
+GAUSS = np.polynomial.legendre.leggauss(200)
+SIZES = 5 * (1 + GAUSS[0])  # of a rate over its std, up to 10
+WEIGHTS = 5 * GAUSS[1] * np.sqrt(2 / np.pi) * np.exp(-0.5 * SIZES**2)
 FAR = 8.0  # times its std: how far from zero a mean must be for the length of its vector to be nearly linear
 
 
@@ -63,6 +69,75 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
     peaks = 2 * np.max(cycles(power.sum(axis=0), omega**2 @ power, duration), initial=np.e)
     largest = min(mean + strongest * (2 * (np.log(peaks) + EULER) - 1), float(c @ np.sqrt(power).sum(axis=0) ** 2))
     return np.array([largest, 0.0, mean, np.hypot(mean, std), std])
+
+
+class Axes(NamedTuple):
+    """Of n axes, whose power take-offs bear c v + k y at rates v and positions y."""
+
+    damping: np.ndarray  # c (n,)
+    stiffness: np.ndarray  # k (n,)
+    level: np.ndarray  # ⟨y⟩ (n,)
+    position: np.ndarray  # (nw, n) lines of y - ⟨y⟩
+    rate: np.ndarray  # (nw, n)
+
+    def power(self, y: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Mechanical power (m, n) at samples y, v (m, n)."""
+        return (self.damping * v + self.stiffness * (self.level + y)) * v
+
+
+def electrical_table(efficiency: PtoEfficiency, axes: Axes, omega: np.ndarray, duration: float) -> np.ndarray:
+    """(5,) of Σ g(Pᵢ), Pᵢ = (cᵢvᵢ + kᵢyᵢ) vᵢ and g the efficiency of each axis, see PtoEfficiency.
+
+    The mean is that of each axis, see `_absorbed`; the std is that of POINTS of all positions and rates. Largest and
+    least are those of Σ Pᵢ, by its strongest principal part of either sign as in `power_table`, positions from their
+    means, with the loss that the sum would have.
+    """
+    c, k, V = axes.damping, axes.stiffness, axes.rate
+    if len(V) == 1:
+        return moments(efficiency.electrical(axes.power(_sampled(axes.position), _sampled(V))).sum(axis=1)[:, None])[0]
+    if not k.any():
+        return efficiency.generating * power_table(c, V, omega, duration)
+    both = np.concatenate([axes.position, V], axis=1)
+    S, n = covariance(both, both), c.size
+    y, v = np.split(_normal(S), 2, axis=1)
+    std = float(efficiency.electrical(axes.power(y, v)).sum(axis=1).std())
+    sigma = np.sqrt(np.diag(S))
+    absorbed, given = (
+        _absorbed(s * c * sigma[n:], np.abs(k) * sigma[:n], s * k * axes.level, sigma[n:]) for s in (1, -1)
+    )
+    mean = efficiency.generating * absorbed.sum() - given.sum() / efficiency.motoring
+    A = np.block([[np.zeros((n, n)), np.diag(k / 2)], [np.diag(k / 2), np.diag(c)]])
+    parts, power = np.linalg.eigvals(A @ S).real, np.abs(V) ** 2
+    peaks = 2 * np.max(cycles(power.sum(axis=0), omega**2 @ power, duration), initial=np.e)
+    ends = np.array([parts.max(), parts.min()])
+    high, low = efficiency.electrical(parts.sum() + ends * (2 * (np.log(peaks) + EULER) - 1))
+    return np.array([high, min(low, 0.0), mean, np.hypot(mean, std), std])
+
+
+def _absorbed(a: np.ndarray, s: np.ndarray, m: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """⟨P⁺⟩ (n,) of P = (a x + s ξ ± m) σx: loads a at a rate's std σ, of a position's std s and of its mean m (n,).
+
+    Given |x|, with either sign of x, the load along it is Gaussian of mean w = a|x| ± m and std s, and what it is
+    above zero is w Φ(w/s) + s φ(w/s) in the mean; x and ξ are independent, as a position and its rate are. Without m:
+    ½(E|P| + E P), E|P| = (2/π) σ_f σ ((1 - ρ²)^½ + ρ asin ρ).
+    """
+    x = SIZES[:, None]
+    total = np.zeros(a.size)
+    for w in (a * x + m, a * x - m):
+        ratio = np.divide(w, s, out=np.copysign(np.inf, w), where=s > 0)
+        above = w * ndtr(ratio) + s * np.exp(-0.5 * ratio**2) / np.sqrt(2 * np.pi)
+        total += 0.5 * rate * (WEIGHTS @ (x * above))
+    return total
+
+
+def _normal(S: np.ndarray) -> np.ndarray:
+    """(2 POINTS, n) of covariance S (n, n): an additive recurrence (Roberts 2018), and its opposite."""
+    n = len(S)
+    root = np.roots([1, *np.zeros(n - 1), -1, -1]).real.max()  # of x**(n + 1) = x + 1
+    even = np.modf(0.5 + np.outer(np.arange(1, POINTS + 1), root ** -np.arange(1.0, n + 1)))[0]
+    size, axes = np.linalg.eigh(S)
+    points = ndtri(even) @ (axes * np.sqrt(size.clip(min=0.0))).T
+    return np.concatenate([points, -points])
 
 
 def compression_table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:

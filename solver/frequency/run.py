@@ -102,10 +102,26 @@ def _of_squares(case: Case, response: Response, frame: Forces) -> Iterator[tuple
         owned = [channels.owner == b for b in range(len(scene.floats))]
         powers = [gaussian.power_table(pto[i], rates[:, i], omega, case.duration) for i in owned]
         yield "absorbed_power", np.array(powers)
+        if any(f.pto_efficiency for f in scene.floats):
+            yield "electrical_power", np.array(list(_electrical(case, response, owned)))
     if channels.steel is not None and channels.legs is not None:
         level, lines = (channels.steel.compression(y)[:, channels.legs.first] for y in frame)
         of_legs = gaussian.compression_table(level[0], lines, omega, case.duration)
         yield "bottom_stress", of_legs[channels.legs.twin]
+
+
+def _electrical(case: Case, response: Response, owned: list[np.ndarray]) -> Iterator[np.ndarray]:
+    """Statistics of each float's electrical power; NaN of those without an efficiency."""
+    scene, joints = case.system.scene, _joints(case, response)
+    level = (case.system.equilibrium[0] + case.model.shape @ response.mean.x)[-joints.shape[1] :]
+    rates = -1j * case.omega[:, None] * joints
+    for f, i in zip(scene.floats, owned, strict=True):
+        if f.pto_efficiency is None:
+            yield np.full(len(STATISTICS), np.nan)
+            continue
+        law = response.pto[i], f.per_axis("pto_stiffness")
+        axes = gaussian.Axes(*law, level[i], joints[:, i], rates[:, i])
+        yield gaussian.electrical_table(f.pto_efficiency, axes, case.omega, case.duration)
 
 
 def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:

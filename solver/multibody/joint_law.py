@@ -170,6 +170,12 @@ def holding(law: JointLaw, i: int, sense: int) -> float:
 
 
 @kernel(inline="always")
+def jumps(law: JointLaw, i: int) -> bool:
+    """Whether the load jumps where the power take-off leaves a zone: one that holds at rest, or lets go."""
+    return holding(law, i, 1) > 0 or holding(law, i, -1) > 0 or law.declutch_load[i] < np.inf
+
+
+@kernel(inline="always")
 def _turns_at_rest(law: JointLaw, i: int) -> bool:
     """Whether the law is another for each sense of motion, or holds the axis between them."""
     return law.coulomb[i] > 0 or law.one_way[i] != 0 or law.latch_load[i] > 0

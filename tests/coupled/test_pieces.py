@@ -15,7 +15,7 @@ from solver.coupled import assembly
 from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
 from solver.coupled.pieces import _fill_memory, _sample, new_fine
-from solver.coupled.step import HITS, HOLDS, LOAD, RATE, Drive
+from solver.coupled.step import HITS, HOLDS, LOAD, RATE, Drive, _halfway, new_workspace
 from solver.coupled.system import blocks, energy_residual, prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -224,6 +224,17 @@ def test_ringing_after_hits_leaves_newton_within_its_tolerance():
         motions.append(run.y[2 * every - 1 :: 2 * every])
     usual, tight, finer = motions
     assert np.abs(usual - tight).max() < 0.01 * np.abs(finer - tight).max()
+
+
+def test_at_a_short_piece_s_middle_pressure_is_between_that_of_its_ends():
+    system = prepare(*SCENES["unequal_legs"]())
+    room, dice = new_workspace(system.bodies, system.structure), np.random.default_rng(3)
+    ends = [(room.start.anchor, room.stage.anchor), (room.start.pressure, room.stage.pressure)]
+    for part in sum(ends, ()):
+        part[:] = dice.normal(size=part.shape)
+    _halfway(room.start, room.stage)
+    for before, after in ends:
+        assert after[0] == approx((before + after[1]) / 2)
 
 
 def test_the_memory_of_a_piece_is_that_of_a_step():

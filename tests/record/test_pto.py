@@ -8,6 +8,7 @@ import pytest
 from pytest import approx
 
 from solver.errors import InputError, SimulationFailed
+from solver.frequency import gaussian
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.power_takeoff import PtoEfficiency
@@ -108,6 +109,62 @@ def test_electrical_power_of_a_harmonic_is_its_closed_form():
     assert a == approx(b, rel=2e-3)
 
 
+def test_electrical_power_in_the_frequency_domain_is_that_of_the_march():
+    """Of a wave to the time domain's own error, extremes too."""
+    law, efficiency = reactive(), PtoEfficiency(generating=0.9, motoring=0.7)
+    law["pto_stiffness"] *= 0.5
+    time, frequency = (
+        simulate(scene(ball(**law, pto_efficiency=efficiency), **method), coefficients())
+        for method in ({}, {"method": "frequency"})
+    )
+    assert time.variables["electrical_power"][0] == frequency.variables["electrical_power"][0]
+    a, b = (record.variables["electrical_power"][1][0] for record in (time, frequency))
+    assert a == approx(b, abs=5e-3 * np.abs(b).max())
+
+
+def axes_at_work(dampers, stiffness, level):
+    """Two axes that go together in 40 waves, and the waves' frequencies."""
+    dice, omega = np.random.default_rng(5), np.linspace(0.5, 1.5, 40)
+    lines = dice.normal(size=(40, 2, 2)) @ [1.0, 1j] * [0.1, 0.3] @ [[1.0, 0.5], [0.0, 1.0]]
+    position = lines * np.exp(-8 * (omega - 1.0) ** 2)[:, None]
+    return gaussian.Axes(*map(np.array, (dampers, stiffness, level)), position, -1j * omega[:, None] * position), omega
+
+
+@pytest.mark.parametrize("level", [(0.0, 0.0), (0.4, -0.2)])
+def test_expected_electrical_power_of_several_axes_is_that_of_many_records(level):
+    """Phases at random: 1e5 instants, whose mean is within 1 %, std within 2 %."""
+    axes, omega = axes_at_work((2.0, 0.7), (-3.0, 1.5), level)
+    efficiency = PtoEfficiency(generating=0.85, motoring=0.6)
+    table = gaussian.electrical_table(efficiency, axes, omega, 3600.0)
+    dice = np.random.default_rng(1)
+    turned = np.exp(2j * np.pi * dice.random((100_000, 40)))
+    y, v = ((turned @ lines).real for lines in (axes.position, axes.rate))
+    power = efficiency.electrical((axes.damping * v + axes.stiffness * (axes.level + y)) * v).sum(axis=1)
+    largest, least, mean, rms, std = table
+    assert (mean, std) == (approx(power.mean(), abs=0.01 * std), approx(power.std(), rel=0.02))
+    assert rms == approx(np.hypot(mean, std), rel=1e-12)
+    if not any(level):  # of 1e3 cycles: beyond almost all instants, and within what all waves in phase give
+        assert np.quantile(power, 0.999) < largest < 1.5 * power.max()
+        assert 1.5 * power.min() < least < np.quantile(power, 0.001)
+
+
+def test_expected_electrical_power_of_one_axis_is_its_closed_form():
+    """½(1 ± ρ') of E|f v| = (2/π) σ_f σ_v ((1 - ρ²)^½ + ρ asin ρ), ρ = cσ_v/σ_f; of a damper η times the mechanical."""
+    efficiency = PtoEfficiency(generating=0.85, motoring=0.6)
+    for k in (-3.0, -0.2, 8.0):
+        axes, omega = axes_at_work((2.0, 1e-9), (k, 0.0), (0.0, 0.0))
+        mean = gaussian.electrical_table(efficiency, axes, omega, 3600.0)[2]
+        y, v = (np.sqrt(0.5 * np.sum(np.abs(lines[:, 0]) ** 2)) for lines in (axes.position, axes.rate))
+        f = np.hypot(2.0 * v, k * y)
+        rho = 2.0 * v / f
+        size = 2 / np.pi * f * v * (np.sqrt(1 - rho**2) + rho * np.arcsin(rho))
+        whole = 2.0 * v**2
+        assert mean == approx(0.85 * (size + whole) / 2 - (size - whole) / 2 / 0.6, rel=1e-6)
+    axes, omega = axes_at_work((2.0, 0.7), (0.0, 0.0), (0.1, 0.0))
+    mechanical = gaussian.power_table(axes.damping, axes.rate, omega, 3600.0)
+    assert gaussian.electrical_table(efficiency, axes, omega, 3600.0) == approx(0.85 * mechanical)
+
+
 def test_the_force_is_that_of_the_law_in_time_and_in_frequency():
     law = reactive() | {"preload": 3e4}
     law["pto_stiffness"] *= 0.3
@@ -161,5 +218,3 @@ def test_control_that_lets_a_float_fall_away_or_has_no_meaning_is_refused():
         ball(pto_stiffness=1.0, force_limit=1e3)
     with pytest.raises(InputError, match=r"floats.ball.pto_efficiency.motoring = 1.1: must be <= 1"):
         ball(pto_efficiency=PtoEfficiency(motoring=1.1))
-    with pytest.raises(InputError, match=r'floats.ball.pto_efficiency = .*: needs method = "time"'):
-        scene(ball(pto_efficiency=PtoEfficiency()), method="frequency")
