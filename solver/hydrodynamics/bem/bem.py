@@ -52,7 +52,6 @@ RESOLVED = 2.0
 # they are not, of the coefficient, for each time that a panel is as wide as the part is thick. Measured on heave plates
 # of 1/20 to 1/150 of their radius, from the finest to the coarsest meshes.
 ALIKE_PLATES, UNLIKE_PLATES = 4.0, 0.02
-STRETCH = 1.5  # each step over the last, where frequencies serve the memory's first moments alone
 FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
 
@@ -82,11 +81,9 @@ def frequency_grid(
     """Frequencies [rad/s] from Ka = 0.02 (or kh = 0.11) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
 
     None above that, not of the band, which meshes of about `panels` a body do not resolve: RESOLVED.
-    As far apart as `count` even ones up to Ka = 2 and through the band. Above that they serve the memory's first
-    moments alone, and steps grow: STRETCH. A wave reflected between bodies L apart turns the phase of a force
-    by 2kL: up to there a step is 1 rad of that at most within the band, g/(4ωL), and 2 rad above it, where no wave's
-    force is asked for and the memory's poles tell what is between. Without interaction none is reflected. Hulls with
-    heave plates have some moved by 0.3 % at most: see `clear`.
+    `count` even ones for a body alone. A wave reflected between bodies L apart turns the phase
+    of a force by 2kL: the spacing is then at most g/(4ωL), 1 rad, up to Ka = 2 and through the band. Without
+    interaction none is. Hulls with heave plates have some moved by 0.3 % at most: see `clear`.
     """
     radii = [h.largest_radius for h in hulls]
     shallow = 1.001 * np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
@@ -99,9 +96,8 @@ def frequency_grid(
     apart = np.linalg.norm(at[:, None] - at, axis=-1).max() if interaction else 0.0
     # Grid points divide the integral of their density evenly, so that the spacing varies smoothly.
     omega = np.linspace(low, high, 4001)
-    density = 1 / ((high - low) / (count - 1) + np.log(STRETCH) * np.maximum(omega - resolved, 0.0))
-    turn = np.where(omega > (band[1] if band else resolved), 2.0, 1.0)
-    density = np.maximum(density, 4 * apart / (turn * gravity) * omega / (1 + (omega / resolved) ** 16))
+    density = (count - 1) / (high - low) + 0.0 * omega
+    density = np.maximum(density, 4 * apart / gravity * omega / (1 + (omega / resolved) ** 16))
     index = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(omega))])
     grid = np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1] - 1e-6)) + 1), index, omega)
     return clear(grid, hulls, depth, gravity)

@@ -14,7 +14,6 @@ from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.hydrodynamics.radiation.memory import USUAL
 
 REFERENCE = Path(__file__).parents[2] / "published"
 FLOAT = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
@@ -294,45 +293,12 @@ def test_frequencies_that_alias_what_bodies_reflect_are_told_from_others():
 
 def test_the_grid_covers_the_band_and_resolves_reflections():
     alone = bem.frequency_grid((FLOAT,), [[0, 0, 0]], depth=np.inf)
-    step, even = np.diff(alone), np.diff(np.sqrt(np.array([0.02, 10]) * G))[0] / 39
-    assert alone[[0, -1]] == pytest.approx(np.sqrt(np.array([0.02, 10]) * G))
-    assert step[alone[1:] < np.sqrt(2 * G)] == pytest.approx(even, rel=0.05)
-    grown = step[alone[:-1] > np.sqrt(2 * G)]
-    assert grown[1:] / grown[:-1] == pytest.approx(1.5, abs=0.1) and len(grown) > 4
+    assert alone == pytest.approx(np.linspace(np.sqrt(0.02 * G), np.sqrt(10 * G), 40))
     grid = bem.frequency_grid((FLOAT, FLOAT), PAIR, depth=50.0, band=(0.3, 6.0))
+    step = np.diff(grid)
     assert grid[0] == 0.3 and grid[-1] == pytest.approx(alone[-1])
-    assert largest_turn(grid, 0.3, 5.0) < 1.1
-    grid = bem.frequency_grid((FLOAT, FLOAT), PAIR, depth=50.0, band=(0.3, 3.0))
-    assert largest_turn(grid, 0.3, 3.0) < 1.1 and 1.5 < largest_turn(grid, 3.0, 4.0) < 2.2
+    assert np.all(step[grid[1:] < 5.0] * 4 * grid[1:][grid[1:] < 5.0] * 7.72 / G < 1.1)
     assert bem.frequency_grid((FLOAT,), [[0, 0, 0]], depth=1.5)[0] ** 2 / G * 1.5 > 0.01  # kh > 0.1
-
-
-def largest_turn(grid, low, high):
-    """By what the wave to the pair's other body and back turns at most from one frequency to the next [rad]."""
-    inside = grid[(grid >= low) & (grid <= high)]
-    return np.diff(2 * 7.72 * inside**2 / G).max()
-
-
-def test_above_the_waves_fewer_frequencies_tell_as_much():
-    """A pair in swell whose band ends far below the frequencies of their own: up to these half-way between those
-    solved for, where curves err most, impedances keep within the memory's tolerance, and forces in the band.
-    """
-    grid, most = bem.frequency_grid((FLOAT, FLOAT), PAIR, depth=np.inf, band=(0.4, 1.2)), np.sqrt(2 * G)
-    assert len(grid) < 0.7 * len(bem.frequency_grid((FLOAT, FLOAT), PAIR, depth=np.inf))
-    middle = ((grid[1:] + grid[:-1]) / 2)[::2]
-    middle = middle[middle < most]
-    run = partial(solve, (FLOAT, FLOAT), PAIR, depth=np.inf, panels=SMALL)
-    known, exact = run(omega=grid, waves_to=1.2), run(omega=middle)
-    moving = np.array([0, 1, 3, 4])  # a sphere that turns radiates nothing
-    radiated = exact.radiation_damping - 1j * middle[:, None, None] * (exact.added_mass - exact.added_mass_inf)
-    size = np.sqrt(np.abs(np.einsum("wii->wi", radiated)).max(axis=0))[moving]
-    off = known.impedance(middle) - exact.radiation_damping + 1j * middle[:, None, None] * exact.added_mass
-    # Measured 4e-3; 6e-2 where a step turns what they reflect by 3 rad.
-    assert np.abs(off[:, moving[:, None], moving] / np.outer(size, size)).max() < USUAL
-    waves = middle < 1.2
-    force = exact.diffraction[:, moving]
-    off = known.excitation(middle[waves], "diffraction")[:, moving] - force[waves]
-    assert np.abs(off / np.abs(force).max(axis=0)).max() < 2e-3
 
 
 def test_a_smooth_curve_has_nothing_of_what_rings_however_uneven_the_frequencies():
