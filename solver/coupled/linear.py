@@ -80,7 +80,7 @@ class LinearModel:
         active: which of the six motions of a float radiate.
         """
         (_, nb, _, n), rate, total = self.wrench.shape, -1j * omega, pushed.copy()
-        parts = real_by_complex(np.concatenate([self.wrench.reshape(-1, n), self.active]), X.T)
+        parts = real_by_complex(np.concatenate([self.wrench.reshape(18 * nb, n), self.active]), X.T)
         held, damped, pulled = parts[: 18 * nb].reshape(3, nb, 6, omega.size)
         radiated = Y @ (rate * parts[18 * nb :]).T[..., None]
         total[..., active] -= radiated.reshape(total[..., active].shape)
