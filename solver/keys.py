@@ -1,6 +1,6 @@
-"""Arrays as keys of caches: what is made of the same bits is made once."""
+"""What is the same is made, or looked at, once: arrays as keys of caches, the first of things that are alike."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -49,3 +49,11 @@ def shared(array: np.ndarray) -> np.ndarray:
     """The array, which nobody may write to any more: others have it, too."""
     array.setflags(write=False)
     return array
+
+
+def firsts(count: int, alike: Callable[[int, int], bool]) -> np.ndarray:
+    """(count,) of each of so many things the first one that it is like, maybe itself, by alike(first, other)."""
+    found = np.arange(count)
+    for j in range(count):
+        found[j] = next((i for i in range(j) if found[i] == i and alike(i, j)), j)
+    return found

@@ -69,13 +69,11 @@ def pytest_collection_modifyitems(config, items):
     Three workers begin with a third each: one of these with what compiles the time loop, the others with what needs
     none, and would wait for it.
     """
-    begin: list[list] = [[] for _ in BEGIN]
-    others = []
+    begin, others = [[] for _ in BEGIN], []
     for item in items:
         path = item.path.as_posix()
-        next(
-            (part for part, folders in zip(begin, BEGIN, strict=True) if any(f in path for f in folders)), others
-        ).append(item)
+        rank = next((n for n, folders in enumerate(BEGIN) if any(f in path for f in folders)), None)
+        (others if rank is None else begin[rank]).append(item)
     third = -(-len(items) // len(begin))
     for part in begin:
         part += [others.pop(0) for _ in range(min(len(others), third - len(part)))]

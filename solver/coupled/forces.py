@@ -11,6 +11,7 @@ import numpy as np
 from scipy import linalg
 from scipy.spatial import cKDTree
 
+from solver.keys import firsts
 from solver.sea.field import ROUNDING
 from solver.structure import recovery, water
 from solver.structure.frame import Member
@@ -109,18 +110,14 @@ class Places:
         columns = self.split(np.arange(maps.shape[1])[None])
         each = [columns.along[0][slice(*ends)] for ends in pairwise([0, *np.cumsum(self.points)])]
         makes = [(m.section, m.material, frame.buckling_length(m), m.moment_factor) for m in self.tubes]
-        first: list[int] = []
-        twin = np.zeros(len(self.checked), int)
-        for k, (make, along, shear) in enumerate(zip(makes, each, columns.shear[0], strict=True)):
-            for place, other in enumerate(first):
-                pairs = (along, each[other]), (shear, columns.shear[0][other])
-                if make == makes[other] and all(_mirrored(maps, *pair) for pair in pairs):
-                    twin[k] = place
-                    kept[along], kept[shear] = False, False
-                    break
-            else:
-                twin[k] = len(first)
-                first.append(k)
+        both = (each, columns.shear[0])
+        like = firsts(
+            len(makes),
+            lambda i, k: makes[i] == makes[k] and all(_mirrored(maps, part[i], part[k]) for part in both),
+        )
+        first, twin = np.unique(like, return_inverse=True)
+        for k in np.setdiff1d(np.arange(like.size), first):
+            kept[each[k]], kept[columns.shear[0][k]] = False, False
         return replace(self, twin=twin, points=self.points[first]), kept
 
 

@@ -1,12 +1,12 @@
 """Fatigue of signed stress: rainflow of samples (ASTM E1049), Dirlik's ranges of a Gaussian process, Miner's sum."""
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 import rainflow
 from scipy.special import gamma, gammainc, gammaincc
 
+from solver.keys import firsts
 from solver.record.sn_curves import MPA, curve
 from solver.scene import Fatigue
 
@@ -66,19 +66,15 @@ def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: F
     return Damage(per_hour, equivalent, tuple(failed))
 
 
-def _twins(x: np.ndarray) -> Iterator[int]:
-    """Of each column of x (m, n) the first that it differs from by no more than rounding, maybe itself."""
+def _twins(x: np.ndarray) -> np.ndarray:
+    """(n,) of each column of x (m, n) the first that it differs from by no more than rounding, maybe itself."""
     size, some = np.abs(x).max(axis=0, initial=0.0), slice(None, None, len(x) // 16 + 1)
-    first: list[int] = []
 
     def alike(i: int, j: int) -> bool:
-        return all(np.abs(x[rows, i] - x[rows, j]).max() <= SAME * size[j] for rows in (some, slice(None)))
+        rows = (some, slice(None))  # most that differ do so in a few samples
+        return size[j] < np.inf and all(np.abs(x[at, i] - x[at, j]).max() <= SAME * size[j] for at in rows)
 
-    for j in range(x.shape[1]):
-        found = next((i for i in first if alike(i, j)), j) if size[j] < np.inf else j
-        if found == j and size[j] < np.inf:
-            first.append(j)
-        yield found
+    return firsts(x.shape[1], alike)
 
 
 def of_lines(X: np.ndarray, omega: np.ndarray, thickness: np.ndarray, how: Fatigue) -> Damage:

@@ -9,6 +9,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.kernels import fast_lean_kernel
+from solver.keys import firsts
 from solver.statistics import vertex
 from solver.structure import recovery, water
 from solver.structure.frame import COINCIDENT
@@ -199,21 +200,14 @@ def _grid(legs: list[_Leg]) -> np.ndarray:
 
 def _alike(legs: list[_Leg]) -> tuple[list[_Leg], np.ndarray, np.ndarray]:
     """The legs that respond differently; which of them each leg responds like; which legs are mirrored."""
-    distinct: list[_Leg] = []
-    twin, mirrored = np.zeros(len(legs), int), np.zeros(len(legs), bool)
     close = SAME * max(np.abs(leg.displacement).max() for leg in legs)
-    for i, leg in enumerate(legs):
-        for place, other in enumerate(distinct):
-            if not _same_make(leg, other):
-                continue
-            same = _within(leg.displacement, other.displacement, close)
-            if same or _within(leg.displacement, other.displacement * MIRROR[:, None], close):
-                twin[i], mirrored[i] = place, not same
-                break
-        else:
-            twin[i] = len(distinct)
-            distinct.append(leg)
-    return distinct, twin, mirrored
+
+    def same(i: int, j: int, seen: np.ndarray | float = 1.0) -> bool:
+        return _within(legs[j].displacement, legs[i].displacement * seen, close)
+
+    like = firsts(len(legs), lambda i, j: _same_make(legs[j], legs[i]) and (same(i, j) or same(i, j, MIRROR[:, None])))
+    first, twin = np.unique(like, return_inverse=True)
+    return [legs[i] for i in first], twin, np.array([not same(i, j) for j, i in enumerate(like)])
 
 
 def _same_make(leg: _Leg, other: _Leg) -> bool:
