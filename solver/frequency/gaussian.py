@@ -66,9 +66,14 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
     mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2))
     strongest = principal.max(initial=0.0)
     power = V.real**2 + V.imag**2
-    peaks = 2 * np.max(cycles(power.sum(axis=0), omega**2 @ power, duration), initial=np.e)
-    largest = min(mean + strongest * (2 * (np.log(peaks) + EULER) - 1), float(c @ np.sqrt(power).sum(axis=0) ** 2))
+    largest = min(mean + strongest * _beyond(power, omega, duration), float(c @ np.sqrt(power).sum(axis=0) ** 2))
     return np.array([largest, 0.0, mean, np.hypot(mean, std), std])
+
+
+def _beyond(power: np.ndarray, omega: np.ndarray, duration: float) -> float:
+    """Of the strongest part, its largest expected over a time, less its mean; power: squared lines (nw, n)."""
+    peaks = 2 * np.max(cycles(power.sum(axis=0), omega**2 @ power, duration), initial=np.e)
+    return float(2 * (np.log(peaks) + EULER) - 1)
 
 
 class Axes(NamedTuple):
@@ -107,10 +112,9 @@ def electrical_table(efficiency: PtoEfficiency, axes: Axes, omega: np.ndarray, d
     )
     mean = efficiency.generating * absorbed.sum() - given.sum() / efficiency.motoring
     A = np.block([[np.zeros((n, n)), np.diag(k / 2)], [np.diag(k / 2), np.diag(c)]])
-    parts, power = np.linalg.eigvals(A @ S).real, np.abs(V) ** 2
-    peaks = 2 * np.max(cycles(power.sum(axis=0), omega**2 @ power, duration), initial=np.e)
-    ends = np.array([parts.max(), parts.min()])
-    high, low = efficiency.electrical(parts.sum() + ends * (2 * (np.log(peaks) + EULER) - 1))
+    parts = np.linalg.eigvals(A @ S).real
+    ends = np.array([parts.max(), parts.min()]) * _beyond(V.real**2 + V.imag**2, omega, duration)
+    high, low = efficiency.electrical(parts.sum() + ends)
     return np.array([high, min(low, 0.0), mean, np.hypot(mean, std), std])
 
 
