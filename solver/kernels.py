@@ -126,7 +126,8 @@ fast_kernel: Compiler = partial(njit, **COMMON, _nrt=True, fastmath=FAST)
 lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False)
 fast_lean_kernel: Compiler = partial(njit, **COMMON, _nrt=False, fastmath=FAST)
 # One that no other kernel calls: such a call would end in numba's error of a symbol that is not there.
-whole_kernel: Compiler = partial(lean_kernel, pipeline_class=_WholeCompiler)
+whole_kernel: Compiler = partial(kernel, pipeline_class=_WholeCompiler)
+whole_lean_kernel: Compiler = partial(lean_kernel, pipeline_class=_WholeCompiler)
 # Of those that only other kernels call, no door from Python is made (so a call from there crashes): with a march's
 # hundred arrays it would take five seconds of the compiler, ten times what the rest of a short kernel takes.
 inner_kernel: Compiler = partial(njit, **COMMON, _nrt=False, no_cpython_wrapper=True, pipeline_class=_PartCompiler)

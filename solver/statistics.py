@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solver.kernels import lean_kernel
+from solver.kernels import lean_kernel, whole_lean_kernel
 
 STATISTICS = ("max", "min", "mean", "rms", "std")
 FAINT = 1e-3  # share of the largest of its kind below which a channel counts as zero
@@ -73,7 +73,7 @@ def vertex(older: float, old: float, new: float) -> float:
     return top if top * old > 0 else 0.0
 
 
-@lean_kernel
+@whole_lean_kernel
 def _extremes(block: np.ndarray, last: np.ndarray, high: np.ndarray, low: np.ndarray) -> None:
     """Update high and low (n,) with the next samples; `last` (2, n) holds the two before them."""
     for i in range(block.shape[0]):

@@ -4,7 +4,7 @@ import numpy as np
 
 from solver.coupled.modal import Structure, carry
 from solver.coupled.stages import State
-from solver.kernels import kernel, lean_kernel, part_kernel
+from solver.kernels import lean_kernel, part_kernel, whole_kernel
 from solver.multibody.minimal import Bodies, Motion, move, new_motion, stored_energy
 
 # Work [J] of: pressure and excitation, radiation memory, PTO, other losses of the joints,
@@ -33,7 +33,7 @@ def stored(
     return total
 
 
-@kernel
+@whole_kernel
 def energy(bodies: Bodies, structure: Structure, state: State) -> float:
     """Stored energy [J] of floats and modes, radiation memory excluded."""
     nc, nz = structure.carrier.shape[0], bodies.mechanism.size

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.errors import SimulationFailed
-from solver.kernels import lean_kernel
+from solver.kernels import whole_lean_kernel
 from solver.multibody.joint_law import zones_at_rest
 from solver.multibody.minimal import (
     Bodies,
@@ -57,7 +57,7 @@ def balance(
     return out.residual.reshape(z.shape), out.wrench.reshape(*z.shape[:-1], nb, 6)
 
 
-@lean_kernel
+@whole_lean_kernel
 def _balances(
     body: Bodies,
     states: Coordinates,

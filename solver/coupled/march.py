@@ -22,7 +22,7 @@ from solver.coupled.step import (
     rings,
     within,
 )
-from solver.kernels import kernel, whole_kernel
+from solver.kernels import kernel, whole_lean_kernel
 from solver.multibody.minimal import move
 
 REFRESH = 8  # steps that share Newton's matrix while it serves
@@ -30,7 +30,7 @@ WATCH = 8  # steps after which the energy balance is looked at
 GROSSLY = 0.1  # of the wave's work, by which the energy balance is never open
 
 
-@whole_kernel
+@whole_lean_kernel
 def march(
     problem: Problem, drive: Drive, state: State, room: Workspace, fine: Fine | None, quiet: int, output: Output
 ) -> tuple[int, int, int]:

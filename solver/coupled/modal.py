@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.scheme import AA, A
-from solver.kernels import fast_lean_kernel, kernel, lean_kernel
+from solver.kernels import fast_lean_kernel, kernel, lean_kernel, whole_kernel
 
 
 class Structure(NamedTuple):
@@ -68,7 +68,7 @@ def _relative_drag(size: np.ndarray, water: np.ndarray, flow: np.ndarray) -> flo
     return power
 
 
-@kernel
+@whole_kernel
 def flexibility(structure: Structure, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """D⁻¹ (nm, 2, 2) of each mode's stages and H (2, nc, 2, nc) of the carriers.
 

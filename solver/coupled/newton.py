@@ -8,7 +8,7 @@ from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure
 from solver.coupled.scheme import AA, A
 from solver.coupled.stages import Stages
-from solver.kernels import fast_lean_kernel, inner_kernel, kernel, lean_kernel, part_kernel
+from solver.kernels import fast_lean_kernel, inner_kernel, kernel, lean_kernel, part_kernel, whole_kernel
 from solver.multibody.joint_law import HELD, PTO_ZONE, STOP_ZONE, add_coupled_damping, axis_damping, tangent
 from solver.multibody.minimal import Bodies, Motion, mass_matrix, move, new_motion, project_active
 
@@ -87,7 +87,7 @@ def substitute(K: np.ndarray, pivot: np.ndarray, b: np.ndarray) -> None:
         b[k] = total / K[k, k]
 
 
-@kernel
+@whole_kernel
 def constant_part(bodies: Bodies, memory: Memory, stiffness: np.ndarray, dt: float, constant: np.ndarray) -> None:
     """Stage loads from stage accelerations (2nz, 2nz) of all but the mass, at rest.
 

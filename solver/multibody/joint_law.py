@@ -30,7 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import erf
 
-from solver.kernels import kernel, lean_kernel
+from solver.kernels import kernel, whole_lean_kernel
 from solver.multibody.load_table import (
     Tables,
     beyond_piece,
@@ -350,7 +350,7 @@ def joint_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> JointLoads:
     return loads
 
 
-@lean_kernel
+@whole_lean_kernel
 def _fill(law: JointLaw, y: np.ndarray, dy: np.ndarray, loads: JointLoads) -> None:
     for s in range(y.shape[0]):
         for i in range(y.shape[1]):
