@@ -159,11 +159,7 @@ class Case:
     @cached_property
     def equation(self) -> Condensed:
         """Without dampers."""
-        return self._equation(self.impedance)
-
-    def _equation(self, Y: np.ndarray) -> Condensed:
-        """With a radiation impedance (nw, na, na)."""
-        return Condensed(self.model, self.omega, Y, self.drag_at_rest[1])
+        return Condensed(self.model, self.omega, self.impedance, self.drag_at_rest[1])
 
     @cached_property
     def shifted(self) -> tuple[Condensed, np.ndarray] | None:
@@ -172,7 +168,7 @@ class Case:
         if h is None or h.shifted is h:
             return None
         force = force_of_waves(system, h.shifted)[self.met]
-        return self._equation(impedance(system, h.shifted, self.omega)), np.ascontiguousarray(force.T)
+        return self.equation.radiating(impedance(system, h.shifted, self.omega)), np.ascontiguousarray(force.T)
 
     @property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:

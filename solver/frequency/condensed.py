@@ -1,9 +1,12 @@
 """The linear model's equation in the joints and the modes that waves and drag excite; the others only follow."""
 
+from copy import copy
+
 import numpy as np
 
 from solver.coupled.linear import LinearModel
 from solver.coupled.support import real_by_complex
+from solver.kernels import kernel, whole_kernel
 
 STIFF = 2.0  # times the fastest wave's frequency: modes above may follow
 WEAK = 0.05  # share that drag has, at most, in what holds all of them together
@@ -21,47 +24,121 @@ class Condensed:
 
     def __init__(self, model: LinearModel, omega: np.ndarray, Y: np.ndarray, drag: np.ndarray):
         """Y (nw, na, na): radiation impedance; drag (nm, nm): damping of the modes."""
-        nm, d, L = model.modes.shape[1], model.of_modes(omega), model.of_floats(omega, Y)
+        nm, d = model.modes.shape[1], model.of_modes(omega)
         stiff = _stiff(model.modes[0], omega.max(), drag)
-        self.omega = omega
+        self.model, self.omega = model, omega
         self.stiff = np.concatenate([stiff, np.zeros(len(model.mass) - nm, bool)])
         self.kept = np.ix_(~self.stiff, ~self.stiff)
-        self.S, self.T = model.shape[:, self.stiff], model.shape[:, ~self.stiff]
-        flexibility = 1 / d[:, stiff]
-        (ns, nz), nw = (int(stiff.sum()), len(self.S)), len(omega)
-        carriers = self.S[: nz - (len(model.mass) - nm)]  # which alone the modes move
+        self.S, self.T = (np.ascontiguousarray(model.shape[:, which]) for which in (self.stiff, ~self.stiff))
+        flexibility, self.soft = 1 / d[:, stiff], d[:, ~stiff]
+        carriers = self.S[: len(self.S) - (len(model.mass) - nm)]  # which alone the modes move
         nc = len(carriers)
-        followed = (flexibility @ (carriers[:, None] * carriers).reshape(nc * nc, ns).T).reshape(nw, nc, nc)
-        given, self.load = L[:, :, :nc] @ followed, L.copy()
+        pairs = (carriers[:, None] * carriers).reshape(nc * nc, self.S.shape[1])
+        self.followed = (flexibility @ pairs.T).reshape(len(omega), nc, nc)
+        self.flexibility = np.ascontiguousarray(flexibility.T)
+        self._radiate(Y)
+
+    def _radiate(self, Y: np.ndarray) -> None:
+        L, T, nc = self.model.of_floats(self.omega, Y), self.T, self.followed.shape[1]
+        given, self.load = L[:, :, :nc] @ self.followed, L.copy()
         self.load[:, :nc] = np.linalg.solve(np.eye(nc) + given[:, :nc], L[:, :nc])
         self.load[:, nc:] -= given[:, nc:] @ self.load[:, :nc]
-        self.Z = self.T.T @ (self.load.reshape(nw * nz, nz) @ self.T).reshape(nw, nz, self.T.shape[1])
-        soft = range(nm - ns)
-        self.Z[:, soft, soft] += d[:, ~stiff]
-        self.flexibility = np.ascontiguousarray(flexibility.T)
+        self.Z = T.T @ (self.load.reshape(len(L) * len(T), len(T)) @ T).reshape(len(L), *T.shape)
+        soft = range(self.soft.shape[1])
+        self.Z[:, soft, soft] += self.soft
+
+    def radiating(self, Y: np.ndarray) -> "Condensed":
+        """With another radiation impedance."""
+        other = copy(self)
+        other._radiate(Y)
+        return other
 
     def response(self, force: np.ndarray, damping: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """X (n, nw) to forces (n, nw) with further damping (n, n), at the last known rates (n, nw).
 
         Not a number where the equation is singular.
         """
-        Z, stiff = self.Z, self.stiff
-        if damping.any():
-            Z = Z - 1j * self.omega[:, None, None] * damping[self.kept]
-            apart = damping.copy()
-            apart[self.kept] = 0.0
-            if apart.any():
-                force = force - real_by_complex(apart, rate)
-        X, follow = np.empty(force.shape, complex), force[stiff] * self.flexibility
-        of_follow = self._loads(real_by_complex(self.S, follow))
-        x = X[~stiff] = _solved(Z, force[~stiff] - real_by_complex(self.T.T, of_follow))
-        load = of_follow + self._loads(real_by_complex(self.T, x))
-        X[stiff] = follow - real_by_complex(self.S.T, load) * self.flexibility
+        apart = damping.copy()
+        apart[self.kept] = 0.0
+        if apart.any():
+            force = force - real_by_complex(apart, rate)
+        X, follow = np.empty(force.shape, complex), force[self.stiff] * self.flexibility
+        x, load = force[~self.stiff], real_by_complex(self.S, follow)
+        _solve(self.omega, self.Z, damping[self.kept], self.load, self.T, x, load)
+        X[~self.stiff] = x
+        X[self.stiff] = follow - real_by_complex(self.S.T, load) * self.flexibility
         return X
 
-    def _loads(self, z: np.ndarray) -> np.ndarray:
-        """Λ z (nz, nw) of z (nz, nw)."""
-        return (self.load @ z.T[..., None])[..., 0].T
+
+@whole_kernel
+def _solve(
+    omega: np.ndarray,
+    Z: np.ndarray,
+    damping: np.ndarray,
+    Lambda: np.ndarray,
+    T: np.ndarray,
+    x: np.ndarray,
+    z: np.ndarray,
+) -> None:
+    """From forces f and g, x (nk, nw) of (Z - iω damping) x = f - Tᵀ Λ g and Λ (T x + g) (nz, nw), in their place.
+
+    Z (nw, nk, nk), Λ (nw, nz, nz). Not a number where the equation is singular. Wave by wave: of few coordinates,
+    arrays of matrices take longer to begin with than to solve.
+    """
+    (nz, nk), load = T.shape, np.empty(len(z), np.complex128)
+    K = np.empty((nk, nk + 1), np.complex128)
+    for w in range(omega.size):
+        _times(Lambda[w], z, w, load)
+        for a in range(nk):
+            for b in range(nk):
+                K[a, b] = Z[w, a, b] - 1j * (omega[w] * damping[a, b])
+            side = x[a, w]
+            for i in range(nz):
+                side -= T[i, a] * load[i]
+            K[a, nk] = side
+        _eliminate(K)
+        for k in range(nk - 1, -1, -1):
+            x[k, w] = K[k, nk]
+            for j in range(k + 1, nk):
+                x[k, w] -= K[k, j] * x[j, w]
+        for i in range(nz):
+            for a in range(nk):
+                z[i, w] += T[i, a] * x[a, w]
+        _times(Lambda[w], z, w, load)
+        for i in range(nz):
+            z[i, w] = load[i]
+
+
+@kernel(inline="always")
+def _times(matrix: np.ndarray, x: np.ndarray, w: int, out: np.ndarray) -> None:
+    for i in range(out.size):
+        total = 0j
+        for j in range(out.size):
+            total += matrix[i, j] * x[j, w]
+        out[i] = total
+
+
+@kernel(inline="always")
+def _eliminate(K: np.ndarray) -> None:
+    """Gauss's, with ones left on the diagonal, of K (n, n + 1), the last column the right side."""
+    n = K.shape[0]
+    for k in range(n):
+        best, most = k, 0.0
+        for i in range(k, n):
+            size = abs(K[i, k].real) + abs(K[i, k].imag)
+            if size > most:
+                best, most = i, size
+        if best != k:
+            for j in range(k, n + 1):
+                K[k, j], K[best, j] = K[best, j], K[k, j]
+        pivot = K[k, k]
+        inverse = pivot.conjugate() / (pivot.real**2 + pivot.imag**2)  # numba's own division takes care of overflow
+        for j in range(k + 1, n + 1):
+            K[k, j] *= inverse
+        for i in range(k + 1, n):
+            factor = K[i, k]
+            for j in range(k + 1, n + 1):
+                K[i, j] -= factor * K[k, j]
 
 
 def _stiff(squares: np.ndarray, fastest: float, drag: np.ndarray) -> np.ndarray:
@@ -72,11 +149,3 @@ def _stiff(squares: np.ndarray, fastest: float, drag: np.ndarray) -> np.ndarray:
     stiff = squares > (STIFF * fastest) ** 2
     share = fastest * np.sum(np.diag(drag)[stiff] / (squares[stiff] - fastest**2))
     return stiff & bool(share <= WEAK)
-
-
-def _solved(Z: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """X (n, nw) to forces (n, nw); not a number where Z (nw, n, n) is singular."""
-    try:
-        return np.linalg.solve(Z, force.T[..., None])[..., 0].T
-    except np.linalg.LinAlgError:  # which does not say where
-        return np.full(force.shape, np.nan, complex)
