@@ -132,7 +132,7 @@ def _eliminate(K: np.ndarray) -> None:
             for j in range(k, n + 1):
                 K[k, j], K[best, j] = K[best, j], K[k, j]
         pivot = K[k, k]
-        inverse = pivot.conjugate() / (pivot.real**2 + pivot.imag**2)  # numba's own division takes care of overflow
+        inverse = pivot.conjugate() * (1.0 / (pivot.real**2 + pivot.imag**2))  # numba's own raises where it is zero
         for j in range(k + 1, n + 1):
             K[k, j] *= inverse
         for i in range(k + 1, n):

@@ -11,7 +11,7 @@ from solver.coupled import linear_drag as drag
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
-from solver.frequency import gaussian, response
+from solver.frequency import condensed, gaussian, response
 from solver.frequency.case import case_of
 from solver.frequency.condensed import Condensed
 from solver.frequency.response import respond
@@ -217,6 +217,20 @@ def test_modes_that_follow_are_what_the_whole_equation_has():
     exact = np.linalg.solve(Z, force[..., None])[..., 0]
     assert np.all(np.abs(X.T - exact) < 1e-9 * np.abs(exact).max(axis=0))
     assert not Condensed(model, omega, Y, 1e4 * damping[:nm, :nm]).stiff.any()
+
+
+def test_coordinates_that_only_others_hold_are_solved_for():
+    """At a resonance without damping nothing is left on the diagonal."""
+    random, (nw, nz, nk) = np.random.default_rng(4), (3, 4, 2)
+    Z, Lambda, f, g = (random.normal(size=n) + 0j for n in ((nw, nk, nk), (nw, nz, nz), (nk, nw), (nz, nw)))
+    Z[0, range(nk), range(nk)], Z[1, 1] = 0.0, 2 * Z[1, 0]
+    T, x, z = random.normal(size=(nz, nk)), f.copy(), g.copy()
+    condensed._solve(np.ones(nw), Z, np.zeros((nk, nk)), Lambda, T, x, z)
+    assert np.isnan(x[:, 1]).all()
+    for w in (0, 2):
+        exact = np.linalg.solve(Z[w], f[:, w] - T.T @ Lambda[w] @ g[:, w])
+        assert np.allclose(x[:, w], exact, rtol=1e-12)
+        assert np.allclose(z[:, w], Lambda[w] @ (T @ exact + g[:, w]), rtol=1e-12)
 
 
 def test_scenes_that_differ_in_their_dampers_alone_share_a_case():
