@@ -78,7 +78,7 @@ BEND = 0.03
 # pieces a swing then keep it. One of twice the length opens it by GROWTH as much.
 OPENED = 1e-5
 GROWTH = 2**5
-MISSED = 1e-3  # of that rate, or of what holds an axis, by which such a piece may miss the change at its end
+MISSED = 1e-3  # of an axis's largest rate so far, which such a piece may leave where the axis was to turn
 SHORTEST = 2.0**-14  # of a step: in shorter pieces Newton's tolerance opens the balance
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
@@ -164,7 +164,7 @@ def in_pieces(
                 used += spent
                 if outcome != OK:
                     return outcome, used
-                if kind == PTO_ZONE and _misses(problem, length, state, room, fine, before, i):
+                if kind == PTO_ZONE and _misses(problem, length, state, room, i):
                     state.ring[0] = 0.5 * length
                     continue
             if at > 0:
@@ -315,20 +315,14 @@ def _fastest(state: State, room: Workspace, i: int) -> float:
 
 
 @inner_kernel
-def _misses(problem: Problem, length: float, state: State, room: Workspace, fine: Fine, before: float, i: int) -> bool:
-    """Whether a piece that was to end where axis i's load jumps is too long for that, on a platform that rings."""
+def _misses(problem: Problem, length: float, state: State, room: Workspace, i: int) -> bool:
+    """Whether a piece that was to end where axis i turns is too long for that, on a platform that rings."""
     law, stage = problem.bodies.law, room.stage
-    if not (rings(problem) and jumps(law, i) and length > SHORTEST * problem.dt):
-        return False
     zone = stage.zone[PTO_ZONE, i]
-    if zone == HELD:
-        load = stage.residual[1, i]
-        most = holding(law, i, 1 if load > 0 else -1)
-        missed = abs(abs(load) - most) > MISSED * most
-    else:
-        beyond = leaving(law, i, PTO_ZONE, zone, stage.z[1, i], stage.dz[1, i])
-        missed = abs(beyond) > MISSED * _fastest(state, room, i)
-    return missed or (state.ring[0] < np.inf and _opened(problem, length, state, room, fine, before) > 1)
+    if zone == HELD or not (rings(problem) and jumps(law, i) and length > SHORTEST * problem.dt):
+        return False
+    beyond = leaving(law, i, PTO_ZONE, zone, stage.z[1, i], stage.dz[1, i])
+    return abs(beyond) > MISSED * _fastest(state, room, i)
 
 
 # ---- where a zone ends

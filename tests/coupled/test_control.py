@@ -188,14 +188,18 @@ def test_a_latch_on_a_stiff_platform_is_one_on_a_fixed_support():
     assert errors[-1] < 1e-5 and np.polyfit(np.log(soft), np.log(errors), 1)[0] == approx(1, abs=0.1)
 
 
-@pytest.mark.parametrize("law", [{"latch_load": 1e3}, {"latch_load": 5e3}, {"latch_load": 5e3, "pto_damping": 4e4},
-                                 {"coulomb": 5e3}, {"declutch_load": 8e3}])  # fmt: skip
-def test_what_jumps_on_an_elastic_platform_keeps_the_energy(law):
+@pytest.mark.parametrize(("law", "open_by"), [
+    ({"latch_load": 1e3}, 2e-4), ({"latch_load": 5e3}, 2e-4), ({"latch_load": 5e3, "pto_damping": 4e4}, 1e-3),
+    ({"coulomb": 5e3}, 5e-5), ({"declutch_load": 8e3}, 5e-4),
+])  # fmt: skip
+def test_what_jumps_on_an_elastic_platform_keeps_the_energy(law, open_by):
     """As the waves grow, too, when little has been exchanged: a latch's runs ended within seconds, open by a tenth."""
     whole, h = awkward.unequal_legs()
     item = replace(whole.floats[0], **law)
-    run = Run(replace(whole, floats=(item,), settings=replace(whole.settings, duration=30.0, time_step=0.1)), known=h)
-    assert run.residual < 5e-4 and run.work(PTO) > 0
+    for dt in (0.2, 0.1, 0.05):
+        settings = replace(whole.settings, duration=30.0, time_step=dt)
+        run = Run(replace(whole, floats=(item,), settings=settings), known=h)
+        assert run.residual < open_by and run.work(PTO) > 0
 
 
 def test_a_power_take_off_lets_go_beyond_a_load_until_the_axis_turns_round():
