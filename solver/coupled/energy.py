@@ -11,6 +11,7 @@ from solver.multibody.minimal import Bodies, Motion, move, new_motion, stored_en
 # wave inertia and load histories on the frame, drag of waves and current on the frame, structural damping.
 WORKS = ("wave", "radiation", "pto", "joint_damping", "frame_inertia", "frame_drag", "structural")
 WAVE, RADIATION, PTO, JOINT_DAMPING, FRAME_INERTIA, FRAME_DRAG, STRUCTURAL = range(len(WORKS))
+BROUGHT = (WAVE, FRAME_INERTIA, FRAME_DRAG)  # to what is stored; the others take from it
 
 # Of `State.energy` [J]: stored at the start, scale of what has been exchanged since, gap soon after the start.
 AT_START, SCALE, GAP = range(3)

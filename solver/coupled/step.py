@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.energy import (
+    BROUGHT,
     FRAME_DRAG,
     FRAME_INERTIA,
     JOINT_DAMPING,
@@ -316,10 +317,14 @@ def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
 def account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
     """Works by Simpson's rule over the step's three points."""
     power_at(problem, drive, sample, state, room)
-    power = room.power
     for i in range(state.work.size):
-        state.work[i] += problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
-    copy(power[2], state.power)
+        state.work[i] += _work(problem, room.power, i)
+    copy(room.power[2], state.power)
+
+
+@kernel(inline="always")
+def _work(problem: Problem, power: np.ndarray, i: int) -> float:
+    return problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
 
 
 @part_kernel
@@ -340,13 +345,11 @@ def power_at(problem: Problem, drive: Drive, sample: int, state: State, room: Wo
 @inner_kernel
 def gap(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> float:
     """Work [J] of the step that the stages hold, less the energy that is stored at its end."""
-    stage, power = room.stage, room.power
     power_at(problem, drive, sample, state, room)
-    balance = 0.0
-    for i in range(len(WORKS)):
-        gained = i in (WAVE, FRAME_INERTIA, FRAME_DRAG)
-        work = problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
-        balance += work if gained else -work
+    stage, balance = room.stage, 0.0
+    for i in range(state.work.size):
+        work = _work(problem, room.power, i)
+        balance += work if i in BROUGHT else -work
     end = stage.motion[1]
     return balance - stored(problem.bodies, problem.structure, stage.p[1], stage.dp[1], stage.z[1], stage.dz[1], end)
 
