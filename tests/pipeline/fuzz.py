@@ -150,10 +150,10 @@ def spoil(text: bytes, dice: random.Random) -> bytes:
     """A few bytes changed, lost or doubled."""
     data = bytearray(text)
     for _ in range(dice.randint(1, 3)):
-        at = dice.randrange(len(data))
+        at = dice.randint(0, len(data))  # of a file of which nothing is left, too
         how = dice.randrange(3)
         if how == 0:
-            data[at] = dice.randrange(256)
+            data[at : at + 1] = bytes([dice.randrange(256)])
         elif how == 1:
             del data[at : at + dice.randint(1, 40)]
         else:
