@@ -91,7 +91,7 @@ def big_beside_small():
             pto_damping=1e5,
         ),
     ]  # fmt: skip
-    whole = scene(floats, waves=sea(Hs=0.8, Tp=7.0, band=(0.5, 2.2)))
+    whole = scene(floats, depth=100.0, waves=sea(Hs=0.8, Tp=7.0, band=(0.5, 2.2)))
     return whole, known(whole, 0.3, 4.0, 28)
 
 
