@@ -147,12 +147,12 @@ def test_basis_is_orthonormal_and_holds_the_static_answer(waves):
 
 
 def pair_of_piles(apart, top=0.0):
-    """Two piles behind each other and a beam between their tops."""
-    one, nodes = pile(elements=12), {}
+    """Two piles behind each other and a beam between their tops, in water of as many elements as its waves ask for."""
+    one, nodes, count = pile(elements=12), {}, 20 if top == 0.0 else max(20, int(apart / 3))
     for x in (0.0, apart):
         nodes |= {f"foot{x}": (x, 0.0, -30.0), f"top{x}": (x, 0.0, top)}
     legs = [replace(one.members[0], name=f"leg{x}", start=f"foot{x}", end=f"top{x}") for x in (0.0, apart)]
-    beam = replace(legs[0], name="beam", start="top0.0", end=f"top{apart}", elements=max(20, int(apart / 3)))
+    beam = replace(legs[0], name="beam", start="top0.0", end=f"top{apart}", elements=count)
     return Frame(nodes=nodes, members=(*legs, beam), clamped=("foot0.0", f"foot{apart}"))
 
 
