@@ -1,8 +1,9 @@
-"""Boundary elements that several tests need, solved once a run: what one worker solves the others read."""
+"""What several tests need, made once a run: boundary elements and files that one worker makes the others read."""
 
 import copyreg
 import os
 import pickle
+from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType
@@ -29,8 +30,17 @@ def solve(*scene, **keywords) -> Hydrodynamics:
         return bem.solve(*scene, **keywords)
     assert "PYTEST_CURRENT_TEST" in os.environ, "in a test or a fixture: all workers import all files before they begin"
     asked = sha256(pickle.dumps((scene, sorted(keywords.items())))).hexdigest()
-    file = Path(os.environ[FOLDER]) / asked
-    with FileLock(f"{file}.lock"):
-        if not file.exists():
-            file.write_bytes(pickle.dumps(bem.solve(*scene, **keywords)))
-    return pickle.loads(file.read_bytes())
+    folder = made(asked, lambda folder: (folder / "h").write_bytes(pickle.dumps(bem.solve(*scene, **keywords))))
+    return pickle.loads((folder / "h").read_bytes())
+
+
+def made(name: str, make: Callable[[Path], object]) -> Path:
+    """The folder of this name, with what `make` has put into it."""
+    folder = Path(os.environ[FOLDER]) / name
+    with FileLock(f"{folder}.lock"):
+        if not folder.exists():
+            part = folder.with_suffix(".part")
+            part.mkdir(exist_ok=True)
+            make(part)
+            part.rename(folder)
+    return folder
