@@ -4,14 +4,17 @@ import copyreg
 import os
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
 from filelock import FileLock
 
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.hull.mesh import Hull
 
 FOLDER = "COEFFICIENTS_OF_THIS_RUN"  # in the environment, made and removed by conftest.py
 
@@ -24,13 +27,14 @@ def read_only(mapping: dict) -> MappingProxyType:
 copyreg.pickle(MappingProxyType, lambda proxy: (read_only, (dict(proxy),)))
 
 
-def solve(*scene, **keywords) -> Hydrodynamics:
-    """`bem.solve` of these hulls, centres, water, ..."""
+def solve(hulls: tuple[Hull, ...], centres: np.ndarray, **water) -> Hydrodynamics:
+    """`bem.solve` of these."""
     if FOLDER not in os.environ:  # not under pytest
-        return bem.solve(*scene, **keywords)
+        return bem.solve(hulls, centres, **water)
     assert "PYTEST_CURRENT_TEST" in os.environ, "in a test or a fixture: all workers import all files before they begin"
-    asked = sha256(pickle.dumps((scene, sorted(keywords.items())))).hexdigest()
-    folder = made(asked, lambda folder: (folder / "h").write_bytes(pickle.dumps(bem.solve(*scene, **keywords))))
+    new = tuple(map(replace, hulls))  # without what they remember of themselves, some in this worker and more in that
+    asked = sha256(pickle.dumps((new, centres, sorted(water.items())))).hexdigest()
+    folder = made(asked, lambda folder: (folder / "h").write_bytes(pickle.dumps(bem.solve(hulls, centres, **water))))
     return pickle.loads((folder / "h").read_bytes())
 
 
