@@ -47,6 +47,11 @@ def known(item: Scene, low: float, high: float, count: int = 24, panels: int = S
     )  # fmt: skip
 
 
+def unfelt(item: Scene) -> Hydrodynamics:
+    """Coefficients for a scene that asks them for nothing: `simulate` would solve for as many frequencies as ever."""
+    return known(item, 1.0, 1.0, count=1)
+
+
 def prism(outline: list[tuple[float, float]], width: float) -> PanelHull:
     """The closed hull of an outline in x and z, seen whole from its points' mean, over `width` in y [m]."""
     n, flat = len(outline), np.array(outline, float)
@@ -91,7 +96,7 @@ def big_beside_small():
             pto_damping=1e5,
         ),
     ]  # fmt: skip
-    whole = scene(floats, waves=sea(Hs=0.8, Tp=7.0, band=(0.5, 2.2)))
+    whole = scene(floats, depth=100.0, waves=sea(Hs=0.8, Tp=7.0, band=(0.5, 2.2)))
     return whole, known(whole, 0.3, 4.0, 28)
 
 

@@ -176,7 +176,7 @@ def test_waves_that_a_hull_hardly_feels_may_be_too_short_for_a_series():
         cog=(0, 0, -2.0),
     )  # fmt: skip
     waves = Realization(omega=np.array([0.9, 5.5]), amplitude=np.array([0.4, 0.1 + 0.1j]))
-    both = awkward_scene([item], waves=waves)
+    both = awkward_scene([item], depth=400.0, waves=waves)
     h = known(both, 0.3, 6.0, 30)
     alone = replace(both, sea=replace(waves, amplitude=waves.amplitude * [1, 0]))
     short, long = prepare(both, h), prepare(alone, h)

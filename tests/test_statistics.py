@@ -24,12 +24,10 @@ def test_blocks_give_what_the_whole_gives(seed, cuts, offset):
 
 def parabolas(x):
     """Largest value of all parabolas through three samples that have their crest nearest to the middle one."""
-    crests = [x.max()]
-    for i in range(1, len(x) - 1):
-        a, b, c = np.polyfit([-1, 0, 1], x[i - 1 : i + 2] - x[i], 2)
-        if a < 0 and abs(b / (2 * a)) < 0.5:
-            crests.append(x[i] + c - b * b / (4 * a))
-    return max(crests)
+    middle = x[1:-1]
+    a, b, c = np.polyfit([-1, 0, 1], np.stack([x[:-2], middle, x[2:]]) - middle, 2)
+    near = (a < 0) & (np.abs(b) < np.abs(a))
+    return max(x.max(), *(middle + c)[near] - (b[near] ** 2 / (4 * a[near])))
 
 
 def whole(x):

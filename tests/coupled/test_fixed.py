@@ -19,7 +19,7 @@ from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
 from tests.once import solve
 
-RHO = 1025.0
+RHO, DEPTH = 1025.0, 60.0
 BALL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
 PILLAR = Revolution.vertical_cylinder(radius=2.0, draft=3.0, freeboard=2.0)
 SEA = realize(PiersonMoskowitz(Hs=0.4, Tp=4.5), components=40, band=(0.8, 3.0), seed=1)
@@ -33,14 +33,14 @@ def heaving(name, hull, x, **joint):
 
 def scene(*floats, **settings):
     chosen = {"duration": 60.0, "discard": 10.0, "ramp": 5.0, "froude_krylov": "linear"} | settings
-    return Scene(water=Water(depth=30.0), sea=SEA, floats=floats, settings=Settings(**chosen))
+    return Scene(water=Water(depth=DEPTH), sea=SEA, floats=floats, settings=Settings(**chosen))
 
 
 @cache
 def known():
     """Of pillar and ball."""
     omega = np.linspace(0.5, 7.0, 15)
-    return solve((PILLAR, BALL), np.array([[0.0, 0, 0], [5.0, 0, 0]]), depth=30.0, omega=omega, panels=108)
+    return solve((PILLAR, BALL), np.array([[0.0, 0, 0], [5.0, 0, 0]]), depth=DEPTH, omega=omega, panels=108)
 
 
 FIXED = replace(heaving("pillar", PILLAR, 0.0), motion=())
@@ -79,7 +79,7 @@ def test_a_fixed_body_alone_bears_the_waves():
 
 @cache
 def known_alone():
-    return solve((PILLAR,), np.zeros((1, 3)), depth=30.0, omega=np.linspace(0.5, 7.0, 22), panels=108)
+    return solve((PILLAR,), np.zeros((1, 3)), depth=DEPTH, omega=np.linspace(0.5, 7.0, 22), panels=108)
 
 
 def test_a_fixed_body_has_no_joint_and_no_augmented_path():
@@ -118,8 +118,8 @@ def test_a_float_in_a_moonpool_has_its_own_place_and_motions():
     _, mirrors = meshes.mirror_planes((pool, BALL), here)
     assert len(mirrors) == 4
     assert [list(meshes.partner((pool, BALL), here, m)) for m in mirrors] == [[0, 1]] * 4
-    both = bem.solve((pool, BALL), here, depth=30.0, omega=np.array([1.0, 1.5]), panels=108)
-    alone = bem.solve((BALL,), here[:1], depth=30.0, omega=np.array([1.0, 1.5]), panels=108)
+    both = bem.solve((pool, BALL), here, depth=DEPTH, omega=np.array([1.0, 1.5]), panels=108)
+    alone = bem.solve((BALL,), here[:1], depth=DEPTH, omega=np.array([1.0, 1.5]), panels=108)
     # The ring's walls let less water by: a float moves more of it in there than in the open.
     assert both.added_mass[0, 4, 4] > 1.2 * alone.added_mass[0, 1, 1] > 0
     assert both.added_mass[:, :3, :3] != pytest.approx(both.added_mass[:, 3:, 3:])
@@ -132,7 +132,7 @@ def test_floats_on_both_sides_of_the_middle_are_mirror_images():
     _, mirrors = meshes.mirror_planes(hulls, centres)
     assert mirrors.tolist() == [[1, 1, 1], [1, -1, 1]]
     assert [meshes.quarters(at, 2) for at in centres] == [2, 4, 0]
-    run = {"depth": 30.0, "omega": np.array([1.2]), "planar": False, "heading": 0.4, "panels": 108}
+    run = {"depth": DEPTH, "omega": np.array([1.2]), "planar": False, "heading": 0.4, "panels": 108}
     half = bem.solve(hulls, centres, **run)
     # A tenth of a millimetre out of the middle, nothing is a mirror image.
     off = np.add(centres, [[0, 0, 0], [0, 1e-4, 0], [0, 0, 0]])
@@ -154,4 +154,4 @@ def test_linear_scenes_may_drift_as_far_as_they_do():
 
 @cache
 def solo():
-    return solve((BALL,), np.zeros((1, 3)), depth=30.0, omega=np.linspace(0.5, 7.0, 22), panels=108)
+    return solve((BALL,), np.zeros((1, 3)), depth=DEPTH, omega=np.linspace(0.5, 7.0, 22), panels=108)

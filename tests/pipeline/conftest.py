@@ -122,6 +122,12 @@ def engine(monkeypatch):
 
 
 @pytest.fixture
+def undrawn(monkeypatch):
+    """Figures of a page are made and not drawn, which takes longest: for its words, where others draw the same."""
+    monkeypatch.setattr("pipeline.report.page.svg", lambda figure: "")
+
+
+@pytest.fixture
 def small(tmp_path):
     """The small study's file."""
     path = tmp_path / "small.toml"

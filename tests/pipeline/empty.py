@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -96,16 +97,23 @@ def nothing(*_):
 ENGINE = without_physics(coefficients, compute)
 
 
-def main() -> None:
-    """The command line, with this engine."""
-    from pipeline import __main__, environment
+def install(put: Callable[[object, str, object], None] = setattr) -> None:
+    """This engine in place of the true one."""
+    from pipeline import environment
     from pipeline.bridge import cache
     from pipeline.cli import actions
 
-    actions.REPORTED = 0
-    environment.compiled = lambda: True  # nothing that this engine runs is ever compiled
-    cache.Cache.__init__.__defaults__ = (require_whole,)
-    engine.Engine = lambda: ENGINE
+    put(actions, "REPORTED", 0)
+    put(environment, "compiled", lambda: True)  # nothing that this engine runs is ever compiled
+    put(cache.Cache.__init__, "__defaults__", (require_whole,))
+    put(engine, "Engine", lambda: ENGINE)
+
+
+def main() -> None:
+    """The command line, with this engine."""
+    from pipeline import __main__
+
+    install()
     __main__.main()
 
 

@@ -35,7 +35,7 @@ def scene(item, depth):
 @pytest.mark.parametrize("depth", [inf, 9.0])
 def test_a_tuned_body_takes_just_that(motion, number, gain, depth):
     """ω²(M + A) = C by a mechanism's inertia or a spring, and as much damping as it radiates: P = G J/k, to 1 %."""
-    known = solve((HULL,), np.zeros((1, 3)), depth=depth, density=1000.0, omega=np.linspace(0.9, 1.7, 9), panels=300)
+    known = solve((HULL,), np.zeros((1, 3)), depth=depth, density=1000.0, omega=np.linspace(0.9, 1.7, 5), panels=300)
     A, B = (CubicSpline(known.omega, x[:, number, number])(OMEGA) for x in (known.added_mass, known.radiation_damping))
     item = ball(motion)
     missing = OMEGA**2 * (item.mass + A) - known.hydrostatic_stiffness[number, number]

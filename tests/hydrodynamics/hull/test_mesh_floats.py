@@ -60,7 +60,7 @@ def test_decay_of_a_barge_as_on_the_reference_path(motion):
     """Panel-wise pressure of the paper and augmented coordinates, from 0.3 m or 0.2 rad."""
     item = hinged(BARGE, motion=motion, offset=0.3 if motion == ("heave",) else 0.2, pto_damping=0.0)
     known = coefficients((BARGE,), (tuple(item.centre),))
-    decay = scene(item, duration=4.0, discard=0.0, ramp=0.0, time_step=0.05, newton_tolerance=1e-9)
+    decay = scene(item, duration=2.0, discard=0.0, ramp=0.0, time_step=0.05, newton_tolerance=1e-9)
     ours = simulate(decay, known)
     slow = simulate_reference(decay, known, kernel=prepared(decay, known).fit, surface="panels")
     name = "motion" if motion == ("heave",) else "rotation"

@@ -82,7 +82,7 @@ def test_a_float_turns_against_what_carries_it_and_not_with_it():
 def test_a_run_says_which_floats_met(method):
     waves = awkward.sea(Hs=1.0, Tp=4.0)
     settings = {"radiation": False, "diffraction": False, "froude_krylov": "linear", "method": method}
-    scene = awkward.scene(in_line(3.3, pto_damping=2e4), waves=waves, **settings)
+    scene = awkward.scene(in_line(3.3, pto_damping=2e4), depth=300.0, waves=waves, **settings)
     h = awkward.known(scene, 0.6, 3.6, 5)  # for the waves' pressure alone
     told = simulate(scene, h)
     assert "floats.fore and floats.aft meet at" in told.attrs["warnings"]

@@ -20,6 +20,7 @@ def test_every_study_can_be_planned_without_a_warning(path, tmp_path):
     assert "warning" not in result.output
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_sphere_has_the_exact_heave_rao_in_one_run_of_white_noise(tmp_path):
     """Waves of 0.2 m leave little of the body-nonlinear pressure to be seen; 0.5 % also bears the lines' spacing."""
     study = tmp_path / "sphere-waves.toml"

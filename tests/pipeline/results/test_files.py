@@ -20,6 +20,7 @@ from pipeline.running.campaign import Campaign
 from pipeline.running.schedule import Place
 from pipeline.study.schema import Recording
 from pipeline.tasks.task import wave_seed
+from tests.once import made
 
 SHORT = "[record]\nduration = 6.0\ndiscard = 1.0\nramp = 1.0\nseries = 'full'\n"
 SPHERE = """
@@ -83,7 +84,7 @@ REAL = {
     + SHORT.replace("full", "none")
     + DRIFTING,
     "lines": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("full", "none") + LINES,
-    "paper": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("4.0", "1.0") + '[solver]\naccuracy = "reference"\n',
+    "paper": SMALL[: SMALL.index("[axes]")] + CALM + SHORT.replace("6.0", "1.0") + '[solver]\naccuracy = "reference"\n',
 }
 
 
@@ -94,9 +95,13 @@ def coarse(geometries, _shares):
 
 
 @pytest.fixture(scope="module")
-def real(tmp_path_factory):
-    """A folder of results that the solver itself has left."""
-    folder, solver = tmp_path_factory.mktemp("real"), engine.Engine(share=lambda *_: None, coefficients=coarse)
+def real():
+    """A folder of results that the solver itself has left, once for all workers of a run."""
+    return made("real", leave) / "r"
+
+
+def leave(folder):
+    solver = engine.Engine(share=lambda *_: None, coefficients=coarse)
     for name, text in REAL.items():
         path = folder / f"{name}.toml"
         path.write_text(text)
@@ -104,7 +109,6 @@ def real(tmp_path_factory):
         job = Campaign(study=path, results=folder / "r", store=store, engine=solver, place=Place(workers=1))
         assert job.run(study.tasks, lambda *_: None) == []
         dataset.collect(study, store)
-    return folder / "r"
 
 
 @pytest.fixture

@@ -2,12 +2,15 @@
 
 import contextlib
 import errno
+import io
 import json
 import os
 import re
 import signal
 import subprocess
+import sys
 import time
+from types import SimpleNamespace
 
 import empty
 import fuzz
@@ -16,6 +19,7 @@ import psutil
 import pytest
 
 from pipeline.bridge.loading import load
+from pipeline.cli import cli
 from pipeline.results.store import Store
 from pipeline.tasks.task import expand
 
@@ -25,6 +29,17 @@ def study(*words, cwd=None, **env):
     return subprocess.run(
         kills.command(*words), env=kills.environment(**env), cwd=cwd, capture_output=True, text=True, timeout=600
     )
+
+
+def here(*words):
+    """The same in this process, for what needs none of its own."""
+    out, err = io.StringIO(), io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        empty.install(patch.setattr)
+        patch.setattr(sys, "argv", ["study", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+    return SimpleNamespace(returncode=ended.value.code, stdout=out.getvalue(), stderr=err.getvalue())
 
 
 def contents(results):
@@ -58,7 +73,7 @@ def test_a_second_run_waits_and_says_so(small_study, results, tmp_path):
         env = kills.environment(EMPTY_GATE=str(gate), PYTHONUNBUFFERED="1")
         return subprocess.Popen(kills.command(*words, "--results", results), env=env, text=True, **streams)
 
-    first = start("run", small_study, stdout=subprocess.DEVNULL)
+    first = start("run", small_study, "--workers", 1, stdout=subprocess.DEVNULL)
     while not (results / "empty" / ".lock.json").exists():
         assert first.poll() is None
         time.sleep(0.05)
@@ -82,7 +97,7 @@ def test_a_task_that_hangs_is_stopped_and_the_others_go_on(tmp_path, results, co
     assert log.read_text().split().count("2") == 1
     assert "4 tasks: 3 done, 1 failed" in done.stdout
     assert re.search(r"failed: \w+ seed=2: Lost: ran longer than --timeout = 4 s", done.stderr)
-    assert study("rerun", path, "--failed", "--results", results).returncode == 0
+    assert here("rerun", path, "--failed", "--results", results, "--workers", 1).returncode == 0
 
 
 INTERRUPTED = "interrupted; finished tasks are kept, and the same command goes on from here\n"
@@ -101,7 +116,7 @@ def test_ctrl_c_says_what_is_kept_in_one_line(tmp_path, times, workers):
         assert client.wait(120) == 130
         assert client.stderr.read() == ""
         assert not psutil.wait_procs(every, timeout=60)[1]
-    done = study("run", tmp_path / "empty.toml", "--results", tmp_path / "results", "--workers", 1)
+    done = here("run", tmp_path / "empty.toml", "--results", tmp_path / "results", "--workers", 1)
     assert "12 tasks: 12 done" in done.stdout
 
 
@@ -144,14 +159,14 @@ def tmpfs(folder, options):
 def test_disk_full(tmp_path):
     path = empty.study(tmp_path, 200)
     with tmpfs(tmp_path / "full", "size=300k") as full:
-        done = study("run", path, "--results", full, "--workers", 1)
+        done = here("run", path, "--results", full, "--workers", 1)
         assert done.returncode == 1
         assert "No space left on device; finished tasks are kept" in done.stderr
         kept = len(contents(full))
         assert 0 < kept < 200
-        assert study("verify", path, "--results", full).returncode == 0
+        assert here("verify", path, "--results", full).returncode == 0
         subprocess.run(["mount", "-o", "remount,size=20m", full], check=True)
-        done = study("run", path, "--results", full, "--workers", 1)
+        done = here("run", path, "--results", full, "--workers", 1)
         assert f"200 tasks: 200 done; {200 - kept} run now" in done.stdout, done.stderr
         assert not list(full.rglob("*.part"))
 
@@ -159,16 +174,16 @@ def test_disk_full(tmp_path):
 def test_read_only_results(tmp_path, small_study):
     with tmpfs(tmp_path / "ro", "size=1m") as folder:
         subprocess.run(["mount", "-o", "remount,ro", folder], check=True)
-        done = study("run", small_study, "--results", folder)
+        done = here("run", small_study, "--results", folder)
         assert done.returncode == 1
         assert "Read-only file system" in done.stderr
         assert "Traceback" not in done.stderr
-        assert study("status", small_study, "--results", folder).returncode == 2
+        assert here("status", small_study, "--results", folder).returncode == 2
 
 
 def test_damaged_results_are_named_and_made_again(tmp_path, small_study, results):
     """Cut, a bit flipped, empty, gone; and half a status."""
-    assert study("run", small_study, "--results", results, "--workers", 1).returncode == 0
+    assert here("run", small_study, "--results", results, "--workers", 1).returncode == 0
     before = contents(results)
     cut, flipped, empty_, gone, half, *_ = sorted(results.rglob("record.nc"))
     cut.write_bytes(cut.read_bytes()[:100])
@@ -179,9 +194,9 @@ def test_damaged_results_are_named_and_made_again(tmp_path, small_study, results
     gone.unlink()
     status = half.with_name("status.json")
     status.write_bytes(status.read_bytes()[:50])
-    verified = study("verify", small_study, "--results", results)
+    verified = here("verify", small_study, "--results", results)
     assert "4 damaged" in verified.stdout and "1 missing" in verified.stdout
-    again = study("run", small_study, "--results", results, "--workers", 1)
+    again = here("run", small_study, "--results", results, "--workers", 1)
     assert "12 done; 5 run now" in again.stdout
     assert contents(results) == before
 
@@ -218,19 +233,20 @@ def test_short_tasks_lie_many_to_a_file(tmp_path, results):
     """The dataset is that of files of their own, a rerun of one the same to the bit, and a loss is made good."""
     path = empty.study(tmp_path, 200)
     assert study("run", path, "--results", results).returncode == 0
-    assert study("run", path, "--results", tmp_path / "alone", "--workers", 1).returncode == 0
+    assert here("run", path, "--results", tmp_path / "alone", "--workers", 1).returncode == 0
     packs = sorted(results.glob("empty/packs/*.nc"))
     assert 3 <= len(packs) < 50 and not list(tmp_path.glob("alone/empty/packs/*"))
     assert contents(results) == contents(tmp_path / "alone")
     assert kills.dataset(results) == kills.dataset(tmp_path / "alone")
-    assert "bitwise the same as the old record" in study("rerun", path, "seed=199", "--results", results).stdout
+    again = here("rerun", path, "seed=199", "--results", results, "--workers", 1)
+    assert "bitwise the same as the old record" in again.stdout
     data = bytearray(packs[-1].read_bytes())
     data[-1] ^= 1
     packs[-1].write_bytes(data)
-    lost = int(re.search(r"(\d+) damaged", study("verify", path, "--results", results).stdout)[1])
+    lost = int(re.search(r"(\d+) damaged", here("verify", path, "--results", results).stdout)[1])
     assert lost > 1
     again = study("run", path, "--results", results)
     assert f"200 done; {lost} run now" in again.stdout, again.stdout + again.stderr
     assert kills.dataset(results) == kills.dataset(tmp_path / "alone")
-    assert study("clean", path, "--orphans", "--results", results).stdout.count("removed") <= 2
-    assert study("verify", path, "--results", results).returncode == 0
+    assert here("clean", path, "--orphans", "--results", results).stdout.count("removed") <= 2
+    assert here("verify", path, "--results", results).returncode == 0
