@@ -8,11 +8,13 @@ from typing import Any, Protocol, TypeVar, overload
 
 # What LLVM does beyond its first level takes a sixth of the compiler's time and makes no march faster.
 os.environ.setdefault("NUMBA_OPT", "1")
+from filelock import FileLock
 from numba import njit
 from numba.core import event
 from numba.core.caching import FunctionCache
 from numba.core.codegen import JITCodeLibrary, ll
 from numba.core.compiler import Compiler as NumbaCompiler
+from numba.core.dispatcher import Dispatcher
 from numba.core.runtime import rtsys
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -60,6 +62,29 @@ def _load(cache: Any, signature: Any, target: Any) -> Any:
 
 
 FunctionCache.load_overload = _load
+
+
+def _compile_once(dispatcher: Any, signature: Any, compiled: Any = Dispatcher.compile) -> Any:
+    """Of processes that need the same kernel one compiles it, and the others wait to load it.
+
+    They wait for each other in no circle, as kernels do not call each other in one.
+    """
+    cache = dispatcher._cache
+    if cache.cache_path is None or signature in dispatcher.overloads:
+        return compiled(dispatcher, signature)
+    lock = FileLock(os.path.join(cache.cache_path, f"{cache._impl.filename_base}.lock"), is_singleton=True)
+    try:
+        os.makedirs(cache.cache_path, exist_ok=True)
+        lock.acquire()
+    except (OSError, NotImplementedError):  # a disk that is full, or has no locks: each for itself
+        return compiled(dispatcher, signature)
+    try:
+        return compiled(dispatcher, signature)
+    finally:
+        lock.release()
+
+
+Dispatcher.compile = _compile_once
 
 
 class _Part(JITCodeLibrary):  # type: ignore[misc]

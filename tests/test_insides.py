@@ -1,5 +1,6 @@
 """Where the solver reaches into other packages: what broke if a new version of one of them takes that away."""
 
+import os
 import re
 import subprocess
 import sys
@@ -106,6 +107,23 @@ def test_numba_loads_what_is_compiled_without_what_it_compiles_with():
     done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
     told = f"numba {numba_version} no longer loads kernels by FunctionCache.load_overload"
     assert done.stdout == "[1. 1. 1.] False\n", told
+
+
+def test_numba_compiles_once_what_several_processes_need(tmp_path):
+    """Without: take `_compile_once` out of solver/kernels.py; workers that begin together then all compile the same."""
+    program = (
+        "import time; import numpy as np; from numba.core import event\n"
+        "from solver.statistics import Statistics, _extremes\n"
+        "class Slow(event.Listener):\n"
+        "    def on_start(self, _): time.sleep(1.0)\n"
+        "    def on_end(self, _): pass\n"
+        "event.register('numba:compile', Slow()); told = Statistics(); told.add(np.eye(3))\n"
+        "print(sum(_extremes.stats.cache_misses.values()), told.high)"
+    )
+    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    both = [subprocess.Popen([sys.executable, "-c", program], env=env, stdout=subprocess.PIPE, text=True) for _ in "ab"]
+    said = sorted(process.communicate()[0] for process in both)
+    assert said == ["0 [1. 1. 1.]\n", "1 [1. 1. 1.]\n"], f"numba {numba_version}: see solver/kernels.py"
 
 
 @pytest.fixture
