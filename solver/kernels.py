@@ -84,7 +84,7 @@ def _compile_once(dispatcher: Any, signature: Any, compiled: Any = Dispatcher.co
         lock.release()
 
 
-Dispatcher.compile = _compile_once
+Dispatcher.compile = _compile_once  # type: ignore[assignment, method-assign]
 
 
 class _Part(JITCodeLibrary):  # type: ignore[misc]
