@@ -3,6 +3,7 @@
 import gc
 import os
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
 from functools import partial
 from typing import Any, Protocol, TypeVar, overload
 
@@ -72,16 +73,12 @@ def _compile_once(dispatcher: Any, signature: Any, compiled: Any = Dispatcher.co
     cache = dispatcher._cache
     if cache.cache_path is None or signature in dispatcher.overloads:
         return compiled(dispatcher, signature)
-    lock = FileLock(os.path.join(cache.cache_path, f"{cache._impl.filename_base}.lock"), is_singleton=True)
-    try:
-        os.makedirs(cache.cache_path, exist_ok=True)
-        lock.acquire()
-    except (OSError, NotImplementedError):  # a disk that is full, or has no locks: each for itself
+    with ExitStack() as held:
+        with suppress(OSError, NotImplementedError):  # a disk that is full, or has no locks: each for itself
+            os.makedirs(cache.cache_path, exist_ok=True)
+            file = os.path.join(cache.cache_path, f"{cache._impl.filename_base}.lock")
+            held.enter_context(FileLock(file, is_singleton=True))
         return compiled(dispatcher, signature)
-    try:
-        return compiled(dispatcher, signature)
-    finally:
-        lock.release()
 
 
 Dispatcher.compile = _compile_once  # type: ignore[assignment, method-assign]

@@ -1,5 +1,6 @@
 """Where the solver reaches into other packages: what broke if a new version of one of them takes that away."""
 
+import errno
 import os
 import re
 import subprocess
@@ -12,6 +13,7 @@ from numba import __version__ as numba_version
 from numba import float64
 from numba.core.codegen import ll
 
+from solver import kernels
 from solver.hydrodynamics.bem import bem, green
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.kernels import (
@@ -124,6 +126,18 @@ def test_numba_compiles_once_what_several_processes_need(tmp_path):
     both = [subprocess.Popen([sys.executable, "-c", program], env=env, stdout=subprocess.PIPE, text=True) for _ in "ab"]
     said = sorted(process.communicate()[0] for process in both)
     assert said == ["0 [1. 1. 1.]\n", "1 [1. 1. 1.]\n"], f"numba {numba_version}: see solver/kernels.py"
+
+
+def test_a_kernel_is_compiled_where_nothing_can_be_locked(monkeypatch):
+    asked = []
+
+    def full(file, **_):
+        asked.append(file)
+        raise OSError(errno.ENOSPC, "no space left")
+
+    monkeypatch.setattr(kernels, "FileLock", full)
+    assert kernel(first_row_sum)(np.eye(2)) == 1.0
+    assert len(asked) == 1
 
 
 @pytest.fixture

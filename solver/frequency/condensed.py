@@ -120,7 +120,10 @@ def _times(matrix: np.ndarray, x: np.ndarray, w: int, out: np.ndarray) -> None:
 
 @kernel(inline="always")
 def _eliminate(K: np.ndarray) -> None:
-    """Gauss's, with ones left on the diagonal, of K (n, n + 1), the last column the right side."""
+    """Gauss's, with ones left on the diagonal, of K (n, n + 1), the last column the right side.
+
+    `newton.factorize` would take magnitudes and quotients of complex numbers, which are dearer than all the rest.
+    """
     n = K.shape[0]
     for k in range(n):
         best, most = k, 0.0
