@@ -117,9 +117,10 @@ VARIABLES = {
     "constraint_drift_velocity": Meaning("m s-1", "Largest velocity at which a hinge leaves its place"),
     "constraint_drift_acceleration": Meaning("m s-2", "Largest acceleration at which a hinge leaves its place"),
     "estimated_error": Meaning(
-        "1", "Estimated relative error of any mean, rms or std: step, quadrature, memory and mesh"
+        "1", "Estimated relative error of any mean, rms or std: step, samples, quadrature, memory and mesh"
     ),
     "discretization_error": Meaning("1", "Estimated relative error of the time discretization"),
+    "sampling_error": Meaning("1", "Estimated relative error of samples half a step apart, where a joint's law jumps"),
     "field_error": Meaning("1", "Share of the wave amplitudes' sum that the local series left out at a hull, at most"),
     "seabed_error": Meaning("1", "Share of a coefficient that the seabed has, at most, where it was left out"),
     "quadrature_error": Meaning("1", "Estimated relative error of the pressure's quadrature"),

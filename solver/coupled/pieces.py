@@ -343,7 +343,7 @@ def _first(problem: Problem, state: State, room: Workspace, h: float) -> tuple[f
 
 @inner_kernel
 def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, kind: int) -> float:
-    """Share of the step at which axis i leaves its zone; at once if it begins beyond and goes further."""
+    """Share of the step at which axis i leaves its zone; at once if it begins beyond and goes further or stays."""
     before = _beyond(problem, state, room, h, i, kind, 0.0)
     if before > 0 and kind == PTO_ZONE and room.stage.zone[kind, i] == HELD:
         return 0.0
@@ -361,7 +361,7 @@ def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, k
                     low = middle
             return high
         before = now
-    return NEVER
+    return 0.0 if before > 0 else NEVER
 
 
 @inner_kernel

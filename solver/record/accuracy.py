@@ -13,10 +13,12 @@ from solver.scene import Scene, Settings, two_digits
 ATTEMPTS = 6  # at most; each but the last costs the first audit.PROBE seconds of a run, and their audit
 RULES = [(8, 4, 2), (12, 6, 3), (16, 12, 6), (24, 16, 8)]
 MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
-# What the estimate's square may be made of; the BEM's mesh is chosen before, see scene.panels_for.
-SHARE = {"discretization_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
+# What the estimate's square may be made of; the BEM's mesh is chosen before, see scene.panels_for. Where laws jump
+# samples err, and the step less.
+SHARE = {"discretization_error": 0.5, "sampling_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
 SHAPES = 0.25  # and of the frame's shapes, which are cheap
 STEP_ORDER = 4
+SAMPLES_ORDER = 1.5  # jumps lie anywhere between samples: in gaps half as wide and twice as many
 USUAL = 5e-4  # of the usual step, where the guess starts from
 DEFAULT = 1e-3  # what the step may err by where none is given
 
@@ -47,8 +49,8 @@ def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
         return None
     over = {name: told[name] / (share * left) ** 0.5 for name, share in SHARE.items()}
     finer = settings
-    if over["discretization_error"] > 1:
-        finer = _shorter(finer, over["discretization_error"])
+    if (step := max(over["discretization_error"], over["sampling_error"] ** (STEP_ORDER / SAMPLES_ORDER))) > 1:
+        finer = _shorter(finer, step)
     if isinstance(settings.modes, int) and told["shapes_effect"] > (SHAPES * left) ** 0.5:
         finer = replace(finer, modes=2 * settings.modes)
     at = RULES.index((settings.azimuths, settings.arc_points, settings.line_points))

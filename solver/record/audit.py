@@ -1,7 +1,7 @@
 """What a record says about itself: energy balance, constraint drift, estimated errors, and what was skipped."""
 
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
 from solver.multibody.joint_law import JointLaw, absorbing
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
 from solver.record.recorder import Channels, Recorder
-from solver.record.sampling import expected_error, least_force
+from solver.record.sampling import between_samples, expected_error, least_force
 from solver.scene import Scene, Settings
 from solver.statistics import FAINT, apart, moments
 
@@ -92,7 +92,7 @@ class Probe:
         """Relative errors of any mean, rms or std by their causes, and `estimated_error`."""
         if not self._errors:
             clock = time.perf_counter()
-            parts = {"discretization_error": step_error(self), "quadrature_error": quadrature_error(self.system, self)}
+            parts = step_errors(self) | {"quadrature_error": quadrature_error(self.system, self)}
             if self._before:
                 parts = {name: max(error, parts.get(name, 0.0)) for name, error in self._before.items()}
                 del parts["estimated_error"]
@@ -116,7 +116,7 @@ def together(errors: Iterable[float]) -> float:
 def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
     """Relative errors of any mean, rms or std, what was asked and not met, and what was left out.
 
-    `estimated_error` is that of step, quadrature, memory, BEM mesh and the frame's shapes together.
+    `estimated_error` is that of step, samples, quadrature, memory, BEM mesh and the frame's shapes together.
     """
     system = probe.system
     errors = probe.errors(hydrodynamics)
@@ -165,35 +165,43 @@ def constraint_drift(system: System, state: State) -> float:
     return drift
 
 
-def step_error(probe: Probe) -> float:
+def step_errors(probe: Probe) -> dict[str, float]:
     """Of every mean, rms and std of the record, from what is judged of it and a run of that with half the step.
 
-    The scheme is of fourth order, so that run differs by 15/16 of the error.
+    `discretization_error`: the scheme is of fourth order, so that run differs by 15/16 of the error. `sampling_error`,
+    where a joint's law may jump: what lies between samples half a step apart, by that run's.
     """
-    system = probe.system
-    half = system.with_step(system.dt / 2)
-    finer = Recorder(probe.recorder.scene, system.support, layout=system.layout, bodies=system.bodies)
+    system, jumps, scene = probe.system, probe.system.bent.size > 0, probe.recorder.scene
+    half, every = system.with_step(system.dt / 2), slice(0, None) if jumps else slice(1, None, 2)
+    finer = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies)
     state, done = half.start() if probe.state is None else copied(probe.state), 2 * probe.first
     for samples, output, times in blocks(half, state, done + 2 * probe.steps, done):
         since = times - probe.first * system.dt
-        finer.add(since[1::2], Output(*(x[1::2] for x in output)), samples[1::2])
-    return statistics_error(system, probe.recorder, finer) * 16 / 15
+        finer.add(since[every], Output(*(x[every] for x in output)), samples[every])
+    exact, between = finer.samples(), 0.0
+    if jumps:
+        between = statistics_error(system, scene, between_samples, exact)
+        exact = {name: x[1::2] for name, x in exact.items()}
+    step = statistics_error(system, scene, expected_error, probe.recorder.samples(), exact)
+    return {"discretization_error": step * 16 / 15, "sampling_error": between}
 
 
-def statistics_error(system: System, recorder: Recorder, exact: Recorder) -> float:
-    """Error to expect of any mean, rms or std of the scene's record, from two recorders' samples of a part of it.
+def statistics_error(
+    system: System, short: Scene, error: Callable[..., float], *samples: Mapping[str, np.ndarray]
+) -> float:
+    """Error to expect of any mean, rms or std of the system's record, by an `error` of sampling.
 
-    Nothing where no motion exceeds Newton's tolerance.
+    samples: of a `short` part of it, the best ones last. Nothing where no motion exceeds Newton's tolerance.
     """
-    s, usual, best = system.scene.settings, recorder.samples(), exact.samples()
+    best = samples[-1]
     moving = (np.nanmax(best[name].std(axis=0), initial=0.0) for name in MOTIONS if name in best)
     if not max(moving, default=0.0) > 10 * system.newton_tolerance * bool(system.scene.floats):
         return 0.0
-    longer = max(1.0, s.duration / recorder.scene.settings.duration)
+    longer = max(1.0, system.scene.settings.duration / short.settings.duration)
     # What is on or off between two samples has another std where they are nearer.
     other = ("time", "wave_elevation", "latched", "declutched")
-    driven = {name: samples for name, samples in best.items() if name not in other}
-    return expected_error(usual, driven, {"hinge_force": least_force(system.scene)}, longer)
+    driven = ({name: x for name, x in of.items() if name not in other} for of in samples)
+    return error(*driven, {"hinge_force": least_force(system.scene)}, longer)
 
 
 def quadrature_error(system: System, probe: Probe) -> float:

@@ -28,6 +28,7 @@ from solver.record.audit import PROBE, coefficient_effects, probed, shapes_effec
 from solver.record.bound import above
 from solver.record.recorder import Record, Recorder
 from solver.record.refit import prepared
+from solver.record.sampling import expected_error
 from solver.reference import axes as joint_axes
 from solver.reference.augmented import (
     NO_SUPPORTS,
@@ -310,10 +311,10 @@ def _errors(
     finer, every = Recorder(probe.scene, half.system.support, layout=half.system.layout), slice(1, None, 2)
     for times, output, waves, *_ in _blocks(half, _march(half, tolerance)):
         finer.add(times[every], Output(*(x[every] for x in output)), waves[every])
-    step = statistics_error(case.system, probe, finer) / (1 - 0.5**order)
+    step = statistics_error(case.system, probe.scene, expected_error, probe.samples(), finer.samples())
     memory, mesh = coefficient_effects(case.system, h)
     parts = {
-        "discretization_error": step,
+        "discretization_error": step / (1 - 0.5**order),
         "memory_effect": 0.0 if s.memory == "convolution" else memory,
         "mesh_effect": mesh,
         "shapes_effect": shapes_effect(case.system, h),

@@ -20,6 +20,7 @@ from solver.coupled.system import blocks, energy_residual, prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring
+from solver.multibody.joint_law import RELEASED, STOP_ZONE
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
 from tests.awkward import SCENES, unfelt
@@ -43,10 +44,11 @@ def mass(dt, seconds, motion=("surge",), **law):
 class Run:
     """Histories (m,) of the mass, and the march's state at the end."""
 
-    def __init__(self, scene, rate=0.0, known=None):
+    def __init__(self, scene, rate=0.0, known=None, change=lambda state: None):
         self.system = prepare(scene, known)
         self.state = self.system.start()
         self.state.dz[0] = rate
+        change(self.state)
         self.state.energy[AT_START] = energy(self.system.bodies, self.system.structure, self.state)
         parts = list(blocks(self.system, self.state, round(scene.settings.duration / self.system.dt)))
         self.t = np.concatenate([times for _, _, times in parts])
@@ -93,6 +95,18 @@ def test_a_mass_bounces_between_stops_with_their_restitution(zeta, dt):
     largest = {0.0: STIFF * M * deepest, 0.5: damping}  # of a spring; of a damper that is hit
     if zeta in largest:
         assert run.contact[:, LOAD].max() == approx(largest[zeta], rel=0.02)
+
+
+def test_a_zone_is_left_by_what_stays_beyond_it():
+    """Also by what draws nearer to its border, as what rings may where it lets go of a stop that it still presses on:
+    it would pass through the stop."""
+
+    def let_go(state):
+        state.zone[STOP_ZONE], state.ddz[:] = RELEASED, -1.2
+
+    scene = mass(0.1, 0.1, stiffness=M, offset=1.2, end_stops=EndStops(lower=-2.0, upper=1.0, stiffness=STIFF * M))
+    pressed, released = Run(scene), Run(scene, change=let_go)
+    assert pressed.y[-1] < 1.0 and [released.y[-1], released.dy[-1]] == approx([pressed.y[-1], pressed.dy[-1]])
 
 
 def test_the_force_at_a_hit_does_not_wait_for_a_sample():

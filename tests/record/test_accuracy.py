@@ -12,10 +12,11 @@ from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
 from solver.record.audit import together
 from solver.record.refit import prepared
+from solver.record.sampling import least_force
 from solver.run import simulate
 from solver.scene import PANELS, EndStops, panels_for, two_digits
 from solver.sea.realization import Realization
-from solver.statistics import FAINT
+from solver.statistics import FAINT, apart
 from tests.awkward import SCENES, known
 from tests.awkward import scene as awkward_scene
 
@@ -28,8 +29,8 @@ def oblique_hull_in_head_seas():
 
 
 GOOD = {
-    "discretization_error": 1e-5, "quadrature_error": 1e-5, "memory_effect": 1e-5, "mesh_effect": 0.0,
-    "shapes_effect": 0.0,
+    "discretization_error": 1e-5, "sampling_error": 0.0, "quadrature_error": 1e-5, "memory_effect": 1e-5,
+    "mesh_effect": 0.0, "shapes_effect": 0.0,
 }  # fmt: skip
 
 
@@ -100,11 +101,34 @@ def test_a_run_that_meets_a_stop_late_is_judged_from_there():
     assert loads[0] == approx(loads[1], rel=0.01)
 
 
+def test_what_hits_do_between_samples_is_told():
+    """The long steps of a big float's waves beside a small one on its stops; all samples of a run that has them all."""
+    whole, known_to = SCENES["big_beside_small"]()
+    floats = []
+    for item, reach in zip(whole.floats, (0.023, 0.1), strict=True):
+        swing = item.mass * np.linalg.norm(item.arm) ** 2
+        stops = EndStops(lower=-reach, upper=reach, stiffness=400 * swing, damping=4 * swing)
+        floats.append(replace(item, end_stops=stops))
+    scene = replace(whole, floats=tuple(floats))
+    usual = simulate(scene, known_to)
+    step = usual.attrs["time_step"]
+    fine = simulate(replace(scene, settings=replace(scene.settings, time_step=step / 12)), known_to)
+    true = max(
+        apart(usual.variables[name][1], fine.variables[name][1], least)
+        for name, least in {"rotation": 0.0, "absorbed_power": 0.0, "hinge_force": least_force(scene)}.items()
+    )
+    assert usual.variables["end_stop_hits"][1].min() > 10
+    assert usual.attrs["sampling_error"] > 10 * usual.attrs["discretization_error"]
+    assert 1 / 3 < true / usual.attrs["estimated_error"] < 3
+
+
 def test_settings_are_refined_by_their_own_share_alone(buan):
     settings = first_guess(buan.scene("fixed", tolerance=1e-3))
     assert refined(settings, told()) is None
     finer = refined(settings, told(discretization_error=16e-3))
     assert finer.time_step < settings.time_step / 2 and finer.azimuths == settings.azimuths
+    finer = refined(settings, told(sampling_error=2**1.5 * SHARE["sampling_error"] ** 0.5 * 1e-3 / MARGIN))
+    assert finer.time_step == approx(two_digits(0.9 / 2 * settings.time_step))
     finer = refined(settings, told(quadrature_error=1e-2))
     assert finer.azimuths > settings.azimuths and finer.panel_size == settings.panel_size / 2
     finer = refined(settings, told(shapes_effect=1e-2))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.record.sampling import expected_error
+from solver.record.sampling import between_samples, expected_error
 
 NONE = np.zeros(())
 RNG = np.random.default_rng(3)
@@ -50,3 +50,26 @@ def test_the_least_is_what_a_channel_counts_as():
 def test_channels_that_a_float_does_not_have_count_for_nothing():
     gone = np.column_stack([WAVE, np.full(len(WAVE), np.nan)])
     assert error(1.01 * gone, gone) == approx(error(1.01 * WAVE), rel=1e-12)
+
+
+def hits(length, every=0.01, record=40_000.0):
+    """Samples of square pulses of that length, of half sines three times as long, and of a wave."""
+    t, starts = np.arange(0, record, every), np.zeros(round(record / every))
+    starts[RNG.integers(0, starts.size, 2000)] = 1.0
+    n = round(length / every)
+    square, sine = (
+        np.convolve(starts, shape)[: t.size] for shape in (np.ones(n), np.sin(np.arange(3 * n) * np.pi / 3 / n))
+    )
+    return np.column_stack([square, sine, np.sin(0.7 * t)])
+
+
+def test_what_jumps_between_samples_is_told_as_chance():
+    """Against the spread of the records that begin elsewhere between two samples; of a wave that they follow nothing."""
+    fine, apart = hits(0.33), 50
+    square = np.mean(fine**2, axis=0)
+    errors = [np.sqrt(np.mean(fine[first::apart] ** 2, axis=0) / square) - 1 for first in range(apart)]
+    true = np.sqrt(np.mean(np.square(errors), axis=0))
+    told = [between_samples({"x": fine[:: apart // 2, [i]]}, {}, 1.0) for i in range(3)]
+    assert np.all((1 / 3 < true[:2] / told[:2]) & (true[:2] / told[:2] < 3)), (true, told)
+    assert told[2] < told[0] / 20
+    assert between_samples({"x": fine[:: apart // 2]}, {}, 4.0) == approx(told[0] / 2)
