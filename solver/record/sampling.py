@@ -8,7 +8,8 @@ from solver.scene import Scene
 from solver.statistics import FAINT
 
 NEAR = 20  # gaps between samples: what a hit does to one of them it may take from the next
-PARTS = 8  # of the samples, whose scatter tells chance from what stays
+PARTS = 16  # of the samples, whose scatter tells chance from what stays
+SURE = 6.0  # times the square of chance: of dozens of channels one reaches that by chance alone
 
 
 def least_force(scene: Scene) -> np.ndarray:
@@ -63,11 +64,12 @@ def _shares(v: np.ndarray, x: np.ndarray, y: np.ndarray, least: np.ndarray) -> l
 def _expected(errors: list[np.ndarray], longer: float) -> float:
     """Largest mean of errors (m, n) in a record `longer` times theirs.
 
-    With E over all samples and s its standard error by the scatter of their PARTS, what stays is (E² - s²)^½, and
-    chance averages out: (max(E² - s², 0) + s²/longer)^½.
+    With E over all samples and s its standard error by the scatter of their PARTS, what stays is (E² - s²)^½ where it
+    is SURE, and chance averages out: (E² - s² + s²/longer)^½; else (max(E², s²)/longer)^½.
     """
     count = min(PARTS, len(errors[0]))
     parts = np.array([[part.mean(axis=0) for part in np.array_split(e, count)] for e in errors])
     whole, chance = parts.mean(axis=1) ** 2, parts.var(axis=1, ddof=1) / count
-    stays = np.maximum(whole - chance, 0.0) + chance / longer
-    return float(np.sqrt(np.max(stays, where=np.isfinite(stays), initial=0.0)))
+    stays = np.where(whole > SURE * chance, whole - chance, 0.0)
+    left = stays + np.maximum(whole - stays, chance) / longer
+    return float(np.sqrt(np.max(left, where=np.isfinite(left), initial=0.0)))

@@ -33,10 +33,18 @@ def test_chance_averages_out():
 
 @pytest.mark.parametrize("longer", [1.0, 4.0])
 def test_chance_is_told_by_the_scatter_of_the_parts(longer):
-    """Eighths shifted up and down in turn: no error of the mean, and a standard error of c (8/7)^½/8^½."""
+    """Sixteenths shifted up and down in turn: no error of the mean, and a standard error of c (16/15)^½/16^½."""
     c = 0.01
-    sign = np.repeat([1.0, -1.0] * 4, 500)[:, None]
-    assert error(WAVE + c * sign, longer=longer) == approx(c / np.sqrt(7 * longer) / np.sqrt(10), rel=0.03)
+    sign = np.repeat([1.0, -1.0] * 8, 250)[:, None]
+    assert error(WAVE + c * sign, longer=longer) == approx(c / np.sqrt(15 * longer) / np.sqrt(10), rel=0.03)
+
+
+def test_what_is_not_sure_to_stay_counts_as_chance():
+    """A shift of 2 or 3 of its standard errors c/15^½, in a record 100 times longer."""
+    c = 0.01
+    sign = np.repeat([1.0, -1.0] * 8, 250)[:, None]
+    doubtful, sure = (error(WAVE + c * (sign + n / np.sqrt(15)), longer=100.0) * np.sqrt(150) / c for n in (2, 3))
+    assert doubtful == approx(0.2, rel=0.05) and sure == approx(np.sqrt(8.01), rel=0.05)
 
 
 def test_the_least_is_what_a_channel_counts_as():
