@@ -94,7 +94,7 @@ def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarra
 
 @lru_cache(maxsize=KNOWN)
 def _dry_frequencies(model: FrameModel) -> np.ndarray:
-    return natural.modes(model.K, model.M, model.free).omega
+    return natural.frequencies(model.K, model.M, model.free)
 
 
 @lru_cache(maxsize=KNOWN)
