@@ -7,9 +7,10 @@ import numpy as np
 
 from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, TOPS, UTILISATION, Forces
 from solver.record import fatigue
+from solver.record.utilisation import bending_utilisation, shear_utilisation
 from solver.scene import Fatigue, Settings
 from solver.structure.frame import FORCES
-from solver.structure.tubular import Resistance, resistance, shear_utilisation, utilisation
+from solver.structure.tubular import Resistance, resistance
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
 
@@ -83,14 +84,11 @@ class Steel:
 
         along (m, np, 3): N, My, Mz; shear (m, no, 2, 3): Vy, Vz, T.
         """
-        of, points, twin = self._resistance, self.places.points, self.places.twin
-        at_points = Resistance(*(np.repeat(values, points) for values in of))
-        N, My, Mz = np.ascontiguousarray(np.moveaxis(along, -1, 0))
+        of, twin = self._resistance, self.places.twin
+        bent = bending_utilisation(along, self.places.points, of)
         Vy, Vz, T = np.moveaxis(shear, -1, 0)
-        bent = utilisation(N, My, Mz, at_points)
         sheared = shear_utilisation(Vy, Vz, T, Resistance(*(values[:, None] for values in of)))
-        largest = np.maximum.reduceat(bent, np.cumsum(points) - points, axis=1)
-        return largest[:, twin], sheared.max(axis=-1)[:, twin]
+        return bent[:, twin], sheared.max(axis=-1)[:, twin]
 
     @cached_property
     def _resistance(self) -> Resistance:

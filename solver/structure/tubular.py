@@ -1,8 +1,7 @@
-"""Utilisation of tubes by NORSOK N-004 (Rev. 3, 2013), 6.3: axial force with bending, buckling, shear and torsion.
+"""Resistance of tubes by NORSOK N-004 (Rev. 3, 2013), 6.3: to axial force, buckling, bending, shear and torsion.
 
-Eqs. 6.1 to 6.14 and 6.26 to 6.30, for t >= 6 mm and D/t < 120. γ_M of 6.3.7 is 1.15 but for slender walls, whose
-largest is 1.45. Bending with shear or torsion at a time (6.3.8.3, 6.3.8.4) and hydrostatic pressure (6.3.6, 6.3.9) are
-not here.
+Eqs. 6.1 to 6.14, for t >= 6 mm and D/t < 120. γ_M of 6.3.7 is 1.15 but for slender walls, whose largest is 1.45.
+Hydrostatic pressure (6.3.6, 6.3.9) is not here.
 """
 
 from typing import NamedTuple
@@ -16,7 +15,6 @@ LOCAL = 0.3  # C_e of elastic local buckling
 SLENDER = 0.25  # f_y/f_cle, whose root is λ_s = 0.5: beyond it γ_M may be larger than 1.15
 LARGEST_FACTOR = 1.45
 THINNEST, MOST_SLENDER = 6e-3, 120.0  # t [m] and D/t
-AMPLIFIED = 0.01  # 1 - N/N_E, at least: nearer to Euler's load the column has failed, by N/N_c,Rd alone
 
 
 class Resistance(NamedTuple):
@@ -95,20 +93,3 @@ def bending_strength(fy: float, E: float, D: float, t: float) -> float:
     if slenderness <= 0.1034:
         return (1.13 - 2.58 * slenderness) * shape * fy
     return (0.94 - 0.76 * slenderness) * shape * fy
-
-
-def utilisation(N: np.ndarray, My: np.ndarray, Mz: np.ndarray, of: Resistance) -> np.ndarray:
-    """Of axial force with bending (…,): eq. 6.26 in tension, the larger of 6.27 and 6.28 in compression.
-
-    N, tension positive [N], My and Mz [N m].
-    """
-    M, pressed = np.sqrt(My**2 + Mz**2) / of.bending, np.maximum(-N, 0.0)
-    amplified = of.moment_factor * M / np.maximum(1 - pressed / of.euler, AMPLIFIED)
-    used = np.maximum(pressed / of.column + amplified, pressed / of.local + M)
-    tension = np.power(np.maximum(N, 0.0) / of.tension, 1.75, out=np.zeros_like(used), where=N > 0)  # the dearest part
-    return np.where(N > 0, tension + M, used)
-
-
-def shear_utilisation(Vy: np.ndarray, Vz: np.ndarray, T: np.ndarray, of: Resistance) -> np.ndarray:
-    """Of shear and of torsion (…,), the larger: eqs. 6.13 and 6.14; Vy and Vz [N], T [N m]."""
-    return np.maximum(np.hypot(Vy, Vz) / of.shear, np.abs(T) / of.torsion)
