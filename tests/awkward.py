@@ -47,11 +47,6 @@ def known(item: Scene, low: float, high: float, count: int = 24, panels: int = S
     )  # fmt: skip
 
 
-def unfelt(item: Scene) -> Hydrodynamics:
-    """Coefficients for a scene that asks them for nothing: `simulate` would solve for as many frequencies as ever."""
-    return known(item, 1.0, 1.0, count=1)
-
-
 def prism(outline: list[tuple[float, float]], width: float) -> PanelHull:
     """The closed hull of an outline in x and z, seen whole from its points' mean, over `width` in y [m]."""
     n, flat = len(outline), np.array(outline, float)

@@ -57,8 +57,9 @@ def test_boundary_elements_are_solved_only_where_something_depends_on_them():
     assert needed(solver.Scene(water=water, floats=(ball(),)))
     assert not needed(solver.Scene(water=water))
     assert not needed(solver.Scene(water=water, floats=(ball(),), settings=solver.Settings(**bare)))
-    linear = solver.Settings(**bare, froude_krylov="linear")
-    assert needed(solver.Scene(water=water, floats=(ball(),), settings=linear))
+    for pressure, asked in (("linear", True), ("none", False)):
+        settings = solver.Settings(**bare, froude_krylov=pressure)
+        assert needed(solver.Scene(water=water, floats=(ball(),), settings=settings)) == asked
 
 
 def test_the_readmes_example_runs():

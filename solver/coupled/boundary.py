@@ -11,7 +11,8 @@ from solver.scene import Scene, panels_for
 def needed(scene: Scene) -> bool:
     """Whether anything in a scene depends on coefficients."""
     s = scene.settings
-    return bool(scene.floats) and (s.radiation or s.diffraction or not all(scene.nonlinear))
+    linear_pressure = s.froude_krylov != "none" and not all(scene.nonlinear)
+    return bool(scene.floats) and (s.radiation or s.diffraction or linear_pressure)
 
 
 def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.Hydrodynamics | None:

@@ -104,7 +104,7 @@ def test_a_float_swings_as_far_as_its_lines_let_it():
     """Let go by metres, so that lines go slack and taut, against another integrator of the same loads."""
     item = replace(floating(lines=UNLIKE), offset=(3.0, -2.0, 0.1))
     scene = replace(dry(item, seconds=6.0), water=Water(depth=20.0))
-    record = simulate(scene, awkward.unfelt(scene))
+    record = simulate(scene)
     times, motion = record.series["time"][1], record.series["motion"][1][:, 0]
     system = prepare(scene, None)
     z0 = system.equilibrium[0]

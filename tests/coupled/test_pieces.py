@@ -23,7 +23,7 @@ from solver.mooring import Mooring
 from solver.multibody.joint_law import RELEASED, STOP_ZONE
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
-from tests.awkward import SCENES, unfelt
+from tests.awkward import SCENES
 
 M = 2000.0  # [kg]
 STIFF = 400.0  # of a stop over the mass [1/s²]: 20 rad/s, seven times faster than the steps
@@ -113,8 +113,7 @@ def test_the_force_at_a_hit_does_not_wait_for_a_sample():
     """Half the period on the stop is 0.16 s; in the record too, whose samples are as far apart as half a step."""
     stops = EndStops(lower=-0.5, upper=2.0, stiffness=STIFF * M, damping=0.4 * np.sqrt(STIFF) * M)
     scene = mass(0.26, 20.0, stiffness=M, offset=1.0, end_stops=stops)
-    h = unfelt(scene)
-    records = [simulate(replace(scene, settings=replace(scene.settings, time_step=dt)), h) for dt in (0.26, 0.01)]
+    records = [simulate(replace(scene, settings=replace(scene.settings, time_step=dt))) for dt in (0.26, 0.01)]
     coarse, fine = (record.variables["hinge_force"][1][0, 0, :2] for record in records)
     assert coarse == approx(fine, rel=0.01)
 
