@@ -27,38 +27,46 @@ def expected_error(
 def between_samples(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float) -> float:
     """The same of a record that has every other one of these samples, by its trapezoids: what jumps lies between.
 
-    Each gap errs by half of what its middle is off the mean of its ends. What jumps does so anywhere in a gap: those of
-    m gaps that are near each other have a sum e, and the mean errs by (Σ e²)^½/m.
+    samples: an even number. Each gap errs by half of what its middle is off the mean of its ends. What jumps does so
+    anywhere in a gap: those of m gaps that are near each other have a sum e, and the mean errs by (Σ e²)^½/m.
     """
     return max(_between(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
 
 
 def _of_kind(x: np.ndarray, y: np.ndarray, least: np.ndarray, longer: float) -> float:
-    least = np.broadcast_to(least, y.shape[1:]).ravel()
-    x, y = x.reshape(len(x), -1), y.reshape(len(y), -1)
-    return _expected([a - b for a, b in zip(_shares(x, x, y, least), _shares(y, x, y, least), strict=True)], longer)
+    mean, sizes = _sizes(x, y, least)
+    pairs = zip(_powers(x, mean), _powers(y, mean), sizes, strict=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return _expected([(a - b) / size for a, b, size in pairs], longer)
 
 
 def _between(x: np.ndarray, least: np.ndarray, longer: float) -> float:
-    least, x = np.broadcast_to(least, x.shape[1:]).ravel(), x[: len(x) // 2 * 2].reshape(len(x) // 2 * 2, -1)
-    kept = x[1::2]
-    gaps = np.array([((s[1:-2:2] + s[3::2]) / 2 - s[2::2]) / 2 for s in _shares(x, kept, kept, least)])
+    mean, sizes = _sizes(x[1::2], x[1::2], least)
+    gaps = np.array([((v[1:-2:2] + v[3::2]) / 2 - v[2:-1:2]) / 2 for v in _powers(x, mean)])
     near = np.add.reduceat(gaps, np.arange(0, gaps.shape[1], NEAR), axis=1)
-    errors = np.sqrt(np.sum(near**2, axis=1) / longer) / gaps.shape[1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        errors = np.sqrt(np.sum(near**2, axis=1) / longer) / gaps.shape[1] / sizes
     return float(np.max(errors, where=np.isfinite(errors), initial=0.0))
 
 
-def _shares(v: np.ndarray, x: np.ndarray, y: np.ndarray, least: np.ndarray) -> list[np.ndarray]:
-    """Of samples v (m, n) in the mean, rms and std of channels, scaled as solver.statistics.apart does.
+def _powers(x: np.ndarray, mean: np.ndarray) -> list[np.ndarray]:
+    """Of samples (m, …) of channels what the mean and the squares of rms and std are the means of, (m, n)."""
+    x = x.reshape(len(x), -1)
+    return [x, x**2, (x - mean) ** 2]
 
-    v, v²/2r and (v - ȳ)²/2σ, with r of y and σ the mean of x's and y's: their means over x less those over y are the
-    differences of these statistics.
+
+def _sizes(x: np.ndarray, y: np.ndarray, least: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """ȳ (n,) and what differences of the means of `_powers` of x and y are to be divided by (3, n).
+
+    They are then those of mean, rms and std, scaled as solver.statistics.apart does: 1, 2r and 2σ times the scale,
+    with r of y and σ the mean of x's and y's.
     """
+    least = np.broadcast_to(least, y.shape[1:]).ravel()
+    x, y = x.reshape(len(x), -1), y.reshape(len(y), -1)
     mean, rms, std = y.mean(axis=0), np.sqrt(np.mean(y**2, axis=0)), y.std(axis=0)
-    scale = [np.maximum(s, np.maximum(FAINT * np.nanmax(s, initial=0.0), least)) for s in (rms, std)]
-    spread = np.sqrt(np.mean((x - mean) ** 2, axis=0)) + std
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return [v / scale[0], v**2 / (2 * rms * scale[0]), (v - mean) ** 2 / (spread * scale[1])]
+    of_rms, of_std = (np.maximum(s, np.maximum(FAINT * np.nanmax(s, initial=0.0), least)) for s in (rms, std))
+    both = np.sqrt(np.mean((x - mean) ** 2, axis=0)) + std
+    return mean, np.array([of_rms, 2 * rms * of_rms, both * of_std])
 
 
 def _expected(errors: list[np.ndarray], longer: float) -> float:
