@@ -12,6 +12,7 @@ from solver.scene import Fatigue
 
 HOUR = 3600.0  # [s]
 SAME = 1e-8  # of the largest stress: what histories on both sides of a plane of symmetry differ by
+FEW = 0.02  # of turning points: fewer cycles are not worth a look at all of them
 NARROW = 1e-6  # of one: a process whose zero crossings and peaks are that nearly as many has Rayleigh's ranges
 
 
@@ -25,19 +26,41 @@ class Damage(NamedTuple):
 
 def turning_points(x: np.ndarray) -> np.ndarray:
     """First, last and all extremes of samples (m,), those by the parabola through a sample and its neighbours."""
-    moving = x[np.append(True, np.diff(x) != 0)]  # of equal ones in a row, the first
-    older, old, new = moving[:-2], moving[1:-1], moving[2:]
-    turns = (old - older) * (new - old) < 0
-    slope, bend = (new - older)[turns] / 2, (older - 2 * old + new)[turns]
-    return np.concatenate([moving[:1], old[turns] - slope**2 / (2 * bend), moving[-1:]])
+    step = np.diff(x)
+    if not step.all():  # of equal ones in a row, the first
+        x, step = x[np.append(True, step != 0)], step[step != 0]
+    falls = step < 0
+    turn = 1 + np.flatnonzero(falls[1:] != falls[:-1])
+    older, old, new = x[turn - 1], x[turn], x[turn + 1]
+    slope, bend = (new - older) / 2, older - 2 * old + new
+    return np.concatenate([x[:1], old - slope**2 / (2 * bend), x[-1:]])
 
 
 def ranges(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Ranges of samples (m,) by rainflow, and their counts: a half or one."""
-    points = turning_points(x).tolist()  # Python's numbers: the library reckons faster with them than with numpy's
-    cycles = np.array([(size, count) for size, _, count, _, _ in rainflow.extract_cycles(points)])
-    size, count = cycles.reshape(-1, 2).T
-    return size, count
+    left, inner = _without_inner(turning_points(x))
+    points = left.tolist()  # Python's numbers: the library reckons faster with them than with numpy's
+    cycles = [(size, count) for size, _, count, _, _ in rainflow.extract_cycles(points)]
+    if len(points) == 2:  # of which the library says nothing
+        cycles = [(abs(points[1] - points[0]), 0.5)]
+    size, count = np.array(cycles).reshape(-1, 2).T
+    return np.append(inner, size), np.append(np.ones(inner.size), count)
+
+
+def _without_inner(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Turning points (n,) without cycles that lie within a larger range before and one as large after, and those.
+
+    Rainflow counts such a cycle whole, whatever else there is, and goes on as if it had not been: many are taken out
+    at once, as long as that is quicker than the library is one by one.
+    """
+    taken = [np.zeros(0)]
+    while True:
+        size = np.abs(np.diff(points))
+        inner = 1 + np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:]))
+        if inner.size <= FEW * points.size:
+            return points, np.concatenate(taken)
+        taken.append(size[inner])
+        points = np.delete(points, np.append(inner, inner + 1))
 
 
 def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: Fatigue) -> Damage:

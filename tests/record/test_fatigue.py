@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import rainflow
 from pytest import approx
 from scipy.special import gamma
 
@@ -29,6 +30,30 @@ def test_rainflow_is_astms():
     size, count = fatigue.ranges(waves_between(np.array([-2.0, 1, -3, 5, -1, 3, -4, 4, -2])))
     found = {k: count[np.isclose(size, k, atol=1e-6)].sum() for k in (3, 4, 6, 8, 9)}
     assert found == {3: 0.5, 4: 1.5, 6: 0.5, 8: 1.0, 9: 0.5} and count.sum() == 4.0
+
+
+@pytest.mark.parametrize("kind", ["noise", "walk", "steps", "walk in steps", "narrow"])
+def test_cycles_taken_out_at_once_are_those_that_the_library_counts(kind):
+    rng = np.random.default_rng(5)
+    make = {
+        "noise": lambda n: rng.normal(size=n),
+        "walk": lambda n: np.cumsum(rng.normal(size=n)),
+        "steps": lambda n: rng.integers(-4, 5, n).astype(float),  # many ranges are equal
+        "walk in steps": lambda n: np.cumsum(rng.integers(-2, 3, n)).astype(float),
+        "narrow": lambda n: np.cos(np.arange(n)) * (1 + 0.5 * np.cos(0.03 * np.arange(n))),
+    }[kind]
+    for n in rng.integers(10, 900, 20):
+        x = make(n)
+        points = fatigue.turning_points(x)
+        alone = sorted((size, count) for size, _, count, _, _ in rainflow.extract_cycles(points.tolist()))
+        assert sorted(zip(*fatigue.ranges(x), strict=True)) == alone
+
+
+def test_a_rise_is_half_a_cycle():
+    """Of two points, of which the library says nothing; and of two that are left when the cycles within are out."""
+    for levels in ([0.0, 3.0], [0.0, 2.0, 1.0, 3.0]):
+        size, count = fatigue.ranges(waves_between(np.array(levels)))
+        assert count[np.isclose(size, 3.0, atol=1e-4)].tolist() == [0.5]
 
 
 def test_extremes_lie_between_samples():
