@@ -19,21 +19,14 @@ class Statistics:
 
     def add(self, block: np.ndarray) -> None:
         """Take in the next samples; moments are merged as in Chan, Golub and LeVeque (1979)."""
-        m = len(block)
-        if m == 0:
+        if len(block) == 0:
             return
-        mean = block.mean(axis=0)
-        spread = ((block - mean) ** 2).sum(axis=0)
+        block = np.ascontiguousarray(block, float)
         if self.count == 0:
-            self.high, self.low, self.mean, self.spread = block[0].copy(), block[0].copy(), mean, spread
-            self.last = np.full((2, block.shape[1]), np.nan)
-        else:
-            n = self.count
-            gap = mean - self.mean
-            self.mean = self.mean + gap * (m / (n + m))
-            self.spread = self.spread + spread + gap**2 * (n * m / (n + m))
-        _extremes(block, self.last, self.high, self.low)
-        self.count += m
+            self.high, self.low, self.last = block[0].copy(), block[0].copy(), np.full((2, block.shape[1]), np.nan)
+            self.mean, self.spread, self.room = np.zeros((3, block.shape[1]))
+        _take_in(block, self.count, self.room, self.last, self.high, self.low, self.mean, self.spread)
+        self.count += len(block)
 
     def table(self) -> np.ndarray:
         """(n, 5) in the order of STATISTICS."""
@@ -74,11 +67,34 @@ def vertex(older: float, old: float, new: float) -> float:
 
 
 @whole_lean_kernel
-def _extremes(block: np.ndarray, last: np.ndarray, high: np.ndarray, low: np.ndarray) -> None:
-    """Update high and low (n,) with the next samples; `last` (2, n) holds the two before them."""
-    for i in range(block.shape[0]):
-        for c in range(block.shape[1]):
+def _take_in(
+    block: np.ndarray,
+    count: int,
+    average: np.ndarray,
+    last: np.ndarray,
+    high: np.ndarray,
+    low: np.ndarray,
+    mean: np.ndarray,
+    spread: np.ndarray,
+) -> None:
+    """Update extremes, mean and spread (n,) after `count` samples with the next; `last` (2, n) holds the two before.
+
+    average (n,): that of the block.
+    """
+    m, n = block.shape
+    average[:] = 0.0
+    for i in range(m):
+        for c in range(n):
+            average[c] += block[i, c]
+    for c in range(n):
+        average[c] /= m
+        gap = average[c] - mean[c]
+        mean[c] += gap * (m / (count + m))
+        spread[c] += gap**2 * (count * m / (count + m))
+    for i in range(m):
+        for c in range(n):
             new = block[i, c]
+            spread[c] += (new - average[c]) ** 2
             middle = vertex(last[0, c], last[1, c], new)
             last[0, c], last[1, c] = last[1, c], new
             for value in (middle, new):

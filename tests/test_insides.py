@@ -115,12 +115,12 @@ def test_numba_compiles_once_what_several_processes_need(tmp_path):
     """Without: take `_compile_once` out of solver/kernels.py; workers that begin together then all compile the same."""
     program = (
         "import time; import numpy as np; from numba.core import event\n"
-        "from solver.statistics import Statistics, _extremes\n"
+        "from solver.statistics import Statistics, _take_in\n"
         "class Slow(event.Listener):\n"
         "    def on_start(self, _): time.sleep(1.0)\n"
         "    def on_end(self, _): pass\n"
         "event.register('numba:compile', Slow()); told = Statistics(); told.add(np.eye(3))\n"
-        "print(sum(_extremes.stats.cache_misses.values()), told.high)"
+        "print(sum(_take_in.stats.cache_misses.values()), told.high)"
     )
     env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     both = [subprocess.Popen([sys.executable, "-c", program], env=env, stdout=subprocess.PIPE, text=True) for _ in "ab"]

@@ -201,14 +201,15 @@ class Recorder:
         """bodies: needed where floats have lines."""
         self.scene, self.layout, self.channels, self.bodies = scene, layout, Channels(scene, support), bodies
         self.law = joint_law(scene.floats)
-        self.statistics = Statistics()
-        self.shapes: dict[str, tuple[int, ...]] = {}  # of the channels, in the order of the statistics
+        self.statistics: dict[str, Statistics] = {}  # of each channel
+        self.shapes: dict[str, tuple[int, ...]] = {}
         legs = self.channels.legs
         self.largest = legs.nothing() if legs is not None else None
         self.contact = np.zeros((int(bent(self.law).sum()), len(CONTACT)))  # of the axes that may have stops
         self.struck = np.full((2, len(scene.floats), 3), -np.inf)  # of hinge forces on stops, upwards and downwards
         self.series: dict[str, list[np.ndarray]] = {}
         self.strokes = Statistics()  # of positions and of the sizes of rates, if asked for
+        self.bounded = bool(np.isfinite(pto_bounds(self.law)).any())
         self.rates = Statistics()  # of the axes, where their power take-offs' loads are bounded
         self.bent: dict[str, list[np.ndarray]] = {}  # N, My, Mz where samples are counted
         self.seconds = [np.inf, -np.inf]
@@ -226,7 +227,6 @@ class Recorder:
         kept = slice(int(inside.argmax()), int(inside.argmax() + inside.sum()))
         channels = dict(self._channels(kept, output, samples))
         self.seconds = [min(self.seconds[0], times[kept][0]), times[kept][-1]]
-        self.shapes = {name: values.shape[1:] for name, values in channels.items()}
         if self.contact.size:
             contact = output.contact[kept, :, : len(CONTACT)]
             hits = self.contact[:, HITS] + contact[..., HITS].sum(axis=0)
@@ -234,7 +234,9 @@ class Recorder:
             self.contact[:, HITS] = hits
             force = self.channels.hinge_force(output.struck[kept][contact[..., LOAD] > 0])
             self.struck = np.maximum(self.struck, np.max([force, -force], axis=1, initial=-np.inf))
-        self.statistics.add(np.concatenate([v.reshape(len(v), -1) for v in channels.values()], axis=1))
+        for name, values in channels.items():
+            self.shapes[name] = values.shape[1:]
+            self.statistics.setdefault(name, Statistics()).add(values.reshape(len(values), -1))
         if s.keep_series or self.bands is not None:
             for name, values in {**channels, "time": times[kept]}.items():
                 self.series.setdefault(name, []).append(values)
@@ -252,7 +254,7 @@ class Recorder:
             at_work = self._at_work(output.contact[kept], joint)
             absorbed = joint_loads(self.law, joint, rate).pto * rate * at_work
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))
-            if np.isfinite(pto_bounds(self.law)).any():
+            if self.bounded:
                 self.rates.add(rate)
             if "pto_stroke" in self.scene.settings.outputs:
                 self.strokes.add(np.concatenate([joint, np.abs(rate)], axis=1))
@@ -265,18 +267,16 @@ class Recorder:
                 yield "line_tension", channels.line_tension(self.bodies, output.z[kept])
         if channels.steel is None:
             return
-        forces, parts = (
-            channels.steel.forces,
-            (output.dp[kept], output.ddp[kept], output.carried[kept], output.drag[kept]),
-        )
-        y = forces.of(samples[kept, self.layout.forces], *parts) + forces.at_rest
+        forces, parts = channels.steel.forces, (output.dp, output.ddp, output.carried, output.drag)
+        y = forces.of(samples[kept, self.layout.forces], *(part[kept] for part in parts))
+        y += forces.at_rest
         if channels.legs is not None and self.largest is not None:
             tops, feet = channels.legs.response(output.p[kept], channels.steel.compression(y), self.largest)
             yield "top_displacement", tops
             yield "bottom_stress", feet
         if channels.steel.counts:
             for at, end in channels.steel.ends(y).items():
-                self.bent.setdefault(at, []).append(end.copy())  # of an array that is many times larger
+                self.bent.setdefault(at, []).append(end)
         yield from channels.steel.channels(y)
 
     def _at_work(self, contact: np.ndarray, joint: np.ndarray) -> np.ndarray:
@@ -313,9 +313,7 @@ class Recorder:
 
     def tables(self) -> dict[str, np.ndarray]:
         """Statistics (…, 5) of each channel."""
-        ends = np.cumsum([np.prod(shape, dtype=int) for shape in self.shapes.values()])
-        tables = np.split(self.statistics.table(), ends[:-1])
-        known = {name: t.reshape(*shape, -1) for (name, shape), t in zip(self.shapes.items(), tables, strict=True)}
+        known = {name: each.table().reshape(*self.shapes[name], -1) for name, each in self.statistics.items()}
         if "hinge_force" in known:  # a hit is shorter than the time between samples
             force = known["hinge_force"]
             force[..., 0] = np.maximum(force[..., 0], self.struck[0])
