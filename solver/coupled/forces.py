@@ -1,6 +1,6 @@
 """What an elastic platform's sections and feet bear, as linear maps of the march's samples: see structure.influence."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -54,15 +54,25 @@ class Feet(NamedTuple):
         return self.fibre @ self.axes[:, 1:]
 
 
-class Borne(NamedTuple):
-    """What is asked for at each of m instants, lines or at rest."""
+class Columns(NamedTuple):
+    """Which of the ny forces are what is asked for."""
 
-    feet: np.ndarray  # (m, nl, 3) N, My, Mz at the legs' feet
-    tops: np.ndarray  # (m, nl, 3) at their tops, or none
-    sections: np.ndarray  # (m, nm, 2, 6) section forces at the members' ends
-    along: np.ndarray  # (m, np, 3) N, My, Mz at all points of the tubes that are looked at, tube after tube
-    shear: np.ndarray  # (m, no, 2, 3) Vy, Vz, T at their ends
-    reactions: np.ndarray  # (m, nc, 6)
+    feet: np.ndarray  # (nl, 3) N, My, Mz at the legs' feet
+    tops: np.ndarray  # (nl, 3) at their tops, or none
+    sections: np.ndarray  # (nm, 2, 6) section forces at the members' ends
+    along: np.ndarray  # (np, 3) N, My, Mz at all points of the tubes that are looked at, tube after tube
+    shear: np.ndarray  # (no, 2, 3) Vy, Vz, T at their ends
+    reactions: np.ndarray  # (nc, 6)
+
+    @classmethod
+    def of(cls, *shapes: tuple[int, ...]) -> "Columns":
+        """One part after another."""
+        ends = np.cumsum([0, *map(prod, shapes)]).tolist()
+        return cls(*(np.arange(*ends).reshape(shape) for ends, shape in zip(pairwise(ends), shapes, strict=True)))
+
+    def at(self, place: np.ndarray) -> "Columns":
+        """With each where `place` (ny,) has it."""
+        return Columns(*(place[part] for part in self))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,20 +87,26 @@ class Places:
     points: np.ndarray  # (no,) of each: its ends, and where two of its elements meet and bear the same
     grounded: tuple[str, ...]  # nodes
     foot: np.ndarray  # (nc, 3) their places [m]
+    columns: Columns
     wanted: Wanted
     influence: Influence
 
-    @cached_property
-    def _parts(self) -> tuple[tuple[slice, tuple[int, ...]], ...]:
-        """Where among the ny each part of what is borne is, and its shape."""
-        nl, nm, no = len(self.feet.axes), len(self.members), len(self.points)
-        shapes = (nl, 3), (self.tops, 3), (nm, 2, 6), (int(self.points.sum()), 3), (no, 2, 3), (len(self.grounded), 6)
-        ends = np.cumsum([0, *map(prod, shapes)]).tolist()
-        return tuple((slice(*between), shape) for between, shape in zip(pairwise(ends), shapes, strict=True))
+    def parts(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Columns that are reckoned together (n,), those before them (b,) that they go by, and how (b, n): see Forces.
 
-    def split(self, y: np.ndarray) -> Borne:
-        """Of forces y (m, ny)."""
-        return Borne(*(y[:, part].reshape(len(y), *shape) for part, shape in self._parts))
+        Along a tube, N = N₀, My = My₀ + Vz₀ x and Mz = Mz₀ - Vy₀ x from its start, but for what acts on it up to x.
+        """
+        model, along = self.influence.model, self.columns.along
+        ends = [slice(*between) for between in pairwise([0, *np.cumsum(self.points).tolist()])]
+        first = np.concatenate([part.ravel() for part in self.columns._replace(along=along[[at.start for at in ends]])])
+        yield np.sort(first), np.zeros(0, int), np.zeros((0, first.size))
+        for tube, at, (Vy, Vz, _) in zip(self.tubes, ends, self.columns.shear[:, 0], strict=True):
+            x = np.cumsum(model.length[model.member_elements[tube.name]])
+            N, My, Mz = along[at.start]
+            lever = np.zeros((5, x.size, 3))
+            lever[[0, 1, 2], :, [0, 1, 2]] = 1.0
+            lever[3, :, 1], lever[4, :, 2] = x, -x
+            yield along[at][1:].ravel(), np.array([N, My, Mz, Vz, Vy]), lever.reshape(5, -1)
 
     @property
     def tubes(self) -> list[Member]:
@@ -107,25 +123,38 @@ class Places:
         moment = self.wanted.moments
         scale = [np.abs(maps[:, kind]).max(axis=1, initial=0.0) for kind in (~moment, moment)]
         maps = maps / np.maximum(np.where(moment, *(s[:, None] for s in scale[::-1])), np.finfo(float).tiny)
-        columns = self.split(np.arange(maps.shape[1])[None])
-        each = [columns.along[0][slice(*ends)] for ends in pairwise([0, *np.cumsum(self.points)])]
+        columns = self.columns
+        each = [columns.along[slice(*ends)] for ends in pairwise([0, *np.cumsum(self.points)])]
         makes = [(m.section, m.material, frame.buckling_length(m), m.moment_factor) for m in self.tubes]
-        both = (each, columns.shear[0])
+        both = (each, columns.shear)
         like = firsts(
             len(makes),
             lambda i, k: makes[i] == makes[k] and all(_mirrored(maps, part[i], part[k]) for part in both),
         )
         first, twin = np.unique(like, return_inverse=True)
         for k in np.setdiff1d(np.arange(like.size), first):
-            kept[each[k]], kept[columns.shear[0][k]] = False, False
-        return replace(self, twin=twin, points=self.points[first]), kept
+            kept[each[k]], kept[columns.shear[k]] = False, False
+        along = np.concatenate([each[k] for k in first]) if first.size else columns.along
+        left = columns._replace(along=along, shear=columns.shear[first]).at(np.cumsum(kept) - 1)
+        return replace(self, twin=twin, points=self.points[first], columns=left), kept
+
+
+class Part(NamedTuple):
+    """n of the ny forces, y = [x, x S] + y₀ L: few of them go their own way, or differ so from what others tell."""
+
+    kept: slice  # which of all x are theirs
+    columns: slice  # which of the ny forces they are
+    stations: np.ndarray | slice  # which of the drag has a part in x
+    spread: np.ndarray  # S (r, n - r), of r that are kept
+    others: np.ndarray  # (b,) which of the ny forces, of parts before, are y₀
+    lever: np.ndarray  # L (b, n)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Forces:
-    """Maps to the ny forces that are asked for: y = (w + p̈ A + ṗ B + h C + g D) S, besides those at rest.
+    """Maps to the ny forces that are asked for, by x = w + p̈ A + ṗ B + h C + g D and parts, besides those at rest.
 
-    Few of the ny go their own way: the others are sums of the r in the brackets, to rounding.
+    What is along a tube goes by the forces at its start, and else by what acts on that tube alone.
     """
 
     places: Places
@@ -136,7 +165,7 @@ class Forces:
     drag: np.ndarray  # (nd ns, r) of the drag at the stations
     applied: np.ndarray  # (na, r) of the forces that load histories have
     moments: np.ndarray  # (r,) which are moments
-    spread: np.ndarray  # (r, ny)
+    parts: tuple[Part, ...]
     at_rest: np.ndarray  # (ny,) of the frame alone: weight, constant loads, buoyancy
 
     def damped(self, ratio: float) -> "Forces":
@@ -146,40 +175,94 @@ class Forces:
     def of(
         self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray, drag: np.ndarray
     ) -> np.ndarray:
-        """y (m, ny) without those at rest, of samples or lines: waves (m, r), dp, ddp, carried, drag (m, nd, ns)."""
-        return (self.of_motion(waves, dp, ddp, carried) + drag.reshape(len(drag), -1) @ self.drag) @ self.spread
+        """y (m, ny) without those at rest, of samples: waves (m, r), dp, ddp, carried, drag (m, nd, ns)."""
+        x = self.of_motion(dp, ddp, carried)
+        x += waves
+        drag = drag.reshape(len(drag), -1)
+        for part, D in zip(self.parts, self._drag, strict=True):
+            x[:, part.kept] += drag[:, part.stations] @ D
+        return self.whole(x)
 
-    def of_motion(self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray) -> np.ndarray:
-        """The same without drag, of the r that are kept."""
-        return waves + (ddp @ self.inertia + dp @ self.damping + carried @ self.carried)
+    def of_motion(self, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray) -> np.ndarray:
+        """x (m, r) without waves and drag."""
+        return np.concatenate([ddp, dp, carried], axis=1) @ self._motion
+
+    def whole(self, x: np.ndarray) -> np.ndarray:
+        """y (m, ny) of x (m, r)."""
+        y = np.empty((len(x), self.at_rest.size), x.dtype)
+        for part in self.parts:
+            own, these = x[:, part.kept], y[:, part.columns]
+            these[:, : own.shape[1]] = own
+            np.matmul(own, part.spread, out=these[:, own.shape[1] :])
+            if part.others.size:
+                these += y[:, part.others] @ part.lever
+        return y
+
+    @cached_property
+    def _drag(self) -> list[np.ndarray]:
+        return [np.ascontiguousarray(self.drag[part.stations, part.kept]) for part in self.parts]
+
+    @cached_property
+    def _motion(self) -> np.ndarray:
+        return np.concatenate([self.inertia, self.damping, self.carried])
 
 
 def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
     """Of maps (…, ny) to all ny forces.
 
-    The r that are kept are rows of the maps themselves, those by which a QR decomposition with pivots leaves no more
-    than ROUNDING; what drives them counts by its largest effect, a force or a moment by the largest of its kind.
+    Those of a part that are kept are rows of the maps themselves, less what others tell of them, by which a QR
+    decomposition with pivots leaves no more than rounding; what drives them counts by its largest effect, a force or a
+    moment by the largest of its kind.
     """
     whole = np.concatenate([*maps.values()])
     places, left = places.without_twins(np.vstack([whole, at_rest]))
     whole, moment = whole[:, left], places.wanted.moments[left]
     size = np.where(moment, *(np.abs(whole[:, kind]).max(initial=0.0) for kind in (moment, ~moment)))
-    scaled = whole / np.where(size > 0, size, 1.0)
-    effect = np.abs(scaled).max(axis=1, initial=0.0)
-    upper, order = linalg.qr(scaled[effect > 0] / effect[effect > 0, None], mode="r", pivoting=True)
-    pivots = np.abs(np.diag(upper))
-    r = int(np.sum(pivots > ROUNDING * pivots.max(initial=0.0)))
-    spread = np.empty((r, order.size))
-    spread[:, order] = linalg.solve_triangular(upper[:r, :r], upper[:r])
-    kept = order[:r]
-    spread *= size / size[kept, None]
+    size[size == 0] = 1.0
+    ends = np.cumsum([len(values) for values in maps.values()])[:-1]
+    x: list[np.ndarray] = []
+    parts: list[Part] = []
+    order, place = np.zeros(0, int), np.empty(size.size, int)
+    for columns, others, lever in places.parts():
+        rest = whole[:, columns]
+        if others.size:
+            most = [np.abs(map_ / size[columns]).max(initial=0.0) for map_ in np.split(rest, ends)]
+            rest = rest - whole[:, others] @ lever
+            effect = np.abs(rest / size[columns]).max(axis=1, initial=0.0)
+            rest[effect <= SAME * np.repeat(most, [*map(len, maps.values())])] = 0.0  # what acts elsewhere
+        mine, spread = _few(rest / size[columns], SAME if others.size else ROUNDING)
+        r, taken, ordered = len(spread), sum(part.shape[1] for part in x), columns[mine]
+        x.append(rest[:, mine[:r]])
+        drag = dict(zip(maps, np.split(x[-1], ends), strict=True))["drag"]
+        parts.append(
+            Part(
+                kept=slice(taken, taken + r),
+                columns=slice(order.size, order.size + ordered.size),
+                stations=np.flatnonzero(drag.any(axis=1)) if others.size else slice(None),
+                spread=spread * size[ordered[r:]] / size[ordered[:r], None],
+                others=place[others],
+                lever=lever[:, mine],
+            )
+        )
+        order, place[ordered] = np.append(order, ordered), order.size + np.arange(ordered.size)
     return Forces(
-        places=places,
-        **{name: values[:, left][:, kept] for name, values in maps.items()},
-        moments=moment[kept],
-        spread=spread,
-        at_rest=at_rest[left],
+        places=replace(places, columns=places.columns.at(place)),
+        **dict(zip(maps, np.split(np.concatenate(x, axis=1), ends), strict=True)),
+        moments=np.concatenate([moment[order[part.columns]][: len(part.spread)] for part in parts]),
+        parts=tuple(parts),
+        at_rest=at_rest[left][order],
     )
+
+
+def _few(maps: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Order of columns (k, n) in which the others are sums of the first r, and by which (r, n - r): see reduced."""
+    effect = np.abs(maps).max(axis=1, initial=0.0)
+    if not effect.any():
+        return np.arange(maps.shape[1]), np.zeros((0, maps.shape[1]))
+    upper, order = linalg.qr(maps[effect > 0] / effect[effect > 0, None], mode="r", pivoting=True)
+    pivots = np.abs(np.diag(upper))
+    r = int(np.sum(pivots > tolerance * pivots.max(initial=0.0)))
+    return order, linalg.solve_triangular(upper[:r, :r], upper[:r, r:])
 
 
 def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Places:
@@ -216,6 +299,9 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
         points=np.array([m.elements + 1 for m in checked], int),
         grounded=grounded,
         foot=model.xyz[nodes],
+        columns=Columns.of(
+            (len(feet), 3), (len(tops), 3), (len(members), 2, 6), (len(along), 3), (len(checked), 2, 3), (nodes.size, 6)
+        ),
         wanted=wanted,
         influence=influence(model, wanted),
     )

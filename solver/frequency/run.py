@@ -166,7 +166,7 @@ def _forces(case: Case, response: Response) -> Forces:
     still = case.loads_at_rest[0][:nc] + response.mean.carried
     dp = -1j * response.omega[:, None] * response.X[:, :nm]
     ddp = -1j * response.omega[:, None] * dp
-    level = (still @ forces.carried + response.mean.drag.ravel() @ forces.drag) @ forces.spread + forces.at_rest
+    level = (still @ forces.carried + response.mean.drag.ravel() @ forces.drag)[None]
     waves = case.rows[case.system.layout.forces].T
-    lines = forces.of_motion(waves, dp, ddp, response.carried) + response.drag.forces
-    return Forces(level[None], lines @ forces.spread)
+    lines = waves + forces.of_motion(dp, ddp, response.carried) + response.drag.forces
+    return Forces(forces.whole(level) + forces.at_rest, forces.whole(lines))

@@ -45,7 +45,7 @@ class Steel:
 
     def compression(self, y: np.ndarray) -> np.ndarray:
         """N/A, c My/Iy, c Mz/Iz at the legs' feet, (m, nl, 3)."""
-        return self.places.split(y).feet * self.extreme
+        return y.take(self.places.columns.feet, axis=1) * self.extreme
 
     def fibres(self, bent: np.ndarray) -> np.ndarray:
         """Signed stress (m, nl, nf), tension positive, of N, My, Mz at an end of the legs (m, nl, 3)."""
@@ -53,42 +53,47 @@ class Steel:
 
     def ends(self, y: np.ndarray) -> dict[str, np.ndarray]:
         """N, My, Mz (m, nl, 3) at the ends of the legs where fibres are looked at, by what outputs there end in."""
-        borne = self.places.split(y)
-        return {"": borne.feet, **({"_top": borne.tops} if TOPS in self.outputs else {})}
+        at = self.places.columns
+        return {"": y.take(at.feet, axis=1), **({"_top": y.take(at.tops, axis=1)} if TOPS in self.outputs else {})}
 
     def channels(self, y: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """Name and values (m, …) of each output, from samples, from lines or from values at rest."""
-        borne = self.places.split(y)
+        at = self.places.columns
         if REACTIONS in self.outputs:
-            force, moment = borne.reactions[..., :3], borne.reactions[..., 3:]
+            force, moment = y.take(at.reactions[:, :3], axis=1), y.take(at.reactions[:, 3:], axis=1)
             yield "reaction_force", force
             yield "reaction_moment", moment
-            yield "base_shear", -force.sum(axis=1)
-            lever = self.places.foot - self.point
-            yield "overturning_moment", -(np.cross(lever, force) + moment).sum(axis=1)
-            if borne.feet.shape[1]:
-                yield "pile_force", borne.feet[..., 0]
+            shear, overturning = np.split(y.take(at.reactions.ravel(), axis=1) @ self._sums, 2, axis=1)
+            yield "base_shear", shear
+            yield "overturning_moment", overturning
+            if at.feet.size:
+                yield "pile_force", y.take(at.feet[:, 0], axis=1)
         if SECTIONS in self.outputs:
-            yield "section_force", borne.sections[..., :3]
-            yield "section_moment", borne.sections[..., 3:]
+            yield "section_force", y.take(at.sections[..., :3], axis=1)
+            yield "section_moment", y.take(at.sections[..., 3:], axis=1)
         if FIBRES in self.outputs:
-            for at, bent in self.ends(y).items():
-                yield f"fibre_stress{at}", self.fibres(bent)
+            for end, bent in self.ends(y).items():
+                yield f"fibre_stress{end}", self.fibres(bent)
         if UTILISATION in self.outputs:
-            bent, sheared = self.utilisation(borne.along, borne.shear)
+            bent, sheared = self.utilisation(y)
             yield "utilisation", np.maximum(bent, sheared)
             yield "shear_utilisation", sheared
 
-    def utilisation(self, along: np.ndarray, shear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Largest of each tube (m, nk): of axial force and bending at all its points, of shear and torsion at its ends.
-
-        along (m, np, 3): N, My, Mz; shear (m, no, 2, 3): Vy, Vz, T.
-        """
-        of, twin = self._resistance, self.places.twin
-        bent = bending_utilisation(along, self.places.points, of)
-        Vy, Vz, T = np.moveaxis(shear, -1, 0)
+    def utilisation(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Largest of each tube (m, nk): of axial force and bending at all its points; of shear, torsion at its ends."""
+        of, places = self._resistance, self.places
+        bent = bending_utilisation(y, places.columns.along, places.points, of)
+        Vy, Vz, T = np.moveaxis(y.take(places.columns.shear, axis=1), -1, 0)
         sheared = shear_utilisation(Vy, Vz, T, Resistance(*(values[:, None] for values in of)))
-        return bent[:, twin], sheared.max(axis=-1)[:, twin]
+        return bent[:, places.twin], sheared.max(axis=-1)[:, places.twin]
+
+    @cached_property
+    def _sums(self) -> np.ndarray:
+        """(6 nc, 6) from the reactions to the whole's force and moment about `point`, -ΣF and -Σ(r × F + M)."""
+        lever = self.places.foot - self.point
+        sums = np.tile(-np.eye(6), (len(lever), 1, 1))
+        sums[:, :3, 3:] = np.cross(np.eye(3), lever[:, None])  # -r × F of unit forces
+        return sums.reshape(-1, 6)
 
     @cached_property
     def _resistance(self) -> Resistance:
@@ -104,7 +109,8 @@ class Steel:
 
     def counted(self, bent: dict[str, np.ndarray], seconds: float) -> tuple[dict[str, Labelled], tuple[str, ...]]:
         """Crossing rates and damage, and what failed, of samples of what `ends` gives, in a time [s]."""
-        stress = {at: self.fibres(forces) for at, forces in bent.items()}
+        across = self.stress.swapaxes(1, 2)  # each fibre's history along memory
+        stress = {at: np.moveaxis(across @ forces.transpose(1, 2, 0), -1, 0) for at, forces in bent.items()}
         rates = {at: fatigue.crossing_rate(x, seconds) for at, x in stress.items()}
         return self._counted(rates, lambda at, how: fatigue.of_samples(stress[at], seconds, self.feet.thickness, how))
 

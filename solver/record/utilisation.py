@@ -6,44 +6,44 @@ Eqs. 6.13, 6.14 and 6.26 to 6.30, by resistances: see solver.structure.tubular. 
 
 import numpy as np
 
-from solver.kernels import lean_kernel, whole_lean_kernel
+from solver.kernels import whole_lean_kernel
 from solver.structure.tubular import Resistance
 
 AMPLIFIED = 0.01  # 1 - N/N_E, at least: nearer to Euler's load the column has failed, by N/N_c,Rd alone
 
 
-def bending_utilisation(along: np.ndarray, points: np.ndarray, of: Resistance) -> np.ndarray:
+def bending_utilisation(y: np.ndarray, along: np.ndarray, points: np.ndarray, of: Resistance) -> np.ndarray:
     """Of axial force with bending, the largest of each tube's points (m, n).
 
-    along (m, all points, 3): N, My, Mz, tube by tube, which have `points` (n,) each; of: (n,).
+    y (m, …): forces, among them N, My, Mz of all points, tube by tube, where `along` (all points, 3) says; points (n,)
+    of each tube; of: (n,).
     """
-    largest = np.empty((len(along), len(points)))
-    _fill(along, points, of, largest)
+    largest = np.empty((len(y), len(points)))
+    _fill(y, along, points, of, largest)
     return largest
 
 
 @whole_lean_kernel
-def _fill(along: np.ndarray, points: np.ndarray, of: Resistance, largest: np.ndarray) -> None:
-    for s in range(along.shape[0]):
-        at = 0
-        for k in range(points.size):
+def _fill(y: np.ndarray, along: np.ndarray, points: np.ndarray, of: Resistance, largest: np.ndarray) -> None:
+    """Eq. 6.26 in tension, the larger of 6.27 and 6.28 in compression; N, tension positive."""
+    first = 0
+    for k in range(points.size):
+        tension, column, local = 1 / of.tension[k], 1 / of.column[k], 1 / of.local[k]
+        euler, bending, factor = 1 / of.euler[k], 1 / of.bending[k], of.moment_factor[k]
+        for s in range(y.shape[0]):
             most = 0.0
-            for _ in range(points[k]):
-                moment = np.sqrt(along[s, at, 1] ** 2 + along[s, at, 2] ** 2)
-                most = max(most, _axial_and_bending(along[s, at, 0], moment, of, k))
-                at += 1
+            for i in range(first, first + points[k]):
+                N, My, Mz = y[s, along[i, 0]], y[s, along[i, 1]], y[s, along[i, 2]]
+                M = np.sqrt(My**2 + Mz**2) * bending
+                if N > 0:
+                    n = N * tension
+                    used = n * n / np.sqrt(np.sqrt(n)) + M  # n^1.75
+                else:
+                    amplified = factor * M / max(1 + N * euler, AMPLIFIED)
+                    used = max(amplified - N * column, M - N * local)
+                most = max(most, used)
             largest[s, k] = most
-
-
-@lean_kernel(inline="always")
-def _axial_and_bending(N: float, moment: float, of: Resistance, k: int) -> float:
-    """Eq. 6.26 in tension, the larger of 6.27 and 6.28 in compression, of the k-th tube; N, tension positive."""
-    M = moment / of.bending[k]
-    if N > 0:
-        n = N / of.tension[k]
-        return n * n / np.sqrt(np.sqrt(n)) + M  # n^1.75
-    amplified = of.moment_factor[k] * M / max(1 + N / of.euler[k], AMPLIFIED)
-    return max(amplified - N / of.column[k], M - N / of.local[k])
+        first += points[k]
 
 
 def shear_utilisation(Vy: np.ndarray, Vz: np.ndarray, T: np.ndarray, of: Resistance) -> np.ndarray:

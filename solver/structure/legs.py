@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -45,12 +46,12 @@ class Legs:
     fibre: np.ndarray  # (nm, 3, ne 2) N/A, c My/Iy, c Mz/Iz at both ends of each element [Pa]
     static_fibre: np.ndarray  # (3, ne 2)
 
-    @property
+    @cached_property
     def nodes(self) -> list[slice]:
         """Each of the no legs' nodes among the nn."""
         return [slice(*pair) for pair in pairwise([0, *self.ends])]
 
-    @property
+    @cached_property
     def element_ends(self) -> list[slice]:
         """Each of the no legs' element ends, two of every element; a leg has one element less than nodes."""
         return [slice(2 * (at.start - leg), 2 * (at.stop - leg - 1)) for leg, at in enumerate(self.nodes)]
@@ -60,12 +61,12 @@ class Legs:
         """Displacement of the tops (nm, nl, 3)."""
         return self._tops(self.displacement)
 
-    @property
+    @cached_property
     def first(self) -> np.ndarray:
         """(no,) which of the nl legs is the first that responds like each."""
         return np.unique(self.twin, return_index=True)[1]
 
-    @property
+    @cached_property
     def _feet(self) -> np.ndarray:
         """Place of each of the no legs' foot among the element ends."""
         return np.array([at.start for at in self.element_ends])

@@ -34,7 +34,7 @@ def used(N, My=0.0, Mz=0.0, length=6.0, factor=1.15, **changes):
 
 def use_of(resistance, *along):
     of = tubular.Resistance(*map(np.atleast_1d, resistance))
-    return float(bending_utilisation(np.array(along, float)[None, None], np.array([1]), of)[0, 0])
+    return float(bending_utilisation(np.array([along], float), np.arange(3)[None], np.array([1]), of)[0, 0])
 
 
 def test_a_brace_by_hand():
@@ -51,6 +51,20 @@ def test_a_brace_by_hand():
     local = 1.2e6 / (A * FY / 1.15) + M / M_Rd
     assert used(-1.2e6, 80e3, 20e3, moment_factor=0.85) == approx(max(column, local), rel=1e-4)
     assert used(-1.2e6, 80e3, 20e3, moment_factor=0.1) == approx(local, rel=1e-4)  # eq. 6.28 where 6.27 is less
+
+
+def test_the_largest_of_all_points_of_each_tube():
+    """Two tubes of two and three points, their forces anywhere among others."""
+    rng = np.random.default_rng(3)
+    tubes = [tubular.resistance(member(), 6.0, 1.15), tubular.resistance(member(D=0.3, t=0.02), 9.0, 1.15)]
+    along = rng.permutation(18)[:15].reshape(5, 3)
+    y = rng.normal(size=(40, 18)) * 2e5
+    of = tubular.Resistance(*map(np.array, zip(*tubes, strict=True)))
+    found = bending_utilisation(y, along, np.array([2, 3]), of)
+    for k, points in enumerate((along[:2], along[2:])):
+        each = [[use_of(tubes[k], *row[point]) for point in points] for row in y]
+        assert found[:, k] == approx(np.max(each, axis=1))
+        assert len(set(np.argmax(each, axis=1))) == len(points)
 
 
 def test_the_ends_of_its_formulas():
@@ -185,8 +199,8 @@ def test_tubes_are_utilised_by_their_section_forces():
         assert names["utilisation"][:, row] == approx(expected)
         assert names["shear_utilisation"][:, row] == approx(sheared.max(axis=1))
         assert np.ptp(expected) > 0
-        borne = steel.places.split(y)
-        assert borne.along[:, 2 * row : 2 * row + 2] == approx(np.stack([N, My, Mz], axis=-1), rel=1e-9, abs=1e-6)
+        along = y[:, steel.places.columns.along]
+        assert along[:, 2 * row : 2 * row + 2] == approx(np.stack([N, My, Mz], axis=-1), rel=1e-9, abs=1e-6)
 
 
 def raking(factor=1.0):
@@ -205,6 +219,15 @@ def raking(factor=1.0):
     return scene([], depth=25.0, platform=platform, outputs=("utilisation",), time_step=0.1, duration=60.0)
 
 
+def crossed():
+    """Legs that are not planar and not alike, under a deck, in waves at an angle."""
+    item = bare_legs()[0]
+    steel = replace(STEEL, G=8.33e10)
+    frame = replace(item.platform.frame, members=tuple(replace(m, material=steel) for m in item.platform.frame.members))
+    settings = Settings(outputs=("utilisation",), time_step=0.1, duration=60.0)
+    return replace(item, platform=replace(item.platform, frame=frame), settings=settings)
+
+
 def test_mirrored_tubes_are_looked_at_once(monkeypatch):
     """Where all is symmetric, with the same answer as one by one; not those checked in other ways, nor unequal ones."""
     item, names = raking(), ("utilisation", "shear_utilisation")
@@ -213,11 +236,7 @@ def test_mirrored_tubes_are_looked_at_once(monkeypatch):
     assert places.twin.tolist() == [0, 0, 1] and places.points.tolist() == [3, 3]
     once = simulate(item).variables
     assert prepare(raking(0.7), None).support.forces.places.twin.tolist() == [0, 1, 2]
-    steel = replace(STEEL, G=8.33e10)
-    legs = bare_legs()[0]
-    frame = replace(legs.platform.frame, members=tuple(replace(m, material=steel) for m in legs.platform.frame.members))
-    legs = replace(legs, platform=replace(legs.platform, frame=frame), settings=item.settings)
-    assert prepare(legs, None).support.forces.places.twin.tolist() == [0, 1, 2]
+    assert prepare(crossed(), None).support.forces.places.twin.tolist() == [0, 1, 2]
     support._reduced.cache_clear()
     monkeypatch.setattr(Places, "without_twins", lambda self, maps: (self, np.ones(maps.shape[1], bool)))
     each = simulate(item).variables
@@ -225,6 +244,18 @@ def test_mirrored_tubes_are_looked_at_once(monkeypatch):
     for name in names:
         assert once[name][1] == approx(each[name][1], rel=1e-7) and np.ptp(each[name][1][0]) > 1e-3
         assert each[name][1][2] != approx(each[name][1][0], rel=1e-3)
+
+
+@pytest.mark.parametrize("made", [raking, crossed])
+def test_along_a_tube_goes_what_acts_on_it_alone(made):
+    """Besides the forces at its start: no station's drag counts for two tubes, nor what the floats' hinges bear."""
+    forces = prepare(made(), None).support.forces
+    whole, *tubes = forces.parts
+    assert len(tubes) == len(forces.places.points) > 1
+    each = [part.stations for part in tubes]
+    assert all(some.size for some in each) and np.unique(np.concatenate(each)).size == sum(some.size for some in each)
+    assert not any(forces.carried[:, part.kept].any() for part in tubes)
+    assert set(np.concatenate(each)) <= set(np.flatnonzero(forces.drag[:, whole.kept].any(axis=1)))
 
 
 def test_a_stub_is_utilised_by_its_shear_and_a_crank_by_its_torsion():

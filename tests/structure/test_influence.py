@@ -1,13 +1,14 @@
 """Section forces and reactions of moving frames: balance, closed forms, and elements of any length."""
 
 from dataclasses import replace
-from types import SimpleNamespace as Places
+from types import SimpleNamespace as Namespace
 
 import numpy as np
 import pytest
 from pytest import approx
 
 from solver.coupled import forces, support
+from solver.coupled.forces import Columns, Part, Places
 from solver.coupled.system import blocks, prepare
 from solver.errors import InputError
 from solver.record.steel import Steel
@@ -51,7 +52,7 @@ def test_reactions_balance_all_loads_and_inertia(made):
     model, _, _ = support.dynamic_model(platform, sea)
     M = model.M + water.added_mass(model, sea.density)
     drag, carried, ddp = output.drag, output.carried, output.ddp
-    reactions = steel.places.split(y).reactions
+    reactions = y[:, steel.places.columns.reactions]
     at = water.stations(model, water.EXACT, support.INERTIA / system.waves.k.max())
     acceleration = (system.waves.acceleration(at.position) @ turn.T).real  # (ns, 3, m)
     normal = np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
@@ -96,8 +97,7 @@ def test_springs_give_what_they_are_pushed_by():
     system, steel, _, output, y = marched(soft_ground, 0.0, modes="all", newton_tolerance=1e-9)
     platform, sea = system.scene.platform, system.scene.water
     model, at_rest, _ = support.dynamic_model(platform, sea)
-    reactions = steel.places.split(y).reactions
-    still = steel.places.split(steel.forces.at_rest[None]).reactions
+    reactions, still = (x[:, steel.places.columns.reactions] for x in (y, steel.forces.at_rest[None]))
     moved = (output.p @ system.support.shapes.T).reshape(len(y), -1, 6)
     for node in ("foot a", "foot b"):
         k, foot = platform.frame.foundation_matrix(node), steel.places.grounded.index(node)
@@ -162,11 +162,22 @@ def test_forces_of_few_are_the_forces_of_all():
     mix = rng.normal(size=(7, 40)) * np.where(wanted.moments, 1e3, 1.0)
     units = {"waves": 1e2, "inertia": 1e4, "damping": 1e7, "carried": 1.0, "drag": 1e-3, "applied": 1.0}
     maps = {name: unit * rng.normal(size=(5, 7)) @ mix for name, unit in units.items()}
-    places = Places(wanted=wanted, without_twins=lambda maps: (places, np.ones(maps.shape[1], bool)))
-    few = forces.reduced(places, np.zeros(40), **maps)
-    assert few.spread.shape == (7, 40)
+    columns = Columns.of(*[(0, 3)] * 5, (40,))
+    bare = Namespace(model=Namespace(frame=Namespace(members=())))
+    none = {"feet": None, "tops": 0, "members": (), "checked": (), "grounded": (), "foot": np.zeros((0, 3))}
+    tubes = {"twin": np.zeros(0, int), "points": np.zeros(0, int)}
+    places = Places(wanted=wanted, columns=columns, influence=bare, **none, **tubes)
+    few = forces.reduced(places, np.arange(40.0), **maps)
+    assert few.parts[0].spread.shape == (7, 33)
     for name, values in maps.items():
-        assert getattr(few, name) @ few.spread == approx(values, abs=1e-12 * np.abs(values).max())
+        found = few.whole(getattr(few, name))[:, few.places.columns.reactions]
+        assert found == approx(values, abs=1e-12 * np.abs(values).max())
+    assert few.at_rest[few.places.columns.reactions].tolist() == list(range(40))
+    parts = {name: rng.normal(size=(9, 5)) / unit for name, unit in units.items()}
+    motion = (parts[name] for name in ("damping", "inertia", "carried"))
+    y = few.of(parts["waves"] @ few.waves, *motion, parts["drag"])
+    expected = sum(part @ maps[name] for name, part in parts.items() if name != "applied")
+    assert y[:, few.places.columns.reactions] == approx(expected, abs=1e-12 * np.abs(expected).max())
 
 
 @PLATFORMS
@@ -175,7 +186,8 @@ def test_feet_bear_what_the_ground_gives(made):
     for damping_ratio, within in ((0.0, 1e-9), (0.01, 0.04)):
         system, steel, _, _, y = marched(made, damping_ratio)
         model, _, _ = support.dynamic_model(system.scene.platform, system.scene.water)
-        sections, reactions = steel.places.split(y).sections, steel.places.split(y).reactions
+        columns = steel.places.columns
+        sections, reactions = y[:, columns.sections], y[:, columns.reactions]
         for name in ("a", "b", "c"):
             row, foot = steel.places.members.index(name), steel.places.grounded.index("foot " + name)
             first = model.member_elements[name][0]
@@ -191,7 +203,7 @@ def test_sections_bear_what_the_shapes_strain(made):
     """All ends of the legs: k d of all shapes, less what acts within the elements, inertia and damping included."""
     system, steel, turn, output, y = marched(made, modes="all", newton_tolerance=1e-9)
     model, _, _ = support.dynamic_model(system.scene.platform, system.scene.water)
-    sections = steel.places.split(y).sections
+    sections = y[:, steel.places.columns.sections]
     strained = (output.p @ (recovery.section_force_matrix(model) @ system.support.shapes).T).reshape(len(y), -1, 6)
     feet = 3 * len(steel.feet.axes)
     wanted = steel.places.wanted.end[feet::6]
@@ -224,7 +236,9 @@ def within_elements(system, steel, turn, output):
     )
     damping = 2 * system.structure.damping[:, None] * system.structure.omega[:, None] * moving.inertia
     none = np.zeros((len(steel.forces.carried), len(rows)))
-    alone_maps = replace(moving, damping=damping, carried=none, drag=of_drag, spread=np.eye(len(rows)))
+    n, every = len(rows), slice(None)
+    all_kept = Part(every, every, every, np.zeros((n, 0)), np.zeros(0, int), np.zeros((0, n)))
+    alone_maps = replace(moving, damping=damping, carried=none, drag=of_drag, parts=(all_kept,), at_rest=np.zeros(n))
     return alone_maps.of(waves, output.dp, output.ddp, output.carried, output.drag)
 
 
@@ -352,8 +366,9 @@ def test_softened_frames_balance_their_softened_stiffness():
     load = np.random.default_rng(0).normal(size=model.K.shape[0])
     load[model.dofs[0]] *= 0
     d = statics.static(model, load)
-    borne = s.forces.places.split((influence.nodal.T @ load)[None])
-    sections, reactions = borne.sections, borne.reactions
+    given = support._places(platform, Water(depth=25.0), options["outputs"]).columns  # as the influence has them
+    y = (influence.nodal.T @ load)[None]
+    sections, reactions = y[:, given.sections], y[:, given.reactions]
     assert reactions.ravel() == approx(
         model.K[s.forces.places.wanted.grounded] @ d - load[s.forces.places.wanted.grounded]
     )
