@@ -102,11 +102,10 @@ class Places:
         yield np.sort(first), np.zeros(0, int), np.zeros((0, first.size))
         for tube, at, (Vy, Vz, _) in zip(self.tubes, ends, self.columns.shear[:, 0], strict=True):
             x = np.cumsum(model.length[model.member_elements[tube.name]])
-            N, My, Mz = along[at.start]
-            lever = np.zeros((5, x.size, 3))
-            lever[[0, 1, 2], :, [0, 1, 2]] = 1.0
-            lever[3, :, 1], lever[4, :, 2] = x, -x
-            yield along[at][1:].ravel(), np.array([N, My, Mz, Vz, Vy]), lever.reshape(5, -1)
+            N, My, Mz = along[at].T
+            yield N[1:], N[:1], np.ones((1, x.size))
+            yield My[1:], np.array([My[0], Vz]), np.array([np.ones(x.size), x])
+            yield Mz[1:], np.array([Mz[0], Vy]), np.array([np.ones(x.size), -x])
 
     @property
     def tubes(self) -> list[Member]:
@@ -149,6 +148,11 @@ class Part(NamedTuple):
     others: np.ndarray  # (b,) which of the ny forces, of parts before, are y₀
     lever: np.ndarray  # L (b, n)
 
+    @property
+    def own(self) -> slice:
+        """Where among the ny forces x is."""
+        return slice(self.columns.start, self.columns.start + len(self.spread))
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Forces:
@@ -176,35 +180,41 @@ class Forces:
         self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray, drag: np.ndarray
     ) -> np.ndarray:
         """y (m, ny) without those at rest, of samples: waves (m, r), dp, ddp, carried, drag (m, nd, ns)."""
-        x = self.of_motion(dp, ddp, carried)
-        x += waves
-        drag = drag.reshape(len(drag), -1)
-        for part, D in zip(self.parts, self._drag, strict=True):
-            x[:, part.kept] += drag[:, part.stations] @ D
-        return self.whole(x)
+        motion, drag = np.concatenate([ddp, dp, carried], axis=1), drag.reshape(len(drag), -1)
+        y = np.empty((len(waves), self.at_rest.size))
+        for part, (M, D) in zip(self.parts, self._driven, strict=True):
+            own = y[:, part.own]
+            np.matmul(motion, M, out=own)
+            own += waves[:, part.kept]
+            own += drag[:, part.stations] @ D
+        return self._filled(y)
 
     def of_motion(self, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray) -> np.ndarray:
         """x (m, r) without waves and drag."""
-        return np.concatenate([ddp, dp, carried], axis=1) @ self._motion
+        return ddp @ self.inertia + dp @ self.damping + carried @ self.carried
 
     def whole(self, x: np.ndarray) -> np.ndarray:
         """y (m, ny) of x (m, r)."""
         y = np.empty((len(x), self.at_rest.size), x.dtype)
         for part in self.parts:
-            own, these = x[:, part.kept], y[:, part.columns]
-            these[:, : own.shape[1]] = own
-            np.matmul(own, part.spread, out=these[:, own.shape[1] :])
+            y[:, part.own] = x[:, part.kept]
+        return self._filled(y)
+
+    def _filled(self, y: np.ndarray) -> np.ndarray:
+        """All of y (m, ny), of which x is there."""
+        for part in self.parts:
+            these, r = y[:, part.columns], len(part.spread)
+            np.matmul(these[:, :r], part.spread, out=these[:, r:])
             if part.others.size:
-                these += y[:, part.others] @ part.lever
+                these += y.take(part.others, axis=1) @ part.lever
         return y
 
     @cached_property
-    def _drag(self) -> list[np.ndarray]:
-        return [np.ascontiguousarray(self.drag[part.stations, part.kept]) for part in self.parts]
-
-    @cached_property
-    def _motion(self) -> np.ndarray:
-        return np.concatenate([self.inertia, self.damping, self.carried])
+    def _driven(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Of each part, what ddp, dp and carried together do to it, and drag at its stations."""
+        motion = np.concatenate([self.inertia, self.damping, self.carried])
+        both = ((motion[:, part.kept], self.drag[part.stations, part.kept]) for part in self.parts)
+        return [(np.ascontiguousarray(M), np.ascontiguousarray(D)) for M, D in both]
 
 
 def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
@@ -220,16 +230,17 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
     size = np.where(moment, *(np.abs(whole[:, kind]).max(initial=0.0) for kind in (moment, ~moment)))
     size[size == 0] = 1.0
     ends = np.cumsum([len(values) for values in maps.values()])[:-1]
+    largest = [np.abs(map_ / size).max(initial=0.0) for map_ in np.split(whole, ends)]
+    most = np.repeat(largest, [*map(len, maps.values())])  # that drivers of one kind do
     x: list[np.ndarray] = []
     parts: list[Part] = []
     order, place = np.zeros(0, int), np.empty(size.size, int)
     for columns, others, lever in places.parts():
         rest = whole[:, columns]
         if others.size:
-            most = [np.abs(map_ / size[columns]).max(initial=0.0) for map_ in np.split(rest, ends)]
             rest = rest - whole[:, others] @ lever
             effect = np.abs(rest / size[columns]).max(axis=1, initial=0.0)
-            rest[effect <= SAME * np.repeat(most, [*map(len, maps.values())])] = 0.0  # what acts elsewhere
+            rest[effect <= SAME * most] = 0.0  # what acts elsewhere
         mine, spread = _few(rest / size[columns], SAME if others.size else ROUNDING)
         r, taken, ordered = len(spread), sum(part.shape[1] for part in x), columns[mine]
         x.append(rest[:, mine[:r]])
@@ -238,7 +249,7 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
             Part(
                 kept=slice(taken, taken + r),
                 columns=slice(order.size, order.size + ordered.size),
-                stations=np.flatnonzero(drag.any(axis=1)) if others.size else slice(None),
+                stations=_compact(np.flatnonzero(drag.any(axis=1))) if others.size else slice(None),
                 spread=spread * size[ordered[r:]] / size[ordered[:r], None],
                 others=place[others],
                 lever=lever[:, mine],
@@ -252,6 +263,13 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
         parts=tuple(parts),
         at_rest=at_rest[left][order],
     )
+
+
+def _compact(places: np.ndarray) -> np.ndarray | slice:
+    """A slice, which copies nothing, where places in ascending order are neighbours."""
+    if not places.size or np.ptp(places) >= places.size:
+        return places
+    return slice(int(places[0]), int(places[-1]) + 1)
 
 
 def _few(maps: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:

@@ -23,6 +23,7 @@ ROUNDING = 1e-14  # of what is factored: sums of 130 waves are little better
 MOST_TERMS = 120  # of the field around a float
 FIELDS = 32  # seas that a process keeps
 LOST = 1e-4  # share of the amplitudes that rounding may take from that series
+WINDOWS = 2  # of a block: in shorter ones fewer instants are independent, but each is summed by itself
 
 
 @dataclass(frozen=True)
@@ -191,8 +192,9 @@ def factored(rows: np.ndarray, size: np.ndarray) -> Factored:
 class WaveSeries:
     """Samples of all rows at t = n·step, block after block, under the ramp.
 
-    Neighbouring points of a narrow sea move nearly alike, and so do neighbouring instants: rows and
-    basis are both factored into what is independent to rounding, and only that is summed over the waves.
+    Neighbouring points of a narrow sea move nearly alike, and so do neighbouring instants: rows and instants
+    are both factored into what is independent to rounding, and only that is summed over the waves. About the
+    middle of a window cosines are even and sines odd, so that half of it tells the other.
     """
 
     def __init__(
@@ -206,26 +208,35 @@ class WaveSeries:
     ) -> None:
         """ramp(t) -> factor (…,); blocks of `block` samples; besides(t) -> what no wave drives (…, m)."""
         self.rows, self.omega, self.step, self.ramp, self.besides = rows, omega, step, ramp, besides
-        self.samples, self.basis = _instants(tuple(omega.tolist()), step, block)
+        self.even, self.odd = _instants(tuple(omega.tolist()), step, -(-(block - 1) // (2 * WINDOWS)) or 1)
 
     def block(self, first: int, count: int) -> np.ndarray:
         """y (count, m) at samples first … first + count - 1, C-contiguous."""
-        # Re{W e^{-iω(t₀+τ)}} = Re(W e^{-iωt₀}) cos ωτ + Im(W e^{-iωt₀}) sin ωτ, t₀ = first·step
-        # exactly, so that nothing drifts over long records.
-        turned = self.rows.basis * np.exp(-1j * self.omega * (first * self.step))
-        y = self.samples[:count] @ (self.basis @ np.concatenate([turned.real, turned.imag], axis=1).T)
-        t = (first + np.arange(count)) * self.step
-        y *= self.ramp(t)[:, None]
-        samples = y @ self.rows.spread.T
-        return samples if self.besides is None else samples + self.besides(t)
+        half = len(self.even.spread) - 1
+        middles = range(half, max(count - 1, 1) + half, 2 * half)
+        y = np.empty((middles[-1] + half + 1, len(self.rows.spread)))
+        for middle in middles:
+            # Re{W e^{-iω(t₀+τ)}} = Re(W e^{-iωt₀}) cos ωτ + Im(W e^{-iωt₀}) sin ωτ, t₀ that of the middle
+            # exactly, so that nothing drifts over long records.
+            turned = self.rows.basis * np.exp(-1j * self.omega * ((first + middle) * self.step))
+            even, odd = (
+                side.spread @ (side.basis @ part.T @ self.rows.spread.T)
+                for side, part in ((self.even, turned.real), (self.odd, turned.imag))
+            )
+            np.subtract(even, odd, out=y[middle - half : middle + 1][::-1])
+            np.add(even, odd, out=y[middle : middle + half + 1])
+        y, t = y[:count], (first + np.arange(count)) * self.step
+        if not np.all((grown := self.ramp(t)) == 1.0):
+            y *= grown[:, None]
+        return y if self.besides is None else y + self.besides(t)
 
 
 @lru_cache(maxsize=4)
-def _instants(omega: tuple[float, ...], step: float, block: int) -> tuple[np.ndarray, np.ndarray]:
-    """cos ωτ and sin ωτ at the samples of a block (block, 2n), factored; runs in the same sea share them."""
-    phase = np.outer(step * np.arange(block), omega)
-    waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
-    return _factors(waves, np.linalg.norm(waves, axis=1))
+def _instants(omega: tuple[float, ...], step: float, half: int) -> tuple[Factored, Factored]:
+    """cos ωτ and sin ωτ at 0 … half steps from a window's middle (half + 1, n); runs in the same sea share them."""
+    phase = np.outer(step * np.arange(half + 1), omega)
+    even, odd = (Factored(*_factors(waves, np.linalg.norm(waves, axis=1))) for waves in (np.cos(phase), np.sin(phase)))
+    return even, odd
 
 
 def _factors(matrix: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

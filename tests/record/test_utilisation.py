@@ -17,7 +17,7 @@ from solver.scene import Platform, Scene, Settings, Utilisation, Water
 from solver.structure import tubular
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
-from tests.awkward import bare_legs, scene
+from tests.awkward import bare_legs, scene, sea
 
 FY, E = 355e6, 2.1e11
 STEEL = Material(E=E, G=8.08e10, density=7850.0, yield_strength=FY)
@@ -251,11 +251,26 @@ def test_along_a_tube_goes_what_acts_on_it_alone(made):
     """Besides the forces at its start: no station's drag counts for two tubes, nor what the floats' hinges bear."""
     forces = prepare(made(), None).support.forces
     whole, *tubes = forces.parts
-    assert len(tubes) == len(forces.places.points) > 1
-    each = [part.stations for part in tubes]
+    assert len(tubes) == 3 * len(forces.places.points) > 3
+    every = np.arange(len(forces.drag))
+    each = [
+        np.unique(np.concatenate([every[part.stations] for part in tubes[i : i + 3]])) for i in range(0, len(tubes), 3)
+    ]
     assert all(some.size for some in each) and np.unique(np.concatenate(each)).size == sum(some.size for some in each)
     assert not any(forces.carried[:, part.kept].any() for part in tubes)
     assert set(np.concatenate(each)) <= set(np.flatnonzero(forces.drag[:, whole.kept].any(axis=1)))
+
+
+def test_drag_across_an_upright_tube_bends_it_in_its_own_plane_alone():
+    """And none stretches it; each plane's stations are neighbours, of which nothing is copied."""
+    pile = standing(drag_coefficient=1.0, inertia_coefficient=2.0).platform
+    frame = replace(pile.frame, nodes={"foot": (0, 0, -20.0), "top": (0, 0, 3.0)})
+    item = scene([], depth=20.0, waves=sea(heading=0.5), platform=replace(pile, frame=frame), outputs=("utilisation",))
+    forces = prepare(item, None).support.forces
+    _, axial, *planes = forces.parts
+    assert np.size(axial.stations) == 0
+    one, other = sorted((part.stations for part in planes), key=lambda part: part.start)
+    assert (one.start, one.stop, other.stop) == (0, other.start, len(forces.drag)) and other.start > 1
 
 
 def test_a_stub_is_utilised_by_its_shear_and_a_crank_by_its_torsion():

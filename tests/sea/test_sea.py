@@ -128,7 +128,8 @@ def test_series_is_the_sum_of_components_even_after_a_day():
     first = 24 * 36_000
     t = (first + np.arange(64)) * 0.1
     exact = (rows[0] * np.exp(-1j * np.outer(t, sea.omega))).sum(axis=1).real
-    assert np.abs(series.block(first, 64)[:, 0] - exact).max() < 1e-9
+    for count in (64, 33, 1):
+        assert np.abs(series.block(first, count)[:, 0] - exact[:count]).max() < 1e-9
 
 
 def test_frequencies_may_be_whole_numbers():

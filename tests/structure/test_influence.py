@@ -236,8 +236,8 @@ def within_elements(system, steel, turn, output):
     )
     damping = 2 * system.structure.damping[:, None] * system.structure.omega[:, None] * moving.inertia
     none = np.zeros((len(steel.forces.carried), len(rows)))
-    n, every = len(rows), slice(None)
-    all_kept = Part(every, every, every, np.zeros((n, 0)), np.zeros(0, int), np.zeros((0, n)))
+    n, every = len(rows), slice(0, len(rows))
+    all_kept = Part(every, every, slice(None), np.zeros((n, 0)), np.zeros(0, int), np.zeros((0, n)))
     alone_maps = replace(moving, damping=damping, carried=none, drag=of_drag, parts=(all_kept,), at_rest=np.zeros(n))
     return alone_maps.of(waves, output.dp, output.ddp, output.carried, output.drag)
 
