@@ -8,11 +8,10 @@ from math import prod
 from typing import NamedTuple
 
 import numpy as np
-from scipy import linalg
 from scipy.spatial import cKDTree
 
 from solver.keys import firsts
-from solver.sea.field import ROUNDING
+from solver.sea.series import ROUNDING, independent
 from solver.structure import recovery, water
 from solver.structure.frame import Member
 from solver.structure.frame_model import FrameModel
@@ -236,12 +235,12 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
     parts: list[Part] = []
     order, place = np.zeros(0, int), np.empty(size.size, int)
     for columns, others, lever in places.parts():
-        rest = whole[:, columns]
-        if others.size:
-            rest = rest - whole[:, others] @ lever
-            effect = np.abs(rest / size[columns]).max(axis=1, initial=0.0)
-            rest[effect <= SAME * most] = 0.0  # what acts elsewhere
-        mine, spread = _few(rest / size[columns], SAME if others.size else ROUNDING)
+        rest = whole[:, columns] - whole[:, others] @ lever
+        effect = np.abs(rest / size[columns]).max(axis=1, initial=0.0)
+        acts = effect > (SAME * most if others.size else 0.0)
+        rest[~acts] = 0.0  # it acts elsewhere
+        alike = rest[acts] / size[columns] / effect[acts, None]
+        mine, spread = independent(alike, SAME if others.size else ROUNDING)
         r, taken, ordered = len(spread), sum(part.shape[1] for part in x), columns[mine]
         x.append(rest[:, mine[:r]])
         drag = dict(zip(maps, np.split(x[-1], ends), strict=True))["drag"]
@@ -270,17 +269,6 @@ def _compact(places: np.ndarray) -> np.ndarray | slice:
     if not places.size or np.ptp(places) >= places.size:
         return places
     return slice(int(places[0]), int(places[-1]) + 1)
-
-
-def _few(maps: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Order of columns (k, n) in which the others are sums of the first r, and by which (r, n - r): see reduced."""
-    effect = np.abs(maps).max(axis=1, initial=0.0)
-    if not effect.any():
-        return np.arange(maps.shape[1]), np.zeros((0, maps.shape[1]))
-    upper, order = linalg.qr(maps[effect > 0] / effect[effect > 0, None], mode="r", pivoting=True)
-    pivots = np.abs(np.diag(upper))
-    r = int(np.sum(pivots > tolerance * pivots.max(initial=0.0)))
-    return order, linalg.solve_triangular(upper[:r, :r], upper[:r, r:])
 
 
 def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Places:

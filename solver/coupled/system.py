@@ -48,8 +48,9 @@ from solver.multibody import joint_law
 from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.current import Current
-from solver.sea.field import Factored, WaveField, WaveSeries, factored, wave_field
+from solver.sea.field import WaveField, wave_field
 from solver.sea.realization import CALM, ramp
+from solver.sea.series import Factored, WaveSeries, factored
 from solver.structure.load_history import LoadHistory
 
 FELT = 0.1  # of a float's largest force per wave amplitude: by no more do waves push whose pressure may be linear

@@ -2,14 +2,12 @@
 
 Each linear quantity of the sea (elevation, a coefficient of the local pressure field, a
 particle velocity, a diffraction force) is y(t) = Re Σᵢ Wᵢ exp(-iωᵢt) with a complex
-row W each. Rows are stacked and evaluated together, block by block, as one real matrix product.
+row W each. Rows are stacked and evaluated together: see solver.sea.series.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import factorial
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,12 +16,11 @@ from solver.errors import InputError
 from solver.sea.current import Current
 from solver.sea.dispersion import wavenumbers
 from solver.sea.realization import Realization
+from solver.sea.series import ROUNDING
 
-ROUNDING = 1e-14  # of what is factored: sums of 130 waves are little better
 MOST_TERMS = 120  # of the field around a float
 FIELDS = 32  # seas that a process keeps
 LOST = 1e-4  # share of the amplitudes that rounding may take from that series
-WINDOWS = 2  # of a block: in shorter ones fewer instants are independent, but each is summed by itself
 
 
 @dataclass(frozen=True)
@@ -173,74 +170,3 @@ def _carried(field: WaveField, radius: float, tolerance: float) -> int | None:
             if field.tail(n, radius) < tolerance:
                 return n
     return None
-
-
-class Factored(NamedTuple):
-    """Rows (m, n) = spread (m, r) @ basis (r, n), to rounding."""
-
-    spread: np.ndarray
-    basis: np.ndarray
-
-
-def factored(rows: np.ndarray, size: np.ndarray) -> Factored:
-    """Complex rows (m, n) by what is independent among them with real factors, each to ROUNDING of a size (m,)."""
-    spread, basis = _factors(np.concatenate([rows.real, rows.imag], axis=1), size)
-    n = rows.shape[1]
-    return Factored(spread, basis[:, :n] + 1j * basis[:, n:])
-
-
-class WaveSeries:
-    """Samples of all rows at t = n·step, block after block, under the ramp.
-
-    Neighbouring points of a narrow sea move nearly alike, and so do neighbouring instants: rows and instants
-    are both factored into what is independent to rounding, and only that is summed over the waves. About the
-    middle of a window cosines are even and sines odd, so that half of it tells the other.
-    """
-
-    def __init__(
-        self,
-        rows: Factored,
-        omega: np.ndarray,
-        step: float,
-        block: int,
-        ramp: Callable[[np.ndarray], np.ndarray],
-        besides: Callable[[np.ndarray], np.ndarray] | None = None,
-    ) -> None:
-        """ramp(t) -> factor (…,); blocks of `block` samples; besides(t) -> what no wave drives (…, m)."""
-        self.rows, self.omega, self.step, self.ramp, self.besides = rows, omega, step, ramp, besides
-        self.even, self.odd = _instants(tuple(omega.tolist()), step, -(-(block - 1) // (2 * WINDOWS)) or 1)
-
-    def block(self, first: int, count: int) -> np.ndarray:
-        """y (count, m) at samples first … first + count - 1, C-contiguous."""
-        half = len(self.even.spread) - 1
-        middles = range(half, max(count - 1, 1) + half, 2 * half)
-        y = np.empty((middles[-1] + half + 1, len(self.rows.spread)))
-        for middle in middles:
-            # Re{W e^{-iω(t₀+τ)}} = Re(W e^{-iωt₀}) cos ωτ + Im(W e^{-iωt₀}) sin ωτ, t₀ that of the middle
-            # exactly, so that nothing drifts over long records.
-            turned = self.rows.basis * np.exp(-1j * self.omega * ((first + middle) * self.step))
-            even, odd = (
-                side.spread @ (side.basis @ part.T @ self.rows.spread.T)
-                for side, part in ((self.even, turned.real), (self.odd, turned.imag))
-            )
-            np.subtract(even, odd, out=y[middle - half : middle + 1][::-1])
-            np.add(even, odd, out=y[middle : middle + half + 1])
-        y, t = y[:count], (first + np.arange(count)) * self.step
-        if not np.all((grown := self.ramp(t)) == 1.0):
-            y *= grown[:, None]
-        return y if self.besides is None else y + self.besides(t)
-
-
-@lru_cache(maxsize=4)
-def _instants(omega: tuple[float, ...], step: float, half: int) -> tuple[Factored, Factored]:
-    """cos ωτ and sin ωτ at 0 … half steps from a window's middle (half + 1, n); runs in the same sea share them."""
-    phase = np.outer(step * np.arange(half + 1), omega)
-    even, odd = (Factored(*_factors(waves, np.linalg.norm(waves, axis=1))) for waves in (np.cos(phase), np.sin(phase)))
-    return even, odd
-
-
-def _factors(matrix: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """matrix (m, n) = left (m, r) @ right (r, n), each row to ROUNDING of its size (m,), by singular values."""
-    left, value, right = np.linalg.svd(matrix / np.where(size > 0, size, 1.0)[:, None], full_matrices=False)
-    kept = value > ROUNDING * value.max(initial=0.0)
-    return size[:, None] * left[:, kept] * value[kept], right[kept]

@@ -8,8 +8,9 @@ from pytest import approx
 
 from solver.errors import InputError
 from solver.sea.dispersion import wavenumber
-from solver.sea.field import WaveField, WaveSeries, factored
+from solver.sea.field import WaveField
 from solver.sea.realization import ramp, realize
+from solver.sea.series import WaveSeries, factored
 from solver.sea.spectrum import PiersonMoskowitz, WhiteNoise
 
 BUAN = PiersonMoskowitz(Hs=1.28, Tp=5.46)
