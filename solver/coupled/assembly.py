@@ -29,6 +29,7 @@ from solver.sea.field import WaveField
 Axis = tuple[bool, np.ndarray, tuple[float, float, float], int]  # see _chains
 KNOWN = 8  # seas with a platform and floats' coefficients whose rows a process keeps
 SPIN = 3  # number of the first rotation among the six DOF
+GAUSS = np.polynomial.legendre.leggauss(48)
 
 
 class Layout(NamedTuple):
@@ -241,7 +242,7 @@ def memory(fit: RadiationMemory | None, dt: float, directions: int) -> Memory:
         none, still = np.zeros((0, directions, directions), complex), np.zeros((2, 2, directions, directions))
         return Memory(none, np.zeros((2, 0), complex), np.zeros((2, 3, 0), complex), still)
     beta = np.asarray(fit.beta, complex)
-    x, w = np.polynomial.legendre.leggauss(48)
+    x, w = GAUSS
     decay, weight = np.empty((2, beta.size), complex), np.empty((2, 3, beta.size), complex)
     for s, end in enumerate((0.5, 1.0)):
         tau = end * (x + 1) / 2

@@ -182,10 +182,12 @@ class Forces:
         motion, drag = np.concatenate([ddp, dp, carried], axis=1), drag.reshape(len(drag), -1)
         y = np.empty((len(waves), self.at_rest.size))
         for part, (M, D) in zip(self.parts, self._driven, strict=True):
-            own = y[:, part.own]
+            own, load = y[:, part.own], drag[:, part.stations]
             np.matmul(motion, M, out=own)
             own += waves[:, part.kept]
-            own += drag[:, part.stations] @ D
+            for few in D:
+                load = load @ few
+            own += load
         return self._filled(y)
 
     def of_motion(self, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray) -> np.ndarray:
@@ -209,11 +211,11 @@ class Forces:
         return y
 
     @cached_property
-    def _driven(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Of each part, what ddp, dp and carried together do to it, and drag at its stations."""
+    def _driven(self) -> list[tuple[np.ndarray, tuple[np.ndarray, ...]]]:
+        """Of each part, what ddp, dp and carried together do to it, and drag at its stations, see _by_few."""
         motion = np.concatenate([self.inertia, self.damping, self.carried])
         both = ((motion[:, part.kept], self.drag[part.stations, part.kept]) for part in self.parts)
-        return [(np.ascontiguousarray(M), np.ascontiguousarray(D)) for M, D in both]
+        return [(np.ascontiguousarray(M), _by_few(np.ascontiguousarray(D))) for M, D in both]
 
 
 def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
@@ -262,6 +264,17 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
         parts=tuple(parts),
         at_rest=at_rest[left][order],
     )
+
+
+def _by_few(drag: np.ndarray) -> tuple[np.ndarray, ...]:
+    """A map (n, r) as the product of one or two: beyond a member its loads count by what they do to its ends alone."""
+    order, sums = independent(drag.T, ROUNDING)
+    q, (n, r) = len(sums), drag.shape
+    if q * (n + r) >= n * r:
+        return (drag,)
+    to_few = np.zeros((n, q))
+    to_few[order[:q], range(q)], to_few[order[q:]] = 1.0, sums.T
+    return to_few, np.ascontiguousarray(drag[order[:q]])
 
 
 def _compact(places: np.ndarray) -> np.ndarray | slice:

@@ -47,7 +47,7 @@ def of_a_step(platform: str) -> list[tuple[str, float, float]]:
     nz, motion, load = z.size, new_motion(body), np.zeros((nb, 6))
     move(body, z, dz, motion)
     H, constant = flexibility(frame, system.dt)[1], np.zeros((2 * nz, 2 * nz))
-    water = WaterLoads(load, np.zeros(nz), drive.excitation[5], np.zeros(na))
+    loads_of_water = WaterLoads(load, np.zeros(nz), drive.excitation[5], np.zeros(na))
     out = Loads(np.zeros(nz), load.copy(), load.copy())
     series, zones = system.series(system.dt), Zones(np.zeros((2, nz), int), system.bent)
     field = drive.field[5]
@@ -55,7 +55,11 @@ def of_a_step(platform: str) -> list[tuple[str, float, float]]:
         ("wave field", median(lambda: system.drive(series.block(999, 2 * BLOCK_STEPS + 1)), 9) / BLOCK_STEPS * 1e6, 1),
         ("Froude-Krylov and hydrostatics", each(pressures, body, motion, field, pressure_room(body), load), 2),
         ("kinematics", each(move, body, z, dz, motion), 6),
-        ("other loads", each(loads, body, Coordinates(z, dz, z, np.zeros((2, nz), int)), motion, water, out), 4),
+        (
+            "other loads",
+            each(loads, body, Coordinates(z, dz, z, np.zeros((2, nz), int)), motion, loads_of_water, out),
+            4,
+        ),
         (
             "radiation memory",
             each(memory_history, system.memory, state.memory, motion.active_velocity, np.zeros((2, na))),
@@ -64,8 +68,8 @@ def of_a_step(platform: str) -> list[tuple[str, float, float]]:
         ("Newton's matrix", each(newton_matrix, body, motion, zones, H, constant, system.dt, new_newton(nz)), 1 / 8),
     ]
     if frame.omega.size:
-        flow, force, room = drive.station[5], np.zeros(frame.omega.size), np.zeros(frame.station.shape[1:])
-        parts.append(("Morison drag", each(drag, frame, flow, state.dp, force, room), 2))
+        water, dp, force = drive.station[4:6], np.stack([state.dp] * 2), np.zeros((2, frame.omega.size))
+        parts.append(("Morison drag", each(drag, frame, water, dp, force, np.zeros_like(water), np.zeros(2)), 1))
     return parts
 
 
