@@ -93,9 +93,14 @@ class Channels:
 
     def by_axis(self, joint: np.ndarray) -> np.ndarray:
         """(m, nb, number of axes) of (m, nj)."""
-        out = np.full((len(joint), len(self.scene.floats), len(self.axes)), np.nan, joint.dtype)
-        out[:, self.owner, [self.axes.index(name) for name in self.names]] = joint
-        return out
+        shape = len(joint), len(self.scene.floats), len(self.axes)
+        place = self.owner * len(self.axes) + [self.axes.index(name) for name in self.names]
+        every = np.arange(shape[1] * shape[2])
+        if np.array_equal(place, every):
+            return joint.reshape(shape)
+        out = np.full((len(joint), every.size), np.nan, joint.dtype)
+        out[:, place] = joint
+        return out.reshape(shape)
 
     def line_tension(self, bodies: Bodies, z: np.ndarray) -> np.ndarray:
         """(m, number of lines) at the bodies' coordinates z (m, nz)."""
@@ -210,6 +215,8 @@ class Recorder:
         self.series: dict[str, list[np.ndarray]] = {}
         self.strokes = Statistics()  # of positions and of the sizes of rates, if asked for
         self.bounded = bool(np.isfinite(pto_bounds(self.law)).any())
+        control = ("latched", latched(self.law), HOLDS), ("declutched", declutched(self.law), LET_GO)
+        self.control = {name: (axes, column) for name, axes, column in control if axes.any()}
         self.rates = Statistics()  # of the axes, where their power take-offs' loads are bounded
         self.bent: dict[str, list[np.ndarray]] = {}  # N, My, Mz where samples are counted
         self.seconds = [np.inf, -np.inf]
@@ -251,7 +258,7 @@ class Recorder:
             first = output.z.shape[1] - nj
             joint, rate = (np.ascontiguousarray(part[kept, first:]) for part in (output.z, output.dz))
             yield from channels.motions(joint)
-            at_work = self._at_work(output.contact[kept], joint)
+            at_work = self._at_work(output.contact[kept])
             absorbed = joint_loads(self.law, joint, rate).pto * rate * at_work
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))
             if self.bounded:
@@ -279,22 +286,24 @@ class Recorder:
                 self.bent.setdefault(at, []).append(end)
         yield from channels.steel.channels(y)
 
-    def _at_work(self, contact: np.ndarray, joint: np.ndarray) -> np.ndarray:
+    def _at_work(self, contact: np.ndarray) -> np.ndarray | float:
         """(m, nj) 0 where a power take-off has let go of its axis, else 1."""
-        at_work = np.ones(joint.shape)
-        if declutched(self.law).any():
-            at_work[:, bent(self.law)] -= contact[:, :, LET_GO]
+        if "declutched" not in self.control:
+            return 1.0
+        at_work = np.ones((len(contact), self.channels.owner.size))
+        at_work[:, bent(self.law)] -= contact[:, :, LET_GO]
         return at_work
 
     def _control(self, contact: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """Share of the time in which axes are held by a latch, or let go of; NaN on axes without the one or other."""
-        for name, some, column in (("latched", latched, HOLDS), ("declutched", declutched, LET_GO)):
-            if (axes := some(self.law)).any():
-                share = np.full((len(contact), axes.size), np.nan)
-                share[:, axes] = contact[:, axes[bent(self.law)], column]
-                yield name, self.channels.by_axis(share)
+        for name, (axes, column) in self.control.items():
+            share = np.full((len(contact), axes.size), np.nan)
+            share[:, axes] = contact[:, axes[bent(self.law)], column]
+            yield name, self.channels.by_axis(share)
 
-    def _pto(self, joint: np.ndarray, rate: np.ndarray, at_work: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    def _pto(
+        self, joint: np.ndarray, rate: np.ndarray, at_work: np.ndarray | float
+    ) -> Iterator[tuple[str, np.ndarray]]:
         """Force and electrical power of the power take-offs at positions and rates (m, nj), where asked for."""
         floats, channels = self.scene.floats, self.channels
         wanted = "pto_force" in self.scene.settings.outputs

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from solver.record.recorder import Channels
 from solver.run import simulate
 from solver.sea.realization import CALM, components, ramp
 from solver.statistics import STATISTICS
@@ -62,3 +63,20 @@ def test_a_joint_bears_what_the_water_does_not(buan, coefficients):
     scene = buan.scene("fixed", sea=CALM, floats=items, froude_krylov="linear", duration=2.0, discard=0.0)
     force = simulate(scene, coefficients).variables["hinge_force"][1][..., STATISTICS.index("mean")]
     assert force == approx(np.outer(0.1 * displaced * 9.81, [0, 0, 1]), abs=1e-6 * displaced[0])
+
+
+def test_each_axis_stands_by_its_name_in_whatever_order_floats_have_them(buan):
+    item = buan.scene()
+    first, other = item.floats
+
+    def by_axis(*motions):
+        floats = tuple(replace(f, motion=m, pto_damping=0.0) for f, m in zip((first, other), motions, strict=True))
+        channels = Channels(replace(item, floats=floats), None)
+        n = channels.owner.size
+        return channels.axes, channels.by_axis(np.arange(1.0, n + 1)[None])[0].tolist()
+
+    assert by_axis(("surge", "heave"), ("surge", "heave")) == (["surge", "heave"], [[1, 2], [3, 4]])
+    assert by_axis(("surge", "heave"), ("heave", "surge")) == (["surge", "heave"], [[1, 2], [4, 3]])
+    axes, some = by_axis(("heave",), ("pitch",))
+    assert axes == ["heave", "pitch"] and some[0][0] == 1 and some[1][1] == 2
+    assert np.isnan([some[0][1], some[1][0]]).all()
