@@ -110,7 +110,9 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         if probe.unaware(output):
             probe = probe.again(done, before)
             probe.add(times, output, samples)
-        before, done = copied(state) if output.contact.size else before, done + len(times) // 2
+        done += len(times) // 2
+        if output.contact.size:  # only floats that may meet stops are judged again
+            before = copied(state)
         if probe.fresh and (settings := better(scene.settings, probe.errors(hydrodynamics))) is not None:
             return settings
     stored = energy(system.bodies, system.structure, state)

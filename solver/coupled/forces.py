@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from solver.keys import firsts
-from solver.sea.series import ROUNDING, independent
+from solver.sea.series import ROUNDING, factors, independent
 from solver.structure import recovery, water
 from solver.structure.frame import Member
 from solver.structure.frame_model import FrameModel
@@ -268,13 +268,8 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
 
 def _by_few(drag: np.ndarray) -> tuple[np.ndarray, ...]:
     """A map (n, r) as the product of one or two: beyond a member its loads count by what they do to its ends alone."""
-    order, sums = independent(drag.T, ROUNDING)
-    q, (n, r) = len(sums), drag.shape
-    if q * (n + r) >= n * r:
-        return (drag,)
-    to_few = np.zeros((n, q))
-    to_few[order[:q], range(q)], to_few[order[q:]] = 1.0, sums.T
-    return to_few, np.ascontiguousarray(drag[order[:q]])
+    few = factors(drag)
+    return few if few.spread.size + few.basis.size < drag.size else (drag,)
 
 
 def _compact(places: np.ndarray) -> np.ndarray | slice:

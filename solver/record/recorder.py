@@ -93,14 +93,9 @@ class Channels:
 
     def by_axis(self, joint: np.ndarray) -> np.ndarray:
         """(m, nb, number of axes) of (m, nj)."""
-        shape = len(joint), len(self.scene.floats), len(self.axes)
-        place = self.owner * len(self.axes) + [self.axes.index(name) for name in self.names]
-        every = np.arange(shape[1] * shape[2])
-        if np.array_equal(place, every):
-            return joint.reshape(shape)
-        out = np.full((len(joint), every.size), np.nan, joint.dtype)
-        out[:, place] = joint
-        return out.reshape(shape)
+        out = np.full((len(joint), len(self.scene.floats), len(self.axes)), np.nan, joint.dtype)
+        out[:, self.owner, [self.axes.index(name) for name in self.names]] = joint
+        return out
 
     def line_tension(self, bodies: Bodies, z: np.ndarray) -> np.ndarray:
         """(m, number of lines) at the bodies' coordinates z (m, nz)."""

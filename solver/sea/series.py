@@ -20,9 +20,10 @@ class Factored(NamedTuple):
 
 def factored(rows: np.ndarray, size: np.ndarray) -> Factored:
     """Complex rows (m, n) by what is independent among them with real factors, each to ROUNDING of a size (m,)."""
-    spread, basis = _factors(np.concatenate([rows.real, rows.imag], axis=1), size)
     n = rows.shape[1]
-    return Factored(spread, basis[:, :n] + 1j * basis[:, n:])
+    both = np.concatenate([rows.real, rows.imag], axis=1)
+    spread, basis = factors(both / np.where(size > 0, size, 1.0)[:, None])
+    return Factored(size[:, None] * spread, basis[:, :n] + 1j * basis[:, n:])
 
 
 class WaveSeries:
@@ -71,18 +72,16 @@ class WaveSeries:
 def _instants(omega: tuple[float, ...], step: float, half: int) -> tuple[Factored, Factored]:
     """cos ωτ and sin ωτ at 0 … half steps from a window's middle (half + 1, n); runs in the same sea share them."""
     phase = np.outer(step * np.arange(half + 1), omega)
-    even, odd = (Factored(*_factors(waves, np.linalg.norm(waves, axis=1))) for waves in (np.cos(phase), np.sin(phase)))
-    return even, odd
+    return factors(np.cos(phase)), factors(np.sin(phase))
 
 
-def _factors(matrix: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """matrix (m, n) = left (m, r) @ right (r, n), each row to ROUNDING of its size (m,): r and their sums."""
-    scaled = matrix / np.where(size > 0, size, 1.0)[:, None]
-    order, sums = independent(scaled.T, ROUNDING)
+def factors(matrix: np.ndarray) -> Factored:
+    """Of real rows (m, n), to ROUNDING of the largest: r of them, and sums of these."""
+    order, sums = independent(matrix.T, ROUNDING)
     r = len(sums)
-    left = np.zeros((len(matrix), r))
-    left[order[:r], range(r)], left[order[r:]] = 1.0, sums.T
-    return size[:, None] * left, scaled[order[:r]]
+    spread = np.zeros((len(matrix), r))
+    spread[order[:r], range(r)], spread[order[r:]] = 1.0, sums.T
+    return Factored(spread, matrix[order[:r]])
 
 
 def independent(columns: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:

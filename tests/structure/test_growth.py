@@ -195,7 +195,7 @@ def test_reactions_at_rest_carry_growth_and_distributed_loads():
     platform = replace(item.platform, frame=frame)
     model, at_rest, _ = support.dynamic_model(platform, item.water)
     places = support._places(platform, item.water, ("reactions",))
-    reactions = support._forces_at_rest(platform, item.water, places)[places.columns.reactions]
+    still = support._forces_at_rest(platform, item.water, places)[places.columns.reactions]
     plain = replace(frame, growth=(), members=tuple(replace(m, distributed_load=(0, 0, 0)) for m in members))
     load = water.static_load(assemble(plain), item.water.density, W).reshape(-1, 6)
     force, moment = load[:, :3].sum(axis=0), (load[:, 3:] + np.cross(model.xyz, load[:, :3])).sum(axis=0)
@@ -210,7 +210,6 @@ def test_reactions_at_rest_carry_growth_and_distributed_loads():
         lift = (item.water.density - density) * W * np.pi / 4 * ((0.6 + 2 * thickness) ** 2 - 0.6**2) * (x[:, 2] < 0)
         part = lift[:, None] * np.array([0, 0, np.linalg.norm(b - a) / 40_000])
         force, moment = force + part.sum(axis=0), moment + np.cross(x, part).sum(axis=0)
-    still = reactions
     assert still[:, :3].sum(axis=0) == approx(-force, abs=1e-4 * np.abs(force).max())
     turned = (still[:, 3:] + np.cross(places.foot, still[:, :3])).sum(axis=0)
     assert turned == approx(-moment, abs=1e-4 * np.abs(moment).max())
