@@ -147,11 +147,6 @@ class Part(NamedTuple):
     others: np.ndarray  # (b,) which of the ny forces, of parts before, are y₀
     lever: np.ndarray  # L (b, n)
 
-    @property
-    def own(self) -> slice:
-        """Where among the ny forces x is."""
-        return slice(self.columns.start, self.columns.start + len(self.spread))
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Forces:
@@ -179,43 +174,37 @@ class Forces:
         self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray, drag: np.ndarray
     ) -> np.ndarray:
         """y (m, ny) without those at rest, of samples: waves (m, r), dp, ddp, carried, drag (m, nd, ns)."""
-        motion, drag = np.concatenate([ddp, dp, carried], axis=1), drag.reshape(len(drag), -1)
-        y = np.empty((len(waves), self.at_rest.size))
-        for part, (M, D) in zip(self.parts, self._driven, strict=True):
-            own, load = y[:, part.own], drag[:, part.stations]
-            np.matmul(motion, M, out=own)
-            own += waves[:, part.kept]
-            for few in D:
+        x, drag = self.of_motion(dp, ddp, carried), drag.reshape(len(drag), -1)
+        x += waves
+        for part, maps in zip(self.parts, self._drag, strict=True):
+            load = drag[:, part.stations]
+            for few in maps:
                 load = load @ few
-            own += load
-        return self._filled(y)
+            x[:, part.kept] += load
+        return self.whole(x)
 
     def of_motion(self, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray) -> np.ndarray:
         """x (m, r) without waves and drag."""
-        return ddp @ self.inertia + dp @ self.damping + carried @ self.carried
+        return np.concatenate([ddp, dp, carried], axis=1) @ self._motion
 
     def whole(self, x: np.ndarray) -> np.ndarray:
         """y (m, ny) of x (m, r)."""
         y = np.empty((len(x), self.at_rest.size), x.dtype)
         for part in self.parts:
-            y[:, part.own] = x[:, part.kept]
-        return self._filled(y)
-
-    def _filled(self, y: np.ndarray) -> np.ndarray:
-        """All of y (m, ny), of which x is there."""
-        for part in self.parts:
-            these, r = y[:, part.columns], len(part.spread)
-            np.matmul(these[:, :r], part.spread, out=these[:, r:])
+            own, these = x[:, part.kept], y[:, part.columns]
+            these[:, : own.shape[1]] = own
+            np.matmul(own, part.spread, out=these[:, own.shape[1] :])
             if part.others.size:
                 these += y.take(part.others, axis=1) @ part.lever
         return y
 
     @cached_property
-    def _driven(self) -> list[tuple[np.ndarray, tuple[np.ndarray, ...]]]:
-        """Of each part, what ddp, dp and carried together do to it, and drag at its stations, see _by_few."""
-        motion = np.concatenate([self.inertia, self.damping, self.carried])
-        both = ((motion[:, part.kept], self.drag[part.stations, part.kept]) for part in self.parts)
-        return [(np.ascontiguousarray(M), _by_few(np.ascontiguousarray(D))) for M, D in both]
+    def _drag(self) -> list[tuple[np.ndarray, ...]]:
+        return [_by_few(self.drag[part.stations, part.kept]) for part in self.parts]
+
+    @cached_property
+    def _motion(self) -> np.ndarray:
+        return np.concatenate([self.inertia, self.damping, self.carried])
 
 
 def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
