@@ -6,7 +6,7 @@ Frame: x along the waves for heading 0, z upwards from still water, rotations ri
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from itertools import combinations
-from typing import Annotated, Any, Literal, get_args, get_type_hints
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_type_hints
 
 import numpy as np
 
@@ -293,6 +293,20 @@ STARTS = _of_joints(Float) | _of_joints(EndStops, "end_stops.")
 PER_AXIS = tuple(STARTS)
 
 
+class StructuralDamping(NamedTuple):
+    """Of a platform's modes in water: one ratio, or Rayleigh's C = αM + βK, M with the members' added mass."""
+
+    ratio: float
+    alpha: float = 0.0  # [1/s]
+    beta: float = 0.0  # [s]
+
+    def of(self, omega: np.ndarray) -> np.ndarray:
+        """Ratio ζ (nm,) of modes of natural frequency ω (nm,): 2ζω = α + βω² of Rayleigh's."""
+        if self.alpha == self.beta == 0.0:
+            return np.full(omega.shape, self.ratio)
+        return 0.5 * (self.alpha / omega + self.beta * omega)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Platform:
     """A bottom-fixed elastic support: a beam frame, its damping and where floats are hinged."""
@@ -302,6 +316,14 @@ class Platform:
     damping_ratio: Annotated[
         float, Quantity("-", least=0, below=1), "Of every mode in water: with the members' added mass, without floats"
     ] = 0.01
+    rayleigh_mass: Annotated[
+        float,
+        Quantity("1/s", least=0),
+        "Rayleigh's α: damping αM + βK, M with the members' added mass, instead of a ratio",
+    ] = 0.0
+    rayleigh_stiffness: Annotated[float, Quantity("s", least=0), "Rayleigh's β: damping αM + βK instead of a ratio"] = (
+        0.0
+    )
     hinge_nodes: Mapping[str, str] = field(default_factory=dict)  # float -> node
     geometric_stiffness: Annotated[bool, "Whether the legs' weight bends them further"] = False
     # "standard": C_M rho V du/dt - (C_M - 1) rho V a; "relative" (Heo et al. 2022, eq. 16, as
@@ -317,6 +339,15 @@ class Platform:
         strange = [(i, leg) for i, leg in enumerate(self.legs) if leg not in members]
         unknown = [InputError(f"platform.legs[{i}]", leg, f"must be one of {', '.join(members)}") for i, leg in strange]
         refuse([*out_of_range(self, "platform"), *unknown, *self._history_problems()])
+
+    @property
+    def damping(self) -> StructuralDamping:
+        """Of its modes."""
+        return StructuralDamping(self.damping_ratio, self.rayleigh_mass, self.rayleigh_stiffness)
+
+    def undamped(self) -> "Platform":
+        """What has the same modes."""
+        return replace(self, damping_ratio=0.0, rayleigh_mass=0.0, rayleigh_stiffness=0.0)
 
     def _history_problems(self) -> Iterator[InputError]:
         for i, history in enumerate(self.load_histories):

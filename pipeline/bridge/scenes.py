@@ -359,6 +359,8 @@ def _platform(same: Same[Platform], floats: tuple[str, ...]) -> physics.Platform
         frame=frame,
         legs=table.legs,
         damping_ratio=table.damping_ratio,
+        rayleigh_mass=table.rayleigh_mass,
+        rayleigh_stiffness=table.rayleigh_stiffness,
         hinge_nodes={name: HINGE + name for name in floats},
         load_histories=tuple(map(load_history, table.load_histories)),
         geometric_stiffness=table.geometric_stiffness,

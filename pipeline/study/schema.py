@@ -456,7 +456,10 @@ class LoadHistory(Table):
     file: Annotated[File, "CSV file beside the study: time [s] of the run, and Fx, Fy, Fz [N], or some of them"]
 
 
-@fields_of(physics.Platform, ("legs", "damping_ratio", "geometric_stiffness", "wave_inertia"))
+@fields_of(
+    physics.Platform,
+    ("legs", "damping_ratio", "rayleigh_mass", "rayleigh_stiffness", "geometric_stiffness", "wave_inertia"),
+)
 class Platform(Table):
     """A beam frame. Nodes named hinge:<float> come with the floats; the others stand here."""
 
@@ -479,6 +482,8 @@ class Platform(Table):
     ] = ()
     if TYPE_CHECKING:
         damping_ratio: float
+        rayleigh_mass: float
+        rayleigh_stiffness: float
         geometric_stiffness: bool
         wave_inertia: Literal["standard", "relative"]
 

@@ -166,9 +166,9 @@ class Forces:
     parts: tuple[Part, ...]
     at_rest: np.ndarray  # (ny,) of the frame alone: weight, constant loads, buoyancy
 
-    def damped(self, ratio: float) -> "Forces":
-        """With the damping ratio of all modes."""
-        return replace(self, damping=ratio * self.damping)
+    def damped(self, ratio: np.ndarray) -> "Forces":
+        """With the modes' damping ratios (nm,)."""
+        return replace(self, damping=ratio[:, None] * self.damping)
 
     def of(
         self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray, drag: np.ndarray

@@ -19,7 +19,7 @@ from solver.coupled.forces import Forces, Places
 from solver.coupled.typical import typical_waves
 from solver.errors import InputError
 from solver.keys import shared
-from solver.scene import Platform, Water
+from solver.scene import Platform, StructuralDamping, Water
 from solver.sea.field import WaveField
 from solver.structure import legs, statics, water
 from solver.structure import modes as natural
@@ -232,9 +232,11 @@ def _patterns(
 
 
 @lru_cache(maxsize=KNOWN)
-def damped(support: Support, ratio: float) -> Support:
-    """With the damping ratio of all modes."""
-    return replace(support, forces=support.forces.damped(ratio)) if support.forces is not None else support
+def damped(support: Support, damping: StructuralDamping) -> Support:
+    """With the modes' damping."""
+    if support.forces is None:
+        return support
+    return replace(support, forces=support.forces.damped(damping.of(support.omega)))
 
 
 @lru_cache(maxsize=KNOWN)

@@ -326,7 +326,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
     support = None
     if scene.platform is not None:
         reduced = supports.reduce_platform(
-            replace(scene.platform, damping_ratio=0.0),  # which changes none of it
+            scene.platform.undamped(),
             waves,
             water,
             tuple(scene.platform.hinge_nodes[f.name] for f in scene.floats),
@@ -335,7 +335,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
             stations=settings.stations_per_element,
             outputs=settings.outputs,
         )
-        support = supports.damped(reduced, scene.platform.damping_ratio)
+        support = supports.damped(reduced, scene.platform.damping)
     if fit is None and scene.floats and settings.radiation and settings.method == "time":
         hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
         fit = remembered(hydrodynamics, hulls, settings.memory_tolerance or radiation.USUAL, ways)
@@ -358,7 +358,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
         scene=scene,
         bodies=body,
         support=support,
-        structure=assembly.structure(support, scene.platform.damping_ratio if scene.platform else 0.0),
+        structure=assembly.structure(support, scene.platform.damping if scene.platform else None),
         fit=fit,
         memory=assembly.memory(fit, dt, na),
         rows=rows,

@@ -21,7 +21,7 @@ def direct(scene: Scene, step: float) -> tuple[np.ndarray, FrameModel, np.ndarra
     """t (nt,), the frame, and the displacement (nt, nfree) of all its degrees of freedom.
 
     Newmark's average acceleration on M d̈ + C ḋ + K d = f(t) + drag(ḋ), M with the water's, C of the
-    same ratio in every mode, drag ½ρC_D D|u - v|(u - v) iterated within the step.
+    platform's ratio in every mode, drag ½ρC_D D|u - v|(u - v) iterated within the step.
     """
     platform, sea, s = scene.platform, scene.sea, scene.settings
     model = assemble(platform.frame)
@@ -29,7 +29,8 @@ def direct(scene: Scene, step: float) -> tuple[np.ndarray, FrameModel, np.ndarra
     M = (model.M + water.added_mass(model, scene.water.density))[free][:, free].toarray()
     K = model.K[free][:, free].toarray()
     squared, shapes = linalg.eigh(K, M)
-    C = M @ shapes @ np.diag(2 * platform.damping_ratio * np.sqrt(squared)) @ shapes.T @ M
+    omega = np.sqrt(squared)
+    C = M @ shapes @ np.diag(2 * platform.damping.of(omega) * omega) @ shapes.T @ M
     field = WaveField(sea, scene.water.depth, scene.water.gravity)
     push, speed, shape, drag = _wave_loads(model, field, scene.water.density, s.stations_per_element)
     flexibility = linalg.inv(M * 4 / step**2 + C * 2 / step + K)

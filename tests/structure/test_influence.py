@@ -29,11 +29,14 @@ RHO, G = 1025.0, 9.81
 PLATFORMS = pytest.mark.parametrize("made", [unequal_legs, soft_ground])
 
 
-def marched(made, damping_ratio=0.05, **changes):
+RAYLEIGH = {"rayleigh_mass": 0.05, "rayleigh_stiffness": 0.02}
+
+
+def marched(made, damping_ratio=0.05, rayleigh=None, **changes):
     """A float on three unequal legs in waves at 30 degrees: the system, its steel, a block of samples."""
     item, h = made()
     chosen = {"outputs": EVERYTHING, "time_step": 0.1, **changes}
-    platform = replace(item.platform, damping_ratio=damping_ratio)
+    platform = replace(item.platform, damping_ratio=damping_ratio, **(rayleigh or {}))
     system = prepare(replace(item, platform=platform, settings=replace(item.settings, **chosen)), h)
     steel = Steel(system.support.forces, system.scene.settings)
     *_, (samples, output, times) = blocks(system, system.start(), 512)
@@ -198,10 +201,11 @@ def test_feet_bear_what_the_ground_gives(made):
             assert np.all(gap <= within * np.abs(reactions[:, foot, [0, 0, 0, 4, 4, 4]]).max(axis=0))
 
 
+@pytest.mark.parametrize("rayleigh", [None, RAYLEIGH], ids=["ratio", "rayleigh"])
 @PLATFORMS
-def test_sections_bear_what_the_shapes_strain(made):
+def test_sections_bear_what_the_shapes_strain(made, rayleigh):
     """All ends of the legs: k d of all shapes, less what acts within the elements, inertia and damping included."""
-    system, steel, turn, output, y = marched(made, modes="all", newton_tolerance=1e-9)
+    system, steel, turn, output, y = marched(made, rayleigh=rayleigh, modes="all", newton_tolerance=1e-9)
     model, _, _ = support.dynamic_model(system.scene.platform, system.scene.water)
     sections = y[:, steel.places.columns.sections]
     strained = (output.p @ (recovery.section_force_matrix(model) @ system.support.shapes).T).reshape(len(y), -1, 6)
