@@ -375,6 +375,11 @@ class Fatigue:
     thickness: Annotated[
         float | None, Quantity("m", above=0), "Of the plate, which counts above 25 mm; left out, the section's wall"
     ] = None
+    # Residual stresses of welds keep them in tension: their ranges count whole.
+    mean_stress: Annotated[
+        Literal["none", "base-material", "stress-relieved"],
+        "Whether what of a range is compression counts as 0.6 (base-material) or 0.8 (stress-relieved welds) of itself",
+    ] = "none"
     exponent: Annotated[float, Quantity("-", least=1, most=20), "Exponent m of the damage-equivalent range"] = 3.0
     cycles: Annotated[float, Quantity("1/h", above=0), "Cycles an hour that the equivalent range refers to"] = 3600.0
 
@@ -510,6 +515,9 @@ class Settings:
             yield InputError("settings.tolerance", self.tolerance, needs.format("to be left out"))
         if "utilisation" in self.outputs:
             yield InputError("settings.outputs", "utilisation", 'needs method = "time": it is not linear')
+        if "fatigue" in self.outputs and self.fatigue.mean_stress != "none":
+            limit = 'needs method = "time": a spectrum says nothing of each range\'s mean'
+            yield InputError("settings.fatigue.mean_stress", self.fatigue.mean_stress, limit)
 
     @property
     def paths(self) -> "Settings":

@@ -11,6 +11,7 @@ from solver.record.sn_curves import MPA, curve
 from solver.scene import Fatigue
 
 HOUR = 3600.0  # [s]
+COMPRESSION = {"base-material": 0.6, "stress-relieved": 0.8}  # what it counts for: DNVGL-RP-C203, 2.5
 SAME = 1e-8  # of the largest stress: what histories on both sides of a plane of symmetry differ by
 FEW = 0.02  # of turning points: fewer cycles are not worth a look at all of them
 NARROW = 1e-6  # of one: a process whose zero crossings and peaks are that nearly as many has Rayleigh's ranges
@@ -36,30 +37,44 @@ def turning_points(x: np.ndarray) -> np.ndarray:
     return np.concatenate([x[:1], old - slope**2 / (2 * bend), x[-1:]])
 
 
-def ranges(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Ranges of samples (m,) by rainflow, and their counts: a half or one."""
+class Cycles(NamedTuple):
+    """Of n, by rainflow."""
+
+    size: np.ndarray  # (n,) range
+    mean: np.ndarray  # (n,)
+    share: np.ndarray  # (n,) a half of one, or a whole one
+
+    def reduced(self, felt: float) -> np.ndarray:
+        """f_m S (n,) with f_m = (σ_t + felt |σ_c|)/(σ_t + |σ_c|) of the most tension and compression, or 0."""
+        tension, compression = (np.maximum(self.size / 2 + way * self.mean, 0.0) for way in (1, -1))
+        whole = tension + compression
+        return self.size * np.divide(tension + felt * compression, whole, out=np.ones(whole.shape), where=whole > 0)
+
+
+def cycles(x: np.ndarray) -> Cycles:
+    """Of samples (m,)."""
     left, inner = _without_inner(turning_points(x))
     points = left.tolist()  # Python's numbers: the library reckons faster with them than with numpy's
-    cycles = [(size, count) for size, _, count, _, _ in rainflow.extract_cycles(points)]
+    found = [cycle[:3] for cycle in rainflow.extract_cycles(points)]
     if len(points) == 2:  # of which the library says nothing
-        cycles = [(abs(points[1] - points[0]), 0.5)]
-    size, count = np.array(cycles).reshape(-1, 2).T
-    return np.append(inner, size), np.append(np.ones(inner.size), count)
+        found = [(abs(points[1] - points[0]), 0.5 * (points[0] + points[1]), 0.5)]
+    return Cycles(*np.concatenate([inner, np.array(found).reshape(-1, 3)]).T)
 
 
 def _without_inner(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Turning points (n,) without cycles that lie within a larger range before and one as large after, and those.
+    """Turning points (n,) without cycles within a larger range before and one as large after, and those (k, 3).
 
     Rainflow counts such a cycle whole, whatever else there is, and goes on as if it had not been: many are taken out
     at once, as long as that is quicker than the library is one by one.
     """
-    taken = [np.zeros(0)]
+    taken = [np.zeros((0, 3))]
     while True:
         size = np.abs(np.diff(points))
         inner = 1 + np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:]))
         if inner.size <= FEW * points.size:
             return points, np.concatenate(taken)
-        taken.append(size[inner])
+        mean = 0.5 * (points[inner] + points[inner + 1])
+        taken.append(np.stack([size[inner], mean, np.ones(inner.size)], axis=1))
         points = np.delete(points, np.append(inner, inner + 1))
 
 
@@ -78,14 +93,15 @@ def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: F
         try:
             if not (np.isfinite(x).all() and seconds > 0):
                 raise ValueError(f"{np.sum(~np.isfinite(x))} of {len(x)} samples are not finite, in {seconds:g} s")
-            size, count = ranges(x)
+            found = cycles(x)
         except Exception as error:  # whatever the library meets: no damage is not what that means
             failed.append(f"fatigue of leg {leg + 1}, fibre {fibre + 1}: the count failed: {error}")
             continue
+        size = found.size if how.mean_stress == "none" else found.reduced(COMPRESSION[how.mean_stress])
         hot = how.scf * size
         hours = seconds / HOUR
-        per_hour[leg, fibre] = count @ line.damage(hot * larger[leg]) / hours
-        equivalent[leg, fibre] = (count @ hot**how.exponent / (how.cycles * hours)) ** (1 / how.exponent)
+        per_hour[leg, fibre] = found.share @ line.damage(hot * larger[leg]) / hours
+        equivalent[leg, fibre] = (found.share @ hot**how.exponent / (how.cycles * hours)) ** (1 / how.exponent)
     return Damage(per_hour, equivalent, tuple(failed))
 
 

@@ -8,10 +8,11 @@ import rainflow
 from pytest import approx
 from scipy.special import gamma
 
+from solver.errors import InputError
 from solver.record import fatigue
 from solver.record.sn_curves import ENVIRONMENTS, KNEE, TABLE, curve
 from solver.run import simulate
-from solver.scene import Fatigue
+from solver.scene import Fatigue, Settings
 from tests.awkward import bare_legs
 
 THIN = np.array([0.02])
@@ -27,7 +28,7 @@ def waves_between(levels, samples=400):
 
 def test_rainflow_is_astms():
     """E1049-85, figure 6: ranges 3, 4, 6, 8, 9 in ½, 1½, ½, 1, ½ cycles."""
-    size, count = fatigue.ranges(waves_between(np.array([-2.0, 1, -3, 5, -1, 3, -4, 4, -2])))
+    size, _, count = fatigue.cycles(waves_between(np.array([-2.0, 1, -3, 5, -1, 3, -4, 4, -2])))
     found = {k: count[np.isclose(size, k, atol=1e-6)].sum() for k in (3, 4, 6, 8, 9)}
     assert found == {3: 0.5, 4: 1.5, 6: 0.5, 8: 1.0, 9: 0.5} and count.sum() == 4.0
 
@@ -45,14 +46,15 @@ def test_cycles_taken_out_at_once_are_those_that_the_library_counts(kind):
     for n in rng.integers(10, 900, 20):
         x = make(n)
         points = fatigue.turning_points(x)
-        alone = sorted((size, count) for size, _, count, _, _ in rainflow.extract_cycles(points.tolist()))
-        assert sorted(zip(*fatigue.ranges(x), strict=True)) == alone
+        alone = sorted(cycle[:3] for cycle in rainflow.extract_cycles(points.tolist()))
+        assert sorted(zip(*fatigue.cycles(x), strict=True)) == alone
 
 
 def test_a_rise_is_half_a_cycle():
     """Of two points, of which the library says nothing; and of two that are left when the cycles within are out."""
     for levels in ([0.0, 3.0], [0.0, 2.0, 1.0, 3.0]):
-        size, count = fatigue.ranges(waves_between(np.array(levels)))
+        size, mean, count = fatigue.cycles(waves_between(np.array(levels)))
+        assert mean[np.isclose(size, 3.0, atol=1e-4)] == approx(1.5, abs=1e-4)
         assert count[np.isclose(size, 3.0, atol=1e-4)].tolist() == [0.5]
 
 
@@ -106,6 +108,38 @@ def test_a_harmonic_does_damage_at_its_frequency(amplitude, how):
     for damage in (by_samples, by_lines):
         assert damage.per_hour[0, 0] == approx(exact, rel=1e-3)
         assert damage.equivalent[0, 0] == approx(equivalent, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("level", "kind", "factor"),
+    [
+        (50e6, "base-material", 1.0),  # all of it tension
+        (30e6, "base-material", 1.0),
+        (0.0, "base-material", 0.8),  # from -30 to 30
+        (0.0, "stress-relieved", 0.9),
+        (15e6, "base-material", (45 + 0.6 * 15) / 60),
+        (-15e6, "stress-relieved", (15 + 0.8 * 45) / 60),
+        (-60e6, "base-material", 0.6),  # none of it tension
+        (-60e6, "none", 1.0),
+    ],
+)
+def test_ranges_in_compression_count_less_where_no_residual_stress_is(level, kind, factor):
+    """f_m = (σ_t + p |σ_c|)/(σ_t + |σ_c|) of ranges of 60 MPa about a mean; by one slope, damage goes with f_m³."""
+    x = level + 30e6 * np.cos(np.arange(20001) * np.pi / 50)
+    how = replace(FREE, scf=1.3, mean_stress=kind)
+    damage = fatigue.of_samples(x[:, None, None], 1e4, THIN, how)
+    whole = fatigue.of_samples(x[:, None, None] + 1e9, 1e4, THIN, how)
+    assert damage.equivalent[0, 0] == approx(factor * whole.equivalent[0, 0], rel=1e-9)
+    assert damage.per_hour[0, 0] == approx(factor**3 * whole.per_hour[0, 0], rel=1e-9)
+
+
+def test_a_spectrum_has_no_mean_of_a_range():
+    how = Fatigue(mean_stress="base-material")
+    with pytest.raises(InputError, match=r'fatigue\.mean_stress = base-material: needs method = "time"'):
+        Settings(method="frequency", froude_krylov="linear", outputs=("fatigue",), fatigue=how)
+    assert (
+        Settings(method="frequency", froude_krylov="linear", fatigue=how).method == "frequency"
+    )  # which asks for none
 
 
 def gaussian(bands, seconds=20000.0, step=0.15, seed=3):
@@ -187,8 +221,8 @@ def test_histories_alike_but_for_rounding_are_counted_once(monkeypatch):
     of, counted = np.array([0.03, 0.03]), []
     alone = lambda i, j: fatigue.of_samples(x[:, i : i + 1, j : j + 1], 300.0, of[:1], Fatigue())  # noqa: E731
     apart = [[alone(i, j) for j in range(4)] for i in range(2)]
-    ranges = fatigue.ranges
-    monkeypatch.setattr(fatigue, "ranges", lambda x: counted.append(x) or ranges(x))
+    cycles = fatigue.cycles
+    monkeypatch.setattr(fatigue, "cycles", lambda x: counted.append(x) or cycles(x))
     together = fatigue.of_samples(x, 300.0, of, Fatigue())
     assert len(counted) == 3
     for name in ("per_hour", "equivalent"):
