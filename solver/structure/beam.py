@@ -266,20 +266,29 @@ def _rotary_mass(per_length: float, L: float, phi: float) -> np.ndarray:
     return per_length / (30 * L) * rows / (1 + phi) ** 2
 
 
-def condensation(K: np.ndarray, released: ArrayLike) -> np.ndarray:
-    """C (12, 12): end displacements d = C dₙ of those of the nodes, released ones (12,) following without force.
+def condensation(K: np.ndarray, released: ArrayLike, springs: np.ndarray) -> np.ndarray:
+    """C (12, 12): end displacements d = C dₙ of those of the nodes, released ones (12,) following on springs (12,).
 
-    d_r = -K_rr⁻¹ K_rm d_m (static condensation, Guyan 1965): CᵀKC, CᵀMC and Cᵀf are what the nodes see. Raises
+    (K_rr + k) d_r = k d_rn - K_rm d_m (static condensation, Guyan 1965), k = 0 of those that nothing ties to their
+    node: CᵀMC and Cᵀf are what the nodes see, and CᵀKC with what the springs add, see condensed_stiffness. Raises
     LinAlgError where what is left does not hold the released ones.
     """
     r, m = np.flatnonzero(released), np.flatnonzero(~np.asarray(released))
     C = np.diag(np.where(released, 0.0, 1.0))
-    size = 1 / np.sqrt(np.diag(K)[r])
-    scaled = size[:, None] * K[np.ix_(r, r)] * size
+    held = K[np.ix_(r, r)] + np.diag(springs[r])
+    size = 1 / np.sqrt(np.diag(held))
+    scaled = size[:, None] * held * size
     if r.size and np.linalg.eigvalsh(scaled)[0] < LOOSE:
         raise np.linalg.LinAlgError
     C[np.ix_(r, m)] = -size[:, None] * np.linalg.solve(scaled, size[:, None] * K[np.ix_(r, m)])
+    C[np.ix_(r, r)] = size[:, None] * np.linalg.solve(scaled, size[:, None] * np.diag(springs[r]))
     return C
+
+
+def condensed_stiffness(K: np.ndarray, C: np.ndarray, springs: np.ndarray) -> np.ndarray:
+    """CᵀKC + (1 - C)ᵀ k (1 - C) (12, 12) of an element and its springs k (12,), seen from its nodes."""
+    apart = np.eye(12) - C
+    return C.T @ K @ C + apart.T @ (springs[:, None] * apart)
 
 
 def geometric_stiffness(N: float, L: float, shear: Shear = NO_SHEAR) -> np.ndarray:

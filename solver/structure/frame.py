@@ -22,6 +22,8 @@ DIRECTIONS = "move along x", "move along y", "move along z", "turn about x", "tu
 Force = Literal["N", "Vy", "Vz", "T", "My", "Mz"]  # on a section, along and about the local axes
 FORCES: tuple[Force, ...] = get_args(Force)
 Vector = tuple[float, float, float]
+Springs = tuple[float, float, float, float, float, float]  # in the order of FORCES
+NONE: Springs = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 Stiffness = tuple[float, ...] | tuple[tuple[float, ...], ...]
 
 
@@ -66,6 +68,14 @@ class Member:
     # A pin: ("My", "Mz"). The node that the end is at moves on with the other members.
     start_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its start does not pass on"] = ()
     end_release: Annotated[tuple[Force, ...], "Forces, along its own axes, that its end does not pass on"] = ()
+    start_spring: Annotated[
+        Springs,
+        Quantity("N/m, N m", least=0),
+        "Springs that pass on what is released there all the same: N, Vy, Vz, T, My, Mz",
+    ] = NONE
+    end_spring: Annotated[Springs, Quantity("N/m, N m", least=0), "The same at its end; 0 of what is not released"] = (
+        NONE
+    )
     buckling_length: Annotated[
         float | None, Quantity("m", above=0), "Effective length kl for utilisation; left out, the member's own"
     ] = None
@@ -99,6 +109,11 @@ class Member:
             for name in getattr(self, end):
                 if name not in FORCES:
                     yield InputError(f"{key}.{end}", name, f"must be one of {', '.join(FORCES)}")
+        for end in ("start", "end"):
+            springs, released = getattr(self, f"{end}_spring"), getattr(self, f"{end}_release")
+            if idle := [name for name, k in zip(FORCES, springs, strict=True) if k and name not in released]:
+                limit = f"must be 0 for {', '.join(idle)}, or {end}_release must name it"
+                yield InputError(f"{key}.{end}_spring", springs, limit)
 
     def releases(self, *, start: bool = True, end: bool = True) -> np.ndarray:
         """Which ends' displacements (12,) are released in an element that has the member's start, its end, or both."""
@@ -106,6 +121,10 @@ class Member:
             [start and name in self.start_release for name in FORCES]
             + [end and name in self.end_release for name in FORCES]
         )
+
+    def springs(self, *, start: bool = True, end: bool = True) -> np.ndarray:
+        """(12,) [N/m, N m] that tie such an element's ends to its nodes, 0 of what is not released."""
+        return np.concatenate([self.start_spring if start else NONE, self.end_spring if end else NONE])
 
     @property
     def in_water(self) -> bool:
@@ -354,13 +373,14 @@ class Frame:
             stiffness = beam.stiffness(material.E, material.G, section, L)
             own = np.array([stiffness, beam.mass(material.density, section, L, shear)])
             try:
-                C = beam.condensation(stiffness, member.releases())
+                C = beam.condensation(stiffness, member.releases(), member.springs())
             except np.linalg.LinAlgError:
                 limit = "with end_release leaves the member itself free to move or turn"
                 yield InputError(f"members.{member.name}.start_release", member.start_release, limit)
                 return
             at = np.concatenate([number[member.start], number[member.end]])
-            left[:, at[:, None], at] += T.T @ C.T @ own @ C @ T
+            seen = np.array([beam.condensed_stiffness(stiffness, C, member.springs()), C.T @ own[1] @ C])
+            left[:, at[:, None], at] += T.T @ seen @ T
             whole[:, at[:, None], at] += T.T @ own @ T
         on_nodes = [(0, node, self.foundation_matrix(node)) for node in self.foundation]
         on_nodes += [(1, item.node, item.matrix) for item in self.masses]

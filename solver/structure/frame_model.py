@@ -1,6 +1,6 @@
 """A frame as arrays: its mesh of elements, their matrices, and the sums of these over the frame."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -91,9 +91,10 @@ def assemble(frame: Frame) -> FrameModel:
     mass = np.array(
         [beam.mass(m.material.density, m.section, L, phi) for (m, L), phi in zip(pairs, shear, strict=True)]
     )
-    condensation = _condensation(frame, stiffness)
-    for e, C in condensation.items():
-        stiffness[e], mass[e] = C.T @ stiffness[e] @ C, C.T @ mass[e] @ C
+    condensation = {}
+    for e, released, springs in _released(frame):
+        C = condensation[e] = beam.condensation(stiffness[e], released, springs)
+        stiffness[e], mass[e] = beam.condensed_stiffness(stiffness[e], C, springs), C.T @ mass[e] @ C
     size = 6 * len(xyz)
     K = scatter(stiffness, T, dofs, size)
     ground = on_nodes([(node_index[name], frame.foundation_matrix(name)) for name in frame.foundation], size)
@@ -140,16 +141,15 @@ def _ends(places: np.ndarray, levers: Mapping[int, np.ndarray]) -> np.ndarray:
     return ends
 
 
-def _condensation(frame: Frame, stiffness: np.ndarray) -> dict[int, np.ndarray]:
-    """C (12, 12) of the elements that have released ends."""
-    found, first = {}, 0
+def _released(frame: Frame) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Elements that have released ends: which of their displacements (12,), and on what springs (12,)."""
+    first = 0
     for member in frame.members:
         for e in sorted({0, member.elements - 1}):
-            released = member.releases(start=e == 0, end=e == member.elements - 1)
-            if released.any():
-                found[first + e] = beam.condensation(stiffness[first + e], released)
+            ends = {"start": e == 0, "end": e == member.elements - 1}
+            if (released := member.releases(**ends)).any():
+                yield first + e, released, member.springs(**ends)
         first += member.elements
-    return found
 
 
 def _mesh(frame: Frame) -> tuple[np.ndarray, dict[str, int], dict[str, np.ndarray]]:

@@ -102,6 +102,8 @@ def line(steel, pipe):
             "distributed_load",
             "start_release",
             "end_release",
+            "start_spring",
+            "end_spring",
             "start_offset",
             "end_offset",
         )

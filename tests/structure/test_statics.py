@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
+from solver.errors import InputError
 from solver.structure import recovery, statics
 from solver.structure.beam import solid_rectangle
 from solver.structure.frame import Frame, Member, PointLoad, PointMass
@@ -123,6 +124,50 @@ def test_a_hinge_between_two_cantilevers(steel, pipe, meshes):
     joined = [statics.static(m, statics.point_load(m))[m.translations("b")][2] for m in (rigid, other)]
     assert joined[0] == pytest.approx(-1e4 * (5 * 7) ** 3 / (3 * EI * 12**3), rel=ROUNDING)
     assert joined[1] == pytest.approx(joined[0], rel=ROUNDING)
+
+
+SPRUNG = ("N", "Vy", "Vz", "T", "My", "Mz")
+STIFFNESS = (3e6, 4e5, 5e5, 6e6, 7e6, 8e6)
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_a_foot_on_springs_gives_way_by_them(line, pipe, steel, n):
+    """Of F at the end of L: F/EA + F/k along it, FL³/3EI + F/k + FL²/kθ across it, TL/GJ + T/k about it."""
+    EI, L, k = steel.E * pipe.Iy, 12.0, np.array(STIFFNESS)
+    push = (1e5, 2e3, 5e3)
+    model = line(n, start_release=SPRUNG, start_spring=STIFFNESS, loads=(PointLoad(node="end", force=push),))
+    d = statics.static(model, statics.point_load(model))
+    N, V, W = push
+    across = lambda F, shift, turn: F * (L**3 / (3 * EI) + 1 / shift + L**2 / turn)  # noqa: E731
+    expected = [N * (L / (steel.E * pipe.area) + 1 / k[0]), across(V, k[1], k[5]), across(W, k[2], k[4])]
+    assert d[model.translations("end")] == pytest.approx(expected, rel=ROUNDING)
+    ends = recovery.section_forces(model, d, np.zeros((n, 12)))
+    assert ends[0] == pytest.approx([N, V, W, 0, -W * L, V * L], abs=1e-6 * N)
+
+
+@pytest.mark.parametrize("n", [1, 4])
+def test_a_sagging_end_on_a_spring(line, pipe, steel, n):
+    """w on L between a fixed end and a spring kθ: a pin would turn by wL³/48EI; M (1/kθ + L/4EI) is that."""
+    EI, L, k, w = steel.E * pipe.Iy, 12.0, 7e6, 1e3
+    held = {"clamped": ("start", "end"), "distributed_load": (0.0, 0.0, -w)}
+    model = line(n, end_release=("My",), end_spring=(0, 0, 0, 0, k, 0), **held)
+    q = statics.distributed_load(model)
+    ends = recovery.section_forces(model, statics.static(model, model.total(q)), q)
+    assert abs(ends[-1][4]) == pytest.approx(w * L**3 / (48 * EI) / (1 / k + L / (4 * EI)), rel=1e-9)
+
+
+def test_springs_tie_from_nothing_to_all(line, steel, pipe):
+    """As a pin where they are nothing, as one piece where they are stiff; those of what is not released are named."""
+
+    def foot(k, **fields):
+        springs = {"start_spring": (0, 0, 0, 0, k, k)} if k else {}
+        return line(2, clamped=("start", "end"), **springs, **fields).element_stiffness[0]
+
+    pin, whole = foot(0.0, start_release=PIN), foot(0.0)
+    assert foot(1e-6, start_release=PIN) == pytest.approx(pin, abs=1e-5)
+    assert foot(1e18, start_release=PIN) == pytest.approx(whole, abs=1e-8 * np.abs(whole).max())
+    with pytest.raises(InputError, match=r"pile\.start_spring = .*: must be 0 for Vz, or start_release must name it"):
+        line(2, start_release=PIN, start_spring=(0, 0, 1e3, 0, 0, 0))
 
 
 def test_pinned_braces_bear_no_moment(steel, pipe):

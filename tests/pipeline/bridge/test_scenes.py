@@ -96,9 +96,11 @@ def test_feet_on_springs_and_masses_with_a_body_reach_the_solver(buan_tables, st
 def test_releases_reach_the_solver_in_one_order(buan_tables, study_of):
     ring = buan_tables["platform"]["members"][-1]
     ring["start_release"], ring["end_release"] = ["Mz", "My"], ["My"]
+    ring["end_spring"] = [0, 0, 0, 0, 5e6, 0]
     study = study_of(buan_tables)
     member = scenes.scene(task(study, platform="elastic").parameters).platform.frame.members[-1]
     assert (member.start_release, member.end_release) == (("My", "Mz"), ("My",))
+    assert (member.start_spring, member.end_spring) == ((0,) * 6, (0, 0, 0, 0, 5e6, 0))
     ring["start_release"] = ["My", "Mz", "My"]
     assert task(study_of(buan_tables), platform="elastic").id == task(study, platform="elastic").id
 
