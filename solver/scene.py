@@ -648,6 +648,9 @@ class Scene:
             limit = "is of tubes whose material has a yield_strength: there is none"
             yield InputError("settings.outputs", "utilisation", limit)
         for member in tubes:
+            if member.end_section is not None:
+                limit = "must be left out for utilisation: 6.5 of N-004, of cones, is not here"
+                yield InputError(f"platform.members.{member.name}.end_section", member.end_section.shape, limit)
             if member.flooded is False and frame.ends(member)[:, 2].min() < 0:
                 limit = "must be left out below still water for utilisation: 6.3.9 of N-004, of pressure, is not here"
                 yield InputError(f"platform.members.{member.name}.flooded", False, limit)

@@ -212,12 +212,14 @@ def bare_legs():
 
 @cache
 def soft_ground():
-    """That float and platform with legs that shear, one pinned, one off its nodes, on springs, with a leaning deck."""
+    """That float and platform on springs, with a leaning deck and legs that shear: one pinned and half held, one off
+    its nodes, one tapered."""
     whole, h = unequal_legs()
     frame = whole.platform.frame
     members = [replace(m, section=replace(m.section, shear_factor=0.3)) for m in frame.members]
-    members[0] = replace(members[0], end_release=("T", "My", "Mz"))
+    members[0] = replace(members[0], end_release=("T", "My", "Mz"), end_spring=(0, 0, 0, 0, 2e7, 4e7))
     members[1] = replace(members[1], start_offset=(0.3, -0.2, 0.5), end_offset=(-0.4, 0.5, -0.6))
+    members[2] = replace(members[2], end_section=replace(tube(0.45, 0.015), shear_factor=0.35))
     pile = np.diag([6e7, 6e7, 4e8, 5e8, 5e8, 2e8])  # a pile's head, whose shift and turn go together
     pile[0, 4] = pile[4, 0] = -1.2e8
     pile[1, 3] = pile[3, 1] = 1.2e8

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING, Any, assert_never
 
 from pipeline.bridge import realizations
 from pipeline.study import columns
@@ -373,10 +373,12 @@ def member(item: Member, table: Platform) -> frame.Member:
     from solver.structure import frame
 
     key = f"platform.members.{item.name}"
-    section_name = _known(f"{key}.section", item.section, table.sections)
     material = frame.Material(**dict(table.materials[_known(f"{key}.material", item.material, table.materials)]))
-    factor = _shear_factor(table.sections[section_name], material)
-    parts = {"section": replace(section(section_name, table), shear_factor=factor), "material": material}
+    parts: dict[str, Any] = {"material": material}
+    for name, given in (("section", item.section), ("end_section", item.end_section)):
+        if given is not None:
+            shape = table.sections[_known(f"{key}.{name}", given, table.sections)]
+            parts[name] = replace(section(given, table), shear_factor=_shear_factor(shape, material))
     with _part("platform."):
         return frame.Member(**{**dict(item), **parts})
 
@@ -402,13 +404,6 @@ def section(name: str, table: Platform) -> beam.Section:
     """The solver's cross section for a table of [platform.sections], which shears by its member's material."""
     from solver.structure import beam
 
-    makers: dict[str, Callable[..., beam.Section]] = {
-        "tube": beam.tube,
-        "solid-rectangle": beam.solid_rectangle,
-        "box": beam.box,
-        "i-beam": beam.i_beam,
-        "general": beam.general,
-    }
     numbers = {key: value for key, value in table.sections[name] if key not in ("shape", "shear_factor")}
     with _part(f"platform.sections.{name}.", "section."):
-        return makers[table.sections[name].shape](**numbers)
+        return beam.MAKERS[table.sections[name].shape](**numbers)

@@ -33,11 +33,11 @@ def members(study: StudyFile) -> Iterator[list[Point]]:
         return
     nodes = dict(study.platform.nodes) | hinge_nodes(study.floats)
     for member in study.platform.members:
-        section = study.platform.sections[member.section]
-        width = _width(section)
+        ends = member.section, member.end_section or member.section
+        widths = [_width(study.platform.sections[name]) for name in ends]
         (x0, _, z0), (x1, _, z1) = nodes[member.start], nodes[member.end]
         (dx0, _, dz0), (dx1, _, dz1) = member.start_offset, member.end_offset
-        yield _bar((x0 + dx0, z0 + dz0), (x1 + dx1, z1 + dz1), width)
+        yield _bar((x0 + dx0, z0 + dz0), (x1 + dx1, z1 + dz1), widths)
 
 
 def _width(section: Section) -> float:
@@ -47,14 +47,20 @@ def _width(section: Section) -> float:
     return 2 * max(abs(z) for _, z in section.fibres) if isinstance(section, General) else section.height
 
 
-def _bar(start: Point, end: Point, width: float) -> list[Point]:
-    """A straight bar; a square if it is seen end on."""
-    (x0, z0), (x1, z1), h = start, end, width / 2
+def _bar(start: Point, end: Point, widths: list[float]) -> list[Point]:
+    """A straight bar, as wide as it is at either end; a square if it is seen end on."""
+    (x0, z0), (x1, z1), h = start, end, max(widths) / 2
     length = math.hypot(x1 - x0, z1 - z0)
     if length < FEW:
         return [(x0 - h, z0 - h), (x0 + h, z0 - h), (x0 + h, z0 + h), (x0 - h, z0 + h)]
-    nx, nz = (z0 - z1) / length * h, (x1 - x0) / length * h
-    return [(x0 + nx, z0 + nz), (x1 + nx, z1 + nz), (x1 - nx, z1 - nz), (x0 - nx, z0 - nz)]
+    nx, nz = (z0 - z1) / length / 2, (x1 - x0) / length / 2
+    a, b = widths
+    return [
+        (x0 + a * nx, z0 + a * nz),
+        (x1 + b * nx, z1 + b * nz),
+        (x1 - b * nx, z1 - b * nz),
+        (x0 - a * nx, z0 - a * nz),
+    ]
 
 
 def float_outline(item: Float) -> list[Point]:

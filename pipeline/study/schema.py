@@ -411,6 +411,9 @@ class Member(Table):
     end: Annotated[Name, "Node at its other end"]
     elements: Annotated[Count, Field(le=1000), "Number of equal elements"] = 1
     section: Annotated[Name, "One of [platform.sections]"]
+    end_section: Annotated[
+        Name | None, "Section at its end, of the same shape, to which its sides go straight; left out, the same"
+    ] = None
     material: Annotated[Name, "One of [platform.materials]"]
     start_release: Annotated[tuple[frame.Force, ...], AfterValidator(_in_order)] = ()
     end_release: Annotated[tuple[frame.Force, ...], AfterValidator(_in_order)] = ()

@@ -26,8 +26,8 @@ MIRROR = np.array([1.0, -1.0, 1.0])
 SAME = 1e-9  # of the largest force or moment by one cause: rounding of the static solutions
 
 
-class Feet(NamedTuple):
-    """The nl legs' sections at their feet, nf fibres at most."""
+class LegEnds(NamedTuple):
+    """The nl legs' sections at their feet or at their tops, nf fibres at most."""
 
     properties: np.ndarray  # (nl, 4) A, Iy, Iz, c
     thickness: np.ndarray  # (nl,) of the wall [m], as fatigue sees it
@@ -78,8 +78,8 @@ class Columns(NamedTuple):
 class Places:
     """Which of a frame's forces are asked for: of the legs' ends, the members' ends, tubes, the ground."""
 
-    feet: Feet
-    tops: int  # of the legs, 0 or nl
+    feet: LegEnds
+    tops: LegEnds  # where they are asked for, else of no legs
     members: tuple[str, ...]
     checked: tuple[str, ...]  # nk tubes that are utilised
     twin: np.ndarray  # (nk,) which of the no that are looked at bears what each does, or its mirror image
@@ -294,8 +294,8 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
         grounded=(6 * nodes[:, None] + np.arange(6)).ravel(),
     )
     return Places(
-        feet=_feet(model, np.array(feet, int)),
-        tops=len(tops),
+        feet=_leg_ends(model, feet),
+        tops=_leg_ends(model, tops),
         members=members,
         checked=tuple(m.name for m in checked),
         twin=np.arange(len(checked)),
@@ -337,13 +337,14 @@ def _foot(model: FrameModel, name: str) -> int:
     return _ends(model, name)[int(model.xyz[start, 2] > model.xyz[end, 2])]
 
 
-def _feet(model: FrameModel, ends: np.ndarray) -> Feet:
-    sections = [model.member_of(end // 2).section for end in ends]
+def _leg_ends(model: FrameModel, given: list[int]) -> LegEnds:
+    ends = np.array(given, int)
+    sections = [model.section_at(end) for end in given]
     most = max((len(section.fibres) for section in sections), default=0)
     fibre = np.full((len(ends), most, 2), np.nan)
     for row, section in zip(fibre, sections, strict=True):
         row[: len(section.fibres)] = section.fibres
-    return Feet(
+    return LegEnds(
         properties=recovery.section_properties(model)[ends],
         thickness=np.array([section.wall for section in sections]),
         fibre=fibre,

@@ -34,7 +34,9 @@ class Steel:
 
     def __init__(self, forces: Forces, settings: Settings):
         self.forces, self.places, self.outputs, self.fatigue = forces, forces.places, settings.outputs, settings.fatigue
-        self.feet, self.extreme, self.stress = forces.places.feet, forces.places.feet.extreme, forces.places.feet.stress
+        self.feet, self.extreme = forces.places.feet, forces.places.feet.extreme
+        self.legs = {"": self.feet, **({"_top": forces.places.tops} if TOPS in self.outputs else {})}
+        self.stress = {at: ends.stress for at, ends in self.legs.items()}
         self.material_factor = settings.utilisation.material_factor
 
     @property
@@ -47,14 +49,14 @@ class Steel:
         """N/A, c My/Iy, c Mz/Iz at the legs' feet, (m, nl, 3)."""
         return y.take(self.places.columns.feet, axis=1) * self.extreme
 
-    def fibres(self, bent: np.ndarray) -> np.ndarray:
+    def fibres(self, bent: np.ndarray, at: str) -> np.ndarray:
         """Signed stress (m, nl, nf), tension positive, of N, My, Mz at an end of the legs (m, nl, 3)."""
-        return (bent.swapaxes(0, 1) @ self.stress).swapaxes(0, 1)
+        return (bent.swapaxes(0, 1) @ self.stress[at]).swapaxes(0, 1)
 
     def ends(self, y: np.ndarray) -> dict[str, np.ndarray]:
         """N, My, Mz (m, nl, 3) at the ends of the legs where fibres are looked at, by what outputs there end in."""
-        at = self.places.columns
-        return {"": y.take(at.feet, axis=1), **({"_top": y.take(at.tops, axis=1)} if TOPS in self.outputs else {})}
+        columns = {"": self.places.columns.feet, "_top": self.places.columns.tops}
+        return {at: y.take(columns[at], axis=1) for at in self.legs}
 
     def channels(self, y: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """Name and values (m, …) of each output, from samples, from lines or from values at rest."""
@@ -73,7 +75,7 @@ class Steel:
             yield "section_moment", y.take(at.sections[..., 3:], axis=1)
         if FIBRES in self.outputs:
             for end, bent in self.ends(y).items():
-                yield f"fibre_stress{end}", self.fibres(bent)
+                yield f"fibre_stress{end}", self.fibres(bent, end)
         if UTILISATION in self.outputs:
             bent, sheared = self.utilisation(y)
             yield "utilisation", np.maximum(bent, sheared)
@@ -109,16 +111,18 @@ class Steel:
 
     def counted(self, bent: dict[str, np.ndarray], seconds: float) -> tuple[dict[str, Labelled], tuple[str, ...]]:
         """Crossing rates and damage, and what failed, of samples of what `ends` gives, in a time [s]."""
-        across = self.stress.swapaxes(1, 2)  # each fibre's history along memory
-        stress = {at: np.moveaxis(across @ forces.transpose(1, 2, 0), -1, 0) for at, forces in bent.items()}
+        across = {at: stress.swapaxes(1, 2) for at, stress in self.stress.items()}  # each fibre's history along memory
+        stress = {at: np.moveaxis(across[at] @ forces.transpose(1, 2, 0), -1, 0) for at, forces in bent.items()}
         rates = {at: fatigue.crossing_rate(x, seconds) for at, x in stress.items()}
-        return self._counted(rates, lambda at, how: fatigue.of_samples(stress[at], seconds, self.feet.thickness, how))
+        return self._counted(
+            rates, lambda at, how: fatigue.of_samples(stress[at], seconds, self.legs[at].thickness, how)
+        )
 
     def expected(self, lines: np.ndarray, omega: np.ndarray) -> tuple[dict[str, Labelled], tuple[str, ...]]:
         """The same of a Gaussian process, from lines (nw, ny) of the forces."""
-        X = {at: self.fibres(forces) for at, forces in self.ends(lines).items()}
+        X = {at: self.fibres(forces, at) for at, forces in self.ends(lines).items()}
         rates = {at: _crossings(x, omega) for at, x in X.items()}
-        return self._counted(rates, lambda at, how: fatigue.of_lines(X[at], omega, self.feet.thickness, how))
+        return self._counted(rates, lambda at, how: fatigue.of_lines(X[at], omega, self.legs[at].thickness, how))
 
     def _counted(
         self, rates: dict[str, np.ndarray], reckon: Callable[[str, Fatigue], fatigue.Damage]

@@ -13,9 +13,9 @@ right-handed rotations [rad] of the section, so that in bending without shear θ
 rotation matrix R are the local axes: local = R global.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Annotated
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,6 +49,9 @@ class Section:
     corners: tuple[tuple[float, float], ...] = ()  # (y, z) of its fibres [m]; none: eight all round at `fibre`
     # Timoshenko's κ: shear area over area. None: Euler-Bernoulli's beam, without shear or rotary inertia across it.
     shear_factor: Annotated[float | None, Quantity("-", above=0)] = None
+    # Of MAKERS, and what that was called with: what tapers needs both.
+    shape: str = field(default="", compare=False)
+    sides: tuple[float, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         require_ranges(self, "section")
@@ -82,6 +85,8 @@ def tube(diameter: float, thickness: float) -> Section:
         fibre=diameter / 2,
         diameter=diameter,
         wall=thickness,
+        shape="tube",
+        sides=(diameter, thickness),
     )
 
 
@@ -99,6 +104,8 @@ def solid_rectangle(width: float, height: float) -> Section:
         J=_rectangle_torsion(max(width, height), min(width, height)),
         outline=(width, height),
         wall=min(width, height),
+        shape="solid-rectangle",
+        sides=(width, height),
     )
 
 
@@ -122,6 +129,8 @@ def box(width: float, height: float, thickness: float) -> Section:
         J=4 * enclosed**2 * thickness / round_wall + round_wall * thickness**3 / 3,
         outline=(width, height),
         wall=thickness,
+        shape="box",
+        sides=(width, height, thickness),
     )
 
 
@@ -144,6 +153,8 @@ def i_beam(width: float, height: float, flange: float, web: float) -> Section:
         J=(2 * width * flange**3 + (height - flange) * web**3) / 3,
         outline=(width, height),
         wall=max(flange, web),
+        shape="i-beam",
+        sides=(width, height, flange, web),
     )
 
 
@@ -163,11 +174,28 @@ def general(
     )
 
 
-def _of_plates(*, area: float, Iy: float, Iz: float, J: float, outline: tuple[float, float], wall: float) -> Section:
+MAKERS: dict[str, Callable[..., Section]] = {
+    "tube": tube,
+    "solid-rectangle": solid_rectangle,
+    "box": box,
+    "i-beam": i_beam,
+    "general": general,
+}
+
+
+def between(first: Section, last: Section, share: float) -> Section:
+    """The section at a share of the way from one to another of the same shape, to which its sides go straight."""
+    sides = ((1 - share) * a + share * b for a, b in zip(first.sides, last.sides, strict=True))
+    a, b = first.shear_factor, last.shear_factor
+    factor = None if a is None or b is None else (1 - share) * a + share * b
+    return replace(MAKERS[first.shape](*sides), shear_factor=factor)
+
+
+def _of_plates(*, outline: tuple[float, float], Iy: float, Iz: float, **given: Any) -> Section:
     """A doubly symmetric section whose extreme fibres are the corners of its outline."""
     y, z = outline[0] / 2, outline[1] / 2
     corners = ((y, z), (-y, z), (-y, -z), (y, -z))
-    return Section(area=area, Iy=Iy, Iz=Iz, J=J, Ip=Iy + Iz, fibre=np.hypot(y, z), wall=wall, corners=corners)
+    return Section(Iy=Iy, Iz=Iz, Ip=Iy + Iz, fibre=np.hypot(y, z), corners=corners, **given)
 
 
 def tube_shear_factor(diameter: float, thickness: float, poisson: float) -> float:

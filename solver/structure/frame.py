@@ -49,7 +49,7 @@ class Material:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Member:
-    """A straight prismatic beam from one named node to another; equal elements.
+    """A straight beam from one named node to another, of equal elements; prismatic ones, also where it tapers.
 
     Wave loads act on a member only if it has water coefficients: C_D > 0 or C_M > 1.
     """
@@ -59,6 +59,7 @@ class Member:
     end: str
     elements: int
     section: Section
+    end_section: Section | None = None
     material: Material
     drag_coefficient: Annotated[float, Quantity("-", least=0), "Morison's C_D"] = 0.0
     inertia_coefficient: Annotated[float, Quantity("-", least=1), "Morison's C_M = 1 + C_a"] = 1.0
@@ -101,6 +102,8 @@ class Member:
             yield InputError(f"{key}.elements", self.elements, "must be a whole number >= 1")
         if self.start == self.end:
             yield InputError(f"{key}.end", self.end, "must differ from start: zero length")
+        if self.end_section is not None:
+            yield from self._taper_problems(f"{key}.end_section", self.end_section)
         if self.in_water and self.section.diameter == 0:
             yield InputError(f"{key}.section.diameter", 0.0, "must be > 0 m for a member with water coefficients")
         if self.flooded is not None and self.section.diameter == 0:
@@ -114,6 +117,26 @@ class Member:
             if idle := [name for name, k in zip(FORCES, springs, strict=True) if k and name not in released]:
                 limit = f"must be 0 for {', '.join(idle)}, or {end}_release must name it"
                 yield InputError(f"{key}.{end}_spring", springs, limit)
+
+    def _taper_problems(self, key: str, last: Section) -> Iterator[InputError]:
+        shape = self.section.shape
+        if not shape:
+            yield InputError(
+                key, last.shape or "general", "a general section does not taper: give its parts as members"
+            )
+        elif last.shape != shape:
+            yield InputError(key, last.shape or "general", f"must be of shape {shape}, as the section at its start")
+        elif (last.shear_factor is None) != (self.section.shear_factor is None):
+            yield InputError(key, last.shear_factor, "must have a shear_factor if the section at its start has one")
+
+    def section_at(self, share: float) -> Section:
+        """At a share of the way from its start to its end."""
+        return self.section if self.end_section is None else beam.between(self.section, self.end_section, share)
+
+    @property
+    def sections(self) -> list[Section]:
+        """Of its elements: of a tapered member each has that of its middle."""
+        return [self.section_at((i + 0.5) / self.elements) for i in range(self.elements)]
 
     def releases(self, *, start: bool = True, end: bool = True) -> np.ndarray:
         """Which ends' displacements (12,) are released in an element that has the member's start, its end, or both."""
@@ -365,7 +388,7 @@ class Frame:
             (2, 2, 6 * len(number), 6 * len(number))
         )  # stiffness and mass, with releases and without
         for member in self.members:
-            ends, section, material = self.ends(member), member.section, member.material
+            ends, section, material = self.ends(member), member.section_at(0.5), member.material
             L = float(np.linalg.norm(ends[1] - ends[0]))
             arms = scipy.linalg.block_diag(beam.lever(member.start_offset), beam.lever(member.end_offset))
             T = beam.to_global(beam.rotation(*ends)) @ arms

@@ -1,12 +1,13 @@
 """A frame as arrays: its mesh of elements, their matrices, and the sums of these over the frame."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
 
 from solver.structure import beam
+from solver.structure.beam import Section
 from solver.structure.frame import Frame, Member
 
 
@@ -20,6 +21,7 @@ class FrameModel:
     elements: np.ndarray  # (ne, 2) node numbers
     dofs: np.ndarray  # (ne, 12) numbers of the element's degrees of freedom
     member: np.ndarray  # (ne,) index of the element's member
+    sections: Sequence[Section]  # (ne,)
     member_elements: Mapping[str, range]  # in order from start to end
     member_nodes: Mapping[str, np.ndarray]  # in order from start to end
     free: np.ndarray  # numbers of the degrees of freedom that are not clamped
@@ -39,6 +41,11 @@ class FrameModel:
     def member_of(self, element: int) -> Member:
         """The member that an element is part of."""
         return self.frame.members[self.member[element]]
+
+    def section_at(self, end: int) -> Section:
+        """Of an element's end, numbered 2 e (start) and 2 e + 1 (end)."""
+        member = self.member_of(end // 2)
+        return member.section_at(((end + 1) // 2 - self.member_elements[member.name][0]) / member.elements)
 
     @property
     def ends(self) -> np.ndarray:
@@ -84,13 +91,11 @@ def assemble(frame: Frame) -> FrameModel:
     T = np.array([beam.to_global(R) for R in rotation])
     for e, arms in levers.items():
         T[e] = T[e] @ scipy.linalg.block_diag(*map(beam.lever, arms))
-    owner = [frame.members[i] for i in member]
-    pairs = list(zip(owner, length, strict=True))
-    stiffness = np.array([beam.stiffness(m.material.E, m.material.G, m.section, L) for m, L in pairs])
-    shear = np.array([beam.shear_parameters(m.material.E, m.material.G, m.section, L) for m, L in pairs])
-    mass = np.array(
-        [beam.mass(m.material.density, m.section, L, phi) for (m, L), phi in zip(pairs, shear, strict=True)]
-    )
+    sections = [section for member in frame.members for section in member.sections]
+    parts = list(zip([frame.members[i].material for i in member], sections, length, strict=True))
+    stiffness = np.array([beam.stiffness(m.E, m.G, section, L) for m, section, L in parts])
+    shear = np.array([beam.shear_parameters(m.E, m.G, section, L) for m, section, L in parts])
+    mass = np.array([beam.mass(m.density, s, L, phi) for (m, s, L), phi in zip(parts, shear, strict=True)])
     condensation = {}
     for e, released, springs in _released(frame):
         C = condensation[e] = beam.condensation(stiffness[e], released, springs)
@@ -105,6 +110,7 @@ def assemble(frame: Frame) -> FrameModel:
         elements=elements,
         dofs=dofs,
         member=member,
+        sections=sections,
         member_elements={m.name: range(end - m.elements, end) for m, end in zip(frame.members, ends, strict=True)},
         member_nodes=member_nodes,
         free=frame.free(node_index, size),

@@ -111,7 +111,7 @@ def element_masses(model: FrameModel, density: float, elements: tuple[int, ...])
     """Mass of some elements with the water's (k, 12, 12), global axes [kg, kg m, kg m2]."""
     steel = []
     for e in elements:
-        member, T = model.member_of(e), model.transform[e]
-        local = beam.mass(member.material.density, member.section, model.length[e], model.shear[e])
+        T, density_of_steel = model.transform[e], model.member_of(e).material.density
+        local = beam.mass(density_of_steel, model.sections[e], model.length[e], model.shear[e])
         steel.append(T.T @ model.released(e, local, both=True) @ T)
     return shared(water.element_masses(model, density, np.array(elements, int)) + np.reshape(steel, (-1, 12, 12)))

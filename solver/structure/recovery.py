@@ -53,6 +53,5 @@ def compressive_stress(model: FrameModel, forces: np.ndarray) -> np.ndarray:
 
 def section_properties(model: FrameModel) -> np.ndarray:
     """(A, Iy, Iz, c) at every element end, (2 ne, 4) [m2, m4, m4, m]."""
-    sections = [member.section for member in model.frame.members]
-    table = np.array([(section.area, section.Iy, section.Iz, section.fibre) for section in sections])
-    return np.repeat(table[model.member], 2, axis=0)
+    sections = [model.section_at(end) for end in range(2 * len(model.elements))]
+    return np.array([(section.area, section.Iy, section.Iz, section.fibre) for section in sections])

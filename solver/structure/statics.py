@@ -17,9 +17,10 @@ ROUNDING = 1e-10  # a share of the largest |1/λ| that rounding alone can make p
 @lru_cache(maxsize=8)
 def self_weight(model: FrameModel, g: float) -> np.ndarray:
     """Consistent weight ρAg of each element, local axes [N, N m], (ne, 12)."""
-    weight = np.array([m.material.density * m.section.area * g for m in model.frame.members])
+    density = np.array([m.material.density for m in model.frame.members])[model.member]
+    weight = density * [section.area for section in model.sections] * g
     down = model.rotation @ [0.0, 0.0, -1.0]
-    parts = zip(weight[model.member, None] * down, model.length, model.shear, strict=True)
+    parts = zip(weight[:, None] * down, model.length, model.shear, strict=True)
     loads = [beam.distributed_load(q, L, shear=shear) for q, L, shear in parts]
     return np.array([model.released(e, load) for e, load in enumerate(loads)])
 

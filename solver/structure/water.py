@@ -124,7 +124,7 @@ def _stations(model: FrameModel, points: int, pieces: ArrayLike, members: np.nda
     owner = [model.member_of(e) for e in element.tolist()]
     position = start + s[:, None] * (end - start)
     thickness, layer_density = model.frame.grown(position[:, 2])
-    bare = np.array([member.section.diameter for member in owner])
+    bare = np.array([model.sections[e].diameter for e in element.tolist()])
     diameter = bare + 2 * thickness
     return Stations(
         position=position,
@@ -171,7 +171,7 @@ def element_masses(model: FrameModel, density: float, elements: np.ndarray) -> n
 
 def _inner(model: FrameModel, density: float) -> tuple[Stations, np.ndarray]:
     at = _stations(model, EXACT, 1, np.array([bool(member.flooded) for member in model.frame.members]))
-    hollow = np.array([model.member_of(e).section.hollow for e in at.element.tolist()])
+    hollow = np.array([model.sections[e].hollow for e in at.element.tolist()])
     return at, _normal_matrices(at, density * hollow)
 
 
@@ -223,8 +223,8 @@ def buoyancy(model: FrameModel, density: float, g: float) -> np.ndarray:
     Every member below still water displaces water, with or without water coefficients: its material, and what is
     inside of it if it is sealed. With it N is the effective axial force, the wall's own and the pressures' on it.
     """
-    areas = [m.section.area + (m.section.hollow if m.flooded is False else 0.0) for m in model.frame.members]
-    area = np.array(areas)[model.member]
+    sealed = np.array([m.flooded is False for m in model.frame.members])[model.member]
+    area = np.array([s.area + s.hollow * inside for s, inside in zip(model.sections, sealed, strict=True)])
     up = density * g * area[:, None] * (model.rotation @ [0.0, 0.0, 1.0])
     parts = zip(up, model.length, wetted_span(model), model.shear, strict=True)
     return np.array([model.released(e, beam.distributed_load(*part)) for e, part in enumerate(parts)])

@@ -303,6 +303,8 @@ def test_scenes_without_what_it_needs_are_refused():
         standing(section=solid_rectangle(0.3, 0.3))
     with pytest.raises(InputError, match=r"thickness = 0.005"):
         standing(section=tube(0.1, 0.005))
+    with pytest.raises(InputError, match=r"pile\.end_section = tube: must be left out for utilisation: 6\.5"):
+        standing(end_section=tube(0.3, 0.02))
     item = standing(flooded=False)
     wet = {"foot": (0.0, 0.0, -1.0), "top": (0.0, 0.0, 9.0)}
     with pytest.raises(InputError, match=r"pile\.flooded = False: must be left out below still water"):

@@ -1,5 +1,7 @@
 """The Buan platform (heo-koo-kim-2022, Table 2 and CASES section 1) and a generic steel."""
 
+import dataclasses
+
 import pytest
 
 from solver.structure.beam import solid_rectangle, tube
@@ -95,19 +97,7 @@ def line(steel, pipe):
         material=steel,
         **fields,
     ):
-        own = (
-            "drag_coefficient",
-            "inertia_coefficient",
-            "flooded",
-            "distributed_load",
-            "start_release",
-            "end_release",
-            "start_spring",
-            "end_spring",
-            "start_offset",
-            "end_offset",
-        )
-        water = {key: fields.pop(key) for key in own if key in fields}
+        own = {key: fields.pop(key) for key in {f.name for f in dataclasses.fields(Member)} & fields.keys()}
         pile = Member(
             name="pile",
             start="start",
@@ -115,7 +105,7 @@ def line(steel, pipe):
             elements=n,
             section=section,
             material=material,
-            **water,
+            **own,
         )
         return assemble(Frame(nodes={"start": start, "end": end}, members=(pile,), clamped=clamped, **fields))
 

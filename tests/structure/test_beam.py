@@ -269,3 +269,20 @@ def test_torsion_of_rectangles_is_timoshenkos(ratio, k1):
 def test_bad_sections_are_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+@pytest.mark.parametrize(
+    ("make", "first", "last"),
+    [
+        (beam.tube, (0.6, 0.02), (0.3, 0.01)),
+        (beam.solid_rectangle, (0.4, 0.2), (0.3, 0.3)),
+        (beam.box, (0.4, 0.3, 0.02), (0.2, 0.2, 0.01)),
+        (beam.i_beam, (0.2, 0.3, 0.02, 0.01), (0.2, 0.6, 0.02, 0.02)),
+    ],
+)
+def test_a_taper_goes_straight_from_one_section_to_the_other(make, first, last):
+    ends = make(*first), replace(make(*last), shear_factor=0.5)
+    assert beam.between(*ends, 0.25) == make(*(0.75 * np.array(first) + 0.25 * np.array(last)))
+    ends = replace(ends[0], shear_factor=0.9), ends[1]
+    assert [beam.between(*ends, share) for share in (0, 1)] == list(ends)
+    assert beam.between(*ends, 0.25).shear_factor == pytest.approx(0.8)

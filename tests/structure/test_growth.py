@@ -207,7 +207,8 @@ def test_reactions_at_rest_carry_growth_and_distributed_loads():
             continue
         x = a + (b - a) * (np.arange(40_000)[:, None] + 0.5) / 40_000
         thickness, density = frame.grown(x[:, 2])
-        lift = (item.water.density - density) * W * np.pi / 4 * ((0.6 + 2 * thickness) ** 2 - 0.6**2) * (x[:, 2] < 0)
+        bare = np.repeat([section.diameter for section in member.sections], len(x) // member.elements)
+        lift = (item.water.density - density) * W * np.pi / 4 * ((bare + 2 * thickness) ** 2 - bare**2) * (x[:, 2] < 0)
         part = lift[:, None] * np.array([0, 0, np.linalg.norm(b - a) / 40_000])
         force, moment = force + part.sum(axis=0), moment + np.cross(x, part).sum(axis=0)
     assert still[:, :3].sum(axis=0) == approx(-force, abs=1e-4 * np.abs(force).max())

@@ -286,3 +286,11 @@ def test_stiff_light_members_leave_slow_modes_as_they_are(steel, pipe, stiffer, 
     every = modes(model.K, model.M, model.free).omega
     assert every[:4] == pytest.approx(exact, rel=within)
     assert frequencies(model.K, model.M, model.free) == pytest.approx(every, rel=1e-9 * stiffer)
+
+
+def test_a_pointed_cone_sways_as_published(line, steel):
+    """ω = 8.719 and 21.15 (EI/ρA)^½/L² of the foot's section: a complete cone on its base (Cranch and Adler, 1956)."""
+    foot, tip = tube(0.6, 0.3), tube(6e-5, 3e-5)
+    unit = np.sqrt(steel.E * foot.Iz / (steel.density * foot.area)) / LENGTH**2
+    omega = lowest_of(line(80, section=foot, end_section=tip), BENDING, 2) / unit
+    assert omega == pytest.approx([8.719, 21.15], rel=2e-3)

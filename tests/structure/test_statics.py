@@ -8,8 +8,8 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from solver.errors import InputError
-from solver.structure import recovery, statics
-from solver.structure.beam import solid_rectangle
+from solver.structure import recovery, statics, water
+from solver.structure.beam import general, solid_rectangle, tube
 from solver.structure.frame import Frame, Member, PointLoad, PointMass
 from solver.structure.frame_model import assemble
 
@@ -51,6 +51,67 @@ def test_a_shearing_cantilever_in_any_mesh(line, pipe, steel, n):
     )
     foot = recovery.section_forces(model, d, statics.self_weight(model, W))[0]
     assert foot[[2, 4]] == pytest.approx([-w * L, w * L**2 / 2], rel=ROUNDING)
+
+
+def test_a_cone_bends_as_it_should_to_second_order_in_its_mesh(line, steel):
+    """F L³/3EI of its thick end times thick over thin; its volume, and the stress of the thin end at that end."""
+    L, thick, thin = 12.0, 0.6, 0.3
+    exact = TIP_LOAD[1] * L**3 / (3 * steel.E * np.pi / 64 * thick**4) * thick / thin
+    frustum = np.pi * L / 12 * (thick**2 + thick * thin + thin**2)
+
+    def errors(n):
+        ends = {"section": tube(thick, thick / 2), "end_section": tube(thin, thin / 2)}
+        model = line(n, **ends, loads=(PointLoad(node="end", force=(0, TIP_LOAD[1], 0)),))
+        tip = statics.static(model, statics.point_load(model))[model.translations("end")][1]
+        weight = -statics.gravity_load(model, W)[2::6].sum()
+        assert recovery.section_properties(model)[-1] == pytest.approx(
+            [np.pi / 4 * thin**2, *2 * [np.pi / 64 * thin**4], thin / 2]
+        )
+        return np.array([tip / exact, weight / (steel.density * frustum * W)]) - 1
+
+    assert np.log2(errors(10) / errors(20)) == pytest.approx(2, abs=0.02)
+    assert np.abs(errors(20)).max() < 1.5e-3
+
+
+@pytest.mark.parametrize("flooded", [None, True, False])
+def test_a_tapered_member_may_be_given_from_either_end(line, flooded):
+    """Its stiffness, mass, weight and water are those of the same member, stood on its head."""
+    wide, narrow = replace(tube(0.6, 0.02), shear_factor=0.6), replace(tube(0.3, 0.01), shear_factor=0.5)
+    water_of = {"drag_coefficient": 1.0, "inertia_coefficient": 2.0, "flooded": flooded}
+    places = {"start": (0, 0, -10.0), "end": (3.0, 1.0, 2.0)}
+    up = line(3, **places, section=wide, end_section=narrow, clamped=("start",), **water_of)
+    down = line(
+        3, start=places["end"], end=places["start"], section=narrow, end_section=wide, clamped=("end",), **water_of
+    )
+    turned = np.array([1, 0, 3, 2])
+    at = (6 * turned[:, None] + np.arange(6)).ravel()
+    for A, B in (
+        (up.K, down.K),
+        (up.M, down.M),
+        (water.added_mass(up, 1e3), water.added_mass(down, 1e3)),
+        (water.inner_mass(up, 1e3), water.inner_mass(down, 1e3)),
+    ):
+        assert B.toarray()[np.ix_(at, at)] == pytest.approx(A.toarray(), rel=1e-9, abs=1e-9 * abs(A).max() + 1e-30)
+    load = water.static_load(up, 1e3, W)
+    assert water.static_load(down, 1e3, W)[at] == pytest.approx(load, rel=1e-9, abs=1e-9 * abs(load).max())
+    assert recovery.section_properties(down)[::-1] == pytest.approx(recovery.section_properties(up))
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "message"),
+    [
+        (tube(0.5, 0.01), solid_rectangle(0.5, 0.5), "solid-rectangle: must be of shape tube"),
+        (
+            general(0.1, 1e-3, 1e-3, 1e-3, [(0.1, 0.1)], 0.01),
+            tube(0.5, 0.01),
+            "tube: a general section does not taper",
+        ),
+        (replace(tube(0.5, 0.01), shear_factor=0.5), tube(0.4, 0.01), "must have a shear_factor if the section"),
+    ],
+)
+def test_a_taper_between_unlike_sections_is_refused(line, first, last, message):
+    with pytest.raises(InputError, match=rf"members\.pile\.end_section = .*{message}"):
+        line(2, section=first, end_section=last)
 
 
 def test_loads_on_one_node_add_up(line):

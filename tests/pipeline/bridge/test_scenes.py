@@ -93,6 +93,20 @@ def test_feet_on_springs_and_masses_with_a_body_reach_the_solver(buan_tables, st
     assert body.products_of_inertia == (1.0, 2.0, 3.0)
 
 
+def test_a_taper_reaches_the_solver(buan_tables, study_of):
+    table = buan_tables["platform"]
+    table["sections"]["top"] = {"shape": "tube", "diameter": 0.3, "thickness": 0.01, "shear_factor": "cowper"}
+    table["sections"]["leg"]["shear_factor"] = "cowper"
+    table["members"][0]["end_section"] = "top"
+    frame = scenes.scene(task(study_of(buan_tables), platform="elastic").parameters).platform.frame
+    poisson = frame.members[0].material.poisson
+    assert frame.members[0].end_section == replace(tube(0.3, 0.01), shear_factor=tube_shear_factor(0.3, 0.01, poisson))
+    table["members"][0]["end_section"] = "pot"
+    study = study_of(buan_tables)
+    with pytest.raises(InputError, match=r"platform\.members\.leg1\.end_section = pot: must be one of leg, deck, top"):
+        scenes.scene(task(study, platform="elastic").parameters)
+
+
 def test_releases_reach_the_solver_in_one_order(buan_tables, study_of):
     ring = buan_tables["platform"]["members"][-1]
     ring["start_release"], ring["end_release"] = ["Mz", "My"], ["My"]
