@@ -582,10 +582,7 @@ class Scene:
             for first, second, angles in self.meetings({f.name: f.stroke}):
                 limit = f"must keep floats.{first} and floats.{second} apart, which meet at {angles} rad"
                 yield InputError(f"floats.{f.name}.end_stops", "{:g} to {:g} rad".format(*f.stroke), limit)
-        for key, place in self.platform.frame.places() if self.platform else ():
-            if place[2] < -self.water.depth - STILL_WATER:
-                limit = f"must not lie below the seabed, z = {-self.water.depth:g} m"
-                yield InputError(f"platform.{key}", place, limit)
+        yield from self._seabed_problems()
         yield from self._output_problems()
         yield from self._drift_problems()
         yield from self._law_problems()
@@ -595,6 +592,20 @@ class Scene:
         if marching and (step := settings.time_step) is not None and step > longest:
             limit = f"must be <= {longest:.3g} s, a sixth of the shortest wave's period, {6 * longest:.3g} s"
             yield InputError("settings.time_step", step, limit)
+
+    def _seabed_problems(self) -> Iterator[InputError]:
+        if self.platform is None:
+            return
+        frame = self.platform.frame
+        if frame.soil is not None:
+            if frame.seabed != -self.water.depth:
+                limit = f"must be that of the water, {-self.water.depth:g} m"
+                yield InputError("platform.soil.seabed", frame.seabed, limit)
+            return
+        for key, place in frame.places():
+            if place[2] < -self.water.depth - STILL_WATER:
+                limit = f"must not lie below the seabed, z = {-self.water.depth:g} m, where there is no soil"
+                yield InputError(f"platform.{key}", place, limit)
 
     def _open_hulls(self) -> Iterator[InputError]:
         for group in self.sharing:

@@ -18,6 +18,7 @@ from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame, Material, Member, PointMass
+from solver.structure.soil import Soil, SoilSpring
 from tests.once import solve
 
 RHO, SMALL = 1025.0, 108
@@ -228,6 +229,28 @@ def soft_ground():
     )
     soft = {"foot a": (5e7, 8e7, 3e8, 4e8, 3e8, 1e8), "foot b": tuple(map(tuple, pile.tolist()))}
     stands = replace(frame, members=tuple(members), masses=(deck,), clamped=("foot c",), foundation=soft)
+    return replace(whole, platform=replace(whole.platform, frame=stands)), h
+
+
+@cache
+def on_piles():
+    """That float and platform on members that go on below the seabed: two leaning piles, soft above, and a leg cut short."""
+    whole, h = unequal_legs()
+    frame = whole.platform.frame
+    piles = {"a": (-6.0, -4.0, -40.0), "c": (5.0, 0.0, -33.0)}
+    nodes = {**frame.nodes, **{f"tip {leg}": place for leg, place in piles.items()}}
+    driven = tuple(
+        replace(frame.members[0], name=f"pile {leg}", start=f"tip {leg}", end=f"foot {leg}", elements=4)
+        for leg in piles
+    )
+    springs = (
+        SoilSpring(depth=0.0, lateral=1e6, axial=2e6, torsional=1e6),
+        SoilSpring(depth=6.0, lateral=3e7, axial=8e6, torsional=1e7),
+    )
+    stands = replace(
+        frame, nodes=nodes, members=(*frame.members, *driven), clamped=("foot b",),
+        foundation={"tip c": (0.0, 0.0, 5e7, 0.0, 0.0, 0.0)}, soil=Soil(seabed=-25.0, springs=springs),
+    )  # fmt: skip
     return replace(whole, platform=replace(whole.platform, frame=stands)), h
 
 

@@ -69,7 +69,7 @@ def scene(parameters: Parameters, waves: Realization | None = None) -> physics.S
         sea=waves or sea(parameters),
         current=current(parameters.current),
         floats=floats(parameters),
-        platform=platform(parameters.platform, parameters.floats) if parameters.platform else None,
+        platform=platform(parameters),
         settings=settings(parameters),
     )
 
@@ -333,19 +333,23 @@ def in_place(item: Float, water: Water) -> None:
     refuse(physics.out_of_place(floating(item), physics.Water(**dict(water))))
 
 
-def platform(table: Platform, floats: Iterable[Float]) -> physics.Platform:
+def platform(parameters: Parameters) -> physics.Platform | None:
     """The solver's platform for the table [platform], whose nodes include the hinges of the floats."""
-    return _platform(Same(table), tuple(f.name for f in floats))
+    if (table := parameters.platform) is None:
+        return None
+    return _platform(Same(table), tuple(f.name for f in parameters.floats), parameters.water.depth)
 
 
 @lru_cache(maxsize=16)
-def _platform(same: Same[Platform], floats: tuple[str, ...]) -> physics.Platform:
+def _platform(same: Same[Platform], floats: tuple[str, ...], depth: float) -> physics.Platform:
     from solver import scene as physics
     from solver.structure.frame import Frame, MarineGrowth, PointLoad, PointMass
+    from solver.structure.soil import Soil, SoilSpring
 
     table = same.table
     members = tuple(member(m, table) for m in table.members)
     with _part("platform."):
+        springs = tuple(SoilSpring(**dict(line)) for line in table.soil)
         frame = Frame(
             nodes=table.nodes,
             members=members,
@@ -354,6 +358,7 @@ def _platform(same: Same[Platform], floats: tuple[str, ...]) -> physics.Platform
             loads=tuple(PointLoad(**dict(p)) for p in table.loads),
             growth=tuple(MarineGrowth(**dict(line)) for line in table.marine_growth),
             foundation=table.foundation,
+            soil=Soil(seabed=-depth, springs=springs) if springs else None,
         )
     return physics.Platform(
         frame=frame,

@@ -60,7 +60,9 @@ VARIABLES = {
     "displacement_envelope": Meaning("m", "Largest absolute displacement along the leg"),
     "stress_envelope": Meaning("Pa", "Largest absolute stress along the leg"),
     "reaction_force": Meaning("N", "Force of the ground on the foot, weight and static loads included"),
-    "reaction_moment": Meaning("N m", "Moment of the ground on the foot"),
+    "reaction_moment": Meaning(
+        "N m", "Moment of the ground on the foot, or of soil about where its member enters the seabed"
+    ),
     "base_shear": Meaning("N", "Force of the platform on the ground, all feet together"),
     "overturning_moment": Meaning("N m", "Moment of the platform on the ground about moment_point, all feet together"),
     "moment_point": Meaning("m", "Place that overturning_moment is about: amid the feet, as low as the lowest"),
@@ -177,7 +179,7 @@ COORDINATES = {
     "line": Meaning(None, "Mooring line: its float, and its number there from 1"),
     "leg": Meaning("1", "Number of the leg in the study file, from 1"),
     "direction": Meaning(None, "Axis of the component"),
-    "foot": Meaning(None, "Name of the node, clamped or on a foundation"),
+    "foot": Meaning(None, "Name of the node, clamped or on a foundation; soil:<member> of what soil holds"),
     "member": Meaning(None, "Name of the member"),
     "tube": Meaning(None, "Name of the tube that is utilised"),
     "end": Meaning(None, "End of the member"),

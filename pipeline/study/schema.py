@@ -36,7 +36,7 @@ from solver.mooring import Line as MooringLine
 from solver.mooring import Mooring as Moored
 from solver.sea.current import Current as Stream
 from solver.sea.current import CurrentSpeed
-from solver.structure import frame
+from solver.structure import frame, soil
 
 
 @fields_of(physics.Water)
@@ -452,6 +452,11 @@ class MarineGrowth(Table):
     """Marine growth at a depth; straight between the lines of the table, level beyond. Two at one depth are a step."""
 
 
+@fields_of(soil.SoilSpring)
+class SoilSpring(Table):
+    """Soil round members at a depth; straight between the lines of the table, level beyond. Two at a depth are a step."""
+
+
 class LoadHistory(Table):
     """A force on a node that goes with time, straight between the lines of a file."""
 
@@ -482,6 +487,9 @@ class Platform(Table):
     load_histories: Annotated[tuple[LoadHistory, ...], "Loads that go with time, in the time domain"] = ()
     marine_growth: Annotated[
         tuple[MarineGrowth, ...], "What grows on members with a diameter below still water, by depth, downwards"
+    ] = ()
+    soil: Annotated[
+        tuple[SoilSpring, ...], "Springs of the soil round what is below the seabed, by depth, downwards"
     ] = ()
     if TYPE_CHECKING:
         damping_ratio: float

@@ -21,6 +21,7 @@ from solver.structure.tubular import may_be_utilised
 
 REACTIONS, SECTIONS, FIBRES, FATIGUE = "reactions", "section_forces", "fibre_stress", "fatigue"
 TOPS, UTILISATION = "leg_tops", "utilisation"
+SOIL = "soil:"  # of a member among the feet
 SHEAR = [1, 2, 3]  # Vy, Vz, T among the section forces
 MIRROR = np.array([1.0, -1.0, 1.0])
 SAME = 1e-9  # of the largest force or moment by one cause: rounding of the static solutions
@@ -84,8 +85,8 @@ class Places:
     checked: tuple[str, ...]  # nk tubes that are utilised
     twin: np.ndarray  # (nk,) which of the no that are looked at bears what each does, or its mirror image
     points: np.ndarray  # (no,) of each: its ends, and where two of its elements meet and bear the same
-    grounded: tuple[str, ...]  # nodes
-    foot: np.ndarray  # (nc, 3) their places [m]
+    grounded: tuple[str, ...]  # nc nodes, and members in soil
+    foot: np.ndarray  # (nc, 3) where their reactions are [m]
     columns: Columns
     wanted: Wanted
     influence: Influence
@@ -274,7 +275,7 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
     outputs = tuple(outputs)
     members = tuple(m.name for m in frame.members) if SECTIONS in outputs else ()
     checked = tuple(filter(may_be_utilised, frame.members)) if UTILISATION in outputs else ()
-    grounded = frame.grounded if REACTIONS in outputs else ()
+    grounded, buried = (frame.grounded, tuple(frame.buried)) if REACTIONS in outputs else ((), ())
     feet = [_foot(model, name) for name in legs]
     tops = [sum(_ends(model, name)) - foot for name, foot in zip(legs, feet, strict=True)] if TOPS in outputs else []
     both = [end for name in members for end in _ends(model, name)]
@@ -292,7 +293,9 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
             ]
         ).astype(int),
         grounded=(6 * nodes[:, None] + np.arange(6)).ravel(),
+        buried=buried,
     )
+    foot = [*model.xyz[nodes], *(model.soil_reaction(member)[1] for member in buried)]
     return Places(
         feet=_leg_ends(model, feet),
         tops=_leg_ends(model, tops),
@@ -300,10 +303,10 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
         checked=tuple(m.name for m in checked),
         twin=np.arange(len(checked)),
         points=np.array([m.elements + 1 for m in checked], int),
-        grounded=grounded,
-        foot=model.xyz[nodes],
+        grounded=(*grounded, *(SOIL + member.name for member in buried)),
+        foot=np.reshape(foot, (-1, 3)),
         columns=Columns.of(
-            (len(feet), 3), (len(tops), 3), (len(members), 2, 6), (len(along), 3), (len(checked), 2, 3), (nodes.size, 6)
+            (len(feet), 3), (len(tops), 3), (len(members), 2, 6), (len(along), 3), (len(checked), 2, 3), (len(foot), 6)
         ),
         wanted=wanted,
         influence=influence(model, wanted),

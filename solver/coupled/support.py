@@ -172,7 +172,7 @@ def _reduced(
     station_shape, station_rest = np.split(water_drag.shape, [omega.size], axis=2)
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
-    if asked.wanted.end.size or asked.wanted.grounded.size:
+    if not asked.wanted.empty:
         of_points = asked.influence.of_points(at)
         inertia = asked.influence.of_inertia(M, sea.density, shapes)
         elastic = np.arange(len(asked.influence.element)) < asked.wanted.end.size  # the ground bears damping, too

@@ -12,6 +12,7 @@ from solver.errors import InputError, refuse
 from solver.quantities import Quantity, of_no_unit, out_of_range, require_ranges
 from solver.structure import beam
 from solver.structure.beam import Section
+from solver.structure.soil import Soil, falling
 
 COINCIDENT = 1e-9  # two nodes closer than this share of the frame's size are one
 ROUNDING = 1e-9  # of a matrix's size, by which it may fall short of being symmetric and positive
@@ -228,6 +229,7 @@ class Frame:
     # node -> stiffness of the ground under it along and about the global axes: six, or (6, 6) [N/m, N, N m]
     foundation: Mapping[str, Stiffness] = field(default_factory=dict)
     growth: tuple[MarineGrowth, ...] = ()  # straight between its lines, downwards, and level beyond them
+    soil: Soil | None = None  # round what is below the seabed
 
     def __hash__(self) -> int:
         """Equal frames have equal text; a mapping alone would have no hash."""
@@ -253,6 +255,16 @@ class Frame:
     def grounded(self) -> tuple[str, ...]:
         """The feet: clamped nodes, and those on foundations."""
         return (*self.clamped, *self.foundation)
+
+    @property
+    def seabed(self) -> float:
+        """z [m] below which there is soil in place of water."""
+        return -np.inf if self.soil is None else self.soil.seabed
+
+    @property
+    def buried(self) -> list[Member]:
+        """Members with a part in soil."""
+        return [m for m in self.members if self.ends(m)[:, 2].min() < self.seabed]
 
     def foundation_matrix(self, node: str) -> np.ndarray:
         """Stiffness (6, 6) of the ground under a node [N/m, N, N m]."""
@@ -309,8 +321,11 @@ class Frame:
     def _name_problems(self) -> Iterator[InputError]:
         if not self.members:
             yield InputError("members", "[]", "needs at least one member")
-        if not self.grounded:
-            yield InputError("clamped", "[]", "needs at least one node, or one on a foundation: the frame floats away")
+        if self.soil is not None and not self.buried:
+            yield InputError("soil", f"below z = {self.seabed:g} m", "must meet a member: none is as deep")
+        if not self.grounded and self.soil is None:
+            limit = "needs at least one node, or one on a foundation, or soil: the frame floats away"
+            yield InputError("clamped", "[]", limit)
         for key, names in (("members", [member.name for member in self.members]), ("clamped", self.clamped)):
             for name, count in Counter(names).items():
                 if count > 1:
@@ -332,13 +347,7 @@ class Frame:
     def _growth_problems(self) -> Iterator[InputError]:
         for i, line in enumerate(self.growth):
             yield from out_of_range(line, f"marine_growth[{i}]")
-        depths = [line.depth for line in self.growth]
-        for i in range(1, len(depths)):
-            key = f"marine_growth[{i}].depth"
-            if depths[i] < depths[i - 1]:
-                yield InputError(key, depths[i], f"must be >= {depths[i - 1]:g} m, the depth of the line before")
-            elif depths[i] == depths[max(i - 2, 0)] and i > 1:
-                yield InputError(key, depths[i], "is given three times: two lines make a step")
+        yield from falling([line.depth for line in self.growth], "marine_growth")
 
     def _foundation_problems(self) -> Iterator[InputError]:
         for node, given in self.foundation.items():
@@ -369,14 +378,14 @@ class Frame:
             return held
 
         held = joined(set(self.clamped))
-        for node in self.foundation:
+        for node in (*self.foundation, *(member.start for member in self.buried)):
             if node not in held and neighbours[node]:
                 part = joined({node})
                 held |= part
                 yield from self._loose(part)
         floating = [name for name in self.nodes if name not in held]
         if floating:
-            limit = "must be joined to a clamped node by members, or to one on a foundation"
+            limit = "must be joined to a clamped node by members, to one on a foundation, or to soil"
             yield InputError("nodes", ", ".join(floating), limit)
 
     def _release_problems(self) -> Iterator[InputError]:
@@ -395,6 +404,9 @@ class Frame:
             shear = beam.shear_parameters(material.E, material.G, section, L)
             stiffness = beam.stiffness(material.E, material.G, section, L)
             own = np.array([stiffness, beam.mass(material.density, section, L, shear)])
+            ground = np.zeros((2, 12, 12))
+            if self.soil is not None:
+                ground[0] = self.soil.element(ends, shear)
             try:
                 C = beam.condensation(stiffness, member.releases(), member.springs())
             except np.linalg.LinAlgError:
@@ -403,8 +415,8 @@ class Frame:
                 return
             at = np.concatenate([number[member.start], number[member.end]])
             seen = np.array([beam.condensed_stiffness(stiffness, C, member.springs()), C.T @ own[1] @ C])
-            left[:, at[:, None], at] += T.T @ seen @ T
-            whole[:, at[:, None], at] += T.T @ own @ T
+            left[:, at[:, None], at] += T.T @ (seen + C.T @ ground @ C) @ T
+            whole[:, at[:, None], at] += T.T @ (own + ground) @ T
         on_nodes = [(0, node, self.foundation_matrix(node)) for node in self.foundation]
         on_nodes += [(1, item.node, item.matrix) for item in self.masses]
         for kind, node, matrix in on_nodes:
@@ -420,21 +432,32 @@ class Frame:
                 return
 
     def _loose(self, part: set[str]) -> Iterator[InputError]:
-        """A part that stands on foundations alone, and can move as a rigid body."""
-        feet = [node for node in self.foundation if node in part]
-        places = np.array([self.nodes[node] for node in feet])
+        """A part that stands on foundations and in soil alone, and can move as a rigid body."""
+        held = [(node, self.nodes[node], self.foundation_matrix(node)) for node in self.foundation if node in part]
+        held += [at for member in self.buried if member.start in part for at in self._in_soil(member)]
+        places = np.array([place for _, place, _ in held])
         size = np.ptp([self.nodes[node] for node in part], axis=0).max()
         rigid = np.zeros((6, 6))
-        for node, arm in zip(feet, places - places.mean(axis=0), strict=True):
+        for arm, (_, _, stiffness) in zip(places - places.mean(axis=0), held, strict=True):
             move = np.eye(6)
             move[:3, 3:] = np.cross(np.eye(3), arm).T
             move[:, 3:] /= size
-            rigid += move.T @ self.foundation_matrix(node) @ move
+            rigid += move.T @ stiffness @ move
         values, vectors = np.linalg.eigh(rigid)
         if not values[0] > HELD * values[-1]:
             direction = DIRECTIONS[int(np.abs(vectors[:, 0]).argmax())]
             limit = f"must hold what stands on it, which is free to {direction}"
-            yield InputError("foundation", ", ".join(feet), limit)
+            key = "foundation" if held[0][0] in self.foundation else "soil"
+            yield InputError(key, ", ".join(dict.fromkeys(name for name, _, _ in held)), limit)
+
+    def _in_soil(self, member: Member) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+        """Its name, a place (3,) [m] and the soil's stiffness there (6, 6), for each point of a sum over its length."""
+        assert self.soil is not None, "asked of members that are in it"
+        ends = self.ends(member)
+        turn = np.kron(np.eye(2), beam.rotation(*ends))
+        for s, weight, (along, across, about) in self.soil.points(ends):
+            own = weight * np.linalg.norm(ends[1] - ends[0]) * np.array([along, across, across, about, 0, 0])
+            yield member.name, ends[0] + s * (ends[1] - ends[0]), turn.T @ (own[:, None] * turn)
 
 
 def _loosest(kept: np.ndarray, whole: np.ndarray, free: np.ndarray) -> int | None:

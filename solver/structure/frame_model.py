@@ -30,7 +30,9 @@ class FrameModel:
     levers: Mapping[int, np.ndarray]  # (2, 3) from the nodes to the ends [m], of elements with rigid offsets
     transform: np.ndarray  # (ne, 12, 12) T: displacements of the ends in local axes, of those of the nodes
     shear: np.ndarray  # (ne, 2) φ in the planes xy and xz; 0 of Euler-Bernoulli's beams
-    element_stiffness: np.ndarray  # (ne, 12, 12) local axes
+    element_stiffness: np.ndarray  # (ne, 12, 12) local axes, with the soil round it
+    axial: np.ndarray  # (ne,) EA/L, of released ends what is left of it [N/m]
+    soil: Mapping[int, np.ndarray]  # (12, 12) local axes, of the elements that are in it
     K: "scipy.sparse.csr_array"  # (6n, 6n), foundations included, clamped supports not yet removed
     M: "scipy.sparse.csr_array"  # (6n, 6n), consistent and lumped
     ground: "scipy.sparse.csr_array"  # (6n, 6n) stiffness of the foundations
@@ -58,6 +60,22 @@ class FrameModel:
             return local
         C = self.condensation[element]
         return C.T @ local @ C if both else local @ C
+
+    def soil_reaction(self, member: Member) -> tuple[np.ndarray, np.ndarray]:
+        """Force and moment of the soil on a member, as rows (6, 6n) of the displacement, and the place (3,) of both.
+
+        Where the member enters the seabed, or its upper end below it.
+        """
+        ends = self.frame.ends(member)
+        upper, lower = ends[np.argsort(-ends[:, 2])]
+        if upper[2] > self.frame.seabed:
+            upper = upper + (upper[2] - self.frame.seabed) / (upper[2] - lower[2]) * (lower - upper)
+        rows = np.zeros((6, self.K.shape[0]))
+        for e in (e for e in self.member_elements[member.name] if e in self.soil):
+            T, dofs = self.transform[e], self.dofs[e]
+            rigid = np.concatenate([beam.lever(self.xyz[node] - upper) for node in self.elements[e]])
+            rows[:, dofs] -= rigid.T @ T.T @ self.soil[e] @ T
+        return rows, upper
 
     def translations(self, node: str) -> np.ndarray:
         """Numbers of the three translations of a named node."""
@@ -100,6 +118,13 @@ def assemble(frame: Frame) -> FrameModel:
     for e, released, springs in _released(frame):
         C = condensation[e] = beam.condensation(stiffness[e], released, springs)
         stiffness[e], mass[e] = beam.condensed_stiffness(stiffness[e], C, springs), C.T @ mass[e] @ C
+    axial = stiffness[:, 0, 0].copy()
+    soil = {}
+    for e in np.flatnonzero(places[:, :, 2].min(axis=1) < frame.seabed).tolist():
+        assert frame.soil is not None, "nothing is below it elsewhere"
+        C = condensation.get(e, np.eye(12))
+        soil[e] = C.T @ frame.soil.element(places[e], shear[e]) @ C
+        stiffness[e] += soil[e]
     size = 6 * len(xyz)
     K = scatter(stiffness, T, dofs, size)
     ground = on_nodes([(node_index[name], frame.foundation_matrix(name)) for name in frame.foundation], size)
@@ -120,6 +145,8 @@ def assemble(frame: Frame) -> FrameModel:
         transform=T,
         shear=shear,
         element_stiffness=stiffness,
+        axial=axial,
+        soil=soil,
         K=K + ground if frame.foundation else K,
         M=scatter(mass, T, dofs, size) + on_nodes([(node_index[m.node], m.matrix) for m in frame.masses], size),
         ground=ground,

@@ -5,7 +5,7 @@ Craig, Structural Dynamics, 1981). With an element's own consistent loads f, ine
 bears ± (k d - f): elastic forces, in balance at every node, however few shapes the motion is made of and however long
 the elements. Damping acts within the frame, so that the ground, which bears it, too, gives
 K d + C ḋ - (F - M d̈) on a clamped degree of freedom, as if K d were F - M d̈: what balances loads and inertia. The
-springs of a foundation give -k d of that same d.
+springs of a foundation and the soil give -k d of that same d.
 """
 
 from dataclasses import dataclass
@@ -16,6 +16,7 @@ from scipy import sparse
 
 from solver.keys import shared
 from solver.structure import beam, recovery, statics, water
+from solver.structure.frame import Member
 from solver.structure.frame_model import FrameModel, scatter
 
 SLAB = 2**22  # numbers of an array made on the way
@@ -23,16 +24,22 @@ SLAB = 2**22  # numbers of an array made on the way
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Wanted:
-    """Which section forces and which reactions are asked for: ny = k + nr."""
+    """Which section forces and which reactions are asked for: ny = k + nr + 6 nb."""
 
     end: np.ndarray  # (k,) numbered 2 e (start) and 2 e + 1 (end of element e)
     component: np.ndarray  # (k,) which of frame.FORCES, on the face whose outward normal is local +x
     grounded: np.ndarray  # (nr,) degrees of freedom, clamped or on springs
+    buried: tuple[Member, ...] = ()  # nb that soil holds by three forces and three moments
 
     @property
     def moments(self) -> np.ndarray:
         """Which of the ny are moments."""
-        return np.concatenate([self.component, self.grounded % 6]) >= 3
+        return np.concatenate([self.component, self.grounded % 6, np.tile(np.arange(6), len(self.buried))]) >= 3
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing is asked for."""
+        return not (self.end.size or self.grounded.size or self.buried)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,7 +70,9 @@ class Influence:
         forces = recovery.section_forces(self.model, displacement, element_loads)[wanted.end, wanted.component]
         size = self.model.K.shape[0]
         elastic = scatter(self.model.element_stiffness, self.model.transform, self.model.dofs, size)
-        return np.concatenate([forces, (elastic[wanted.grounded] @ displacement) - load[wanted.grounded]])
+        of_soil = [self.model.soil_reaction(member)[0] @ displacement for member in wanted.buried]
+        on_feet = (elastic[wanted.grounded] @ displacement) - load[wanted.grounded]
+        return np.concatenate([forces, on_feet, *of_soil])
 
 
 def influence(model: FrameModel, wanted: Wanted) -> Influence:
@@ -76,21 +85,21 @@ def influence(model: FrameModel, wanted: Wanted) -> Influence:
     T = model.transform[element]
     face = recovery.FACE[row, None]
     blocks = face * np.einsum("ya,yab->yb", stiffness[element, row], T)
-    unit = np.zeros((model.K.shape[0], k + wanted.grounded.size))
-    unit[model.dofs[element], np.arange(k)[:, None]] = blocks
     clamped = ~np.isin(wanted.grounded, model.free)
-    unit[:, k:] = np.where(
-        clamped[:, None], model.K[wanted.grounded].toarray(), -model.ground[wanted.grounded].toarray()
-    ).T
+    on_feet = np.where(clamped[:, None], model.K[wanted.grounded].toarray(), -model.ground[wanted.grounded].toarray())
+    reactions = np.concatenate([on_feet, *(model.soil_reaction(member)[0] for member in wanted.buried)])
+    unit = np.zeros((model.K.shape[0], k + len(reactions)))
+    unit[model.dofs[element], np.arange(k)[:, None]] = blocks
+    unit[:, k:] = reactions.T
     nodal = statics.static(model, unit)
     nodal[wanted.grounded[clamped], k + np.flatnonzero(clamped)] -= 1.0
-    none = np.zeros((wanted.grounded.size, 12))
+    none = np.zeros((len(reactions), 12))
     # Loads of the ends in local axes are T⁻ᵀ of those of the nodes: T itself where no arm is between them.
     to_ends = [np.linalg.inv(t).T if e in model.levers else t for e, t in zip(element.tolist(), T, strict=True)]
     return Influence(
         model=model,
         nodal=nodal,
-        element=np.concatenate([element, np.full(wanted.grounded.size, -1)]),
+        element=np.concatenate([element, np.full(len(reactions), -1)]),
         within=np.concatenate([-face * np.reshape(to_ends, (-1, 12, 12))[np.arange(k), row], none]),
     )
 

@@ -75,7 +75,7 @@ def axial_force(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
     for e, arms in model.levers.items():
         ends[e] += np.cross(displacement.reshape(-1, 6)[model.elements[e], 3:], arms)
     stretch = np.einsum("ei,ei->e", ends[:, 1] - ends[:, 0], model.rotation[:, 0])
-    return model.element_stiffness[:, 0, 0] * stretch
+    return model.axial * stretch
 
 
 def _element_geometric(model: FrameModel, displacement: np.ndarray) -> np.ndarray:

@@ -25,15 +25,14 @@ EXACT = 4  # stations for the product of two cubics (order 6), however deep the 
 GROWN = 5  # the same times an area and a density that change with depth (order 9)
 
 
-def wetted_span(model: FrameModel) -> np.ndarray:
-    """Part (s0, s1) of each element below z = 0, (ne, 2); s0 = s1 for a dry one."""
+def wetted_span(model: FrameModel, seabed: float = -np.inf) -> np.ndarray:
+    """Part (s0, s1) of each element below z = 0 and above the seabed, (ne, 2); s0 = s1 for one without."""
     z = model.ends[:, :, 2]
-    rise = z[:, 1] - z[:, 0]
-    waterline = np.clip(-z[:, 0] / np.where(rise == 0, 1, rise), 0, 1)
-    s0 = np.where(z[:, 0] < 0, 0, waterline)
-    s1 = np.where(z[:, 1] < 0, 1, waterline)
-    dry = z.min(axis=1) >= 0
-    return np.where(dry[:, None], 0, np.column_stack([s0, s1]))
+    rise = (z[:, 1] - z[:, 0])[:, None]
+    in_water = np.clip(z, seabed, 0.0)
+    span = np.where(rise == 0, [0.0, 1.0], (in_water - z[:, :1]) / np.where(rise == 0, 1, rise))
+    dry = (z.min(axis=1) >= 0) | (z.max(axis=1) <= seabed)
+    return np.where(dry[:, None], 0, span)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -93,7 +92,7 @@ def _wet(model: FrameModel, members: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
     Where the growth's table has a line, an element is taken in parts.
     """
-    span = wetted_span(model)
+    span = wetted_span(model, model.frame.seabed)
     wet = np.flatnonzero(members[model.member] & (span[:, 1] > span[:, 0]))
     if not model.frame.growth:
         return wet, span[wet]

@@ -12,7 +12,7 @@ from solver.scene import Platform, Water
 from solver.structure import beam, recovery, statics, water
 from solver.structure.frame import Frame, MarineGrowth
 from solver.structure.frame_model import assemble
-from tests.awkward import soft_ground, tripod
+from tests.awkward import on_piles, soft_ground, tripod
 
 RHO, W = 1025.0, 9.81
 LAYERS = (  # nothing above 1 m, 5 cm from there, thinner below 3 m, level below 6 m
@@ -186,9 +186,10 @@ def test_a_distributed_load_bends_a_cantilever_as_its_formula(line, steel, pipe,
     assert foot[0] == approx(0, abs=1e-6)
 
 
-def test_reactions_at_rest_carry_growth_and_distributed_loads():
-    """Forces and moments about the origin, on the soft ground with offsets, a pin and legs that shear."""
-    item, _ = soft_ground()
+@pytest.mark.parametrize("made", [soft_ground, on_piles])
+def test_reactions_at_rest_carry_growth_and_distributed_loads(made):
+    """Forces and moments about the origin, on the soft ground with offsets, a pin and legs that shear, and in soil."""
+    item, _ = made()
     frame = item.platform.frame
     members = tuple(replace(m, distributed_load=(30.0 + i, -20.0, 5.0 * i)) for i, m in enumerate(frame.members))
     frame: Frame = replace(frame, members=members, growth=LAYERS)
@@ -208,7 +209,8 @@ def test_reactions_at_rest_carry_growth_and_distributed_loads():
         x = a + (b - a) * (np.arange(40_000)[:, None] + 0.5) / 40_000
         thickness, density = frame.grown(x[:, 2])
         bare = np.repeat([section.diameter for section in member.sections], len(x) // member.elements)
-        lift = (item.water.density - density) * W * np.pi / 4 * ((bare + 2 * thickness) ** 2 - bare**2) * (x[:, 2] < 0)
+        lift = (item.water.density - density) * W * np.pi / 4 * ((bare + 2 * thickness) ** 2 - bare**2)
+        lift[(x[:, 2] > 0) | (x[:, 2] < frame.seabed)] = 0.0
         part = lift[:, None] * np.array([0, 0, np.linalg.norm(b - a) / 40_000])
         force, moment = force + part.sum(axis=0), moment + np.cross(x, part).sum(axis=0)
     assert still[:, :3].sum(axis=0) == approx(-force, abs=1e-4 * np.abs(force).max())

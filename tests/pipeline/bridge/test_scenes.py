@@ -93,6 +93,24 @@ def test_feet_on_springs_and_masses_with_a_body_reach_the_solver(buan_tables, st
     assert body.products_of_inertia == (1.0, 2.0, 3.0)
 
 
+def test_soil_reaches_the_solver_below_the_waters_depth(buan_tables, study_of):
+    table = buan_tables["platform"]
+    table["soil"] = [
+        {"depth": 0, "lateral": 1e6, "axial": 2e6, "torsional": 3e6},
+        {"depth": 5, "lateral": 4e6},
+    ]
+    table["nodes"]["tip"] = [-1.5, 1.2, -60.0]
+    pile = {"name": "pile", "start": "tip", "end": "foot1", "section": "leg", "material": "steel"}
+    table["members"].append(pile)
+    table["clamped"] = ["foot2", "foot3", "foot4"]
+    frame = scenes.scene(task(study_of(buan_tables), platform="elastic").parameters).platform.frame
+    assert frame.seabed == -50.0
+    assert frame.soil.stiffness(np.array([-50.0, -52.5, -55.0, -70.0])).tolist() == [
+        [2e6, 1e6, 3e6], [1e6, 2.5e6, 1.5e6], [0, 4e6, 0], [0, 4e6, 0]
+    ]  # fmt: skip
+    assert [m.name for m in frame.buried] == ["pile"]
+
+
 def test_a_taper_reaches_the_solver(buan_tables, study_of):
     table = buan_tables["platform"]
     table["sections"]["top"] = {"shape": "tube", "diameter": 0.3, "thickness": 0.01, "shear_factor": "cowper"}
