@@ -27,11 +27,14 @@ from solver.structure.load_history import LoadHistory, in_plane
 from solver.structure.tubular import may_be_utilised, resistance
 
 STEPS = 9  # in the shortest period that a scene has to follow
-OfSteel = Literal["reactions", "section_forces", "fibre_stress", "fatigue", "leg_tops", "utilisation"]
+OfSteel = Literal[
+    "reactions", "section_forces", "fibre_stress", "fatigue", "leg_tops", "utilisation", "accelerations", "static_part"
+]
 OfFloats = Literal["pto_force", "pto_stroke", "drift"]
-Output = Literal[OfSteel, OfFloats]
+OfAll = Literal["moments"]
+Output = Literal[OfSteel, OfFloats, OfAll]
 OF_STEEL, OF_FLOATS, OUTPUTS = map(get_args, (OfSteel, OfFloats, Output))
-MOST_SECTIONS = 200  # members whose section forces are put out
+MOST_SECTIONS = 200  # members whose section forces are put out, and nodes whose accelerations are
 MOST_CHECKED = 500  # elements whose utilisation is
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
 
@@ -294,17 +297,30 @@ PER_AXIS = tuple(STARTS)
 
 
 class StructuralDamping(NamedTuple):
-    """Of a platform's modes in water: one ratio, or Rayleigh's C = αM + βK, M with the members' added mass."""
+    """Of a platform's modes, in water or dry: one ratio, or Rayleigh's C = αM + βK, M with or without added mass."""
 
     ratio: float
     alpha: float = 0.0  # [1/s]
     beta: float = 0.0  # [s]
+    dry: bool = False
 
-    def of(self, omega: np.ndarray) -> np.ndarray:
-        """Ratio ζ (nm,) of modes of natural frequency ω (nm,): 2ζω = α + βω² of Rayleigh's."""
+    def of(self, omega: np.ndarray, share: np.ndarray) -> np.ndarray:
+        """Ratio ζ (nm,) of modes of natural frequency ω (nm,) in water: 2ζω = α + βω² of Rayleigh's.
+
+        share (nm,): of their mass that is not added mass, μ. Given dry, ζ is ζμ^½ in water, for ω_dry² = ω²/μ, and α is
+        αμ.
+        """
+        mass = share if self.dry else np.ones(omega.shape)
         if self.alpha == self.beta == 0.0:
-            return np.full(omega.shape, self.ratio)
-        return 0.5 * (self.alpha / omega + self.beta * omega)
+            return self.ratio * np.sqrt(mass)
+        return 0.5 * (self.alpha * mass / omega + self.beta * omega)
+
+    def __str__(self) -> str:
+        """As records have it."""
+        where = "dry" if self.dry else "in water"
+        if self.alpha == self.beta == 0.0:
+            return f"{self.ratio:g} of critical in each mode {where}"
+        return f"Rayleigh's, {self.alpha:g} 1/s of the mass {where}, {self.beta:g} s of the stiffness"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -316,6 +332,9 @@ class Platform:
     damping_ratio: Annotated[
         float, Quantity("-", least=0, below=1), "Of every mode in water: with the members' added mass, without floats"
     ] = 0.01
+    damping_of: Annotated[
+        Literal["water", "dry"], "Whether damping is that of the modes in water, or of those without added mass"
+    ] = "water"
     rayleigh_mass: Annotated[
         float,
         Quantity("1/s", least=0),
@@ -343,11 +362,12 @@ class Platform:
     @property
     def damping(self) -> StructuralDamping:
         """Of its modes."""
-        return StructuralDamping(self.damping_ratio, self.rayleigh_mass, self.rayleigh_stiffness)
+        given = self.damping_ratio, self.rayleigh_mass, self.rayleigh_stiffness
+        return StructuralDamping(*given, dry=self.damping_of == "dry")
 
     def undamped(self) -> "Platform":
         """What has the same modes."""
-        return replace(self, damping_ratio=0.0, rayleigh_mass=0.0, rayleigh_stiffness=0.0)
+        return replace(self, damping_ratio=0.0, damping_of="water", rayleigh_mass=0.0, rayleigh_stiffness=0.0)
 
     def _history_problems(self) -> Iterator[InputError]:
         for i, history in enumerate(self.load_histories):
@@ -468,7 +488,7 @@ class Settings:
     ] = False
     outputs: Annotated[
         tuple[Output, ...],
-        "What else is put out: of an elastic platform's steel, of power take-offs, and mean and slow drift of floats",
+        "What else is put out: of an elastic platform, of power take-offs, mean and slow drift of floats, or of all",
     ] = ()
     fatigue: Annotated[Fatigue, "By which rules damage is reckoned"] = Fatigue()
     utilisation: Annotated[Utilisation, "By which factors tubes are utilised"] = Utilisation()
@@ -652,6 +672,11 @@ class Scene:
         if "section_forces" in outputs and members > MOST_SECTIONS:
             limit = f"must be left out with more than {MOST_SECTIONS} members; there are {members}"
             yield InputError("settings.outputs", "section_forces", limit)
+        if "accelerations" in outputs and (nodes := len(self.platform.frame.nodes)) > MOST_SECTIONS:
+            limit = f"must be left out with more than {MOST_SECTIONS} nodes; there are {nodes}"
+            yield InputError("settings.outputs", "accelerations", limit)
+        if "static_part" in outputs and not (self.platform.legs or {"reactions", "section_forces"} & set(outputs)):
+            yield InputError("settings.outputs", "static_part", "is of legs, reactions or section_forces: name some")
 
     def _utilisation_problems(self, frame: Frame) -> Iterator[InputError]:
         tubes = list(filter(may_be_utilised, frame.members))

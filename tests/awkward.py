@@ -234,7 +234,7 @@ def soft_ground():
 
 @cache
 def on_piles():
-    """That float and platform on members that go on below the seabed: two leaning piles, soft above, and a leg cut short."""
+    """That float and platform, whose legs go on below the seabed as two leaning piles, one on a spring at its tip."""
     whole, h = unequal_legs()
     frame = whole.platform.frame
     piles = {"a": (-6.0, -4.0, -40.0), "c": (5.0, 0.0, -33.0)}

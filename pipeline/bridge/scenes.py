@@ -5,7 +5,7 @@ The only translation between the two.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -364,6 +364,7 @@ def _platform(same: Same[Platform], floats: tuple[str, ...], depth: float) -> ph
         frame=frame,
         legs=table.legs,
         damping_ratio=table.damping_ratio,
+        damping_of=table.damping_of,
         rayleigh_mass=table.rayleigh_mass,
         rayleigh_stiffness=table.rayleigh_stiffness,
         hinge_nodes={name: HINGE + name for name in floats},

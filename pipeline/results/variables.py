@@ -56,6 +56,7 @@ VARIABLES = {
     "slow_drift": Meaning("{axis}", "Standard deviation of the moored support's slow drift about that offset"),
     "top_displacement": Meaning("m", "Displacement of the top of the leg from static equilibrium"),
     "static_displacement": Meaning("m", "Displacement of the top of the leg by weight, buoyancy and constant loads"),
+    "node_acceleration": Meaning("m s-2", "Acceleration of the platform's node"),
     "bottom_stress": Meaning("Pa", "Stress of the most compressive fibre at the bottom of the leg"),
     "displacement_envelope": Meaning("m", "Largest absolute displacement along the leg"),
     "stress_envelope": Meaning("Pa", "Largest absolute stress along the leg"),
@@ -70,9 +71,7 @@ VARIABLES = {
     "section_force": Meaning("N", "Section force at the end of the member, on the face towards its end, own axes"),
     "section_moment": Meaning("N m", "Section moment at the end of the member, on the face towards its end, own axes"),
     "fibre_stress": Meaning("Pa", "Stress of a fixed fibre at the foot of the leg, tension positive"),
-    "fibre_stress_crossing_rate": Meaning("s-1", "Upcrossings of its mean by the fibre's stress"),
     "fibre_stress_top": Meaning("Pa", "Stress of a fixed fibre at the top of the leg, tension positive"),
-    "fibre_stress_top_crossing_rate": Meaning("s-1", "Upcrossings of its mean by the fibre's stress at the top"),
     "fibre_place": Meaning("m", "Place of the fibre from the leg's axis"),
     "fibre_angle": Meaning("rad", "Angle of the fibre in the leg's section, from its axis y towards its axis z"),
     "utilisation": Meaning(
@@ -179,6 +178,7 @@ COORDINATES = {
     "line": Meaning(None, "Mooring line: its float, and its number there from 1"),
     "leg": Meaning("1", "Number of the leg in the study file, from 1"),
     "direction": Meaning(None, "Axis of the component"),
+    "node": Meaning(None, "Name of the platform's node"),
     "foot": Meaning(None, "Name of the node, clamped or on a foundation; soil:<member> of what soil holds"),
     "member": Meaning(None, "Name of the member"),
     "tube": Meaning(None, "Name of the tube that is utilised"),
@@ -198,12 +198,18 @@ COORDINATES = {
 RENAMED = {"Tp": "Tp_realized", "time": "elapsed_time"}
 # What a time series is called beside the statistics of the same variable.
 SERIES = "_series"
-# What an output's spectra are called after it: unit from its own, and meaning.
-SPECTRA = {
+# What goes with an output, and is called after it: unit from its own, and meaning.
+OF_OUTPUTS = {
     "_response": ("{} m-1", "Amplitude per wave amplitude"),
     "_response_phase": ("rad", "Lag behind the elevation at the origin"),
     "_coherence": ("1", "Share of the variance that follows the waves linearly"),
     "_spectrum": ("{}2 s rad-1", "Variance density by angular frequency"),
+    "_crossing_rate": ("s-1", "Upcrossings of its mean a second"),
+    "_m0": ("{}2", "Spectral moment of order 0"),
+    "_m1": ("{}2 rad s-1", "Spectral moment of order 1"),
+    "_m2": ("{}2 rad2 s-2", "Spectral moment of order 2"),
+    "_m4": ("{}2 rad4 s-4", "Spectral moment of order 4"),
+    "_static": ("{}", "Of weight, buoyancy and constant loads alone"),
 }
 LOADS = {"m": "N", "rad": "N m"}  # unit of a load along an axis by that of its motion
 SLIDING = {"surge", "sway", "heave"}  # the other axes turn
@@ -220,7 +226,7 @@ def meaning(name: str, axes: Iterable[str] = ()) -> dict[str, str]:
     axes: of the joints; where some slide and some turn, what goes with both has no unit but theirs.
     """
     name = name.removesuffix(SERIES)
-    for suffix, (pattern, words) in SPECTRA.items():
+    for suffix, (pattern, words) in OF_OUTPUTS.items():
         if name.endswith(suffix):
             return _spectral(meaning(name.removesuffix(suffix), axes), pattern, words)
     known = VARIABLES.get(name) or KNOBS.get(name) or COORDINATES.get(name)

@@ -454,7 +454,7 @@ class MarineGrowth(Table):
 
 @fields_of(soil.SoilSpring)
 class SoilSpring(Table):
-    """Soil round members at a depth; straight between the lines of the table, level beyond. Two at a depth are a step."""
+    """Soil round members at a depth; straight between the lines of the table, level beyond. Two at once are a step."""
 
 
 class LoadHistory(Table):
@@ -466,7 +466,15 @@ class LoadHistory(Table):
 
 @fields_of(
     physics.Platform,
-    ("legs", "damping_ratio", "rayleigh_mass", "rayleigh_stiffness", "geometric_stiffness", "wave_inertia"),
+    (
+        "legs",
+        "damping_ratio",
+        "damping_of",
+        "rayleigh_mass",
+        "rayleigh_stiffness",
+        "geometric_stiffness",
+        "wave_inertia",
+    ),
 )
 class Platform(Table):
     """A beam frame. Nodes named hinge:<float> come with the floats; the others stand here."""
@@ -493,6 +501,7 @@ class Platform(Table):
     ] = ()
     if TYPE_CHECKING:
         damping_ratio: float
+        damping_of: Literal["water", "dry"]
         rayleigh_mass: float
         rayleigh_stiffness: float
         geometric_stiffness: bool

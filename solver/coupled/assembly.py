@@ -23,7 +23,7 @@ from solver.multibody.chain import PRISMATIC, REVOLUTE
 from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops
 from solver.multibody.load_table import NO_POINTS, Points, tables
 from solver.multibody.minimal import Bodies
-from solver.scene import DOFS, PER_AXIS, Float, Scene, StructuralDamping
+from solver.scene import DOFS, PER_AXIS, Float, Scene
 from solver.sea.field import WaveField
 
 Axis = tuple[bool, np.ndarray, tuple[float, float, float], int]  # see _chains
@@ -219,13 +219,13 @@ def _hydrostatics(scene: Scene, hydrodynamics: Hydrodynamics | None) -> tuple[np
 
 
 @lru_cache(maxsize=KNOWN)
-def structure(support: Support | None, damping: StructuralDamping | None) -> Structure:
+def structure(support: Support | None) -> Structure:
     """Modal arrays; empty without an elastic support."""
-    if support is None or damping is None:
+    if support is None:
         return Structure(np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 1, 0)), np.zeros(0), np.zeros(0))
     return Structure(
         omega=support.omega,
-        damping=damping.of(support.omega),
+        damping=support.damping,
         carrier=np.ascontiguousarray(support.carrier),
         station=np.ascontiguousarray(support.station_shape.transpose(2, 1, 0)),
         drag=support.drag,

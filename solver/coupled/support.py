@@ -56,6 +56,8 @@ class Support:
 
     dry_omega: np.ndarray  # natural frequencies without added mass, all modes [rad/s]
     omega: np.ndarray  # (nm,) of the basis, with added mass [rad/s]
+    dry_share: np.ndarray  # (nm,) of their mass that is not added mass
+    damping: np.ndarray  # (nm,) ratios; 0 until they are known: see damped
     shapes: np.ndarray  # (6n, nm)
     carrier: np.ndarray  # (nc, nm)
     typical: WaveField  # waves of such seas
@@ -67,6 +69,8 @@ class Support:
     stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
     applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
     legs: Legs | None
+    nodes: tuple[str, ...]  # nn of the frame whose accelerations are asked for
+    node_shapes: np.ndarray  # (nm, nn, 3) their displacement
     static_tops: np.ndarray  # (nl, 3) displacement of the legs' tops by weight, buoyancy and constant loads [m]
     forces: Forces | None  # None where neither legs nor outputs ask for any
     left_out: LeftOut
@@ -186,9 +190,15 @@ def _reduced(
             drag=water_drag.borne(asked),
             applied=asked.influence.nodal[loaded],
         )
+    accelerated = [
+        name for name in platform.frame.nodes if "accelerations" in outputs and name not in model.frame.clamped
+    ]
+    numbers = [model.node_index[name] for name in accelerated]
     return Support(
         dry_omega=_dry_frequencies(model),
         omega=omega,
+        dry_share=np.einsum("ij,ij->j", shapes, model.M @ shapes),
+        damping=np.zeros(omega.size),
         shapes=shapes,
         carrier=shapes[dof.ravel()],
         typical=field,
@@ -206,6 +216,8 @@ def _reduced(
             tops=tops,
         ),
         legs=legs.outputs(platform.legs, model, sea.density, sea.gravity, at_rest, shapes) if platform.legs else None,
+        nodes=tuple(accelerated),
+        node_shapes=shapes.reshape(-1, 6, omega.size)[numbers, :3].transpose(2, 0, 1),
         static_tops=_static_tops(platform, sea),
         forces=borne,
         buckling_factor=factor,
@@ -234,9 +246,8 @@ def _patterns(
 @lru_cache(maxsize=KNOWN)
 def damped(support: Support, damping: StructuralDamping) -> Support:
     """With the modes' damping."""
-    if support.forces is None:
-        return support
-    return replace(support, forces=support.forces.damped(damping.of(support.omega)))
+    ratio = damping.of(support.omega, support.dry_share)
+    return replace(support, damping=ratio, forces=support.forces and support.forces.damped(ratio))
 
 
 @lru_cache(maxsize=KNOWN)

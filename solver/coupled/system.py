@@ -358,7 +358,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
         scene=scene,
         bodies=body,
         support=support,
-        structure=assembly.structure(support, scene.platform.damping if scene.platform else None),
+        structure=assembly.structure(support),
         fit=fit,
         memory=assembly.memory(fit, dt, na),
         rows=rows,

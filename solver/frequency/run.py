@@ -14,7 +14,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coeffi
 from solver.record.audit import left_out_effect, together
 from solver.record.bound import above
 from solver.record.recorder import ELEVATION, Labelled, Record
-from solver.record.spectra import bands, cross_spectra
+from solver.record.spectra import bands, cross_spectra, crossings, moments
 from solver.scene import Scene
 from solver.statistics import STATISTICS
 
@@ -75,8 +75,12 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     counted = None
     if channels.steel is not None and channels.steel.counts:
         counted = channels.steel.expected(frame.lines, case.omega)
+    further = drifting
+    if "moments" in scene.settings.outputs:
+        of_order = {name: moments(case.omega, lines) for name, _, lines in linear}
+        further = {**drifting, **channels.moments({name: (crossings(m), m) for name, m in of_order.items()})}
     return channels.record(
-        tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=drifting
+        tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further
     )
 
 
@@ -151,6 +155,8 @@ def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
     if channels.legs is not None:
         tops, X = channels.legs.tops, response.X[:, : p.size]
         yield "top_displacement", np.tensordot(p, tops, axes=1), np.tensordot(X, tops, axes=1)
+    for name, lines in channels.accelerations(-(omega[:, None] ** 2) * response.X[:, : p.size]):
+        yield name, np.zeros(()), lines
     if channels.steel is not None:
         means = dict(channels.steel.channels(frame.level))
         for name, values in channels.steel.channels(frame.lines):

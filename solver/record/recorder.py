@@ -23,7 +23,18 @@ from solver.multibody.minimal import Bodies, line_tensions, new_motion
 from solver.power_takeoff import PtoEfficiency
 from solver.record import steel
 from solver.record.bound import wave_power
-from solver.record.spectra import Bands, Harmonics, Response, bands, cross_spectra, lines_of
+from solver.record.fatigue import crossing_rate
+from solver.record.spectra import (
+    MOMENTS,
+    Bands,
+    Harmonics,
+    Response,
+    all_lines,
+    bands,
+    cross_spectra,
+    lines_of,
+    moments,
+)
 from solver.record.steel import Steel
 from solver.scene import Scene
 from solver.statistics import STATISTICS, Statistics
@@ -58,6 +69,7 @@ DIMS = {
     "line_tension": ("line",),
     "top_displacement": ("leg", "direction"),
     "bottom_stress": ("leg",),
+    "node_acceleration": ("node", "direction"),
     **steel.DIMS,
 }
 
@@ -72,6 +84,8 @@ class Channels:
         self.steel = Steel(forces, scene.settings) if forces is not None else None
         self.frequencies = support.dry_omega if support is not None else np.zeros(0)
         self.static_tops = support.static_tops if support is not None else np.zeros((0, 3))
+        self.nodes = support.nodes if support is not None else ()
+        self.node_shapes = support.node_shapes if support is not None else np.zeros((0, 0, 3))
         floats = scene.floats
         self.owner = np.array([b for b, f in enumerate(floats) for _ in f.motion], int)  # of each joint axis
         self.names = [name for f in floats for name in f.motion]
@@ -111,6 +125,19 @@ class Channels:
                 force[:, carrier] += force[:, b]
         return force
 
+    def accelerations(self, ddp: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+        """Of the frame's nodes (m, nn, 3), where asked for, of the modes' (m, nm)."""
+        if self.nodes:
+            yield "node_acceleration", np.tensordot(ddp, self.node_shapes, axes=1)
+
+    def moments(self, of: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> dict[str, Labelled]:
+        """Variables of each output's rate of crossings (…) and spectral moments (len(MOMENTS), …)."""
+        out: dict[str, Labelled] = {}
+        for name, (rate, of_order) in of.items():
+            out[f"{name}_crossing_rate"] = DIMS[name], rate
+            out |= {f"{name}_m{order}": (DIMS[name], m) for order, m in zip(MOMENTS, of_order, strict=True)}
+        return out
+
     def record(
         self,
         tables: Mapping[str, np.ndarray],
@@ -141,6 +168,12 @@ class Channels:
             variables["static_displacement"] = ("leg", "direction"), self.static_tops
         if self.steel is not None:
             coords |= self.steel.coords()
+            if "static_part" in self.scene.settings.outputs:
+                static = dict(self.steel.channels(self.steel.forces.at_rest[None]))
+                if self.legs is not None:
+                    compression = self.steel.compression(self.steel.forces.at_rest[None])
+                    static["bottom_stress"] = compression[..., 0] - np.hypot(compression[..., 1], compression[..., 2])
+                variables |= {f"{name}_static": (DIMS[name], values[0]) for name, values in static.items()}
             variables |= self.steel.variables() | dict(counted[0])
             unmet = "; ".join(note for note in (str(attrs.get("unmet", "")), *counted[1]) if note)
             attrs = {**attrs, **self.steel.attrs(), "unmet": unmet}
@@ -152,6 +185,10 @@ class Channels:
         if self.frequencies.size:
             coords["mode"] = np.arange(1, self.frequencies.size + 1)
             variables["natural_frequency"] = (("mode",), self.frequencies)
+        if self.scene.platform is not None:
+            attrs = {**attrs, "structural_damping": str(self.scene.platform.damping)}
+        if self.nodes:
+            coords["node"] = np.array(self.nodes)
         if modes is not None and modes.omega.size:
             coords["system_mode"] = np.arange(1, modes.omega.size + 1)
             variables["system_period"] = ("system_mode",), modes.period
@@ -219,6 +256,7 @@ class Recorder:
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
         waves = scene.settings.spectra and scene.sea.amplitude.any()
         self.bands = bands(scene.sea.omega, scene.settings.duration) if waves else None
+        self.moments = "moments" in scene.settings.outputs
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block; statistics begin after `discard` and end after `duration`."""
@@ -239,7 +277,7 @@ class Recorder:
         for name, values in channels.items():
             self.shapes[name] = values.shape[1:]
             self.statistics.setdefault(name, Statistics()).add(values.reshape(len(values), -1))
-        if s.keep_series or self.bands is not None:
+        if s.keep_series or self.bands is not None or self.moments:
             for name, values in {**channels, "time": times[kept]}.items():
                 self.series.setdefault(name, []).append(values)
         if self.harmonics is not None:
@@ -267,6 +305,7 @@ class Recorder:
             if channels.lines:
                 assert self.bodies is not None, "asked of scenes with lines"
                 yield "line_tension", channels.line_tension(self.bodies, output.z[kept])
+        yield from channels.accelerations(output.ddp[kept])
         if channels.steel is None:
             return
         forces, parts = channels.steel.forces, (output.dp, output.ddp, output.carried, output.drag)
@@ -368,7 +407,7 @@ class Recorder:
             series=self.samples() if self.scene.settings.keep_series else None,
             counted=counted,
             spectra=self._spectra() if self.bands is not None and self.series else None,
-            further=dict(self._at_joints()),
+            further={**dict(self._at_joints()), **(self._moments() if self.moments and self.series else {})},
         )
 
     def _spectra(self) -> dict[str, Labelled]:
@@ -382,6 +421,16 @@ class Recorder:
             lines = lines_of(values.reshape(len(values), -1), step, self.bands)[1]
             responses[name] = cross_spectra(omega, wave[:, 0], lines, self.bands), values.shape[1:]
         return self.channels.spectra(self.bands, responses)
+
+    def _moments(self) -> dict[str, Labelled]:
+        """Of all channels, by what crosses their means and by their samples' spectra."""
+        samples = self.samples()
+        times = samples.pop("time")
+        found = {}
+        for name, values in samples.items():
+            omega, lines = all_lines(values, float(times[1] - times[0]))
+            found[name] = crossing_rate(values, self.seconds[1] - self.seconds[0]), moments(omega, lines)
+        return self.channels.moments(found)
 
     def _at_joints(self) -> Iterator[tuple[str, Labelled]]:
         """CONTACT of axes with stops over the record, hits also an hour; the stroke of power take-offs if asked for."""

@@ -6,6 +6,7 @@ import numpy as np
 from scipy import linalg
 
 BANDS = 60  # frequencies at which spectra are put out
+MOMENTS = (0, 1, 2, 4)  # orders of spectral moments that are put out
 LEAST = 4.0  # of the record's own resolution, 2π/T: a band's width at least
 REACH = 5.0  # widths within which a band sees a line
 
@@ -49,13 +50,30 @@ def lines_of(record: np.ndarray, step: float, at: Bands) -> tuple[np.ndarray, np
 
     Tapered (Hann), so that what is far off does not leak in; ½ Σ|Y|² is the record's variance.
     """
+    omega, lines = all_lines(record, step)
+    reach = REACH * at.width
+    near = (omega > at.omega[0] - reach) & (omega < at.omega[-1] + reach)
+    return omega[near], lines[near]
+
+
+def all_lines(record: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """The same at all its frequencies but 0."""
     n = len(record)
     taper = np.hanning(n + 2)[1:-1]
-    omega = 2 * np.pi * np.fft.rfftfreq(n, step)
-    reach = REACH * at.width
-    near = (omega > 0) & (omega > at.omega[0] - reach) & (omega < at.omega[-1] + reach)
-    tapered = taper[:, None] * (record - record.mean(axis=0))
-    return omega[near], 2 * np.fft.rfft(tapered, axis=0)[near].conj() / np.sqrt(n * np.sum(taper**2))
+    tapered = (taper * (record - record.mean(axis=0)).T).T
+    lines = 2 * np.fft.rfft(tapered, axis=0).conj() / np.sqrt(n * np.sum(taper**2))
+    return 2 * np.pi * np.fft.rfftfreq(n, step)[1:], lines[1:]
+
+
+def moments(omega: np.ndarray, lines: np.ndarray) -> np.ndarray:
+    """m_k = ∫ ω^k S dω = ½ Σ ω^k |Y|² for k in MOMENTS (len(MOMENTS), …), of lines (n, …) at ω > 0 (n,)."""
+    return 0.5 * np.tensordot(omega ** np.array(MOMENTS)[:, None], np.abs(lines) ** 2, axes=1)
+
+
+def crossings(of_order: np.ndarray) -> np.ndarray:
+    """Upcrossings of its mean a second (…) by moments (len(MOMENTS), …) of a Gaussian process; NaN where still."""
+    m0, m2 = of_order[MOMENTS.index(0)], of_order[MOMENTS.index(2)]
+    return np.sqrt(np.divide(m2, m0, out=np.full_like(m0, np.nan), where=m0 > 0)) / (2 * np.pi)
 
 
 class Harmonics:

@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, TOPS, UTILISATION, Forces
 from solver.record import fatigue
+from solver.record.spectra import crossings, moments
 from solver.record.utilisation import bending_utilisation, shear_utilisation
 from solver.scene import Fatigue, Settings
 from solver.structure.frame import FORCES
@@ -121,7 +122,7 @@ class Steel:
     def expected(self, lines: np.ndarray, omega: np.ndarray) -> tuple[dict[str, Labelled], tuple[str, ...]]:
         """The same of a Gaussian process, from lines (nw, ny) of the forces."""
         X = {at: self.fibres(forces, at) for at, forces in self.ends(lines).items()}
-        rates = {at: _crossings(x, omega) for at, x in X.items()}
+        rates = {at: crossings(moments(omega, x)) for at, x in X.items()}
         return self._counted(rates, lambda at, how: fatigue.of_lines(X[at], omega, self.legs[at].thickness, how))
 
     def _counted(
@@ -169,10 +170,3 @@ class Steel:
         how = self.fatigue
         words = f"curve {how.curve}, {how.environment}, {how.edition}, SCF {how.scf:g}"
         return {"fatigue": words, "equivalent_exponent": how.exponent, "equivalent_cycles": how.cycles}
-
-
-def _crossings(X: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """Upcrossings of its mean a second (…) of a Gaussian process, by its lines X (nw, …); NaN where it is still."""
-    power = np.abs(X) ** 2
-    m0, m2 = power.sum(axis=0), np.tensordot(omega**2, power, axes=1)
-    return np.sqrt(np.divide(m2, m0, out=np.full_like(m0, np.nan), where=m0 > 0)) / (2 * np.pi)

@@ -11,7 +11,6 @@ from solver.coupled.driving import Driven
 from solver.coupled.support import Support
 from solver.reference.augmented import NO_SUPPORTS
 from solver.reference.joints import GROUND, Frames
-from solver.scene import StructuralDamping
 
 
 class FixedSupport:
@@ -53,7 +52,6 @@ class ElasticSupport:
         self,
         support: Support,
         rows: Driven,
-        damping: StructuralDamping,
         nodes: np.ndarray,
         c: np.ndarray,
         A: np.ndarray,
@@ -61,7 +59,7 @@ class ElasticSupport:
     ) -> None:
         self.support, self.rows, self.nodes, self.dt, self.A = support, rows, nodes, dt, A
         nm, s = support.omega.size, len(c)
-        self.omega, self.damping = support.omega, 2 * damping.of(support.omega) * support.omega
+        self.omega, self.damping = support.omega, 2 * support.damping * support.omega
         D = np.eye(s) + dt * self.damping[:, None, None] * A + (dt * self.omega[:, None, None]) ** 2 * (A @ A)
         self.inverse = np.linalg.inv(D[:, 1:, 1:])
         self.axes = np.arange(6) if len(support.carrier) == 6 * len(nodes) else np.array([0, 2, 4])

@@ -157,7 +157,7 @@ def _case(
     if scene.platform is not None and system.support is not None:
         nodes = np.array([f.hinge for f in scene.floats], float).reshape(-1, 3)
         rows = driven(system.support, system.waves)
-        support = ElasticSupport(system.support, rows, scene.platform.damping, nodes, A.sum(axis=1), A, dt)
+        support = ElasticSupport(system.support, rows, nodes, A.sum(axis=1), A, dt)
     force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
     floats = Floats(scene, h, kernel, force, support, dt=dt, A=A, steps=steps)
     bodies, state = _at_rest(scene, system, floats, support, kernel)

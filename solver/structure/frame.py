@@ -433,7 +433,8 @@ class Frame:
 
     def _loose(self, part: set[str]) -> Iterator[InputError]:
         """A part that stands on foundations and in soil alone, and can move as a rigid body."""
-        held = [(node, self.nodes[node], self.foundation_matrix(node)) for node in self.foundation if node in part]
+        founded = [node for node in self.foundation if node in part]
+        held = [(node, np.array(self.nodes[node]), self.foundation_matrix(node)) for node in founded]
         held += [at for member in self.buried if member.start in part for at in self._in_soil(member)]
         places = np.array([place for _, place, _ in held])
         size = np.ptp([self.nodes[node] for node in part], axis=0).max()

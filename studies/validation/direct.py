@@ -30,7 +30,7 @@ def direct(scene: Scene, step: float) -> tuple[np.ndarray, FrameModel, np.ndarra
     K = model.K[free][:, free].toarray()
     squared, shapes = linalg.eigh(K, M)
     omega = np.sqrt(squared)
-    C = M @ shapes @ np.diag(2 * platform.damping.of(omega) * omega) @ shapes.T @ M
+    C = M @ shapes @ np.diag(2 * platform.damping.of(omega, np.ones(omega.size)) * omega) @ shapes.T @ M
     field = WaveField(sea, scene.water.depth, scene.water.gravity)
     push, speed, shape, drag = _wave_loads(model, field, scene.water.density, s.stations_per_element)
     flexibility = linalg.inv(M * 4 / step**2 + C * 2 / step + K)

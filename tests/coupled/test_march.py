@@ -73,15 +73,16 @@ def test_few_modes_and_static_shapes_do_for_all(buan, coefficients):
         assert few[name][1] == approx(every[name][1], abs=1e-3 * np.abs(every[name][1]).max())
 
 
+@pytest.mark.parametrize("where", ["water", "dry"])
 @pytest.mark.parametrize("alpha, beta", [(0.0, 0.0), (0.2, 0.0), (0.0, 0.03), (0.1, 0.02)])
-def test_damping_is_that_of_the_modes_in_water(buan, alpha, beta):
+def test_damping_is_that_of_the_modes_in_water_or_dry(buan, alpha, beta, where):
     """Let go in a mode in still water, without drag: p = e^(-ζωt) (cos ω't + ζω/ω' sin ω't), ω with added mass.
 
-    ζ as given, or of p̈ + (α + βω²) ṗ + ω²p = 0.
+    ζ as given, or of p̈ + (α + βω²) ṗ + ω²p = 0; what is given dry damps by the same force, but more mass.
     """
     still = [replace(m, drag_coefficient=0.0) for m in buan.frame().members]
     platform = buan.platform(frame=replace(buan.frame(), members=tuple(still)), damping_ratio=0.05)
-    platform = replace(platform, rayleigh_mass=alpha, rayleigh_stiffness=beta)
+    platform = replace(platform, rayleigh_mass=alpha, rayleigh_stiffness=beta, damping_of=where)
     calm = replace(buan.sea(), amplitude=np.zeros(130, complex))
     system = prepare(buan.scene("elastic-no-floats", platform=platform, sea=calm), None)
     model = dynamic_model(platform, buan.water)[0]
@@ -90,10 +91,12 @@ def test_damping_is_that_of_the_modes_in_water(buan, alpha, beta):
     state = system.start()
     state.p[0], state.ddp[0] = 1.0, -(omega**2)
     p = np.concatenate([out.p[:, 0] for _, out, _ in blocks(system, state, 300)])
-    ratio = (alpha + beta * omega**2) / (2 * omega) if alpha or beta else 0.05
+    mass = (omega / dry) ** 2 if where == "dry" else 1.0
+    ratio = (alpha * mass + beta * omega**2) / (2 * omega) if alpha or beta else 0.05 * np.sqrt(mass)
     t, swift = 0.1 * (1 + np.arange(len(p))), omega * np.sqrt(1 - ratio**2)
     exact = np.exp(-ratio * omega * t) * (np.cos(swift * t) + ratio * omega / swift * np.sin(swift * t))
     assert p == approx(exact, abs=1e-4) and dry > 1.03 * omega
+    assert str(platform.damping).endswith("of the stiffness") == bool(alpha or beta)
 
 
 def test_half_a_platform_moves_as_the_whole(buan, monkeypatch):

@@ -35,11 +35,11 @@ def test_buan_scene_is_the_papers(buan_tables, study_of):
 def test_all_of_a_platforms_table_reaches_the_solver(buan_tables, study_of):
     table = buan_tables["platform"]
     table |= {"legs": ["leg3", "leg1"], "damping_ratio": 0.03, "rayleigh_mass": 0.1, "rayleigh_stiffness": 0.2}
-    table |= {"wave_inertia": "relative", "geometric_stiffness": True}
+    table |= {"wave_inertia": "relative", "geometric_stiffness": True, "damping_of": "dry"}
     table["sections"]["deck"] |= {"width": 0.9, "height": 0.4}
     platform = scenes.scene(task(study_of(buan_tables), platform="elastic").parameters).platform
     assert (platform.legs, platform.damping_ratio) == (("leg3", "leg1"), 0.03)
-    assert (platform.rayleigh_mass, platform.rayleigh_stiffness) == (0.1, 0.2)
+    assert (platform.rayleigh_mass, platform.rayleigh_stiffness, platform.damping_of) == (0.1, 0.2, "dry")
     assert (platform.wave_inertia, platform.geometric_stiffness) == ("relative", True)
     assert {m.section for m in platform.frame.members} == {tube(0.45, 0.012), solid_rectangle(0.9, 0.4)}
     leg, row = platform.frame.members[0], table["members"][0]

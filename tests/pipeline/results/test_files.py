@@ -15,7 +15,7 @@ from pipeline.bridge.loading import load
 from pipeline.results import dataset, records
 from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.results.store import Store
-from pipeline.results.variables import COORDINATES, KNOBS, SERIES, SPECTRA, VARIABLES
+from pipeline.results.variables import COORDINATES, KNOBS, OF_OUTPUTS, SERIES, VARIABLES
 from pipeline.running.campaign import Campaign
 from pipeline.running.schedule import Place
 from pipeline.study.schema import Recording
@@ -57,7 +57,8 @@ pto_damping = 5e4
 hinge_spacing = [5.0]
 """
 LINES = '[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n[variants.a]\n'
-OUTPUTS = 'outputs = ["fatigue", "leg_tops", "reactions", "section_forces", "fibre_stress", "utilisation"]\n'
+OUTPUTS = 'outputs = ["fatigue", "leg_tops", "reactions", "section_forces", "fibre_stress", "utilisation", '
+OUTPUTS += '"accelerations", "static_part", "moments"]\n'
 OUTPUTS += "[record.fatigue]\nscf = 2.0\n"
 YIELDING = SMALL.replace("density = 8012.0", "density = 8012.0\nyield_strength = 355e6")
 CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
@@ -188,7 +189,7 @@ def test_the_one_table_names_all_that_runs_leave_and_nothing_else(real):
         mixed = path.is_relative_to(real / "floating") and "axis" in dims
         assert "units" in attrs or kind in "OSU" or mixed, (path, name)
     listed = VARIABLES.keys() | KNOBS.keys() | COORDINATES.keys()
-    assert {re.sub(f"({'|'.join([SERIES, *SPECTRA])})$", "", name) for _, name in left} == listed
+    assert {re.sub(f"({'|'.join([SERIES, *OF_OUTPUTS])})$", "", name) for _, name in left} == listed
     with xr.open_dataset(real / "heave" / "statistics.nc") as data:
         told = [data[name].attrs.get("units") for name in ("motion_spectrum", "pto_force_response", "motion_coherence")]
         assert told == ["m2 s rad-1", "N m-1", "1"]

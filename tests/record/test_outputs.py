@@ -1,0 +1,99 @@
+"""Accelerations, static parts, crossings and spectral moments of a record, on scenes unlike Buan."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.errors import InputError
+from solver.record.spectra import MOMENTS, all_lines, crossings, moments
+from solver.run import simulate
+from solver.statistics import STATISTICS
+from solver.structure import water
+from solver.structure.frame_model import assemble
+from tests.awkward import bare_legs, duck, on_piles, soft_ground, unequal_legs
+
+STD, MEAN = STATISTICS.index("std"), STATISTICS.index("mean")
+
+
+def ran(made, **settings):
+    item, h = made()
+    return simulate(replace(item, settings=replace(item.settings, **settings)), h)
+
+
+@pytest.mark.parametrize("made", [unequal_legs, soft_ground])
+def test_nodes_accelerate_as_the_legs_tops_move(made):
+    """Second differences of the deck's displacement, of second order in the time between samples."""
+    record = ran(made, outputs=("accelerations",), keep_series=True, time_step=0.05, duration=60.0)
+    clamped = made()[0].platform.frame.clamped
+    assert record.coords["node"].tolist() == [n for n in made()[0].platform.frame.nodes if n not in clamped]
+    t, moved = record.series["time"][1], record.series["top_displacement"][1][:, 2]
+    dims, acceleration = record.series["node_acceleration"]
+    assert dims == ("time", "node", "direction")
+    deck = acceleration[:, record.coords["node"].tolist().index("deck")]
+    second = np.diff(moved, 2, axis=0) / (t[1] - t[0]) ** 2
+    assert np.abs(second - deck[1:-1]).max() < 0.02 * np.abs(deck).max()
+
+
+def test_accelerations_and_moments_of_lines_are_one_anothers():
+    """Without a march: the variance of an acceleration is the displacement's fourth moment; m0 is its own variance."""
+    outputs = ("accelerations", "moments")
+    record = ran(unequal_legs, outputs=outputs, froude_krylov="linear", method="frequency")
+    of = {name: values for name, (_, values) in record.variables.items()}
+    node = record.coords["node"].tolist().index("deck")
+    assert of["node_acceleration"][node, :, STD] ** 2 == approx(of["top_displacement_m4"][2], rel=1e-9)
+    for name in ("rotation", "hinge_force", "top_displacement", "node_acceleration", "wave_elevation"):
+        assert of[f"{name}_m0"] == approx(of[name][..., STD] ** 2, rel=1e-9)
+        rate = np.sqrt(of[f"{name}_m2"] / of[f"{name}_m0"]) / (2 * np.pi)
+        assert of[f"{name}_crossing_rate"] == approx(rate)
+
+
+def test_moments_of_a_record_are_those_of_its_spectrum():
+    """Of a march: variance, and crossings as many as a Gaussian of these moments has."""
+    record = ran(bare_legs, outputs=("moments", "reactions"), duration=1800.0, time_step=0.15)
+    for name in ("wave_elevation", "base_shear"):
+        values = {key: record.variables[f"{name}_{key}"][1] for key in ("m0", "m2", "crossing_rate")}
+        assert values["m0"] == approx(record.variables[name][1][..., STD] ** 2, rel=0.06)
+        expected = np.sqrt(values["m2"] / values["m0"]) / (2 * np.pi)
+        assert values["crossing_rate"] == approx(expected, rel=0.06)
+    assert not any(name.endswith("_m0") for name in ran(bare_legs, duration=20.0).variables)
+
+
+def test_moments_of_a_harmonic_are_its_own():
+    """m_k = ½ a² ω^k, and a crossing each period; a constant has neither."""
+    t = 0.1 * np.arange(4096)
+    w = 2 * np.pi * 64 / 409.6
+    record = np.stack([3.0 * np.cos(w * t), np.full(t.size, 2.0)], axis=1)
+    of_order = moments(*all_lines(record, 0.1))
+    assert of_order[:, 0] == approx(4.5 * w ** np.array(MOMENTS), rel=2e-3)
+    assert crossings(of_order)[0] == approx(w / (2 * np.pi), rel=1e-3)
+    assert np.isnan(crossings(0 * of_order)).all()
+
+
+@pytest.mark.parametrize("made", [soft_ground, on_piles])
+def test_static_parts_are_those_of_the_frame_alone(made):
+    """What the ground bears at rest is all that weighs, less what floats; a mean is near its static part in waves."""
+    item, _ = made()
+    record = ran(made, outputs=("reactions", "section_forces", "static_part"), duration=20.0)
+    force = record.variables["reaction_force_static"]
+    model = assemble(item.platform.frame)
+    load = water.static_load(model, item.water.density, item.water.gravity).reshape(-1, 6)[:, :3].sum(axis=0)
+    assert force[0] == ("foot", "direction")
+    assert force[1].sum(axis=0) == approx(-load, abs=1e-6 * np.abs(load).max())
+    assert record.variables["base_shear_static"][1] == approx(load, abs=1e-6 * np.abs(load).max())
+    for name in ("pile_force", "bottom_stress"):
+        static = record.variables[f"{name}_static"][1]
+        assert record.variables[name][1][..., MEAN] == approx(static, rel=0.5)
+    assert "section_moment_static" in record.variables
+
+
+def test_what_has_nothing_to_say_is_refused():
+    item = bare_legs()[0]
+    changes = {
+        "platform": replace(item.platform, legs=()),
+        "settings": replace(item.settings, outputs=("static_part",)),
+    }
+    with pytest.raises(InputError, match="outputs = static_part: is of legs, reactions or section_forces: name some"):
+        replace(item, **changes)
+    assert "node" not in ran(duck, outputs=("moments",), duration=20.0).coords
