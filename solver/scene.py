@@ -304,6 +304,11 @@ class StructuralDamping(NamedTuple):
     beta: float = 0.0  # [s]
     dry: bool = False
 
+    @property
+    def even(self) -> bool:
+        """Whether all modes have one ratio."""
+        return self.alpha == self.beta == 0.0
+
     def of(self, omega: np.ndarray, share: np.ndarray) -> np.ndarray:
         """Ratio ζ (nm,) of modes of natural frequency ω (nm,) in water: 2ζω = α + βω² of Rayleigh's.
 
@@ -311,14 +316,14 @@ class StructuralDamping(NamedTuple):
         αμ.
         """
         mass = share if self.dry else np.ones(omega.shape)
-        if self.alpha == self.beta == 0.0:
+        if self.even:
             return self.ratio * np.sqrt(mass)
         return 0.5 * (self.alpha * mass / omega + self.beta * omega)
 
     def __str__(self) -> str:
         """As records have it."""
         where = "dry" if self.dry else "in water"
-        if self.alpha == self.beta == 0.0:
+        if self.even:
             return f"{self.ratio:g} of critical in each mode {where}"
         return f"Rayleigh's, {self.alpha:g} 1/s of the mass {where}, {self.beta:g} s of the stiffness"
 
