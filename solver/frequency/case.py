@@ -16,8 +16,8 @@ from solver.frequency.stations import Stations
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits
 from solver.multibody.joint_law import DAMPERS, JointLaw, damped, dampers
-from solver.record.audit import force_of_waves
 from solver.record.recorder import Channels
+from solver.record.response import force_of_waves
 from solver.scene import Float, Scene
 
 OTHERS = tuple(f.name for f in fields(Float) if f.name not in DAMPERS)

@@ -13,6 +13,7 @@ from solver.frequency.response import Response, respond_in
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.record.audit import left_out_effect, together
 from solver.record.bound import above
+from solver.record.elements import elements_effect
 from solver.record.recorder import ELEVATION, Labelled, Record
 from solver.record.spectra import bands, cross_spectra, crossings, moments
 from solver.scene import Scene
@@ -41,10 +42,12 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     linear = list(_outputs(case, response, frame))
     tables = _tables(case, linear) | dict(_of_squares(case, response, frame))
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X, response.drag.tops)
+    elements = elements_effect(scene, hydrodynamics)
     attrs: dict[str, float | str] = {
-        "estimated_error": together((mesh, shapes)),
+        "estimated_error": together((mesh, shapes, elements)),
         "mesh_effect": mesh,
         "shapes_effect": shapes,
+        "elements_effect": elements,
         **coefficient_errors(hydrodynamics),
         "drag_rounds": response.rounds,
         "buckling_factor": support.buckling_factor if support else np.inf,

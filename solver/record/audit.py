@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from solver.coupled import assembly, linear_drag
+from solver.coupled import assembly
 from solver.coupled.driving import driven
-from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
+from solver.coupled.linear import LinearModel, impedance, linear_model
 from solver.coupled.stages import State, copied
 from solver.coupled.step import HITS, Output
 from solver.coupled.support import real_by_complex
@@ -18,7 +18,9 @@ from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
 from solver.multibody.joint_law import JointLaw, absorbing
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
+from solver.record.elements import elements_effect
 from solver.record.recorder import Channels, Recorder
+from solver.record.response import excitation, force_of_waves, in_waves
 from solver.record.sampling import between_samples, expected_error, least_force
 from solver.scene import Scene, Settings
 from solver.statistics import FAINT, apart, moments
@@ -102,6 +104,7 @@ class Probe:
                     "memory_effect": memory_effect,
                     "mesh_effect": mesh_effect,
                     "shapes_effect": shapes_effect(self.system, hydrodynamics),
+                    "elements_effect": elements_effect(self.system.scene, hydrodynamics, self.system),
                 }
             self._errors = {**parts, "estimated_error": together(parts.values())}
             self.seconds += time.perf_counter() - clock
@@ -116,7 +119,7 @@ def together(errors: Iterable[float]) -> float:
 def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
     """Relative errors of any mean, rms or std, what was asked and not met, and what was left out.
 
-    `estimated_error` is that of step, samples, quadrature, memory, BEM mesh and the frame's shapes together.
+    `estimated_error` is that of step, samples, quadrature, memory, BEM mesh, the frame's shapes and elements together.
     """
     system = probe.system
     errors = probe.errors(hydrodynamics)
@@ -246,7 +249,9 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     omega = sea.omega if waves else np.linspace(h.omega[0], h.omega[-1], DECAY)
 
     def response(known: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
-        return _waves(system, model, known, Y) if waves else decay(system, model, omega, Y)
+        if waves:
+            return model.response(omega, Y, force_of_waves(system, known))
+        return decay(system, model, omega, Y)
 
     Y, Z = (impedance(system, known, omega) for known in (h, h.shifted))
     exact, shifted, memory = response(h, Y), response(h.shifted, Z), 0.0
@@ -274,57 +279,17 @@ def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:
     return float(np.max(np.abs(std - true) / np.maximum(true, least), initial=0.0))
 
 
-def _waves(
-    system: System, model: LinearModel, h: Hydrodynamics | None, Y: np.ndarray, drag: np.ndarray | float = 0.0
-) -> np.ndarray:
-    """X (nw, n) in the scene's sea, with linear pressure, and drag (nw, nm) on the modes."""
-    return model.response(system.scene.sea.omega, Y, force_of_waves(system, h, drag))
-
-
-def force_of_waves(system: System, h: Hydrodynamics | None, drag: np.ndarray | float = 0.0) -> np.ndarray:
-    """F (nw, n) of the scene's sea, with linear pressure, and drag (nw, nm) on the modes."""
-    sea = system.scene.sea
-    modal = system.rows[system.layout.modal] + np.transpose(drag)
-    return wave_force(linear_model(system), excitation(system, h, sea.omega) * sea.amplitude[:, None], modal)
-
-
-def excitation(system: System, h: Hydrodynamics | None, omega: np.ndarray) -> np.ndarray:
-    """Linear force of waves per amplitude (nw, na) on what radiates, but for what the scene leaves out."""
-    s = system.scene.settings
-    kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
-    force = np.zeros((omega.size, len(linear_model(system).active)), complex)
-    if h is not None:
-        for kind in kinds:
-            force += h.excitation(omega, kind)
-    return force
-
-
 def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
     """What the shapes left out of a frame's motion change of the std of its legs' tops in the linear response.
 
     In this sea, with drag linearised by the water's own velocity.
     """
-    support, model, sea = system.support, linear_model(system), system.scene.sea
+    support, sea = system.support, system.scene.sea
     if support is None or not sea.amplitude.any():
         return 0.0
-    station = system.structure.station
-    water = system.rows[system.layout.station].T.reshape(sea.omega.size, *station.shape[1:])
-    drag = np.zeros(water.shape, complex)
-    if drag.size:
-        drag = system.structure.drag * linear_drag.by_station(_equivalent(support.stream, water), water)
-    Y = impedance(system, h, sea.omega) if h is not None else np.zeros((sea.omega.size, 0, 0))
-    shapes = station.reshape(len(station), station[0].size)
-    X = _waves(system, model, h, Y, drag.reshape(len(drag), station[0].size) @ shapes.T)
+    X, drag = in_waves(system, h)
     waves = np.abs(sea.amplitude) > 0
-    flat = drag[waves].reshape(int(waves.sum()), station[0].size)
-    return left_out_effect(system, X[waves], flat @ support.left_out.drag)
-
-
-def _equivalent(stream: np.ndarray, water: np.ndarray) -> np.ndarray:
-    """K (ns, nd, nd) [m/s] of the waves' own velocity (nw, nd, ns) in a current."""
-    if not stream.any():
-        return linear_drag.of_lines(water)
-    return linear_drag.of_parts_in(stream, linear_drag.parts(water))[1]
+    return left_out_effect(system, X[waves], drag[waves] @ support.left_out.drag)
 
 
 def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:

@@ -26,6 +26,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coeffi
 from solver.multibody.joint_law import bent, joint_energy, stop_loads
 from solver.record.audit import PROBE, coefficient_effects, probed, shapes_effect, statistics_error, together, unmet
 from solver.record.bound import above
+from solver.record.elements import elements_effect
 from solver.record.recorder import Record, Recorder
 from solver.record.refit import prepared
 from solver.record.sampling import expected_error
@@ -318,5 +319,6 @@ def _errors(
         "memory_effect": 0.0 if s.memory == "convolution" else memory,
         "mesh_effect": mesh,
         "shapes_effect": shapes_effect(case.system, h),
+        "elements_effect": elements_effect(case.scene, h, case.system),
     }
     return {**parts, "estimated_error": together(parts.values())}

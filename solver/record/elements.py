@@ -1,0 +1,94 @@
+"""What a frame's elements do to its motion and its forces, by the linear response of one with twice as many.
+
+Loads between nodes act in full on the nodes and, by `structure.influence`, on sections; what is left out is the motion
+within an element against its ends, and so that motion's inertia: of fourth order in the element's length.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from solver.coupled.forces import REACTIONS
+from solver.coupled.support import dynamic_model, real_by_complex
+from solver.coupled.system import System, prepare
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.record.response import in_waves
+from solver.record.steel import Steel
+from solver.scene import Platform, Scene, Settings, Water
+
+FINE = 1e-5  # elements that leave out less of a mode's energy are not looked at again
+SMALL = 0.1  # of the largest std of its kind: what is less is not judged
+SUMS = "base_shear", "overturning_moment"
+
+
+def elements_effect(scene: Scene, h: Hydrodynamics | None, system: System | None = None) -> float:
+    """Relative error of any std of the legs' tops, feet and of the whole's forces; of what is fine at most FINE.
+
+    system: the scene's, where there is one that has its dampers.
+    """
+    waves = np.abs(scene.sea.amplitude) > 0
+    if scene.platform is None or not waves.any():
+        return 0.0
+    rough = left_out_energy(scene.platform.undamped(), scene.water, float(scene.sea.omega[waves].max()))
+    if rough < FINE:
+        return rough
+    system = prepare(scene, h) if system is None else system
+    asked = tuple(name for name in scene.settings.outputs if name == REACTIONS)
+    settings = replace(scene.settings, time_step=system.dt, outputs=asked)
+    finer = prepare(replace(scene, platform=_halved(scene.platform), settings=settings), h, system.fit)
+    usual, exact = (np.array(list(_stds(item, h, settings))) for item in (system, finer))
+    used = (usual > 0) & (exact > 0)
+    return float(np.abs(usual[used] / exact[used] - 1).max(initial=0.0)) * 16 / 15
+
+
+@lru_cache(maxsize=8)
+def left_out_energy(platform: Platform, sea: Water, omega: float) -> float:
+    """Of a wave's inertia within the worst element, over that of its ends: mω²L⁴/720EI (1 + 5φ), clamped at both.
+
+    m with the water's, φ = 12EI/κGAL²; along it mω²L²/12EA.
+    """
+    model, worst = dynamic_model(platform, sea)[0], 0.0
+    for e, (section, L, shear) in enumerate(zip(model.sections, model.length, model.shear, strict=True)):
+        member = model.member_of(e)
+        displaced = (member.inertia_coefficient - 1) * np.pi / 4 * section.diameter**2
+        mass = member.material.density * section.area + sea.density * (
+            displaced + section.hollow * bool(member.flooded)
+        )
+        across = [L**4 * (1 + 5 * phi) / (720 * I) for phi, I in zip(shear, (section.Iz, section.Iy), strict=True)]
+        along = L**2 / (12 * section.area)
+        worst = max(worst, mass * omega**2 / member.material.E * max(*across, along))
+    return worst
+
+
+def _halved(platform: Platform) -> Platform:
+    frame = platform.frame
+    return replace(
+        platform, frame=replace(frame, members=tuple(replace(m, elements=2 * m.elements) for m in frame.members))
+    )
+
+
+def _stds(system: System, h: Hydrodynamics | None, settings: Settings) -> Iterator[float]:
+    """Of each leg's top and foot, and of the whole's forces where settings ask; 0 of what is faint beside its like."""
+    support, omega = system.support, system.scene.sea.omega[:, None]
+    assert support is not None, "asked of scenes with a platform"
+    X, drag = in_waves(system, h)
+    nm = support.omega.size
+    P = X[:, :nm]
+    kinds: list[np.ndarray] = []
+    if support.legs is not None:
+        kinds.append(np.tensordot(P, support.legs.tops, axes=1))
+    if support.forces is not None:
+        load = system.rows[system.layout.modal].T + drag @ support.station_shape.transpose(1, 0, 2).reshape(-1, nm)
+        own = support.omega**2 - omega**2 - 2j * support.damping * support.omega * omega
+        carried = real_by_complex(np.linalg.pinv(support.carrier.T), (own * P - load).T).T
+        forces, steel = support.forces, Steel(support.forces, settings)
+        x = system.rows[system.layout.forces].T + forces.of_motion(-1j * omega * P, -(omega**2) * P, carried)
+        y = forces.whole(x + drag @ forces.drag)
+        if support.legs is not None:
+            kinds.append(steel.fibres(steel.ends(y)[""], "").reshape(len(y), -1, 1))
+        kinds += [values[:, None] for name, values in steel.channels(y) if name in SUMS]
+    for lines in kinds:
+        std = np.sqrt(np.nansum(np.abs(lines) ** 2, axis=(0, 2)))
+        yield from np.where(std > SMALL * std.max(), std, 0.0)

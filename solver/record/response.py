@@ -1,0 +1,47 @@
+"""The linear response of a scene in its own sea, drag linearised by the water's own velocity."""
+
+import numpy as np
+
+from solver.coupled import linear_drag
+from solver.coupled.linear import impedance, linear_model, wave_force
+from solver.coupled.system import System
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+
+
+def in_waves(system: System, h: Hydrodynamics | None) -> tuple[np.ndarray, np.ndarray]:
+    """X (nw, n) of its coordinates, and the water's drag (nw, nd ns) at the stations [N]."""
+    support, omega = system.support, system.scene.sea.omega
+    station = system.structure.station
+    water = system.rows[system.layout.station].T.reshape(omega.size, *station.shape[1:])
+    drag = np.zeros(water.shape, complex)
+    if support is not None and drag.size:
+        drag = system.structure.drag * linear_drag.by_station(_equivalent(support.stream, water), water)
+    flat = drag.reshape(len(drag), station[0].size)
+    Y = impedance(system, h, omega) if h is not None else np.zeros((omega.size, 0, 0))
+    force = force_of_waves(system, h, flat @ station.reshape(len(station), station[0].size).T)
+    return linear_model(system).response(omega, Y, force), flat
+
+
+def force_of_waves(system: System, h: Hydrodynamics | None, drag: np.ndarray | float = 0.0) -> np.ndarray:
+    """F (nw, n) of the scene's sea, with linear pressure, and drag (nw, nm) on the modes."""
+    sea = system.scene.sea
+    modal = system.rows[system.layout.modal] + np.transpose(drag)
+    return wave_force(linear_model(system), excitation(system, h, sea.omega) * sea.amplitude[:, None], modal)
+
+
+def excitation(system: System, h: Hydrodynamics | None, omega: np.ndarray) -> np.ndarray:
+    """Linear force of waves per amplitude (nw, na) on what radiates, but for what the scene leaves out."""
+    s = system.scene.settings
+    kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
+    force = np.zeros((omega.size, len(linear_model(system).active)), complex)
+    if h is not None:
+        for kind in kinds:
+            force += h.excitation(omega, kind)
+    return force
+
+
+def _equivalent(stream: np.ndarray, water: np.ndarray) -> np.ndarray:
+    """K (ns, nd, nd) [m/s] of the waves' own velocity (nw, nd, ns) in a current."""
+    if not stream.any():
+        return linear_drag.of_lines(water)
+    return linear_drag.of_parts_in(stream, linear_drag.parts(water))[1]

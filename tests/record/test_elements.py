@@ -1,0 +1,58 @@
+"""What a frame's elements leave out, told by each record, against the same frame with many."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solver.record import elements
+from solver.run import simulate
+from solver.statistics import STATISTICS
+from tests.awkward import bare_legs, on_piles, tripod, unequal_legs
+
+STD = STATISTICS.index("std")
+JUDGED = ("top_displacement", "bottom_stress", "base_shear", "overturning_moment")
+
+
+def cut(item, count, outputs=("reactions",)):
+    """With so many elements a member."""
+    platform = replace(tripod(count), hinge_nodes=item.platform.hinge_nodes)
+    settings = replace(item.settings, method="frequency", froude_krylov="linear", outputs=outputs)
+    return replace(item, platform=platform, settings=settings)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("made", [unequal_legs, bare_legs])
+def test_records_tell_what_their_elements_do(made, count):
+    """True error over estimate between 1/3 and 3, with a float and without, of legs of one element and of two."""
+    item, h = made()
+    few, many = (simulate(cut(item, n), h) for n in (count, 16))
+    stds = [[record.variables[name][1][..., STD] for name in JUDGED] for record in (few, many)]
+    true = max(np.max(np.abs(a - b)[b > 0.1 * b.max()] / b[b > 0.1 * b.max()]) for a, b in zip(*stds, strict=True))
+    told = few.attrs["elements_effect"]
+    assert 1 / 3 < true / told < 3
+    assert few.attrs["estimated_error"] >= told > 1e-4 > many.attrs["elements_effect"]
+
+
+def test_a_march_tells_the_same():
+    """The effect is that of the linear response in the scene's sea, whatever way the record comes about."""
+    item, h = unequal_legs()
+    marched = replace(cut(item, 1), settings=replace(item.settings, outputs=("reactions",), duration=30.0))
+    told = [simulate(scene, h).attrs["elements_effect"] for scene in (marched, cut(item, 1))]
+    assert told[0] == pytest.approx(told[1], rel=1e-3)
+
+
+def test_fine_elements_are_not_looked_at_again(monkeypatch):
+    item = cut(bare_legs()[0], 16)
+    monkeypatch.setattr(elements, "prepare", None)
+    assert 0 < elements.elements_effect(item, None) < 1e-5
+
+
+def test_what_is_left_out_of_an_element_falls_with_the_fourth_power_of_its_length():
+    """And along a short thick one with the second; soil and springs do not come in."""
+    item = on_piles()[0]
+    frame = item.platform.frame
+    many = replace(frame, members=tuple(replace(m, elements=2 * m.elements) for m in frame.members))
+    rough, fine = (elements.left_out_energy(replace(item.platform, frame=f), item.water, 3.0) for f in (frame, many))
+    assert rough / fine == pytest.approx(16)
+    assert elements.left_out_energy(item.platform, item.water, 6.0) == pytest.approx(4 * rough)
