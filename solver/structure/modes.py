@@ -1,5 +1,6 @@
 """Natural modes of a frame, all of them or only those that a plane of symmetry lets through."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -111,15 +112,30 @@ def mirror(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_array | N
     None if the frame is not symmetric: nodes must pair up, and K, M, the supports and other matrices (6n, 6n),
     such as the water's, must not change in the mirror.
     """
-    size = np.ptp(model.xyz, axis=0).max()
-    gap, partner = cKDTree(model.xyz).query(model.xyz * [1, -1, 1])
-    if gap.max() > SAME_PLACE * size:
+    near, tree, images = SAME_PLACE * np.ptp(model.xyz, axis=0).max(), cKDTree(model.xyz), model.xyz * [1, -1, 1]
+    gap, partner = tree.query(images)
+    if gap.max() > near:
         return None
+    for i in {i for pair in tree.query_pairs(near) for i in pair}:  # where members cross, say
+        seen = _block(model, i) * np.outer(MIRROR_Y, MIRROR_Y)
+        partner[i] = min(tree.query_ball_point(images[i], near), key=partial(_unlike, model, seen))
     rows = np.arange(6 * len(partner))
     columns = (6 * partner[:, None] + np.arange(6)).ravel()
     image = sparse.csr_array((np.tile(MIRROR_Y, len(partner)).astype(float), (rows, columns)))
     same = all(abs(image @ A @ image.T - A).max() <= SAME_VALUE * abs(A).max() for A in (model.K, model.M, *others))
     return image if same and np.isin(columns[model.free], model.free).all() else None
+
+
+def _block(model: FrameModel, node: int) -> np.ndarray:
+    """A node's own stiffness (6, 6)."""
+    at = slice(6 * node, 6 * node + 6)
+    block: np.ndarray = model.K[at, at].toarray()
+    return block
+
+
+def _unlike(model: FrameModel, stiffness: np.ndarray, node: int) -> float:
+    """How far a node's own stiffness is from another (6, 6)."""
+    return float(np.abs(_block(model, node) - stiffness).max())
 
 
 def symmetric_basis(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_array | None:

@@ -243,6 +243,21 @@ def test_a_lopsided_frame_has_no_mirror(line, steel, pipe):
     assert mirror(assemble(Frame(**shape, clamped=("a",), masses=lean))) is None
 
 
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_nodes_at_one_place_are_each_mirrored_onto_their_own_kind(steel, pipe, count):
+    """A beam across the plane of symmetry through a node that stands on it, and two braces that cross there."""
+    nodes = {"a": (0, 2, 0), "b": (0, -2, 0), "c": (0, 2, 4), "d": (0, -2, 4), "on": (0, 0, 2), "foot": (3, 0, 2)}
+    ends = ("a", "d"), ("b", "c"), ("a", "c"), ("b", "d"), ("foot", "on")
+    members = [
+        Member(name="".join(pair), start=pair[0], end=pair[1], elements=count, section=pipe, material=steel)
+        for pair in ends
+    ]
+    model = assemble(Frame(nodes=nodes, members=tuple(members), clamped=("a", "b", "foot")))
+    image = mirror(model)
+    assert image is not None and abs(image @ image - np.eye(image.shape[0])).max() == 0
+    assert abs(image @ model.K @ image.T - model.K).max() < 1e-9 * abs(model.K).max()
+
+
 def test_count_limits_the_modes(line):
     model = line(4)
     all_of_them = modes(model.K, model.M, model.free)
