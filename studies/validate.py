@@ -31,6 +31,8 @@ SUBJECTS = {
     "hinged-floats": "pairs.pitch",
     "mechanisms": "mechanisms.benchmarks",
     "beams": "beams.closed_forms",
+    "cones": "beams.cones",
+    "piles-in-soil": "beams.piles",
     "buan-modes": "beams.table_3",
     "pile": "pile.morison",
     "modal-direct": "direct.modal_against_direct",

@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from solver.structure import statics
+from solver.structure import recovery, statics
 from solver.structure.beam import tube
 from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
 from solver.structure.frame_model import FrameModel, assemble
 from solver.structure.modes import modes
+from solver.structure.soil import Soil, SoilSpring
 from studies.validation import drawing
 from studies.validation.cases import buan
 from studies.validation.checks import Check
@@ -28,9 +29,14 @@ TABLE_3 = (0.4026, 0.4059, 3.1132, 6.3066, 6.3739)  # Heo, Koo and Kim (2022) [r
 UNIT = np.sqrt(STEEL.E * PIPE.Iy / (STEEL.density * PIPE.area)) / LENGTH**2
 
 
-def beam(tip: float = 0.0, elements: int = ELEMENTS, clamped=("start",), **more) -> FrameModel:
+def beam(
+    tip: float = 0.0, elements: int = ELEMENTS, clamped=("start",), section=PIPE, end_section=None, **more
+) -> FrameModel:
     """A level pipe along x; tip: mass at its end over that of the pipe."""
-    member = Member(name="pipe", start="start", end="end", elements=elements, section=PIPE, material=STEEL)
+    member = Member(
+        name="pipe", start="start", end="end", elements=elements, section=section, end_section=end_section,
+        material=STEEL,
+    )  # fmt: skip
     pipe_mass = STEEL.density * PIPE.area * LENGTH
     masses = (PointMass(node="end", mass=tip * pipe_mass),) if tip else ()
     nodes = {"start": (0.0, 0.0, 0.0), "end": (LENGTH, 0.0, 0.0)}
@@ -88,6 +94,68 @@ def closed_forms() -> list[Check]:
         checks.append(
             Check(case="cantilever, static", quantity=quantity, ours=bent, published=exact, allowed=1e-9 * exact)
         )
+    return checks
+
+
+def cones() -> list[Check]:
+    """Solid cones: a tip's deflection FL³/3EI of the thick end times thick over thin; a pointed one on its base."""
+    thick, thin, load = tube(0.4, 0.2), tube(0.2, 0.1), PointLoad(node="end", force=(0.0, 0.0, 1000.0))
+    exact, checks = 2 * 1000.0 * LENGTH**3 / (3 * STEEL.E * thick.Iy), []
+    for elements, allowed in ((10, 7e-3), (20, 2e-3)):
+        model = beam(elements=elements, section=thick, end_section=thin, loads=(load,))
+        bent = statics.static(model, statics.point_load(model))[model.translations("end")[2]]
+        note = "Each element has the section of its middle: second order."
+        quantity = f"tip deflection, {elements} elements [m]"
+        checks.append(
+            Check(
+                case="cone to half its width", quantity=quantity, ours=bent, published=exact,
+                allowed=allowed * exact, note=note,
+            )
+        )  # fmt: skip
+    pointed = along(beam(elements=80, section=thick, end_section=tube(4e-5, 2e-5)), (2, 4), 2)
+    unit = np.sqrt(STEEL.E * thick.Iy / (STEEL.density * thick.area)) / LENGTH**2
+    for i, (ours, published) in enumerate(zip(pointed / unit, (8.719, 21.15), strict=True), 1):
+        checks.append(
+            Check(
+                case="pointed cone (Cranch and Adler 1956)", quantity=f"ω{i} L²(ρA/EI)^½ of its base", ours=ours,
+                published=published, allowed=2e-3 * published,
+            )
+        )  # fmt: skip
+    return checks
+
+
+def piles() -> list[Check]:
+    """A long pile pushed at its head, in even soil (Hetényi 1946) and in one that stiffens (Matlock and Reese 1960)."""
+    section, depth, elements, push = tube(1.0, 0.03), 60.0, 120, 3e5
+    EI, k, slope = STEEL.E * section.Iy, 2e7, 5e6
+    beta, T = (k / (4 * EI)) ** 0.25, (EI / slope) ** 0.2
+    rest = {"axial": 1e5, "torsional": 1e5}
+    even = (SoilSpring(depth=0.0, lateral=k, **rest),)
+    stiffening = (SoilSpring(depth=0.0, lateral=0.0, **rest), SoilSpring(depth=depth, lateral=depth * slope, **rest))
+    # Matlock and Reese's coefficients are of finite differences: exact ones are 2.429 and 0.772.
+    published = (
+        ("even soil, 2Hβ/k", even, k / (2 * push * beta), 1.0, 1e-4, beta / push, 0.3224),
+        ("soil k = nz, HT³/EI", stiffening, EI / (push * T**3), 2.435, 3e-3, 1 / (push * T), 0.772),
+    )
+    checks = []
+    for case, springs, per_shift, shift, allowed, per_moment, moment in published:
+        member = Member(name="pile", start="tip", end="head", elements=elements, section=section, material=STEEL)
+        nodes = {"tip": (0.0, 0.0, -depth), "head": (0.0, 0.0, 0.0)}
+        loads = (PointLoad(node="head", force=(push, 0.0, 0.0)),)
+        model = assemble(Frame(nodes=nodes, members=(member,), loads=loads, soil=Soil(seabed=0.0, springs=springs)))
+        bent = statics.static(model, statics.point_load(model))
+        forces = recovery.section_forces(model, bent, np.zeros((elements, 12)))
+        head, most = bent[model.translations("head")[0]] * per_shift, np.abs(forces[:, 4]).max() * per_moment
+        checks += [
+            Check(
+                case=f"pile in {case}",
+                quantity="shift of its head",
+                ours=head,
+                published=shift,
+                allowed=allowed * shift,
+            ),
+            Check(case=f"pile in {case}", quantity="most moment", ours=most, published=moment, allowed=2e-3 * moment),
+        ]
     return checks
 
 
