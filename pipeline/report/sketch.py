@@ -80,12 +80,16 @@ def centre(item: Float) -> tuple[float, float, float]:
 
 
 def whole(study: StudyFile) -> Box:
-    """From the seabed to the highest point."""
+    """From the seabed, or the deepest pile, to the highest point."""
     near = about_water(study)
     bars = [point for bar in members(study) for point in bar]
     left, right = min([near.left, *(x for x, _ in bars)]), max([near.right, *(x for x, _ in bars)])
     feet = min([near.low, *(z for _, z in bars)])
-    return Box(left, right, max(-study.water.depth, feet) - 2.0, near.high)
+    in_soil = study.platform is not None and study.platform.soil
+    low = (feet if in_soil else max(-study.water.depth, feet)) - 2.0
+    least = 0.15 * (near.high - low)  # a single pile needs room for its axis' numbers
+    aside = max(0.0, least - (right - left) / 2)
+    return Box(left - aside, right + aside, low, near.high)
 
 
 def about_water(study: StudyFile) -> Box:

@@ -108,6 +108,7 @@ def test_soil_reaches_the_solver_below_the_waters_depth(buan_tables, study_of):
     assert frame.soil.stiffness(np.array([-50.0, -52.5, -55.0, -70.0])).tolist() == [
         [2e6, 1e6, 3e6], [1e6, 2.5e6, 1.5e6], [0, 4e6, 0], [0, 4e6, 0]
     ]  # fmt: skip
+    assert sketch.whole(study_of(buan_tables).content).low < -60.0
     assert [m.name for m in frame.buried] == ["pile"]
 
 
