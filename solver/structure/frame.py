@@ -146,9 +146,10 @@ class Member:
             + [end and name in self.end_release for name in FORCES]
         )
 
-    def springs(self, *, start: bool = True, end: bool = True) -> np.ndarray:
-        """(12,) [N/m, N m] that tie such an element's ends to its nodes, 0 of what is not released."""
-        return np.concatenate([self.start_spring if start else NONE, self.end_spring if end else NONE])
+    @property
+    def springs(self) -> np.ndarray:
+        """(12,) [N/m, N m] that tie its released ends to their nodes."""
+        return np.concatenate([self.start_spring, self.end_spring])
 
     @property
     def in_water(self) -> bool:
@@ -408,13 +409,13 @@ class Frame:
             if self.soil is not None:
                 ground[0] = self.soil.element(ends, shear)
             try:
-                C = beam.condensation(stiffness, member.releases(), member.springs())
+                C = beam.condensation(stiffness, member.releases(), member.springs)
             except np.linalg.LinAlgError:
                 limit = "with end_release leaves the member itself free to move or turn"
                 yield InputError(f"members.{member.name}.start_release", member.start_release, limit)
                 return
             at = np.concatenate([number[member.start], number[member.end]])
-            seen = np.array([beam.condensed_stiffness(stiffness, C, member.springs()), C.T @ own[1] @ C])
+            seen = np.array([beam.condensed_stiffness(stiffness, C, member.springs), C.T @ own[1] @ C])
             left[:, at[:, None], at] += T.T @ (seen + C.T @ ground @ C) @ T
             whole[:, at[:, None], at] += T.T @ (own + ground) @ T
         on_nodes = [(0, node, self.foundation_matrix(node)) for node in self.foundation]

@@ -179,9 +179,8 @@ def _released(frame: Frame) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
     first = 0
     for member in frame.members:
         for e in sorted({0, member.elements - 1}):
-            ends = {"start": e == 0, "end": e == member.elements - 1}
-            if (released := member.releases(**ends)).any():
-                yield first + e, released, member.springs(**ends)
+            if (released := member.releases(start=e == 0, end=e == member.elements - 1)).any():
+                yield first + e, released, member.springs
         first += member.elements
 
 
