@@ -69,6 +69,7 @@ class Support:
     stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
     applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
     legs: Legs | None
+    within: float  # [s²] of a wave's inertia within its worst element, over that of its ends and ω²: see _within
     nodes: tuple[str, ...]  # nn of the frame whose accelerations are asked for
     node_shapes: np.ndarray  # (nm, nn, 3) their displacement
     static_tops: np.ndarray  # (nl, 3) displacement of the legs' tops by weight, buoyancy and constant loads [m]
@@ -216,6 +217,7 @@ def _reduced(
             tops=tops,
         ),
         legs=legs.outputs(platform.legs, model, sea.density, sea.gravity, at_rest, shapes) if platform.legs else None,
+        within=_within(model, sea.density),
         nodes=tuple(accelerated),
         node_shapes=shapes.reshape(-1, 6, omega.size)[numbers, :3].transpose(2, 0, 1),
         static_tops=_static_tops(platform, sea),
@@ -241,6 +243,22 @@ def _patterns(
     kinds = [inertial, *map(around.by_swing, sizes)]
     loads = [_nodal_load(model, at, kind, swing).view(float) for kind in kinds]
     return np.concatenate([load / np.linalg.norm(load) for load in loads if load.any()] or loads, axis=1)
+
+
+@lru_cache(maxsize=KNOWN)
+def _within(model: FrameModel, density: float) -> float:
+    """What the shapes of an element leave out, clamped at both ends: mL⁴/720EI (1 + 5φ), and mL²/12EA along it [s²].
+
+    m with the water's, φ = 12EI/κGAL²: the energy of that, times ω², is the share of the mode's by which its ω² is off.
+    """
+    worst = 0.0
+    for e, (section, L, shear) in enumerate(zip(model.sections, model.length, model.shear, strict=True)):
+        member = model.member_of(e)
+        displaced = (member.inertia_coefficient - 1) * np.pi / 4 * section.diameter**2
+        mass = member.material.density * section.area + density * (displaced + section.hollow * bool(member.flooded))
+        across = [L**4 * (1 + 5 * phi) / (720 * I) for phi, I in zip(shear, (section.Iz, section.Iy), strict=True)]
+        worst = max(worst, mass / member.material.E * max(*across, L**2 / (12 * section.area)))
+    return worst
 
 
 @lru_cache(maxsize=KNOWN)

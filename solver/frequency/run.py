@@ -42,7 +42,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     linear = list(_outputs(case, response, frame))
     tables = _tables(case, linear) | dict(_of_squares(case, response, frame))
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X, response.drag.tops)
-    elements = elements_effect(scene, hydrodynamics)
+    elements = elements_effect(scene, hydrodynamics, support)
     attrs: dict[str, float | str] = {
         "estimated_error": together((mesh, shapes, elements)),
         "mesh_effect": mesh,

@@ -104,7 +104,9 @@ class Probe:
                     "memory_effect": memory_effect,
                     "mesh_effect": mesh_effect,
                     "shapes_effect": shapes_effect(self.system, hydrodynamics),
-                    "elements_effect": elements_effect(self.system.scene, hydrodynamics, self.system),
+                    "elements_effect": elements_effect(
+                        self.system.scene, hydrodynamics, self.system.support, self.system
+                    ),
                 }
             self._errors = {**parts, "estimated_error": together(parts.values())}
             self.seconds += time.perf_counter() - clock

@@ -6,32 +6,33 @@ within an element against its ends, and so that motion's inertia: of fourth orde
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from solver.coupled.forces import REACTIONS
-from solver.coupled.support import dynamic_model, real_by_complex
+from solver.coupled.support import Support, real_by_complex
 from solver.coupled.system import System, prepare
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.response import in_waves
 from solver.record.steel import Steel
-from solver.scene import Platform, Scene, Settings, Water
+from solver.scene import Platform, Scene, Settings
 
 FINE = 1e-5  # elements that leave out less of a mode's energy are not looked at again
 SMALL = 0.1  # of the largest std of its kind: what is less is not judged
 SUMS = "base_shear", "overturning_moment"
 
 
-def elements_effect(scene: Scene, h: Hydrodynamics | None, system: System | None = None) -> float:
+def elements_effect(
+    scene: Scene, h: Hydrodynamics | None, support: Support | None, system: System | None = None
+) -> float:
     """Relative error of any std of the legs' tops, feet and of the whole's forces; of what is fine at most FINE.
 
-    system: the scene's, where there is one that has its dampers.
+    support: of the scene; system: the scene's, where there is one that has its dampers.
     """
     waves = np.abs(scene.sea.amplitude) > 0
-    if scene.platform is None or not waves.any():
+    if scene.platform is None or support is None or not waves.any():
         return 0.0
-    rough = left_out_energy(scene.platform.undamped(), scene.water, float(scene.sea.omega[waves].max()))
+    rough = support.within * float(scene.sea.omega[waves].max()) ** 2
     if rough < FINE:
         return rough
     system = prepare(scene, h) if system is None else system
@@ -41,25 +42,6 @@ def elements_effect(scene: Scene, h: Hydrodynamics | None, system: System | None
     usual, exact = (np.array(list(_stds(item, h, settings))) for item in (system, finer))
     used = (usual > 0) & (exact > 0)
     return float(np.abs(usual[used] / exact[used] - 1).max(initial=0.0)) * 16 / 15
-
-
-@lru_cache(maxsize=8)
-def left_out_energy(platform: Platform, sea: Water, omega: float) -> float:
-    """Of a wave's inertia within the worst element, over that of its ends: mω²L⁴/720EI (1 + 5φ), clamped at both.
-
-    m with the water's, φ = 12EI/κGAL²; along it mω²L²/12EA.
-    """
-    model, worst = dynamic_model(platform, sea)[0], 0.0
-    for e, (section, L, shear) in enumerate(zip(model.sections, model.length, model.shear, strict=True)):
-        member = model.member_of(e)
-        displaced = (member.inertia_coefficient - 1) * np.pi / 4 * section.diameter**2
-        mass = member.material.density * section.area + sea.density * (
-            displaced + section.hollow * bool(member.flooded)
-        )
-        across = [L**4 * (1 + 5 * phi) / (720 * I) for phi, I in zip(shear, (section.Iz, section.Iy), strict=True)]
-        along = L**2 / (12 * section.area)
-        worst = max(worst, mass * omega**2 / member.material.E * max(*across, along))
-    return worst
 
 
 def _halved(platform: Platform) -> Platform:

@@ -319,6 +319,6 @@ def _errors(
         "memory_effect": 0.0 if s.memory == "convolution" else memory,
         "mesh_effect": mesh,
         "shapes_effect": shapes_effect(case.system, h),
-        "elements_effect": elements_effect(case.scene, h, case.system),
+        "elements_effect": elements_effect(case.scene, h, case.system.support, case.system),
     }
     return {**parts, "estimated_error": together(parts.values())}

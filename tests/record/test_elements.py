@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solver.coupled.support import _within
+from solver.coupled.system import prepare
 from solver.record import elements
 from solver.run import simulate
 from solver.statistics import STATISTICS
+from solver.structure.frame_model import assemble
 from tests.awkward import bare_legs, on_piles, tripod, unequal_legs
 
 STD = STATISTICS.index("std")
@@ -44,8 +47,9 @@ def test_a_march_tells_the_same():
 
 def test_fine_elements_are_not_looked_at_again(monkeypatch):
     item = cut(bare_legs()[0], 16)
+    support = prepare(item, None).support
     monkeypatch.setattr(elements, "prepare", None)
-    assert 0 < elements.elements_effect(item, None) < 1e-5
+    assert 0 < elements.elements_effect(item, None, support) < 1e-5
 
 
 def test_what_is_left_out_of_an_element_falls_with_the_fourth_power_of_its_length():
@@ -53,6 +57,9 @@ def test_what_is_left_out_of_an_element_falls_with_the_fourth_power_of_its_lengt
     item = on_piles()[0]
     frame = item.platform.frame
     many = replace(frame, members=tuple(replace(m, elements=2 * m.elements) for m in frame.members))
-    rough, fine = (elements.left_out_energy(replace(item.platform, frame=f), item.water, 3.0) for f in (frame, many))
+    rough, fine = (_within(assemble(f), item.water.density) for f in (frame, many))
     assert rough / fine == pytest.approx(16)
-    assert elements.left_out_energy(item.platform, item.water, 6.0) == pytest.approx(4 * rough)
+    short = replace(frame, members=tuple(replace(m, elements=200) for m in frame.members))
+    shorter = replace(frame, members=tuple(replace(m, elements=400) for m in frame.members))
+    rough, fine = (_within(assemble(f), item.water.density) for f in (short, shorter))
+    assert rough / fine == pytest.approx(4)
