@@ -121,7 +121,27 @@ def cones() -> list[Check]:
                 published=published, allowed=2e-3 * published,
             )
         )  # fmt: skip
-    return checks
+    return checks + tower()
+
+
+def tower() -> list[Check]:
+    """The land-based tower of NREL's 5-MW turbine (NREL/TP-500-38060, 2009): its tube tapers, and so does its wall."""
+    steel = Material(E=2.1e11, G=8.08e10, density=8500.0)
+    foot, top = tube(6.0, 1.3 * 0.027), tube(3.87, 1.3 * 0.019)
+    member = Member(name="tower", start="foot", end="top", elements=20, section=foot, end_section=top, material=steel)
+    model = assemble(
+        Frame(nodes={"foot": (0.0, 0.0, 0.0), "top": (0.0, 0.0, 87.6)}, members=(member,), clamped=("foot",))
+    )
+    mass = -statics.gravity_load(model, 1.0)[2::6].sum()
+    end = member.section_at(1.0)
+    numbers = (
+        ("mass [kg]", mass, 347460.0), ("mass per length of its top [kg/m]", steel.density * end.area, 2536.3),
+        ("EI of its top [N m2]", steel.E * end.Iy, 1.158e11),
+    )  # fmt: skip
+    return [
+        Check(case="NREL's 5-MW tower", quantity=quantity, ours=ours, published=published, allowed=1e-3 * published)
+        for quantity, ours, published in numbers
+    ]
 
 
 def piles() -> list[Check]:
