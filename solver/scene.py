@@ -28,7 +28,15 @@ from solver.structure.tubular import may_be_utilised, resistance
 
 STEPS = 9  # in the shortest period that a scene has to follow
 OfSteel = Literal[
-    "reactions", "section_forces", "fibre_stress", "fatigue", "leg_tops", "utilisation", "accelerations", "static_part"
+    "reactions",
+    "section_forces",
+    "member_stress",
+    "fibre_stress",
+    "fatigue",
+    "leg_tops",
+    "utilisation",
+    "accelerations",
+    "static_part",
 ]
 OfFloats = Literal["pto_force", "pto_stroke", "drift"]
 OfAll = Literal["moments"]
@@ -674,13 +682,15 @@ class Scene:
         if "utilisation" in outputs:
             yield from self._utilisation_problems(self.platform.frame)
         members = len(self.platform.frame.members)
-        if "section_forces" in outputs and members > MOST_SECTIONS:
+        for name in {"section_forces", "member_stress"} & set(outputs) if members > MOST_SECTIONS else ():
             limit = f"must be left out with more than {MOST_SECTIONS} members; there are {members}"
-            yield InputError("settings.outputs", "section_forces", limit)
+            yield InputError("settings.outputs", name, limit)
         if "accelerations" in outputs and (nodes := len(self.platform.frame.nodes)) > MOST_SECTIONS:
             limit = f"must be left out with more than {MOST_SECTIONS} nodes; there are {nodes}"
             yield InputError("settings.outputs", "accelerations", limit)
-        if "static_part" in outputs and not (self.platform.legs or {"reactions", "section_forces"} & set(outputs)):
+        if "static_part" in outputs and not (
+            self.platform.legs or {"reactions", "section_forces", "member_stress"} & set(outputs)
+        ):
             yield InputError("settings.outputs", "static_part", "is of legs, reactions or section_forces: name some")
 
     def _utilisation_problems(self, frame: Frame) -> Iterator[InputError]:

@@ -20,15 +20,15 @@ from solver.structure.legs import BENDING
 from solver.structure.tubular import may_be_utilised
 
 REACTIONS, SECTIONS, FIBRES, FATIGUE = "reactions", "section_forces", "fibre_stress", "fatigue"
-TOPS, UTILISATION = "leg_tops", "utilisation"
+TOPS, UTILISATION, STRESSES = "leg_tops", "utilisation", "member_stress"
 SOIL = "soil:"  # of a member among the feet
 SHEAR = [1, 2, 3]  # Vy, Vz, T among the section forces
 MIRROR = np.array([1.0, -1.0, 1.0])
 SAME = 1e-9  # of the largest force or moment by one cause: rounding of the static solutions
 
 
-class LegEnds(NamedTuple):
-    """The nl legs' sections at their feet or at their tops, nf fibres at most."""
+class Ends(NamedTuple):
+    """Sections at nl ends of members, as the legs' feet or their tops, nf fibres at most."""
 
     properties: np.ndarray  # (nl, 4) A, Iy, Iz, c
     thickness: np.ndarray  # (nl,) of the wall [m], as fatigue sees it
@@ -79,9 +79,10 @@ class Columns(NamedTuple):
 class Places:
     """Which of a frame's forces are asked for: of the legs' ends, the members' ends, tubes, the ground."""
 
-    feet: LegEnds
-    tops: LegEnds  # where they are asked for, else of no legs
+    feet: Ends
+    tops: Ends  # where they are asked for, else of no legs
     members: tuple[str, ...]
+    ends: Ends  # of these, start and end in turn, where their stress is asked for, else of none
     checked: tuple[str, ...]  # nk tubes that are utilised
     twin: np.ndarray  # (nk,) which of the no that are looked at bears what each does, or its mirror image
     points: np.ndarray  # (no,) of each: its ends, and where two of its elements meet and bear the same
@@ -273,7 +274,7 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
     """Those that a scene's legs and outputs need."""
     frame, legs = model.frame, tuple(legs)
     outputs = tuple(outputs)
-    members = tuple(m.name for m in frame.members) if SECTIONS in outputs else ()
+    members = tuple(m.name for m in frame.members) if {SECTIONS, STRESSES} & set(outputs) else ()
     checked = tuple(filter(may_be_utilised, frame.members)) if UTILISATION in outputs else ()
     grounded, buried = (frame.grounded, tuple(frame.buried)) if REACTIONS in outputs else ((), ())
     feet = [_foot(model, name) for name in legs]
@@ -297,9 +298,10 @@ def places(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) -> Pl
     )
     foot = [*model.xyz[nodes], *(model.soil_reaction(member)[1] for member in buried)]
     return Places(
-        feet=_leg_ends(model, feet),
-        tops=_leg_ends(model, tops),
+        feet=_sections(model, feet),
+        tops=_sections(model, tops),
         members=members,
+        ends=_sections(model, both if STRESSES in outputs else []),
         checked=tuple(m.name for m in checked),
         twin=np.arange(len(checked)),
         points=np.array([m.elements + 1 for m in checked], int),
@@ -340,14 +342,14 @@ def _foot(model: FrameModel, name: str) -> int:
     return _ends(model, name)[int(model.xyz[start, 2] > model.xyz[end, 2])]
 
 
-def _leg_ends(model: FrameModel, given: list[int]) -> LegEnds:
+def _sections(model: FrameModel, given: list[int]) -> Ends:
     ends = np.array(given, int)
     sections = [model.section_at(end) for end in given]
     most = max((len(section.fibres) for section in sections), default=0)
     fibre = np.full((len(ends), most, 2), np.nan)
     for row, section in zip(fibre, sections, strict=True):
         row[: len(section.fibres)] = section.fibres
-    return LegEnds(
+    return Ends(
         properties=recovery.section_properties(model)[ends],
         thickness=np.array([section.wall for section in sections]),
         fibre=fibre,

@@ -5,12 +5,13 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, TOPS, UTILISATION, Forces
+from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, STRESSES, TOPS, UTILISATION, Forces
 from solver.record import fatigue
 from solver.record.spectra import crossings, moments
 from solver.record.utilisation import bending_utilisation, shear_utilisation
 from solver.scene import Fatigue, Settings
 from solver.structure.frame import FORCES
+from solver.structure.legs import BENDING
 from solver.structure.tubular import Resistance, resistance
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
@@ -23,6 +24,7 @@ DIMS = {
     "pile_force": ("leg",),
     "section_force": ("member", "end", "force"),
     "section_moment": ("member", "end", "moment"),
+    "member_stress": ("member", "end", "member_fibre"),
     "fibre_stress": ("leg", "fibre"),
     "fibre_stress_top": ("leg", "fibre"),
     "utilisation": ("tube",),
@@ -37,7 +39,7 @@ class Steel:
         self.forces, self.places, self.outputs, self.fatigue = forces, forces.places, settings.outputs, settings.fatigue
         self.feet, self.extreme = forces.places.feet, forces.places.feet.extreme
         self.legs = {"": self.feet, **({"_top": forces.places.tops} if TOPS in self.outputs else {})}
-        self.stress = {at: ends.stress for at, ends in self.legs.items()}
+        self.stress = {at: ends.stress for at, ends in self.legs.items()} | {STRESSES: forces.places.ends.stress}
         self.material_factor = settings.utilisation.material_factor
 
     @property
@@ -74,6 +76,9 @@ class Steel:
         if SECTIONS in self.outputs:
             yield "section_force", y.take(at.sections[..., :3], axis=1)
             yield "section_moment", y.take(at.sections[..., 3:], axis=1)
+        if STRESSES in self.outputs:
+            bent = y.take(at.sections[..., BENDING].reshape(-1, 3), axis=1)
+            yield "member_stress", self.fibres(bent, STRESSES).reshape(len(y), len(self.places.members), 2, -1)
         if FIBRES in self.outputs:
             for end, bent in self.ends(y).items():
                 yield f"fibre_stress{end}", self.fibres(bent, end)
@@ -112,7 +117,7 @@ class Steel:
 
     def counted(self, bent: dict[str, np.ndarray], seconds: float) -> tuple[dict[str, Labelled], tuple[str, ...]]:
         """Crossing rates and damage, and what failed, of samples of what `ends` gives, in a time [s]."""
-        across = {at: stress.swapaxes(1, 2) for at, stress in self.stress.items()}  # each fibre's history along memory
+        across = {at: self.stress[at].swapaxes(1, 2) for at in bent}  # each fibre's history along memory
         stress = {at: np.moveaxis(across[at] @ forces.transpose(1, 2, 0), -1, 0) for at, forces in bent.items()}
         rates = {at: fatigue.crossing_rate(x, seconds) for at, x in stress.items()}
         return self._counted(
@@ -147,6 +152,7 @@ class Steel:
             "member": np.array(self.places.members),
             "tube": np.array(self.places.checked),
             "end": np.array(["start", "end"]),
+            "member_fibre": np.arange(1, self.places.ends.fibre.shape[1] + 1),
             "force": np.array(FORCES[:3]),
             "moment": np.array(FORCES[3:]),
             "fibre": np.arange(1, self.feet.fibre.shape[1] + 1),
@@ -157,6 +163,9 @@ class Steel:
         out: dict[str, Labelled] = {}
         if REACTIONS in self.outputs:
             out["moment_point"] = ("direction",), self.point
+        if STRESSES in self.outputs:
+            places = self.places.ends.fibre.reshape(len(self.places.members), 2, -1, 2)
+            out |= {f"member_fibre_{axis}": (DIMS["member_stress"], places[..., i]) for i, axis in enumerate("yz")}
         if self.counts:
             y, z = np.moveaxis(self.feet.fibre, -1, 0)
             out["fibre_place"] = ("leg", "fibre", "direction"), self.feet.place

@@ -131,7 +131,7 @@ def test_tops_are_stressed_as_the_members_ends(made):
         for end, other in (("start", "end"), ("end", "start"))
     }
     frame = replace(frame, members=(replace(first, **ends), *frame.members[1:]))
-    outputs = ("section_forces", "fibre_stress", "leg_tops")
+    outputs = ("section_forces", "fibre_stress", "leg_tops", "member_stress")
     _, steel, *_, y = marched(lambda: (replace(item, platform=replace(item.platform, frame=frame)), h), outputs=outputs)
     names, places = dict(steel.channels(y)), steel.places
     for leg, name in enumerate(item.platform.legs):
@@ -142,7 +142,9 @@ def test_tops_are_stressed_as_the_members_ends(made):
             section = member.section_at(end)
             y_, z = section.fibres.T
             bent = moment[:, end, 1, None] * z / section.Iy - moment[:, end, 2, None] * y_ / section.Iz
-            assert names[key][:, leg] == approx(force[:, end, 0, None] / section.area + bent, abs=1e-6)
+            exact = force[:, end, 0, None] / section.area + bent
+            assert names[key][:, leg] == approx(exact, abs=1e-6)
+            assert names["member_stress"][:, places.members.index(name), end] == approx(exact, abs=1e-6)
     assert np.abs(names["fibre_stress_top"]).max() > 1e5
 
 
@@ -171,7 +173,15 @@ def test_forces_of_few_are_the_forces_of_all():
     maps = {name: unit * rng.normal(size=(5, 7)) @ mix for name, unit in units.items()}
     columns = Columns.of(*[(0, 3)] * 5, (40,))
     bare = Namespace(model=Namespace(frame=Namespace(members=())))
-    none = {"feet": None, "tops": 0, "members": (), "checked": (), "grounded": (), "foot": np.zeros((0, 3))}
+    none = {
+        "feet": None,
+        "tops": None,
+        "ends": None,
+        "members": (),
+        "checked": (),
+        "grounded": (),
+        "foot": np.zeros((0, 3)),
+    }
     tubes = {"twin": np.zeros(0, int), "points": np.zeros(0, int)}
     places = Places(wanted=wanted, columns=columns, influence=bare, **none, **tubes)
     few = forces.reduced(places, np.arange(40.0), **maps)

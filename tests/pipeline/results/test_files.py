@@ -58,7 +58,7 @@ hinge_spacing = [5.0]
 """
 LINES = '[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n[variants.a]\n'
 OUTPUTS = 'outputs = ["fatigue", "leg_tops", "reactions", "section_forces", "fibre_stress", "utilisation", '
-OUTPUTS += '"accelerations", "static_part", "moments"]\n'
+OUTPUTS += '"member_stress", "accelerations", "static_part", "moments"]\n'
 OUTPUTS += "[record.fatigue]\nscf = 2.0\n"
 YIELDING = SMALL.replace("density = 8012.0", "density = 8012.0\nyield_strength = 355e6")
 CALM = "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
