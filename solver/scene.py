@@ -378,6 +378,11 @@ class Platform:
         given = self.damping_ratio, self.rayleigh_mass, self.rayleigh_stiffness
         return StructuralDamping(*given, dry=self.damping_of == "dry")
 
+    def cut(self, times: int) -> "Platform":
+        """With so many times as many elements."""
+        members = tuple(replace(m, elements=times * m.elements) for m in self.frame.members)
+        return replace(self, frame=replace(self.frame, members=members))
+
     def undamped(self) -> "Platform":
         """What has the same modes."""
         return replace(self, damping_ratio=0.0, damping_of="water", rayleigh_mass=0.0, rayleigh_stiffness=0.0)

@@ -350,7 +350,7 @@ def _sections(model: FrameModel, given: list[int]) -> Ends:
     for row, section in zip(fibre, sections, strict=True):
         row[: len(section.fibres)] = section.fibres
     return Ends(
-        properties=recovery.section_properties(model)[ends],
+        properties=recovery.properties(sections),
         thickness=np.array([section.wall for section in sections]),
         fibre=fibre,
         axes=model.rotation[ends // 2],

@@ -14,6 +14,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 from solver.multibody.joint_law import JointLaw
 from solver.record.audit import response_error
+from solver.record.response import carried
 from solver.scene import Scene
 
 AGREED = 1e-5  # error of any coordinate's std, relative to itself, at which the drag is that of its own result
@@ -95,13 +96,8 @@ def _mean(case: Case, rate: np.ndarray) -> Mean:
 
 
 def _carried(case: Case, w: np.ndarray, P: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """What the modes' equation leaves to the floats, Sᵀ h = (-ω² - 2iζω_mω + ω_m²) P - load: h (nw, nc).
-
-    At frequencies w (nw,), of P and load (nm, nw).
-    """
-    own, slope = case.system.structure.omega[:, None], case.system.structure.damping[:, None]
-    force = (own**2 - w**2 - 2j * slope * own * w) * P - load
-    return real_by_complex(case.to_carriers.T, force).T
+    """By the case's frame: see carried."""
+    return carried(case.system.structure, case.to_carriers, w, P, load)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -10,12 +10,12 @@ from dataclasses import replace
 import numpy as np
 
 from solver.coupled.forces import REACTIONS
-from solver.coupled.support import Support, real_by_complex
+from solver.coupled.support import Support
 from solver.coupled.system import System, prepare
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.record.response import in_waves
+from solver.record.response import carried, in_waves
 from solver.record.steel import Steel
-from solver.scene import Platform, Scene, Settings
+from solver.scene import Scene, Settings
 
 FINE = 1e-5  # elements that leave out less of a mode's energy are not looked at again
 SMALL = 0.1  # of the largest std of its kind: what is less is not judged
@@ -38,17 +38,10 @@ def elements_effect(
     system = prepare(scene, h) if system is None else system
     asked = tuple(name for name in scene.settings.outputs if name == REACTIONS)
     settings = replace(scene.settings, time_step=system.dt, outputs=asked)
-    finer = prepare(replace(scene, platform=_halved(scene.platform), settings=settings), h, system.fit)
+    finer = prepare(replace(scene, platform=scene.platform.cut(2), settings=settings), h, system.fit)
     usual, exact = (np.array(list(_stds(item, h, settings))) for item in (system, finer))
     used = (usual > 0) & (exact > 0)
     return float(np.abs(usual[used] / exact[used] - 1).max(initial=0.0)) * 16 / 15
-
-
-def _halved(platform: Platform) -> Platform:
-    frame = platform.frame
-    return replace(
-        platform, frame=replace(frame, members=tuple(replace(m, elements=2 * m.elements) for m in frame.members))
-    )
 
 
 def _stds(system: System, h: Hydrodynamics | None, settings: Settings) -> Iterator[float]:
@@ -63,10 +56,10 @@ def _stds(system: System, h: Hydrodynamics | None, settings: Settings) -> Iterat
         kinds.append(np.tensordot(P, support.legs.tops, axes=1))
     if support.forces is not None:
         load = system.rows[system.layout.modal].T + drag @ support.station_shape.transpose(1, 0, 2).reshape(-1, nm)
-        own = support.omega**2 - omega**2 - 2j * support.damping * support.omega * omega
-        carried = real_by_complex(np.linalg.pinv(support.carrier.T), (own * P - load).T).T
+        to_carriers = np.linalg.pinv(support.carrier)
+        borne = carried(system.structure, to_carriers, omega[:, 0], P.T, load.T)
         forces, steel = support.forces, Steel(support.forces, settings)
-        x = system.rows[system.layout.forces].T + forces.of_motion(-1j * omega * P, -(omega**2) * P, carried)
+        x = system.rows[system.layout.forces].T + forces.of_motion(-1j * omega * P, -(omega**2) * P, borne)
         y = forces.whole(x + drag @ forces.drag)
         if support.legs is not None:
             kinds.append(steel.fibres(steel.ends(y)[""], "").reshape(len(y), -1, 1))

@@ -38,6 +38,7 @@ from solver.record.spectra import (
 from solver.record.steel import Steel
 from solver.scene import Scene
 from solver.statistics import STATISTICS, Statistics
+from solver.structure.legs import compressive
 
 ELEVATION = "wave_elevation"
 FAINT = 1e-3  # a wave below this share of the largest one says nothing of a float
@@ -171,8 +172,7 @@ class Channels:
             if "static_part" in self.scene.settings.outputs:
                 static = dict(self.steel.channels(self.steel.forces.at_rest[None]))
                 if self.legs is not None:
-                    compression = self.steel.compression(self.steel.forces.at_rest[None])
-                    static["bottom_stress"] = compression[..., 0] - np.hypot(compression[..., 1], compression[..., 2])
+                    static["bottom_stress"] = compressive(self.steel.compression(self.steel.forces.at_rest[None]))
                 variables |= {f"{name}_static": (DIMS[name], values[0]) for name, values in static.items()}
             variables |= self.steel.variables() | dict(counted[0])
             unmet = "; ".join(note for note in (str(attrs.get("unmet", "")), *counted[1]) if note)

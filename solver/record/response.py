@@ -4,6 +4,8 @@ import numpy as np
 
 from solver.coupled import linear_drag
 from solver.coupled.linear import impedance, linear_model, wave_force
+from solver.coupled.modal import Structure
+from solver.coupled.support import real_by_complex
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 
@@ -20,6 +22,16 @@ def in_waves(system: System, h: Hydrodynamics | None) -> tuple[np.ndarray, np.nd
     Y = impedance(system, h, omega) if h is not None else np.zeros((omega.size, 0, 0))
     force = force_of_waves(system, h, flat @ station.reshape(len(station), station[0].size).T)
     return linear_model(system).response(omega, Y, force), flat
+
+
+def carried(frame: Structure, to_carriers: np.ndarray, w: np.ndarray, P: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """What the modes' equation leaves to the floats, Sᵀ h = (-ω² - 2iζω_mω + ω_m²) P - load: h (nw, nc).
+
+    At frequencies w (nw,), of P and load (nm, nw); to_carriers (nm, nc): from loads on the modes to those behind them.
+    """
+    own, slope = frame.omega[:, None], frame.damping[:, None]
+    force = (own**2 - w**2 - 2j * slope * own * w) * P - load
+    return real_by_complex(to_carriers.T, force).T
 
 
 def force_of_waves(system: System, h: Hydrodynamics | None, drag: np.ndarray | float = 0.0) -> np.ndarray:

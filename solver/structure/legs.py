@@ -215,7 +215,7 @@ def _same_make(leg: _Leg, other: _Leg) -> bool:
     """Whether two legs have nodes at the same heights, and stresses of the same size, at rest and in each shape."""
     if leg.height.size != other.height.size:
         return False
-    sizes = ((one.height, np.abs(one.fibre), _stress(one.static)) for one in (leg, other))
+    sizes = ((one.height, np.abs(one.fibre), compressive(one.static)) for one in (leg, other))
     return all(_within(a, b, SAME_STRESS * np.abs(b).max()) for a, b in zip(*sizes, strict=True))
 
 
@@ -223,7 +223,7 @@ def _within(a: np.ndarray, b: np.ndarray, allowed: float) -> bool:
     return bool(np.abs(a - b).max(initial=0.0) <= allowed)
 
 
-def _stress(fibre: np.ndarray) -> np.ndarray:
+def compressive(fibre: np.ndarray) -> np.ndarray:
     """Stress [Pa] of the most compressive fibre, from N/A, c My/Iy and c Mz/Iz (…, 3) [Pa]."""
     return fibre[..., 0] - np.hypot(fibre[..., 1], fibre[..., 2])
 

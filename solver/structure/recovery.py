@@ -4,11 +4,13 @@
 tension is positive. Element ends are numbered 2 e (start) and 2 e + 1 (end).
 """
 
+from collections.abc import Iterable
 from functools import lru_cache
 
 import numpy as np
 from scipy import sparse
 
+from solver.structure.beam import Section
 from solver.structure.frame_model import FrameModel, sparse_sum
 
 FACE = np.repeat([-1.0, 1.0], 6)  # nodal forces at the start act on the face -x
@@ -53,5 +55,9 @@ def compressive_stress(model: FrameModel, forces: np.ndarray) -> np.ndarray:
 
 def section_properties(model: FrameModel) -> np.ndarray:
     """(A, Iy, Iz, c) at every element end, (2 ne, 4) [m2, m4, m4, m]."""
-    sections = [model.section_at(end) for end in range(2 * len(model.elements))]
-    return np.array([(section.area, section.Iy, section.Iz, section.fibre) for section in sections])
+    return properties(model.section_at(end) for end in range(2 * len(model.elements)))
+
+
+def properties(sections: Iterable[Section]) -> np.ndarray:
+    """(A, Iy, Iz, c) of each, (n, 4)."""
+    return np.array([(section.area, section.Iy, section.Iz, section.fibre) for section in sections]).reshape(-1, 4)

@@ -17,7 +17,7 @@ from solver.motions import of_scene
 from solver.record.audit import together
 from solver.record.recorder import Record
 from solver.run import simulate
-from solver.scene import Platform, Scene
+from solver.scene import Scene
 from solver.statistics import moments
 from studies.benchmark.case import coefficients, scene, timed, with_settings, worst
 from tests.awkward import SCENES
@@ -73,7 +73,7 @@ def beside_exact(item: Scene, known: Hydrodynamics | None, asked: Scene) -> tupl
     record = simulate(with_settings(asked, keep_series=True), known)
     step = float(record.attrs["time_step"])
     fine = with_settings(item, keep_series=True, time_step=step / FINER, **FINE)
-    exact = simulate(replace(fine, platform=fine.platform and cut(fine.platform)), known)
+    exact = simulate(replace(fine, platform=fine.platform and fine.platform.cut(CUT)), known)
     same = np.isin(*(np.rint(r.series["time"][1] * 2 * FINER / step) for r in (exact, record)))
     tables = {
         name: (dims, moments(exact.series[name][1][same].reshape(same.sum(), -1)).reshape(values.shape))
@@ -82,12 +82,6 @@ def beside_exact(item: Scene, known: Hydrodynamics | None, asked: Scene) -> tupl
     }
     true, what = worst(item, record, replace(exact, variables=tables))
     return record, true, what
-
-
-def cut(platform: Platform) -> Platform:
-    """With elements CUT times as short."""
-    members = tuple(replace(m, elements=CUT * m.elements) for m in platform.frame.members)
-    return replace(platform, frame=replace(platform.frame, members=members))
 
 
 def told(record: Record) -> float:
