@@ -41,7 +41,6 @@ MOST_TASKS = 10_000_000
 MOST_AXES = 24  # over keys, each of which is a dimension of the dataset
 MOST_FLOATS = 100
 MOST_NAMED = 20  # labels of an axis in a message
-MOST_ELEMENTS = 10_000  # of a platform
 SURVIVING = ("floats", "left_out", "platform", "solver")  # tables and keys of which others may hold in high seas
 
 Judge = Callable[[StudyFile], Iterable[InputError]]
@@ -250,9 +249,6 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
     """The solver's objections to floats, sections and members, each by itself; and to too many of them."""
     if len(study.floats) > MOST_FLOATS:
         yield InputError("floats", f"{len(study.floats)} floats", f"must be <= {MOST_FLOATS}")
-        return
-    if study.platform and (count := sum(m.elements for m in study.platform.members)) > MOST_ELEMENTS:
-        yield InputError("platform.members", f"{count} elements", f"must be <= {MOST_ELEMENTS}")
         return
     for item in study.floats:
         yield from scenes.objections(partial(scenes.in_place, item, study.water))

@@ -337,17 +337,22 @@ def platform(parameters: Parameters) -> physics.Platform | None:
     """The solver's platform for the table [platform], whose nodes include the hinges of the floats."""
     if (table := parameters.platform) is None:
         return None
-    return _platform(Same(table), tuple(f.name for f in parameters.floats), parameters.water.depth)
+    from solver import scene as physics
+
+    sea = physics.Water(**dict(parameters.water))
+    return _platform(Same(table), tuple(f.name for f in parameters.floats), sea)
 
 
 @lru_cache(maxsize=16)
-def _platform(same: Same[Platform], floats: tuple[str, ...], depth: float) -> physics.Platform:
+def _platform(same: Same[Platform], floats: tuple[str, ...], sea: physics.Water) -> physics.Platform:
     from solver import scene as physics
+    from solver.structure.fineness import divided
     from solver.structure.frame import Frame, MarineGrowth, PointLoad, PointMass
     from solver.structure.soil import Soil, SoilSpring
 
     table = same.table
     members = tuple(member(m, table) for m in table.members)
+    undivided = {m.name for m in table.members if m.elements is None}
     with _part("platform."):
         springs = tuple(SoilSpring(**dict(line)) for line in table.soil)
         frame = Frame(
@@ -358,8 +363,9 @@ def _platform(same: Same[Platform], floats: tuple[str, ...], depth: float) -> ph
             loads=tuple(PointLoad(**dict(p)) for p in table.loads),
             growth=tuple(MarineGrowth(**dict(line)) for line in table.marine_growth),
             foundation=table.foundation,
-            soil=Soil(seabed=-depth, springs=springs) if springs else None,
+            soil=Soil(seabed=-sea.depth, springs=springs) if springs else None,
         )
+        frame = divided(frame, undivided, density=sea.density, gravity=sea.gravity)
     return physics.Platform(
         frame=frame,
         legs=table.legs,
@@ -375,12 +381,12 @@ def _platform(same: Same[Platform], floats: tuple[str, ...], depth: float) -> ph
 
 
 def member(item: Member, table: Platform) -> frame.Member:
-    """The solver's member for a table of [[platform.members]]."""
+    """The solver's member for a table of [[platform.members]], in one piece where it does not say."""
     from solver.structure import frame
 
     key = f"platform.members.{item.name}"
     material = frame.Material(**dict(table.materials[_known(f"{key}.material", item.material, table.materials)]))
-    parts: dict[str, Any] = {"material": material}
+    parts: dict[str, Any] = {"material": material, "elements": item.elements or 1}
     for name, given in (("section", item.section), ("end_section", item.end_section)):
         if given is not None:
             shape = table.sections[_known(f"{key}.{name}", given, table.sections)]

@@ -409,7 +409,11 @@ class Member(Table):
     name: Annotated[Name, "Name of the member, in paths and legs"]
     start: Annotated[Name, "Node at its foot"]
     end: Annotated[Name, "Node at its other end"]
-    elements: Annotated[Count, Field(le=1000), "Number of equal elements"] = 1
+    elements: Annotated[
+        Count | None,
+        Field(le=1000),
+        "Number of equal elements; left out, as many as the shortest waves that load it, soil and taper ask for",
+    ] = None
     section: Annotated[Name, "One of [platform.sections]"]
     end_section: Annotated[
         Name | None, "Section at its end, of the same shape, to which its sides go straight; left out, the same"

@@ -21,7 +21,7 @@ from solver.errors import InputError
 from solver.keys import shared
 from solver.scene import Platform, StructuralDamping, Water
 from solver.sea.field import WaveField
-from solver.structure import legs, statics, water
+from solver.structure import fineness, legs, statics, water
 from solver.structure import modes as natural
 from solver.structure.frame_model import FrameModel, assemble, sparse_sum
 from solver.structure.legs import Legs
@@ -69,7 +69,7 @@ class Support:
     stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
     applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
     legs: Legs | None
-    within: float  # [s²] of a wave's inertia within its worst element, over that of its ends and ω²: see _within
+    within: tuple[float, float]  # what its worst elements leave out, [-] and over ω² [s²]: see _within
     nodes: tuple[str, ...]  # nn of the frame whose accelerations are asked for
     node_shapes: np.ndarray  # (nm, nn, 3) their displacement
     static_tops: np.ndarray  # (nl, 3) displacement of the legs' tops by weight, buoyancy and constant loads [m]
@@ -246,19 +246,16 @@ def _patterns(
 
 
 @lru_cache(maxsize=KNOWN)
-def _within(model: FrameModel, density: float) -> float:
-    """What the shapes of an element leave out, clamped at both ends: mL⁴/720EI (1 + 5φ), and mL²/12EA along it [s²].
-
-    m with the water's, φ = 12EI/κGAL²: the energy of that, times ω², is the share of the mode's by which its ω² is off.
-    """
-    worst = 0.0
-    for e, (section, L, shear) in enumerate(zip(model.sections, model.length, model.shear, strict=True)):
+def _within(model: FrameModel, density: float) -> tuple[float, float]:
+    """What the worst elements leave out by soil [-] and by inertia [s²], see `structure.fineness`."""
+    soil, by_inertia, by_soil = model.frame.soil, 0.0, 0.0
+    for e, (section, L) in enumerate(zip(model.sections, model.length, strict=True)):
         member = model.member_of(e)
-        displaced = (member.inertia_coefficient - 1) * np.pi / 4 * section.diameter**2
-        mass = member.material.density * section.area + density * (displaced + section.hollow * bool(member.flooded))
-        across = [L**4 * (1 + 5 * phi) / (720 * I) for phi, I in zip(shear, (section.Iz, section.Iy), strict=True)]
-        worst = max(worst, mass / member.material.E * max(*across, L**2 / (12 * section.area)))
-    return worst
+        by_inertia = max(by_inertia, fineness.by_inertia(member, section, L, density))
+        if soil is not None:
+            for _, _, stiffness in soil.points(model.ends[e]):
+                by_soil = max(by_soil, fineness.by_soil(member, section, L, stiffness))
+    return by_soil, by_inertia
 
 
 @lru_cache(maxsize=KNOWN)

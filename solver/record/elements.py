@@ -32,7 +32,8 @@ def elements_effect(
     waves = np.abs(scene.sea.amplitude) > 0
     if scene.platform is None or support is None or not waves.any():
         return 0.0
-    rough = float(support.within * scene.sea.omega[waves].max() ** 2)
+    still, moving = support.within
+    rough = float(still + moving * scene.sea.omega[waves].max() ** 2)
     if rough < FINE:
         return rough
     system = prepare(scene, h) if system is None else system

@@ -1,0 +1,82 @@
+"""Elements that a member has where none are given, against what they are to leave out at most."""
+
+import numpy as np
+import pytest
+
+from solver.errors import InputError
+from solver.structure import fineness
+from solver.structure.beam import tube
+from solver.structure.fineness import FEWEST, LEFT_OUT, MOST, by_inertia, divided
+from solver.structure.frame import Frame, Member
+from solver.structure.frame_model import assemble
+from solver.structure.modes import modes
+from tests.structure.test_soil import bent, even, pile
+
+WATER = {"density": 1025.0, "gravity": 9.81}
+
+
+def column(steel, *, length=50.0, elements=1, section=None, **fields):
+    member = Member(
+        name="leg",
+        start="foot",
+        end="top",
+        elements=elements,
+        section=section or tube(0.5, 0.02),
+        material=steel,
+        **fields,
+    )
+    return Frame(nodes={"foot": (0, 0, -length), "top": (0, 0, 0)}, members=(member,), clamped=("foot",))
+
+
+def elements(frame):
+    return divided(frame, {"leg", "pile"}, **WATER).members[0].elements
+
+
+@pytest.mark.parametrize("count", [8, 16])
+def test_what_inertia_leaves_out_is_what_a_modes_square_is_too_large_by(steel, count):
+    """Of a cantilever's second mode: ω² by (βL/n)⁴/720, where βL = 4.694."""
+    frame = column(steel, elements=count)
+    omega = [modes(m.K, m.M, m.free, 3).omega[2] for m in (assemble(frame), assemble(column(steel, elements=64)))]
+    leg = frame.members[0]
+    told = omega[1] ** 2 * by_inertia(leg, leg.section, 50.0 / count, 0.0)
+    assert (omega[0] / omega[1]) ** 2 - 1 == pytest.approx(told, rel=0.05)
+
+
+def test_elements_are_halved_until_no_more_is_left_out(steel):
+    """Powers of two, at least as many as an axial load needs; a thicker leg has longer ones."""
+    thin, thick = (column(steel, section=tube(D, D / 25)) for D in (0.3, 1.5))
+    counts = [elements(frame) for frame in (thin, thick)]
+    assert FEWEST <= counts[1] < counts[0] <= MOST
+    assert all(np.log2(n) % 1 == 0 for n in counts)
+    leg, omega2 = thin.members[0], 2 * np.pi * 9.81 / (fineness.SHORTEST * 0.3)
+    usual, half = (omega2 * by_inertia(leg, leg.section, 50.0 / n, 1025.0) for n in (counts[0], counts[0] / 2))
+    assert usual < LEFT_OUT < half
+
+
+def test_given_elements_stay(steel):
+    frame = column(steel, elements=3)
+    assert divided(frame, set(), **WATER) == frame
+    assert elements(column(steel, length=2.0)) == FEWEST
+
+
+def test_a_pile_in_soil_has_elements_that_its_head_does_not_notice(steel):
+    """By Hetényi's 2Hβ/k, within what the soil may leave out."""
+    model = pile(steel, 1, even(2e7))
+    many = divided(model.frame, {"pile"}, **WATER)
+    k, section = 2e7, many.members[0].section
+    beta = (k / (4 * steel.E * section.Iy)) ** 0.25
+    head = bent(assemble(many)).reshape(-1, 6)[1, 0]
+    assert many.members[0].elements > FEWEST
+    assert head == pytest.approx(2 * 3e5 * beta / k, rel=LEFT_OUT)
+
+
+def test_a_taper_has_elements_that_follow_it(steel):
+    cone = column(steel, length=10.0, section=tube(2.0, 0.05), end_section=tube(1.0, 0.025))
+    straight = column(steel, length=10.0, section=tube(1.0, 0.025))
+    assert elements(cone) > elements(straight)
+
+
+def test_more_than_a_platform_may_have_are_refused(steel, monkeypatch):
+    monkeypatch.setattr(fineness, "MOST_OF_ALL", 3)
+    with pytest.raises(InputError, match=r"members = 4 elements: must be <= 3"):
+        elements(column(steel, length=2.0))
