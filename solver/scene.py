@@ -363,6 +363,10 @@ class Platform:
     wave_inertia: Annotated[Literal["standard", "relative"], "Morison inertia: the whole, or the paper's eq. 16"] = (
         "standard"
     )
+    wave_stretching: Annotated[
+        Literal["none", "wheeler", "extrapolated"],
+        "Morison's load in the march: to still water, or to the surface, with water stretched to it or extrapolated",
+    ] = "none"
 
     load_histories: tuple[LoadHistory, ...] = ()
 
@@ -758,6 +762,8 @@ class Scene:
                 yield InputError("current.exponent", self.current.exponent, "needs water of finite depth, or a profile")
             if s.paths.formulation == "augmented":
                 yield InputError("current", "given", augmented)
+        if self.platform and self.platform.wave_stretching != "none" and s.paths.formulation == "augmented":
+            yield InputError("platform.wave_stretching", self.platform.wave_stretching, augmented)
         for history in histories:
             key, end = f"platform.load_histories.{history.node}", s.discard + s.duration
             if s.method == "frequency":

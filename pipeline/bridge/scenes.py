@@ -377,6 +377,7 @@ def _platform(same: Same[Platform], floats: tuple[str, ...], sea: physics.Water)
         load_histories=tuple(map(load_history, table.load_histories)),
         geometric_stiffness=table.geometric_stiffness,
         wave_inertia=table.wave_inertia,
+        wave_stretching=table.wave_stretching,
     )
 
 

@@ -478,6 +478,7 @@ class LoadHistory(Table):
         "rayleigh_stiffness",
         "geometric_stiffness",
         "wave_inertia",
+        "wave_stretching",
     ),
 )
 class Platform(Table):
@@ -510,6 +511,7 @@ class Platform(Table):
         rayleigh_stiffness: float
         geometric_stiffness: bool
         wave_inertia: Literal["standard", "relative"]
+        wave_stretching: Literal["none", "wheeler", "extrapolated"]
 
 
 class StudyFile(Table):

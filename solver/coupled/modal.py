@@ -19,15 +19,22 @@ class Structure(NamedTuple):
     scale: np.ndarray  # (nm,) largest displacement of unit amplitude, for convergence
 
 
+class Water(NamedTuple):
+    """About the drag stations at both stages of a step."""
+
+    flow: np.ndarray  # (2, nd, ns) particle velocity normal to the members [m/s]
+    wet: np.ndarray  # (2, ns) share of what each stands for; (2, 0): all of it, and no push
+    push: np.ndarray  # (2, nd, ns) of the waves' inertia, besides that to still water [N]
+
+
 @fast_lean_kernel(forceinline=True)
 def drag(
-    structure: Structure, water: np.ndarray, dp: np.ndarray, force: np.ndarray, flow: np.ndarray, power: np.ndarray
+    structure: Structure, water: Water, dp: np.ndarray, force: np.ndarray, flow: np.ndarray, power: np.ndarray
 ) -> None:
     """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), at both stages of a step, added to force (2, nm).
 
-    water (2, nd, ns): particle velocity; flow (2, nd, ns) is left with the stations' drag [N], power (2,) with that
-    on the frame [W]. Stations are innermost, so that both products with the modal shapes run along memory, and each
-    shape is read once for both stages.
+    flow (2, nd, ns) is left with the stations' drag [N], power (2,) with that on the frame [W]. Stations are innermost,
+    so that both products with the modal shapes run along memory, and each shape is read once for both stages.
     """
     nm, nd, ns = structure.station.shape
     flow[:] = 0.0
@@ -39,7 +46,10 @@ def drag(
                 first[i] += shape[i] * rate
                 second[i] += shape[i] * later
     for s in range(2):
-        power[s] = _relative_drag(structure.drag, water[s], flow[s])
+        if water.wet.size:
+            power[s] = _stretched_drag(structure.drag, water.flow[s], water.wet[s], water.push[s], flow[s])
+        else:
+            power[s] = _relative_drag(structure.drag, water.flow[s], flow[s])
     for d in range(nd):
         first, second = flow[0, d], flow[1, d]
         for m in range(nm):
@@ -64,6 +74,22 @@ def _relative_drag(size: np.ndarray, water: np.ndarray, flow: np.ndarray) -> flo
         for d in range(flow.shape[0]):
             speed = flow[d, i]
             flow[d, i] = factor * (water[d, i] - speed)
+            power += flow[d, i] * speed
+    return power
+
+
+@fast_lean_kernel(forceinline=True)
+def _stretched_drag(size: np.ndarray, water: np.ndarray, wet: np.ndarray, push: np.ndarray, flow: np.ndarray) -> float:
+    """The same of stations of which a share is wet (ns,), with what the waves' inertia pushes besides (nd, ns) [N]."""
+    power = 0.0
+    for i in range(size.size):
+        square = 0.0
+        for d in range(flow.shape[0]):
+            square += (water[d, i] - flow[d, i]) ** 2
+        factor = wet[i] * size[i] * np.sqrt(square)
+        for d in range(flow.shape[0]):
+            speed = flow[d, i]
+            flow[d, i] = factor * (water[d, i] - speed) + push[d, i]
             power += flow[d, i] * speed
     return power
 

@@ -541,6 +541,8 @@ def _sample(drive: Drive, at: float, n: int, fine: Fine) -> None:
     own.excitation[n] = 0.0
     own.modal[n] = 0.0
     own.station[n] = 0.0
+    own.wet[n] = 0.0
+    own.push[n] = 0.0
     for j in range(count):
         w, m = fine.weight[j], first + j
         _add(w, drive.field[m], own.field[n])
@@ -549,6 +551,9 @@ def _sample(drive: Drive, at: float, n: int, fine: Fine) -> None:
             _add(w, drive.excitation[m, b], own.excitation[n, b])
         for d in range(own.station.shape[1]):
             _add(w, drive.station[m, d], own.station[n, d])
+        _add(w, drive.wet[m], own.wet[n])
+        for d in range(own.push.shape[1]):
+            _add(w, drive.push[m, d], own.push[n, d])
 
 
 @inner_kernel

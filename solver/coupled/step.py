@@ -22,7 +22,7 @@ from solver.coupled.energy import (
     stored,
 )
 from solver.coupled.memory import Memory, memory_history, remember
-from solver.coupled.modal import Structure, drag, flexibility
+from solver.coupled.modal import Structure, Water, drag, flexibility
 from solver.coupled.newton import (
     Newton,
     Zones,
@@ -71,6 +71,8 @@ class Drive(NamedTuple):
     excitation: np.ndarray  # (m, nb, 6)
     modal: np.ndarray  # (m, nm)
     station: np.ndarray  # (m, nd, ns) particle velocity normal to the members
+    wet: np.ndarray  # (m, ns) and push (m, nd, ns), see modal.Water
+    push: np.ndarray
 
 
 class Output(NamedTuple):
@@ -268,7 +270,8 @@ def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> N
         pressures(problem.bodies, stage.motion[s], drive.field[sample + s], room.pressure, stage.pressure[s])
     if between:
         _halfway(room.start, stage)
-    water, power = drive.station[sample : sample + 2], room.power[1:, FRAME_DRAG]
+    end, power = sample + 2, room.power[1:, FRAME_DRAG]
+    water = Water(drive.station[sample:end], drive.wet[sample:end], drive.push[sample:end])
     drag(problem.structure, water, stage.dp, stage.drag, room.flow, power)
 
 

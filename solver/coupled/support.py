@@ -14,8 +14,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy import linalg, sparse
 
-from solver.coupled import forces
+from solver.coupled import forces, stretching
 from solver.coupled.forces import Forces, Places
+from solver.coupled.stretching import Stretched
 from solver.coupled.typical import typical_waves
 from solver.errors import InputError
 from solver.keys import shared
@@ -65,8 +66,9 @@ class Support:
     waves: np.ndarray  # (2 np, nm) modal load for unit du/dt there, first along the heading, then upward
     station_shape: np.ndarray  # (ns, nd, nm)
     flow: Callable[[WaveField], np.ndarray]  # rows (ns, nd, n) of the normal particle velocity there
-    drag: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
+    drag: np.ndarray  # (ns,) ½ρ C_D D w below still water [kg/m]
     stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
+    stretched: Stretched | None  # where waves load them up to their surface
     applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
     legs: Legs | None
     within: tuple[float, float]  # what its worst elements leave out, [-] and over ω² [s²]: see _within
@@ -137,10 +139,11 @@ def reduce_platform(
     a frame that is not symmetric.
     """
     model = dynamic_model(platform, sea)[0]
+    splash = water.DRY if platform.wave_stretching == "none" else stretching.splash(field)
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
-    drags = water.stations(model, stations, DRAG * field.mean_length)
-    typical = typical_waves(field, at)
-    return _reduced(platform, sea, hinge_nodes, at, drags, typical, planar=planar, modes=modes, outputs=outputs)
+    drags = water.stations(model, stations, DRAG * field.mean_length, splash)
+    asked = {"planar": planar, "modes": modes, "outputs": outputs, "reach": splash.reach}
+    return _reduced(platform, sea, hinge_nodes, at, drags, typical_waves(field, at), **asked)
 
 
 @lru_cache(maxsize=KNOWN)
@@ -155,8 +158,9 @@ def _reduced(
     planar: bool,
     modes: int | Literal["all"],
     outputs: tuple[str, ...],
+    reach: float,
 ) -> Support:
-    """By stations of inertia and of drag, in typical waves."""
+    """By stations of inertia and of drag, in typical waves; reach: of crests that wet those above still water [m]."""
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
     loaded = _loaded(model, platform.load_histories)
@@ -173,7 +177,7 @@ def _reduced(
     rest = _rest(model, tops, symmetric, omega, shapes)
     both = np.concatenate([shapes, rest], axis=1)
     nodal = (_onto_nodes(model, at) @ inertial).T
-    water_drag = _drag(field, drags, sea, both, omega.size, planar=planar)
+    water_drag = _drag(field, drags, platform, sea, both, omega.size, planar=planar, reach=reach)
     station_shape, station_rest = np.split(water_drag.shape, [omega.size], axis=2)
     asked = _places(platform, sea, tuple(sorted(outputs)))
     borne = None
@@ -209,6 +213,7 @@ def _reduced(
         flow=water_drag.flow,
         drag=water_drag.size,
         stream=water_drag.stream,
+        stretched=water_drag.stretched,
         applied=shapes[loaded],
         left_out=LeftOut(
             waves=nodal @ rest,
@@ -326,9 +331,9 @@ class _Surroundings(NamedTuple):
 
 @lru_cache(maxsize=KNOWN)
 def _surroundings(at: water.Stations, heading: float) -> _Surroundings:
-    """Legs side by side, and stations above each other in the same wave, share places."""
+    """Legs side by side, and stations above each other in the same wave, share places; none is above still water."""
     direction, normal = np.array([np.cos(heading), np.sin(heading), 0.0]), _normal(at)
-    seen = np.stack([at.position @ direction, at.position[:, 2]], axis=1)
+    seen = np.stack([at.position @ direction, np.minimum(at.position[:, 2], 0.0)], axis=1)
     _, first, place = np.unique(seen, axis=0, return_index=True, return_inverse=True)
     along, up, place = normal @ direction, normal[:, :, 2], place.ravel()
     columns = place[:, None, None] + np.array([[0], [len(first)]])
@@ -336,7 +341,7 @@ def _surroundings(at: water.Stations, heading: float) -> _Surroundings:
     parts = np.stack([along, up], axis=1)
     spread = sparse.csr_array((parts.ravel(), (rows.ravel(), columns.ravel())), (along.size, 2 * len(first)))
     spread.eliminate_zeros()
-    return _Surroundings(at.position[first], place, along, up, spread)
+    return _Surroundings(np.minimum(at.position[first], [np.inf, np.inf, 0.0]), place, along, up, spread)
 
 
 def _inertia_size(platform: Platform, at: water.Stations, sea: Water) -> np.ndarray:
@@ -465,34 +470,54 @@ class _Drag(NamedTuple):
 
     shape: np.ndarray  # (ns, nd, nm)
     flow: Callable[[WaveField], np.ndarray]  # rows (ns, nd, n)
-    size: np.ndarray  # (ns,) ½ρ C_D D w [kg/m]
+    size: np.ndarray  # (ns,) ½ρ C_D D w below still water [kg/m]
     stream: np.ndarray  # (nd, ns) of the current
+    stretched: Stretched | None  # where waves load them up to their surface
     borne: Callable[[Places], np.ndarray]  # what their drag does to forces asked for
 
 
 def _drag(
     field: WaveField,
     at: water.Stations,
+    platform: Platform,
     sea: Water,
     shapes: np.ndarray,
     modes: int,
     *,
     planar: bool,
+    reach: float,
 ) -> _Drag:
-    """Of the stations of the drag; the first `modes` of the shapes move.
+    """Of the stations of the drag; the first `modes` of the shapes move; waves reach so high if they reach above z = 0.
 
     In a planar scene a station and its mirror image in y = 0 are loaded alike: one counts twice.
     """
     normal = _normal(at)
     shape = normal @ at.project(shapes)
-    drag = _drag_size(at, sea)
-    y = at.position[:, 1]
+    drag, inertia = _drag_size(at, sea), _inertia_size(platform, at, sea) * (reach > 0)
+    y, under = at.position[:, 1], at.position[:, 2] < 0
     if planar:
-        drag = drag * np.where(np.abs(y) < SAME, 1.0, 2.0)
-    wet = (drag > 0) & ((y > -SAME) | (not planar))
+        drag, inertia = (size * np.where(np.abs(y) < SAME, 1.0, 2.0) for size in (drag, inertia))
+    wet = ((drag > 0) | (inertia > 0)) & ((y > -SAME) | (not planar))
     size = np.abs(shape[..., :modes]).max(axis=(0, 2), initial=0)
     moving = size > 1e-9 * size.max()
     borne = partial(forces.of_drag, at=at, kept=wet, directions=moving, planar=planar)
     stream = np.ascontiguousarray(_stream(at, field)[wet][:, moving].T)
     flow = partial(_flow, at, kept=wet, directions=moving)
-    return _Drag(shape[wet][:, moving], flow, drag[wet], stream, borne)
+    stretched = None
+    if reach > 0:
+        direction = field.direction
+        place, of_place = np.unique(at.position[wet] @ direction, return_inverse=True)
+        stretched = Stretched(
+            place=place,
+            of_place=of_place,
+            height=at.position[wet, 2],
+            bounds=stretching.wet_bounds(at)[wet],
+            along=np.ascontiguousarray((normal @ direction)[wet][:, moving]),
+            up=np.ascontiguousarray(normal[wet][:, moving, 2]),
+            drag=drag[wet],
+            inertia=inertia[wet],
+            stream=stream,
+            reach=reach,
+            extrapolated=platform.wave_stretching == "extrapolated",
+        )
+    return _Drag(shape[wet][:, moving], flow, (drag * under)[wet], stream, stretched, borne)

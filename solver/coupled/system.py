@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from solver import limits, motions
-from solver.coupled import assembly
+from solver.coupled import assembly, stretching
 from solver.coupled import support as supports
 from solver.coupled.energy import AT_START, GAP, SCALE, WORKS, energy, open_by
 from solver.coupled.equilibrium import (
@@ -22,6 +22,7 @@ from solver.coupled.equilibrium import (
 from solver.coupled.march import GROSSLY, march
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure, drag
+from solver.coupled.modal import Water as WaterAbout
 from solver.coupled.pieces import SWING, new_fine
 from solver.coupled.stages import State
 from solver.coupled.step import (
@@ -103,7 +104,8 @@ class System:
         load = np.zeros((2, self.structure.omega.size))
         if flow.any():
             both = np.stack([flow, flow])
-            drag(self.structure, both, np.zeros(load.shape), load, np.empty(both.shape), np.empty(2))
+            water = WaterAbout(both, np.zeros((2, 0)), np.zeros((2, 0, 0)))
+            drag(self.structure, water, np.zeros(load.shape), load, np.empty(both.shape), np.empty(2))
         return load[0]
 
     @property
@@ -191,7 +193,10 @@ class System:
         z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
         s = self.scene.settings
         samples = self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form)
-        first = self.drive(samples if self.still else samples + self.besides(np.zeros(1)))
+        if not self.still:
+            samples += self.besides(np.zeros(1))
+        self.to_surface(samples)
+        first = self.drive(samples)
         zone, (ddp, ddz, load, held) = self.zones_at(z), _initial_acceleration(self, z, p, first)
         state = State(
             z=z[nc:],
@@ -245,9 +250,12 @@ class System:
         joint_law.zones_at_rest(self.bodies.law, self.equilibrium[0], zone)
         on_stops = np.zeros(zone.shape[1])
         on_stops[bent] = [joint_law.tangent(self.bodies.law, i, *zone[:, i])[0] for i in bent]
+        structure = self.structure
+        if self.support is not None and self.support.stretched is not None:
+            structure = structure._replace(drag=self.support.stretched.drag)
         return new_problem(
             self.bodies,
-            self.structure,
+            structure,
             self.memory,
             self.stiffness - np.diag(on_stops),
             beta=self.fit.beta if self.fit is not None else np.zeros(0),
@@ -262,7 +270,24 @@ class System:
         """All that the wave drives, at samples dt/2 apart, blocks of at most `block`."""
         s, besides = self.scene.settings, None if self.still else self.besides
         grow = lambda t: ramp(t, s.ramp, s.ramp_form)  # noqa: E731
-        return WaveSeries(self.factored, self.scene.sea.omega, dt / 2, block, grow, besides)
+        return WaveSeries(self.factored, self.scene.sea.omega, dt / 2, block, grow, besides, self.to_surface)
+
+    def to_surface(self, samples: np.ndarray) -> None:
+        """Complete samples (m, columns) by what waves do to the frame up to their surface, where that is asked for."""
+        if self.support is None or self.support.stretched is None:
+            return
+        s, at, m = self.support.stretched, self.layout, len(samples)
+        (flow, push), wet = np.empty((2, m, *s.stream.shape)), np.empty((m, s.height.size))
+        water = np.ascontiguousarray(samples[:, at.water])
+        stretching.stretch(s, self._levels, self.scene.water.depth, water, flow, push, wet)
+        for part, values in ((at.station, flow), (at.push, push), (at.wet, wet)):
+            samples[:, part] = values.reshape(m, -1)
+
+    @cached_property
+    def _levels(self) -> stretching.Levels:
+        assert self.support is not None, "asked of a frame that waves load up to their surface"
+        assert self.support.stretched is not None, "asked of the same"
+        return stretching.levels_for(self.support.stretched, self.waves)
 
     @property
     def still(self) -> bool:
@@ -278,6 +303,8 @@ class System:
             excitation=np.ascontiguousarray(samples[:, at.excitation]).reshape(m, nb, 6),
             modal=np.ascontiguousarray(samples[:, at.modal]),
             station=np.ascontiguousarray(samples[:, at.station]).reshape(m, nd, ns),
+            wet=np.ascontiguousarray(samples[:, at.wet]),
+            push=np.ascontiguousarray(samples[:, at.push]).reshape(m, nd, -1),
         )
 
 
@@ -325,8 +352,11 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
     waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
     support = None
     if scene.platform is not None:
+        platform = scene.platform.undamped()
+        if settings.method == "frequency" and platform.wave_stretching != "none":  # which is of second order
+            platform = replace(platform, wave_stretching="none")
         reduced = supports.reduce_platform(
-            scene.platform.undamped(),
+            platform,
             waves,
             water,
             tuple(scene.platform.hinge_nodes[f.name] for f in scene.floats),
@@ -501,6 +531,8 @@ def _initial_acceleration(
     load = np.concatenate([shape.T @ r[:nc] - frame.omega**2 * p + first.modal[0], r[nc:]])
     if system.scene.current is not None:  # else waves grow from nothing
         load[:nm] += system.drag_at_rest(first.station[0])
+    if first.push.size:
+        load[:nm] += np.tensordot(frame.station, first.push[0], axes=2)
     at_rest = np.flatnonzero(joint_law.turning(body.law))
     rows, free, known = nm + at_rest - nc, whole.copy(), load.copy()
     free[rows], known[rows] = np.eye(len(whole))[rows], 0.0

@@ -53,7 +53,11 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         "buckling_factor": support.buckling_factor if support else np.inf,
         "unmet": "",
         "skipped": "; ".join(
-            [f"time: a linear model in the frequency domain has no {LEFT_OUT}", *coarser(hydrodynamics)]
+            [
+                f"time: a linear model in the frequency domain has no {LEFT_OUT}",
+                *_first_order(scene),
+                *coarser(hydrodynamics),
+            ]
         ),
         **scene.sea.parameters(),
     }
@@ -85,6 +89,11 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     return channels.record(
         tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further
     )
+
+
+def _first_order(scene: Scene) -> Iterator[str]:
+    if scene.platform is not None and scene.platform.wave_stretching != "none":
+        yield "wave_stretching: of second order; members are loaded to still water"
 
 
 def _joints(case: Case, response: Response) -> np.ndarray:

@@ -75,8 +75,10 @@ class WaveField:
         return -1j * self.sea.omega * self.velocity(points)
 
     def stream(self, points: np.ndarray) -> np.ndarray:
-        """Velocity of the current at points (n, 3), (n, 3) [m/s]."""
-        return self.current.velocity(points[:, 2], self.depth) if self.current else np.zeros(points.shape)
+        """Velocity of the current at points (n, 3), (n, 3) [m/s]; above still water it is that there."""
+        if self.current is None:
+            return np.zeros(points.shape)
+        return self.current.velocity(np.minimum(points[:, 2], 0.0), self.depth)
 
     def local_pressure(self, centre: np.ndarray, terms: int) -> np.ndarray:
         """Rows (2, terms, n) of Re Cₙ, Im Cₙ [m^(1-n)]: dynamic head p/ρg = Re Σ Cₙ ζⁿ.

@@ -42,9 +42,14 @@ class WaveSeries:
         block: int,
         ramp: Callable[[np.ndarray], np.ndarray],
         besides: Callable[[np.ndarray], np.ndarray] | None = None,
+        complete: Callable[[np.ndarray], None] | None = None,
     ) -> None:
-        """ramp(t) -> factor (…,); blocks of `block` samples; besides(t) -> what no wave drives (…, m)."""
-        self.rows, self.omega, self.step, self.ramp, self.besides = rows, omega, step, ramp, besides
+        """ramp(t) -> factor (…,); blocks of `block` samples; besides(t) -> what no wave drives (…, m).
+
+        complete: puts into samples (…, m) what is no sum of waves.
+        """
+        self.rows, self.omega, self.step, self.ramp = rows, omega, step, ramp
+        self.besides, self.complete = besides, complete
         self.even, self.odd = _instants(tuple(omega.tolist()), step, -(-(block - 1) // (2 * WINDOWS)) or 1)
 
     def block(self, first: int, count: int) -> np.ndarray:
@@ -65,7 +70,11 @@ class WaveSeries:
         y, t = y[:count], (first + np.arange(count)) * self.step
         if not np.all((grown := self.ramp(t)) == 1.0):
             y *= grown[:, None]
-        return y if self.besides is None else y + self.besides(t)
+        if self.besides is not None:
+            y = y + self.besides(t)
+        if self.complete is not None:
+            self.complete(y)
+        return y
 
 
 @lru_cache(maxsize=4)

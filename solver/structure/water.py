@@ -12,6 +12,7 @@ member, displaces water, and does nothing to stiffness and stress.
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,13 +26,24 @@ EXACT = 4  # stations for the product of two cubics (order 6), however deep the 
 GROWN = 5  # the same times an area and a density that change with depth (order 9)
 
 
-def wetted_span(model: FrameModel, seabed: float = -np.inf) -> np.ndarray:
-    """Part (s0, s1) of each element below z = 0 and above the seabed, (ne, 2); s0 = s1 for one without."""
+class Splash(NamedTuple):
+    """What waves wet now and then, about still water."""
+
+    reach: float = 0.0  # height of a crest that no wave exceeds [m]
+    height: float = 0.0  # that many do: so far above and below still water pieces are short [m]
+    longest: float = np.inf  # of these [m]
+
+
+DRY = Splash()
+
+
+def wetted_span(model: FrameModel, seabed: float = -np.inf, surface: float = 0.0) -> np.ndarray:
+    """Part (s0, s1) of each element below a surface [m] and above the seabed, (ne, 2); s0 = s1 for one without."""
     z = model.ends[:, :, 2]
     rise = (z[:, 1] - z[:, 0])[:, None]
-    in_water = np.clip(z, seabed, 0.0)
+    in_water = np.clip(z, seabed, surface)
     span = np.where(rise == 0, [0.0, 1.0], (in_water - z[:, :1]) / np.where(rise == 0, 1, rise))
-    dry = (z.min(axis=1) >= 0) | (z.max(axis=1) <= seabed)
+    dry = (z.min(axis=1) >= surface) | (z.max(axis=1) <= seabed)
     return np.where(dry[:, None], 0, span)
 
 
@@ -41,6 +53,7 @@ class Stations:
 
     position: np.ndarray  # (ns, 3) [m]
     weight: np.ndarray  # (ns,) length that the point stands for [m]
+    reach: np.ndarray  # (ns, 2) along the member from the point to where that begins and ends [m]
     tangent: np.ndarray  # (ns, 3) unit vector along the member
     diameter: np.ndarray  # (ns,) outer, of the growth if there is any [m]
     layer: np.ndarray  # (ns,) area of the growth [m2]
@@ -63,71 +76,81 @@ class Stations:
         return vector
 
 
-def stations(model: FrameModel, points: int, longest: float = np.inf) -> Stations:
-    """Gauss points, `points` on each piece of a wetted element: exact to order 2 points - 1.
+def stations(model: FrameModel, points: int, longest: float = np.inf, splash: Splash = DRY) -> Stations:
+    """Gauss points, `points` on each piece of an element that is or gets wet: exact to order 2 points - 1.
 
     longest: of the equal pieces [m], for loads that vary along an element by more than its shape functions.
     """
     if points < 1:
         raise InputError("stations.points", points, "must be >= 1")
-    pieces = np.ceil(_wet_length(model) / longest).astype(int).clip(min=1)
-    return _pieces(model, points, tuple(pieces.tolist()))
+    length, height = _wet_parts(model, splash)
+    most = np.where(height < splash.height, min(longest, splash.longest), longest)
+    pieces = np.ceil(length / most).astype(int).clip(min=1)
+    return _pieces(model, points, tuple(pieces.tolist()), splash)
 
 
 @lru_cache(maxsize=8)
-def _wet_length(model: FrameModel) -> np.ndarray:
-    """Of what is wet of each wetted element with water coefficients (n,) [m]."""
-    wet, span = _wet(model, np.array([member.in_water for member in model.frame.members]))
-    return np.diff(span)[:, 0] * model.length[wet]
+def _wet_parts(model: FrameModel, splash: Splash) -> tuple[np.ndarray, np.ndarray]:
+    """Length of each part of an element with water coefficients, and its middle's distance to still water (n,) [m]."""
+    wet, span = _wet(model, np.array([member.in_water for member in model.frame.members]), splash)
+    start, end = model.ends[wet, :, 2].T
+    return np.diff(span)[:, 0] * model.length[wet], np.abs(start + span.mean(axis=1) * (end - start))
 
 
 @lru_cache(maxsize=8)
-def _pieces(model: FrameModel, points: int, pieces: tuple[int, ...]) -> Stations:
+def _pieces(model: FrameModel, points: int, pieces: tuple[int, ...], splash: Splash) -> Stations:
     """In so many pieces of each wetted element; seas whose shortest waves are nearly the same share them."""
-    return _stations(model, points, pieces, np.array([member.in_water for member in model.frame.members]))
+    return _stations(model, points, pieces, np.array([member.in_water for member in model.frame.members]), splash)
 
 
-def _wet(model: FrameModel, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The wetted elements (n,) of some of the members (mask), and what is wet of each (n, 2).
+def _wet(model: FrameModel, members: np.ndarray, splash: Splash = DRY) -> tuple[np.ndarray, np.ndarray]:
+    """The elements (n,) of some of the members (mask) that get wet, and which part of each (n, 2).
 
-    Where the growth's table has a line, an element is taken in parts.
+    At still water, where pieces become short, and where the growth's table has a line, it is taken in several.
     """
-    span = wetted_span(model, model.frame.seabed)
+    span = wetted_span(model, model.frame.seabed, splash.reach)
     wet = np.flatnonzero(members[model.member] & (span[:, 1] > span[:, 0]))
-    if not model.frame.growth:
+    levels = [-line.depth for line in model.frame.growth]
+    if splash.reach > 0:
+        levels += [-splash.height, 0.0, splash.height]
+    if not levels:
         return wet, span[wet]
-    parts = [(e, pair) for e in wet.tolist() for pair in pairwise(_cuts(model, e, span[e]))]
+    parts = [(e, pair) for e in wet.tolist() for pair in pairwise(_cuts(model, e, span[e], levels))]
     return np.array([e for e, _ in parts], int), np.array([pair for _, pair in parts]).reshape(-1, 2)
 
 
-def _cuts(model: FrameModel, e: int, span: np.ndarray) -> np.ndarray:
-    """Where an element's span begins, passes a line of the growth's table, and ends (n,), in order."""
+def _cuts(model: FrameModel, e: int, span: np.ndarray, levels: list[float]) -> np.ndarray:
+    """Where an element's span begins, passes one of some levels [m], and ends (n,), in order."""
     z0, z1 = model.ends[e, :, 2]
     if z0 == z1:
         return span
-    s = (-np.array([line.depth for line in model.frame.growth]) - z0) / (z1 - z0)
+    s = (np.array(levels) - z0) / (z1 - z0)
     return np.unique(np.concatenate([span, s[(s > span[0]) & (s < span[1])]]))
 
 
-def _stations(model: FrameModel, points: int, pieces: ArrayLike, members: np.ndarray) -> Stations:
-    """On those of the members (mask), in so many pieces of each wetted element."""
+def _stations(model: FrameModel, points: int, pieces: ArrayLike, members: np.ndarray, splash: Splash = DRY) -> Stations:
+    """On those of the members (mask), in so many pieces of each part that gets wet; nothing grows above z = 0."""
     node, gauss = np.polynomial.legendre.leggauss(points)
-    wet, span = _wet(model, members)
+    wet, span = _wet(model, members, splash)
     pieces = np.broadcast_to(np.asarray(pieces, int), wet.shape)
     part = np.concatenate([np.zeros(0), *(np.arange(n) for n in pieces)])
     start, size = span[:, :1].repeat(pieces, axis=0), np.repeat(np.diff(span) / pieces[:, None], pieces, axis=0)
     wet = np.repeat(wet, pieces)
+    bounds = np.cumsum([0.0, *gauss]) - 1  # of what each point stands for in a piece from -1 to 1
+    reach = np.stack([bounds[:-1] - node, bounds[1:] - node], axis=1)
     element = np.repeat(wet, points)
     s = (start + size * (part[:, None] + (node + 1) / 2)).ravel()
     start, end = model.ends[element].transpose(1, 0, 2)
     owner = [model.member_of(e) for e in element.tolist()]
     position = start + s[:, None] * (end - start)
     thickness, layer_density = model.frame.grown(position[:, 2])
+    thickness = np.where(position[:, 2] > 0, 0.0, thickness)
     bare = np.array([model.sections[e].diameter for e in element.tolist()])
     diameter = bare + 2 * thickness
     return Stations(
         position=position,
         weight=(size * gauss / 2 * model.length[wet, None]).ravel(),
+        reach=((size * model.length[wet, None] / 2)[..., None] * reach).reshape(-1, 2),
         tangent=model.rotation[element, 0],
         diameter=diameter,
         layer=np.pi / 4 * (diameter**2 - bare**2),
