@@ -25,6 +25,7 @@ DEEPER = 0.25  # and over the depth: of waves that reach there no more
 KINDS = 4  # of rows at a level: velocity along the heading and upward, acceleration
 CUBIC = 4  # levels that it goes through
 PIECE = 0.125  # of the mean wave's 1/k: stations of pieces that the surface passes now and then
+LEVEL = 0.1  # rise over length of a member that the surface passes at once, across it, rather than along
 SHALLOWEST = 0.1  # of the depth: lower no trough gets
 
 
@@ -61,10 +62,10 @@ def splash(field: WaveField) -> Splash:
 
 
 def wet_bounds(at: Stations) -> np.ndarray:
-    """Heights of the lowest and highest point of what each station stands for, its thickness included (ns, 2) [m]."""
+    """Heights (ns, 2) [m] between which the axis of what each station stands for lies; of a level member, its tube."""
     rise = np.sort(at.reach * at.tangent[:, 2:], axis=1)
-    across = at.diameter / 2 * np.sqrt(np.clip(1 - at.tangent[:, 2] ** 2, 0.0, None))
-    return at.position[:, 2:] + rise + across[:, None] * np.array([-1.0, 1.0])
+    level = np.abs(at.tangent[:, 2]) < LEVEL
+    return at.position[:, 2:] + np.where(level[:, None], at.diameter[:, None] * np.array([-0.5, 0.5]), rise)
 
 
 @lru_cache(maxsize=KNOWN)
