@@ -35,6 +35,7 @@ SUBJECTS = {
     "piles-in-soil": "beams.piles",
     "buan-modes": "beams.table_3",
     "pile": "pile.morison",
+    "stretching": "stretching.loads",
     "modal-direct": "direct.modal_against_direct",
     "frequency-domain": "lines.frequency_domain",
     "spectrum": "spectra.spectrum",

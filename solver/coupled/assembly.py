@@ -42,9 +42,7 @@ class Layout(NamedTuple):
     station: slice
     elevation: slice
     forces: slice  # what the wave's inertia load does to the frame's forces that are asked for
-    water: slice  # that to its surface is reckoned of, see stretching.rows
-    wet: slice  # (ns,) of no wave: for shares of the stations
-    push: slice  # (nd, ns)
+    water: slice  # of which loads up to the surface are reckoned, see stretching.rows
 
 
 def carrier_axes(planar: bool) -> np.ndarray:
@@ -304,21 +302,11 @@ def _rows(
         frame.stations.transpose(1, 0, 2).reshape(-1, n) if frame else np.zeros((0, n)),
         field.elevation(np.zeros((1, 3))),
         frame.forces if frame else np.zeros((0, n)),
-        *_up_to_the_surface(support, field),
+        stretching.rows(support.stretched, field) if support and support.stretched else np.zeros((0, n)),
     ]
     ends = np.cumsum([0] + [len(p) for p in parts])
     columns = [slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
     return shared(np.concatenate(parts, dtype=complex)), Layout(*columns)
-
-
-def _up_to_the_surface(support: Support | None, field: WaveField) -> list[np.ndarray]:
-    """Rows of the water about a frame's stations, and room for what comes of them, where loads go so far."""
-    n = field.k.size
-    if support is None or support.stretched is None:
-        return [np.zeros((0, n))] * 3
-    s = support.stretched
-    room = [np.zeros((size, n)) for size in (s.height.size, s.along.size)]
-    return [stretching.rows(s, stretching.levels_for(s, field), field), *room]
 
 
 def _excitation(

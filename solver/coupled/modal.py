@@ -19,7 +19,7 @@ class Structure(NamedTuple):
     scale: np.ndarray  # (nm,) largest displacement of unit amplitude, for convergence
 
 
-class Water(NamedTuple):
+class WaterAbout(NamedTuple):
     """About the drag stations at both stages of a step."""
 
     flow: np.ndarray  # (2, nd, ns) particle velocity normal to the members [m/s]
@@ -29,7 +29,7 @@ class Water(NamedTuple):
 
 @fast_lean_kernel(forceinline=True)
 def drag(
-    structure: Structure, water: Water, dp: np.ndarray, force: np.ndarray, flow: np.ndarray, power: np.ndarray
+    structure: Structure, water: WaterAbout, dp: np.ndarray, force: np.ndarray, flow: np.ndarray, power: np.ndarray
 ) -> None:
     """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), at both stages of a step, added to force (2, nm).
 

@@ -22,7 +22,7 @@ from solver.coupled.energy import (
     stored,
 )
 from solver.coupled.memory import Memory, memory_history, remember
-from solver.coupled.modal import Structure, Water, drag, flexibility
+from solver.coupled.modal import Structure, WaterAbout, drag, flexibility
 from solver.coupled.newton import (
     Newton,
     Zones,
@@ -71,7 +71,7 @@ class Drive(NamedTuple):
     excitation: np.ndarray  # (m, nb, 6)
     modal: np.ndarray  # (m, nm)
     station: np.ndarray  # (m, nd, ns) particle velocity normal to the members
-    wet: np.ndarray  # (m, ns) and push (m, nd, ns), see modal.Water
+    wet: np.ndarray  # (m, ns) and push (m, nd, ns), see modal.WaterAbout
     push: np.ndarray
 
 
@@ -271,7 +271,7 @@ def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> N
     if between:
         _halfway(room.start, stage)
     end, power = sample + 2, room.power[1:, FRAME_DRAG]
-    water = Water(drive.station[sample:end], drive.wet[sample:end], drive.push[sample:end])
+    water = WaterAbout(drive.station[sample:end], drive.wet[sample:end], drive.push[sample:end])
     drag(problem.structure, water, stage.dp, stage.drag, room.flow, power)
 
 

@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.kernels import inner_kernel, whole_lean_kernel
+from solver.kernels import inner_kernel, whole_kernel
+from solver.keys import Same
 from solver.sea.field import WaveField
 from solver.structure.water import DRY, Splash, Stations
 
@@ -46,10 +47,13 @@ class Stretched(NamedTuple):
 
 
 class Levels(NamedTuple):
-    """At which heights waves are summed, place after place."""
+    """At which heights waves are summed, place after place, and how the water at the stations at rest goes by them."""
 
     first: np.ndarray  # (np + 1,) number of each place's first
     height: np.ndarray  # (nl,) upwards at each place [m]
+    inverse: np.ndarray  # (nl, CUBIC) of the cubic from each on: 1/Π(zᵢ - zₖ) [1/m³]
+    below: np.ndarray  # (ns,) the first of the cubic's levels for each station
+    weight: np.ndarray  # (ns, CUBIC) and their weights, 0 above still water
 
 
 def splash(field: WaveField) -> Splash:
@@ -69,34 +73,32 @@ def wet_bounds(at: Stations) -> np.ndarray:
 
 
 @lru_cache(maxsize=KNOWN)
-def levels(heights: tuple[tuple[float, float], ...], top: float, shortest: float, reached: float) -> Levels:
-    """For places whose stations stand between two heights, under crests and above troughs of `reached` [m].
-
-    top: highest level that counts; shortest: 1/k of that wave [m].
-    """
-    every = [top + SPACING * shortest]
-    lowest = min((low for low, _ in heights), default=0.0) - reached
-    while every[-1] > lowest or len(every) < CUBIC:
-        every.append(every[-1] - max(SPACING * shortest, -DEEPER * every[-1]))
-    grid = np.array(every[::-1])
-    each = []
-    for low, high in heights:
-        a, b = np.searchsorted(grid, [low - reached, min(high + reached, top)])
-        start = max(a - 2, 0)
-        each.append(grid[start : max(b + 2, start + CUBIC)])
-    return Levels(np.cumsum([0, *map(len, each)]), np.concatenate([np.zeros(0), *each]))
-
-
-def levels_for(s: Stretched, field: WaveField) -> Levels:
-    """In the waves of a sea."""
-    ends = [s.height[s.of_place == i] for i in range(s.place.size)]
-    heights = tuple((float(z.min()), float(z.max())) for z in ends)
-    k = field.k[np.abs(field.sea.amplitude) > 0].max(initial=1e-9)
-    return levels(heights, s.reach if s.extrapolated else 0.0, float(1 / k), s.reach)
+def _levels(same: Same[Stretched], field: WaveField) -> Levels:
+    s, shortest = same.value, field.k[np.abs(field.sea.amplitude) > 0].max(initial=1e-9)
+    top, spacing = s.reach if s.extrapolated else 0.0, SPACING / shortest
+    grid, each = [top + spacing], []
+    while grid[-1] > s.height.min(initial=0.0) - s.reach or len(grid) < CUBIC:
+        grid.append(grid[-1] - max(spacing, -DEEPER * grid[-1]))
+    every = np.array(grid[::-1])
+    for i in range(s.place.size):
+        mine = s.height[s.of_place == i]
+        a, b = np.searchsorted(every, [mine.min() - s.reach, min(mine.max() + s.reach, top)])
+        start = min(max(a - 2, 0), every.size - CUBIC)
+        each.append(every[start : max(b + 2, start + CUBIC)])
+    first, height = np.cumsum([0, *map(len, each)]), np.concatenate([np.zeros(0), *each])
+    four = height[np.minimum(np.arange(height.size)[:, None] + np.arange(CUBIC), height.size - 1)]
+    apart = four[:, :, None] - four[:, None, :] + np.eye(CUBIC)
+    with np.errstate(divide="ignore"):  # of no cubic, at the end
+        inverse = 1 / apart.prod(axis=2)
+    below, weight = np.zeros(s.height.size, int), np.zeros((s.height.size, CUBIC))
+    at = Levels(first, height, inverse, below, weight)
+    at_rest(s, at)
+    return at
 
 
-def rows(s: Stretched, at: Levels, field: WaveField) -> np.ndarray:
+def rows(s: Stretched, field: WaveField) -> np.ndarray:
     """What waves do at the levels, KINDS of each in turn, then their elevation at the places (KINDS nl + np, n)."""
+    at = _levels(Same(s), field)
     there = np.outer(np.repeat(s.place, np.diff(at.first)), field.direction)
     there[:, 2] = at.height
     swing = np.stack(field.swing(there))
@@ -104,53 +106,73 @@ def rows(s: Stretched, at: Levels, field: WaveField) -> np.ndarray:
     return np.concatenate([moved.reshape(-1, field.k.size), field.elevation(np.outer(s.place, field.direction))])
 
 
-@whole_lean_kernel
-def stretch(
-    s: Stretched, at: Levels, depth: float, water: np.ndarray, flow: np.ndarray, push: np.ndarray, wet: np.ndarray
-) -> None:
-    """From samples water (m, columns of `rows`) velocity flow (m, nd, ns) [m/s] normal to the members at the stations,
-    the share wet (m, ns) of each, and push (m, nd, ns) [N]: what the waves' inertia is beyond that to still water.
+def stretched(
+    s: Stretched, field: WaveField, depth: float, water: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of samples water (m, columns of `rows`): velocity (m, nd, ns) [m/s] normal to the members at the stations, the
+    share wet (m, ns) of each, and push (m, nd, ns) [N], what the waves' inertia is beyond that to still water.
     """
+    shape = len(water), *s.stream.shape
+    flow, wet, push = np.empty(shape), np.empty((len(water), s.height.size)), np.empty(shape)
+    stretch(s, _levels(Same(s), field), depth, water, flow, wet, push)
+    return flow, wet, push
+
+
+@whole_kernel
+def stretch(
+    s: Stretched, at: Levels, depth: float, water: np.ndarray, flow: np.ndarray, wet: np.ndarray, push: np.ndarray
+) -> None:
+    """Fill `stretched`'s answers."""
     ns, nd = s.along.shape
-    surface = KINDS * at.height.size
+    surface, weight = KINDS * at.height.size, np.empty(CUBIC)
     for i in range(len(water)):
         for j in range(ns):
             place, z = s.of_place[j], s.height[j]
             eta = max(water[i, surface + place], (SHALLOWEST - 1) * depth)
             low, high = s.bounds[j]
             share = 1.0 if eta >= high else 0.0 if eta <= low else (eta - low) / (high - low)
+            wet[i, j] = share
+            if share == 0 and z >= 0:
+                flow[i, :, j] = push[i, :, j] = 0.0
+                continue
             middle = low + share * (z - low)  # of what is wet
             level = middle if s.extrapolated else min((middle - eta) / (1 + eta / depth), 0.0)
-            first, last = at.first[place], at.first[place + 1]
-            u, w, du, dw = _between(water[i], at.height, first, last, level)
-            _, _, du0, dw0 = _between(water[i], at.height, first, last, z) if z < 0 else (0.0, 0.0, 0.0, 0.0)
-            wet[i, j] = share
+            below = cubic(at, place, level, weight)
+            u = w = du = dw = 0.0
+            for n in range(CUBIC):
+                now, before = KINDS * (below + n), KINDS * (at.below[j] + n)
+                u += weight[n] * water[i, now]
+                w += weight[n] * water[i, now + 1]
+                du += share * weight[n] * water[i, now + 2] - at.weight[j, n] * water[i, before + 2]
+                dw += share * weight[n] * water[i, now + 3] - at.weight[j, n] * water[i, before + 3]
             for d in range(nd):
                 along, up = s.along[j, d], s.up[j, d]
                 flow[i, d, j] = along * u + up * w + s.stream[d, j]
-                push[i, d, j] = s.inertia[j] * (along * (share * du - du0) + up * (share * dw - dw0))
+                push[i, d, j] = s.inertia[j] * (along * du + up * dw)
+
+
+@whole_kernel
+def at_rest(s: Stretched, at: Levels) -> None:
+    """Fill in what of the levels is at the stations themselves."""
+    for j in range(s.height.size):
+        at.below[j] = cubic(at, s.of_place[j], s.height[j], at.weight[j])
+        if s.height[j] >= 0:
+            at.weight[j] = 0.0
 
 
 @inner_kernel
-def _between(
-    water: np.ndarray, height: np.ndarray, first: int, last: int, z: float
-) -> tuple[float, float, float, float]:
-    """KINDS at a height, by the cubic through four of the levels first … last - 1 about it."""
-    a, b = first + 1, last - 3  # where the cubic's second level may be
+def cubic(at: Levels, place: int, z: float, weight: np.ndarray) -> int:
+    """The first of the CUBIC levels of a place about a height, and the weights (CUBIC,) of them there."""
+    a, b = at.first[place], at.first[place + 1] - CUBIC
     while a < b:
         middle = (a + b + 1) // 2
-        if height[middle] <= z:
+        if at.height[middle + 1] <= z:
             a = middle
         else:
             b = middle - 1
-    u = w = du = dw = 0.0
-    for i in range(a - 1, a + 3):
-        weight = 1.0
-        for k in range(a - 1, a + 3):
+    for i in range(CUBIC):
+        weight[i] = at.inverse[a, i]
+        for k in range(CUBIC):
             if k != i:
-                weight *= (z - height[k]) / (height[i] - height[k])
-        u += weight * water[KINDS * i]
-        w += weight * water[KINDS * i + 1]
-        du += weight * water[KINDS * i + 2]
-        dw += weight * water[KINDS * i + 3]
-    return u, w, du, dw
+                weight[i] *= z - at.height[a + k]
+    return a

@@ -21,8 +21,7 @@ from solver.coupled.equilibrium import (
 )
 from solver.coupled.march import GROSSLY, march
 from solver.coupled.memory import Memory
-from solver.coupled.modal import Structure, drag
-from solver.coupled.modal import Water as WaterAbout
+from solver.coupled.modal import Structure, WaterAbout, drag
 from solver.coupled.pieces import SWING, new_fine
 from solver.coupled.stages import State
 from solver.coupled.step import (
@@ -193,10 +192,7 @@ class System:
         z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
         s = self.scene.settings
         samples = self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form)
-        if not self.still:
-            samples += self.besides(np.zeros(1))
-        self.to_surface(samples)
-        first = self.drive(samples)
+        first = self.drive(samples if self.still else samples + self.besides(np.zeros(1)))
         zone, (ddp, ddz, load, held) = self.zones_at(z), _initial_acceleration(self, z, p, first)
         state = State(
             z=z[nc:],
@@ -270,24 +266,7 @@ class System:
         """All that the wave drives, at samples dt/2 apart, blocks of at most `block`."""
         s, besides = self.scene.settings, None if self.still else self.besides
         grow = lambda t: ramp(t, s.ramp, s.ramp_form)  # noqa: E731
-        return WaveSeries(self.factored, self.scene.sea.omega, dt / 2, block, grow, besides, self.to_surface)
-
-    def to_surface(self, samples: np.ndarray) -> None:
-        """Complete samples (m, columns) by what waves do to the frame up to their surface, where that is asked for."""
-        if self.support is None or self.support.stretched is None:
-            return
-        s, at, m = self.support.stretched, self.layout, len(samples)
-        (flow, push), wet = np.empty((2, m, *s.stream.shape)), np.empty((m, s.height.size))
-        water = np.ascontiguousarray(samples[:, at.water])
-        stretching.stretch(s, self._levels, self.scene.water.depth, water, flow, push, wet)
-        for part, values in ((at.station, flow), (at.push, push), (at.wet, wet)):
-            samples[:, part] = values.reshape(m, -1)
-
-    @cached_property
-    def _levels(self) -> stretching.Levels:
-        assert self.support is not None, "asked of a frame that waves load up to their surface"
-        assert self.support.stretched is not None, "asked of the same"
-        return stretching.levels_for(self.support.stretched, self.waves)
+        return WaveSeries(self.factored, self.scene.sea.omega, dt / 2, block, grow, besides)
 
     @property
     def still(self) -> bool:
@@ -298,13 +277,17 @@ class System:
         """Columns of the wave series (m, columns) as the march reads them."""
         nb, (_, nd, ns) = len(self.scene.floats), self.structure.station.shape
         m, at = len(samples), self.layout
+        flow, wet, push = np.ascontiguousarray(samples[:, at.station]), np.zeros((m, 0)), np.zeros((m, nd, 0))
+        if self.support is not None and self.support.stretched is not None:
+            water, depth = np.ascontiguousarray(samples[:, at.water]), self.scene.water.depth
+            flow, wet, push = stretching.stretched(self.support.stretched, self.waves, depth, water)
         return Drive(
             field=np.ascontiguousarray(samples[:, at.field]),
             excitation=np.ascontiguousarray(samples[:, at.excitation]).reshape(m, nb, 6),
             modal=np.ascontiguousarray(samples[:, at.modal]),
-            station=np.ascontiguousarray(samples[:, at.station]).reshape(m, nd, ns),
-            wet=np.ascontiguousarray(samples[:, at.wet]),
-            push=np.ascontiguousarray(samples[:, at.push]).reshape(m, nd, -1),
+            station=flow.reshape(m, nd, ns),
+            wet=wet,
+            push=push,
         )
 
 

@@ -42,14 +42,9 @@ class WaveSeries:
         block: int,
         ramp: Callable[[np.ndarray], np.ndarray],
         besides: Callable[[np.ndarray], np.ndarray] | None = None,
-        complete: Callable[[np.ndarray], None] | None = None,
     ) -> None:
-        """ramp(t) -> factor (…,); blocks of `block` samples; besides(t) -> what no wave drives (…, m).
-
-        complete: puts into samples (…, m) what is no sum of waves.
-        """
-        self.rows, self.omega, self.step, self.ramp = rows, omega, step, ramp
-        self.besides, self.complete = besides, complete
+        """ramp(t) -> factor (…,); blocks of `block` samples; besides(t) -> what no wave drives (…, m)."""
+        self.rows, self.omega, self.step, self.ramp, self.besides = rows, omega, step, ramp, besides
         self.even, self.odd = _instants(tuple(omega.tolist()), step, -(-(block - 1) // (2 * WINDOWS)) or 1)
 
     def block(self, first: int, count: int) -> np.ndarray:
@@ -70,11 +65,7 @@ class WaveSeries:
         y, t = y[:count], (first + np.arange(count)) * self.step
         if not np.all((grown := self.ramp(t)) == 1.0):
             y *= grown[:, None]
-        if self.besides is not None:
-            y = y + self.besides(t)
-        if self.complete is not None:
-            self.complete(y)
-        return y
+        return y if self.besides is None else y + self.besides(t)
 
 
 @lru_cache(maxsize=4)

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from solver.coupled.memory import memory_history
-from solver.coupled.modal import drag, flexibility
+from solver.coupled.modal import WaterAbout, drag, flexibility
 from solver.coupled.newton import Zones, new_newton, newton_matrix
 from solver.coupled.system import BLOCK_STEPS, blocks, prepare
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature_room
@@ -68,8 +68,9 @@ def of_a_step(platform: str) -> list[tuple[str, float, float]]:
         ("Newton's matrix", each(newton_matrix, body, motion, zones, H, constant, system.dt, new_newton(nz)), 1 / 8),
     ]
     if frame.omega.size:
-        water, dp, force = drive.station[4:6], np.stack([state.dp] * 2), np.zeros((2, frame.omega.size))
-        parts.append(("Morison drag", each(drag, frame, water, dp, force, np.zeros_like(water), np.zeros(2)), 1))
+        water = WaterAbout(drive.station[4:6], drive.wet[4:6], drive.push[4:6])
+        dp, force = np.stack([state.dp] * 2), np.zeros((2, frame.omega.size))
+        parts.append(("Morison drag", each(drag, frame, water, dp, force, np.zeros_like(water.flow), np.zeros(2)), 1))
     return parts
 
 

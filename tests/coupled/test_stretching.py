@@ -16,8 +16,9 @@ from solver.sea.field import WaveField
 from solver.sea.realization import components, regular
 from solver.statistics import STATISTICS
 from solver.structure import water
+from solver.structure.beam import tube
 from solver.structure.frame_model import assemble
-from tests.awkward import bare_legs, sea, unequal_legs
+from tests.awkward import bare_legs, on_piles, sea, soft_ground, unequal_legs
 from tests.coupled.test_current import marched, pile
 
 DEPTH, TOP, D, CD, CM, RHO = 20.0, 5.0, 0.8, 1.1, 2.0, 1025.0
@@ -114,6 +115,23 @@ def test_water_about_leaning_legs_is_that_of_the_formula(kind):
         np.testing.assert_allclose(drive.push[i].T, push, rtol=0, atol=1e-3 * largest)
 
 
+def test_a_model_is_loaded_as_the_pile():
+    """1:20 by Froude: forces 20³ times as small, 20^½ times as soon, whatever pieces the stations are of."""
+    forces, scale = [], 1 / 20
+    for size in (1.0, scale):
+        frame, leg = pile(None).platform.frame, pile(None).platform.frame.members[0]
+        nodes = {name: tuple(size * np.array(place)) for name, place in frame.nodes.items()}
+        smaller = replace(frame, nodes=nodes, members=(replace(leg, section=tube(size * 0.8, size * 0.02)),))
+        item = stretched(pile(None, WAVES), "wheeler")
+        waves = replace(WAVES, omega=WAVES.omega / size**0.5, amplitude=WAVES.amplitude * size)
+        item = replace(item, water=Water(depth=20 * size), platform=replace(item.platform, frame=smaller), sea=waves)
+        system = prepare(item, None)
+        drive = system.drive(system.series(0.2 * size**0.5).block(0, 200))
+        drag = (system.support.stretched.drag * drive.wet)[:, None] * np.abs(drive.station) * drive.station
+        forces.append((drag + drive.push).sum(axis=(1, 2)) / size**3)
+    assert forces[1] == approx(forces[0], abs=5e-3 * np.abs(forces[0]).max())
+
+
 def test_small_waves_load_as_to_still_water():
     """The difference is of second order: a tenth of the height, a hundredth of it."""
     item, apart = replace(bare_legs()[0], sea=sea(Hs=0.5, heading=0.4)), []
@@ -159,13 +177,17 @@ def test_seas_that_are_alike_share_their_stations():
     assert one == alike
     assert one != other
     assert one.reach >= np.abs(fields[0].sea.amplitude).sum()
-    assert stretching.splash(WaveField(components(amplitude=[0.0], omega=[1.0]), 20.0, 9.81)) == water.DRY
+    assert stretching.splash(WaveField(components(amplitude=[0.0], omega=[1.0], phase=[0.0]), 20.0, 9.81)) == water.DRY
 
 
-@pytest.mark.parametrize("kind", ["wheeler", "extrapolated"])
-def test_a_run_keeps_its_energy(kind):
-    """Legs of unequal height with a float, body-nonlinear; the largest moment is not that of still water."""
-    item, h = unequal_legs()
+@pytest.mark.parametrize(
+    ("made", "kind"),
+    [(unequal_legs, "wheeler"), (unequal_legs, "extrapolated"), (soft_ground, "wheeler"), (on_piles, "wheeler")],
+)
+def test_a_run_keeps_its_energy(made, kind):
+    """Legs of unequal height with a float, body-nonlinear, on springs and on piles, in waves at 30 degrees; the largest
+    moment is not that of still water."""
+    item, h = made()
     settings = replace(item.settings, duration=60.0, outputs=("reactions",))
     usual, other = (simulate(stretched(replace(item, settings=settings), k), h) for k in ("none", kind))
     assert other.attrs["energy_residual"] < 1e-4

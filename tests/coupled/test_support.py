@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 
 from solver.coupled import driving, support, typical
-from solver.coupled.modal import Structure, drag, flexibility
+from solver.coupled.modal import Structure, WaterAbout, drag, flexibility
 from solver.coupled.scheme import AA, A
 from solver.errors import InputError
 from solver.scene import Platform, Water
@@ -119,18 +119,28 @@ def reduced(waves, modes=4, **changes):
     )
 
 
-def test_kernel_drag_is_that_of_relative_velocity(waves):
-    """Power and modal force of ½ρC_D D|u - v|(u - v) at both stages, summed over stations in plain numpy."""
-    s = reduced(waves)
+@pytest.mark.parametrize("partly", [False, True])
+def test_kernel_drag_is_that_of_relative_velocity(waves, partly):
+    """Power and modal force of ½ρC_D D|u - v|(u - v) at both stages, summed over stations in plain numpy.
+
+    Of stations that are wet in part that share, and what pushes besides.
+    """
+    s, random = reduced(waves), np.random.default_rng(0)
     one = driving.driven(s, waves).stations[..., 0].T
     u = np.stack([one.real, one.imag])
     shape = np.ascontiguousarray(s.station_shape.transpose(2, 1, 0))
     structure = Structure(s.omega, 0 * s.omega, s.carrier, shape, s.drag, 0 * s.omega)
-    dp = np.random.default_rng(0).normal(size=(2, s.omega.size))
+    dp = random.normal(size=(2, s.omega.size))
+    wet = random.uniform(size=(2, s.drag.size)) if partly else np.zeros((2, 0))
+    push = 1e3 * random.normal(size=u.shape) if partly else np.zeros((2, 1, 0))
     force, power = np.ones_like(dp), np.empty((2, 2))[:, 0]  # a column, as the march has it: compiled once
-    drag(structure, u, dp, force, np.empty_like(u), power)
+    flow = np.empty_like(u)
+    drag(structure, WaterAbout(u, wet, push), dp, force, flow, power)
     v = np.einsum("mdn,sm->sdn", shape, dp)
     load = s.drag * np.linalg.norm(u - v, axis=1, keepdims=True) * (u - v)
+    if partly:
+        load = wet[:, None] * load + push
+    assert flow == approx(load, rel=1e-12)
     assert force == approx(1 + np.einsum("mdn,sdn->sm", shape, load), rel=1e-12)
     assert power == approx(np.sum(load * v, axis=(1, 2)), rel=1e-12)
 
