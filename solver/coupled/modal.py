@@ -46,10 +46,10 @@ def drag(
                 first[i] += shape[i] * rate
                 second[i] += shape[i] * later
     for s in range(2):
+        _relative_drag(structure.drag, water.flow[s], flow[s])
         if water.wet.size:
-            power[s] = _stretched_drag(structure.drag, water.flow[s], water.wet[s], water.push[s], flow[s])
-        else:
-            power[s] = _relative_drag(structure.drag, water.flow[s], flow[s])
+            _partly_wet(water.wet[s], water.push[s], flow[s])
+    power[:] = 0.0
     for d in range(nd):
         first, second = flow[0, d], flow[1, d]
         for m in range(nm):
@@ -60,38 +60,28 @@ def drag(
                 later += shape[i] * second[i]
             force[0, m] += total
             force[1, m] += later
+            power[0] += total * dp[0, m]
+            power[1] += later * dp[1, m]
 
 
 @fast_lean_kernel(forceinline=True)
-def _relative_drag(size: np.ndarray, water: np.ndarray, flow: np.ndarray) -> float:
-    """flow (nd, ns) <- drag [N] of water beside stations that move by it [m/s]; power [W] on these."""
-    power = 0.0
+def _relative_drag(size: np.ndarray, water: np.ndarray, flow: np.ndarray) -> None:
+    """flow (nd, ns) <- drag [N] of water beside stations that move by it [m/s]."""
     for i in range(size.size):
         square = 0.0
         for d in range(flow.shape[0]):
             square += (water[d, i] - flow[d, i]) ** 2
         factor = size[i] * np.sqrt(square)
         for d in range(flow.shape[0]):
-            speed = flow[d, i]
-            flow[d, i] = factor * (water[d, i] - speed)
-            power += flow[d, i] * speed
-    return power
+            flow[d, i] = factor * (water[d, i] - flow[d, i])
 
 
 @fast_lean_kernel(forceinline=True)
-def _stretched_drag(size: np.ndarray, water: np.ndarray, wet: np.ndarray, push: np.ndarray, flow: np.ndarray) -> float:
-    """The same of stations of which a share is wet (ns,), with what the waves' inertia pushes besides (nd, ns) [N]."""
-    power = 0.0
-    for i in range(size.size):
-        square = 0.0
-        for d in range(flow.shape[0]):
-            square += (water[d, i] - flow[d, i]) ** 2
-        factor = wet[i] * size[i] * np.sqrt(square)
-        for d in range(flow.shape[0]):
-            speed = flow[d, i]
-            flow[d, i] = factor * (water[d, i] - speed) + push[d, i]
-            power += flow[d, i] * speed
-    return power
+def _partly_wet(wet: np.ndarray, push: np.ndarray, flow: np.ndarray) -> None:
+    """flow (nd, ns) <- of stations of which a share is wet (ns,), and what pushes besides (nd, ns) [N]."""
+    for d in range(flow.shape[0]):
+        for i in range(wet.size):
+            flow[d, i] = wet[i] * flow[d, i] + push[d, i]
 
 
 @whole_kernel

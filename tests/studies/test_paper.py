@@ -90,8 +90,9 @@ def test_the_page_has_a_place_for_every_section_and_keeps_its_prose():
     assert [line for line in new.splitlines() if line.startswith("## ")] == kept
 
 
-# SHA-256 of the ids of all tasks, sorted, as model version 6 has them: those of the files that paper.toml replaces.
-SAME_TASKS = "3e27975ca05cab7b7d1197579ca35e45db4701d641f504c13f48cbb160fcb8c6"
+# SHA-256 of the ids of all tasks, sorted, as model version 6 has them: those of the files that paper.toml replaces, and
+# since then with the deck beams' one element written down.
+SAME_TASKS = "4a4fd1763ad70f92ca18f186ed9395c0543ba013adef19bfb090ca0f03d3a928"
 
 
 def test_the_study_is_the_case_and_its_variants():
