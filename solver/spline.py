@@ -27,7 +27,7 @@ class CubicSpline:
         self.x, self.shape = x, y.shape[1:]
         self.pieces = flat[:-1], slope[:-1], (m - slope[:-1]) / h - t, t / h
 
-    def __call__(self, at: np.ndarray) -> np.ndarray:
+    def __call__(self, at: np.ndarray | float) -> np.ndarray:
         """Values (..., ...) at any x (...): beyond the ends those of the first and last piece."""
         where = np.clip(np.searchsorted(self.x, at, side="right") - 1, 0, len(self.x) - 2)
         t = (at - self.x[where])[..., None]
