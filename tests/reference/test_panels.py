@@ -3,8 +3,8 @@
 import itertools
 
 import numpy as np
-from numba import typeof
 import pytest
+from numba import typeof
 from pytest import approx
 
 from solver.errors import InputError
