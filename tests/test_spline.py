@@ -24,6 +24,13 @@ def test_it_is_scipys_to_the_bit(count):
         np.testing.assert_array_equal(CubicSpline(x, values)(at[3]), theirs(at[3]))
 
 
+@pytest.mark.parametrize("count", [2, 3])
+def test_of_few_points_it_is_a_line_or_parabola(count):
+    x, at = np.array([0.5, 0.8, 2.0])[:count], np.linspace(0.0, 3.0, 7)
+    y = np.array([[1.0, 2j], [3.0, -1.0], [0.0, 4.0]])[:count]
+    np.testing.assert_allclose(CubicSpline(x, y)(at), scipy.interpolate.CubicSpline(x, y)(at), rtol=0, atol=1e-13)
+
+
 def test_curves_of_awkward_coefficients_are_scipys():
     _, h = awkward.big_beside_small()
     at = np.linspace(h.omega[0], h.omega[-1], 401)
