@@ -3,7 +3,7 @@
 Frame: x along the waves for heading 0, z upwards from still water, rotations right-handed.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from itertools import combinations
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_type_hints
@@ -583,6 +583,13 @@ def panels_for(tolerance: float | None) -> int:
     """Panels a body: what is left after extrapolation from two meshes falls about as h³, panels^-3/2."""
     finer = 1.0 if tolerance is None else max(1.0, 2e-3 / tolerance)
     return min(round(PANELS * finer ** (2 / 3)), 4 * PANELS)
+
+
+def needs_coefficients(settings: Settings, hulls: Sequence[Revolution | PanelHull], depth: float) -> bool:
+    """Whether anything depends on coefficients of floats with these hulls; pressure on those that stand is linear."""
+    s = settings
+    linear = s.froude_krylov == "linear" or (s.froude_krylov != "none" and any(stands(h, depth) for h in hulls))
+    return bool(hulls) and (s.radiation or s.diffraction or linear)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

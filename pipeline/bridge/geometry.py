@@ -17,7 +17,7 @@ from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
 from solver.hydrodynamics.hull.mesh import plates
 from solver.motions import PLANAR, possible
-from solver.scene import DOFS, STARTS, is_planar, panels_for
+from solver.scene import DOFS, STARTS, is_planar, needs_coefficients, panels_for
 
 if TYPE_CHECKING:
     from solver.hydrodynamics.bem.bem import Problem
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 # What a joint's loads are where nothing is said: coefficients do not depend on them.
 UNLOADED = {name: value for name, value in STARTS.items() if "." not in name}
 MANY = 24  # motions that there are, beyond which the memory's fit takes longer than the boundary elements
-BEM_VERSION = 8  # of coefficients, and of the form of their file: raise it when either changes
+BEM_VERSION = 9  # of coefficients, and of the form of their file: raise it when either changes
 
 
 def of_joints(study: StudyFile) -> set[str]:
@@ -80,8 +80,10 @@ class Geometry(Table):
 
 
 def geometry_of(parameters: Parameters) -> Geometry | None:
-    """What the boundary element method must solve for a task; None without floats."""
-    if not parameters.floats:
+    """What the boundary element method must solve for a task, or a file tells; None where nothing depends on it."""
+    hulls = [hull(item.hull) for item in parameters.floats]
+    given = parameters.coefficients is not None and bool(hulls)  # whether they fit is then judged
+    if not given and not needs_coefficients(scenes.settings(parameters), hulls, parameters.water.depth):
         return None
     # Tasks that differ in their power take-offs alone share these floats.
     bare = tuple(f.model_copy(update=UNLOADED) for f in parameters.floats)
@@ -96,7 +98,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         "heading": parameters.waves.heading,
         "planar": planar,
     }
-    if parameters.coefficients is not None:
+    if given:
         names, needed = tuple(f.name for f in floats), tuple(tuple(sorted(each)) for each in ways)
         return Geometry(**place, coefficients=parameters.coefficients, names=names, needed=needed)
     panels = panels_for(parameters.solver.tolerance)

@@ -5,14 +5,12 @@ from typing import Any
 import numpy as np
 
 from solver.hydrodynamics.bem import bem
-from solver.scene import Scene, panels_for
+from solver.scene import Scene, needs_coefficients, panels_for
 
 
 def needed(scene: Scene) -> bool:
     """Whether anything in a scene depends on coefficients."""
-    s = scene.settings
-    linear_pressure = s.froude_krylov != "none" and not all(scene.nonlinear)
-    return bool(scene.floats) and (s.radiation or s.diffraction or linear_pressure)
+    return needs_coefficients(scene.settings, [f.hull for f in scene.floats], scene.water.depth)
 
 
 def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.Hydrodynamics | None:

@@ -13,7 +13,7 @@ In a plane |u|³ = ⅜∮|u·e|³ dφ over all directions e(φ), whose gradient 
 """
 
 import numpy as np
-from scipy.special import ellipe, ellipkm1, erf
+import scipy  # special is slow to import, and asked of drag's linear model alone
 
 PHASES = 64  # of a harmonic: its mean of |u|³ is then exact to 1e-5
 ROUND = 1e-6  # of two variances that count as the same
@@ -30,8 +30,8 @@ def of_gaussian(S: np.ndarray) -> np.ndarray:
     a, b, plane, axes = _principal(S)
     ratio = np.divide(b, a, out=np.ones(a.shape), where=a > 0)
     m, scale = np.maximum(1 - ratio, ROUND), np.sqrt(2 * a / np.pi)
-    mean = ellipe(m)
-    less = ratio * ellipkm1(np.maximum(1 - m, np.finfo(float).tiny))
+    mean = scipy.special.ellipe(m)
+    less = ratio * scipy.special.ellipkm1(np.maximum(1 - m, np.finfo(float).tiny))
     along = np.where(1 - ratio > ROUND, (mean - less) / m, mean / 2)
     uneven = scale * (along - mean / 2)
     return (scale * mean)[..., None, None] * (np.eye(S.shape[-1]) + plane / 2) + uneven[..., None, None] * axes
@@ -77,7 +77,7 @@ def in_stream(U: np.ndarray, S: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _along(mean: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """⟨|s|s⟩ and ⟨|s|⟩ of Gaussian numbers."""
     ratio = np.divide(mean, std, out=np.copysign(np.inf, mean), where=std > STEADY * np.abs(mean)) / np.sqrt(2)
-    bell, sign = np.sqrt(2 / np.pi) * std * np.exp(-(ratio**2)), erf(ratio)
+    bell, sign = np.sqrt(2 / np.pi) * std * np.exp(-(ratio**2)), scipy.special.erf(ratio)
     return (mean**2 + std**2) * sign + mean * bell, mean * sign + bell
 
 

@@ -44,7 +44,7 @@ def waves_at(
     k: ArrayLike, omega: ArrayLike, amplitude: ArrayLike, *, depth: float, heading: float, t: float, factor: float = 1.0
 ) -> Waves:
     """Components of complex amplitude (n,) [m] at time t [s], times a ramp's factor."""
-    direction, k = np.array([np.cos(heading), np.sin(heading)]), np.asarray(k, float)
+    direction, k = np.array([np.cos(heading), np.sin(heading)]), np.array(k, float)
     turned = np.asarray(amplitude, complex) * np.exp(-1j * np.asarray(omega) * t) * factor
     image = np.exp(-2 * k * depth)
     share = np.stack([1 / (1 + image), image / (1 + image)])

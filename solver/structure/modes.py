@@ -4,8 +4,8 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # spatial is slow to import, and asked for mirrored shapes alone
 from scipy import linalg, sparse
-from scipy.spatial import cKDTree
 
 from solver.errors import InputError
 from solver.structure.frame_model import FrameModel
@@ -112,7 +112,8 @@ def mirror(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_array | N
     None if the frame is not symmetric: nodes must pair up, and K, M, the supports and other matrices (6n, 6n),
     such as the water's, must not change in the mirror.
     """
-    near, tree, images = SAME_PLACE * np.ptp(model.xyz, axis=0).max(), cKDTree(model.xyz), model.xyz * [1, -1, 1]
+    near, images = SAME_PLACE * np.ptp(model.xyz, axis=0).max(), model.xyz * [1, -1, 1]
+    tree = scipy.spatial.cKDTree(model.xyz)
     gap, partner = tree.query(images)
     if gap.max() > near:
         return None

@@ -62,7 +62,7 @@ def run(path: Path, results: Path, workers: int, *more: str) -> tuple[float, flo
     records = list(results.glob("short/tasks/*/record.nc"))
     steps = [r.stat().st_mtime - float(from_bytes(r.read_bytes())[1]["march_time"]) for r in records]
     ends = [r.stat().st_mtime for r in records]
-    return min(steps) - start, whole, (max(ends) - min(ends)) / (len(ends) - 1)
+    return min(steps) - start, whole, (max(ends) - min(ends)) / max(1, len(ends) - 1)
 
 
 def side_by_side(processes: int) -> float:
@@ -91,6 +91,11 @@ if __name__ == "__main__":
             shutil.copytree(folder / "first" / "hydrodynamics", results / "hydrodynamics")
             first, walls[workers], paces[workers] = run(path, results, workers)
             print(f"{workers} workers: first step after {first:.2f} s, end after {walls[workers]:.2f} s", flush=True)
+        ones = []
+        for results in (folder / "one", folder / "another", folder / "third"):
+            shutil.copytree(folder / "first" / "hydrodynamics", results / "hydrodynamics")
+            ones.append(run(path, results, 2, "--select", "platform=fixed,seed=0")[0])
+        print(f"one task, in the command's own process: first step after {min(ones):.2f} s")
         again = min(run(path, results, 2)[1] for _ in range(3))
         print(f"nothing to do: {again:.2f} s (at most 0.8)")
         alone, together = side_by_side(1), side_by_side(2)

@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from numba import typeof
 from pytest import approx
 
 from solver.errors import InputError
@@ -43,6 +44,14 @@ def load(mesh, position, rotation, waves=CALM, *, wheeler=False):
 def sea(heading=0.0, depth=DEPTH):
     real = realize(PiersonMoskowitz(Hs=1.28, Tp=5.46), components=130, band=(0.7, 3.4), seed=1, heading=heading)
     return real, WaveField(real, depth, 9.81)
+
+
+def test_still_water_and_waves_are_of_one_type():
+    """Or the load on panels is compiled for each; fields keep their wavenumbers from being written to."""
+    k = np.array([0.1])
+    k.setflags(write=False)
+    there = waves_at(k, [1.0], [1.0 + 0j], depth=DEPTH, heading=0.0, t=0.0)
+    assert list(map(typeof, there)) == list(map(typeof, calm()))
 
 
 def by_quadrature(shift, rotation, t, *, heading=0.0, depth=DEPTH, wheeler=False):

@@ -226,16 +226,23 @@ def turns_round(panels: np.ndarray, points: np.ndarray) -> np.ndarray:
 
     Solid angles of the triangles over 4π (van Oosterom and Strackee 1983); a half on it, any number near holes.
     """
-    corners = triangles(panels)
+    middle = points.mean(axis=0) if len(points) else 0.0  # near to which rounding takes the least of dot products
+    corners, points = triangles(panels) - middle, points - middle
+    a, b, c = np.moveaxis(corners, 1, 0)
+    normals = np.cross(b - a, c - a)
     total = np.zeros(len(points))
     for first in range(0, len(points), max(1, PAIRS // len(corners))):
-        part = slice(first, first + max(1, PAIRS // len(corners)))
-        a, b, c = np.moveaxis(corners[None] - points[part, None, None], 2, 0)
-        la, lb, lc = (np.linalg.norm(side, axis=-1) for side in (a, b, c))
-        triple = np.einsum("mni,mni->mn", a, np.cross(b, c))
-        ab, bc, ca = (np.einsum("mni,mni->mn", *pair) for pair in ((a, b), (b, c), (c, a)))
-        total[part] = 2 * np.arctan2(triple, la * lb * lc + ab * lc + bc * la + ca * lb).sum(axis=1)
+        p = points[first : first + max(1, PAIRS // len(corners))]
+        la, lb, lc = (np.sqrt(np.maximum(_seen_dot(p, corner, corner), 0.0)) for corner in (a, b, c))
+        triple = np.sum(a * normals, axis=1) - p @ normals.T
+        bent = la * lb * lc + _seen_dot(p, a, b) * lc + _seen_dot(p, b, c) * la + _seen_dot(p, c, a) * lb
+        total[first : first + len(p)] = 2 * np.arctan2(triple, bent).sum(axis=1)
     return total / (4 * np.pi)
+
+
+def _seen_dot(p: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(a - p)·(b - p) (m, n) of points p (m, 3) with a and b (n, 3): of products of matrices, a sixth of the time."""
+    return np.sum(a * b, axis=1) - p @ (a + b).T + np.sum(p**2, axis=1)[:, None]
 
 
 def alike(panels: np.ndarray, other: np.ndarray, tolerance: float) -> bool:

@@ -5,6 +5,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # spatial is slow to import, and few scenes have hinged floats so near
 
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -37,7 +38,7 @@ def meeting(a: Hinged, b: Hinged, strokes: tuple[Stroke, Stroke]) -> tuple[float
     None where hulls meet at rest, which may be meant so, or where no point can come as far as they are apart.
     """
     way = sum(max(abs(low), abs(high)) * _reach(item) for item, (low, high) in zip((a, b), strokes, strict=True))
-    if way <= _gap(a, b):
+    if way <= _clear(_box(a, 0.0), _box(b, 0.0)) or way <= _gap(a, b):
         return None
     poses = sorted(product(_angles(strokes[0]), _angles(strokes[1])), key=lambda pose: max(abs(pose[0]), abs(pose[1])))
     at = next((pose for pose in poses if _overlap(a, b, pose)), None)
@@ -65,11 +66,14 @@ def _reach(item: Hinged) -> float:
 @lru_cache(maxsize=256)
 def _gap(a: Hinged, b: Hinged) -> float:
     """Distance of the hulls at rest [m], at least; 0 where that is less than what lies between the points on them."""
-    from scipy.spatial import cKDTree  # 0.1 s to import, and few scenes have hinged floats so near
-
     size = _size(a.hull, b.hull)
     points, others = (_points(item.hull, size) + np.add(item.hinge, item.arm) for item in (a, b))
-    return max(0.0, float(cKDTree(points).query(others)[0].min()) - size)
+    return max(0.0, float(scipy.spatial.cKDTree(points).query(others)[0].min()) - size)
+
+
+def _clear(box: np.ndarray, other: np.ndarray) -> float:
+    """Distance of two boxes [m], which the hulls in them exceed; most floats are told apart by that alone."""
+    return float(np.linalg.norm(np.maximum(0.0, np.maximum(box[0] - other[1], other[0] - box[1]))))
 
 
 @lru_cache(maxsize=4096)
@@ -85,12 +89,10 @@ def _overlap(a: Hinged, b: Hinged, pose: tuple[float, float]) -> bool:
     box, other_box = _box(a, pose[0]), _box(b, pose[1])
     if np.any(box[0] >= other_box[1]) or np.any(other_box[0] >= box[1]):
         return False
-    from scipy.spatial import cKDTree
-
     size = _size(a.hull, b.hull)
     at = {item: _posed(item, _points(item.hull, size), angle) for item, angle in zip((a, b), pose, strict=True)}
     for one, other, angle in ((a, b, pose[0]), (b, a, pose[1])):
-        near = at[other][cKDTree(at[one]).query(at[other], distance_upper_bound=2 * size)[0] < np.inf]
+        near = at[other][scipy.spatial.cKDTree(at[one]).query(at[other], distance_upper_bound=2 * size)[0] < np.inf]
         if len(near) and np.any(surface.turns_round(_posed(one, _panels(one.hull), angle), near) > INSIDE):
             return True
     return False

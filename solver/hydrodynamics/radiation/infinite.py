@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.spline import CubicSpline
+
 NODES = 801  # of B within the band, straight between them
 TAIL = 201  # beyond it, up to FARTHEST times its end
 FARTHEST = 300.0
@@ -28,8 +30,6 @@ def infinite_added_mass(omega: np.ndarray, added_mass: np.ndarray, damping: np.n
 
     B is a spline from B(0) = 0 through the samples and goes on as a power of ω, as its last quarter falls.
     """
-    from scipy.interpolate import CubicSpline
-
     shape = added_mass.shape[1:]
     B, A = damping.reshape(len(omega), -1), added_mass.reshape(len(omega), -1)
     inner = np.linspace(0, omega[-1], NODES)

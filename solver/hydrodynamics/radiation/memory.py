@@ -12,6 +12,7 @@ import numpy as np
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation.passivity import SILENT, UNPASSIVE, Constraint, enforce, least_damping
 from solver.hydrodynamics.radiation.rational import basis, complex_residues, mixed, relocated, starting_poles
+from solver.spline import CubicSpline
 
 USUAL = 5e-3  # tolerance, where none is asked for
 PAIRS = 30  # of poles, at most
@@ -281,8 +282,6 @@ def retardation(omega: np.ndarray, radiation_damping: np.ndarray, t: np.ndarray)
     B is a spline from B(0) = 0 through the samples and goes on as a power of ω, as its last quarter
     falls off, ω^-2 at least. Then, linear between 4,000 close points, each piece is exact.
     """
-    from scipy.interpolate import CubicSpline
-
     flat = radiation_damping.reshape(len(omega), -1)
     inner = np.linspace(0, omega[-1], 4001)
     spline = CubicSpline(np.concatenate([[0.0], omega]), np.vstack([0 * flat[:1], flat]))

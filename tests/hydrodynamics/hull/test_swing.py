@@ -98,3 +98,13 @@ def test_hulls_that_meet_at_rest_are_not_told_again():
 def test_linear_angles_of_many_turns_are_looked_at_once():
     angles = np.tile([900.0, -900.0, 0.0, 0.0, 0.0], (2, 1))
     assert len(list(met(awkward.scene(in_line(3.3)), {"rotation": angles}))) == 1
+
+
+def test_floats_far_apart_are_told_by_their_boxes(monkeypatch):
+    """And others are not: the box of a cylinder goes as far as the cylinder, but for the corners."""
+    monkeypatch.setattr("scipy.spatial.cKDTree", None)
+    a, b = swings(5.0)
+    far = b._replace(hinge=(0.0, 40.0, 0.0))
+    assert meeting(a, far, ((-1.0, 1.0), (-1.0, 1.0))) is None
+    with pytest.raises(TypeError):
+        meeting(a, b, ((-1.0, 1.0), (-1.0, 1.0)))

@@ -207,6 +207,19 @@ def test_damping_lids_have_coefficients_of_their_own(buan_tables, study_of):
     assert (arguments["gap_damping"], arguments["gap_width"]) == (0.05, 0.5)
 
 
+def test_scenes_that_ask_nothing_of_coefficients_have_none(buan_tables, study_of):
+    """As from Python; but linear pressure does, and so does that on a hull that stands on the seabed."""
+    buan_tables["solver"] |= {"radiation": False, "diffraction": False}
+    assert geometry_of(task(study_of(buan_tables), platform="fixed").parameters) is None
+    buan_tables["solver"]["froude_krylov"] = "linear"
+    assert geometry_of(task(study_of(buan_tables), platform="fixed").parameters) is not None
+    del buan_tables["solver"]["froude_krylov"]
+    foot = {"shape": "vertical-cylinder", "radius": 1.0, "draft": buan_tables["water"]["depth"], "freeboard": 0.6}
+    standing = buan_tables["floats"][0] | {"hull": foot, "motion": []}
+    buan_tables["floats"] = [standing]
+    assert geometry_of(task(study_of(buan_tables), platform="fixed").parameters) is not None
+
+
 def test_scenes_whose_drift_is_asked_for_have_coefficients_with_a_far_field(buan_tables, study_of):
     usual = geometry_of(task(study_of(buan_tables), platform="fixed").parameters)
     buan_tables["solver"] |= {"method": "frequency", "froude_krylov": "linear"}
