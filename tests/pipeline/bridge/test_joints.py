@@ -246,6 +246,13 @@ def test_a_law_that_is_none_is_refused(study_with, tmp_path, text, message):
     assert message in str(caught.value) and "floats.only.pto_law." in str(caught.value)
 
 
+@pytest.mark.parametrize("ends", ["velocity = [1, -1]", "velocity = [1, 1]", "velocity = [-1, 1], position = [1, -1]"])
+def test_a_law_is_followed_from_the_least_to_the_largest(study_with, tmp_path, ends):
+    (tmp_path / "law.py").write_text(LAW)
+    with pytest.raises(StudyError, match=r"floats\.only\.pto_law\.\w+ = \[1.*\]: must increase"):
+        study_with(f'{HINGED}pto_law = {{ file = "law.py", {ends} }}\n')
+
+
 def test_forces_of_power_take_offs_need_no_platform(study_with):
     study = study_with(HINGED + '[record]\noutputs = ["pto_force"]\n')
     assert scenes.scene(task(study).parameters).settings.outputs == ("pto_force",)
