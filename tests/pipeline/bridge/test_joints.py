@@ -406,7 +406,7 @@ def test_a_float_that_is_held_has_its_preload_told(study_with, monkeypatch):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("mass = 2147.0", 'mass = "balanced"', r"floats[0].mass = 'balanced': must be one of 'balance'"),
+        ("mass = 2147.0", 'mass = "balanced"', r"floats[0].mass = 'balanced': must be a number [kg], or 'balance'"),
         ("mass = 2147.0", "mass = 0.0", "floats[0].mass = 0.0: must be > 0 kg"),
         ('["balance", 0.0, -0.5]', '[0.0, 0.0, "balance"]', "floats[1].cog[2] = 'balance': must be a number"),
         ("mass = 5e3", "mass = 8e5", "floats.only.mass = balance: leaves nothing"),
