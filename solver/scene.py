@@ -22,6 +22,7 @@ from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.quantities import Quantity, out_of_range, require_ranges
 from solver.sea.current import Current
 from solver.sea.realization import CALM, Realization
+from solver.structure import in_water
 from solver.structure.frame import Frame
 from solver.structure.load_history import LoadHistory, in_plane
 from solver.structure.tubular import may_be_utilised, resistance
@@ -375,6 +376,12 @@ class Platform:
         strange = [(i, leg) for i, leg in enumerate(self.legs) if leg not in members]
         unknown = [InputError(f"platform.legs[{i}]", leg, f"must be one of {', '.join(members)}") for i, leg in strange]
         refuse([*out_of_range(self, "platform"), *unknown, *self._history_problems()])
+
+    def symmetric(self, sea: Water) -> bool:
+        """Whether frame and load histories are mirror images of themselves in y = 0."""
+        if not in_plane(self.load_histories, self.frame.nodes):
+            return False
+        return in_water.symmetric(self.frame, sea.density, sea.gravity, softened=self.geometric_stiffness)
 
     @property
     def damping(self) -> StructuralDamping:
@@ -842,8 +849,8 @@ class Scene:
     @property
     def planar(self) -> bool:
         """Scene and sea are mirror images of themselves in y = 0, so nothing leaves the plane."""
-        symmetric = self.platform is None or in_plane(self.platform.load_histories, self.platform.frame.nodes)
-        return symmetric and is_planar(self.floats, self.sea.heading, self.current)
+        flat = is_planar(self.floats, self.sea.heading, self.current)
+        return flat and (self.platform is None or self.platform.symmetric(self.water))
 
 
 def two_digits(step: float) -> float:

@@ -15,6 +15,7 @@ from pipeline.study.attachments import CoefficientFile
 from pipeline.study.schema import Hull, Solver, StudyFile, Water
 from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
+from solver import scene as physics
 from solver.hydrodynamics.hull.mesh import plates
 from solver.motions import PLANAR, possible
 from solver.scene import DOFS, STARTS, is_planar, needs_coefficients, panels_for
@@ -89,8 +90,9 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     bare = tuple(f.model_copy(update=UNLOADED) for f in parameters.floats)
     floats = scenes.floats(parameters.model_copy(update={"floats": bare}))
     centres = [tuple(map(float, item.centre)) for item in floats]
-    symmetric = parameters.platform is None or scenes.in_plane(parameters.platform)
-    planar = symmetric and is_planar(floats, parameters.waves.heading, scenes.current(parameters.current))
+    flat = is_planar(floats, parameters.waves.heading, scenes.current(parameters.current))
+    platform = scenes.platform(parameters) if flat else None
+    planar = flat and (platform is None or platform.symmetric(physics.Water(**dict(parameters.water))))
     ways = possible(floats, planar=planar, elastic=parameters.platform is not None)
     place = {
         "water": parameters.water,

@@ -31,8 +31,9 @@ def table(
     file: Attachment, velocity: Ends, position: Ends | None, error: float, parameters: tuple[float, ...], axis: str
 ) -> PtoTable:
     """The solver's table for the law in a file; InputError where there is none."""
-    if position and not position[0] < position[1]:
-        raise InputError("pto_table.position", list(position), "must increase")
+    for name, ends in (("velocity", velocity), ("position", position)):
+        if ends and not ends[0] < ends[1]:
+            raise InputError(f"pto_table.{name}", list(ends), "must increase")
     load = _function(file, parameters)
     v = _points(velocity, GRID if position else RATES)
     y = _points(position, GRID) if position else np.zeros(1)

@@ -319,13 +319,6 @@ def load_history(table: LoadHistory) -> History:
         return History(node=table.node, time=time, force=force)
 
 
-def in_plane(table: Platform) -> bool:
-    """Whether what goes with time on a platform is its own mirror image in y = 0."""
-    from solver.structure.load_history import in_plane
-
-    return in_plane(map(load_history, table.load_histories), table.nodes)
-
-
 def in_place(item: Float, water: Water) -> None:
     """Refuse a float that reaches the seabed or is not at still water."""
     from solver import scene as physics

@@ -14,8 +14,8 @@ from pipeline.results.packs import TASK
 
 # Dimensions of a record, in the order in which they follow those of the study.
 INNER = (
-    "float", "axis", "line", "leg", "foot", "member", "tube", "end", "fibre", "force", "moment", "direction", "height",
-    "statistic", "mode", "system_mode", "component", "frequency_band",
+    "float", "axis", "line", "leg", "foot", "node", "member", "tube", "end", "fibre", "member_fibre", "force", "moment",
+    "direction", "height", "statistic", "mode", "system_mode", "component", "frequency_band",
 )  # fmt: skip
 LARGE = 2**25  # an array above this is kept in a file, and the system decides what of it is in memory [bytes]
 

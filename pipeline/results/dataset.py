@@ -26,7 +26,7 @@ LOWEST = 6  # modes: a table of the whole dataset has a row for every combinatio
 SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
 NO_TASK = "no task"  # the state of a cell that its variant does not go along
-LAYOUT = 3  # raise it when the dataset's form changes, so that it is written anew
+LAYOUT = 4  # raise it when the dataset's form changes, so that it is written anew
 
 
 Cell = tuple[int, ...]

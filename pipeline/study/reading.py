@@ -34,6 +34,7 @@ LIMITS = {
     "control_character": "must be one line, without control characters",
     "string_too_long": "must have at most {max_length} characters",
     "literal_error": "must be one of {expected}",
+    "no_such_word": "must be a number{of_unit}, or {expected}",
     "union_tag_invalid": "must be one of {expected_tags}",
     "unknown_key": "{limit}",
     "string_pattern_mismatch": "must be letters, digits, '_', '-', '.' or ':', not starting with a sign",
@@ -168,7 +169,8 @@ def limit_of(error: ErrorDetails) -> str:
     if error["type"] in ("missing", "union_tag_not_found"):
         return f"needs {dotted(parts)}"
     unit, of_unit = _unit(parts, " {}"), _unit(parts, " [{}]")
-    limit = LIMITS.get(error["type"], "{msg}").format(msg=error["msg"], unit=unit, of_unit=of_unit, **context)
+    kind = "no_such_word" if error["type"] == "literal_error" and "<word>" in parts else error["type"]
+    limit = LIMITS.get(kind, "{msg}").format(msg=error["msg"], unit=unit, of_unit=of_unit, **context)
     return limit.replace("<", "").replace(">", "") if error["type"] == "union_tag_invalid" else limit
 
 

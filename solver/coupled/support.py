@@ -22,9 +22,9 @@ from solver.errors import InputError
 from solver.keys import shared
 from solver.scene import Platform, StructuralDamping, Water
 from solver.sea.field import WaveField
-from solver.structure import fineness, legs, statics, water
+from solver.structure import fineness, in_water, legs, statics, water
 from solver.structure import modes as natural
-from solver.structure.frame_model import FrameModel, assemble, sparse_sum
+from solver.structure.frame_model import FrameModel, sparse_sum
 from solver.structure.legs import Legs
 from solver.structure.load_history import LoadHistory
 
@@ -80,23 +80,9 @@ class Support:
     buckling_factor: float  # gravity times this buckles the frame
 
 
-@lru_cache(maxsize=KNOWN)
 def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarray, float]:
     """Frame (softened by gravity if the platform asks for it), its static displacement, and the buckling factor."""
-    model = assemble(platform.frame)
-    model = replace(model, M=model.M + water.inner_mass(model, sea.density) + water.growth_mass(model))
-    load = water.static_load(model, sea.density, sea.gravity)
-    at_rest = statics.static(model, load)
-    factor = statics.buckling_factor(model, load, sea.gravity)
-    if platform.geometric_stiffness:
-        if factor <= 1:
-            raise InputError(
-                "platform.geometric_stiffness",
-                True,
-                f"gravity is {1 / factor:.2f} times the Euler load",
-            )
-        model = statics.with_geometric_stiffness(model, at_rest, sea.gravity)
-    return model, at_rest, factor
+    return in_water.dynamic_model(platform.frame, sea.density, sea.gravity, softened=platform.geometric_stiffness)
 
 
 @lru_cache(maxsize=KNOWN)

@@ -10,12 +10,14 @@ from solver.coupled import driving, support, typical
 from solver.coupled.modal import Structure, WaterAbout, drag, flexibility
 from solver.coupled.scheme import AA, A
 from solver.errors import InputError
-from solver.scene import Platform, Water
+from solver.run import simulate
+from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.field import WaveField
 from solver.sea.realization import Realization, components
+from solver.statistics import STATISTICS
 from solver.structure import water
 from solver.structure.beam import tube
-from solver.structure.frame import Frame, Material, Member
+from solver.structure.frame import Frame, Material, Member, PointMass
 from solver.structure.frame_model import assemble
 from tests.awkward import tripod
 
@@ -233,6 +235,26 @@ def test_flexibility_inverts_the_stage_equations():
     D = np.eye(2) + 2 * zeta * omega * dt * A + (omega * dt) ** 2 * AA
     assert inverse[0] @ D == approx(np.eye(2), abs=1e-14)
     assert H[:, 0, :, 0] == approx(inverse[0])
+
+
+def lopsided(turned):
+    """A pile with a mass beside it, in a wave along x or, all of it turned by a right angle, along y: its record."""
+    level = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]]) if turned else np.eye(3)
+    mass = PointMass(node="top", mass=2e5, cog=tuple(level @ [3.0, 3.0, 1.0]))
+    platform = Platform(frame=replace(pile(elements=2), masses=(mass,)), legs=("pile",))
+    sea = components(amplitude=[1.0], omega=[0.8], phase=[0.0], heading=np.pi / 2 if turned else 0.0)
+    settings = Settings(duration=20.0, discard=0.0, ramp=5.0)
+    item = Scene(water=OCEAN, sea=sea, platform=platform, settings=settings)
+    assert not item.planar
+    return simulate(item).variables["top_displacement"][1][0]
+
+
+def test_a_lopsided_frame_leaves_the_plane_of_waves_along_x():
+    """As the same frame turned by a right angle does in waves along y."""
+    along, across = lopsided(False), lopsided(True)
+    x, y, z = along[:, STATISTICS.index("std")]
+    assert y > 1e-5 * x > 0
+    assert across[:, STATISTICS.index("std")] == approx(np.array([y, x, z]), rel=1e-5)
 
 
 @pytest.mark.parametrize("odd", [{"drag_coefficient": 0.7}, {"inertia_coefficient": 1.6}])

@@ -123,7 +123,7 @@ def _extent(segment: Segment) -> tuple[float, float]:
 Line = tuple[tuple[float, float], tuple[float, float]]
 
 
-def _cross(one: Line, other: Line) -> bool:
+def cross(one: Line, other: Line) -> bool:
     """Whether two lines of a meridian, which share no end, have a point in common."""
 
     def side(line: Line, point: tuple[float, float]) -> float:
@@ -207,7 +207,7 @@ class Revolution:
             raise InputError("hull.points", f"z from {line[0][1]:g} to {line[-1][1]:g}", "must begin below z = 0 m")
         pieces = list(zip(line[:-1], line[1:], strict=True))
         for n, piece in enumerate(pieces):
-            if any(_cross(piece, other) for other in pieces[n + 2 :]):
+            if any(cross(piece, other) for other in pieces[n + 2 :]):
                 raise InputError("hull.points", piece, "must not cross or touch another part of the line")
         through = [piece for piece in pieces if (piece[0][1] < 0) != (piece[1][1] < 0)]
         if len(through) > 1:

@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import cross
 
 SIDES = 32  # of the polygon that stands for each circle
 
@@ -27,6 +28,10 @@ def ring(points: Sequence[tuple[float, float]], sides: int = SIDES) -> PanelHull
         raise InputError(
             "hull.points", tuple(points), "must each be unlike the one before; the outline closes by itself"
         )
+    outline = list(zip(map(tuple, section.tolist()), map(tuple, after.tolist()), strict=True))
+    for n, side in enumerate(outline):
+        if any(cross(side, other) for other in outline[n + 2 : len(outline) - (n == 0)]):
+            raise InputError("hull.points", side, "must not cross or touch another side of the outline")
     angle = 2 * np.pi * np.arange(sides) / sides
     section[:, 0] *= np.sqrt(2 * np.pi / sides / np.sin(2 * np.pi / sides))
     r, z = section[:, :1], np.broadcast_to(section[:, 1:], (len(section), sides))

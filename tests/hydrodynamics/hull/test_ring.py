@@ -92,6 +92,7 @@ def test_no_irregular_frequency_is_left_between_hull_and_well(monkeypatch):
     [
         (((3.0, -1.0), (3.0, 1.0), (0.0, 1.0)), r"points = \(0.0, 1.0\): must be off the axis"),
         (((3.0, -1.0), (3.0, 1.0), (2.0, 1.0), (3.0, -1.0)), "the outline closes by itself"),
+        (((3.0, -1.0), (1.0, 0.5), (3.0, 1.0), (1.0, -2.0)), r"\(1.0, 0.5\)\): must not cross or touch another side"),
     ],
 )
 def test_outlines_that_cannot_be_are_refused(points, told):

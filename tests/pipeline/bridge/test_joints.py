@@ -246,6 +246,13 @@ def test_a_law_that_is_none_is_refused(study_with, tmp_path, text, message):
     assert message in str(caught.value) and "floats.only.pto_law." in str(caught.value)
 
 
+@pytest.mark.parametrize("ends", ["velocity = [1, -1]", "velocity = [1, 1]", "velocity = [-1, 1], position = [1, -1]"])
+def test_a_law_is_followed_from_the_least_to_the_largest(study_with, tmp_path, ends):
+    (tmp_path / "law.py").write_text(LAW)
+    with pytest.raises(StudyError, match=r"floats\.only\.pto_law\.\w+ = \[1.*\]: must increase"):
+        study_with(f'{HINGED}pto_law = {{ file = "law.py", {ends} }}\n')
+
+
 def test_forces_of_power_take_offs_need_no_platform(study_with):
     study = study_with(HINGED + '[record]\noutputs = ["pto_force"]\n')
     assert scenes.scene(task(study).parameters).settings.outputs == ("pto_force",)
@@ -399,7 +406,7 @@ def test_a_float_that_is_held_has_its_preload_told(study_with, monkeypatch):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("mass = 2147.0", 'mass = "balanced"', r"floats[0].mass = 'balanced': must be one of 'balance'"),
+        ("mass = 2147.0", 'mass = "balanced"', r"floats[0].mass = 'balanced': must be a number [kg], or 'balance'"),
         ("mass = 2147.0", "mass = 0.0", "floats[0].mass = 0.0: must be > 0 kg"),
         ('["balance", 0.0, -0.5]', '[0.0, 0.0, "balance"]', "floats[1].cog[2] = 'balance': must be a number"),
         ("mass = 5e3", "mass = 8e5", "floats.only.mass = balance: leaves nothing"),

@@ -92,6 +92,8 @@ def test_tasks_without_them_are_what_they_were(study_with):
         ("[current]\nspeed = 1.0\ndirection = 0.1\n", WIND, False),
         ('[[platform.load_histories]]\nnode = "hinge:front"\nfile = "wind.csv"\n', WIND, True),
         ('[[platform.load_histories]]\nnode = "hinge:front"\nfile = "wind.csv"\n', WIND.replace("Fz", "Fy"), False),
+        ('[[platform.masses]]\nnode = "hinge:front"\nmass = 100.0\n', WIND, True),
+        ('[[platform.masses]]\nnode = "hinge:front"\nmass = 100.0\ncog = [0.0, 0.5, 0.0]\n', WIND, False),
     ],
 )
 def test_pipeline_and_solver_agree_on_what_is_planar(study_with, more, wind, planar):

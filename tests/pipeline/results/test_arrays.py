@@ -2,8 +2,10 @@
 
 import numpy as np
 
-from pipeline.results.arrays import Arrays
+from pipeline.results.arrays import INNER, Arrays
 from pipeline.results.netcdf import Variable, content
+from pipeline.study.axes import TAKEN
+from solver.record.recorder import DIMS
 
 
 def record(floats, values):
@@ -27,6 +29,12 @@ def test_numbers_stand_where_their_labels_are_whatever_the_order(tmp_path):
     assert arrays.dims["motion"] == ("float", "axis")
     expected = [[[np.nan] * 2, [2, 4], [1, 3]], [[6, 9], [5, 8], [7, 10]]]
     np.testing.assert_array_equal(arrays.whole("motion"), expected)
+
+
+def test_a_dataset_has_a_place_for_all_that_records_hold():
+    """What has a dimension unknown to the dataset is left out of it, and no axis of a study may be called so."""
+    dims = {dim for inner in DIMS.values() for dim in inner}
+    assert dims <= set(INNER) and dims <= TAKEN
 
 
 def test_records_of_one_form_stand_in_their_own_cells(tmp_path):

@@ -1,0 +1,43 @@
+"""A frame at rest in still water: what moves along with it, where it stands, and whether it mirrors itself."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from solver.errors import InputError
+from solver.structure import modes, statics, water
+from solver.structure.frame import Frame
+from solver.structure.frame_model import FrameModel, assemble
+
+KNOWN = 8  # frames that a process keeps
+
+
+@lru_cache(maxsize=KNOWN)
+def dynamic_model(
+    frame: Frame, density: float, gravity: float, *, softened: bool
+) -> tuple[FrameModel, np.ndarray, float]:
+    """Frame with what moves along, softened by gravity if asked; its static displacement, and the buckling factor."""
+    model = assemble(frame)
+    model = replace(model, M=model.M + water.inner_mass(model, density) + water.growth_mass(model))
+    load = water.static_load(model, density, gravity)
+    at_rest = statics.static(model, load)
+    factor = statics.buckling_factor(model, load, gravity)
+    if softened:
+        if factor <= 1:
+            raise InputError("platform.geometric_stiffness", True, f"gravity is {1 / factor:.2f} times the Euler load")
+        model = statics.with_geometric_stiffness(model, at_rest, gravity)
+    return model, at_rest, factor
+
+
+@lru_cache(maxsize=KNOWN)
+def symmetric(frame: Frame, density: float, gravity: float, *, softened: bool) -> bool:
+    """Whether a frame and what water does to it are mirror images of themselves in y = 0.
+
+    So is, as long as nobody reduces it, one that cannot be: whoever does says why.
+    """
+    try:
+        model = dynamic_model(frame, density, gravity, softened=softened)[0]
+    except InputError:
+        return True
+    return modes.mirror(model, water.added_mass(model, density), water.drag_matrix(model)) is not None
