@@ -264,8 +264,7 @@ def _places(platform: Platform, sea: Water, outputs: tuple[str, ...]) -> Places:
 @lru_cache(maxsize=KNOWN)
 def _static_tops(platform: Platform, sea: Water) -> np.ndarray:
     """(nl, 3) [m], of the softened frame where gravity softens it."""
-    model = dynamic_model(platform, sea)[0]
-    bent = statics.static(model, water.static_load(model, sea.density, sea.gravity))
+    model, bent, _ = dynamic_model(platform, sea)
     return bent[_tops(model, platform.legs)].reshape(-1, 3)
 
 

@@ -61,6 +61,15 @@ class FrameModel:
         C = self.condensation[element]
         return C.T @ local @ C if both else local @ C
 
+    @property
+    def softened_stiffness(self) -> np.ndarray:
+        """(ne, 12, 12) local axes, with what gravity takes of it where that is asked for."""
+        return (
+            self.element_stiffness
+            if self.element_geometric is None
+            else self.element_stiffness + self.element_geometric
+        )
+
     def soil_reaction(self, member: Member) -> tuple[np.ndarray, np.ndarray]:
         """Force and moment of the soil on a member, as rows (6, 6n) of the displacement, and the place (3,) of both.
 

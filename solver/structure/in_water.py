@@ -27,6 +27,7 @@ def dynamic_model(
         if factor <= 1:
             raise InputError("platform.geometric_stiffness", True, f"gravity is {1 / factor:.2f} times the Euler load")
         model = statics.with_geometric_stiffness(model, at_rest, gravity)
+        at_rest = statics.static(model, load)
     return model, at_rest, factor
 
 

@@ -66,10 +66,10 @@ class Influence:
     def at_rest(
         self, wanted: Wanted, displacement: np.ndarray, load: np.ndarray, element_loads: np.ndarray
     ) -> np.ndarray:
-        """(ny,) of the static displacement (6n,) under `load`, of which element_loads (ne, 12) are spread; no P-Δ."""
+        """(ny,) of the static displacement (6n,) under `load`, of which element_loads (ne, 12) are spread."""
         forces = recovery.section_forces(self.model, displacement, element_loads)[wanted.end, wanted.component]
         size = self.model.K.shape[0]
-        elastic = scatter(self.model.element_stiffness, self.model.transform, self.model.dofs, size)
+        elastic = scatter(self.model.softened_stiffness, self.model.transform, self.model.dofs, size)
         of_soil = [self.model.soil_reaction(member)[0] @ displacement for member in wanted.buried]
         on_feet = (elastic[wanted.grounded] @ displacement) - load[wanted.grounded]
         return np.concatenate([forces, on_feet, *of_soil])
@@ -79,9 +79,7 @@ def influence(model: FrameModel, wanted: Wanted) -> Influence:
     """By one static solution for each force, K being symmetric."""
     k = len(wanted.end)
     element, row = wanted.end // 2, 6 * (wanted.end % 2) + wanted.component
-    stiffness = model.element_stiffness
-    if model.element_geometric is not None:
-        stiffness = stiffness + model.element_geometric
+    stiffness = model.softened_stiffness
     T = model.transform[element]
     face = recovery.FACE[row, None]
     blocks = face * np.einsum("ya,yab->yb", stiffness[element, row], T)

@@ -23,7 +23,7 @@ def section_force_matrix(model: FrameModel) -> sparse.csr_array:
     Of the nodal displacements alone; what a load spread within an element adds is in
     `section_forces`.
     """
-    blocks = FACE[:, None] * (model.element_stiffness @ model.transform)
+    blocks = FACE[:, None] * (model.softened_stiffness @ model.transform)
     rows = np.arange(model.dofs.size).reshape(-1, 12)
     return sparse_sum(blocks, rows, model.dofs, (model.dofs.size, model.K.shape[0]))
 

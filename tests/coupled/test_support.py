@@ -17,7 +17,7 @@ from solver.sea.realization import Realization, components
 from solver.statistics import STATISTICS
 from solver.structure import water
 from solver.structure.beam import tube
-from solver.structure.frame import Frame, Material, Member, PointMass
+from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
 from solver.structure.frame_model import assemble
 from tests.awkward import tripod
 
@@ -235,6 +235,29 @@ def test_flexibility_inverts_the_stage_equations():
     D = np.eye(2) + 2 * zeta * omega * dt * A + (omega * dt) ** 2 * AA
     assert inverse[0] @ D == approx(np.eye(2), abs=1e-14)
     assert H[:, 0, :, 0] == approx(inverse[0])
+
+
+def test_weight_on_a_pushed_column_bends_it_further_and_its_foot_bears_that():
+    """δ = (tan kL/k - L) H/P, k = √(P/EI), of a light column under a weight P and a push H; M = HL + Pδ at its foot."""
+    L, H, mass, section = 12.0, 5e3, 20e3, tube(0.4, 0.02)
+    material = Material(E=2.1e11, G=8e10, density=1.0)
+    column = Member(name="column", start="foot", end="top", elements=12, section=section, material=material)
+    frame = Frame(
+        nodes={"foot": (0.0, 0.0, 1.0), "top": (0.0, 0.0, 1.0 + L)}, members=(column,), clamped=("foot",),
+        masses=(PointMass(node="top", mass=mass),), loads=(PointLoad(node="top", force=(H, 0.0, 0.0)),),
+    )  # fmt: skip
+    platform = Platform(frame=frame, legs=("column",), geometric_stiffness=True)
+    settings = Settings(duration=5.0, discard=0.0, ramp=0.0, outputs=("reactions", "section_forces"))
+    known = simulate(Scene(water=OCEAN, platform=platform, settings=settings)).variables
+    P, mean = mass * OCEAN.gravity, STATISTICS.index("mean")
+    k = np.sqrt(P / (material.E * section.Iy))
+    bent = (np.tan(k * L) / k - L) * H / P
+    most = H * L + P * bent
+    assert known["static_displacement"][1][0, 0] == approx(bent, rel=1e-4)
+    assert known["reaction_moment"][1][0, 1, mean] == approx(-most, rel=1e-4)
+    assert np.abs(known["section_moment"][1][0, 0, 1:, mean]).max() == approx(most, rel=1e-4)
+    stress = -P / section.area - most * 0.2 / section.Iy
+    assert known["bottom_stress"][1][0, mean] == approx(stress, rel=1e-3)
 
 
 def lopsided(turned):
