@@ -9,8 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-
-from solver.spline import CubicSpline
+from scipy.interpolate import CubicSpline
 
 FEWEST = 32  # frequencies of which some are left out: fewer are far apart already
 # Of the error of a spline without a frequency, to be expected between those that there are: where curves are smooth a
