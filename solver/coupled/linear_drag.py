@@ -113,7 +113,7 @@ def _terms(mean: np.ndarray, std: np.ndarray) -> np.ndarray:
     r = mean * inverse
     bell = 4 * np.exp(-0.5 * r**2) / np.sqrt(2 * np.pi) * inverse
     higher = np.stack([bell, -bell * r * inverse, bell * (r**2 - 1) * inverse**2], axis=-1)
-    return np.concatenate([2 * erf(r / np.sqrt(2))[..., None], higher], axis=-1) / np.sqrt(FACTORIALS)
+    return np.concatenate([2 * scipy.special.erf(r / np.sqrt(2))[..., None], higher], axis=-1) / np.sqrt(FACTORIALS)
 
 
 def _along(mean: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
