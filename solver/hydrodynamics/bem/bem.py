@@ -333,7 +333,6 @@ def _completed(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solutio
         problem.omega,
         turns,
         motion_lengths(problem.hulls, problem.dofs),
-        _next_order(DIVISIONS[:2], any(h.edged for h in problem.hulls)),
         lambda some: _coefficients(problem, problem.omega[some], problem.divisions[0], infinite=False),
     )
     fine, coarse = (n**2 for n in problem.divisions[:2])
