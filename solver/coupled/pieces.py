@@ -24,6 +24,7 @@ from solver.coupled.energy import JOINT_DAMPING, PTO, stored
 from solver.coupled.memory import Memory
 from solver.coupled.modal import fill_flexibility
 from solver.coupled.newton import factorize, shorter_part, substitute
+from solver.coupled.scheme import SMOOTHING, Scheme
 from solver.coupled.stages import State
 from solver.coupled.step import (
     HITS,
@@ -66,6 +67,7 @@ from solver.multibody.joint_law import (
 from solver.multibody.minimal import mass_matrix, move
 
 SWING = 16  # pieces in the period of what swings on a stop
+SMOOTH = 4  # pieces in a sixteenth of that, the first ones
 SCAN = 8  # points of a step at which its polynomial is looked at
 HALVINGS = 50  # of the interval in which it leaves a zone
 NEVER = 2.0  # shares of a step
@@ -96,7 +98,8 @@ class Fine(NamedTuple):
     constant: np.ndarray
     drive: Drive  # at the start, the middle and the end
     weight: np.ndarray  # (NODES,)
-    length: np.ndarray  # (1,) [s] of the step that all this is for
+    smoothing: Scheme
+    length: np.ndarray  # (1,) [s] of the step that all this is for; negative where it smooths
 
 
 def new_fine(problem: Problem, drive: Drive) -> Fine:
@@ -108,6 +111,7 @@ def new_fine(problem: Problem, drive: Drive) -> Fine:
         constant=np.empty_like(problem.constant),
         drive=Drive(*(np.empty((3, *part.shape[1:])) for part in drive)),
         weight=np.empty(NODES),
+        smoothing=SMOOTHING,
         length=np.zeros(1),
     )
 
@@ -140,12 +144,12 @@ def in_pieces(
     for half in range(2):
         row, done, whole = sample + half, 0.0, 0.5 * problem.dt
         while done < whole * (1 - SLIVER):
-            length = _length(problem, state, room, whole - done)
+            length = _length(problem, state, room, whole - done, fine)
             outcome, spent = _piece(problem, drive, sample + half + 2 * done / problem.dt, length, state, room, fine)
             used += spent
             if outcome != OK:
                 return outcome, used
-            if _too_long(problem, state, room, length):
+            if not _smooths(problem, state, room) and _too_long(problem, state, room, length):
                 _halve(problem, state, room, length)
                 continue
             if state.ring[0] < np.inf:
@@ -184,14 +188,17 @@ def in_pieces(
 
 
 @inner_kernel
-def _length(problem: Problem, state: State, room: Workspace, left: float) -> float:
-    """Of the next piece [s]: all that is left of the half, or a whole part of it."""
+def _length(problem: Problem, state: State, room: Workspace, left: float, fine: Fine) -> float:
+    """Of the next piece [s]: all that is left of the half, or a whole part of it; that of the last one but for rounding,
+    whose constants serve again."""
     pace = min(left, state.ring[0])
     for n in range(problem.bent.size):
         i = problem.bent[n]
         if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
             pace = min(pace, state.pace[i])
-    return left / np.ceil(left / pace - SLIVER)
+    length = left / np.ceil(left / pace - SLIVER)
+    last = abs(fine.length[0])
+    return last if abs(length - last) < SLIVER * length else length
 
 
 @inner_kernel
@@ -199,7 +206,7 @@ def _piece(
     problem: Problem, drive: Drive, sample: float, length: float, state: State, room: Workspace, fine: Fine
 ) -> tuple[int, int]:
     """The stages of a step of this length [s] that starts at a sample, which need not be whole."""
-    other = _of_length(problem, length, fine)
+    other = _of_length(problem, length, _smooths(problem, state, room), fine)
     for n in (1, 2):
         _sample(drive, sample + n * length / problem.dt, n, fine)
     if not refresh(other, room):
@@ -211,10 +218,13 @@ def _piece(
 @inner_kernel
 def _take(problem: Problem, length: float, state: State, room: Workspace, fine: Fine, output: Output, row: int) -> None:
     """The piece's end becomes the next one's start; what presses on the stops is noted."""
-    other = _of_length(problem, length, fine)
+    other = _of_length(problem, length, _smooths(problem, state, room), fine)
     account_work(other, fine.drive, ONE, state, room)
     note(problem, room, output, length, row, row)
-    _quicken(problem, state, room, length)
+    if fine.length[0] < 0:
+        _settle(problem, state, room)
+    else:
+        _quicken(problem, state, room, length)
     advance(other, state, room)
     _forget(state)
 
@@ -270,6 +280,40 @@ def _too_long(problem: Problem, state: State, room: Workspace, length: float) ->
 
 
 @inner_kernel
+def _begin_swing(problem: Problem, state: State, i: int) -> None:
+    """Axis i meets its stop: pieces that smooth what that sets ringing, then such that follow the swing.
+
+    On a platform that rings since a load jumped, energy tells the pieces' length, and nothing may take of it.
+    """
+    smooth = rings(problem) and state.ring[0] == np.inf
+    state.jolt[i] = SMOOTH if smooth else 0
+    state.pace[i] = problem.swing[i] / SMOOTH if smooth else problem.pace[i]
+
+
+@inner_kernel
+def _smooths(problem: Problem, state: State, room: Workspace) -> bool:
+    """Whether the next piece does: one of the first on a stop."""
+    if state.ring[0] < np.inf:
+        return False
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        if state.jolt[i] > 0 and abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
+            return True
+    return False
+
+
+@inner_kernel
+def _settle(problem: Problem, state: State, room: Workspace) -> None:
+    """One piece less to smooth; after the last one those that follow the swing."""
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        if state.jolt[i] > 0 and abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
+            state.jolt[i] -= 1
+            if state.jolt[i] == 0:
+                state.pace[i] = problem.swing[i]
+
+
+@inner_kernel
 def _halve(problem: Problem, state: State, room: Workspace, length: float) -> None:
     for n in range(problem.bent.size):
         i = problem.bent[n]
@@ -304,7 +348,7 @@ def _opened(problem: Problem, length: float, state: State, room: Workspace, fine
     for n in range(problem.bent.size):
         i = problem.bent[n]
         swing = max(swing, 0.5 * room.newton.mass[i, i] * _fastest(state, room, i) ** 2)
-    opened = abs(before + gap(_of_length(problem, length, fine), fine.drive, ONE, state, room))
+    opened = abs(before + gap(_of_length(problem, length, False, fine), fine.drive, ONE, state, room))
     return opened / (OPENED * swing) if opened > 0 else 0.0
 
 
@@ -374,6 +418,8 @@ def _beyond(problem: Problem, state: State, room: Workspace, h: float, i: int, k
         load = r0 + x * (-3 * r0 + 4 * r1 - r2) + 2 * x * x * (r0 - 2 * r1 + r2)
         return max(load - holding(law, i, 1), -load - holding(law, i, -1))
     a0, a1, a2 = state.ddz[2, i - nc], stage.ddz[0, i], stage.ddz[1, i]
+    if _smooths(problem, state, room):
+        a0 = 2 * a1 - a2
     b, c, t = -3 * a0 + 4 * a1 - a2, 2 * (a0 - 2 * a1 + a2), x * h
     dy = start.dz[i] + t * (a0 + x * (b / 2 + x * c / 3))
     y = start.z[i] + t * start.dz[i] + t * t * (a0 / 2 + x * (b / 6 + x * c / 12))
@@ -393,7 +439,7 @@ def _change(problem: Problem, state: State, room: Workspace, i: int, kind: int, 
     else:
         new = next_zone(law, i, kind, old, start.z[i], start.dz[i])
     if kind == STOP_ZONE and abs(new) == PRESSED:
-        state.pace[i] = problem.pace[i]
+        _begin_swing(problem, state, i)
         for n in range(problem.bent.size):
             if problem.bent[n] == i and old == OPEN:
                 contact[n, HITS] += 1
@@ -474,14 +520,15 @@ def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: fl
 
 
 @inner_kernel
-def _of_length(problem: Problem, length: float, fine: Fine) -> Problem:
+def _of_length(problem: Problem, length: float, smooths: bool, fine: Fine) -> Problem:
     """The problem for steps of this length [s]; Newton's tolerance goes by that: on a stop loads are large."""
-    share = length / problem.dt
-    if fine.length[0] != length:
+    share, scheme = length / problem.dt, fine.smoothing if smooths else problem.scheme
+    own = -length if smooths else length
+    if fine.length[0] != own:
         _fill_memory(problem.beta, length, fine.memory)
-        fill_flexibility(problem.structure, length, fine.inverse, fine.H)
+        fill_flexibility(problem.structure, length, scheme, fine.inverse, fine.H)
         shorter_part(problem.bodies, problem.constant, problem.dt, length, fine.constant)
-        fine.length[0] = length
+        fine.length[0] = own
     return Problem(
         problem.bodies,
         problem.structure,
@@ -493,11 +540,13 @@ def _of_length(problem: Problem, length: float, fine: Fine) -> Problem:
         problem.beta,
         problem.bent,
         problem.pace,
+        problem.swing,
         length,
         max(problem.tolerance * share, LEAST),
         problem.near / share,
         problem.iterations,
         share <= SHORT,
+        scheme,
     )
 
 

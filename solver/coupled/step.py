@@ -34,7 +34,7 @@ from solver.coupled.newton import (
     newton_side,
     substitute,
 )
-from solver.coupled.scheme import SIMPSON
+from solver.coupled.scheme import LOBATTO, Scheme
 from solver.coupled.stages import (
     Stages,
     Start,
@@ -100,12 +100,14 @@ class Problem(NamedTuple):
     stiffness: np.ndarray  # (nz, nz) of the floats at rest, off their stops
     beta: np.ndarray  # (p,) of the radiation memory
     bent: np.ndarray  # coordinates whose joint's law has several zones
-    pace: np.ndarray  # (nz,) [s] in which what swings on a stop is followed from its first touch
+    pace: np.ndarray  # (nz,) [s] in which whatever swings on a stop is followed
+    swing: np.ndarray  # (nz,) [s] in which an axis is, that swings on a stop and what carries it does not
     dt: float
     tolerance: float  # of Newton's last update of any stage position [m or rad]
     near: float  # [m or rad] a stage may be from where its pressure and drag were evaluated, see NEAR
     iterations: int  # of Newton's method, at most
     short: bool  # whether pressure at a step's middle is near the mean of that at its ends
+    scheme: Scheme
 
 
 class Workspace(NamedTuple):
@@ -128,6 +130,7 @@ def new_problem(
     beta: np.ndarray,
     bent: np.ndarray,
     pace: np.ndarray,
+    swing: np.ndarray,
     dt: float,
     tolerance: float,
     iterations: int,
@@ -137,10 +140,9 @@ def new_problem(
     inverse, H = flexibility(structure, dt)
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
-    fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace)
-    return Problem(
-        bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, NEAR * tolerance, iterations, False
-    )
+    fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace, swing)
+    steps = (dt, tolerance, NEAR * tolerance, iterations, False, LOBATTO)
+    return Problem(bodies, structure, memory, inverse, H, constant, *fixed, *steps)
 
 
 def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
@@ -191,7 +193,8 @@ def refresh(problem: Problem, room: Workspace) -> bool:
     """Newton's matrix of the step's start, factored; False when singular."""
     newton, bodies = room.newton, problem.bodies
     zones = Zones(room.stage.zone, problem.bent)
-    newton_matrix(bodies, room.stage.motion[1], zones, problem.H, problem.constant, problem.dt, newton)
+    motion, H, constant = room.stage.motion[1], problem.H, problem.constant
+    newton_matrix(bodies, motion, zones, H, constant, problem.dt, problem.scheme, newton)
     return factorize(newton.K, newton.pivot)
 
 
@@ -199,7 +202,7 @@ def refresh(problem: Problem, room: Workspace) -> bool:
 def attempt(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
     """The stages of a step from `state`, ½ of which is at `sample`, in its start's zones; (outcome, iterations)."""
     memory_history(problem.memory, state.memory, room.start.velocity, room.stage.history)
-    predict(problem.structure, problem.dt, drive.modal[sample : sample + 2], state, room.stage)
+    predict(problem.structure, problem.dt, problem.scheme, drive.modal[sample : sample + 2], state, room.stage)
     outcome, spent = _converge(problem, drive, sample, state, room)
     if outcome == OK:
         _finish(problem, drive, sample, state, room)
@@ -216,7 +219,7 @@ def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: W
         first = 2
     stage.p[:] = np.inf
     for spent in range(1, problem.iterations + 1):
-        change = collocate(problem.structure, problem.inverse, problem.dt, state, room.start, stage)
+        change = collocate(problem.structure, problem.inverse, problem.dt, problem.scheme, state, room.start, stage)
         follow(problem.bodies, problem.memory, stage)
         fresh = spent == first or stage.z.size == 0 or (spent > first and moved(stage) > problem.near)
         if fresh:
@@ -308,14 +311,14 @@ def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
 
     Of the accelerations before, those forces are off by mass times the update.
     """
-    collocate(problem.structure, problem.inverse, problem.dt, state, room.start, room.stage)
+    collocate(problem.structure, problem.inverse, problem.dt, problem.scheme, state, room.start, room.stage)
     follow(problem.bodies, problem.memory, room.stage)
     load_bodies(problem.bodies, drive.excitation[sample : sample + 2], room.stage)
 
 
 @inner_kernel
 def account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
-    """Works by Simpson's rule over the step's three points."""
+    """Works over the step, by powers at its three points."""
     power_at(problem, drive, sample, state, room)
     for i in range(state.work.size):
         state.work[i] += _work(problem, room.power, i)
@@ -324,7 +327,8 @@ def account_work(problem: Problem, drive: Drive, sample: int, state: State, room
 
 @kernel(inline="always")
 def _work(problem: Problem, power: np.ndarray, i: int) -> float:
-    return problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
+    w = problem.scheme.work
+    return problem.dt * (w[0] * power[0, i] + w[1] * power[1, i] + w[2] * power[2, i])
 
 
 @part_kernel
