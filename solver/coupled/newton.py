@@ -12,8 +12,7 @@ from solver.kernels import fast_lean_kernel, inner_kernel, kernel, lean_kernel, 
 from solver.multibody.joint_law import HELD, PTO_ZONE, STOP_ZONE, add_coupled_damping, axis_damping, tangent
 from solver.multibody.minimal import Bodies, Motion, mass_matrix, move, new_motion, project_active
 
-
-A, AA = LOBATTO.A, LOBATTO.AA  # near enough for what Newton's matrix has of loads that do not stiffen
+A, AA = LOBATTO.A, LOBATTO.AA  # near enough, in pieces of the other scheme, for what does not change in a step
 
 
 class Zones(NamedTuple):

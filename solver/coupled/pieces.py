@@ -7,8 +7,15 @@ accelerations jump by what the mass matrix says:
     M Δa = -Δf,    Δa = -a of an axis that is held.
 
 Each piece is a step of the same scheme, of the same order: the radiation memory is exact for any length, and what
-the wave drives is a polynomial through its samples. On a stop, pieces follow the swing from its first touch, and grow
-as far as the axis's acceleration is a straight line.
+the wave drives is a polynomial through its samples. On a stop, pieces follow the swing, and grow as far as the axis's
+acceleration is a straight line.
+
+As an axis meets its stop, the stop's damper loads the nodes of an elastic platform at once. Modes far faster than the
+swing ring with a part of that load, and die early in the hit: the first pieces are such that smooth (see scheme), and
+those after them are as long as the swing on a fixed platform asks for.
+
+Middles and ends of pieces are put out beside the samples, with their weights in the means over the time between these:
+a hit is shorter than that.
 
 Where a load jumps, all modes of an elastic platform ring, and those that a piece does not follow move the axis as no
 polynomial tells: it would be caught while it moves, let go at another load, and damped by what Simpson's rule does not
@@ -35,6 +42,7 @@ from solver.coupled.step import (
     NOT_FINITE,
     OK,
     RATE,
+    UNCUT,
     Drive,
     Output,
     Problem,
@@ -67,7 +75,7 @@ from solver.multibody.joint_law import (
 from solver.multibody.minimal import mass_matrix, move
 
 SWING = 16  # pieces in the period of what swings on a stop
-SMOOTH = 4  # pieces in a sixteenth of that, the first ones
+SMOOTH = 4  # pieces in the time of one of those, the first ones on an elastic platform
 SCAN = 8  # points of a step at which its polynomial is looked at
 HALVINGS = 50  # of the interval in which it leaves a zone
 NEVER = 2.0  # shares of a step
@@ -143,6 +151,7 @@ def in_pieces(
     before = _stored(problem, state, room)
     for half in range(2):
         row, done, whole = sample + half, 0.0, 0.5 * problem.dt
+        first = _open_row(output, row)
         while done < whole * (1 - SLIVER):
             length = _length(problem, state, room, whole - done, fine)
             outcome, spent = _piece(problem, drive, sample + half + 2 * done / problem.dt, length, state, room, fine)
@@ -172,6 +181,7 @@ def in_pieces(
                     state.ring[0] = 0.5 * length
                     continue
             if at > 0:
+                _keep(problem, length, state, room, fine, output, row, done / whole)
                 _take(problem, length, state, room, fine, output, row)
                 done += length
                 before = _stored(problem, state, room)
@@ -181,16 +191,20 @@ def in_pieces(
                     return NOT_CONVERGED, used
                 if not _change(problem, state, room, i, kind, output.contact[row]):
                     return NOT_FINITE, used
+                output.between.follows[0] = kind == STOP_ZONE and abs(room.stage.zone[STOP_ZONE, i]) != PRESSED
                 before = _stored(problem, state, room)
         put_stage(room, ONE, output, row)
+        _close_row(output, row, first)
     room.newton.first[0] = 0.0
     return OK, max(used, 4)  # so that Newton's matrix is renewed
 
 
 @inner_kernel
 def _length(problem: Problem, state: State, room: Workspace, left: float, fine: Fine) -> float:
-    """Of the next piece [s]: all that is left of the half, or a whole part of it; that of the last one but for rounding,
-    whose constants serve again."""
+    """Of the next piece [s]: all that is left of the half, or a whole part of it.
+
+    That of the last one where rounding alone is between them: its constants serve again.
+    """
     pace = min(left, state.ring[0])
     for n in range(problem.bent.size):
         i = problem.bent[n]
@@ -227,6 +241,66 @@ def _take(problem: Problem, length: float, state: State, room: Workspace, fine: 
         _quicken(problem, state, room, length)
     advance(other, state, room)
     _forget(state)
+
+
+@lean_kernel
+def _open_row(output: Output, row: int) -> int:
+    """How many rows are kept before those of pieces between two samples, of which the later one is the output's `row`.
+
+    Of the time before an output's first row, whose start is not in it, none are.
+    """
+    between = output.between
+    output.lead[row] = 0.0 if row > 0 else UNCUT
+    between.follows[0] = True
+    return int(between.number[0])
+
+
+@inner_kernel
+def _keep(
+    problem: Problem,
+    length: float,
+    state: State,
+    room: Workspace,
+    fine: Fine,
+    output: Output,
+    row: int,
+    done: float,
+) -> None:
+    """Both stages of a piece, which begins at the share `done` of the time up to `row`, with their weights in it.
+
+    The scheme's own weights: Simpson's; where loads jump at its start, of which the stages know nothing, the middle's.
+    """
+    between, n = output.between, output.between.number[0]
+    if n + 2 > between.at.size:
+        output.lead[row] = UNCUT
+    if output.lead[row] == UNCUT:
+        return
+    share = length / (0.5 * problem.dt)
+    simpson = between.follows[0] and not _smooths(problem, state, room)
+    w = problem.scheme.work if simpson else fine.smoothing.work
+    if done == 0:
+        output.lead[row] += share * w[0]
+    else:
+        between.weight[n - 1] += share * w[0]
+    for s in range(2):
+        put_stage(room, s, between, n + s)
+        between.at[n + s] = row - 1 + done + 0.5 * (s + 1) * share
+        between.weight[n + s] = share * w[1 + s]
+        between.row[n + s] = row
+        between.contact[n + s] = 0.0
+        for k in range(problem.bent.size):
+            pto = room.stage.zone[PTO_ZONE, problem.bent[k]]
+            between.contact[n + s, k, HOLDS] = 1.0 if pto == HELD else 0.0
+            between.contact[n + s, k, LET_GO] = 1.0 if abs(pto) == GONE else 0.0
+    between.number[0] = n + 2
+    between.follows[0] = True
+
+
+@lean_kernel
+def _close_row(output: Output, row: int, first: int) -> None:
+    """Where there was no room for all pieces up to `row`, none are kept."""
+    if output.lead[row] == UNCUT:
+        output.between.number[0] = first
 
 
 @inner_kernel

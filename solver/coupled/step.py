@@ -5,7 +5,8 @@ modes are eliminated exactly by their flexibility at the hinge nodes, however ma
 and however stiff; the radiation memory is exact for velocities quadratic in time.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -73,6 +74,29 @@ class Drive(NamedTuple):
     station: np.ndarray  # (m, nd, ns) particle velocity normal to the members
 
 
+UNCUT = -1.0
+PIECES = 4  # of steps that are cut for which there is room, over samples
+
+
+class Between(NamedTuple):
+    """Middles and ends of the pieces of steps that are cut, as Output's, in their order; `at` counts samples of it."""
+
+    z: np.ndarray
+    dz: np.ndarray
+    p: np.ndarray
+    wrench: np.ndarray
+    dp: np.ndarray
+    ddp: np.ndarray
+    carried: np.ndarray
+    drag: np.ndarray
+    contact: np.ndarray
+    at: np.ndarray  # (k,) row of the output where it lies, a fraction
+    weight: np.ndarray  # (k,) in the mean over the time between two samples
+    row: np.ndarray  # (k,) the row which that time ends at
+    number: np.ndarray  # (1,) of what there is
+    follows: np.ndarray  # (1,) whether the next piece begins with the loads that the last one ended with
+
+
 class Output(NamedTuple):
     """Samples after the first: row i belongs to sample i + 1 of the drive."""
 
@@ -86,6 +110,13 @@ class Output(NamedTuple):
     drag: np.ndarray  # (m, nd, ns) of the water on the frame at its stations [N]
     contact: np.ndarray  # (m, number of bent axes, 5) since the sample before: CONTACT, HOLDS, LET_GO
     struck: np.ndarray  # (m, number of bent axes, nb, 6) loads as `wrench`, when the axis's stop bore most since then
+    lead: np.ndarray  # (m,) weight of the sample before in the mean over the time since then, by pieces; or UNCUT
+    between: Between
+
+    def thinned(self) -> "Output":
+        """Every other sample, of steps that are not cut."""
+        parts: list[Any] = [*(part[1::2] for part in self[:-1]), self.between]
+        return Output(*parts)
 
 
 class Problem(NamedTuple):
@@ -141,8 +172,10 @@ def new_problem(
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
     fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace, swing)
-    steps = (dt, tolerance, NEAR * tolerance, iterations, False, LOBATTO)
-    return Problem(bodies, structure, memory, inverse, H, constant, *fixed, *steps)
+    near, short = NEAR * tolerance, False
+    return Problem(
+        bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, near, iterations, short, LOBATTO
+    )
 
 
 def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
@@ -172,7 +205,17 @@ def new_output(problem: Problem, samples: int) -> Output:
     shapes = ((nz,), (nz,), (nm,), (nb, 6), (nm,), (nm,), (nc,), structure.station.shape[1:])
     contact = np.zeros((samples, problem.bent.size, LET_GO + 1))
     struck = np.zeros((samples, problem.bent.size, nb, 6))
-    return Output(*[*(np.empty((samples, *shape)) for shape in shapes), contact, struck])
+    return whole_output([np.empty((samples, *shape)) for shape in shapes], contact, struck, PIECES * samples)
+
+
+def whole_output(parts: Sequence[np.ndarray], contact: np.ndarray, struck: np.ndarray, room: int = 0) -> Output:
+    """Of the arrays z to drag, no step of which is cut yet; room for so many middles and ends of pieces."""
+    rows = room if contact.shape[1] else 0
+    arrays: list[Any] = [np.empty((rows, *part.shape[1:])) for part in (*parts, contact)]
+    arrays += [np.empty(rows), np.empty(rows), np.empty(rows, np.int64), np.zeros(1, np.int64), np.zeros(1, np.bool_)]
+    between = Between(*arrays)
+    given: list[Any] = [*parts, contact, struck, np.full(len(contact), UNCUT), between]
+    return Output(*given)
 
 
 @lean_kernel(inline="always")
@@ -366,7 +409,7 @@ def put_out(room: Workspace, output: Output, row: int) -> None:
 
 
 @part_kernel
-def put_stage(room: Workspace, s: int, output: Output, row: int) -> None:
+def put_stage(room: Workspace, s: int, output: Output | Between, row: int) -> None:
     """Stage s as a row of the output."""
     stage, nc = room.stage, output.carried.shape[1]
     copy(stage.z[s], output.z[row])
