@@ -28,6 +28,14 @@ class Statistics:
         _take_in(block, self.count, self.room, self.last, self.high, self.low, self.mean, self.spread)
         self.count += len(block)
 
+    def amend(self, values: np.ndarray, weight: np.ndarray) -> None:
+        """Take in values (k, n) with weights (k,), in samples, of which the negative ones take samples back: Σ is 0."""
+        apart = values - self.mean
+        shift = weight @ apart / self.count
+        self.spread += weight @ apart**2 - self.count * shift**2
+        self.mean += shift
+        self.high, self.low = np.maximum(self.high, values.max(axis=0)), np.minimum(self.low, values.min(axis=0))
+
     def table(self) -> np.ndarray:
         """(n, 5) in the order of STATISTICS."""
         variance, known = self.spread / self.count, np.where(np.isnan(self.mean), np.nan, 1.0)

@@ -22,6 +22,24 @@ def test_blocks_give_what_the_whole_gives(seed, cuts, offset):
         assert table[0] == approx([parabolas(c) for c in x.T]) and table[1] == approx([-parabolas(-c) for c in x.T])
 
 
+@given(seed=st.integers(0, 1000))
+def test_what_takes_the_place_of_samples_counts_in_theirs(seed):
+    """Half of two neighbours is taken back for values in between, with weights that make one sample."""
+    dice = np.random.default_rng(seed)
+    x, new, share = dice.normal(size=(50, 3)), dice.normal(2.0, 3.0, size=(4, 3)), dice.dirichlet(np.ones(4))
+    statistics = Statistics()
+    statistics.add(x)
+    statistics.amend(np.concatenate([new, x[[20, 21]]]), np.concatenate([share, [-0.5, -0.5]]))
+    weight = np.ones(50)
+    weight[[20, 21]] -= 0.5
+    every, weights = np.concatenate([x, new]), np.concatenate([weight, share])
+    mean = np.average(every, axis=0, weights=weights)
+    std = np.sqrt(np.average((every - mean) ** 2, axis=0, weights=weights))
+    table = statistics.table().T
+    assert approx(np.array([mean, np.hypot(mean, std), std])) == table[2:]
+    assert np.all(table[0] >= every.max(axis=0)) and np.all(table[1] <= every.min(axis=0))
+
+
 def parabolas(x):
     """Largest value of all parabolas through three samples that have their crest nearest to the middle one."""
     middle = x[1:-1]

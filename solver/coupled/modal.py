@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.scheme import AA, A
+from solver.coupled.scheme import LOBATTO, Scheme
 from solver.kernels import fast_lean_kernel, kernel, lean_kernel, whole_kernel
 
 
@@ -85,21 +85,21 @@ def _partly_wet(wet: np.ndarray, push: np.ndarray, flow: np.ndarray) -> None:
 
 
 @whole_kernel
-def flexibility(structure: Structure, dt: float) -> tuple[np.ndarray, np.ndarray]:
+def flexibility(structure: Structure, dt: float, scheme: Scheme = LOBATTO) -> tuple[np.ndarray, np.ndarray]:
     """D⁻¹ (nm, 2, 2) of each mode's stages and H (2, nc, 2, nc) of the carriers.
 
     D = I + 2ζω dt A + ω² dt² AA maps a mode's stage accelerations to its stage loads.
     """
     nc, nm = structure.carrier.shape
     inverse, H = np.empty((nm, 2, 2)), np.empty((2, nc, 2, nc))
-    fill_flexibility(structure, dt, inverse, H)
+    fill_flexibility(structure, dt, scheme, inverse, H)
     return inverse, H
 
 
 @kernel
-def fill_flexibility(structure: Structure, dt: float, inverse: np.ndarray, H: np.ndarray) -> None:
-    """D⁻¹ and H of `flexibility` into arrays that are there."""
-    nc, nm = structure.carrier.shape
+def fill_flexibility(structure: Structure, dt: float, scheme: Scheme, inverse: np.ndarray, H: np.ndarray) -> None:
+    """D⁻¹ and H of `flexibility`, by one of the schemes, into arrays that are there."""
+    (nc, nm), A, AA = structure.carrier.shape, scheme.A, scheme.AA
     H[:] = 0.0
     for m in range(nm):
         c, k = 2 * structure.damping[m] * structure.omega[m] * dt, (structure.omega[m] * dt) ** 2
@@ -111,8 +111,9 @@ def fill_flexibility(structure: Structure, dt: float, inverse: np.ndarray, H: np
         for s in range(2):
             for l in range(2):
                 for i in range(nc):
+                    share = inverse[m, s, l] * structure.carrier[i, m]
                     for j in range(nc):
-                        H[s, i, l, j] += inverse[m, s, l] * structure.carrier[i, m] * structure.carrier[j, m]
+                        H[s, i, l, j] += share * structure.carrier[j, m]
 
 
 @lean_kernel

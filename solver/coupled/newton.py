@@ -6,11 +6,13 @@ import numpy as np
 
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure
-from solver.coupled.scheme import AA, A
+from solver.coupled.scheme import LOBATTO, Scheme
 from solver.coupled.stages import Stages
 from solver.kernels import fast_lean_kernel, inner_kernel, kernel, lean_kernel, part_kernel, whole_kernel
 from solver.multibody.joint_law import HELD, PTO_ZONE, STOP_ZONE, add_coupled_damping, axis_damping, tangent
 from solver.multibody.minimal import Bodies, Motion, mass_matrix, move, new_motion, project_active
+
+A, AA = LOBATTO.A, LOBATTO.AA  # near enough, in pieces of the other scheme, for what does not change in a step
 
 
 class Zones(NamedTuple):
@@ -139,7 +141,14 @@ def shorter_part(bodies: Bodies, whole: np.ndarray, dt: float, length: float, co
 
 @kernel
 def newton_matrix(
-    bodies: Bodies, motion: Motion, zones: Zones, H: np.ndarray, constant: np.ndarray, dt: float, newton: Newton
+    bodies: Bodies,
+    motion: Motion,
+    zones: Zones,
+    H: np.ndarray,
+    constant: np.ndarray,
+    dt: float,
+    scheme: Scheme,
+    newton: Newton,
 ) -> None:
     """Fill newton.Z, and newton.K from it; H (2, nc, 2, nc): see modal.flexibility; constant: see constant_part."""
     mass, Z, K = newton.mass, newton.Z, newton.K
@@ -155,7 +164,7 @@ def newton_matrix(
         stiffness, damping = tangent(bodies.law, i, zones.zone[STOP_ZONE, i], zones.zone[PTO_ZONE, i])
         for s in range(2):
             for l in range(2):
-                Z[s * nz + i, l * nz + i] += dt * dt * AA[s, l] * stiffness + dt * A[s, l] * damping
+                Z[s * nz + i, l * nz + i] += dt * dt * scheme.AA[s, l] * stiffness + dt * scheme.A[s, l] * damping
     K[:] = Z
     for s in range(2):
         for i in range(nc):

@@ -7,8 +7,15 @@ accelerations jump by what the mass matrix says:
     M Δa = -Δf,    Δa = -a of an axis that is held.
 
 Each piece is a step of the same scheme, of the same order: the radiation memory is exact for any length, and what
-the wave drives is a polynomial through its samples. On a stop, pieces follow the swing from its first touch, and grow
-as far as the axis's acceleration is a straight line.
+the wave drives is a polynomial through its samples. On a stop, pieces follow the swing, and grow as far as the axis's
+acceleration is a straight line.
+
+As an axis meets its stop, the stop's damper loads the nodes of an elastic platform at once. Modes far faster than the
+swing ring with a part of that load, and die early in the hit: the first pieces are such that smooth (see scheme), and
+those after them are as long as the swing on a fixed platform asks for.
+
+Middles and ends of pieces are put out beside the samples, with their weights in the means over the time between these:
+a hit is shorter than that.
 
 Where a load jumps, all modes of an elastic platform ring, and those that a piece does not follow move the axis as no
 polynomial tells: it would be caught while it moves, let go at another load, and damped by what Simpson's rule does not
@@ -24,6 +31,7 @@ from solver.coupled.energy import JOINT_DAMPING, PTO, stored
 from solver.coupled.memory import Memory
 from solver.coupled.modal import fill_flexibility
 from solver.coupled.newton import factorize, shorter_part, substitute
+from solver.coupled.scheme import SMOOTHING, Scheme
 from solver.coupled.stages import State
 from solver.coupled.step import (
     HITS,
@@ -34,6 +42,7 @@ from solver.coupled.step import (
     NOT_FINITE,
     OK,
     RATE,
+    UNCUT,
     Drive,
     Output,
     Problem,
@@ -66,6 +75,7 @@ from solver.multibody.joint_law import (
 from solver.multibody.minimal import mass_matrix, move
 
 SWING = 16  # pieces in the period of what swings on a stop
+SMOOTH = 4  # pieces in the time of one of those, the first ones on an elastic platform
 SCAN = 8  # points of a step at which its polynomial is looked at
 HALVINGS = 50  # of the interval in which it leaves a zone
 NEVER = 2.0  # shares of a step
@@ -96,7 +106,8 @@ class Fine(NamedTuple):
     constant: np.ndarray
     drive: Drive  # at the start, the middle and the end
     weight: np.ndarray  # (NODES,)
-    length: np.ndarray  # (1,) [s] of the step that all this is for
+    smoothing: Scheme
+    length: np.ndarray  # (1,) [s] of the step that all this is for; negative where it smooths
 
 
 def new_fine(problem: Problem, drive: Drive) -> Fine:
@@ -108,6 +119,7 @@ def new_fine(problem: Problem, drive: Drive) -> Fine:
         constant=np.empty_like(problem.constant),
         drive=Drive(*(np.empty((3, *part.shape[1:])) for part in drive)),
         weight=np.empty(NODES),
+        smoothing=SMOOTHING,
         length=np.zeros(1),
     )
 
@@ -139,13 +151,14 @@ def in_pieces(
     before = _stored(problem, state, room)
     for half in range(2):
         row, done, whole = sample + half, 0.0, 0.5 * problem.dt
+        first = _open_row(output, row)
         while done < whole * (1 - SLIVER):
-            length = _length(problem, state, room, whole - done)
+            length = _length(problem, state, room, whole - done, fine)
             outcome, spent = _piece(problem, drive, sample + half + 2 * done / problem.dt, length, state, room, fine)
             used += spent
             if outcome != OK:
                 return outcome, used
-            if _too_long(problem, state, room, length):
+            if not _smooths(problem, state, room) and _too_long(problem, state, room, length):
                 _halve(problem, state, room, length)
                 continue
             if state.ring[0] < np.inf:
@@ -168,6 +181,7 @@ def in_pieces(
                     state.ring[0] = 0.5 * length
                     continue
             if at > 0:
+                _keep(problem, length, state, room, fine, output, row, done / whole)
                 _take(problem, length, state, room, fine, output, row)
                 done += length
                 before = _stored(problem, state, room)
@@ -177,21 +191,28 @@ def in_pieces(
                     return NOT_CONVERGED, used
                 if not _change(problem, state, room, i, kind, output.contact[row]):
                     return NOT_FINITE, used
+                output.between.follows[0] = kind == STOP_ZONE and abs(room.stage.zone[STOP_ZONE, i]) != PRESSED
                 before = _stored(problem, state, room)
         put_stage(room, ONE, output, row)
+        _close_row(output, row, first)
     room.newton.first[0] = 0.0
     return OK, max(used, 4)  # so that Newton's matrix is renewed
 
 
 @inner_kernel
-def _length(problem: Problem, state: State, room: Workspace, left: float) -> float:
-    """Of the next piece [s]: all that is left of the half, or a whole part of it."""
+def _length(problem: Problem, state: State, room: Workspace, left: float, fine: Fine) -> float:
+    """Of the next piece [s]: all that is left of the half, or a whole part of it.
+
+    That of the last one where rounding alone is between them: its constants serve again.
+    """
     pace = min(left, state.ring[0])
     for n in range(problem.bent.size):
         i = problem.bent[n]
         if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
             pace = min(pace, state.pace[i])
-    return left / np.ceil(left / pace - SLIVER)
+    length = left / np.ceil(left / pace - SLIVER)
+    last = abs(fine.length[0])
+    return last if abs(length - last) < SLIVER * length else length
 
 
 @inner_kernel
@@ -199,7 +220,7 @@ def _piece(
     problem: Problem, drive: Drive, sample: float, length: float, state: State, room: Workspace, fine: Fine
 ) -> tuple[int, int]:
     """The stages of a step of this length [s] that starts at a sample, which need not be whole."""
-    other = _of_length(problem, length, fine)
+    other = _of_length(problem, length, _smooths(problem, state, room), fine)
     for n in (1, 2):
         _sample(drive, sample + n * length / problem.dt, n, fine)
     if not refresh(other, room):
@@ -211,12 +232,75 @@ def _piece(
 @inner_kernel
 def _take(problem: Problem, length: float, state: State, room: Workspace, fine: Fine, output: Output, row: int) -> None:
     """The piece's end becomes the next one's start; what presses on the stops is noted."""
-    other = _of_length(problem, length, fine)
+    other = _of_length(problem, length, _smooths(problem, state, room), fine)
     account_work(other, fine.drive, ONE, state, room)
     note(problem, room, output, length, row, row)
-    _quicken(problem, state, room, length)
+    if fine.length[0] < 0:
+        _settle(problem, state, room)
+    else:
+        _quicken(problem, state, room, length)
     advance(other, state, room)
     _forget(state)
+
+
+@lean_kernel
+def _open_row(output: Output, row: int) -> int:
+    """How many rows are kept before those of pieces between two samples, of which the later one is the output's `row`.
+
+    Of the time before an output's first row, whose start is not in it, none are.
+    """
+    between = output.between
+    output.lead[row] = 0.0 if row > 0 else UNCUT
+    between.follows[0] = True
+    return int(between.number[0])
+
+
+@inner_kernel
+def _keep(
+    problem: Problem,
+    length: float,
+    state: State,
+    room: Workspace,
+    fine: Fine,
+    output: Output,
+    row: int,
+    done: float,
+) -> None:
+    """Both stages of a piece, which begins at the share `done` of the time up to `row`, with their weights in it.
+
+    The scheme's own weights: Simpson's; where loads jump at its start, of which the stages know nothing, the middle's.
+    """
+    between, n = output.between, output.between.number[0]
+    if n + 2 > between.at.size:
+        output.lead[row] = UNCUT
+    if output.lead[row] == UNCUT:
+        return
+    share = length / (0.5 * problem.dt)
+    simpson = between.follows[0] and not _smooths(problem, state, room)
+    w = problem.scheme.work if simpson else fine.smoothing.work
+    if done == 0:
+        output.lead[row] += share * w[0]
+    else:
+        between.weight[n - 1] += share * w[0]
+    for s in range(2):
+        put_stage(room, s, between, n + s)
+        between.at[n + s] = row - 1 + done + 0.5 * (s + 1) * share
+        between.weight[n + s] = share * w[1 + s]
+        between.row[n + s] = row
+        between.contact[n + s] = 0.0
+        for k in range(problem.bent.size):
+            pto = room.stage.zone[PTO_ZONE, problem.bent[k]]
+            between.contact[n + s, k, HOLDS] = 1.0 if pto == HELD else 0.0
+            between.contact[n + s, k, LET_GO] = 1.0 if abs(pto) == GONE else 0.0
+    between.number[0] = n + 2
+    between.follows[0] = True
+
+
+@lean_kernel
+def _close_row(output: Output, row: int, first: int) -> None:
+    """Where there was no room for all pieces up to `row`, none are kept."""
+    if output.lead[row] == UNCUT:
+        output.between.number[0] = first
 
 
 @inner_kernel
@@ -270,6 +354,40 @@ def _too_long(problem: Problem, state: State, room: Workspace, length: float) ->
 
 
 @inner_kernel
+def _begin_swing(problem: Problem, state: State, i: int) -> None:
+    """Axis i meets its stop: pieces that smooth what that sets ringing, then such that follow the swing.
+
+    On a platform that rings since a load jumped, energy tells the pieces' length, and nothing may take of it.
+    """
+    smooth = rings(problem) and state.ring[0] == np.inf
+    state.jolt[i] = SMOOTH if smooth else 0
+    state.pace[i] = problem.swing[i] / SMOOTH if smooth else problem.pace[i]
+
+
+@inner_kernel
+def _smooths(problem: Problem, state: State, room: Workspace) -> bool:
+    """Whether the next piece does: one of the first on a stop."""
+    if state.ring[0] < np.inf:
+        return False
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        if state.jolt[i] > 0 and abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
+            return True
+    return False
+
+
+@inner_kernel
+def _settle(problem: Problem, state: State, room: Workspace) -> None:
+    """One piece less to smooth; after the last one those that follow the swing."""
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        if state.jolt[i] > 0 and abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
+            state.jolt[i] -= 1
+            if state.jolt[i] == 0:
+                state.pace[i] = problem.swing[i]
+
+
+@inner_kernel
 def _halve(problem: Problem, state: State, room: Workspace, length: float) -> None:
     for n in range(problem.bent.size):
         i = problem.bent[n]
@@ -304,7 +422,7 @@ def _opened(problem: Problem, length: float, state: State, room: Workspace, fine
     for n in range(problem.bent.size):
         i = problem.bent[n]
         swing = max(swing, 0.5 * room.newton.mass[i, i] * _fastest(state, room, i) ** 2)
-    opened = abs(before + gap(_of_length(problem, length, fine), fine.drive, ONE, state, room))
+    opened = abs(before + gap(_of_length(problem, length, False, fine), fine.drive, ONE, state, room))
     return opened / (OPENED * swing) if opened > 0 else 0.0
 
 
@@ -374,6 +492,8 @@ def _beyond(problem: Problem, state: State, room: Workspace, h: float, i: int, k
         load = r0 + x * (-3 * r0 + 4 * r1 - r2) + 2 * x * x * (r0 - 2 * r1 + r2)
         return max(load - holding(law, i, 1), -load - holding(law, i, -1))
     a0, a1, a2 = state.ddz[2, i - nc], stage.ddz[0, i], stage.ddz[1, i]
+    if _smooths(problem, state, room):
+        a0 = 2 * a1 - a2
     b, c, t = -3 * a0 + 4 * a1 - a2, 2 * (a0 - 2 * a1 + a2), x * h
     dy = start.dz[i] + t * (a0 + x * (b / 2 + x * c / 3))
     y = start.z[i] + t * start.dz[i] + t * t * (a0 / 2 + x * (b / 6 + x * c / 12))
@@ -393,7 +513,7 @@ def _change(problem: Problem, state: State, room: Workspace, i: int, kind: int, 
     else:
         new = next_zone(law, i, kind, old, start.z[i], start.dz[i])
     if kind == STOP_ZONE and abs(new) == PRESSED:
-        state.pace[i] = problem.pace[i]
+        _begin_swing(problem, state, i)
         for n in range(problem.bent.size):
             if problem.bent[n] == i and old == OPEN:
                 contact[n, HITS] += 1
@@ -474,14 +594,15 @@ def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: fl
 
 
 @inner_kernel
-def _of_length(problem: Problem, length: float, fine: Fine) -> Problem:
+def _of_length(problem: Problem, length: float, smooths: bool, fine: Fine) -> Problem:
     """The problem for steps of this length [s]; Newton's tolerance goes by that: on a stop loads are large."""
-    share = length / problem.dt
-    if fine.length[0] != length:
+    share, scheme = length / problem.dt, fine.smoothing if smooths else problem.scheme
+    own = -length if smooths else length
+    if fine.length[0] != own:
         _fill_memory(problem.beta, length, fine.memory)
-        fill_flexibility(problem.structure, length, fine.inverse, fine.H)
+        fill_flexibility(problem.structure, length, scheme, fine.inverse, fine.H)
         shorter_part(problem.bodies, problem.constant, problem.dt, length, fine.constant)
-        fine.length[0] = length
+        fine.length[0] = own
     return Problem(
         problem.bodies,
         problem.structure,
@@ -493,11 +614,13 @@ def _of_length(problem: Problem, length: float, fine: Fine) -> Problem:
         problem.beta,
         problem.bent,
         problem.pace,
+        problem.swing,
         length,
         max(problem.tolerance * share, LEAST),
         problem.near / share,
         problem.iterations,
         share <= SHORT,
+        scheme,
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from solver.coupled.memory import Memory, memory_loads
 from solver.coupled.modal import Structure
-from solver.coupled.scheme import A0, AA, AA0, A, C
+from solver.coupled.scheme import C, Scheme
 from solver.kernels import kernel, part_kernel
 from solver.multibody.minimal import Bodies, Coordinates, Loads, Motion, WaterLoads, loads, move, new_motion
 
@@ -28,6 +28,7 @@ class State(NamedTuple):
     zone: np.ndarray  # (2, nz) of the joints' laws, see joint_law
     held: np.ndarray  # (nz,) what holds an axis at rest [N or N m], in its zone HELD
     pace: np.ndarray  # (nz,) [s] in which an axis on its stop is followed now
+    jolt: np.ndarray  # (nz,) pieces that are still to smooth what set in as an axis met its stop
     ring: np.ndarray  # (1,) [s] in which modes are followed since a load jumped; infinite if they are not
     fastest: np.ndarray  # (nz,) rate of each so far [m/s or rad/s]
 
@@ -93,7 +94,7 @@ def coordinates(stage: Stages, s: int) -> Coordinates:
 
 
 @part_kernel
-def predict(structure: Structure, dt: float, modal: np.ndarray, state: State, stage: Stages) -> None:
+def predict(structure: Structure, dt: float, scheme: Scheme, modal: np.ndarray, state: State, stage: Stages) -> None:
     """Fill stage.known with what the step's start says of the modal loads, and extrapolate the others.
 
     modal (2, nm): the wave's loads at the stages. Loads and joint accelerations go on as parabolas through the
@@ -104,17 +105,27 @@ def predict(structure: Structure, dt: float, modal: np.ndarray, state: State, st
     nc, nm = structure.carrier.shape
     for s in range(2):
         a, b, c = (1.0, -3.0, 3.0) if s == 0 else (3.0, -8.0, 6.0)
+        A0, _, _, AA0, _, _ = _weights(scheme, s)
         for m in range(nm):
-            w, cv = structure.omega[m], state.dp[m] + dt * A0[s] * state.ddp[m]
-            cq = state.p[m] + dt * C[s] * state.dp[m] + dt * dt * AA0[s] * state.ddp[m]
+            w, cv = structure.omega[m], state.dp[m] + dt * A0 * state.ddp[m]
+            cq = state.p[m] + dt * C[s] * state.dp[m] + dt * dt * AA0 * state.ddp[m]
             stage.known[s, m] = modal[s, m] - 2 * structure.damping[m] * w * cv - w * w * cq
             stage.force[s, m] = a * state.force[0, m] + b * state.force[1, m] + c * state.force[2, m]
         for i in range(state.z.size):
             stage.ddz[s, nc + i] = a * state.ddz[0, i] + b * state.ddz[1, i] + c * state.ddz[2, i]
 
 
+@kernel(inline="always")
+def _weights(scheme: Scheme, s: int) -> tuple[float, float, float, float, float, float]:
+    """Of stage s: of the start's and both stages' accelerations in rates, and in positions; out of the inner loops."""
+    A0, A, AA0, AA, _ = scheme
+    return A0[s], A[s, 0], A[s, 1], AA0[s], AA[s, 0], AA[s, 1]
+
+
 @part_kernel
-def collocate(structure: Structure, inverse: np.ndarray, dt: float, state: State, start: Start, stage: Stages) -> float:
+def collocate(
+    structure: Structure, inverse: np.ndarray, dt: float, scheme: Scheme, state: State, start: Start, stage: Stages
+) -> float:
     """Stage values of modes, carriers and joints from modal loads and joint accelerations.
 
     Returns the largest change of a modal displacement [m] since the last call.
@@ -127,10 +138,11 @@ def collocate(structure: Structure, inverse: np.ndarray, dt: float, state: State
         ddp[0, m] = inverse[m, 0, 0] * f0 + inverse[m, 0, 1] * f1
         ddp[1, m] = inverse[m, 1, 0] * f0 + inverse[m, 1, 1] * f1
     for s in range(2):
+        A0, A, B, AA0, AA, BB = _weights(scheme, s)
         for m in range(nm):
             a0, a1, a2 = state.ddp[m], ddp[0, m], ddp[1, m]
-            dp[s, m] = state.dp[m] + dt * (A0[s] * a0 + A[s, 0] * a1 + A[s, 1] * a2)
-            new = state.p[m] + dt * C[s] * state.dp[m] + dt * dt * (AA0[s] * a0 + AA[s, 0] * a1 + AA[s, 1] * a2)
+            dp[s, m] = state.dp[m] + dt * (A0 * a0 + A * a1 + B * a2)
+            new = state.p[m] + dt * C[s] * state.dp[m] + dt * dt * (AA0 * a0 + AA * a1 + BB * a2)
             change = max(change, abs(new - p[s, m]) * structure.scale[m])
             p[s, m] = new
         for i in range(nc):
@@ -142,8 +154,8 @@ def collocate(structure: Structure, inverse: np.ndarray, dt: float, state: State
             z[s, i], dz[s, i], ddz[s, i] = q0, q1, q2
         for i in range(nc, z.shape[1]):
             a0, a1, a2 = state.ddz[2, i - nc], ddz[0, i], ddz[1, i]
-            dz[s, i] = start.dz[i] + dt * (A0[s] * a0 + A[s, 0] * a1 + A[s, 1] * a2)
-            z[s, i] = start.z[i] + dt * C[s] * start.dz[i] + dt * dt * (AA0[s] * a0 + AA[s, 0] * a1 + AA[s, 1] * a2)
+            dz[s, i] = start.dz[i] + dt * (A0 * a0 + A * a1 + B * a2)
+            z[s, i] = start.z[i] + dt * C[s] * start.dz[i] + dt * dt * (AA0 * a0 + AA * a1 + BB * a2)
     return change
 
 

@@ -5,7 +5,8 @@ modes are eliminated exactly by their flexibility at the hinge nodes, however ma
 and however stiff; the radiation memory is exact for velocities quadratic in time.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,7 +35,7 @@ from solver.coupled.newton import (
     newton_side,
     substitute,
 )
-from solver.coupled.scheme import SIMPSON
+from solver.coupled.scheme import LOBATTO, Scheme
 from solver.coupled.stages import (
     Stages,
     Start,
@@ -75,6 +76,29 @@ class Drive(NamedTuple):
     push: np.ndarray
 
 
+UNCUT = -1.0
+PIECES = 4  # of steps that are cut for which there is room, over samples
+
+
+class Between(NamedTuple):
+    """Middles and ends of the pieces of steps that are cut, as Output's, in their order; `at` counts samples of it."""
+
+    z: np.ndarray
+    dz: np.ndarray
+    p: np.ndarray
+    wrench: np.ndarray
+    dp: np.ndarray
+    ddp: np.ndarray
+    carried: np.ndarray
+    drag: np.ndarray
+    contact: np.ndarray
+    at: np.ndarray  # (k,) row of the output where it lies, a fraction
+    weight: np.ndarray  # (k,) in the mean over the time between two samples
+    row: np.ndarray  # (k,) the row which that time ends at
+    number: np.ndarray  # (1,) of what there is
+    follows: np.ndarray  # (1,) whether the next piece begins with the loads that the last one ended with
+
+
 class Output(NamedTuple):
     """Samples after the first: row i belongs to sample i + 1 of the drive."""
 
@@ -88,6 +112,13 @@ class Output(NamedTuple):
     drag: np.ndarray  # (m, nd, ns) of the water on the frame at its stations [N]
     contact: np.ndarray  # (m, number of bent axes, 5) since the sample before: CONTACT, HOLDS, LET_GO
     struck: np.ndarray  # (m, number of bent axes, nb, 6) loads as `wrench`, when the axis's stop bore most since then
+    lead: np.ndarray  # (m,) weight of the sample before in the mean over the time since then, by pieces; or UNCUT
+    between: Between
+
+    def thinned(self) -> "Output":
+        """Every other sample, of steps that are not cut."""
+        parts: list[Any] = [*(part[1::2] for part in self[:-1]), self.between]
+        return Output(*parts)
 
 
 class Problem(NamedTuple):
@@ -102,12 +133,14 @@ class Problem(NamedTuple):
     stiffness: np.ndarray  # (nz, nz) of the floats at rest, off their stops
     beta: np.ndarray  # (p,) of the radiation memory
     bent: np.ndarray  # coordinates whose joint's law has several zones
-    pace: np.ndarray  # (nz,) [s] in which what swings on a stop is followed from its first touch
+    pace: np.ndarray  # (nz,) [s] in which whatever swings on a stop is followed
+    swing: np.ndarray  # (nz,) [s] in which an axis is, that swings on a stop and what carries it does not
     dt: float
     tolerance: float  # of Newton's last update of any stage position [m or rad]
     near: float  # [m or rad] a stage may be from where its pressure and drag were evaluated, see NEAR
     iterations: int  # of Newton's method, at most
     short: bool  # whether pressure at a step's middle is near the mean of that at its ends
+    scheme: Scheme
 
 
 class Workspace(NamedTuple):
@@ -130,6 +163,7 @@ def new_problem(
     beta: np.ndarray,
     bent: np.ndarray,
     pace: np.ndarray,
+    swing: np.ndarray,
     dt: float,
     tolerance: float,
     iterations: int,
@@ -139,9 +173,10 @@ def new_problem(
     inverse, H = flexibility(structure, dt)
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
-    fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace)
+    fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace, swing)
+    near, short = NEAR * tolerance, False
     return Problem(
-        bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, NEAR * tolerance, iterations, False
+        bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, near, iterations, short, LOBATTO
     )
 
 
@@ -172,7 +207,17 @@ def new_output(problem: Problem, samples: int) -> Output:
     shapes = ((nz,), (nz,), (nm,), (nb, 6), (nm,), (nm,), (nc,), structure.station.shape[1:])
     contact = np.zeros((samples, problem.bent.size, LET_GO + 1))
     struck = np.zeros((samples, problem.bent.size, nb, 6))
-    return Output(*[*(np.empty((samples, *shape)) for shape in shapes), contact, struck])
+    return whole_output([np.empty((samples, *shape)) for shape in shapes], contact, struck, PIECES * samples)
+
+
+def whole_output(parts: Sequence[np.ndarray], contact: np.ndarray, struck: np.ndarray, room: int = 0) -> Output:
+    """Of the arrays z to drag, no step of which is cut yet; room for so many middles and ends of pieces."""
+    rows = room if contact.shape[1] else 0
+    arrays: list[Any] = [np.empty((rows, *part.shape[1:])) for part in (*parts, contact)]
+    arrays += [np.empty(rows), np.empty(rows), np.empty(rows, np.int64), np.zeros(1, np.int64), np.zeros(1, np.bool_)]
+    between = Between(*arrays)
+    given: list[Any] = [*parts, contact, struck, np.full(len(contact), UNCUT), between]
+    return Output(*given)
 
 
 @lean_kernel(inline="always")
@@ -193,7 +238,8 @@ def refresh(problem: Problem, room: Workspace) -> bool:
     """Newton's matrix of the step's start, factored; False when singular."""
     newton, bodies = room.newton, problem.bodies
     zones = Zones(room.stage.zone, problem.bent)
-    newton_matrix(bodies, room.stage.motion[1], zones, problem.H, problem.constant, problem.dt, newton)
+    motion, H, constant = room.stage.motion[1], problem.H, problem.constant
+    newton_matrix(bodies, motion, zones, H, constant, problem.dt, problem.scheme, newton)
     return factorize(newton.K, newton.pivot)
 
 
@@ -201,7 +247,7 @@ def refresh(problem: Problem, room: Workspace) -> bool:
 def attempt(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> tuple[int, int]:
     """The stages of a step from `state`, ½ of which is at `sample`, in its start's zones; (outcome, iterations)."""
     memory_history(problem.memory, state.memory, room.start.velocity, room.stage.history)
-    predict(problem.structure, problem.dt, drive.modal[sample : sample + 2], state, room.stage)
+    predict(problem.structure, problem.dt, problem.scheme, drive.modal[sample : sample + 2], state, room.stage)
     outcome, spent = _converge(problem, drive, sample, state, room)
     if outcome == OK:
         _finish(problem, drive, sample, state, room)
@@ -218,7 +264,7 @@ def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: W
         first = 2
     stage.p[:] = np.inf
     for spent in range(1, problem.iterations + 1):
-        change = collocate(problem.structure, problem.inverse, problem.dt, state, room.start, stage)
+        change = collocate(problem.structure, problem.inverse, problem.dt, problem.scheme, state, room.start, stage)
         follow(problem.bodies, problem.memory, stage)
         fresh = spent == first or stage.z.size == 0 or (spent > first and moved(stage) > problem.near)
         if fresh:
@@ -311,14 +357,14 @@ def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
 
     Of the accelerations before, those forces are off by mass times the update.
     """
-    collocate(problem.structure, problem.inverse, problem.dt, state, room.start, room.stage)
+    collocate(problem.structure, problem.inverse, problem.dt, problem.scheme, state, room.start, room.stage)
     follow(problem.bodies, problem.memory, room.stage)
     load_bodies(problem.bodies, drive.excitation[sample : sample + 2], room.stage)
 
 
 @inner_kernel
 def account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
-    """Works by Simpson's rule over the step's three points."""
+    """Works over the step, by powers at its three points."""
     power_at(problem, drive, sample, state, room)
     for i in range(state.work.size):
         state.work[i] += _work(problem, room.power, i)
@@ -327,7 +373,8 @@ def account_work(problem: Problem, drive: Drive, sample: int, state: State, room
 
 @kernel(inline="always")
 def _work(problem: Problem, power: np.ndarray, i: int) -> float:
-    return problem.dt * (SIMPSON[0] * power[0, i] + SIMPSON[1] * power[1, i] + SIMPSON[2] * power[2, i])
+    w = problem.scheme.work
+    return problem.dt * (w[0] * power[0, i] + w[1] * power[1, i] + w[2] * power[2, i])
 
 
 @part_kernel
@@ -365,7 +412,7 @@ def put_out(room: Workspace, output: Output, row: int) -> None:
 
 
 @part_kernel
-def put_stage(room: Workspace, s: int, output: Output, row: int) -> None:
+def put_stage(room: Workspace, s: int, output: Output | Between, row: int) -> None:
     """Stage s as a row of the output."""
     stage, nc = room.stage, output.carried.shape[1]
     copy(stage.z[s], output.z[row])

@@ -209,6 +209,7 @@ class System:
             zone=zone,
             held=held,
             pace=self.pace,
+            jolt=np.zeros(nz, np.int64),
             ring=np.full(1, np.inf),
             fastest=np.zeros(nz),
         )
@@ -231,12 +232,21 @@ class System:
 
     @property
     def pace(self) -> np.ndarray:
-        """(nz,) [s] in which a swing on an end stop is followed."""
+        """(nz,) [s] in which a swing on an end stop is followed, of all that its modes let move."""
+        return self._follows(0)
+
+    @property
+    def swing(self) -> np.ndarray:
+        """(nz,) [s] in which it is where the platform does not move."""
+        return self._follows(self.structure.omega.size)
+
+    def _follows(self, first: int) -> np.ndarray:
+        """(nz,) [s] of what swings on an end stop, of modes and joints from `first` on."""
         if not joint_law.stopped(self.bodies.law).any():
             return np.full(self.bodies.mechanism.size, np.inf)
         (nc, nm), nz = self.structure.carrier.shape, self.bodies.mechanism.size
-        compliance = np.zeros(nz)
-        compliance[nc:] = np.diag(np.linalg.inv(_whole_mass(self, self.equilibrium[0])))[nm:]
+        compliance, mass = np.zeros(nz), _whole_mass(self, self.equilibrium[0])[first:, first:]
+        compliance[nc:] = np.diag(np.linalg.inv(mass))[nm - first :]
         rates = joint_law.stop_rates(self.bodies.law, compliance)
         return np.divide(2 * np.pi / SWING, rates, out=np.full(nz, np.inf), where=rates > 0)
 
@@ -257,6 +267,7 @@ class System:
             beta=self.fit.beta if self.fit is not None else np.zeros(0),
             bent=bent,
             pace=self.pace,
+            swing=self.swing,
             dt=self.dt,
             tolerance=self.newton_tolerance,
             iterations=ITERATIONS,

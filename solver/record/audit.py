@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pr
 from solver.record.elements import elements_effect
 from solver.record.recorder import Channels, Recorder
 from solver.record.response import excitation, force_of_waves, in_waves
-from solver.record.sampling import between_samples, expected_error, least_force
+from solver.record.sampling import between_samples, expected_error, least_force, of_every_other
 from solver.scene import Scene, Settings
 from solver.statistics import FAINT, apart, moments
 
@@ -182,12 +183,14 @@ def step_errors(probe: Probe) -> dict[str, float]:
     state, done = half.start() if probe.state is None else copied(probe.state), 2 * probe.first
     for samples, output, times in blocks(half, state, done + 2 * probe.steps, done):
         since = times - probe.first * system.dt
-        finer.add(since[every], Output(*(x[every] for x in output)), samples[every])
-    exact, between = finer.samples(), 0.0
+        finer.add(since[every], output if jumps else output.thinned(), samples[every])
+    exact, between, cut = finer.samples(), 0.0, probe.recorder.amended()
+    pieces = of_every_other(exact, finer.amended(), cut)
     if jumps:
-        between = statistics_error(system, scene, between_samples, exact)
+        between = statistics_error(system, scene, partial(between_samples, cut=pieces), exact)
         exact = {name: x[1::2] for name, x in exact.items()}
-    step = statistics_error(system, scene, expected_error, probe.recorder.samples(), exact)
+    differ = partial(expected_error, cut=(cut, pieces))
+    step = statistics_error(system, scene, differ, probe.recorder.samples(), exact)
     return {"discretization_error": step * 16 / 15, "sampling_error": between}
 
 

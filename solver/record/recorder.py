@@ -1,14 +1,16 @@
 """What a run leaves: statistics, envelopes and, if asked for, time series."""
 
+import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from solver.coupled.assembly import Layout, joint_law
 from solver.coupled.natural import SystemModes
-from solver.coupled.step import CONTACT, HITS, HOLDS, LET_GO, LOAD, Output
+from solver.coupled.step import CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, Between, Output
 from solver.coupled.support import Support
 from solver.multibody.joint_law import (
     bent,
@@ -24,6 +26,7 @@ from solver.power_takeoff import PtoEfficiency
 from solver.record import steel
 from solver.record.bound import wave_power
 from solver.record.fatigue import crossing_rate
+from solver.record.sampling import Cuts
 from solver.record.spectra import (
     MOMENTS,
     Bands,
@@ -42,6 +45,8 @@ from solver.structure.legs import compressive
 
 ELEVATION = "wave_elevation"
 FAINT = 1e-3  # a wave below this share of the largest one says nothing of a float
+INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that others are made of
+NODES = np.arange(6)  # of the polynomial through the wave's samples around a piece
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
 
@@ -231,6 +236,16 @@ class Channels:
         }
 
 
+def _between(samples: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """(k, n) of samples (m, n) at places (k,) among them that need not be whole, by polynomials through the nearest."""
+    nodes = NODES[: len(samples)]
+    first = np.clip(np.floor(at).astype(int) - len(nodes) // 2 + 1, 0, len(samples) - len(nodes))
+    away, weight = at - first, np.ones((len(nodes), len(at)))
+    for j, k in itertools.permutations(nodes, 2):
+        weight[j] *= (away - k) / (j - k)
+    return np.sum([w[:, None] * samples[first + j] for j, w in zip(nodes, weight, strict=True)], axis=0)
+
+
 class Recorder:
     """Takes in the march's blocks and keeps only what the record needs."""
 
@@ -245,12 +260,12 @@ class Recorder:
         self.contact = np.zeros((int(bent(self.law).sum()), len(CONTACT)))  # of the axes that may have stops
         self.struck = np.full((2, len(scene.floats), 3), -np.inf)  # of hinge forces on stops, upwards and downwards
         self.series: dict[str, list[np.ndarray]] = {}
-        self.strokes = Statistics()  # of positions and of the sizes of rates, if asked for
         self.bounded = bool(np.isfinite(pto_bounds(self.law)).any())
         control = ("latched", latched(self.law), HOLDS), ("declutched", declutched(self.law), LET_GO)
         self.control = {name: (axes, column) for name, axes, column in control if axes.any()}
-        self.rates = Statistics()  # of the axes, where their power take-offs' loads are bounded
         self.bent: dict[str, list[np.ndarray]] = {}  # N, My, Mz where samples are counted
+        self.cuts: dict[str, list[Cuts]] = {}  # of the series
+        self.taken = 0  # samples
         self.seconds = [np.inf, -np.inf]
         wanted = scene.settings.rao and self.channels.axes and scene.sea.amplitude.any()
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
@@ -265,7 +280,11 @@ class Recorder:
         if not inside.any():
             return
         kept = slice(int(inside.argmax()), int(inside.argmax() + inside.sum()))
-        channels = dict(self._channels(kept, output, samples))
+        forces, steel = self._forces(kept, output, samples), self.channels.steel
+        channels = dict(self._channels(kept, output, samples, forces))
+        if steel is not None and forces is not None and steel.counts:
+            for at, end in steel.ends(forces).items():
+                self.bent.setdefault(at, []).append(end)
         self.seconds = [min(self.seconds[0], times[kept][0]), times[kept][-1]]
         if self.contact.size:
             contact = output.contact[kept, :, : len(CONTACT)]
@@ -277,13 +296,52 @@ class Recorder:
         for name, values in channels.items():
             self.shapes[name] = values.shape[1:]
             self.statistics.setdefault(name, Statistics()).add(values.reshape(len(values), -1))
+        if output.between.number[0]:
+            self._amend(kept, channels, output, samples)
+        self.taken += len(times[kept])
+        channels = {name: values for name, values in channels.items() if name not in INNER}
         if s.keep_series or self.bands is not None or self.moments:
             for name, values in {**channels, "time": times[kept]}.items():
                 self.series.setdefault(name, []).append(values)
         if self.harmonics is not None:
             self.harmonics.add(times[kept], output.z[kept, output.z.shape[1] - self.channels.owner.size :])
 
-    def _channels(self, kept: slice, output: Output, samples: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    def _amend(self, kept: slice, channels: Mapping[str, np.ndarray], output: Output, samples: np.ndarray) -> None:
+        """Where steps are cut, pieces tell the mean over the time between two samples in place of both's own mean."""
+        between, first = output.between, kept.start
+        cut = np.flatnonzero(output.lead[kept] != UNCUT)[int(output.lead[first] != UNCUT) :] + first
+        some = np.flatnonzero(np.isin(between.row[: between.number[0]], cut))
+        if not some.size:
+            return
+        parts: list[Any] = [*(part[some] for part in between[:-2]), *between[-2:]]
+        pieces = Between(*parts)
+        waves = _between(samples, pieces.at)
+        told = dict(self._channels(slice(None), pieces, waves, self._forces(slice(None), pieces, waves)))
+        weight = np.concatenate([pieces.weight, output.lead[cut] - 0.5, np.full(cut.size, -0.5)])
+        of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
+        for name, values in channels.items():
+            if name not in self.control:  # which are means over that time already
+                flat, new = values.reshape(len(values), -1), told[name].reshape(some.size, -1)
+                own = np.concatenate([new, flat[cut - 1 - first], flat[cut - first]])
+                self.statistics[name].amend(own, weight)
+                if self.scene.settings.keep_series and name not in INNER:
+                    sums = np.zeros((2, cut.size, own.shape[1]))
+                    for total, power in zip(sums, (own, own**2), strict=True):
+                        np.add.at(total, of, weight[:, None] * power)
+                    self.cuts.setdefault(name, []).append(Cuts(cut - first + self.taken, *sums))
+
+    def _forces(self, kept: slice, output: Output | Between, samples: np.ndarray) -> np.ndarray | None:
+        """Of the frame, as the steel's outputs ask for them."""
+        if self.channels.steel is None:
+            return None
+        forces, parts = self.channels.steel.forces, (output.dp, output.ddp, output.carried, output.drag)
+        y = forces.of(samples[kept, self.layout.forces], *(part[kept] for part in parts))
+        y += forces.at_rest
+        return y
+
+    def _channels(
+        self, kept: slice, output: Output | Between, samples: np.ndarray, forces: np.ndarray | None
+    ) -> Iterator[tuple[str, np.ndarray]]:
         channels = self.channels
         yield "wave_elevation", samples[kept, self.layout.elevation][:, 0]
         nb, nj = len(self.scene.floats), channels.owner.size
@@ -295,9 +353,9 @@ class Recorder:
             absorbed = joint_loads(self.law, joint, rate).pto * rate * at_work
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))
             if self.bounded:
-                self.rates.add(rate)
+                yield RATES, rate
             if "pto_stroke" in self.scene.settings.outputs:
-                self.strokes.add(np.concatenate([joint, np.abs(rate)], axis=1))
+                yield STROKES, np.concatenate([joint, np.abs(rate)], axis=1)
                 yield "pto_rate", channels.by_axis(rate)
             yield from self._pto(joint, rate, at_work)
             yield from self._control(output.contact[kept])
@@ -306,19 +364,13 @@ class Recorder:
                 assert self.bodies is not None, "asked of scenes with lines"
                 yield "line_tension", channels.line_tension(self.bodies, output.z[kept])
         yield from channels.accelerations(output.ddp[kept])
-        if channels.steel is None:
+        if channels.steel is None or forces is None:
             return
-        forces, parts = channels.steel.forces, (output.dp, output.ddp, output.carried, output.drag)
-        y = forces.of(samples[kept, self.layout.forces], *(part[kept] for part in parts))
-        y += forces.at_rest
         if channels.legs is not None and self.largest is not None:
-            tops, feet = channels.legs.response(output.p[kept], channels.steel.compression(y), self.largest)
+            tops, feet = channels.legs.response(output.p[kept], channels.steel.compression(forces), self.largest)
             yield "top_displacement", tops
             yield "bottom_stress", feet
-        if channels.steel.counts:
-            for at, end in channels.steel.ends(y).items():
-                self.bent.setdefault(at, []).append(end)
-        yield from channels.steel.channels(y)
+        yield from channels.steel.channels(forces)
 
     def _at_work(self, contact: np.ndarray) -> np.ndarray | float:
         """(m, nj) 0 where a power take-off has let go of its axis, else 1."""
@@ -356,7 +408,8 @@ class Recorder:
 
     def tables(self) -> dict[str, np.ndarray]:
         """Statistics (…, 5) of each channel."""
-        known = {name: each.table().reshape(*self.shapes[name], -1) for name, each in self.statistics.items()}
+        outputs = {name: each for name, each in self.statistics.items() if name not in INNER}
+        known = {name: each.table().reshape(*self.shapes[name], -1) for name, each in outputs.items()}
         if "hinge_force" in known:  # a hit is shorter than the time between samples
             force = known["hinge_force"]
             force[..., 0] = np.maximum(force[..., 0], self.struck[0])
@@ -372,8 +425,8 @@ class Recorder:
         yield from ((name, (0.0, 1.0)) for name in ("latched", "declutched"))
         bound = channels.by_axis(load[None])[0][..., None]
         yield "pto_force", (-bound, bound)
-        if self.rates.count:
-            fastest = np.abs(self.rates.table()[:, :2]).max(axis=1)
+        if RATES in self.statistics:
+            fastest = np.abs(self.statistics[RATES].table()[:, :2]).max(axis=1)
             power = np.multiply(load, fastest, out=np.full(load.size, np.inf), where=np.isfinite(load))
             most = np.array([power[channels.owner == b].sum() for b in range(len(self.scene.floats))])[:, None]
             yield "absorbed_power", (-most, most)
@@ -390,6 +443,10 @@ class Recorder:
     def samples(self) -> dict[str, np.ndarray]:
         """Of each channel (m, …), and their times (m,), where series are kept."""
         return {name: np.concatenate(blocks) for name, blocks in self.series.items()}
+
+    def amended(self) -> dict[str, Cuts]:
+        """What pieces change of each channel's samples, where series are kept."""
+        return {name: Cuts(*map(np.concatenate, zip(*cuts, strict=True))) for name, cuts in self.cuts.items()}
 
     def record(self, attrs: Mapping[str, float | str], modes: SystemModes | None = None) -> Record:
         """The record of all blocks; the system's natural periods, if known."""
@@ -444,7 +501,7 @@ class Recorder:
                 yield "end_stop_hit_rate", (("float",), hits / hours)
             for name, values in zip(CONTACT[1:], contact.T[1:], strict=True):
                 yield name, (("float", "axis"), channels.by_axis(values[None])[0])
-        if self.strokes.count:
-            way, size = np.split(self.strokes.table(), 2)
+        if STROKES in self.statistics:
+            way, size = np.split(self.statistics[STROKES].table(), 2)
             for name, values in (("pto_stroke", way[:, 0] - way[:, 1]), ("pto_travel", 3600 * size[:, 2])):
                 yield name, (("float", "axis"), channels.by_axis(values[None])[0])

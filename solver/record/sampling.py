@@ -1,6 +1,7 @@
 """The error of a record's statistics, from samples of a part of it at two steps."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,47 +13,107 @@ PARTS = 16  # of the samples, whose scatter tells chance from what stays
 SURE = 6.0  # times the square of chance: of dozens of channels one reaches that by chance alone
 
 
+class Cuts(NamedTuple):
+    """What pieces of cut steps make of a channel's mean over the time before k of its samples, and of its square's,
+    less what the two samples at its ends do."""
+
+    row: np.ndarray  # (k,) of the samples
+    value: np.ndarray  # (k, n)
+    square: np.ndarray  # (k, n)
+
+
+Cut = Mapping[str, Cuts]
+
+
 def least_force(scene: Scene) -> np.ndarray:
     """(nb, 1) [N]: joint forces below it count as zero, as those along an axis that is free are."""
     return FAINT * scene.water.gravity * np.array([[f.mass] for f in scene.floats])
 
 
 def expected_error(
-    coarse: Mapping[str, np.ndarray], fine: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float
+    coarse: Mapping[str, np.ndarray],
+    fine: Mapping[str, np.ndarray],
+    least: Mapping[str, np.ndarray],
+    longer: float,
+    cut: tuple[Cut, Cut] = ({}, {}),
 ) -> float:
-    """Largest error of any mean, rms and std that samples (m, …) lead to expect in a record `longer` times theirs."""
-    return max(_of_kind(coarse[name], fine[name], least.get(name, np.zeros(())), longer) for name in fine)
+    """Largest error of any mean, rms and std that samples (m, …) lead to expect in a record `longer` times theirs.
+
+    cut: what pieces know of the one and the other beside their samples.
+    """
+    return max(
+        _of_kind(coarse[name], y, cut[0].get(name), cut[1].get(name), least.get(name, np.zeros(())), longer)
+        for name, y in fine.items()
+    )
 
 
-def between_samples(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float) -> float:
+def between_samples(
+    samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float, cut: Cut | None = None
+) -> float:
     """The same of a record that has every other one of these samples, by its trapezoids: what jumps lies between.
 
     samples: an even number. Each gap errs by half of what its middle is off the mean of its ends. What jumps does so
     anywhere in a gap: those of m gaps that are near each other have a sum e, and the mean errs by (Σ e²)^½/m.
     """
-    return max(_between(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
+    known = cut or {}
+    return max(_between(x, known.get(name), least.get(name, np.zeros(())), longer) for name, x in samples.items())
 
 
-def _of_kind(x: np.ndarray, y: np.ndarray, least: np.ndarray, longer: float) -> float:
+def of_every_other(samples: Mapping[str, np.ndarray], cut: Cut, coarse: Cut) -> dict[str, Cuts]:
+    """What pieces make of the means over the time before every other sample, the second on, which is a step.
+
+    Where no step is cut, neither this nor that of a `coarse` run, samples between count for nothing; where only that
+    one is, as by Simpson's rule.
+    """
+    none = {name: Cuts(np.zeros(0, int), *np.zeros((2, 0, 1))) for name in {*cut, *coarse}}
+    cut, coarse = {**none, **cut}, {**none, **coarse}
+    flat = {name: samples[name].reshape(len(samples[name]), -1) for name in none}
+    return {name: _of_pairs(x, cut[name], coarse[name].row) for name, x in flat.items()}
+
+
+def _of_pairs(x: np.ndarray, cuts: Cuts, others: np.ndarray) -> Cuts:
+    pairs = np.union1d(cuts.row // 2, others)
+    pairs = pairs[(pairs > 0) & (2 * pairs + 1 < len(x))]
+    known, own = np.isin(cuts.row // 2, pairs), np.isin(pairs, cuts.row // 2)[:, None]
+    into, sums = np.searchsorted(pairs, cuts.row[known] // 2), []
+    for v, part in ((x, cuts.value), (x**2, cuts.square)):
+        bend = 2 * v[2 * pairs] - v[2 * pairs - 1] - v[2 * pairs + 1]
+        total = np.where(own, bend / 4, bend / 3)
+        np.add.at(total, into, part[known] / 2)
+        sums.append(total)
+    return Cuts(pairs, *sums)
+
+
+def _of_kind(
+    x: np.ndarray, y: np.ndarray, of_x: Cuts | None, of_y: Cuts | None, least: np.ndarray, longer: float
+) -> float:
     mean, sizes = _sizes(x, y, least)
-    pairs = zip(_powers(x, mean), _powers(y, mean), sizes, strict=True)
+    pairs = zip(_powers(x, mean, of_x), _powers(y, mean, of_y), sizes, strict=True)
     with np.errstate(divide="ignore", invalid="ignore"):
         return _expected([(a - b) / size for a, b, size in pairs], longer)
 
 
-def _between(x: np.ndarray, least: np.ndarray, longer: float) -> float:
+def _between(x: np.ndarray, cuts: Cuts | None, least: np.ndarray, longer: float) -> float:
     mean, sizes = _sizes(x[1::2], x[1::2], least)
     gaps = np.array([((v[1:-2:2] + v[3::2]) / 2 - v[2:-1:2]) / 2 for v in _powers(x, mean)])
+    if cuts is not None:  # nothing lies between there that pieces do not tell
+        gaps[:, cuts.row - 1] = 0.0
     near = np.add.reduceat(gaps, np.arange(0, gaps.shape[1], NEAR), axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = np.sqrt(np.sum(near**2, axis=1) / longer) / gaps.shape[1] / sizes
     return float(np.max(errors, where=np.isfinite(errors), initial=0.0))
 
 
-def _powers(x: np.ndarray, mean: np.ndarray) -> list[np.ndarray]:
+def _powers(x: np.ndarray, mean: np.ndarray, cuts: Cuts | None = None) -> list[np.ndarray]:
     """Of samples (m, …) of channels what the mean and the squares of rms and std are the means of, (m, n)."""
     x = x.reshape(len(x), -1)
-    return [x, x**2, (x - mean) ** 2]
+    powers = [x, x**2, (x - mean) ** 2]
+    if cuts is not None:
+        changes = (cuts.value, cuts.square, cuts.square - 2 * mean * cuts.value)
+        for i, change in enumerate(changes):
+            powers[i] = powers[i].copy()
+            powers[i][cuts.row] += change
+    return powers
 
 
 def _sizes(x: np.ndarray, y: np.ndarray, least: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

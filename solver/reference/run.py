@@ -19,7 +19,7 @@ from solver.coupled.assembly import joint_law
 from solver.coupled.driving import driven
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.natural import require_stable, system_modes, with_usual_step
-from solver.coupled.step import Output
+from solver.coupled.step import Output, whole_output
 from solver.coupled.system import BALANCE, System, energy_residual, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
@@ -238,8 +238,7 @@ def _blocks(
             times, errors, *parts = (np.array(x) for x in zip(*rows, strict=True))
             contact = _contact(case, *parts[:2])
             struck = np.repeat(parts[3][:, None], contact.shape[1], axis=1)
-            output = Output(*[*parts, contact, struck])
-            yield times, output, _waves(case, times), errors.max(axis=0), sample.frames
+            yield times, whole_output(parts, contact, struck), _waves(case, times), errors.max(axis=0), sample.frames
             rows = []
 
 
@@ -311,7 +310,7 @@ def _errors(
     half = _case(replace(case.scene, settings=short), h, **options)
     finer, every = Recorder(probe.scene, half.system.support, layout=half.system.layout), slice(1, None, 2)
     for times, output, waves, *_ in _blocks(half, _march(half, tolerance)):
-        finer.add(times[every], Output(*(x[every] for x in output)), waves[every])
+        finer.add(times[every], output.thinned(), waves[every])
     step = statistics_error(case.system, probe.scene, expected_error, probe.samples(), finer.samples())
     memory, mesh = coefficient_effects(case.system, h)
     parts = {

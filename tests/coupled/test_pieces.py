@@ -12,6 +12,7 @@ from pytest import approx
 from scipy.integrate import solve_ivp
 
 from solver.coupled import assembly
+from solver.coupled import system as system_module
 from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
 from solver.coupled.pieces import _fill_memory, _sample, new_fine
@@ -21,6 +22,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring
 from solver.multibody.joint_law import RELEASED, STOP_ZONE
+from solver.record.recorder import Recorder
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
 from tests.awkward import SCENES
@@ -95,6 +97,25 @@ def test_a_mass_bounces_between_stops_with_their_restitution(zeta, dt):
     largest = {0.0: STIFF * M * deepest, 0.5: damping}  # of a spring; of a damper that is hit
     if zeta in largest:
         assert run.contact[:, LOAD].max() == approx(largest[zeta], rel=0.02)
+
+
+@pytest.mark.parametrize(("dt", "seconds"), [(0.4, 7.6), (0.13, 7.8), (0.05, 7.8)])
+def test_statistics_of_hits_are_those_of_pieces(dt, seconds):
+    """F = kδ for half a period at ω: ∫F dt = 2MV and ∫F² dt = M²V²ωπ/2 of each hit, whatever samples see of it.
+
+    To 1e-3 of F² a hit, as V² is by what pieces as bent as BEND leave.
+    """
+    scene = mass(dt, seconds, end_stops=EndStops(lower=-0.7, upper=1.0, stiffness=STIFF * M))
+    system = prepare(scene, None)
+    state, recorder = system.start(), Recorder(scene, None, layout=system.layout, bodies=system.bodies)
+    state.dz[0] = 1.0
+    state.energy[AT_START] = energy(system.bodies, system.structure, state)
+    for samples, output, times in blocks(system, state, round(seconds / dt)):
+        recorder.add(times, output, samples)
+    hits, (most, least, mean, rms, _) = recorder.contact[0, HITS], recorder.tables()["hinge_force"][0, 0]
+    assert hits == 4 and mean == approx(0, abs=2e-3 * hits * 2 * M / seconds)
+    assert rms**2 == approx(hits * M**2 * np.sqrt(STIFF) * np.pi / 2 / seconds, rel=1e-3 * hits)
+    assert [most, -least] == approx([M * np.sqrt(STIFF)] * 2, rel=0.02)
 
 
 def test_a_zone_is_left_by_what_stays_beyond_it():
@@ -312,3 +333,29 @@ def test_methods_without_a_law_say_so(buan):
     with pytest.raises(InputError, match=r"floats\.front\.coulomb = .*needs formulation = .minimal."):
         buan.scene("fixed", floats=buan.floats(coulomb=100.0), formulation="augmented")
     assert len(WORKS) == 7
+
+
+def test_what_a_hit_sets_ringing_faster_than_it_swings_takes_no_pieces(buan, coefficients, monkeypatch):
+    """On a platform whose hinges have modes of 1,400 rad/s, of which a hit of 22 rad/s makes half of the damper's load.
+
+    Followed to their end they take four times as many of Newton's iterations as a fixed platform.
+    """
+    spent, march = [], system_module.march
+
+    def counted(*args):
+        ended = march(*args)
+        spent.append(ended[2])
+        return ended
+
+    monkeypatch.setattr(system_module, "march", counted)
+    stops = EndStops(lower=-0.9, upper=0.9, stiffness=2e7, damping=2e5)
+    rough = {"floats": buan.floats(end_stops=stops), "sea": buan.sea(Hs=8.0, Tp=12.0), "duration": 100.0}
+    used, loads = [], []
+    for platform, dt in (("fixed", 0.2), ("elastic", 0.2), ("elastic", 0.05)):
+        spent.clear()
+        run = Run(buan.scene(platform, time_step=dt, discard=0.0, **rough), known=coefficients)
+        assert run.contact[:, HITS].sum() > 20 and run.residual < 1e-3
+        used.append(sum(spent))
+        loads.append(run.contact[:, LOAD].max())
+    assert used[1] < 2 * used[0]
+    assert loads[1] == approx(loads[2], rel=0.01)

@@ -8,7 +8,7 @@ from pytest import approx
 
 from solver.coupled import driving, support, typical
 from solver.coupled.modal import Structure, WaterAbout, drag, flexibility
-from solver.coupled.scheme import AA, A
+from solver.coupled.scheme import LOBATTO
 from solver.errors import InputError
 from solver.run import simulate
 from solver.scene import Platform, Scene, Settings, Water
@@ -232,7 +232,7 @@ def test_flexibility_inverts_the_stage_equations():
     empty = np.zeros((1, 1, 0))
     structure = Structure(np.array([omega]), np.array([zeta]), np.ones((1, 1)), empty, np.zeros(0), np.ones(1))
     inverse, H = flexibility(structure, dt)
-    D = np.eye(2) + 2 * zeta * omega * dt * A + (omega * dt) ** 2 * AA
+    D = np.eye(2) + 2 * zeta * omega * dt * LOBATTO.A + (omega * dt) ** 2 * LOBATTO.AA
     assert inverse[0] @ D == approx(np.eye(2), abs=1e-14)
     assert H[:, 0, :, 0] == approx(inverse[0])
 

@@ -101,8 +101,11 @@ def test_a_run_that_meets_a_stop_late_is_judged_from_there():
     assert loads[0] == approx(loads[1], rel=0.01)
 
 
-def test_what_hits_do_between_samples_is_told():
-    """The long steps of a big float's waves beside a small one on its stops; all samples of a run that has them all."""
+def test_what_hits_do_between_samples_is_in_the_record():
+    """The long steps of a big float's waves beside a small one on its stops; short ones have all in their samples.
+
+    Samples alone would have the hinge force 5 % off.
+    """
     whole, known_to = SCENES["big_beside_small"]()
     floats = []
     for item, reach in zip(whole.floats, (0.023, 0.1), strict=True):
@@ -118,8 +121,8 @@ def test_what_hits_do_between_samples_is_told():
         for name, least in {"rotation": 0.0, "absorbed_power": 0.0, "hinge_force": least_force(scene)}.items()
     )
     assert usual.variables["end_stop_hits"][1].min() > 10
-    assert usual.attrs["sampling_error"] > 10 * usual.attrs["discretization_error"]
-    assert 1 / 3 < true / usual.attrs["estimated_error"] < 3
+    assert usual.attrs["sampling_error"] < 1e-3 and true < 3e-3, (true, usual.attrs["estimated_error"])
+    assert true / usual.attrs["estimated_error"] < 3
 
 
 def test_settings_are_refined_by_their_own_share_alone(buan):

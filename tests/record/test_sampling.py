@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.record.sampling import between_samples, expected_error
+from solver.record.sampling import Cuts, between_samples, expected_error, of_every_other
 
 NONE = np.zeros(())
 RNG = np.random.default_rng(3)
@@ -81,3 +81,39 @@ def test_what_jumps_between_samples_is_told_as_chance():
     assert np.all((true[:2] / told[:2] > 1 / 3) & (true[:2] / told[:2] < 3)), (true, told)
     assert told[2] < told[0] / 20
     assert between_samples({"x": fine[:: apart // 2]}, {}, 4.0) == approx(told[0] / 2)
+
+
+def pulses(spacing, record=400.0, every=0.01):
+    """Samples of short hits, and what pieces as fine as `every` know of the time before those that hits lie in."""
+    starts, n = np.zeros(round(record / every)), round(spacing / every)
+    starts[np.random.default_rng(7).integers(100, starts.size - 100, 100)] = 1.0
+    fine = np.convolve(starts, np.sin(np.arange(9) * np.pi / 8))[: starts.size, None]
+    x, rows = fine[n - 1 :: n], []
+    for r in range(1, len(x)):
+        within = fine[n * r - 1 : n * (r + 1)]
+        if within.any():
+            own = [(np.sum(v, axis=0) - (v[0] + v[-1]) / 2) / n - (v[0] + v[-1]) / 2 for v in (within, within**2)]
+            rows.append((r, *own))
+    return x, Cuts(*map(np.array, zip(*rows, strict=True)))
+
+
+def test_what_pieces_know_is_no_error_of_samples():
+    """Of a run and one of half the step, whose hits both cut: the same means; samples alone see few of the hits."""
+    coarse, cut = pulses(0.4)
+    fine, finer = pulses(0.2)
+    known = of_every_other({"x": fine}, {"x": finer}, {"x": cut})
+    every = {"x": fine[1::2]}
+    assert expected_error({"x": coarse}, every, {}, 1.0, ({"x": cut}, known)) < 1e-10
+    assert expected_error({"x": coarse}, every, {}, 1.0, ({"x": cut}, {})) > 1e-2
+    assert between_samples({"x": fine}, {}, 1.0) > 1e-2
+    assert between_samples({"x": fine}, {}, 1.0, known) < 1e-10
+
+
+def test_a_step_that_the_other_run_alone_cuts_is_as_long_as_its_points_tell():
+    """A parabola's mean by Simpson's rule over both halves, where a coarse run has that of its pieces."""
+    t = 0.2 * np.arange(1, 9)
+    parabola, row = (t**2)[:, None], np.array([2])
+    a, b = t[3], t[5]
+    exact = Cuts(row, np.array([[(a * a + a * b + b * b) / 3 - (a**2 + b**2) / 2]]), np.zeros((1, 1)))
+    told = of_every_other({"x": parabola}, {}, {"x": exact})["x"]
+    assert told.row.tolist() == [2] and told.value == approx(exact.value)
