@@ -10,6 +10,7 @@ from numba import njit
 from solver.coupled.memory import memory_history
 from solver.coupled.modal import WaterAbout, drag, flexibility
 from solver.coupled.newton import Zones, new_newton, newton_matrix
+from solver.coupled.scheme import LOBATTO
 from solver.coupled.system import BLOCK_STEPS, blocks, prepare
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature_room
 from solver.hydrodynamics.radiation import memory as radiation
@@ -65,7 +66,11 @@ def of_a_step(platform: str) -> list[tuple[str, float, float]]:
             each(memory_history, system.memory, state.memory, motion.active_velocity, np.zeros((2, na))),
             1,
         ),
-        ("Newton's matrix", each(newton_matrix, body, motion, zones, H, constant, system.dt, new_newton(nz)), 1 / 8),
+        (
+            "Newton's matrix",
+            each(newton_matrix, body, motion, zones, H, constant, system.dt, LOBATTO, new_newton(nz)),
+            1 / 8,
+        ),
     ]
     if frame.omega.size:
         water = WaterAbout(drive.station[4:6], drive.wet[4:6], drive.push[4:6])
