@@ -258,6 +258,10 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
         yield from scenes.objections(partial(scenes.in_place, item, study.water))
     if table := study.platform:
         yield from _repeated("platform.legs", table.legs)
+        written = table.damping_ratio if "damping_ratio" in table.model_fields_set else 0.0
+        if written and (table.rayleigh_mass or table.rayleigh_stiffness):
+            limit = "must be 0 or left out beside rayleigh_mass or rayleigh_stiffness, which damp instead of it"
+            yield InputError("platform.damping_ratio", written, limit)
         for node, place in table.nodes.items():
             if node.startswith(HINGE):
                 yield InputError(f"platform.nodes.{node}", list(place), "comes with its float; leave it out")
