@@ -36,6 +36,7 @@ class Put(NamedTuple):
     value: Any
     path: str
     beside: Mapping[str, Any]
+    context: Mapping[str, Any]  # that files are to be read in
 
     def table(self, rest: str) -> tuple[str, dict[str, Any]]:
         """The table that this key, the rest of its path, is in: its path, and all its keys that are given."""
@@ -57,7 +58,7 @@ def with_value(study: StudyFile, path: str, value: Any, beside: Mapping[str, Any
     `*` stands for all of them, `rotor-*` for those whose names begin so. A table that the study lacks is made of the
     value and those beside it.
     """
-    put = Put(value, path, beside)
+    put = Put(value, path, beside, study.context)
     head, dot, rest = path.partition(".")
     for whole in [f"sea_states.{name}.{rest}" for name in study.seas or (ALL,)] if head == SEA and dot else [path]:
         study = _changed(study, whole, put, "")
@@ -114,7 +115,7 @@ def _table(node: Table, path: str, put: Put, above: str) -> Table:
     new = _changed(child, rest, put, f"{above}{key}.") if rest else put.value
     given = {name: getattr(node, name) for name in node.model_fields_set}
     try:
-        return type(node).model_validate(given | {key: new})
+        return type(node).model_validate(given | {key: new}, context=put.context)
     except ValidationError as error:
         raise PathError(_within(error.errors(include_url=False)[0], put.value)) from None
 
@@ -135,7 +136,7 @@ def _made(kind: type[Table], rest: str, put: Put, name: str) -> Table:
     """A table that the study lacks, of all its keys that are given together."""
     above, keys = put.table(rest)
     try:
-        return kind.model_validate(keys)
+        return kind.model_validate(keys, context=put.context)
     except ValidationError as error:
         _blame(error.errors(include_url=False)[0], above, keys, name)
 

@@ -422,6 +422,24 @@ def test_a_table_that_the_study_lacks_is_brought_in_whole(small, given):
     assert ids == (plain | with_stops if "variants" in given else with_stops) and with_stops != plain
 
 
+@pytest.mark.parametrize("folder", ["", "above/"])
+def test_files_of_a_variant_lie_beside_the_study(small, folder):
+    """Whoever runs it from where; and those of a base beside that."""
+    (small.parent / "law.py").write_text("def load(y, dy):\n    return 1e5 * dy\n")
+    law = "{ file = 'law.py', velocity = [-2.0, 2.0] }"
+    study = tables_under(small, f"[variants.a]\n[variants.b.floats.front]\npto_damping = 0.0\npto_law = {law}")
+    quoted = (
+        small.read_text()
+        .replace("pto_law = {", "'pto_law.file' = 'law.py'\npto_law = {")
+        .replace("file = 'law.py', ", "")
+    )
+    small.write_text(quoted)
+    upper = small.parent / f"{folder}upper.toml"
+    upper.parent.mkdir(exist_ok=True)
+    upper.write_text(f"base = '{'../' if folder else ''}small.toml'\n")
+    assert {task.id for task in load(upper).tasks} == {task.id for task in study.tasks}
+
+
 def test_a_table_brought_in_may_be_the_current(small):
     study = tables_under(small, "[variants.still]\n[variants.streaming.current]\nspeed = 0.5")
     assert {t.parameters.current and t.parameters.current.speed for t in study.tasks} == {None, 0.5}
