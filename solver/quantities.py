@@ -6,7 +6,7 @@ depth: Annotated[float, Quantity("m", above=0), "Depth of the water"]
 import math
 import operator
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import Any, get_type_hints
 
@@ -64,12 +64,18 @@ def meanings(inputs: type) -> dict[str, str]:
     return {name: mark for name, of in marks.items() for mark in of if isinstance(mark, str)}
 
 
+@lru_cache
+def _judged(inputs: type) -> list[tuple[str, Quantity, Any]]:
+    """Name, range and default of each field of a class of inputs that has a range."""
+    usual = {f.name: f.default for f in fields(inputs)}
+    return [(name, quantity, usual[name]) for name, quantity in quantities(inputs).items()]
+
+
 def out_of_range(inputs: Any, key: str) -> Iterator[InputError]:
     """An error for every field of inputs that is outside its range; None and words are skipped."""
-    marked = quantities(type(inputs))  # type: ignore[arg-type]  # mypy takes the class's __hash__ for its instances'
-    for name, quantity in marked.items():
+    for name, quantity, usual in _judged(type(inputs)):  # type: ignore[arg-type]  # mypy: its instances' __hash__
         value = getattr(inputs, name)
-        if value is None or isinstance(value, str):
+        if value is usual or value is None or isinstance(value, str):  # most are the default, which is in range
             continue
         if limit := quantity.limit(value if isinstance(value, (float, int)) else np.asarray(value, float)):
             yield InputError(f"{key}.{name}", value, limit)

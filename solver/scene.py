@@ -218,8 +218,8 @@ class Float:
         if moments[2] > (moments[0] + moments[1]) * (1 + 1e-9):
             limit = "must meet the triangle inequality: no moment above the sum of the others"
             yield InputError(f"{key}.inertia", self.inertia, limit)
-        upright, lever = self.axis[0] == self.axis[1] == 0, np.linalg.norm(np.cross(self.arm, self.axis))
-        if self.motion == ("hinge",) and upright and lever < 1e-9 * np.linalg.norm(self.axis):
+        upright = self.motion == ("hinge",) and self.axis[0] == self.axis[1] == 0
+        if upright and np.linalg.norm(np.cross(self.arm, self.axis)) < 1e-9 * np.linalg.norm(self.axis):
             yield InputError(f"{key}.arm", self.arm, "must not lie along the hinge axis: the float would only spin")
 
     def per_axis(self, name: str) -> np.ndarray:
@@ -289,7 +289,7 @@ class Float:
 
 def _fits(value: PerAxis, usual: float, axes: int) -> bool:
     """Whether there is a number for each axis; one that says nothing does for all."""
-    return np.size(value) == axes or not np.any(np.asarray(value) != usual)
+    return value is usual or np.size(value) == axes or not np.any(np.asarray(value) != usual)
 
 
 def _of_joints(inputs: type, table: str = "") -> dict[str, float]:

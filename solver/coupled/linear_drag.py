@@ -10,7 +10,17 @@ In a current u = U + u', |u|u ≈ F + K u' with the mean F = ⟨|u|u⟩ and K = 
 In a plane |u|³ = ⅜∮|u·e|³ dφ over all directions e(φ), whose gradient and curvature are 3|u|u and 3 ∂(|u|u)/∂u:
 
     F = ⅜∮⟨|s|s⟩ e dφ,   K = ¾∮⟨|s|⟩ e eᵀ dφ,   s = u·e with mean U·e and variance eᵀSe.
+
+What that leaves out is of higher orders, by Hermite's polynomials Hₙ of x = s - U·e, and no part of it goes with u, at
+any time apart. With σ the std of s, φ the density of a normal number and r = U·e/σ (Borgman 1967; Price's theorem),
+
+    |s|s = F + K x + Σ aₙ Hₙ(x),   n! a₂ = 2 erf(r/√2),   n! aₙ = 4 φ⁽ⁿ⁻³⁾(r)/σⁿ⁻²,
+
+and of two such numbers x, x' with covariance R the n-th terms have the covariance n! aₙaₙ' Rⁿ. In still water the third
+order has 0.94 of all that is not linear, the fifth 0.04.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # special is slow to import, and asked of drag's linear model alone
@@ -18,6 +28,8 @@ import scipy  # special is slow to import, and asked of drag's linear model alon
 PHASES = 64  # of a harmonic: its mean of |u|³ is then exact to 1e-5
 ROUND = 1e-6  # of two variances that count as the same
 STEADY = 1e-9  # times its mean: the std of a number that does not vary
+FEW = 4  # directions of half a circle that terms of higher orders need
+FACTORIALS = np.array([2.0, 6.0, 24.0, 120.0])  # of the orders from 2 on that count
 DIRECTIONS = 360  # of half a circle: what their bend across a current without waves leaves is 2e-5 of the speed
 
 
@@ -74,6 +86,36 @@ def in_stream(U: np.ndarray, S: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return F, K + 0.5 * step * speed.sum(axis=-1)[..., None, None] * across
 
 
+class Beyond(NamedTuple):
+    """Terms of |u|u beyond the linear ones, Σ e aₙ Hₙ(x), x = (u - U)·e, over m directions."""
+
+    e: np.ndarray  # (…, m, d)
+    terms: np.ndarray  # √n! aₙ (…, m, 4), from n = 2 on
+
+
+def beyond(U: np.ndarray, S: np.ndarray) -> Beyond:
+    """Of Gaussian velocities in a plane, as in `in_stream`."""
+    if U.shape[-1] == 1:
+        return Beyond(np.ones((*U.shape, 1)), _terms(U, np.sqrt(S[..., 0])))
+    size, axes = np.linalg.eigh(S + U[..., :, None] * U[..., None, :])
+    if np.all(size[..., -2] <= ROUND * size[..., -1]):  # all along lines
+        e, weight = np.swapaxes(axes[..., -1:], -1, -2), 1.0
+    else:
+        angle, weight = (np.arange(FEW) + 0.5) * np.pi / FEW, 0.75 * np.pi / FEW
+        e = np.stack([np.cos(angle), np.sin(angle)], axis=-1) @ np.swapaxes(axes[..., -2:], -1, -2)
+    std = np.sqrt(np.sum((e @ S) * e, axis=-1).clip(min=0.0))
+    return Beyond(e, weight * _terms(np.sum(e * U[..., None, :], axis=-1), std))
+
+
+def _terms(mean: np.ndarray, std: np.ndarray) -> np.ndarray:
+    """√n! aₙ (…, 4) of |s|s; none where nothing varies."""
+    inverse = np.divide(1.0, std, out=np.zeros(std.shape), where=std > STEADY * np.abs(mean))
+    r = mean * inverse
+    bell = 4 * np.exp(-0.5 * r**2) / np.sqrt(2 * np.pi) * inverse
+    higher = np.stack([bell, -bell * r * inverse, bell * (r**2 - 1) * inverse**2], axis=-1)
+    return np.concatenate([2 * scipy.special.erf(r / np.sqrt(2))[..., None], higher], axis=-1) / np.sqrt(FACTORIALS)
+
+
 def _along(mean: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """⟨|s|s⟩ and ⟨|s|⟩ of Gaussian numbers."""
     ratio = np.divide(mean, std, out=np.copysign(np.inf, mean), where=std > STEADY * np.abs(mean)) / np.sqrt(2)
@@ -120,17 +162,17 @@ def of_parts(u: np.ndarray) -> np.ndarray:
     """The same of lines as their parts (d, n, 2 nw)."""
     if u.shape[-1] == 2:
         return of_harmonic(u.view(complex)[..., 0].T)
-    return of_gaussian(_covariance(u))
+    return of_gaussian(covariance(u))
 
 
 def of_parts_in(stream: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """F (n, d) and K (n, d, d) of a current (d, n) and lines as in of_parts (d, n, 2 nw)."""
     if u.shape[-1] == 2:
         return harmonic_in_stream(stream.T, u.view(complex)[..., 0].T)
-    return in_stream(stream.T, _covariance(u))
+    return in_stream(stream.T, covariance(u))
 
 
-def _covariance(u: np.ndarray) -> np.ndarray:
+def covariance(u: np.ndarray) -> np.ndarray:
     """(n, d, d) of lines as in of_parts (d, n, 2 nw)."""
     d, n = u.shape[:2]
     S = np.empty((n, d, d))

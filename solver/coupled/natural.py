@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy import linalg
+from scipy.interpolate import CubicSpline
 
 from solver.coupled.linear import LinearModel, linear_model
 from solver.coupled.support import Support
@@ -16,7 +17,6 @@ from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits, shared
 from solver.scene import STEPS, Scene, two_digits
-from solver.spline import CubicSpline
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
 PLATFORM = 6  # lowest shapes of the platform that are told, besides all joints

@@ -9,8 +9,9 @@ import numpy as np
 from solver.balance import warnings
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.natural import SystemModes, require_stable, system_modes
-from solver.coupled.support import Support
+from solver.coupled.support import Support, real_by_complex
 from solver.coupled.system import System, loads_at_rest, prepare
+from solver.frequency import beyond
 from solver.frequency.condensed import Condensed
 from solver.frequency.stations import Stations
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -22,6 +23,7 @@ from solver.scene import Float, Scene
 
 OTHERS = tuple(f.name for f in fields(Float) if f.name not in DAMPERS)
 KNOWN = 2  # cases that a process keeps
+NARROW = 1e-4  # of its frequency: half of a resonance's width, at least
 
 
 class _Undamped:
@@ -61,7 +63,10 @@ def _bare(item: Float) -> Float:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A scene without its dampers, in its sea; nw waves that are not of zero height, n coordinates of its model."""
+    """A scene without its dampers, in its sea; n coordinates of its model.
+
+    nl lines: of the nw waves that are not of zero height, then of the drag beyond the linear one, which no wave makes.
+    """
 
     system: System
     hydrodynamics: Hydrodynamics | None
@@ -92,9 +97,40 @@ class Case:
         return np.abs(self.system.scene.sea.amplitude) > 0
 
     @cached_property
-    def omega(self) -> np.ndarray:
-        """(nw,) [rad/s]."""
+    def waves(self) -> np.ndarray:
+        """ω (nw,) of the waves [rad/s]."""
         return self.system.scene.sea.omega[self.met]
+
+    @cached_property
+    def nodes(self) -> beyond.Nodes:
+        """Lines of the drag beyond the linear one, dense about resonances as narrow as drag and frame make them.
+
+        What radiates makes them wider. One wave alone has none.
+        """
+        if not self.stations.size or self.waves.size == 1:
+            return beyond.Nodes(np.zeros(0), np.zeros(0))
+        highest, nm, damping = float(self.waves.max()), self.model.modes.shape[1], self.model.damping.copy()
+        damping[:nm, :nm] += self.stations.against(self.at_rest)
+        below = (self.modes.omega > 0) & (self.modes.omega < highest)
+        own, shapes = self.modes.omega[below], self.modes.shapes[:, below]
+        half = np.maximum(np.sum(shapes * (damping @ shapes), axis=0) / 2, NARROW * own)
+        return beyond.nodes(highest, own, half, np.sum(shapes[:nm] ** 2, axis=0))
+
+    @cached_property
+    def omega(self) -> np.ndarray:
+        """(nl,) [rad/s]."""
+        return np.concatenate([self.waves, self.nodes.omega])
+
+    @cached_property
+    def amplitude(self) -> np.ndarray:
+        """Of the waves' elevation (nl,) [m]."""
+        return self.padded(self.system.scene.sea.amplitude[self.met])
+
+    def padded(self, of_waves: np.ndarray) -> np.ndarray:
+        """(…, nl) of what waves alone have (…, nw)."""
+        out = np.zeros((*of_waves.shape[:-1], self.omega.size), complex)
+        out[..., : self.waves.size] = of_waves
+        return out
 
     @property
     def duration(self) -> float:
@@ -107,23 +143,38 @@ class Case:
         return self.system.rows if self.met.all() else self.system.rows[:, self.met]
 
     @cached_property
+    def modal(self) -> np.ndarray:
+        """Load of the waves on the modes (nm, nl)."""
+        return self.padded(self.rows[self.system.layout.modal])
+
+    @cached_property
     def impedance(self) -> np.ndarray:
-        """Y (nw, na, na) of what radiates."""
-        if self.hydrodynamics is None:
+        """Y (nl, na, na) of what radiates."""
+        return self._impedance(self.hydrodynamics)
+
+    def _impedance(self, h: Hydrodynamics | None) -> np.ndarray:
+        """By other coefficients; added mass and damping below the frequencies solved for are those of the first one."""
+        if h is None:
             return np.zeros((self.omega.size, *2 * (len(self.model.active),)))
-        return impedance(self.system, self.hydrodynamics, self.omega)
+        Y, at = impedance(self.system, h, self.waves), self.nodes.omega
+        if not at.size:
+            return Y
+        known = np.maximum(at, h.omega[0])
+        rest = impedance(self.system, h, known)
+        rest.imag *= (at / known)[:, None, None]
+        return np.concatenate([Y, rest])
 
     @cached_property
     def excitation(self) -> np.ndarray:
-        """Of the waves on the floats (nw, nb, 6)."""
-        rows = self.rows[self.system.layout.excitation]
+        """Of the waves on the floats (nl, nb, 6)."""
+        rows = self.padded(self.rows[self.system.layout.excitation])
         return rows.T.reshape(self.omega.size, len(self.system.scene.floats), 6)
 
     @cached_property
     def force(self) -> np.ndarray:
-        """F (n, nw) of the waves, without drag."""
+        """F (n, nl) of the waves, without drag."""
         radiating = self.excitation[..., self.system.bodies.active].reshape(self.omega.size, len(self.model.active))
-        return np.ascontiguousarray(wave_force(self.model, radiating, self.rows[self.system.layout.modal]).T)
+        return np.ascontiguousarray(wave_force(self.model, radiating, self.modal).T)
 
     @cached_property
     def stations(self) -> Stations:
@@ -148,12 +199,28 @@ class Case:
         if not self.stations.size:
             nm = self.system.structure.omega.size
             return np.zeros((0, 0, 0)), np.zeros((nm, nm)), np.zeros((nm, self.omega.size), complex)
-        K = self.stations.equivalent(rate)
-        return K, *self.stations.acting(K, self.system.structure.station)
+        K = self.at_rest if rate is None else self.stations.equivalent(rate)
+        return K, *self.pushed(K, self.system.structure.station)
+
+    def pushed(self, K: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """By maps (k, nd, ns) of the drag: damping of what it does against modal rates (k, nm), and else (k, nl).
+
+        Beyond the linear one it goes with the mean square of the flow that K is of.
+        """
+        against, of_water = self.stations.acting(K, on)
+        moving, at_rest = (np.trace(of, axis1=1, axis2=2) for of in (K, self.at_rest))
+        size = np.divide(moving, at_rest, out=np.ones(moving.size), where=at_rest > 0) ** 2
+        maps = (on * size).reshape(len(on), len(self.rest))
+        return against, np.concatenate([of_water, real_by_complex(maps, self.rest)], axis=1)
+
+    @cached_property
+    def at_rest(self) -> np.ndarray:
+        """K where the frame does not move."""
+        return self.stations.equivalent(None)
 
     @cached_property
     def drag_at_rest(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The same where the frame does not move."""
+        """What drag does where the frame does not move."""
         return self.drag(None)
 
     @cached_property
@@ -162,13 +229,20 @@ class Case:
         return Condensed(self.model, self.omega, self.impedance, self.drag_at_rest[1])
 
     @cached_property
+    def rest(self) -> np.ndarray:
+        """Drag on a frame that does not move beyond the linear one (nd ns, nl - nw) [N]."""
+        if not self.nodes.omega.size:
+            return np.zeros((len(self.stations.water), 0), complex)
+        return beyond.forces(self.stations, self.waves, self.duration, self.nodes)
+
+    @cached_property
     def shifted(self) -> tuple[Condensed, np.ndarray] | None:
-        """Equation and forces (n, nw), without drag, by coefficients off by their estimated error; None without one."""
+        """Equation and forces (n, nl), without drag, by coefficients off by their estimated error; None without one."""
         h, system = self.hydrodynamics, self.system
         if h is None or h.shifted is h:
             return None
-        force = force_of_waves(system, h.shifted)[self.met]
-        return self.equation.radiating(impedance(system, h.shifted, self.omega)), np.ascontiguousarray(force.T)
+        force = force_of_waves(system, h.shifted)[self.met].T
+        return self.equation.radiating(self._impedance(h.shifted)), self.padded(force)
 
     @property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:

@@ -31,19 +31,19 @@ HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and mom
 def waves_of(case: Case, response: Response) -> Waves:
     """Far off, of the scene's response to its sea."""
     h = require_far_field(case.hydrodynamics)
-    return h.waves(response.omega, case.system.scene.sea.amplitude[case.met], _velocity(case, response))
+    return h.waves(case.waves, case.system.scene.sea.amplitude[case.met], _velocity(case, response))
 
 
 def _velocity(case: Case, response: Response) -> np.ndarray:
-    """Of all that radiates (nw, na)."""
-    return -1j * response.omega[:, None] * (response.X @ case.model.active.T)
+    """Of all that radiates by the waves (nw, na)."""
+    return -1j * case.waves[:, None] * (response.X[: case.waves.size] @ case.model.active.T)
 
 
 def energy_residual(case: Case, response: Response, waves: Waves) -> float:
     """Power that the far field says is absorbed, less what pressure does on the bodies, over what is sent out."""
     h, a = require_far_field(case.hydrodynamics), case.system.scene.sea.amplitude[case.met, None]
     V = _velocity(case, response)
-    force = h.excitation(response.omega) * a - (h.impedance(response.omega) @ V[..., None])[..., 0]
+    force = h.excitation(case.waves) * a - (h.impedance(case.waves) @ V[..., None])[..., 0]
     work = 0.5 * np.sum(force * V.conj(), axis=1).real
     return float(abs(np.sum(waves.absorbed_power - work)) / np.sum(waves.outgoing_power))
 

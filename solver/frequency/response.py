@@ -42,7 +42,7 @@ class Drag(NamedTuple):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Response:
-    """x = x₀ + mean + Re Σ X exp(-iωt) over the sea's waves; nm modes, nb floats."""
+    """x = x₀ + mean + Re Σ X exp(-iωt) over the lines of a case; nm modes, nb floats."""
 
     omega: np.ndarray  # (nw,) [rad/s]
     X: np.ndarray  # (nw, n) of the model's coordinates
@@ -72,7 +72,7 @@ def respond_in(case: Case, law: JointLaw) -> Response:
         X=X,
         Z=real_by_complex(model.shape, last.X).T,
         wrench=model.loads(omega, X, case.impedance, case.excitation, case.system.bodies.active),
-        carried=_carried(case, omega, last.X[:nm], case.rows[case.system.layout.modal] + drag.modes.T),
+        carried=_carried(case, omega, last.X[:nm], case.modal + drag.modes.T),
         drag=drag,
         pto=last.pto,
         rounds=last.rounds,
@@ -164,7 +164,7 @@ def _no_drag(case: Case) -> Drag:
 
 def _borne(case: Case, last: _Round) -> Drag:
     nm = len(last.of_water)
-    against, pushed = case.stations.acting(last.K, case.of_drag)
+    against, pushed = case.pushed(last.K, case.of_drag)
     both = np.concatenate([last.damping[:nm, :nm], against])
     drag = np.concatenate([last.of_water, pushed]) - real_by_complex(both, last.rate[:nm])
     return _parts(case, drag[:nm].T, drag[nm:].T)

@@ -39,9 +39,9 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     law, channels, support = case.law(scene.floats), case.channels, case.system.support
     response = respond_in(case, law)
     frame = _forces(case, response)
-    linear = list(_outputs(case, response, frame))
+    linear, waves, omega = list(_outputs(case, response, frame)), case.waves.size, case.omega
     tables = _tables(case, linear) | dict(_of_squares(case, response, frame))
-    mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X, response.drag.tops)
+    mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
     elements = elements_effect(scene, hydrodynamics, support)
     attrs: dict[str, float | str] = {
         "estimated_error": together((mesh, shapes, elements)),
@@ -67,13 +67,13 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     rao = None
     if scene.settings.rao and scene.floats:
         rao = np.full((scene.sea.omega.size, channels.owner.size), np.nan, complex)
-        rao[case.met] = _joints(case, response)
+        rao[case.met] = _joints(case, response)[:waves]
     spectra = None
     if scene.settings.spectra:
         at = bands(scene.sea.omega, scene.settings.duration)
         wave = scene.sea.amplitude[case.met]
-        parts = {name: (lines.reshape(len(wave), -1), lines.shape[1:]) for name, _, lines in linear}
-        of = {name: (cross_spectra(case.omega, wave, lines, at), shape) for name, (lines, shape) in parts.items()}
+        parts = {name: (lines[:waves].reshape(waves, -1), lines.shape[1:]) for name, _, lines in linear}
+        of = {name: (cross_spectra(case.waves, wave, lines, at), shape) for name, (lines, shape) in parts.items()}
         spectra = channels.spectra(at, of)
     drifting: dict[str, Labelled] = {}
     if "drift" in scene.settings.outputs:
@@ -81,10 +81,10 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         attrs |= figures
     counted = None
     if channels.steel is not None and channels.steel.counts:
-        counted = channels.steel.expected(frame.lines, case.omega)
+        counted = channels.steel.expected(frame.lines, omega)
     further = drifting
     if "moments" in scene.settings.outputs:
-        of_order = {name: moments(case.omega, lines) for name, _, lines in linear}
+        of_order = {name: moments(omega, lines) for name, _, lines in linear}
         further = {**drifting, **channels.moments({name: (crossings(m), m) for name, m in of_order.items()})}
     return channels.record(
         tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further
@@ -130,14 +130,14 @@ def _electrical(case: Case, response: Response, owned: list[np.ndarray]) -> Iter
     """Statistics of each float's electrical power; NaN of those without an efficiency."""
     scene, joints = case.system.scene, _joints(case, response)
     level = (case.system.equilibrium[0] + case.model.shape @ response.mean.x)[-joints.shape[1] :]
-    rates = -1j * case.omega[:, None] * joints
+    rates = -1j * response.omega[:, None] * joints
     for f, i in zip(scene.floats, owned, strict=True):
         if f.pto_efficiency is None:
             yield np.full(len(STATISTICS), np.nan)
             continue
         law = response.pto[i], f.per_axis("pto_stiffness")
         axes = gaussian.Axes(*law, level[i], joints[:, i], rates[:, i])
-        yield gaussian.electrical_table(f.pto_efficiency, axes, case.omega, case.duration)
+        yield gaussian.electrical_table(f.pto_efficiency, axes, response.omega, case.duration)
 
 
 def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
@@ -146,7 +146,7 @@ def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
     scene, (z, p) = system.scene, system.equilibrium
     p, still = p + mean.x[: p.size], case.loads_at_rest[1] + mean.wrench
     z = z + case.model.shape @ mean.x
-    yield ELEVATION, np.zeros(()), scene.sea.amplitude[case.met]
+    yield ELEVATION, np.zeros(()), case.amplitude
     if scene.floats:
         nc, joints = system.structure.carrier.shape[0], _joints(case, response)
         means = dict(channels.motions(z[None, nc:]))
@@ -178,13 +178,13 @@ def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
 def _forces(case: Case, response: Response) -> Forces:
     """Of the frame, that are asked for."""
     if case.system.support is None or case.system.support.forces is None:
-        return Forces(np.zeros((1, 0)), np.zeros((case.omega.size, 0)))
+        return Forces(np.zeros((1, 0)), np.zeros((response.omega.size, 0)))
     forces = case.system.support.forces
     nc, nm = case.system.structure.carrier.shape
     still = case.loads_at_rest[0][:nc] + response.mean.carried
     dp = -1j * response.omega[:, None] * response.X[:, :nm]
     ddp = -1j * response.omega[:, None] * dp
     level = (still @ forces.carried + response.mean.drag.ravel() @ forces.drag)[None]
-    waves = case.rows[case.system.layout.forces].T
-    lines = waves + forces.of_motion(dp, ddp, response.carried) + response.drag.forces
+    lines = case.padded(case.rows[case.system.layout.forces]).T
+    lines += forces.of_motion(dp, ddp, response.carried) + response.drag.forces
     return Forces(forces.whole(level) + forces.at_rest, forces.whole(lines))

@@ -29,10 +29,13 @@ HEIGHTS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)  # Hs [m], all of the same steepness
 OUTPUTS = ("rotation", "motion", "hinge_force", "top_displacement", "bottom_stress")
 CASE = "frequency domain"
 SWAY = (
-    "What is of second and third order in the waves drives the sway at its resonance below their band: body-nonlinear"
-    " floats most, then drag, then the arms' exact rotation."
+    "What is not linear drives the sway at its resonance below the waves: body-nonlinear floats most, then drag, which"
+    " the frequency domain has, then the arms' exact rotation, which it does not have."
 )
-CALM = 2500.0  # after which the sway has forgotten the start [s]
+ROTATION = (
+    "An arm's rotation is exact in the march, which takes from the rear float's power as the waves' height squared."
+)
+CALM, LONG = 2500.0, 4 * 3600.0  # after which the sway has forgotten the start, and a record of it [s]
 
 
 def both(item: Scene, h: Hydrodynamics | None, **changes) -> tuple[Record, Record]:
@@ -112,15 +115,15 @@ def _small_waves(name: str, item: Scene, solved: Callable[[Scene], Hydrodynamics
 
 
 def _years(known: Hydrodynamics | None) -> list[Check]:
-    """Real seas: drag is quadratic there and an arm's rotation exact."""
+    """Real seas: drag is quadratic there and an arm's rotation exact. An hour's mean power would scatter by 1 %."""
     checks = []
     for year in YEARS:
         item = scene("buan", sea_state=year, platform="elastic", seed=0)
-        march, lines = both(item, known)
+        march, lines = both(item, known, discard=CALM, duration=LONG)
         sway = std(lines, "top_displacement")[0] / std(march, "top_displacement")[0]
         for quantity, ours, allowed, note in (
-            ("std of the tops in x", float(sway), np.inf, SWAY),
-            ("mean power", power(lines) / power(march), 0.02, "An arm's rotation is exact in the march."),
+            ("std of the tops in x", float(sway), 0.03, SWAY),
+            ("mean power", power(lines) / power(march), 0.015, ROTATION),
         ):
             told = f"Buan {year}, linear floats, elastic: {quantity}, over the march's"
             checks.append(Check(case=CASE, quantity=told, ours=ours, published=1.0, allowed=allowed, note=note))

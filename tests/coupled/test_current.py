@@ -261,13 +261,14 @@ def test_a_harmonic_in_a_current():
 
 
 LINES = np.array([5, 6, 7, 9, 11, 14, 17]) * 0.11
+PHASE = np.arange(7.0) ** 2
 
 
-def both(height, current):
+def both(height, current, phase=PHASE):
     """Records of the bare legs in both domains, of waves that come back after 57 s."""
     item, _ = bare_legs()
     amplitude = height * np.linspace(1.0, 0.4, LINES.size)
-    waves = components(amplitude=amplitude, omega=LINES, phase=np.arange(7.0) ** 2, heading=0.5)
+    waves = components(amplitude=amplitude, omega=LINES, phase=phase, heading=0.5)
     period = 2 * np.pi / 0.11
     settings = Settings(
         duration=2 * period, discard=2 * period, ramp=20.0, time_step=period / 400, outputs=("reactions",),
@@ -288,14 +289,18 @@ def test_small_waves_in_a_current_are_linear():
 
 
 def test_waves_in_a_current_push_by_more_than_it_alone():
-    """The mean of both domains in waves that turn the flow: half as much again as the current's own; std to 5 %."""
-    time, frequency = both(0.6, Current(speed=0.4, direction=0.5))
-    _, still = both(1e-3, Current(speed=0.4, direction=0.5))
-    a, b, alone = (record.variables["base_shear"][1] for record in (time, frequency, still))
-    assert a[0, 2] > 1.5 * alone[0, 2]
-    assert b[:2, 2] == approx(a[:2, 2], rel=0.03)
-    assert b[:2, 4] == approx(a[:2, 4], rel=0.05)
-    displaced = [record.variables["top_displacement"][1][0, :2, 2] for record in (time, frequency)]
+    """The mean of both domains in waves that turn the flow: half as much again as the current's own.
+
+    Seven waves are not quite Gaussian, and what is of higher order goes with their phases: std to 4 % over six of them.
+    """
+    current, random = Current(speed=0.4, direction=0.5), np.random.default_rng(0)
+    pairs = [both(0.6, current), *(both(0.6, current, random.uniform(0, 2 * np.pi, 7)) for _ in range(5))]
+    _, still = both(1e-3, current)
+    a, b = (np.array([pair[i].variables["base_shear"][1][:2] for pair in pairs]) for i in (0, 1))
+    assert a[0, 0, 2] > 1.5 * still.variables["base_shear"][1][0, 2]
+    assert b[0, :, 2] == approx(a[0, :, 2], rel=0.03)
+    assert np.linalg.norm(b[..., 4], axis=0) == approx(np.linalg.norm(a[..., 4], axis=0), rel=0.04)
+    displaced = [record.variables["top_displacement"][1][0, :2, 2] for record in pairs[0]]
     assert displaced[1] == approx(displaced[0], rel=0.05)
 
 

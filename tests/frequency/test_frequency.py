@@ -178,23 +178,23 @@ def test_small_linear_waves_are_the_marchs(name):
         assert np.all(np.abs(table[:, 2] - mean) <= 1e-3 * rms.max()), key
 
 
-@pytest.mark.parametrize(("coefficient", "least", "most"), [(1.0, 0.98, 1.0), (8.0, 0.921, 0.95)])
-def test_drag_of_the_legs_is_the_marchs(coefficient, least, most):
-    """Legs alone in waves of 3 m: std within 2 %; where stiff legs are bent by little else, (8/3π)^½ of what it is.
+@pytest.mark.parametrize(("coefficient", "within"), [(1.0, 0.01), (8.0, 0.025)])
+def test_drag_of_the_legs_is_the_marchs(coefficient, within):
+    """Legs alone in waves of 3 m, stiff ones bent by little else, too: linearised drag has (8/3π)^½ of what it is.
 
-    That is the linear part of a Gaussian's |u|u: ⟨(|u|u)²⟩ = 3σ⁴, of which (8/π) σ⁴ are in phase with u.
+    ⟨(|u|u)²⟩ = 3σ⁴, of which (8/π) σ⁴ are in phase with u, and of the rest what is no faster than the waves counts.
     """
     bare, _ = SCENES["bare_legs"]()
     members = [replace(m, drag_coefficient=coefficient * (m.drag_coefficient > 0)) for m in bare.platform.frame.members]
     platform = replace(bare.platform, frame=replace(bare.platform.frame, members=tuple(members)))
-    waves = sea(Hs=3.0, Tp=8.0, band=(0.45, 1.5), heading=np.pi / 6)
+    waves = sea(Hs=3.0, Tp=8.0, band=(0.35, 2.4), heading=np.pi / 6)
     item = linear(replace(bare, platform=platform, sea=waves), duration=3600.0)
     dragless = tuple(replace(m, drag_coefficient=0.0) for m in members)
     without = replace(platform, frame=replace(platform.frame, members=dragless))
     records = simulate(item), frequency(item, None), frequency(replace(item, platform=without), None)
     exact, table, without = (r.variables["top_displacement"][1][0, 0, 4] for r in records)
     assert without < 0.91 * exact
-    assert least < table / exact < most
+    assert table == approx(exact, rel=within)
 
 
 def test_modes_that_follow_are_what_the_whole_equation_has():

@@ -333,7 +333,6 @@ def _completed(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solutio
         problem.omega,
         turns,
         motion_lengths(problem.hulls, problem.dofs),
-        _next_order(DIVISIONS[:2], any(h.edged for h in problem.hulls)),
         lambda some: _coefficients(problem, problem.omega[some], problem.divisions[0], infinite=False),
     )
     fine, coarse = (n**2 for n in problem.divisions[:2])
@@ -500,11 +499,11 @@ def _coefficients(problem: Problem, omega: np.ndarray, refine: int, *, infinite:
     """At frequencies (nw,), of one mesh; A(inf) is empty where it is not asked for."""
     hulls, centres, dofs, seas = problem.meshed, problem.centres, problem.dofs, problem.seas
     build = partial(_Mesh.build, hulls, centres, dofs, problem.base, refine, problem.depth)
-    # No irregular frequency at infinity, and no damping: φ = 0 on all still water.
-    bare, mesh = build(lids=False), build(lids=True, gap_width=problem.gap_width)
+    mesh = build(lids=True, gap_width=problem.gap_width)
     n, sea = mesh.motions.shape[-1], seas[0]
     limit = np.zeros((0, 0))
-    if infinite:
+    if infinite:  # no irregular frequency there, and no damping: φ = 0 on all still water
+        bare = build(lids=False)
         potentials = bare.solve(bare.motions, np.inf, problem.seabed(np.inf))
         limit = _symmetric(sea.density * bare.forces(potentials, n).real)
     impedance = np.empty((len(omega), n, n), complex)
@@ -521,7 +520,7 @@ def _coefficients(problem: Problem, omega: np.ndarray, refine: int, *, infinite:
             far[i] = mesh.far_field(potentials, sources, mesh.plane_waves(k, sea.depth, problem.orders), loss)
             far[i, n:] /= [s.pressure(mesh.origin[None], w) / (s.density * s.gravity) for s in seas]  # phase zero there
     lid = float(mesh.part.faces_areas[mesh.gap].sum()) * len(mesh.mirrors)
-    return Solution(impedance, limit, diffraction, far, lid, bare.wet.size * len(bare.mirrors))
+    return Solution(impedance, limit, diffraction, far, lid, int(mesh.wet.sum()) * len(mesh.mirrors))
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:

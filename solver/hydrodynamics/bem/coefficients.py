@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem.far_field import FarField, Waves
@@ -19,7 +20,6 @@ from solver.hydrodynamics.radiation.passivity import SILENT
 from solver.hydrodynamics.radiation.rational import fewest_poles
 from solver.keys import Bits, shared
 from solver.sea.dispersion import wavenumbers
-from solver.spline import CubicSpline
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")

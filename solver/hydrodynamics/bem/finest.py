@@ -9,15 +9,14 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-
-from solver.spline import CubicSpline
+from scipy.interpolate import CubicSpline
 
 FEWEST = 32  # frequencies of which some are left out: fewer are far apart already
 # Of the error of a spline without a frequency, to be expected between those that there are: where curves are smooth a
 # sixteenth, where waves between bodies turn their phase by more than 1 rad up to all of it.
 LEFT_OUT = 0.25
-ENOUGH = 1e-3  # of a curve's largest value: an error between frequencies that is none
-FAINT = 0.03  # of the largest motion's: size of the impedance below which it counts as that, per length
+ENOUGH = 1e-3  # of a curve's largest value: a memory that fits to 5e-3 does not notice such errors
+FAINT = 0.1  # of the largest motion's: size of the impedance below which it counts as that, per length
 
 
 class Solution(NamedTuple):
@@ -50,13 +49,11 @@ def completed(
     omega: np.ndarray,
     turns: Turns,
     lengths: np.ndarray,
-    share: float,
     solve: Callable[[np.ndarray], Solution],
 ) -> tuple[Solution, list[np.ndarray]]:
     """The finest of three solutions at all frequencies (nw,), from `known` ones and what `solve` adds to them.
 
-    And what its impedance and diffraction may err by between (nw, ...). lengths: of the motions; share: of what the
-    finest differs by from what is expected, that is thought to be its error.
+    And what its impedance and diffraction may err by between (nw, ...). lengths: of the motions.
     """
     finest, middle, coarse = solutions
     fine, mid, base = (1 / n**2 for n in divisions)
@@ -71,8 +68,7 @@ def completed(
             found.append(law + CubicSpline(omega[known], rest)(omega) * turn)
             found[-1][known] = kind
             doubts.append(_doubt(omega, known, rest))
-        told = [share * (f - law) for f, law in zip(found, expected, strict=True)]
-        doubtful = _largest(doubts, scales) > np.maximum(_largest(told, scales), ENOUGH)
+        doubtful = _largest(doubts, scales) > ENOUGH
         if not doubtful.any():
             whole = finest._replace(impedance=found[0], diffraction=found[1], far=middle.far)
             return whole, doubts

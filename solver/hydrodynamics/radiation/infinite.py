@@ -6,8 +6,7 @@ A(ω) - A∞ = 2/π ⨍ B(s)/(s² - ω²) ds over s > 0 (Kramers and Kronig; Ogi
 from typing import NamedTuple
 
 import numpy as np
-
-from solver.spline import CubicSpline
+from scipy.interpolate import CubicSpline
 
 NODES = 801  # of B within the band, straight between them
 TAIL = 201  # beyond it, up to FARTHEST times its end

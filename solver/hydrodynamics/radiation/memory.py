@@ -8,11 +8,11 @@ a positive semidefinite real part at every ω, or the fit would pump energy into
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation.passivity import SILENT, UNPASSIVE, Constraint, enforce, least_damping
 from solver.hydrodynamics.radiation.rational import basis, complex_residues, mixed, relocated, starting_poles
-from solver.spline import CubicSpline
 
 USUAL = 5e-3  # tolerance, where none is asked for
 PAIRS = 30  # of poles, at most

@@ -44,7 +44,7 @@ def complete(solutions, turns):
         return at(solutions[0], some)
 
     first = [at(solutions[0], known), *solutions[1:]]
-    return *completed(first, DIVISIONS, known, OMEGA, turns, np.ones(2), 0.3, solve), asked
+    return *completed(first, DIVISIONS, known, OMEGA, turns, np.ones(2), solve), asked
 
 
 def test_smooth_differences_need_no_more_frequencies():
