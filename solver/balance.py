@@ -56,15 +56,23 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tupl
     displaced = water.density * item.hull.volume
     told = f"mass {item.mass:g} kg, displaced {displaced:g} kg ({item.mass / displaced - 1:+.2%})"
     sentences = []
-    for name, weight, buoyancy, pull in _along(item, water, floats):
+    preloads = item.per_axis("preload")
+    for (name, weight, buoyancy, pull), preload in zip(_along(item, water, floats), preloads, strict=True):
         excess = abs(weight + buoyancy + pull)
         if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
             moments = f"; {name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
             sentences.append(
-                f"floats.{item.name} is out of equilibrium: {told}{'' if name == 'heave' else moments}."
-                " It settles before the run begins"
+                f"floats.{item.name} is out of equilibrium: {told}{'' if name == 'heave' else moments}"
+                f"{_pulled(name, preload, pull - preload)}. It settles before the run begins"
             )
     return tuple(sentences)
+
+
+def _pulled(name: str, preload: float, lines: float) -> str:
+    """Constant loads of a joint along an axis, beside weight and buoyancy; nothing where there are none."""
+    loads = {"a preload": preload, "a pull of mooring or lines": lines}
+    told = [f"{word} of {load:.4g} {'N' if name == 'heave' else 'N m'}" for word, load in loads.items() if load]
+    return f"; along {name} {' and '.join(told)}" if told else ""
 
 
 @lru_cache(maxsize=KNOWN)

@@ -22,7 +22,6 @@ from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.quantities import Quantity, out_of_range, require_ranges
 from solver.sea.current import Current
 from solver.sea.realization import CALM, Realization
-from solver.structure import in_water
 from solver.structure.frame import Frame
 from solver.structure.load_history import LoadHistory, in_plane
 from solver.structure.tubular import may_be_utilised, resistance
@@ -379,6 +378,8 @@ class Platform:
 
     def symmetric(self, sea: Water) -> bool:
         """Whether frame and load histories are mirror images of themselves in y = 0."""
+        from solver.structure import in_water  # slow to import, for sparse matrices, and the command line rarely asks
+
         if not in_plane(self.load_histories, self.frame.nodes):
             return False
         return in_water.symmetric(self.frame, sea.density, sea.gravity, softened=self.geometric_stiffness)

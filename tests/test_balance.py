@@ -31,6 +31,19 @@ def test_one_percent_of_the_weight_is_the_limit(share, count, joint):
     assert all(f"mass {share * DISPLACED:g} kg, displaced {DISPLACED:g} kg" in text for text in odd)
 
 
+def test_a_preload_or_lines_that_are_the_reason_are_named():
+    down = Mooring(stiffness=((0.0,) * 6,) * 6, pretension=(0.0, 0.0, -2e5, 0.0, 0.0, 0.0))
+    (text,) = imbalance(ball(preload=-1e5), DEEP)
+    assert "(+0.00%); along heave a preload of -1e+05 N. It settles" in text
+    (text,) = imbalance(ball(mooring=down), DEEP)
+    assert "along heave a pull of mooring or lines of -2e+05 N. It settles" in text
+    (text,) = imbalance(ball(preload=-1e5, mooring=down), DEEP)
+    assert "along heave a preload of -1e+05 N and a pull of mooring or lines of -2e+05 N. It settles" in text
+    (text,) = imbalance(ball(motion=("hinge",), hinge=(-20, 0, 3), arm=(20, 0, -3), preload=4e6), DEEP)
+    assert "; along hinge a preload of 4e+06 N m. It settles" in text
+    assert "along" not in imbalance(ball(mass=0.9 * DISPLACED), DEEP)[0]
+
+
 @pytest.mark.parametrize(("motion", "arm"), [("surge", 0), ("pitch", 0), ("yaw surge", 0), ("hinge", 20)])
 def test_what_cannot_move_up_and_down_is_not_weighed(motion, arm):
     """A vertical hinge axis carries any weight, and so does a pitch axis below it."""

@@ -8,14 +8,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 
 import numpy as np
 
 from pipeline.bridge import scenes, sea_checks
 from pipeline.study import seas
-from pipeline.study.axes import TAKEN, UNCHANGED, Axes, Axis
+from pipeline.study.axes import TAKEN, Axes, Axis
 from pipeline.study.layout import HINGE
 from pipeline.study.paths import PathError, with_value
 from pipeline.study.schema import StudyFile
@@ -113,16 +113,13 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
         if group.name in TAKEN or getattr(study.axes, group.name, None):
             yield InputError("axes.together.name", group.name, "is the name of another dimension or coordinate")
     for axis in study.varied:
+        together = [axis.at(place) for place in range(len(axis.labels))]
         for path, values in axis.keys.items():
             if not values:
                 yield InputError(f'axes."{path}"', "[]", "needs at least one value")
-            for label, value in zip(axis.labels, values, strict=True):
-                if value is UNCHANGED:
-                    continue
-                try:
-                    with_value(study, path, value)
-                except PathError as error:
-                    yield InputError(_place(axis, path, label), value, str(error))
+            for label, given in zip(axis.labels, together, strict=True):
+                if path in given and (limit := _objection(study, path, given)):
+                    yield InputError(_place(axis, path, label), given[path], limit)
                     break
         yield from _repeated(f'axes."{next(iter(axis.keys)) if axis.own else axis.name}"', axis.labels)
     yield from _survival(study)
@@ -132,6 +129,15 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
     paths = Counter(path for axis in study.varied for path in axis.keys)
     for path in (path for path, count in paths.items() if count > 1):
         yield InputError("axes", f'"{path}"', "is varied along two dimensions, of which the second would decide alone")
+
+
+def _objection(study: StudyFile, path: str, together: Mapping[str, object]) -> str:
+    """What is wrong with a path or its value; nothing where that is another's fault, of those that come with it."""
+    try:
+        with_value(study, path, together[path], together)
+    except PathError as error:
+        return str(error) if error.path in ("", path) else ""
+    return ""
 
 
 def _survival(study: StudyFile) -> Iterator[InputError]:
@@ -145,10 +151,8 @@ def _survival(study: StudyFile) -> Iterator[InputError]:
             continue
         if path.endswith(".pto_damping") and study.axes.pto_damping:
             yield InputError(where, value, "must be left out beside axes.pto_damping, which would decide alone")
-        try:
-            with_value(study, path, value)
-        except PathError as error:
-            yield InputError(where, value, str(error))
+        if limit := _objection(study, path, study.survival.keys):
+            yield InputError(where, value, limit)
     if not study.survival.keys:
         yield InputError("survival", "{}", 'needs keys that change, as "floats.*.coulomb" = 1e9, or left_out')
     unknown = set(study.axes.sea_state or ()) - study.sea_states.keys()
@@ -254,6 +258,10 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
         yield from scenes.objections(partial(scenes.in_place, item, study.water))
     if table := study.platform:
         yield from _repeated("platform.legs", table.legs)
+        written = table.damping_ratio if "damping_ratio" in table.model_fields_set else 0.0
+        if written and (table.rayleigh_mass or table.rayleigh_stiffness):
+            limit = "must be 0 or left out beside rayleigh_mass or rayleigh_stiffness, which damp instead of it"
+            yield InputError("platform.damping_ratio", written, limit)
         for node, place in table.nodes.items():
             if node.startswith(HINGE):
                 yield InputError(f"platform.nodes.{node}", list(place), "comes with its float; leave it out")

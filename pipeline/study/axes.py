@@ -37,6 +37,10 @@ class Axis(NamedTuple):
     beside: Mapping[str, tuple[Any, ...]] = MappingProxyType({})  # other numbers or words that go with the labels
     own: bool = False  # whether the labels are the values of the only key
 
+    def at(self, place: int) -> dict[str, Any]:
+        """What keys have with one of the labels, where that is another value than the study's own."""
+        return {path: values[place] for path, values in self.keys.items() if values[place] is not UNCHANGED}
+
 
 class Span(Table):
     """Numbers between two, all equally likely, or all ratios."""

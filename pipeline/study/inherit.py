@@ -39,7 +39,9 @@ def _named(value: Any) -> bool:
 def rooted(value: Any, folder: Path) -> Any:
     """Tables in which the paths of files, relative to `folder`, are absolute."""
     if isinstance(value, dict):
-        return {k: _rooted_path(v, folder) if k in FILES else rooted(v, folder) for k, v in value.items()}
+        return {
+            k: _rooted_path(v, folder) if k.rpartition(".")[2] in FILES else rooted(v, folder) for k, v in value.items()
+        }
     return [rooted(item, folder) for item in value] if isinstance(value, list) else value
 
 

@@ -5,31 +5,63 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple, NoReturn, get_args
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
-from pipeline.study.reading import limit_of
+from pipeline.study.reading import dotted, limit_of
 from pipeline.study.schema import StudyFile, units
 from pipeline.study.tables import Table
 
 ALL = "*"
 SEA = "sea"  # stands for every sea state that the study has tasks in
 FIXED = ("axes", "title", "variants", "samples")  # what no axis varies
+OWN = ("platform", "survival")  # tables by which a study has the tasks that it has: no value brings them in
+NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class PathError(Exception):
-    """A path that leads nowhere, or a value that may not stand there: the limit."""
+    """A path that leads nowhere, or a value that may not stand there: the limit, and the path where it is another."""
+
+    def __init__(self, limit: str, path: str = ""):
+        super().__init__(limit)
+        self.path = path
 
 
-def with_value(study: StudyFile, path: str, value: Any) -> StudyFile:
+class Put(NamedTuple):
+    """What is put at a path: a value, its path as it was written, and the values that come with it, by theirs."""
+
+    value: Any
+    path: str
+    beside: Mapping[str, Any]
+    context: Mapping[str, Any]  # that files are to be read in
+
+    def table(self, rest: str) -> tuple[str, dict[str, Any]]:
+        """The table that this key, the rest of its path, is in: its path, and all its keys that are given."""
+        above = self.path.removesuffix(rest)
+        keys = {path.removeprefix(above): value for path, value in self.beside.items() if path.startswith(above)}
+        return above, {**keys, rest: self.value}
+
+
+def with_values(study: StudyFile, values: Mapping[str, Any]) -> StudyFile:
+    """The study with values at paths, that come together."""
+    for path, value in values.items():
+        study = with_value(study, path, value, values)
+    return study
+
+
+def with_value(study: StudyFile, path: str, value: Any, beside: Mapping[str, Any] = NONE) -> StudyFile:
     """The study with a value at a path; names stand for floats, members, nodes and others.
 
-    `*` stands for all of them, `rotor-*` for those whose names begin so.
+    `*` stands for all of them, `rotor-*` for those whose names begin so. A table that the study lacks is made of the
+    value and those beside it.
     """
+    put = Put(value, path, beside, study.context)
     head, dot, rest = path.partition(".")
     for whole in [f"sea_states.{name}.{rest}" for name in study.seas or (ALL,)] if head == SEA and dot else [path]:
-        study = _changed(study, whole, value, "")
+        study = _changed(study, whole, put, "")
     return study
 
 
@@ -38,52 +70,84 @@ def unit(path: str) -> str:
     return units().get(path.rpartition(".")[2], "")
 
 
-def _changed(node: Any, path: str, value: Any, above: str) -> Any:
+def _changed(node: Any, path: str, put: Put, above: str) -> Any:
     """A table, or tables by name, with the value at the path below."""
     if isinstance(node, Table):
-        return _table(node, path, value, above)
+        return _table(node, path, put, above)
     if isinstance(node, Mapping):
         chosen, rest = _named(list(node), path, above)
         return {
-            name: _below(item, rest, value, f"{above}{name}.") if name in chosen else item
-            for name, item in node.items()
+            name: _below(item, rest, put, f"{above}{name}.") if name in chosen else item for name, item in node.items()
         }
     names = [_name(item) for item in node]
     chosen, rest = _named(names, path, above)
     return tuple(
-        _below(item, rest, value, f"{above}{name}.") if name in chosen else item
+        _below(item, rest, put, f"{above}{name}.") if name in chosen else item
         for name, item in zip(names, node, strict=True)
     )
 
 
-def _below(item: Any, rest: str, value: Any, above: str) -> Any:
+def _below(item: Any, rest: str, put: Put, above: str) -> Any:
     if isinstance(item, Table):
         if not rest:
             raise PathError(f"leads to a table; go on with one of its keys: {', '.join(type(item).model_fields)}")
-        return _changed(item, rest, value, above)
+        return _changed(item, rest, put, above)
     if rest:
         raise PathError(f"leads nowhere: {above[:-1]} is no table; give its whole value")
-    return value
+    return put.value
 
 
-def _table(node: Table, path: str, value: Any, above: str) -> Table:
+def _table(node: Table, path: str, put: Put, above: str) -> Table:
     key, _, rest = path.partition(".")
     known = [name for name in type(node).model_fields if above or name not in FIXED]
     if key not in known:
         raise PathError(_nowhere(key, rest, known, above))
     child = getattr(node, key)
     if rest and child is None:
-        raise PathError(f"leads nowhere: the study has no [{above}{key}]")
+        kind = _kind(node, key) if above or key not in OWN else None
+        if kind is None:
+            raise PathError(f"leads nowhere: the study has no [{above}{key}]")
+        child = _made(kind, rest, put, f"{above}{key}")
     if rest and not _is_container(child):
         raise PathError(f"leads nowhere: {above}{key} is no table; give its whole value")
     if not rest and _is_container(child):
         raise PathError("leads to a table; go on with one of its keys or names")
-    new = _changed(child, rest, value, f"{above}{key}.") if rest else value
+    new = _changed(child, rest, put, f"{above}{key}.") if rest else put.value
     given = {name: getattr(node, name) for name in node.model_fields_set}
     try:
-        return type(node).model_validate(given | {key: new})
+        return type(node).model_validate(given | {key: new}, context=put.context)
     except ValidationError as error:
-        raise PathError(limit_of(error.errors(include_url=False)[0])) from None
+        raise PathError(_within(error.errors(include_url=False)[0], put.value)) from None
+
+
+def _within(error: ErrorDetails, value: Any) -> str:
+    """The limit, with the key of a table that is given as a whole."""
+    inner = dotted(error["loc"][1:]) if isinstance(value, dict) and error["type"] != "missing" else ""
+    return f"{inner}: {limit_of(error)}" if inner else limit_of(error)
+
+
+def _kind(node: Table, key: str) -> type[Table] | None:
+    """Of the table that a key may have, or nothing."""
+    kinds = get_args(type(node).model_fields[key].annotation)
+    return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Table)), None)
+
+
+def _made(kind: type[Table], rest: str, put: Put, name: str) -> Table:
+    """A table that the study lacks, of all its keys that are given together."""
+    above, keys = put.table(rest)
+    try:
+        return kind.model_validate(keys, context=put.context)
+    except ValidationError as error:
+        _blame(error.errors(include_url=False)[0], above, keys, name)
+
+
+def _blame(error: ErrorDetails, above: str, keys: Mapping[str, Any], name: str) -> NoReturn:
+    """The key that is wrong; the first where one is missing."""
+    key = str((*error["loc"], error.get("ctx", {}).get("key"))[0])
+    limit = limit_of(error)
+    if key not in keys:
+        key, limit = next(iter(keys)), f"leads nowhere: the study has no [{name}], and one brought in {limit}"
+    raise PathError(limit, above + key) from None
 
 
 def _is_container(value: Any) -> bool:

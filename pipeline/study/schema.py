@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, PrivateAttr, Tag, ValidationInfo, model_validator
 
 from pipeline.study.attachments import CoefficientFile, File
 from pipeline.study.axes import Axes, Axis, Samples, Survival, Variant, implied_sea, variant_axis
@@ -540,6 +541,12 @@ class StudyFile(Table):
     survival: Annotated[Survival | None, "Other values in the sea states above a significant wave height"] = None
     samples: Annotated[Samples | None, "Points of a design space, along the dimension sample"] = None
     sea_states: Annotated[dict[Label, SeaState], "The seas, by label"]
+    _folder: Path = PrivateAttr(default=Path())  # of the study file, which files at paths are relative to
+
+    @property
+    def context(self) -> dict[str, Path]:
+        """That files of other values are to be read in."""
+        return {"folder": self._folder}
 
     @property
     def varied(self) -> tuple[Axis, ...]:
@@ -552,6 +559,11 @@ class StudyFile(Table):
         """The sea states that there are tasks in; `base` may bring others."""
         labels = self.axes.sea_state or tuple(self.sea_states)
         return {label: self.sea_states[label] for label in labels if label in self.sea_states}
+
+    @model_validator(mode="after")
+    def _keep_folder(self, info: ValidationInfo) -> StudyFile:
+        self._folder = (info.context or {}).get("folder", Path())
+        return self
 
     @model_validator(mode="before")
     @classmethod

@@ -13,9 +13,8 @@ from typing import Any
 
 from pipeline.study import seas
 from pipeline.study.attachments import Attachment, CoefficientFile
-from pipeline.study.axes import UNCHANGED
 from pipeline.study.layout import hinge_nodes, spaced
-from pipeline.study.paths import with_value
+from pipeline.study.paths import with_values
 from pipeline.study.schema import Current, Float, Platform, Recording, Solver, StudyFile, Water
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import Same, Seed, Table, Vector
@@ -164,11 +163,8 @@ def _placed(same: Same[StudyFile], places: tuple[int, ...]) -> StudyFile:
     """The study with its first axes over keys at these places."""
     if not places:
         return same.table
-    study, axis = _placed(same, places[:-1]), same.table.varied[len(places) - 1]
-    for path, values in axis.keys.items():
-        if values[places[-1]] is not UNCHANGED:
-            study = with_value(study, path, values[places[-1]])
-    return study
+    axis = same.table.varied[len(places) - 1]
+    return with_values(_placed(same, places[:-1]), axis.at(places[-1]))
 
 
 def first_labels(study: StudyFile) -> dict[str, Label]:
@@ -254,10 +250,7 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
 @lru_cache(maxsize=128)  # one for tasks that share it
 def surviving(same: Same[StudyFile]) -> StudyFile:
     """The study with the values that hold above survival.Hs; PathError where that cannot be."""
-    study = same.table
-    for path, value in study.survival.keys.items() if study.survival else ():
-        study = with_value(study, path, value)
-    return study
+    return with_values(same.table, same.table.survival.keys if same.table.survival else {})
 
 
 @lru_cache(maxsize=128)  # one for tasks that share it

@@ -377,6 +377,13 @@ def pto_bounds(law: JointLaw) -> np.ndarray:
     return np.where(law.pto_stiffness == 0, largest, np.inf)
 
 
+def working_rates(law: JointLaw) -> np.ndarray:
+    """The rate beyond which a power take-off has let go and does no work (n,); infinite where it never does."""
+    lets_go = np.isfinite(law.declutch_load) & (law.pto_damping > 0)
+    never = np.full(lets_go.size, np.inf)
+    return np.divide(law.declutch_load - law.coulomb, law.pto_damping, out=never, where=lets_go)
+
+
 @kernel
 def stop_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
     """f_stop of all axes (m, n) from positions and rates."""

@@ -20,6 +20,7 @@ from solver.multibody.joint_law import (
     pto_bounds,
     pto_loads,
     stopped,
+    working_rates,
 )
 from solver.multibody.minimal import Bodies, line_tensions, new_motion
 from solver.power_takeoff import PtoEfficiency
@@ -427,6 +428,7 @@ class Recorder:
         yield "pto_force", (-bound, bound)
         if RATES in self.statistics:
             fastest = np.abs(self.statistics[RATES].table()[:, :2]).max(axis=1)
+            fastest = np.minimum(fastest, working_rates(self.law))
             power = np.multiply(load, fastest, out=np.full(load.size, np.inf), where=np.isfinite(load))
             most = np.array([power[channels.owner == b].sum() for b in range(len(self.scene.floats))])[:, None]
             yield "absorbed_power", (-most, most)

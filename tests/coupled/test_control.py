@@ -24,8 +24,10 @@ from solver.multibody import load_table
 from solver.multibody.joint_law import damping_of_gaussian, damping_of_harmonic
 from solver.multibody.load_table import Points, tables
 from solver.power_takeoff import PtoTable
+from solver.record.recorder import Recorder
 from solver.run import simulate
 from solver.scene import Platform, Water
+from solver.statistics import Statistics
 from solver.structure.beam import tube
 from solver.structure.frame import Frame, Member, PointMass
 from tests import awkward
@@ -321,6 +323,19 @@ def test_control_in_waves_closes_the_balance_and_is_told(law):
     if law == "declutch":
         power, force = (record.variables[name][1] for name in ("absorbed_power", "pto_force"))
         assert np.abs(force[0, 1, :2]).max() <= 1e4 and power[0, 1] >= 0
+
+
+def test_no_power_is_beyond_the_rate_at_which_a_power_take_off_lets_go():
+    """Of samples before that rate, at it nearly, and after it the parabola's vertex is higher than the law allows."""
+    scene = mass(0.1, 1.0, pto_damping=1e5, coulomb=2e3, declutch_load=1e4)
+    recorder = Recorder(scene, None, layout=prepare(scene, None).layout)
+    rate = np.array([[0.07], [0.079], [0.09], [0.2]])
+    recorder.rates.add(rate)
+    recorder.statistics["absorbed_power"] = power = Statistics()
+    recorder.shapes["absorbed_power"] = (1,)
+    power.add(np.where(rate < 0.08, (2e3 + 1e5 * rate) * rate, 0.0))
+    assert power.table()[0, 0] > 800.0
+    assert recorder.tables()["absorbed_power"][0, 0] == approx(1e4 * 0.08)
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ FEWEST = 8  # frequencies from which a memory can be fitted
 TOLD = 1e-3  # relative, to which water and heading must be those of the study
 LOPSIDED = 0.2  # of the largest entry's scale: more asymmetry is no error of a mesh
 ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
+FEW = 0.25  # of the frequencies: irregular ones are no more of them, or lie above the largest damping's
 SAME = 1e-9  # A∞ that equals the highest frequency's by so much is that
 TOGETHER = 0.2  # of an added mass: what it may scatter at infinite frequency where A and B are of one body
 UNSURE = 0.15  # of an added mass: its value at infinite frequency is not known if it scatters by more
@@ -212,8 +213,19 @@ def _radiation_problems(six: Given, scale: dict[str, np.ndarray], names: Sequenc
     if value[w, 0] < -ACTIVE:
         i = int(np.abs(vector[w, :, 0]).argmax())
         text = f"damping is negative at {six.omega[w]:.4g} rad/s, mostly of {_word(names, i)}, by {-value[w, 0]:.0%}"
-        problems.append(_problem(six, f"{text} of its largest; is the sign the other one?"))
+        problems.append(_problem(six, f"{text} of its largest; is the sign the other one{_irregular(six, value)}?"))
     return problems
+
+
+def _irregular(six: Given, value: np.ndarray) -> str:
+    """A question more, where damping with eigenvalues (nw, n) of its scale is negative at few or high frequencies."""
+    low = value[:, 0] < -ACTIVE
+    first, last = six.omega[low][[0, -1]]
+    largest = six.omega[np.abs(value).max(axis=1).argmax()]
+    if low.mean() > FEW and not first > largest:
+        return ""
+    span = f"{first:.4g}" if first == last else f"{low.sum()} of them, {first:.4g} to {last:.4g}"
+    return f", or are there irregular frequencies ({span} rad/s), which a lid inside the hull takes away"
 
 
 def _word(names: Sequence[str], column: SupportsIndex) -> str:

@@ -179,6 +179,21 @@ def test_every_other_convention_is_named():
     refused(told(stiffness=stiffness), match="heave stiffness of front is")
 
 
+def test_negative_damping_at_few_or_high_frequencies_may_be_an_irregular_one():
+    """Beyond the waves' own there is little left to radiate, and a mesh without a lid sloshes inside."""
+    heave = 2
+    damping = ours().radiation_damping
+    one, high = damping.copy(), damping.copy()
+    one[3, heave, heave] *= -1.0
+    peak = damping[:, heave, heave].argmax()
+    high[max(peak + 1, 9) :, heave, heave] = -0.5 * damping[peak, heave, heave]
+    assert damping[3, heave, heave] > 0.1 * damping[peak, heave, heave]
+    at = ours().omega[3]
+    refused(told(radiation_damping=one), match=rf"the other one, or are there irregular frequencies \({at:.4g} rad/s\)")
+    refused(told(radiation_damping=high), match=r"irregular frequencies \(\d of them, .* to 6\.6 rad/s\), which a lid")
+    refused(told(radiation_damping=-damping), match=r"is the sign the other one\?")
+
+
 def test_moments_about_another_point_than_told_show_in_the_froude_krylov_moment():
     low = about(ours(), [[-3.86, 0.0, -2.0], [4.5, 1.0, -2.0]])
     T = np.eye(12)

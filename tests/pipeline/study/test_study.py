@@ -135,6 +135,11 @@ BAD = [
         "foundation = { foot = [[1, 2], [3]] }",
         "platform.foundation.foot[0][2]: is missing",
     ),
+    (
+        'legs = ["leg"]',
+        "damping_ratio = 0.01\nrayleigh_mass = 0.05",
+        "platform.damping_ratio = 0.01: must be 0 or left out beside rayleigh_mass",
+    ),
     ('legs = ["leg"]', 'legs = ["arm"]', "platform.legs[0] = arm: must be one of leg"),
     (
         "foot = [-1.5, 0.0, -50.0]",
@@ -206,6 +211,21 @@ def test_bad_study_is_refused_in_one_line(small, old, new, message):
     with pytest.raises(StudyError) as caught:
         load(small)
     assert any(line.startswith(f"{small}: ") and message in line for line in caught.value.problems)
+
+
+@pytest.mark.parametrize("ratio", ["", "damping_ratio = 0.0\n"])
+def test_rayleighs_damping_may_stand_alone(small, ratio):
+    text = small.read_text()
+    small.write_text(text.replace('legs = ["leg"]', f"{ratio}rayleigh_stiffness = 0.01"))
+    assert all(
+        t.parameters.platform.rayleigh_stiffness == 0.01 for t in load(small).tasks if t.parameters.platform is not None
+    )
+    variants = "[variants.ratio]\n'platform.damping_ratio' = 0.02\n[variants.rayleigh.platform]\nrayleigh_mass = 0.05\n"
+    small.write_text(text.replace("[sea_states", variants + "[sea_states", 1))
+    assert load(small).tasks
+    small.write_text(small.read_text().replace('legs = ["leg"]', "damping_ratio = 0.01"))
+    with pytest.raises(StudyError, match=r"variant = rayleigh: platform\.damping_ratio = 0\.01: must be 0 or left out"):
+        load(small)
 
 
 def test_a_platform_is_judged_also_where_no_task_has_one(small):

@@ -389,6 +389,87 @@ def test_forces_left_to_default_are_linear_in_the_frequency_domain(small):
     assert next(iter(expand(back))).parameters.solver.froude_krylov == "body-nonlinear"
 
 
+STOPS = "{ lower = -0.9, upper = 0.9, stiffness = 2e7, damping = 2e5 }"
+
+
+def tables_under(small, above):
+    """The small study with these lines above its sea states."""
+    small.write_text(small.read_text().replace("[sea_states", f"{above}\n[sea_states", 1))
+    return load(small)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        f"[variants.a]\n[variants.b]\n'floats.front.end_stops' = {STOPS}",
+        f"[variants.a]\n[variants.b]\n'floats.*.end_stops' = {STOPS}",
+        f"[variants.a]\n[variants.b.floats.front]\nend_stops = {STOPS}",
+        "[variants.a]\n[variants.b]\n" + "\n".join(f"floats.front.end_stops.{key}" for key in STOPS[2:-2].split(", ")),
+        f"[survival]\nHs = 0.1\n'floats.*.end_stops' = {STOPS}",
+        f"[axes]\n'floats.front.end_stops' = [{STOPS}]",
+    ],
+)
+def test_a_table_that_the_study_lacks_is_brought_in_whole(small, given):
+    """End stops against none: the tasks with them are those of a study that has them."""
+    text = small.read_text()
+    plain = {task.id for task in load(small).tasks}
+    stopped = text.replace("[[floats]]\n", f"[[floats]]\nend_stops = {STOPS}\n", 1)
+    small.write_text(stopped)
+    with_stops = {task.id for task in load(small).tasks}
+    small.write_text(text.replace("[axes]", given, 1) if given.startswith("[axes]") else text)
+    study = load(small) if given.startswith("[axes]") else tables_under(small, given)
+    ids = {task.id for task in study.tasks}
+    assert ids == (plain | with_stops if "variants" in given else with_stops) and with_stops != plain
+
+
+@pytest.mark.parametrize("folder", ["", "above/"])
+def test_files_of_a_variant_lie_beside_the_study(small, folder):
+    """Whoever runs it from where; and those of a base beside that."""
+    (small.parent / "law.py").write_text("def load(y, dy):\n    return 1e5 * dy\n")
+    law = "{ file = 'law.py', velocity = [-2.0, 2.0] }"
+    study = tables_under(small, f"[variants.a]\n[variants.b.floats.front]\npto_damping = 0.0\npto_law = {law}")
+    quoted = (
+        small.read_text()
+        .replace("pto_law = {", "'pto_law.file' = 'law.py'\npto_law = {")
+        .replace("file = 'law.py', ", "")
+    )
+    small.write_text(quoted)
+    upper = small.parent / f"{folder}upper.toml"
+    upper.parent.mkdir(exist_ok=True)
+    upper.write_text(f"base = '{'../' if folder else ''}small.toml'\n")
+    assert {task.id for task in load(upper).tasks} == {task.id for task in study.tasks}
+
+
+def test_a_table_brought_in_may_be_the_current(small):
+    study = tables_under(small, "[variants.still]\n[variants.streaming.current]\nspeed = 0.5")
+    assert {t.parameters.current and t.parameters.current.speed for t in study.tasks} == {None, 0.5}
+
+
+@pytest.mark.parametrize(
+    ("above", "problem"),
+    [
+        ("[variants.b]\n'floats.front.end_stops' = { upper = 0.9, stiffness = -1.0, lower = -0.9 }",
+         'variants.b."floats.front.end_stops.stiffness" = -1.0: must be >= 0 N m/rad or N/m'),
+        ("[variants.b]\n'floats.*.end_stops' = { upper = 0.9 }",
+         "upper\" = 0.9: leads nowhere: the study has no [floats.front.end_stops], and one brought in needs lower"),
+        ("[variants.b]\n'floats.front.end_stops' = { uper = 0.9, lower = -0.9, stiffness = 1e6 }",
+         'variants.b."floats.front.end_stops.uper" = 0.9: unknown key; did you mean upper?'),
+        ("[variants.b]\n'floats.front.end_stops' = { lower = 0.9, upper = -0.9, stiffness = 1e6 }", "end_stops"),
+        ("[variants.b]\n'floats.front.end_stops' = 3.0", '"floats.front.end_stops" = 3.0: must be a table'),
+        ("[survival]\nHs = 0.5\n'floats.*.end_stops' = { lower = 'low', upper = 0.9, stiffness = 1e6 }",
+         'survival."floats.*.end_stops.lower" = low: must be a number'),
+        ("[variants.b.survival]\nHs = 0.5", "leads nowhere: the study has no [survival]"),
+        ("[[axes.together]]\nname = 'a'\n'floats.front.end_stops' = [{ lower = -1.0, upper = 1.0, stiffness = -1.0 }]",
+         "}: stiffness: must be >= 0"),
+    ],
+)  # fmt: skip
+def test_a_bad_table_brought_in_is_told_by_its_key(small, above, problem):
+    with pytest.raises(StudyError) as caught:
+        tables_under(small, above)
+    (told,) = caught.value.problems
+    assert problem in told
+
+
 def test_a_fault_of_the_whole_study_is_told_once_and_one_of_a_value_with_it(small):
     small.write_text("[record]\nramp = 1e4\n" + small.read_text())
     with pytest.raises(StudyError) as caught:
