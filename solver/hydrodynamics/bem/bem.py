@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
@@ -17,7 +17,6 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem.alone import assembled
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
 from solver.hydrodynamics.bem.far_field import FarField, PlaneWaves, modes, orders, plane_waves
-from solver.hydrodynamics.bem.finest import Solution, Turns, completed, left_out
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths, unit_motions
@@ -55,6 +54,17 @@ RESOLVED = 2.0
 ALIKE_PLATES, UNLIKE_PLATES = 4.0, 0.02
 FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
+
+
+class Solution(NamedTuple):
+    """Of one mesh at nw frequencies, for nh headings."""
+
+    impedance: np.ndarray  # (nw, n, n) A + iB/ω
+    infinite: np.ndarray  # (n, n) A∞
+    diffraction: np.ndarray  # (nw, nh, n) force
+    far: np.ndarray  # (nw, n + nh, 2M + 1) modes of H, of each motion and heading; empty where not asked for
+    lid: float  # area of damping lids [m²]
+    panels: int  # on hulls
 
 
 def frequency_grid(
@@ -225,17 +235,6 @@ class Problem:
             for hull, count in zip(self.hulls, self.counts, strict=True)
         )
 
-    @cached_property
-    def solved(self) -> tuple[np.ndarray, ...]:
-        """Numbers of the frequencies at which each mesh is solved, see `finest`.
-
-        All where the finest stands for itself, as with damping lids, or where far fields are wanted.
-        """
-        every = np.arange(len(self.omega))
-        if self.divisions != DIVISIONS or self.gap_damping > 0 or self.far_field:
-            return (every,) * len(self.divisions)
-        return left_out(len(self.omega)), every, every
-
     @property
     def coarser(self) -> str:
         """Which hulls have fewer panels than their meshes."""
@@ -249,7 +248,7 @@ class Problem:
 
 
 def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]]:
-    """Of each problem apart, and of each mesh, the finest first: of its frequencies `first`, first + step, and so on.
+    """Of each problem apart, and of each mesh, the finest first: frequencies `first`, first + step, and so on.
 
     Infinite frequency goes with 0.
     """
@@ -257,10 +256,8 @@ def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]
 
 
 def _solutions(problem: Problem, first: int, step: int) -> list[Solution]:
-    return [
-        _coefficients(problem, problem.omega[solved[first::step]], n, infinite=first == 0)
-        for n, solved in zip(problem.divisions, problem.solved, strict=True)
-    ]
+    omega = problem.omega[first::step]
+    return [_coefficients(problem, omega, n, infinite=first == 0) for n in problem.divisions]
 
 
 def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydrodynamics]:
@@ -278,16 +275,12 @@ def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydr
 def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodynamics]:
     hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
-    edged, lengths, doubts = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs), None
-    if len(solutions[0].impedance) < len(omega):
-        solutions[0], doubts = _completed(problem, solutions)
+    edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
     plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
     share = TWO_MESHES if plates else _of_edges(problem.meshed)
     (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, edged, lengths, share)
     if plates and len(solutions) <= len(HALVED):
         left = _of_plates(plates, left, (impedance, impedance_inf, diffraction, far))
-    if doubts is not None:
-        left[0], left[2] = (_with(error, doubt) for error, doubt in zip((left[0], left[2]), doubts, strict=True))
     lid = solutions[0].lid
     how = f"finest of {len(divisions)} meshes, damping lid" if lid > 0 else METHODS[len(divisions)]
     settings = {
@@ -317,32 +310,6 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
         )
         for h, sea in enumerate(seas)
     ]
-
-
-def _completed(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solution, list[np.ndarray]]:
-    """The finest solution at all frequencies, and what the limit may err by between those that it was solved at."""
-    k = np.array([problem.seas[0].wavenumber(w) for w in problem.omega])[:, None]
-    n = len(problem.dofs)
-    apart = np.linalg.norm(problem.centres[:, None] - problem.centres, axis=-1).repeat(n, axis=0).repeat(n, axis=1)
-    ways = [problem.centres[:, :2] @ [np.cos(h), np.sin(h)] for h in problem.headings]
-    turns = Turns(np.exp(1j * k[..., None] * apart), np.exp(1j * k[..., None] * np.repeat(ways, n, axis=1)))
-    finest, doubts = completed(
-        solutions,
-        problem.divisions,
-        problem.solved[0],
-        problem.omega,
-        turns,
-        motion_lengths(problem.hulls, problem.dofs),
-        lambda some: _coefficients(problem, problem.omega[some], problem.divisions[0], infinite=False),
-    )
-    fine, coarse = (n**2 for n in problem.divisions[:2])
-    return finest, [fine / (fine - coarse) * doubt for doubt in doubts]
-
-
-def _with(error: np.ndarray, doubt: np.ndarray) -> np.ndarray:
-    """An error, larger by a doubt in the same sense."""
-    size = np.abs(error)
-    return error * (1 + np.divide(doubt, size, out=np.zeros(size.shape), where=size > 0))
 
 
 def _interleaved(pieces: Sequence[Solution]) -> Solution:
@@ -570,14 +537,9 @@ def _extrapolated(
         best[k][lost] = finest[k][lost]
     if len(solutions) == 2:
         return best, [share * (b - f) for b, f in zip(best, finest, strict=True)]
-    left, coarser = _next_order(divisions[:2], edged), _limits(solutions[1:], divisions[1:])
-    return best, [left * (b - c) for b, c in zip(best, coarser, strict=True)]
-
-
-def _next_order(divisions: Sequence[int], edged: bool) -> float:
-    """What the limit of two meshes leaves of the error, over the step to it from that of coarser two."""
     left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if edged else NEXT_SMOOTH)
-    return left / (1 - left)
+    coarser = _limits(solutions[1:], divisions[1:])
+    return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
 
 
 def _of_edges(hulls: tuple[Hull, ...]) -> float:

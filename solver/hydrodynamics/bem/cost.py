@@ -19,10 +19,10 @@ def seconds(problem: Problem) -> float:
 def _together(problem: Problem) -> float:
     """Images of a plane of symmetry are seen, not solved for; each is the mirror of a system of its own."""
     images = len(meshes.mirror_planes(problem.hulls, problem.centres)[1])
+    waves = [problem.seas[0].wavenumber(w) for w in problem.omega]
+    pair = sum(SEABED if np.isfinite(problem.seabed(k)) else FREE for k in (*waves, np.inf))
     total, most = 0.0, _panels(problem)
-    for n, solved in zip(problem.divisions, problem.solved, strict=True):
-        waves = [problem.seas[0].wavenumber(w) for w in problem.omega[solved]]
-        pair = sum(SEABED if np.isfinite(problem.seabed(k)) else FREE for k in (*waves, np.inf))
+    for n in problem.divisions:
         part = most * (n / problem.divisions[0]) ** 2 / images
         total += pair * images * part**2 + (1 + len(waves)) * images * FACTORED * part**3
     return total
