@@ -128,7 +128,7 @@ def restarted(case: Case) -> dict[str, object]:
     state, largest = system.start(), 0.0
     for done, until in zip([0, *stops], [*stops, steps], strict=True):
         for _, output, _ in blocks(system, state, until, done):
-            for values in output:
+            for values in output[:-1]:  # the last, of steps that are cut, has room to spare
                 digest.update(values.tobytes())
             largest = max(largest, float(np.abs(output.z).max()))
         file = io.BytesIO()
