@@ -80,3 +80,14 @@ def test_more_than_a_platform_may_have_are_refused(steel, monkeypatch):
     monkeypatch.setattr(fineness, "MOST_OF_ALL", 3)
     with pytest.raises(InputError, match=r"members = 4 elements: must be <= 3"):
         elements(column(steel, length=2.0))
+
+
+def test_water_that_moves_with_a_member_counts(steel):
+    """Around it by C_M - 1, in it where it is flooded."""
+    bare, wet = (column(steel, inertia_coefficient=c).members[0] for c in (1.0, 2.0))
+    flooded = column(steel, inertia_coefficient=1.0, flooded=True).members[0]
+    section = bare.section
+    alone, around, within = (by_inertia(m, section, 5.0, 1025.0) for m in (bare, wet, flooded))
+    own = steel.density * section.area
+    assert around / alone == pytest.approx(1 + 1025.0 * np.pi / 4 * 0.5**2 / own)
+    assert within / alone == pytest.approx(1 + 1025.0 * np.pi / 4 * 0.46**2 / own)
