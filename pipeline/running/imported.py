@@ -6,6 +6,6 @@ from pipeline import environment
 from pipeline.bridge import engine
 
 with environment.importing():
-    for name in ("distributed", "pipeline.cli.cli", "scipy.io", "scipy.spatial"):
+    for name in ("distributed", "pipeline.cli.cli", "scipy.io"):
         import_module(name)
 engine.import_solver()

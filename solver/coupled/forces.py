@@ -8,7 +8,7 @@ from math import prod
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # spatial is slow to import, and asked for drag of planar scenes alone
+from scipy.spatial import cKDTree
 
 from solver.keys import firsts
 from solver.sea.series import ROUNDING, factors, independent
@@ -367,7 +367,7 @@ def of_drag(
     unit = places.influence.of_points(at)
     mine = unit[kept]
     if planar:
-        _, other = scipy.spatial.cKDTree(_keys(at.position, at.tangent)).query(
+        _, other = cKDTree(_keys(at.position, at.tangent)).query(
             _keys(at.position[kept] * MIRROR, at.tangent[kept] * MIRROR)
         )
         mine = (mine + MIRROR[:, None] * unit[other]) / 2

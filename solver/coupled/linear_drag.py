@@ -23,7 +23,7 @@ order has 0.94 of all that is not linear, the fifth 0.04.
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # special is slow to import, and asked of drag's linear model alone
+from scipy.special import ellipe, ellipkm1, erf
 
 PHASES = 64  # of a harmonic: its mean of |u|³ is then exact to 1e-5
 ROUND = 1e-6  # of two variances that count as the same
@@ -42,8 +42,8 @@ def of_gaussian(S: np.ndarray) -> np.ndarray:
     a, b, plane, axes = _principal(S)
     ratio = np.divide(b, a, out=np.ones(a.shape), where=a > 0)
     m, scale = np.maximum(1 - ratio, ROUND), np.sqrt(2 * a / np.pi)
-    mean = scipy.special.ellipe(m)
-    less = ratio * scipy.special.ellipkm1(np.maximum(1 - m, np.finfo(float).tiny))
+    mean = ellipe(m)
+    less = ratio * ellipkm1(np.maximum(1 - m, np.finfo(float).tiny))
     along = np.where(1 - ratio > ROUND, (mean - less) / m, mean / 2)
     uneven = scale * (along - mean / 2)
     return (scale * mean)[..., None, None] * (np.eye(S.shape[-1]) + plane / 2) + uneven[..., None, None] * axes
@@ -113,13 +113,13 @@ def _terms(mean: np.ndarray, std: np.ndarray) -> np.ndarray:
     r = mean * inverse
     bell = 4 * np.exp(-0.5 * r**2) / np.sqrt(2 * np.pi) * inverse
     higher = np.stack([bell, -bell * r * inverse, bell * (r**2 - 1) * inverse**2], axis=-1)
-    return np.concatenate([2 * scipy.special.erf(r / np.sqrt(2))[..., None], higher], axis=-1) / np.sqrt(FACTORIALS)
+    return np.concatenate([2 * erf(r / np.sqrt(2))[..., None], higher], axis=-1) / np.sqrt(FACTORIALS)
 
 
 def _along(mean: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """⟨|s|s⟩ and ⟨|s|⟩ of Gaussian numbers."""
     ratio = np.divide(mean, std, out=np.copysign(np.inf, mean), where=std > STEADY * np.abs(mean)) / np.sqrt(2)
-    bell, sign = np.sqrt(2 / np.pi) * std * np.exp(-(ratio**2)), scipy.special.erf(ratio)
+    bell, sign = np.sqrt(2 / np.pi) * std * np.exp(-(ratio**2)), erf(ratio)
     return (mean**2 + std**2) * sign + mean * bell, mean * sign + bell
 
 

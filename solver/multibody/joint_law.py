@@ -28,7 +28,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # special is slow to import, and few joints have limits
+from scipy.special import erf
 
 from solver.kernels import kernel, whole_lean_kernel
 from solver.multibody.load_table import (
@@ -425,9 +425,9 @@ def damping_of_gaussian(law: JointLaw, std: np.ndarray) -> np.ndarray:
     x, rate, constant = _reached(law, std)
     beyond = np.exp(-0.5 * x**2)
     with_limit = np.sqrt(2 / np.pi) * (constant * (1 - beyond) + _limit(law, beyond)) / rate
-    linear = law.pto_damping * (scipy.special.erf(x / np.sqrt(2)) - np.sqrt(2 / np.pi) * np.minimum(x, FAR) * beyond)
+    linear = law.pto_damping * (erf(x / np.sqrt(2)) - np.sqrt(2 / np.pi) * np.minimum(x, FAR) * beyond)
     whole = np.where(std > 0, linear + with_limit, law.pto_damping)
-    return whole + equivalent_damping(law.tables, std, lambda x: 0.5 * scipy.special.erf(x / np.sqrt(2)))
+    return whole + equivalent_damping(law.tables, std, lambda x: 0.5 * erf(x / np.sqrt(2)))
 
 
 def damping_at_rest(law: JointLaw) -> np.ndarray:

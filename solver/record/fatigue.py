@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import rainflow
-import scipy  # special is slow to import, and asked for fatigue alone
+from scipy.special import gamma, gammainc, gammaincc
 
 from solver.keys import firsts
 from solver.record.sn_curves import MPA, curve
@@ -167,18 +167,17 @@ class RangeSpread(NamedTuple):
             return self.rate * self.fixed**m * (above <= self.fixed < below)
         low, high = above / (2 * self.std), below / (2 * self.std)
         (D1, D2, D3), (Q, R) = self.share, self.width
-        total = D1 * Q**m * scipy.special.gamma(m + 1) * _between(m + 1, low / Q, high / Q) if D1 else 0.0
+        total = D1 * Q**m * gamma(m + 1) * _between(m + 1, low / Q, high / Q) if D1 else 0.0
         for D, width in ((D2, R), (D3, 1.0)):
             half = 1 + m / 2
             part = _between(half, (low / width) ** 2 / 2, (high / width) ** 2 / 2) if D else 0.0
-            total += D * (np.sqrt(2) * width) ** m * scipy.special.gamma(half) * part
+            total += D * (np.sqrt(2) * width) ** m * gamma(half) * part
         return float(self.rate * (2 * self.std) ** m * total)
 
 
 def _between(a: float, low: float, high: float) -> float:
     """Share of Γ(a) between two limits."""
-    within, beyond = scipy.special.gammainc, scipy.special.gammaincc
-    return float(within(a, high) - within(a, low) if low < a else beyond(a, low) - beyond(a, high))
+    return float(gammainc(a, high) - gammainc(a, low) if low < a else gammaincc(a, low) - gammaincc(a, high))
 
 
 def crossing_rate(x: np.ndarray, seconds: float) -> np.ndarray:

@@ -4,8 +4,8 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # spatial is slow to import, and asked for mirrored shapes alone
 from scipy import linalg, sparse
+from scipy.spatial import cKDTree
 
 from solver.errors import InputError
 from solver.structure.frame_model import FrameModel
@@ -113,7 +113,7 @@ def mirror(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_array | N
     such as the water's, must not change in the mirror.
     """
     near, images = SAME_PLACE * np.ptp(model.xyz, axis=0).max(), model.xyz * [1, -1, 1]
-    tree = scipy.spatial.cKDTree(model.xyz)
+    tree = cKDTree(model.xyz)
     gap, partner = tree.query(images)
     if gap.max() > near:
         return None

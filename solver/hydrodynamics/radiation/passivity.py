@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # optimize is slow to import, and asked of a memory's fit alone
 from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import nnls
 
 from solver.hydrodynamics.radiation.rational import basis, derivative_at_start
 
@@ -282,7 +282,7 @@ def _least_distance(c: np.ndarray, d: np.ndarray) -> np.ndarray | None:
     matrix = np.vstack([c.T, d / unit])
     goal = np.append(np.zeros(c.shape[1]), 1.0)
     try:
-        dual, _ = scipy.optimize.nnls(matrix, goal, maxiter=20 * len(c))
+        dual, _ = nnls(matrix, goal, maxiter=20 * len(c))
     except RuntimeError:
         return None
     residual = goal - matrix @ dual
