@@ -316,7 +316,9 @@ class Recorder:
             return
         parts: list[Any] = [*(part[some] for part in between[:-2]), *between[-2:]]
         pieces = Between(*parts)
-        waves = _between(samples, pieces.at)
+        waves = np.empty((some.size, samples.shape[1]))
+        for known in (self.layout.elevation, self.layout.forces):  # all of the waves that channels are made of
+            waves[:, known] = _between(samples[:, known], pieces.at)
         told = dict(self._channels(slice(None), pieces, waves, self._forces(slice(None), pieces, waves)))
         weight = np.concatenate([pieces.weight, output.lead[cut] - 0.5, np.full(cut.size, -0.5)])
         of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
