@@ -23,12 +23,16 @@ def stored(
     structure: Structure,
     p: np.ndarray,
     dp: np.ndarray,
+    zone: np.ndarray,
     z: np.ndarray,
     dz: np.ndarray,
     motion: Motion,
 ) -> float:
-    """Energy stored in floats and modes [J], radiation memory excluded; p, dp (nm,), z, dz (nz,) of one instant."""
-    total = stored_energy(bodies, z, dz, motion)
+    """Energy stored in floats and modes [J], radiation memory excluded, of one instant.
+
+    p, dp (nm,), z, dz (nz,) and zone (2, nz) of the joints' laws.
+    """
+    total = stored_energy(bodies, zone, z, dz, motion)
     for m in range(structure.omega.size):
         total += 0.5 * (dp[m] ** 2 + (structure.omega[m] * p[m]) ** 2)
     return total
@@ -43,7 +47,7 @@ def energy(bodies: Bodies, structure: Structure, state: State) -> float:
     carry(structure, state.dp, dz)
     z[nc:], dz[nc:] = state.z, state.dz
     move(bodies, z, dz, motion)
-    return stored(bodies, structure, state.p, state.dp, z, dz, motion)
+    return stored(bodies, structure, state.p, state.dp, state.zone, z, dz, motion)
 
 
 @lean_kernel

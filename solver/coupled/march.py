@@ -97,7 +97,7 @@ def _begin(problem: Problem, state: State, room: Workspace) -> None:
 def _balanced(problem: Problem, state: State, room: Workspace, settling: bool) -> bool:
     """Whether the gap of the energy balance has not grown by more than GROSSLY since the end of `settling`."""
     start, motion = room.start, room.stage.motion[1]
-    now = stored(problem.bodies, problem.structure, state.p, state.dp, start.z, start.dz, motion)
+    now = stored(problem.bodies, problem.structure, state.p, state.dp, state.zone, start.z, start.dz, motion)
     gap = open_by(state.work, now, state.energy)
     if settling:
         state.energy[GAP] = gap

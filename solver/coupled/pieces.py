@@ -60,11 +60,11 @@ from solver.kernels import inner_kernel, kernel, lean_kernel
 from solver.multibody.joint_law import (
     GONE,
     HELD,
-    OPEN,
     PRESSED,
     PTO_ZONE,
     SLIPS,
     STOP_ZONE,
+    axis_energy,
     axis_load,
     holding,
     jumps,
@@ -412,7 +412,7 @@ def _stored(problem: Problem, state: State, room: Workspace) -> float:
     start = room.start
     if state.ring[0] == np.inf:
         return 0.0
-    return stored(problem.bodies, problem.structure, state.p, state.dp, start.z, start.dz, room.stage.motion[1])
+    return stored(problem.bodies, problem.structure, state.p, state.dp, state.zone, start.z, start.dz, room.stage.motion[1])
 
 
 @inner_kernel
@@ -515,7 +515,7 @@ def _change(problem: Problem, state: State, room: Workspace, i: int, kind: int, 
     if kind == STOP_ZONE and abs(new) == PRESSED:
         _begin_swing(problem, state, i)
         for n in range(problem.bent.size):
-            if problem.bent[n] == i and old == OPEN:
+            if problem.bent[n] == i and new * start.dz[i] > 0:  # else it is slowed as it comes free, and presses again
                 contact[n, HITS] += 1
                 contact[n, RATE] = max(contact[n, RATE], abs(start.dz[i]))
     if kind == PTO_ZONE and rings(problem) and jumps(law, i):
@@ -536,12 +536,13 @@ def _change(problem: Problem, state: State, room: Workspace, i: int, kind: int, 
 def _enter(problem: Problem, state: State, room: Workspace, i: int, kind: int, new: int) -> bool:
     """The zone, and the accelerations and powers that go with it."""
     law, stage, start = problem.bodies.law, room.stage, room.start
-    stops, pto = stage.zone[STOP_ZONE, i], stage.zone[PTO_ZONE, i]
-    before = axis_load(law, i, stops, pto, start.z[i], start.dz[i])
+    old, pto = stage.zone[STOP_ZONE, i], stage.zone[PTO_ZONE, i]
+    before = axis_load(law, i, old, pto, start.z[i], start.dz[i])
     stage.zone[kind, i] = new
     state.zone[kind, i] = new
     stops, pto = stage.zone[STOP_ZONE, i], stage.zone[PTO_ZONE, i]
     after = axis_load(law, i, stops, pto, start.z[i], start.dz[i])
+    state.work[JOINT_DAMPING] += axis_energy(law, i, old, start.z[i]) - axis_energy(law, i, stops, start.z[i])
     change = after.pto - before.pto + after.loss - before.loss + after.spring - before.spring
     state.power[PTO] += (after.pto - before.pto) * start.dz[i]
     state.power[JOINT_DAMPING] += (after.loss - before.loss) * start.dz[i]

@@ -49,7 +49,7 @@ from solver.coupled.stages import (
     predict,
 )
 from solver.kernels import inner_kernel, kernel, lean_kernel, part_kernel
-from solver.multibody.joint_law import HELD, PTO_ZONE
+from solver.multibody.joint_law import HELD, OPEN, PTO_ZONE, STOP_ZONE, off_stop
 from solver.multibody.minimal import Bodies, PressureRoom, powers, pressure_room, pressures
 
 # Pressure and drag are evaluated again where a stage has moved by so many tolerances since; nearer than that
@@ -401,7 +401,7 @@ def gap(problem: Problem, drive: Drive, sample: int, state: State, room: Workspa
         work = _work(problem, room.power, i)
         balance += work if i in BROUGHT else -work
     end = stage.motion[1]
-    return balance - stored(problem.bodies, problem.structure, stage.p[1], stage.dp[1], stage.z[1], stage.dz[1], end)
+    return balance - stored(problem.bodies, problem.structure, stage.p[1], stage.dp[1], stage.zone, stage.z[1], stage.dz[1], end)
 
 
 @part_kernel
@@ -442,6 +442,8 @@ def advance(problem: Problem, state: State, room: Workspace) -> None:
         i = problem.bent[n]
         state.held[i] = stage.residual[1, i] if stage.zone[PTO_ZONE, i] == HELD else 0.0
         state.fastest[i] = max(state.fastest[i], abs(stage.dz[1, i]))
+        if off_stop(problem.bodies.law, i, stage.zone[STOP_ZONE, i], stage.z[1, i]):
+            stage.zone[STOP_ZONE, i] = state.zone[STOP_ZONE, i] = OPEN
     copy(stage.z[1], start.z)
     copy(stage.dz[1], start.dz)
     start.known[0] = True

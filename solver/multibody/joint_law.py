@@ -9,6 +9,7 @@ stop is a spring and a damper beyond its bound, δ deep, that do not pull:
     f_stop = max(0, k_s δ + c_s δ̇) = k_s δ (stored) + max(c_s δ̇, -k_s δ) (lost),    δ > 0
 
 WEC-Sim's stops are these (Simscape's "damped rebound") but for the pull of their damper on a float that leaves fast.
+Where a zone tells that the float has come free, what the spring still stores counts as lost at once.
 Lines couple the axes of a float: axis i has Σ Kᵢⱼ yⱼ more of f_spring and Σ Cᵢⱼ ẏⱼ more of f_loss, j its other axes.
 At rest F_c holds the axis against up to as much, and so does a latch, which once it gives way does nothing until the
 axis comes to rest again. A power take-off that lets go beyond a load takes the axis again as it turns round. Powers
@@ -116,15 +117,18 @@ def axis_load(law: JointLaw, i: int, stops: int, pto: int, y: float, dy: float) 
     """AxisLoad of axis i at position y and rate dy, by the formulas of its zones `stops` and `pto`."""
     loss = (law.damping[i] + law.quadratic_damping[i] * abs(dy)) * dy
     spring = law.stiffness[i] * y - law.preload[i]
-    if stops != OPEN:
-        side = 1 if stops > 0 else -1
-        bound = law.end_stops.upper[i] if stops > 0 else law.end_stops.lower[i]
-        elastic = law.end_stops.stiffness[i] * (y - bound)
-        spring += elastic
-        loss += law.end_stops.damping[i] * dy if stops * side == PRESSED else -elastic
+    if abs(stops) == PRESSED:
+        spring += _elastic(law, i, stops, y)
+        loss += law.end_stops.damping[i] * dy
     if pto == LINEAR:
         return AxisLoad(_slope(law, i) * dy, loss, spring)
     return AxisLoad(_kinked_load(law, i, pto, y, dy), loss, spring)
+
+
+@kernel(inline="always")
+def _elastic(law: JointLaw, i: int, side: int, y: float) -> float:
+    """k_s δ against the positive sense, of the upper stop (side > 0) or the lower one."""
+    return law.end_stops.stiffness[i] * (y - (law.end_stops.upper[i] if side > 0 else law.end_stops.lower[i]))
 
 
 @kernel(inline="always")
@@ -190,11 +194,17 @@ def _limiting_rate(law: JointLaw, i: int) -> float:
 
 
 @kernel(inline="always")
-def axis_energy(law: JointLaw, i: int, y: float) -> float:
-    """Energy stored in axis i at position y [J]."""
-    depth = max(0.0, y - law.end_stops.upper[i], law.end_stops.lower[i] - y)
+def axis_energy(law: JointLaw, i: int, stops: int, y: float) -> float:
+    """Energy stored in axis i at position y [J], by the formula of its zone `stops`."""
     stored = 0.5 * law.stiffness[i] * y * y - law.preload[i] * y
-    return stored + 0.5 * law.end_stops.stiffness[i] * depth * depth
+    return stored + (stop_energy(law, i, stops, y) if abs(stops) == PRESSED else 0.0)
+
+
+@kernel(inline="always")
+def stop_energy(law: JointLaw, i: int, side: int, y: float) -> float:
+    """½k_s δ² [J] of the upper stop (side > 0) or the lower one."""
+    depth = y - (law.end_stops.upper[i] if side > 0 else law.end_stops.lower[i])
+    return 0.5 * law.end_stops.stiffness[i] * depth * depth
 
 
 @kernel(inline="always")
@@ -293,6 +303,14 @@ def pto_zone(law: JointLaw, i: int, y: float, dy: float) -> int:
 
 
 @kernel(inline="always")
+def off_stop(law: JointLaw, i: int, stops: int, y: float) -> bool:
+    """Whether an axis that has come free of a stop is off it: then it may meet either one; no load changes."""
+    if abs(stops) != RELEASED:
+        return False
+    return y < law.end_stops.upper[i] if stops > 0 else y > law.end_stops.lower[i]
+
+
+@kernel(inline="always")
 def leaving(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) -> float:
     """> 0 where y, dy are beyond a zone of the stops or of the power take-off (kind); for HELD see `holding`."""
     if kind == STOP_ZONE:
@@ -301,7 +319,7 @@ def leaving(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) ->
         side = 1 if zone > 0 else -1
         depth = y - law.end_stops.upper[i] if side > 0 else law.end_stops.lower[i] - y
         press = law.end_stops.stiffness[i] * depth + law.end_stops.damping[i] * side * dy
-        return -press if zone * side == PRESSED else max(-depth, press)
+        return -press if zone * side == PRESSED else min(depth, press)
     if zone == HELD:
         return -1.0
     if zone >= TABLE:
@@ -324,11 +342,7 @@ def next_zone(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) 
         if zone == OPEN:
             return PRESSED if y - law.end_stops.upper[i] > law.end_stops.lower[i] - y else -PRESSED
         side = 1 if zone > 0 else -1
-        if zone * side == PRESSED:
-            return side * RELEASED
-        depth = y - law.end_stops.upper[i] if side > 0 else law.end_stops.lower[i] - y
-        press = law.end_stops.stiffness[i] * depth + law.end_stops.damping[i] * side * dy
-        return side * PRESSED if press > -depth else OPEN
+        return side * (RELEASED if zone * side == PRESSED else PRESSED)
     if zone >= TABLE:
         return TABLE + next_piece(law.tables, i, zone - TABLE, y, dy)
     sense = 1 if dy > 0 else -1
@@ -356,7 +370,8 @@ def _fill(law: JointLaw, y: np.ndarray, dy: np.ndarray, loads: JointLoads) -> No
         for i in range(y.shape[1]):
             stops, zone = stops_zone(law, i, y[s, i], dy[s, i]), pto_zone(law, i, y[s, i], dy[s, i])
             load = axis_load(law, i, stops, zone, y[s, i], dy[s, i])
-            loads.pto[s, i], loads.loss[s, i], loads.spring[s, i] = load.pto, load.loss, load.spring
+            left = _elastic(law, i, stops, y[s, i]) if abs(stops) == RELEASED else 0.0
+            loads.pto[s, i], loads.loss[s, i], loads.spring[s, i] = load.pto, load.loss - left, load.spring + left
         row, column, stiffness, damping = law.couplings
         for e in range(row.size):
             loads.spring[s, row[e]] += stiffness[e] * y[s, column[e]]
@@ -399,7 +414,7 @@ def joint_energy(law: JointLaw, y: np.ndarray) -> float:
     """Energy stored in all axes at positions y (n,) [J]."""
     energy = coupled_energy(law, y)
     for i in range(y.size):
-        energy += axis_energy(law, i, y[i])
+        energy += axis_energy(law, i, stops_zone(law, i, y[i], 0.0), y[i])
     return energy
 
 

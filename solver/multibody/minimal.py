@@ -405,8 +405,8 @@ def project_active(bodies: Bodies, motion: Motion, X: np.ndarray, M: np.ndarray)
 
 
 @part_kernel
-def stored_energy(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> float:
-    """Kinetic (added mass included), gravitational and spring energy [J]."""
+def stored_energy(bodies: Bodies, zone: np.ndarray, z: np.ndarray, dz: np.ndarray, motion: Motion) -> float:
+    """Kinetic (added mass included), gravitational and spring energy [J]; zone (2, nz) of the joints' laws."""
     energy = 0.0
     for b in range(bodies.axes.size):
         R, v, m = motion.rotation[b], motion.velocity[b], bodies.mass[b]
@@ -422,5 +422,5 @@ def stored_energy(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion)
         for j in range(v.size):
             energy += 0.5 * v[i] * bodies.added_mass[i, j] * v[j]
     for i in range(z.size):
-        energy += axis_energy(bodies.law, i, z[i]) + 0.5 * bodies.mechanism[i] * dz[i] * dz[i]
+        energy += axis_energy(bodies.law, i, zone[STOP_ZONE, i], z[i]) + 0.5 * bodies.mechanism[i] * dz[i] * dz[i]
     return energy + coupled_energy(bodies.law, z)

@@ -145,7 +145,11 @@ def test_tangents_are_the_slopes_in_each_zone():
 
 def test_only_what_has_several_zones_is_bent():
     assert bent(LAW).tolist() == [False, True, False, True, True]
-    assert axis_energy(LAW, 1, 3.0) == 3e3 and axis_energy(LAW, 1, 1.9) == 0.0
+
+
+def test_a_stop_stores_energy_while_an_axis_presses_on_it():
+    assert axis_energy(LAW, 1, PRESSED, 3.0) == axis_energy(LAW, 1, -PRESSED, -2.0) == 3e3
+    assert axis_energy(LAW, 1, RELEASED, 3.0) == axis_energy(LAW, 1, OPEN, 1.9) == 0.0
 
 
 @settings(max_examples=15)
