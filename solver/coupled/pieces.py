@@ -88,6 +88,7 @@ BEND = 0.03
 # pieces a swing then keep it. One of twice the length opens it by GROWTH as much.
 OPENED = 1e-5
 GROWTH = 2**5
+LONGER = 2.0  # than a piece the next one is at most
 MISSED = 1e-3  # of an axis's largest rate so far, which such a piece may leave where the axis was to turn
 SHORTEST = 2.0**-14  # of a step: in shorter pieces Newton's tolerance opens the balance
 SLIVER = 1e-9  # of a step
@@ -397,13 +398,13 @@ def _halve(problem: Problem, state: State, room: Workspace, length: float) -> No
 
 @inner_kernel
 def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> None:
-    """Twice the pace where an axis's acceleration is so straight that it will be in a piece of that length, too."""
+    """A longer pace where an axis's acceleration is so straight that it will be in a piece of that length, too."""
     for n in range(problem.bent.size):
         i = problem.bent[n]
-        longer = 2 * state.pace[i] / length  # pieces may be shorter than their pace
-        presses = abs(room.stage.zone[STOP_ZONE, i]) == PRESSED
-        if presses and _bend(problem, state, room, i, length) * longer**3 < BEND:
-            state.pace[i] *= 2
+        if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
+            bend = _bend(problem, state, room, i, length)
+            longer = length * min((BEND / bend) ** (1 / 3), LONGER) if bend > 0 else LONGER * length
+            state.pace[i] = max(state.pace[i], longer)
 
 
 @inner_kernel
