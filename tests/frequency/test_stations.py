@@ -1,11 +1,17 @@
 """Drag at a frame's stations and what it does, by sums over stations and lines; K need not be symmetric."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from pytest import approx
 
 from solver.coupled import linear_drag
+from solver.coupled.driving import patterns
 from solver.coupled.modal import Structure
+from solver.frequency.case import case_of
 from solver.frequency.stations import Stations
+from tests.awkward import SCENES, sea
 
 NW, NM, ND, NS = 5, 3, 2, 4
 
@@ -22,12 +28,18 @@ def made(stream=None):
         drag=random.uniform(1, 2, NS), scale=np.ones(NM),
     )  # fmt: skip
     water = lines(ND, NS, NW)
+    water[:, -1] = 0.5 * water[:, 0]  # so that fewer patterns than stations are left
     return Stations(frame, water.reshape(ND * NS, NW), stream), water, lines(NM, NW)
 
 
 def test_drag_goes_by_what_flows_past_the_moving_frame():
+    """By the covariance of patterns and modes, as by that of the flow itself; lines after the waves are the modes'."""
     stations, water, rate = made()
     flow = water - np.einsum("mw,mds->dsw", rate, stations.frame.station)
+    assert stations.covariance(rate) == approx(linear_drag.covariance(stations.flow(rate)))
+    more = np.concatenate([rate, rate[:, :2]], axis=1)
+    assert stations.covariance(more) == approx(linear_drag.covariance(stations.flow(more)))
+    assert len(stations.lines) < ND * NS
     K = linear_drag.of_lines(np.moveaxis(flow, -1, 0)) * stations.frame.drag[:, None, None]
     assert stations.equivalent(rate) == approx(K)
     K = linear_drag.of_lines(np.moveaxis(water, -1, 0)) * stations.frame.drag[:, None, None]
@@ -43,3 +55,18 @@ def test_what_drag_does_by_any_map_of_it():
     assert force == approx(np.einsum("kds,sde,esw->kw", maps, K, water))
     flow = water - np.einsum("mw,mds->dsw", rate, shape)
     assert force - damping @ rate == approx(np.einsum("kds,sde,esw->kw", maps, K, flow))
+
+
+@pytest.mark.parametrize("name", ["bare_legs", "unequal_legs"])
+def test_seas_share_the_patterns_of_their_flow(name):
+    """Which leave nothing of any of them."""
+    item, h = SCENES[name]()
+    item = replace(item, settings=replace(item.settings, method="frequency", froude_krylov="linear"))
+    shared = []
+    for seed in (1, 2):
+        case = case_of(replace(item, sea=sea(seed=seed, heading=item.sea.heading)), h)
+        water, lines = case.stations.water, case.stations.lines
+        shared.append(patterns(case.system.support))
+        assert len(lines) < 0.3 * len(water)
+        assert np.abs(shared[-1] @ lines - water).max() < 1e-10 * np.abs(water).max()
+    assert shared[0] is shared[1]
