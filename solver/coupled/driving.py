@@ -49,14 +49,10 @@ def patterns(support: Support) -> np.ndarray | None:
     curve, (ns, nd, _) = _curve(support), support.station_shape.shape
     if curve is None:
         return None
-    values = curve.values[:, curve.values.shape[1] - ns * nd :].reshape(len(curve.nodes), ns, nd)
-    return shared(patterns_of(values.T.reshape(nd * ns, len(curve.nodes))))
-
-
-def patterns_of(lines: np.ndarray) -> np.ndarray:
-    """Orthonormal (m, r) that lines (m, n) are made of."""
-    shapes, size, _ = np.linalg.svd(np.concatenate([lines.real, lines.imag], axis=1), full_matrices=False)
-    return np.ascontiguousarray(shapes[:, size > ROUNDING * size.max(initial=0.0)])
+    at_nodes = curve.values[:, curve.values.shape[1] - ns * nd :].reshape(len(curve.nodes), ns, nd)
+    flow = at_nodes.T.reshape(nd * ns, len(curve.nodes))
+    shapes, size, _ = np.linalg.svd(np.concatenate([flow.real, flow.imag], axis=1), full_matrices=False)
+    return shared(np.ascontiguousarray(shapes[:, size > ROUNDING * size.max(initial=0.0)]))
 
 
 class _Curve(NamedTuple):

@@ -1,10 +1,9 @@
 """Drag of the water on a moving frame, linearised by what moves against it."""
 
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 
-from solver.coupled.driving import patterns_of
 from solver.coupled.linear_drag import by_station, covariance, in_stream, of_gaussian, of_parts, of_parts_in
 from solver.coupled.modal import Structure
 
@@ -12,8 +11,8 @@ from solver.coupled.modal import Structure
 class Stations:
     """The frame's drag at its ns stations, in nd directions, in water of velocity (nd ns, nw) and a current (nd, ns).
 
-    Few patterns of that velocity, with lines of their own, take its place in products. Complex lines are taken as twice
-    as many real numbers, side by side, for products with real shapes.
+    Few patterns of that velocity and their lines take its place in products, where they are known. Complex lines are
+    taken as twice as many real numbers, side by side, for products with real shapes.
     """
 
     def __init__(
@@ -25,9 +24,7 @@ class Stations:
         nm, nd, ns = frame.station.shape
         self.on, self.shape = (nd, ns), frame.station.reshape(nm, nd * ns)
         self.water = np.ascontiguousarray(water).view(float)
-        own = patterns_of(water) if patterns is None else patterns
-        self.lines = own.T @ self.water  # (r, 2 nw)
-        self.motion = np.concatenate([self.shape, own.T])  # of modes, and patterns (nm + r, nd ns)
+        self.factors = [self.water] if patterns is None else [patterns, patterns.T @ self.water]
 
     def flow(self, rate: np.ndarray | None) -> np.ndarray:
         """Of the water past the frame (nd, ns, 2 nl) at modal rates (nm, nl), of lines of which the first nw are waves;
@@ -44,8 +41,8 @@ class Stations:
         if rate is None:
             return self._at_rest
         v = np.ascontiguousarray(rate).view(float)
-        of_rates = np.concatenate([0.25 * v @ v.T, -0.5 * v[:, : self.lines.shape[1]] @ self.lines.T], axis=1)
-        e = (of_rates @ self.motion).reshape(self.frame.station.shape)
+        along = reduce(np.matmul, [part.T for part in reversed(self.factors)], v[:, : self.water.shape[1]])
+        e = (0.25 * v @ v.T @ self.shape - 0.5 * along).reshape(self.frame.station.shape)
         both = np.sum(self.frame.station[:, :, None] * e[:, None], axis=0).T
         return self._at_rest + both + np.swapaxes(both, 1, 2)
 
@@ -75,8 +72,8 @@ class Stations:
 
     def acting(self, K: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """By maps (k, nd, ns) of the drag: damping of what it does against modal rates (k, nm), the water's (k, nw)."""
-        nm, carried = len(self.shape), self._carried(K, on) @ self.motion.T
-        return carried[:, :nm], (carried[:, nm:] @ self.lines).view(complex)
+        carried = self._carried(K, on)
+        return carried @ self.shape.T, reduce(np.matmul, self.factors, carried).view(complex)
 
     def against(self, K: np.ndarray) -> np.ndarray:
         """Damping of the modes (nm, nm)."""
