@@ -76,7 +76,7 @@ def _in_plane(S: np.ndarray, K: np.ndarray) -> None:
         mean = integral * (1 - q * m) if y > 0 else 1.0
         along = integral * (1 - q) if y > 0 else 1.0
         scale = np.sqrt(2 * max(a, 0.0) / np.pi)
-        uneven = scale * (along - mean / 2) / size if size > 0 else 0.0
+        uneven = scale * (along - 0.5 * mean) / size if size > 0 else 0.0
         K[i, 0, 0] = 1.5 * scale * mean + uneven * half
         K[i, 1, 1] = 1.5 * scale * mean - uneven * half
         K[i, 0, 1] = K[i, 1, 0] = uneven * across
