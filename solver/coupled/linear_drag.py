@@ -100,7 +100,7 @@ def in_stream(U: np.ndarray, S: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     The plane is where U and S are largest; a direction that has neither has the mean speed as its K.
     """
     if U.shape[-1] == 1:
-        force, speed = _along(U, np.sqrt(S[..., 0]))
+        force, speed = _along(U, np.sqrt(S[..., 0].clip(min=0.0)))
         return force, 2 * speed[..., None]
     plane = np.linalg.eigh(S + U[..., :, None] * U[..., None, :])[1][..., -2:]
     angle = (np.arange(DIRECTIONS) + 0.5) * np.pi / DIRECTIONS
