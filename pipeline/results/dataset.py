@@ -53,8 +53,9 @@ def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int
     words = {name: np.full(shape, "", dtype=kind) for name, kind in (("status", "U8"), ("task", "U16"), ("unmet", "O"))}
     words["status"][...] = NO_TASK
     words["task"].ravel()[study.tasks.cells] = [f"{number:016x}" for number in study.tasks.ids.tolist()]
-    cells = zip(*(places.tolist() for places in np.unravel_index(study.tasks.cells, shape)), strict=True)
-    looked = ((cell, store.look(task)) for cell, task in zip(cells, study.tasks.passing("collecting"), strict=True))
+    tasks = study.tasks.ordered(store.packs.row)  # a pack is opened once for all that it has
+    cells = zip(*(places.tolist() for places in np.unravel_index(tasks.cells, shape)), strict=True)
+    looked = ((cell, store.look(task)) for cell, task in zip(cells, tasks.passing("collecting"), strict=True))
     for _, beside in groupby(looked, lambda one: one[1].record if one[1].place else one[0]):
         places, entries = zip(*beside, strict=True)
         for cell, entry, state in zip(places, entries, _fill(arrays, places, entries), strict=True):

@@ -145,6 +145,12 @@ class Packs:
             return None
         return Place(path.with_suffix(".nc"), number, status)
 
+    def row(self, task_id: str) -> tuple[str, int]:
+        """Where a task's last outcome lies among all: its pack and its row; before all of them if in none."""
+        self._look()
+        path, number, *_ = self._lines.get(task_id, (Path(), -1))
+        return path.name, number
+
     def next(self, count: int) -> list[Path]:
         """Records of so many packs to come."""
         paths: list[Path] = []
@@ -190,8 +196,8 @@ class Packs:
             start += len(line)
 
 
-# By path and time of the last change: tasks looked at one after another are in the same pack, as a rule.
-@lru_cache(maxsize=4)
+# By path and time of the last change: tasks looked at one after another are in few packs, one for each sea.
+@lru_cache(maxsize=128)
 def _content(path: Path, _changed: int) -> bytes:
     return path.read_bytes()
 

@@ -51,6 +51,11 @@ class Tasks:
         slowest_first = sorted(places, key=lambda name: name in names)
         return self._part(np.lexsort([places[name] for name in reversed(slowest_first)]))
 
+    def ordered(self, place: Callable[[str], tuple[str, int]]) -> Tasks:
+        """The same tasks in the order of their ids' places, those of one place as they stand."""
+        places = [place(f"{known:016x}") for known in self.ids.tolist()]
+        return self._part(np.array(sorted(range(len(places)), key=places.__getitem__), "i8"))
+
     def split(self, key: Callable[[Task], Key]) -> dict[Key, Tasks]:
         """Groups with the same key, in the order in which the keys come."""
         numbers: dict[Key, int] = {}

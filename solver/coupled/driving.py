@@ -8,10 +8,17 @@ import numpy as np
 
 from solver.coupled.support import KNOWN, Support, real_by_complex
 from solver.coupled.typical import of_one_speed
+from solver.keys import shared
 from solver.sea.field import WaveField
 
 NODES = 16, 32, 48, 64  # of curves over wavenumbers
 SMOOTH = 1e-11  # of the largest of its kind, between them
+ROUNDING = 1e-13  # of the largest pattern of a flow: what is less counts as none
+
+
+def share_curve(support: Support, count: int) -> bool:
+    """Whether seas of so many waves are of a curve over typical waves."""
+    return 1 < support.typical.k.size < count
 
 
 class Driven(NamedTuple):
@@ -26,11 +33,26 @@ class Driven(NamedTuple):
 @lru_cache(maxsize=KNOWN)
 def driven(support: Support, field: WaveField) -> Driven:
     """By one sea; from a curve over typical waves where those are fewer than its own."""
-    curve = _curve(support) if 1 < support.typical.k.size < field.k.size else None
+    curve = _curve(support) if share_curve(support, field.k.size) else None
     rows = _rows(support, field) if curve is None else curve.at(field)
     (ns, nd, _), sizes = support.station_shape.shape, [part.shape[1] for part in _maps(support)]
     modes, left_out, borne, stations = np.split(rows, np.cumsum(sizes))
     return Driven(modes, stations.reshape(ns, nd, field.k.size), borne, left_out)
+
+
+@lru_cache(maxsize=KNOWN)
+def patterns(support: Support) -> np.ndarray | None:
+    """Orthonormal (nd ns, r) that the flow at the stations is made of in all seas that share a curve; None without one.
+
+    r is much less than nd ns: what waves do at many depths differs little.
+    """
+    curve, (ns, nd, _) = _curve(support), support.station_shape.shape
+    if curve is None:
+        return None
+    at_nodes = curve.values[:, curve.values.shape[1] - ns * nd :].reshape(len(curve.nodes), ns, nd)
+    flow = at_nodes.T.reshape(nd * ns, len(curve.nodes))
+    shapes, size, _ = np.linalg.svd(np.concatenate([flow.real, flow.imag], axis=1), full_matrices=False)
+    return shared(np.ascontiguousarray(shapes[:, size > ROUNDING * size.max(initial=0.0)]))
 
 
 class _Curve(NamedTuple):

@@ -25,8 +25,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ellipe, ellipkm1, erf
 
+from solver.kernels import whole_kernel
+
 PHASES = 64  # of a harmonic: its mean of |u|³ is then exact to 1e-5
 ROUND = 1e-6  # of two variances that count as the same
+AGREED = 1e-8  # of two numbers: their arithmetic-geometric mean is theirs, to rounding
 STEADY = 1e-9  # times its mean: the std of a number that does not vary
 FEW = 4  # directions of half a circle that terms of higher orders need
 FACTORIALS = np.array([2.0, 6.0, 24.0, 120.0])  # of the orders from 2 on that count
@@ -39,14 +42,44 @@ def of_gaussian(S: np.ndarray) -> np.ndarray:
     With variances a ≥ b in that plane, m = 1 - b/a, and complete elliptic integrals E(m), K(m): mean speed
     √(2a/π) E, and ⟨u₁²/|u|⟩ = √(2a/π) (E - (b/a) K)/m; the other direction has the rest of the mean speed.
     """
+    if S.shape[-1] == 2:
+        K = np.empty(S.shape)
+        _in_plane(np.ascontiguousarray(S).reshape(-1, 2, 2), K.reshape(-1, 2, 2))
+        return K
     a, b, plane, axes = _principal(S)
     ratio = np.divide(b, a, out=np.ones(a.shape), where=a > 0)
-    m, scale = np.maximum(1 - ratio, ROUND), np.sqrt(2 * a / np.pi)
+    m, scale = 1 - ratio, np.sqrt(2 * a / np.pi)
     mean = ellipe(m)
     less = ratio * ellipkm1(np.maximum(1 - m, np.finfo(float).tiny))
-    along = np.where(1 - ratio > ROUND, (mean - less) / m, mean / 2)
+    along = np.divide(mean - less, m, out=np.array(mean / 2), where=m > ROUND)
     uneven = scale * (along - mean / 2)
     return (scale * mean)[..., None, None] * (np.eye(S.shape[-1]) + plane / 2) + uneven[..., None, None] * axes
+
+
+@whole_kernel
+def _in_plane(S: np.ndarray, K: np.ndarray) -> None:
+    """K (n, 2, 2) of covariances S (n, 2, 2), as above, where a frame has many and asks again every round.
+
+    By the arithmetic-geometric mean M of 1 and (b/a)^½: K(m) = π/2M, E = (1 - qm) K, (E - (b/a) K)/m = (1 - q) K with
+    q = ½ + Σ 2ⁿ⁻¹ cₙ²/m over its differences cₙ, n ≥ 1.
+    """
+    for i in range(len(S)):
+        half, middle, across = (S[i, 0, 0] - S[i, 1, 1]) / 2, (S[i, 0, 0] + S[i, 1, 1]) / 2, S[i, 0, 1]
+        size = np.hypot(half, across)
+        a, b = middle + size, max(middle - size, 0.0)
+        x, y, q, share = 1.0, np.sqrt(b / a) if b > 0 else 0.0, 0.5, 1.0
+        m = 1 - y * y
+        while y > 0 and x - y > AGREED:
+            q += share * ((x - y) / 2) ** 2 / m
+            x, y, share = (x + y) / 2, np.sqrt(x * y), 2 * share
+        integral = np.pi / (x + y)
+        mean = integral * (1 - q * m) if y > 0 else 1.0
+        along = integral * (1 - q) if y > 0 else 1.0
+        scale = np.sqrt(2 * max(a, 0.0) / np.pi)
+        uneven = scale * (along - 0.5 * mean) / size if size > 0 else 0.0
+        K[i, 0, 0] = 1.5 * scale * mean + uneven * half
+        K[i, 1, 1] = 1.5 * scale * mean - uneven * half
+        K[i, 0, 1] = K[i, 1, 0] = uneven * across
 
 
 def _principal(S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -54,11 +87,6 @@ def _principal(S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.nd
     on their axes.
     """
     d = S.shape[-1]
-    if d == 2:
-        half, middle = (S[..., 0, 0] - S[..., 1, 1]) / 2, (S[..., 0, 0] + S[..., 1, 1]) / 2
-        size, turned = np.hypot(half, S[..., 0, 1]), S - middle[..., None, None] * np.eye(2)
-        turned = np.divide(turned, size[..., None, None], out=np.zeros(S.shape), where=size[..., None, None] > 0)
-        return middle + size, (middle - size).clip(min=0.0), np.eye(2), turned
     value, axis = np.linalg.eigh(S)
     first, second = (axis[..., i, None] * axis[..., None, :, i] for i in (-1, -min(d, 2)))
     if d == 1:
@@ -72,7 +100,7 @@ def in_stream(U: np.ndarray, S: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     The plane is where U and S are largest; a direction that has neither has the mean speed as its K.
     """
     if U.shape[-1] == 1:
-        force, speed = _along(U, np.sqrt(S[..., 0]))
+        force, speed = _along(U, np.sqrt(S[..., 0].clip(min=0.0)))
         return force, 2 * speed[..., None]
     plane = np.linalg.eigh(S + U[..., :, None] * U[..., None, :])[1][..., -2:]
     angle = (np.arange(DIRECTIONS) + 0.5) * np.pi / DIRECTIONS
@@ -183,5 +211,4 @@ def covariance(u: np.ndarray) -> np.ndarray:
 
 def by_station(K: np.ndarray, u: np.ndarray) -> np.ndarray:
     """K u (m, d, n) of vectors u (m, d, n) at n stations, K (n, d, d)."""
-    d = range(u.shape[1])
-    return np.stack([sum(K[:, i, j] * u[:, j] for j in d) for i in d], axis=1)
+    return np.einsum("ijn,mjn->min", np.ascontiguousarray(np.moveaxis(K, 0, -1)), u)

@@ -111,8 +111,7 @@ def _spectrum(terms: _Terms, omega: np.ndarray, width: float, at: np.ndarray) ->
     """S (ne, n, n), one-sided."""
     step, n = np.pi / (2 * omega.max()), len(terms.x)  # nothing is faster than three times the fastest wave
     tau = step * np.arange(1 + int(REACH / (width * step)))
-    turned = np.ones((tau.size, omega.size), complex)
-    np.cumprod(np.broadcast_to(np.exp(-1j * step * omega), turned[1:].shape), axis=0, out=turned[1:])
+    turned = _powers(np.exp(-1j * step * omega), tau.size)
     x = terms.x.view(complex)
     pairs = (x.conj()[:, None] * x).reshape(n * n, -1).view(float)
     C = terms.of(terms, 0.5 * (pairs @ turned.view(float).T).reshape(n, n, -1))
@@ -120,6 +119,17 @@ def _spectrum(terms: _Terms, omega: np.ndarray, width: float, at: np.ndarray) ->
     seen[0] /= 2
     half = np.moveaxis((seen * C) @ np.exp(1j * tau[:, None] * at), -1, 0)
     return half + np.swapaxes(half.conj(), 1, 2)
+
+
+def _powers(z: np.ndarray, count: int) -> np.ndarray:
+    """zⁿ for n < count, (count, nz): in turn as many more as are known."""
+    out = np.ones((count, z.size), complex)
+    known = 1
+    while known < count:
+        more = out[known : 2 * known]
+        np.multiply(out[: len(more)], z, out=more)
+        z, known = z * z, 2 * known
+    return out
 
 
 def _largest(S: np.ndarray, moves: np.ndarray) -> np.ndarray:

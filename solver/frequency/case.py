@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from solver.balance import warnings
+from solver.coupled.driving import patterns, share_curve
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.natural import SystemModes, require_stable, system_modes
 from solver.coupled.support import Support, real_by_complex
@@ -179,8 +180,10 @@ class Case:
     @cached_property
     def stations(self) -> Stations:
         """Where the frame has drag."""
-        stream = self.system.support.stream if self.system.support else None
-        return Stations(self.system.structure, self.rows[self.system.layout.station], stream)
+        support, water = self.system.support, self.rows[self.system.layout.station]
+        many = support is not None and share_curve(support, self.met.size)
+        stream = support.stream if support else None
+        return Stations(self.system.structure, water, stream, patterns(support) if many else None)
 
     @property
     def of_drag(self) -> np.ndarray:

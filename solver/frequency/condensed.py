@@ -27,9 +27,9 @@ class Condensed:
         nm, d = model.modes.shape[1], model.of_modes(omega)
         stiff = _stiff(model.modes[0], omega.max(), drag)
         self.model, self.omega = model, omega
-        self.stiff = np.concatenate([stiff, np.zeros(len(model.mass) - nm, bool)])
-        self.kept = np.ix_(~self.stiff, ~self.stiff)
-        self.S, self.T = (np.ascontiguousarray(model.shape[:, which]) for which in (self.stiff, ~self.stiff))
+        self.stiff = np.flatnonzero(stiff)
+        self.kept = np.setdiff1d(np.arange(len(model.mass)), self.stiff)
+        self.S, self.T = (model.shape.take(which, axis=1) for which in (self.stiff, self.kept))
         flexibility, self.soft = 1 / d[:, stiff], d[:, ~stiff]
         carriers = self.S[: len(self.S) - (len(model.mass) - nm)]  # which alone the modes move
         nc = len(carriers)
@@ -58,14 +58,14 @@ class Condensed:
 
         Not a number where the equation is singular.
         """
-        apart = damping.copy()
-        apart[self.kept] = 0.0
+        apart, kept = damping.copy(), np.ix_(self.kept, self.kept)
+        apart[kept] = 0.0
         if apart.any():
             force = force - real_by_complex(apart, rate)
-        X, follow = np.empty(force.shape, complex), force[self.stiff] * self.flexibility
-        x, load = force[~self.stiff], real_by_complex(self.S, follow)
-        _solve(self.omega, self.Z, damping[self.kept], self.load, self.T, x, load)
-        X[~self.stiff] = x
+        X, follow = np.empty(force.shape, complex), force.take(self.stiff, axis=0) * self.flexibility
+        x, load = force.take(self.kept, axis=0), real_by_complex(self.S, follow)
+        _solve(self.omega, self.Z, damping[kept], self.load, self.T, x, load)
+        X[self.kept] = x
         X[self.stiff] = follow - real_by_complex(self.S.T, load) * self.flexibility
         return X
 

@@ -178,14 +178,14 @@ def _length(m: np.ndarray, S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
     """Mean (n,) and variance of |v|, and ⟨v/|v|⟩ (n, 2), of Gaussian v with means m (n, 2) and covariances S (n, 2, 2).
 
     cov(a, |v|) = cov(a, v)·⟨v/|v|⟩ (Stein's lemma). |v| = ¼∮ |v·e| dφ, so that the means are those of folded normal
-    distributions.
+    distributions, alike in opposite directions.
     """
-    e, quarter = _directions(PHASES), 2 * np.pi / PHASES / 4
+    e, half = _directions(PHASES)[: PHASES // 2], 2 * np.pi / PHASES / 2
     m_e, s = m @ e.T, np.sqrt(np.sum((e @ S) * e, axis=-1).clip(min=0.0))
     ratio = np.divide(m_e, s, out=np.copysign(np.inf, m_e), where=s > 0)
     sign = erf(ratio / np.sqrt(2))
-    size = quarter * np.sum(m_e * sign + np.sqrt(2 / np.pi) * s * np.exp(-0.5 * ratio**2), axis=-1)
-    return size, np.sum(m * m, axis=-1) + np.trace(S, axis1=1, axis2=2) - size**2, quarter * (sign @ e)
+    size = half * np.sum(m_e * sign + np.sqrt(2 / np.pi) * s * np.exp(-0.5 * ratio**2), axis=-1)
+    return size, np.sum(m * m, axis=-1) + np.trace(S, axis1=1, axis2=2) - size**2, half * (sign @ e)
 
 
 @lru_cache

@@ -1,24 +1,30 @@
 """Drag of the water on a moving frame, linearised by what moves against it."""
 
+from functools import cached_property, reduce
+
 import numpy as np
 
-from solver.coupled import linear_drag
+from solver.coupled.linear_drag import by_station, covariance, in_stream, of_gaussian, of_parts, of_parts_in
 from solver.coupled.modal import Structure
 
 
 class Stations:
     """The frame's drag at its ns stations, in nd directions, in water of velocity (nd ns, nw) and a current (nd, ns).
 
-    Complex lines are taken as twice as many real numbers, side by side, for products with real shapes.
+    Few patterns of that velocity and their lines take its place in products, where they are known. Complex lines are
+    taken as twice as many real numbers, side by side, for products with real shapes.
     """
 
-    def __init__(self, frame: Structure, water: np.ndarray, stream: np.ndarray | None):
-        """stream: None where there is none."""
+    def __init__(
+        self, frame: Structure, water: np.ndarray, stream: np.ndarray | None, patterns: np.ndarray | None = None
+    ):
+        """stream: None where there is none; patterns (nd ns, r) that the water is made of, orthonormal, if known."""
         self.frame, self.size = frame, frame.drag.size
         self.stream = stream if stream is not None and stream.any() else None
         nm, nd, ns = frame.station.shape
         self.on, self.shape = (nd, ns), frame.station.reshape(nm, nd * ns)
         self.water = np.ascontiguousarray(water).view(float)
+        self.factors = [self.water] if patterns is None else [patterns, patterns.T @ self.water]
 
     def flow(self, rate: np.ndarray | None) -> np.ndarray:
         """Of the water past the frame (nd, ns, 2 nl) at modal rates (nm, nl), of lines of which the first nw are waves;
@@ -27,29 +33,51 @@ class Stations:
         flow = self.water
         if rate is not None:
             flow = (-self.shape).T @ np.ascontiguousarray(rate).view(float)
-            flow[:, : self.water.shape[1]] += self.water  # in place: memory is dearer here than sums
+            flow[:, : self.water.shape[1]] += self.water
         return flow.reshape(*self.on, flow.shape[1])
+
+    def covariance(self, rate: np.ndarray | None) -> np.ndarray:
+        """Of that flow (ns, nd, nd): ⟨ww⟩ + φe + eφ, e = ½⟨vv⟩φ - ⟨vw⟩, of the water's velocity w less φv."""
+        if rate is None:
+            return self._at_rest
+        v = np.ascontiguousarray(rate).view(float)
+        along = reduce(np.matmul, [part.T for part in reversed(self.factors)], v[:, : self.water.shape[1]])
+        e = (0.25 * v @ v.T @ self.shape - 0.5 * along).reshape(self.frame.station.shape)
+        both = np.sum(self.frame.station[:, :, None] * e[:, None], axis=0).T
+        return self._at_rest + both + np.swapaxes(both, 1, 2)
+
+    @cached_property
+    def _at_rest(self) -> np.ndarray:
+        return covariance(self.flow(None))
 
     def equivalent(self, rate: np.ndarray | None) -> np.ndarray:
         """K (ns, nd, nd) [N s/m] at modal rates (nm, nw), or of a frame that does not move."""
-        flow = self.flow(rate)
-        K = linear_drag.of_parts(flow) if self.stream is None else linear_drag.of_parts_in(self.stream, flow)[1]
-        return K * self.frame.drag[:, None, None]
+        return self._drag(rate)[1] * self.frame.drag[:, None, None]
 
     def mean(self, rate: np.ndarray) -> np.ndarray:
         """Mean drag (nd, ns) [N] at modal rates (nm, nw): none without a current."""
-        if self.stream is None:
-            return np.zeros(self.frame.station.shape[1:])
-        return self.frame.drag * linear_drag.of_parts_in(self.stream, self.flow(rate))[0].T
+        return self.frame.drag * self._drag(rate)[0].T
+
+    def _drag(self, rate: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+        """Mean (ns, nd) and K of the flow: of one harmonic, or of a Gaussian process."""
+        if self.water.shape[1] == 2:
+            flow = self.flow(rate)
+            return (self._none, of_parts(flow)) if self.stream is None else of_parts_in(self.stream, flow)
+        S = self.covariance(rate)
+        return (self._none, of_gaussian(S)) if self.stream is None else in_stream(self.stream.T, S)
+
+    @property
+    def _none(self) -> np.ndarray:
+        return np.zeros((self.size, self.on[0]))
 
     def acting(self, K: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """By maps (k, nd, ns) of the drag: damping of what it does against modal rates (k, nm), the water's (k, nw)."""
         carried = self._carried(K, on)
-        return carried @ self.shape.T, (carried @ self.water).view(complex)
+        return carried @ self.shape.T, reduce(np.matmul, self.factors, carried).view(complex)
 
     def against(self, K: np.ndarray) -> np.ndarray:
         """Damping of the modes (nm, nm)."""
         return self._carried(K, self.frame.station) @ self.shape.T
 
     def _carried(self, K: np.ndarray, on: np.ndarray) -> np.ndarray:
-        return linear_drag.by_station(np.swapaxes(K, 1, 2), on).reshape(len(on), self.shape.shape[1])
+        return by_station(np.swapaxes(K, 1, 2), on).reshape(len(on), self.shape.shape[1])

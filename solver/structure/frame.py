@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated, Literal, get_args
 
 import numpy as np
@@ -218,7 +219,7 @@ class MarineGrowth:
     density: Annotated[float, Quantity("kg/m3", above=0), "Of the layer, with the water in it"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Frame:
     """Named nodes, members between them, feet that are clamped or on springs, lumped masses and static loads."""
 
@@ -234,7 +235,11 @@ class Frame:
 
     def __hash__(self) -> int:
         """Equal frames have equal text; a mapping alone would have no hash."""
-        return hash(repr(self))
+        return hash(self._text)
+
+    @cached_property
+    def _text(self) -> str:
+        return repr(self)  # of a hundred elements, as dear as all else that a task asks of caches
 
     def __post_init__(self) -> None:
         refuse(self._coordinate_problems())

@@ -209,14 +209,14 @@ def test_modes_that_follow_are_what_the_whole_equation_has():
     damping[:nm, :nm] = 0.05 / nm * mix @ mix.T
     damping[nm:, nm:] = 0.01 * np.diag(np.diag(model.mass)[nm:])
     equation = Condensed(model, omega, Y, damping[:nm, :nm])
-    assert 0 < equation.stiff.sum() < nm
+    assert 0 < equation.stiff.size < nm
     X = np.zeros((n, omega.size), complex)
     for _ in range(20):
         X = equation.response(np.ascontiguousarray(force.T), damping, -1j * omega * X)
     Z = model.dynamic_stiffness(omega, Y) - 1j * omega[:, None, None] * damping
     exact = np.linalg.solve(Z, force[..., None])[..., 0]
     assert np.all(np.abs(X.T - exact) < 1e-9 * np.abs(exact).max(axis=0))
-    assert not Condensed(model, omega, Y, 1e4 * damping[:nm, :nm]).stiff.any()
+    assert not Condensed(model, omega, Y, 1e4 * damping[:nm, :nm]).stiff.size
 
 
 def test_coordinates_that_only_others_hold_are_solved_for():

@@ -8,7 +8,9 @@ import pytest
 import xarray as xr
 
 from pipeline.bridge.loading import load
+from pipeline.results import packs
 from pipeline.results import store as module
+from pipeline.results.dataset import collect
 from pipeline.results.netcdf import Variable, content
 from pipeline.results.packs import packed
 from pipeline.results.store import Store, together
@@ -77,6 +79,23 @@ def test_several_come_out_together(store, tasks):
     wrong = replace(entries[1], place=entries[1].place._replace(number=1))
     with pytest.raises(ValueError, match="not what was written"):
         together([entries[0], wrong])
+
+
+def test_a_pack_is_opened_once_for_a_dataset(store, small, monkeypatch):
+    """Though its tasks stand among those of others; numbers come to their own cells."""
+    study = load(small)
+    tasks = list(study.tasks)
+    for part in range(3):
+        keep(store, tasks[part::3], [n + 1 for n in range(len(tasks))[part::3]])
+    opened = []
+    monkeypatch.setattr(packs, "from_bytes", lambda data, read=packs.from_bytes: opened.append(data) or read(data))
+    packs._opened.cache_clear()
+    path, states = collect(study, store)
+    assert len(opened) == 3 and states == {"done": len(tasks)}
+    with xr.open_dataset(path) as data:
+        cells = [data.sel({dim: label for dim, label in task.labels.items() if dim in data.dims}) for task in tasks]
+        assert [float(cell.power[0]) for cell in cells] == [n + 1 for n in range(len(tasks))]
+        assert [str(cell.task.values) for cell in cells] == [task.id for task in tasks]
 
 
 def test_records_of_other_labels_lie_elsewhere(store, tasks):
