@@ -2,7 +2,7 @@
 
 from solver.coupled.energy import GAP, SCALE, open_by, stored
 from solver.coupled.modal import carry
-from solver.coupled.pieces import Fine, bends, in_contact, in_pieces, note
+from solver.coupled.pieces import Fine, bends, in_contact, in_pieces, note, undisturbed
 from solver.coupled.stages import State
 from solver.coupled.step import (
     EXCURSION,
@@ -41,7 +41,7 @@ def march(
     start, is not counted. On an outcome other than OK, `sample` is where the run stopped; a state is never left with
     NaN unnoticed.
     """
-    used = spent = 0
+    used, spent, calm = 0, 0, True
     _begin(problem, state, room)
     patience = 3 if rings(problem) else 2
     steps, nc = (drive.modal.shape[0] - 1) // 2, problem.structure.carrier.shape[0]
@@ -58,7 +58,8 @@ def march(
             outcome, spent = attempt(problem, drive, sample + 1, state, room)
             used += spent
         if fine is not None:
-            whole = whole and outcome == OK and not bends(problem, state, room)
+            calm = whole and outcome == OK and undisturbed(problem, room)
+            whole = whole and outcome == OK and (calm or not bends(problem, state, room))
             if not whole:
                 outcome, spent = in_pieces(problem, drive, sample, state, room, fine, output)
                 used += spent
@@ -70,7 +71,7 @@ def march(
         if whole:
             account_work(problem, drive, sample + 1, state, room)
             put_out(room, output, sample)
-            if fine is not None:
+            if fine is not None and not calm:
                 note(problem, room, output, problem.dt, sample, sample + 1)
             advance(problem, state, room)
     return OK, 2 * steps, used

@@ -56,10 +56,12 @@ from solver.coupled.step import (
     refresh,
     rings,
 )
-from solver.kernels import inner_kernel, kernel, lean_kernel
+from solver.kernels import inner_kernel, kernel, lean_kernel, part_kernel
 from solver.multibody.joint_law import (
     GONE,
     HELD,
+    LINEAR,
+    OPEN,
     PRESSED,
     PTO_ZONE,
     SLIPS,
@@ -70,6 +72,7 @@ from solver.multibody.joint_law import (
     jumps,
     leaving,
     next_zone,
+    stays,
     stop_load,
 )
 from solver.multibody.minimal import mass_matrix, move
@@ -80,6 +83,8 @@ SCAN = 8  # points of a step at which its polynomial is looked at
 HALVINGS = 50  # of the interval in which it leaves a zone
 NEVER = 2.0  # shares of a step
 SHORT = 0.25  # of a step: in such pieces pressure is evaluated at their ends alone
+PATIENCE = 2  # iterations of a piece, beyond which Newton's matrix is renewed
+SHARE = 8  # pieces that share one
 CHANGES = 200  # of laws in one step, at most
 # Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
 # swings. Pieces above it are halved, and grow as long as it stays below, with the cube of their length.
@@ -88,7 +93,6 @@ BEND = 0.03
 # pieces a swing then keep it. One of twice the length opens it by GROWTH as much.
 OPENED = 1e-5
 GROWTH = 2**5
-LONGER = 2.0  # than a piece the next one is at most
 MISSED = 1e-3  # of an axis's largest rate so far, which such a piece may leave where the axis was to turn
 SHORTEST = 2.0**-14  # of a step: in shorter pieces Newton's tolerance opens the balance
 SLIVER = 1e-9  # of a step
@@ -109,6 +113,7 @@ class Fine(NamedTuple):
     weight: np.ndarray  # (NODES,)
     smoothing: Scheme
     length: np.ndarray  # (1,) [s] of the step that all this is for; negative where it smooths
+    shared: np.ndarray  # (1,) pieces that Newton's matrix has served; 0 if it is of another length or zone
 
 
 def new_fine(problem: Problem, drive: Drive) -> Fine:
@@ -122,10 +127,29 @@ def new_fine(problem: Problem, drive: Drive) -> Fine:
         weight=np.empty(NODES),
         smoothing=SMOOTHING,
         length=np.zeros(1),
+        shared=np.zeros(1, np.int64),
     )
 
 
-@inner_kernel
+@part_kernel
+def undisturbed(problem: Problem, room: Workspace) -> bool:
+    """Whether no axis may leave its zone in the step that the stages hold, and none is on a stop, held or let go.
+
+    Most steps are so. Between its points an axis goes farther than there by a quarter of the step at its largest rate.
+    """
+    law, start, stage = problem.bodies.law, room.start, room.stage
+    for n in range(problem.bent.size):
+        i = problem.bent[n]
+        if stage.zone[STOP_ZONE, i] != OPEN or stage.zone[PTO_ZONE, i] != LINEAR:
+            return False
+        reach = 0.5 * problem.dt * max(abs(start.dz[i]), abs(stage.dz[0, i]), abs(stage.dz[1, i]))
+        low, high = min(start.z[i], stage.z[0, i], stage.z[1, i]), max(start.z[i], stage.z[0, i], stage.z[1, i])
+        if not stays(law, i, low - reach, high + reach):
+            return False
+    return True
+
+
+@part_kernel
 def in_contact(problem: Problem, state: State, room: Workspace) -> bool:
     """Whether an axis swings on its stop, or the platform since a load jumped, too fast for a whole step."""
     if state.ring[0] < problem.dt:
@@ -149,6 +173,7 @@ def in_pieces(
 ) -> tuple[int, int]:
     """Advance `state` by the step from `sample` on; (outcome, iterations). Pieces end at the step's middle, too."""
     used = changes = 0
+    fine.shared[0] = 0
     before = _stored(problem, state, room)
     for half in range(2):
         row, done, whole = sample + half, 0.0, 0.5 * problem.dt
@@ -188,6 +213,7 @@ def in_pieces(
                 before = _stored(problem, state, room)
             if at < NEVER:
                 changes += 1
+                fine.shared[0] = 0
                 if changes > CHANGES:
                     return NOT_CONVERGED, used
                 if not _change(problem, state, room, i, kind, output.contact[row]):
@@ -224,10 +250,12 @@ def _piece(
     other = _of_length(problem, length, _smooths(problem, state, room), fine)
     for n in (1, 2):
         _sample(drive, sample + n * length / problem.dt, n, fine)
-    if not refresh(other, room):
+    if fine.shared[0] == 0 and not refresh(other, room):
         return NOT_FINITE, 0
     room.newton.first[0] = 0.0  # what the stages hold is of another length
-    return attempt(other, fine.drive, ONE, state, room)
+    outcome, spent = attempt(other, fine.drive, ONE, state, room)
+    fine.shared[0] = 0 if spent > PATIENCE else (fine.shared[0] + 1) % SHARE
+    return outcome, spent
 
 
 @inner_kernel
@@ -398,13 +426,13 @@ def _halve(problem: Problem, state: State, room: Workspace, length: float) -> No
 
 @inner_kernel
 def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> None:
-    """A longer pace where an axis's acceleration is so straight that it will be in a piece of that length, too."""
+    """Twice the pace where an axis's acceleration is so straight that it will be in a piece of that length, too."""
     for n in range(problem.bent.size):
         i = problem.bent[n]
-        if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED:
-            bend = _bend(problem, state, room, i, length)
-            longer = length * min((BEND / bend) ** (1 / 3), LONGER) if bend > 0 else LONGER * length
-            state.pace[i] = max(state.pace[i], longer)
+        longer = 2 * state.pace[i] / length  # pieces may be shorter than their pace
+        presses = abs(room.stage.zone[STOP_ZONE, i]) == PRESSED
+        if presses and _bend(problem, state, room, i, length) * longer**3 < BEND:
+            state.pace[i] *= 2
 
 
 @inner_kernel
@@ -604,7 +632,7 @@ def _of_length(problem: Problem, length: float, smooths: bool, fine: Fine) -> Pr
         _fill_memory(problem.beta, length, fine.memory)
         fill_flexibility(problem.structure, length, scheme, fine.inverse, fine.H)
         shorter_part(problem.bodies, problem.constant, problem.dt, length, fine.constant)
-        fine.length[0] = own
+        fine.length[0], fine.shared[0] = own, 0
     return Problem(
         problem.bodies,
         problem.structure,

@@ -303,6 +303,13 @@ def pto_zone(law: JointLaw, i: int, y: float, dy: float) -> int:
 
 
 @kernel(inline="always")
+def stays(law: JointLaw, i: int, low: float, high: float) -> bool:
+    """Whether axis i, off its stops and with a linear power take-off, remains so at all positions and any rate there."""
+    limited = _limiting_rate(law, i) < np.inf
+    return not limited and law.end_stops.lower[i] < low and high < law.end_stops.upper[i]
+
+
+@kernel(inline="always")
 def off_stop(law: JointLaw, i: int, stops: int, y: float) -> bool:
     """Whether an axis that has come free of a stop is off it: then it may meet either one; no load changes."""
     if abs(stops) != RELEASED:

@@ -33,7 +33,9 @@ from solver.multibody.joint_law import (
     joint_loads,
     leaving,
     next_zone,
+    off_stop,
     pto_zone,
+    stays,
     stop_load,
     stops_zone,
     tangent,
@@ -131,6 +133,23 @@ def test_a_zone_ends_where_the_next_one_begins(y, dy):
         loads = [sum(axis_load(LAW, 1, z, LINEAR, y, dy)) for z in (way[-1], here)]
         meets = zone == side * RELEASED and low <= y <= high and side * dy > 0  # it will be on the stop again
         assert meets or loads[0] == approx(loads[1], abs=1e-9)
+
+
+@given(y=st.tuples(values, values), at=st.floats(0, 1), dy=values)
+def test_what_stays_leaves_no_zone(y, at, dy):
+    """Axis 1 has stops, axis 3 a limit, axis 0 neither."""
+    low, high = min(y), max(y)
+    for i in (0, 1, 3):
+        inside = [leaving(LAW, i, kind, OPEN, low + at * (high - low), dy) for kind in (STOP_ZONE, PTO_ZONE)]
+        assert not (stays(LAW, i, low, high) and max(inside) > 0)
+    assert stays(LAW, 0, low, high) and stays(LAW, 1, -0.9, 1.9) and not stays(LAW, 1, -0.9, 2.0)
+    assert not stays(LAW, 1, -1.0, 1.9) and not stays(LAW, 3, 0.0, 0.0)
+
+
+@given(y=values)
+def test_who_comes_free_of_a_stop_is_off_it_where_it_ends(y):
+    assert off_stop(LAW, 1, RELEASED, y) == (y < 2.0) and off_stop(LAW, 1, -RELEASED, y) == (y > -1.0)
+    assert not off_stop(LAW, 1, PRESSED, y) and not off_stop(LAW, 1, OPEN, y)
 
 
 def test_tangents_are_the_slopes_in_each_zone():
