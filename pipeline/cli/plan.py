@@ -20,22 +20,25 @@ SOLUTIONS = 20  # whose times are reckoned; others take as long in the mean
 # Of Buan on one idle core, where nothing is known of this machine and study.
 REAL_TIME = 3600  # simulated seconds in a second, elastic platform
 SLOWER = 1600  # times as long takes the paper's own method
+A_TASK = 0.01  # s in the frequency domain, however long the record
+
+Kind = tuple[str, Label]  # method and platform
 
 
 @dataclass
 class Rate:
-    """Wall time of a simulated second [-]."""
+    """Wall time of a simulated second [-], or of a task in the frequency domain [s]."""
 
     total: float = 0.0
     tasks: int = 0
 
     def add(self, rate: float) -> None:
-        """Take in the rate of one task [-]."""
+        """Take in the rate of one task."""
         self.total, self.tasks = self.total + rate, self.tasks + 1
 
     @property
     def mean(self) -> float:
-        """Mean over the tasks [-]; 0 without any."""
+        """Mean over the tasks; 0 without any."""
         return self.total / self.tasks if self.tasks else 0.0
 
 
@@ -44,19 +47,21 @@ class Estimate:
     """What is left to run and how fast such tasks ran, gathered as entries pass by."""
 
     left: int = 0  # tasks
-    length: defaultdict[Label, float] = field(default_factory=lambda: defaultdict(float))  # of records, by platform [s]
-    usual: float = 0.0  # time that they take at the rates above [s]
+    work: defaultdict[Kind, float] = field(default_factory=lambda: defaultdict(float))  # see _work
+    usual: defaultdict[Kind, float] = field(default_factory=lambda: defaultdict(float))  # time at the rates above [s]
     geometries: set[Geometry] = field(default_factory=set)
-    past: defaultdict[Label, Rate] = field(default_factory=lambda: defaultdict(Rate))
+    past: defaultdict[Kind, Rate] = field(default_factory=lambda: defaultdict(Rate))
 
     def see(self, task: Task, entry: Entry) -> None:
         """One more task of the study."""
         if entry.state in ("missing", "damaged"):
-            parameters, platform = task.parameters, task.labels["platform"]
-            self.left += 1
+            parameters = task.parameters
             length = parameters.record.duration + parameters.record.discard
-            self.length[platform] += length
-            self.usual += length / REAL_TIME * (SLOWER if parameters.solver.accuracy == "reference" else 1)
+            kind, work = (parameters.solver.method, task.labels["platform"]), _work(parameters.solver.method, length)
+            slower = SLOWER if parameters.solver.accuracy == "reference" else 1
+            self.left += 1
+            self.work[kind] += work
+            self.usual[kind] += work * (A_TASK if parameters.solver.method == "frequency" else slower / REAL_TIME)
             if (geometry := geometry_of(parameters)) and not geometry.coefficients:
                 self.geometries.add(geometry)
         elif entry.state in ("done", "stale"):
@@ -71,20 +76,32 @@ class Estimate:
             source = "tasks of other studies"
             for status in itertools.islice(_others(results), SAMPLE):
                 self._ran(status)
-        count = sum(rate.tasks for rate in self.past.values())
-        origin = f"from {count} {source}" if count else f"at {REAL_TIME} times real time, for there is no past run"
-        time = f"{about((self._seconds() if count else self.usual) / workers)} on {workers} workers, {origin}"
+        methods = {method for method, _ in self.work}
+        count = sum(rate.tasks for (method, _), rate in self.past.items() if method in methods)
+        usual = f"{REAL_TIME} times real time" if "time" in methods else f"{1e3 * A_TASK:g} ms a task"
+        origin = f"from {count} {source}" if count else f"at {usual}, for there is no past run"
+        time = f"{about(self._seconds() / workers)} on {workers} workers, {origin}"
         fresh = {one.radiating for one in self.geometries if Cache(results).get(one.key) is None}
         bem = f" after {len(fresh)} boundary element solutions, {about(_effort(fresh) / workers)}" if fresh else ""
         return f"to run: {self.left} tasks{bem}; {time}"
 
     def _ran(self, status: Status) -> None:
-        self.past[status.labels.get("platform", "")].add(status.wall_time / status.parameters.record.total)
+        method, length = status.parameters.solver.method, status.parameters.record.total
+        self.past[method, status.labels.get("platform", "")].add(status.wall_time / _work(method, length))
 
     def _seconds(self) -> float:
-        """By tasks with the same platform, or else by all."""
-        every = Rate(sum(r.total for r in self.past.values()), sum(r.tasks for r in self.past.values()))
-        return sum(length * self.past.get(platform, every).mean for platform, length in self.length.items())
+        """By tasks of the same method and platform, or else by all of that method, or else as usual."""
+        time = 0.0
+        for kind, work in self.work.items():
+            alike = [r for known, r in self.past.items() if known[0] == kind[0]]
+            rate = self.past.get(kind, Rate(sum(r.total for r in alike), sum(r.tasks for r in alike)))
+            time += work * rate.mean if rate.tasks else self.usual[kind]
+        return time
+
+
+def _work(method: str, length: float) -> float:
+    """What a task's time goes by: the length of its record [s]; in the frequency domain that there is one."""
+    return 1.0 if method == "frequency" else length
 
 
 def _effort(fresh: Collection[Geometry]) -> float:

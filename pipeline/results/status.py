@@ -38,10 +38,17 @@ class Length(_Shape):
         return self.duration + self.discard
 
 
+class Method(_Shape):
+    """How a task is solved."""
+
+    method: str = "time"
+
+
 class KeptParameters(_Shape):
     """Those of a task's parameters that estimates of time need."""
 
     record: Length = Length()
+    solver: Method = Method()
 
 
 class Status(_Shape):
