@@ -107,6 +107,9 @@ def test_a_stop_is_a_spring_and_a_damper_beyond_its_bound_that_do_not_pull(y, dy
         total = load.loss + load.spring - bare.loss - bare.spring
         assert total == approx(push, abs=1e-9)
         assert stop_load(LAW, i, stops_zone(LAW, i, y, dy), y, dy) == approx(abs(push), abs=1e-9)
+        samples = joint_loads(LAW, *np.full((2, 1, len(AXES)), [[[y]], [[dy]]]))  # which no zone tells what came before
+        stored, lost = samples.spring[0, i] - bare.spring, samples.loss[0, i] - bare.loss
+        assert [stored, stored + lost] == approx([k * (over - under), push], abs=1e-9)
 
 
 @given(dy=values)
