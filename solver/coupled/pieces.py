@@ -441,7 +441,9 @@ def _stored(problem: Problem, state: State, room: Workspace) -> float:
     start = room.start
     if state.ring[0] == np.inf:
         return 0.0
-    return stored(problem.bodies, problem.structure, state.p, state.dp, state.zone, start.z, start.dz, room.stage.motion[1])
+    return stored(
+        problem.bodies, problem.structure, state.p, state.dp, state.zone, start.z, start.dz, room.stage.motion[1]
+    )
 
 
 @inner_kernel

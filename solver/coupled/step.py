@@ -401,7 +401,9 @@ def gap(problem: Problem, drive: Drive, sample: int, state: State, room: Workspa
         work = _work(problem, room.power, i)
         balance += work if i in BROUGHT else -work
     end = stage.motion[1]
-    return balance - stored(problem.bodies, problem.structure, stage.p[1], stage.dp[1], stage.zone, stage.z[1], stage.dz[1], end)
+    return balance - stored(
+        problem.bodies, problem.structure, stage.p[1], stage.dp[1], stage.zone, stage.z[1], stage.dz[1], end
+    )
 
 
 @part_kernel

@@ -304,7 +304,7 @@ def pto_zone(law: JointLaw, i: int, y: float, dy: float) -> int:
 
 @kernel(inline="always")
 def stays(law: JointLaw, i: int, low: float, high: float) -> bool:
-    """Whether axis i, off its stops and with a linear power take-off, remains so at all positions and any rate there."""
+    """Whether axis i, off its stops and with a linear power take-off, remains so at positions between, at any rate."""
     limited = _limiting_rate(law, i) < np.inf
     return not limited and law.end_stops.lower[i] < low and high < law.end_stops.upper[i]
 
