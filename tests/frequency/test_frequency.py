@@ -111,6 +111,21 @@ def test_stress_of_the_most_compressive_fibre(mean, flat):
     assert table[0] >= high - 0.1 * std
 
 
+def test_spread_of_several_lines():
+    """Std and largest of each by sums over its lines; none is larger than the sum of them, and what is not a number
+    stays so."""
+    random, omega = np.random.default_rng(4), np.linspace(0.7, 2.0, 30)
+    X = random.normal(size=(30, 2, 2)) + 1j * random.normal(size=(30, 2, 2))
+    X[:, 0, 1], X[1:, 1, 1] = np.nan, 0.0
+    std, top = gaussian.spread(X, omega, 1000.0)
+    power = np.abs(X) ** 2
+    m0, m2 = power.sum(axis=0) / 2, np.einsum("w,wij->ij", omega**2, power) / 2
+    u = np.sqrt(2 * np.log(np.sqrt(m2 / m0) / (2 * np.pi) * 1000.0))
+    assert std == approx(np.sqrt(m0), nan_ok=True)
+    assert top[:, 0] == approx(((u + np.euler_gamma / u) * np.sqrt(m0))[:, 0])
+    assert np.isnan(top[0, 1]) and top[1, 1] == approx(abs(X[0, 1, 1]))
+
+
 def test_extremes_of_many_hours():
     """Elevation of a real sea: the narrow band's expected extremes are a few percent large."""
     waves = sea(Hs=2.0)
@@ -212,7 +227,7 @@ def test_modes_that_follow_are_what_the_whole_equation_has():
     assert 0 < equation.stiff.size < nm
     X = np.zeros((n, omega.size), complex)
     for _ in range(20):
-        X = equation.response(np.ascontiguousarray(force.T), damping, -1j * omega * X)
+        X = equation.response(force.T + equation.apart(damping) @ (1j * omega * X), damping)
     Z = model.dynamic_stiffness(omega, Y) - 1j * omega[:, None, None] * damping
     exact = np.linalg.solve(Z, force[..., None])[..., 0]
     assert np.all(np.abs(X.T - exact) < 1e-9 * np.abs(exact).max(axis=0))
