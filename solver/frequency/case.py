@@ -211,10 +211,17 @@ class Case:
         Beyond the linear one it goes with the mean square of the flow that K is of.
         """
         against, of_water = self.stations.acting(K, on)
-        moving, at_rest = (np.trace(of, axis1=1, axis2=2) for of in (K, self.at_rest))
-        size = np.divide(moving, at_rest, out=np.ones(moving.size), where=at_rest > 0) ** 2
-        maps = (on * size).reshape(len(on), len(self.rest))
-        return against, np.concatenate([of_water, real_by_complex(maps, self.rest)], axis=1)
+        if not self.nodes.omega.size:
+            return against, of_water
+        maps = on * (np.einsum("sii->s", K) * self._share + (self._share == 0)) ** 2
+        rest = real_by_complex(maps.reshape(len(on), len(self.rest)), self.rest)
+        return against, np.concatenate([of_water, rest], axis=1)
+
+    @cached_property
+    def _share(self) -> np.ndarray:
+        """Of K's trace where the frame does not move (ns,): what a unit is; 0 where there is none."""
+        at_rest = np.einsum("sii->s", self.at_rest)
+        return np.divide(1.0, at_rest, out=np.zeros(at_rest.size), where=at_rest > 0)
 
     @cached_property
     def at_rest(self) -> np.ndarray:

@@ -36,6 +36,7 @@ class Condensed:
         pairs = (carriers[:, None] * carriers).reshape(nc * nc, self.S.shape[1])
         self.followed = (flexibility @ pairs.T).reshape(len(omega), nc, nc)
         self.flexibility = np.ascontiguousarray(flexibility.T)
+        self._among = np.ix_(self.kept, self.kept)
         self._radiate(Y)
 
     def _radiate(self, Y: np.ndarray) -> None:
@@ -53,20 +54,23 @@ class Condensed:
         other._radiate(Y)
         return other
 
-    def response(self, force: np.ndarray, damping: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """X (n, nw) to forces (n, nw) with further damping (n, n), at the last known rates (n, nw).
+    def apart(self, damping: np.ndarray) -> np.ndarray:
+        """A damping (n, n) without what of it is among the kept coordinates."""
+        rest = damping.copy()
+        rest[self._among] = 0.0
+        return rest
 
-        Not a number where the equation is singular.
+    def response(self, force: np.ndarray, damping: np.ndarray) -> np.ndarray:
+        """X (n, nw) to forces (n, nw) with further damping (n, n) among the kept coordinates.
+
+        Of what is apart from those the last known rates make forces. Not a number where the equation is singular.
         """
-        apart, kept = damping.copy(), np.ix_(self.kept, self.kept)
-        apart[kept] = 0.0
-        if apart.any():
-            force = force - real_by_complex(apart, rate)
         X, follow = np.empty(force.shape, complex), force.take(self.stiff, axis=0) * self.flexibility
         x, load = force.take(self.kept, axis=0), real_by_complex(self.S, follow)
-        _solve(self.omega, self.Z, damping[kept], self.load, self.T, x, load)
+        _solve(self.omega, self.Z, damping[self._among], self.load, self.T, x, load)
         X[self.kept] = x
-        X[self.stiff] = follow - real_by_complex(self.S.T, load) * self.flexibility
+        follow -= real_by_complex(self.S.T, load) * self.flexibility
+        X[self.stiff] = follow
         return X
 
 

@@ -10,6 +10,7 @@ from solver.coupled.linear import LinearModel
 from solver.coupled.support import real_by_complex
 from solver.errors import SimulationFailed
 from solver.frequency.case import Case, case_of
+from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 from solver.multibody.joint_law import JointLaw
@@ -121,22 +122,20 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
     quadratic, bent = joint_law.drag(law), joint_law.bent(law).any()
     linear, joints = case.linear_damping(law), range(nm, len(model.mass))
     at_rest = pto = joint_law.damping_at_rest(law)[nc:]
-    rate = np.zeros((len(model.mass), omega.size), complex)
-    std, change = np.zeros(len(model.mass)), np.inf
+    rate, turning = np.zeros((len(model.mass), omega.size), complex), -1j * omega
+    std, change, damping = np.zeros(len(model.mass)), np.inf, np.zeros(model.damping.shape)
     for rounds in range(1, ROUNDS + 1):
-        damping, push = np.zeros(model.damping.shape), case.force.copy()
         K, damping[:nm, :nm], of_water = case.drag(rate[:nm]) if rounds > 1 else case.drag_at_rest
-        push[:nm] += of_water
-        dampers = linear
+        push, dampers = _pushed(case.force, case.equation, damping, of_water, rate), linear
         if quadratic.any():
             dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rate[nm:].T[:, None])[:, 0, 0]
         if bent:
             pto = _taking(law, nc, rate[nm:])
             dampers = dampers + (pto - at_rest)
         damping[joints, joints] = dampers
-        X = case.equation.response(push, damping, rate)
-        rate, before, std = -1j * omega * X, std, np.linalg.norm(X.view(float), axis=1)
-        if not np.all(std * model.length < UNBOUNDED * height):  # each wave's part is less
+        X = case.equation.response(push, damping)
+        rate, before, std = turning * X, std, _length(X)
+        if not np.max(std * model.length, initial=0.0) < UNBOUNDED * height:  # each wave's part is less
             _require_bounded(model, omega, X, height)
         last, change = change, _change(before, std)
         if not (stations.size or quadratic.any() or bent) or _ahead(last, change) <= AGREED:
@@ -145,14 +144,22 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
     raise SimulationFailed(f"linearised {what} does not agree with its own result after {ROUNDS} rounds")
 
 
+def _pushed(
+    force: np.ndarray, equation: Condensed, damping: np.ndarray, of_water: np.ndarray, rate: np.ndarray
+) -> np.ndarray:
+    """Forces (n, nw) with those of drag: of water on the modes (nm, nw), and by their rates, see Condensed.apart."""
+    push, nm = force.copy(), len(of_water)
+    push[:nm] += of_water
+    push[:nm] -= real_by_complex(equation.apart(damping)[:nm, :nm], rate[:nm])
+    return push
+
+
 def _mesh_effect(case: Case, law: JointLaw, last: _Round) -> float:
     """What coefficients off by their estimated error do: see audit.coefficient_effects. Drag and dampers stay."""
     if case.shifted is None:
         return 0.0
     equation, force = case.shifted
-    push = force.copy()
-    push[: len(last.of_water)] += last.of_water
-    X = equation.response(push, last.damping, last.rate)
+    X = equation.response(_pushed(force, equation, last.damping, last.of_water, last.rate), last.damping)
     return response_error(case.system, law, case.omega, X.T, last.X.T)
 
 
@@ -177,8 +184,16 @@ def _parts(case: Case, modes: np.ndarray, others: np.ndarray) -> Drag:
     return Drag(modes, others[:, :r], others[:, r:])
 
 
+def _length(X: np.ndarray) -> np.ndarray:
+    """(n,) of lines (n, nw): √2 of their std."""
+    parts = X.view(float)
+    return np.sqrt(np.einsum("nw,nw->n", parts, parts))
+
+
 def _change(before: np.ndarray, std: np.ndarray) -> float:
     """The largest, relative to itself; infinite from nothing."""
+    if before.all() and std.all():
+        return float(np.max(np.abs(std - before) / std, initial=0.0))
     new = np.full(std.shape, np.inf)
     new[std == before] = 0.0
     return float(np.divide(np.abs(std - before), std, out=new, where=(std != before) & (before > 0)).max(initial=0.0))

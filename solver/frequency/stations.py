@@ -4,8 +4,9 @@ from functools import cached_property, reduce
 
 import numpy as np
 
-from solver.coupled.linear_drag import by_station, covariance, in_stream, of_gaussian, of_parts, of_parts_in
+from solver.coupled.linear_drag import covariance, in_stream, of_gaussian, of_parts, of_parts_in
 from solver.coupled.modal import Structure
+from solver.kernels import whole_lean_kernel
 
 
 class Stations:
@@ -25,6 +26,7 @@ class Stations:
         self.on, self.shape = (nd, ns), frame.station.reshape(nm, nd * ns)
         self.water = np.ascontiguousarray(water).view(float)
         self.factors = [self.water] if patterns is None else [patterns, patterns.T @ self.water]
+        self._of = np.concatenate([self.shape.T, self.factors[0]], axis=1)  # of frame and water, in one product
 
     def flow(self, rate: np.ndarray | None) -> np.ndarray:
         """Of the water past the frame (nd, ns, 2 nl) at modal rates (nm, nl), of lines of which the first nw are waves;
@@ -43,8 +45,9 @@ class Stations:
         v = np.ascontiguousarray(rate).view(float)
         along = reduce(np.matmul, [part.T for part in reversed(self.factors)], v[:, : self.water.shape[1]])
         e = (0.25 * v @ v.T @ self.shape - 0.5 * along).reshape(self.frame.station.shape)
-        both = np.sum(self.frame.station[:, :, None] * e[:, None], axis=0).T
-        return self._at_rest + both + np.swapaxes(both, 1, 2)
+        S = self._at_rest.copy()
+        _add_both(self.frame.station, e, S)
+        return S
 
     @cached_property
     def _at_rest(self) -> np.ndarray:
@@ -72,12 +75,37 @@ class Stations:
 
     def acting(self, K: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """By maps (k, nd, ns) of the drag: damping of what it does against modal rates (k, nm), the water's (k, nw)."""
-        carried = self._carried(K, on)
-        return carried @ self.shape.T, reduce(np.matmul, self.factors, carried).view(complex)
+        against, of_water = np.split(self._carried(K, on) @ self._of, [len(self.shape)], axis=1)
+        return against, reduce(np.matmul, self.factors[1:], np.ascontiguousarray(of_water)).view(complex)
 
     def against(self, K: np.ndarray) -> np.ndarray:
         """Damping of the modes (nm, nm)."""
         return self._carried(K, self.frame.station) @ self.shape.T
 
     def _carried(self, K: np.ndarray, on: np.ndarray) -> np.ndarray:
-        return by_station(np.swapaxes(K, 1, 2), on).reshape(len(on), self.shape.shape[1])
+        carried = np.empty((len(on), self.shape.shape[1]))
+        _carry(K, on, carried.reshape(on.shape))
+        return carried
+
+
+@whole_lean_kernel
+def _add_both(shape: np.ndarray, e: np.ndarray, S: np.ndarray) -> None:
+    """Add φe + eφ of shapes and e (nm, nd, ns) to S (ns, nd, nd)."""
+    nm, nd, ns = shape.shape
+    for m in range(nm):
+        for i in range(nd):
+            for j in range(nd):
+                for s in range(ns):
+                    S[s, i, j] += shape[m, i, s] * e[m, j, s] + e[m, i, s] * shape[m, j, s]
+
+
+@whole_lean_kernel
+def _carry(K: np.ndarray, on: np.ndarray, carried: np.ndarray) -> None:
+    """Maps (k, nd, ns) times K (ns, nd, nd), station by station."""
+    k, nd, ns = on.shape
+    carried[:] = 0.0
+    for m in range(k):
+        for i in range(nd):
+            for j in range(nd):
+                for s in range(ns):
+                    carried[m, j, s] += on[m, i, s] * K[s, i, j]
