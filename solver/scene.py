@@ -165,8 +165,8 @@ class Float:
             yield InputError(f"{key}.axis", self.axis, "must not be zero")
         if len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
             yield InputError(f"{key}.motion", self.motion, f"must name each axis once, of hinge, {', '.join(DOFS)}")
-        given = {name: self._joint(name) for name in PER_AXIS}
-        unfit = [name for name, v in given.items() if v is not None and not _fits(v, STARTS[name], len(self.motion))]
+        given = {name: v for name, usual in STARTS.items() if (v := self._joint(name)) is not None and v is not usual}
+        unfit = [name for name, v in given.items() if not _fits(v, STARTS[name], len(self.motion))]
         each = f"needs one number for each of {', '.join(self.motion)}"
         for name in unfit:
             limit = each if self.motion else "must be left out: a fixed body has no axis"
@@ -187,16 +187,18 @@ class Float:
     def _law_problems(self, key: str) -> Iterator[InputError]:
         if self.pto_table is not None:
             yield from self._table_problems(f"{key}.pto_table", self.pto_table.axis)
-        for name in ("force_limit", "declutch_load"):
+        limits = [name for name in ("force_limit", "declutch_load") if getattr(self, name) != STARTS[name]]
+        for name in limits:
             if np.any(self.per_axis("coulomb") >= self.per_axis(name)):
                 yield InputError(f"{key}.coulomb", self.coulomb, f"must be < {name}")
             if np.any((self.per_axis("pto_stiffness") != 0) & np.isfinite(self.per_axis(name))):
                 yield InputError(f"{key}.pto_stiffness", self.pto_stiffness, f"must be 0 beside a {name}")
-        lets_go = np.isfinite(self.per_axis("declutch_load"))
-        if lets_go.any() and not np.any(lets_go & (self.per_axis("pto_damping") > 0)):
-            yield InputError(f"{key}.declutch_load", self.declutch_load, "needs pto_damping, which reaches it")
-        if np.any(lets_go & np.isfinite(self.per_axis("force_limit"))):
-            yield InputError(f"{key}.declutch_load", self.declutch_load, "must be left out beside a force_limit")
+        if "declutch_load" in limits:
+            lets_go = np.isfinite(self.per_axis("declutch_load"))
+            if lets_go.any() and not np.any(lets_go & (self.per_axis("pto_damping") > 0)):
+                yield InputError(f"{key}.declutch_load", self.declutch_load, "needs pto_damping, which reaches it")
+            if np.any(lets_go & np.isfinite(self.per_axis("force_limit"))):
+                yield InputError(f"{key}.declutch_load", self.declutch_load, "must be left out beside a force_limit")
         if self.end_stops is not None:
             low, high = self.per_axis("end_stops.lower"), self.per_axis("end_stops.upper")
             some = (self.per_axis("end_stops.stiffness") > 0) | (self.per_axis("end_stops.damping") > 0)
@@ -229,8 +231,11 @@ class Float:
 
     def _joint(self, name: str) -> PerAxis | None:
         """A quantity of the joint as it is given; None without its table."""
+        if "." not in name:
+            value: PerAxis = getattr(self, name)
+            return value
         table, _, part = name.rpartition(".")
-        holder = getattr(self, table) if table else self
+        holder = getattr(self, table)
         return getattr(holder, part) if holder is not None else None
 
     def direction(self, name: str) -> np.ndarray:
@@ -288,7 +293,7 @@ class Float:
 
 def _fits(value: PerAxis, usual: float, axes: int) -> bool:
     """Whether there is a number for each axis; one that says nothing does for all."""
-    return value is usual or np.size(value) == axes or not np.any(np.asarray(value) != usual)
+    return np.size(value) == axes or not np.any(np.asarray(value) != usual)
 
 
 def _of_joints(inputs: type, table: str = "") -> dict[str, float]:
@@ -667,6 +672,8 @@ class Scene:
     def _open_hulls(self) -> Iterator[InputError]:
         for group in self.sharing:
             hulls = [f.hull for f in group]
+            if not any(isinstance(hull, PanelHull) for hull in hulls):
+                continue
             edges = openings(hulls, [f.centre for f in group])
             for f in group if len(edges) and not slips(hulls, edges) else ():
                 if isinstance(f.hull, PanelHull) and len(f.hull.holes):
@@ -758,9 +765,10 @@ class Scene:
                 yield InputError(f"floats.{f.name}.pto_table", "given", limit)
         for f in self.floats:
             for name in (*jumping, "force_limit", "end_stops"):
-                value = "given" if name == "end_stops" else getattr(f, name)
-                if f.end_stops is None if name == "end_stops" else not np.any(np.not_equal(value, STARTS[name])):
+                value, usual = getattr(f, name), STARTS.get(name)  # None of end stops
+                if value is usual or (usual is not None and not np.any(np.not_equal(value, usual))):
                     continue
+                value = "given" if name == "end_stops" else value
                 if s.method == "frequency" and name in ("end_stops", "one_way", "latch_load", "declutch_load"):
                     yield InputError(f"floats.{f.name}.{name}", value, 'needs method = "time": it is not linear')
                 elif s.paths.formulation == "augmented" and name in jumping:

@@ -88,6 +88,11 @@ class Case:
         return Channels(self.system.scene, self.system.support)
 
     @cached_property
+    def sea_parameters(self) -> dict[str, float]:
+        """Of its waves."""
+        return self.system.scene.sea.parameters()
+
+    @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What is odd about the scene."""
         return warnings(self.system.scene)

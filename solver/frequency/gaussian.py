@@ -39,26 +39,29 @@ def cycles(m0: np.ndarray, m2: np.ndarray, duration: float) -> np.ndarray:
     return np.maximum(rate * duration, np.e)
 
 
-def spread(X: np.ndarray, omega: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarray]:
-    """Standard deviation (…), and the expected largest value above the mean (…), of lines (nw, …)."""
+def table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """(…, 5) in the order of STATISTICS for means (…) and lines (nw, …)."""
     flat = np.ascontiguousarray(X, complex).reshape(len(omega), -1)
-    sigma, top = np.empty((2, flat.shape[1]))
-    _spread(flat, omega**2, duration, sigma, top)
-    return sigma.reshape(X.shape[1:]), top.reshape(X.shape[1:])
+    out = np.empty((flat.shape[1], 5))
+    _tabulate(np.broadcast_to(mean, X.shape[1:]).ravel(), flat, omega**2, duration, out)
+    return out.reshape(*X.shape[1:], 5)
 
 
 @whole_kernel
-def _spread(X: np.ndarray, squared: np.ndarray, duration: float, sigma: np.ndarray, top: np.ndarray) -> None:
+def _tabulate(mean: np.ndarray, X: np.ndarray, squared: np.ndarray, duration: float, out: np.ndarray) -> None:
     """The same of lines (nw, n), ω² (nw,), in one pass over them: as arrays their sums take several times as long."""
-    m0, m2, most = np.zeros(sigma.size), np.zeros(sigma.size), np.zeros(sigma.size)
+    n = len(out)
+    m0, m2, most = np.zeros(n), np.zeros(n), np.zeros(n)
     for w in range(squared.size):
-        for i in range(sigma.size):
+        for i in range(n):
             power = X[w, i].real ** 2 + X[w, i].imag ** 2
             m0[i] += power
             m2[i] += squared[w] * power
             most[i] += np.sqrt(power)
-    for i in range(sigma.size):
-        sigma[i], top[i] = np.sqrt(0.5 * m0[i]), _largest(m0[i], m2[i], most[i], duration)
+    for i in range(n):
+        std, top = np.sqrt(0.5 * m0[i]), _largest(m0[i], m2[i], most[i], duration)
+        out[i, 0], out[i, 1], out[i, 2] = mean[i] + top, mean[i] - top, mean[i]
+        out[i, 3], out[i, 4] = np.hypot(mean[i], std), std
 
 
 @kernel(inline="always")
@@ -69,12 +72,6 @@ def _largest(m0: float, m2: float, most: float, duration: float) -> float:
     return min((u + EULER / u) * np.sqrt(0.5 * m0), most)
 
 
-def table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
-    """(…, 5) in the order of STATISTICS for means (…) and lines (nw, …)."""
-    std, top = spread(X, omega, duration)
-    return np.stack([mean + top, mean - top, np.broadcast_to(mean, std.shape), np.hypot(mean, std), std], axis=-1)
-
-
 def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
     """(5,) of P = Σ cᵢ vᵢ² for dampings c (n,) and rates of lines V (nw, n).
 
@@ -83,11 +80,10 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
     """
     if len(V) == 1:
         return moments(_sampled(V) ** 2 @ c[:, None])[0]
-    CS = c[:, None] * covariance(V, V)
-    principal = np.linalg.eigvals(CS).real if c.size > 1 else CS.ravel()
+    power = V.real**2 + V.imag**2
+    principal = np.linalg.eigvals(c[:, None] * covariance(V, V)).real if c.size > 1 else 0.5 * c * power.sum(axis=0)
     mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2))
     strongest = principal.max(initial=0.0)
-    power = V.real**2 + V.imag**2
     largest = min(mean + strongest * _beyond(power, omega, duration), float(c @ np.sqrt(power).sum(axis=0) ** 2))
     return np.array([largest, 0.0, mean, np.hypot(mean, std), std])
 

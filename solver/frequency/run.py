@@ -59,7 +59,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
                 *coarser(hydrodynamics),
             ]
         ),
-        **scene.sea.parameters(),
+        **case.sea_parameters,
     }
     power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
     if notes := (*case.warnings, *met(scene, tables), *above(scene, power)):
@@ -104,7 +104,7 @@ def _joints(case: Case, response: Response) -> np.ndarray:
 def _tables(case: Case, outputs: list[Output]) -> dict[str, np.ndarray]:
     """Statistics of outputs, all at once."""
     sizes = [lines[0].size for _, _, lines in outputs]
-    mean = np.concatenate([np.broadcast_to(mean, lines.shape[1:]).ravel() for _, mean, lines in outputs])
+    mean = np.concatenate([np.broadcast_to(mean, lines.shape[1:]).ravel() for _, mean, lines in outputs], dtype=float)
     every = np.concatenate([lines.reshape(len(lines), -1) for _, _, lines in outputs], axis=1)
     tables = np.split(gaussian.table(mean, every, case.omega, case.duration), np.cumsum(sizes)[:-1])
     return {name: table.reshape(*lines.shape[1:], -1) for (name, _, lines), table in zip(outputs, tables, strict=True)}
@@ -166,9 +166,11 @@ def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
             yield "line_tension", channels.line_tension(system.bodies, z[None])[0], response.Z @ slope
     if channels.legs is not None:
         tops, X = channels.legs.tops, response.X[:, : p.size]
-        yield "top_displacement", np.tensordot(p, tops, axes=1), np.tensordot(X, tops, axes=1)
-    for name, lines in channels.accelerations(-(omega[:, None] ** 2) * response.X[:, : p.size]):
-        yield name, np.zeros(()), lines
+        lines = (X @ tops.reshape(p.size, -1)).reshape(omega.size, *tops.shape[1:])
+        yield "top_displacement", np.tensordot(p, tops, axes=1), lines
+    if channels.nodes:
+        for name, lines in channels.accelerations(-(omega[:, None] ** 2) * response.X[:, : p.size]):
+            yield name, np.zeros(()), lines
     if channels.steel is not None:
         means = dict(channels.steel.channels(frame.level))
         for name, values in channels.steel.channels(frame.lines):

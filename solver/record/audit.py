@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -13,10 +13,11 @@ from solver.coupled.driving import driven
 from solver.coupled.linear import LinearModel, impedance, linear_model
 from solver.coupled.stages import State, copied
 from solver.coupled.step import HITS, Output
-from solver.coupled.support import real_by_complex
+from solver.coupled.support import KNOWN, Support, real_by_complex
 from solver.coupled.system import System, blocks
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
+from solver.keys import shared
 from solver.multibody.joint_law import JointLaw, absorbing
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
 from solver.record.elements import elements_effect
@@ -302,13 +303,20 @@ def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
     support, sea = system.support, system.scene.sea
     if support is None or not support.left_out.tops.size:
         return 0.0
-    rest, waves = support.left_out, np.abs(sea.amplitude) > 0
+    waves = np.abs(sea.amplitude) > 0
     of_waves, p = driven(support, system.waves).left_out[:, waves], X.T[: len(support.omega)]
-    usual, inertia = np.split(real_by_complex(np.concatenate([support.shapes[rest.tops], rest.inertia.T]), p), 2)
+    usual, inertia = np.split(real_by_complex(_tops_and_inertia(support), p), 2)
     exact = usual + of_waves + drag.T + sea.omega[waves] ** 2 * inertia
     std, exact = (np.linalg.norm(lines.view(float), axis=1) for lines in (usual, exact))
     used = std > FAINT * std.max()
     return float(np.abs(exact[used] / std[used] - 1).max(initial=0.0))
+
+
+@lru_cache(maxsize=KNOWN)
+def _tops_and_inertia(support: Support) -> np.ndarray:
+    """(2 nt, nm) of the modes' amplitudes: their motion of the legs' tops, and what their inertia leaves out of it."""
+    rest = support.left_out
+    return shared(np.concatenate([support.shapes[rest.tops], rest.inertia.T]))
 
 
 def decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:

@@ -56,7 +56,7 @@ class Legs:
         """Each of the no legs' element ends, two of every element; a leg has one element less than nodes."""
         return [slice(2 * (at.start - leg), 2 * (at.stop - leg - 1)) for leg, at in enumerate(self.nodes)]
 
-    @property
+    @cached_property
     def tops(self) -> np.ndarray:
         """Displacement of the tops (nm, nl, 3)."""
         return self._tops(self.displacement)

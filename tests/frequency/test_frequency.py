@@ -111,17 +111,20 @@ def test_stress_of_the_most_compressive_fibre(mean, flat):
     assert table[0] >= high - 0.1 * std
 
 
-def test_spread_of_several_lines():
+def test_statistics_of_several_lines():
     """Std and largest of each by sums over its lines; none is larger than the sum of them, and what is not a number
     stays so."""
     random, omega = np.random.default_rng(4), np.linspace(0.7, 2.0, 30)
     X = random.normal(size=(30, 2, 2)) + 1j * random.normal(size=(30, 2, 2))
     X[:, 0, 1], X[1:, 1, 1] = np.nan, 0.0
-    std, top = gaussian.spread(X, omega, 1000.0)
+    table = gaussian.table(np.full((2, 2), 3.0), X, omega, 1000.0)
+    top, bottom, mean, rms, std = np.moveaxis(table - [3.0, 3.0, 3.0, 0.0, 0.0], -1, 0)
     power = np.abs(X) ** 2
     m0, m2 = power.sum(axis=0) / 2, np.einsum("w,wij->ij", omega**2, power) / 2
     u = np.sqrt(2 * np.log(np.sqrt(m2 / m0) / (2 * np.pi) * 1000.0))
     assert std == approx(np.sqrt(m0), nan_ok=True)
+    assert mean == approx(0.0) and bottom == approx(-top, nan_ok=True)
+    assert rms == approx(np.hypot(3.0, std), nan_ok=True)
     assert top[:, 0] == approx(((u + np.euler_gamma / u) * np.sqrt(m0))[:, 0])
     assert np.isnan(top[0, 1]) and top[1, 1] == approx(abs(X[0, 1, 1]))
 

@@ -20,17 +20,27 @@ SQUARE = np.array([[-1.0, -1.0], [1.0, 1.0]])
 
 
 def touching(a: Hull, at: np.ndarray, b: Hull, other: np.ndarray) -> bool:
-    """Whether two hulls at points `at` and `other` (3,) [m] meet.
+    """Whether two hulls at points `at` and `other` (3,) [m] meet."""
+    return _touching(a, tuple(at.tolist()), b, tuple(other.tolist()))
+
+
+Point = tuple[float, ...]
+
+
+@lru_cache(maxsize=64)
+def _touching(a: Hull, at: Point, b: Hull, other: Point) -> bool:
+    """The same; scenes that differ in their joints alone ask it again.
 
     Where both the circles and the rectangles about them overlap, wetted surfaces decide unless both are bodies of
     revolution in the waterplane: one may lie in the other's well, above or below it, or adjoin it where both are open.
     """
+    way = np.subtract(other, at)
     box, other_box = _rectangle(a) + at[:2], _rectangle(b) + other[:2]
     gap = np.maximum(box[0] - other_box[1], other_box[0] - box[1])
-    if np.linalg.norm(at - other) > reach(a) + reach(b) or np.any(gap > 0):
+    if np.linalg.norm(way) > reach(a) + reach(b) or np.any(gap > 0):
         return False
     round_ = all(isinstance(h, Revolution) and h.waterplane_radius > 0 for h in (a, b))
-    return round_ or _meeting(a, b, tuple(float(x) for x in (other - at)[:2]))
+    return round_ or _meeting(a, b, tuple(float(x) for x in way[:2]))
 
 
 @lru_cache(maxsize=64)
