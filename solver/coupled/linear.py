@@ -116,7 +116,7 @@ def _linear_model(scene: Resting, sizes: tuple[float, ...]) -> LinearModel:
     modal[:, :nm] = frame.omega**2, 2 * frame.damping * frame.omega, np.ones(nm)
     parts = zip(floats, modal, strict=True)
     stiffness, damping, mass = (T.T @ of_floats @ T + np.diag(of_modes) for of_floats, of_modes in parts)
-    J = _jacobian(bodies, z)
+    J = jacobian(bodies, z)
     radiating = J[:, bodies.active].reshape(len(J) * bodies.active.size, nz)
     reach = np.linalg.norm(J[:, :3], axis=1) + np.reshape(sizes, (-1, 1)) * np.linalg.norm(J[:, 3:], axis=1)
     return LinearModel(
@@ -133,7 +133,7 @@ def _linear_model(scene: Resting, sizes: tuple[float, ...]) -> LinearModel:
     )
 
 
-def _jacobian(body: Bodies, z: np.ndarray) -> np.ndarray:
+def jacobian(body: Bodies, z: np.ndarray) -> np.ndarray:
     """Motion (nb, 6, nz) of the reference points for unit coordinates."""
     motion = new_motion(body)
     move(body, z, np.zeros(z.size), motion)

@@ -7,6 +7,9 @@ import numpy as np
 
 from solver.coupled.boundary import coefficients
 from solver.errors import SimulationFailed
+from solver.frequency.case import case_of
+from solver.frequency.response import respond
+from solver.frequency.rotation import mean_shift
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.recorder import Record
@@ -34,6 +37,10 @@ SWAY = (
 )
 ROTATION = (
     "An arm's rotation is exact in the march, which takes from the rear float's power as the waves' height squared."
+)
+TURNS = (
+    "The mean angle of an arm that turns gives power, what else is of third order takes more: the linear model has"
+    " neither."
 )
 CALM, LONG = 2500.0, 4 * 3600.0  # after which the sway has forgotten the start, and a record of it [s]
 
@@ -69,7 +76,7 @@ def frequency_domain() -> list[Check]:
     ducks = replace(ducks, settings=replace(ducks.settings, interaction=False))
     checks += _small_waves("two ducks on a barge, each body's waves alone", ducks, _coarse)
     known = coefficients(buan("fixed"))
-    return checks + _years(known) + _sway(known) + _heights(known)
+    return checks + _years(known) + _turning(known) + _sway(known) + _heights(known)
 
 
 def _coarse(item: Scene) -> Hydrodynamics:
@@ -128,6 +135,50 @@ def _years(known: Hydrodynamics | None) -> list[Check]:
             told = f"Buan {year}, linear floats, elastic: {quantity}, over the march's"
             checks.append(Check(case=CASE, quantity=told, ours=ours, published=1.0, allowed=allowed, note=note))
     return checks
+
+
+def _turning(known: Hydrodynamics | None) -> list[Check]:
+    """What arms that turn do to linear floats on a fixed platform: their mean angles, and the power that goes by them.
+
+    Preloads move the place about which the model is linear, or hold the march on average where it would be at rest.
+    """
+    checks, item = [], buan("fixed")
+    march, lines = both(item, known, duration=LONG)
+    half, _ = both(replace(item, sea=replace(item.sea, amplitude=item.sea.amplitude / 2)), known, duration=LONG)
+    linear = replace(item, settings=replace(item.settings, froude_krylov="linear", method="frequency"))
+    case = case_of(linear, known)
+    stiffness, shift = np.diag(case.model.stiffness), mean_shift(case, respond(linear, known))
+    rest, angle, angle_of_half = (r.variables["rotation"][1][:, 2] for r in (lines, march, half))
+    moved = both(_preloaded(item, stiffness * shift), known, duration=LONG)[1]
+    held = both(_preloaded(item, -stiffness * (angle - rest)), known, duration=LONG)[0]
+    taken = {name: r.variables["absorbed_power"][1][:, 2] for name, r in
+             (("march", march), ("lines", lines), ("moved", moved), ("held", held))}  # fmt: skip
+    for b, f in enumerate(item.floats):
+        told = f"Buan, linear floats, fixed, {f.name}: "
+        ratio = 0.25 * shift[b] / (angle_of_half[b] - rest[b])
+        checks.append(
+            Check(
+                case=CASE, quantity=told + "mean angle of second order, over the march's in half the height",
+                ours=float(ratio), published=1.0, allowed=0.03,
+            )
+        )  # fmt: skip
+        checks += [
+            Check(
+                case=CASE, quantity=told + quantity, ours=float(ours[b] / taken["lines"][b]), published=1.0, note=TURNS
+            )
+            for quantity, ours in (
+                ("mean power about that angle, over that about rest", taken["moved"]),
+                ("mean power of the march held at rest on average, over the linear model's", taken["held"]),
+                ("mean power of the march, over the linear model's", taken["march"]),
+            )
+        ]
+    return checks
+
+
+def _preloaded(item: Scene, loads: np.ndarray) -> Scene:
+    """The scene with loads on its hinges (nb,)."""
+    floats = zip(item.floats, loads.tolist(), strict=True)
+    return replace(item, floats=tuple(replace(f, preload=load) for f, load in floats))
 
 
 def _sway(known: Hydrodynamics | None) -> list[Check]:
