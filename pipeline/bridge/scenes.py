@@ -106,6 +106,15 @@ def _part(place: str, word: str = "") -> Iterator[None]:
         refuse(InputError(place + e.key.removeprefix(word), e.value, e.limit) for e in (first, *first.others))
 
 
+@contextmanager
+def _renamed(theirs: str, ours: str) -> Iterator[None]:
+    """Pass on objections to the solver's key under the study file's."""
+    try:
+        yield
+    except InputError as first:
+        refuse(InputError(e.key.replace(theirs, ours), e.value, e.limit) for e in (first, *first.others))
+
+
 def settings(parameters: Parameters) -> physics.Settings:
     """Record and numerics; how series are thinned is decided in `results.records`."""
     return _settings(parameters.record, parameters.solver)
@@ -235,7 +244,9 @@ def floating(item: Float) -> physics.Float:
     x, y, z = (0.0 if place == FOUND else place for place in item.cog)
     parts |= {"mass": 1.0 if item.mass == FOUND else item.mass, "cog": (x, y, z)}
     given = {name: value for name, value in item if name not in ("pto_law", "hold")}
-    return physics.Float(**{**given, **parts})
+    table = f"floats.{item.name}.pto_table"  # is what the solver knows of a law, too
+    with _renamed(table, f"floats.{item.name}.pto_law" if law else table):
+        return physics.Float(**{**given, **parts})
 
 
 def floats(parameters: Parameters) -> tuple[physics.Float, ...]:

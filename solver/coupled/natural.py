@@ -81,41 +81,49 @@ def _system_modes(
     low, high = (h.omega[0], h.omega[-1]) if h is not None else (0.0, 0.0)
     # Many shapes have the added mass of the last frequency known.
     known = lru_cache(lambda omega: _in_water(value, added(omega).real))
-    pairs = [_settled(value, lambda omega: known(min(max(omega, low), high)), i) for i in range(count)]
-    omega, shapes = np.array([w for w, _ in pairs]), basis @ np.array([s for _, s in pairs]).T
-    order = np.argsort(omega)
-    omega, shapes = shared(omega[order]), shared(shapes[:, order])
+    settled = [_settled(value, lambda omega: known(min(max(omega, low), high)), i) for i in range(count)]
+    pairs = [(omega, basis @ shape) for omega, shape in settled if np.isfinite(omega)]
+    omega = shared(np.array([omega for omega, _ in pairs]))
+    shapes = shared(np.array([shape for _, shape in pairs]).reshape(-1, n).T)
     return SystemModes(omega, shapes, tuple(_name(joints, model.length, s, support) for s in shapes.T))
 
 
 class _InWater(NamedTuple):
-    """With the added mass of one frequency, in the shapes at infinite frequency."""
+    """With the added mass of one frequency, in the shapes at infinite frequency, slowest first."""
 
-    mass: np.ndarray  # (n, n)
     squares: np.ndarray  # (m,) ω²
     shapes: np.ndarray  # (n, m)
+
+    def pair(self, i: int) -> tuple[float, np.ndarray]:
+        """ω and shape of the i-th, infinite and nought where it has no mass."""
+        if i >= self.squares.size:
+            return np.inf, np.zeros(len(self.shapes))
+        return float(np.sqrt(max(self.squares[i], 0.0))), self.shapes[:, i]
 
 
 def _in_water(stiffness: np.ndarray, added: np.ndarray) -> _InWater:
     """Of shapes whose stiffness is `stiffness` (n,), and whose mass is one without what is added (n, n)."""
     mass = np.eye(len(stiffness)) + added
-    mass = (mass + mass.T) / 2
-    return _InWater(mass, *_squares(stiffness, mass))
+    squares, shapes = _squares(stiffness, (mass + mass.T) / 2)
+    order = np.argsort(squares)
+    return _InWater(squares[order], shapes[:, order])
 
 
 def _settled(stiffness: np.ndarray, in_water: Callable[[float], _InWater], i: int) -> tuple[float, np.ndarray]:
-    """ω and shape where the added mass is that of ω itself, from the i-th of the shapes at infinite frequency.
+    """ω and shape where the added mass is that of ω itself, of the i-th slowest shape.
 
-    In those shapes, whose stiffness is `stiffness` (n,) and whose mass is one.
+    In the shapes at infinite frequency, whose stiffness is `stiffness` (n,) and whose mass is one. Each i has a
+    frequency of its own, for in order of frequency shapes do not change places, however they pass into each other.
+    Added mass and frequency in turn, halfway where that would leave those between which there is one.
     """
-    omega, shape = float(np.sqrt(max(stiffness[i], 0.0))), np.eye(len(stiffness))[i]
+    omega, below, above = float(np.sqrt(max(stiffness[i], 0.0))), 0.0, np.inf
     for _ in range(ROUNDS):
-        mass, values, shapes = in_water(omega)
-        same = int(np.argmax(np.abs(shapes.T @ mass @ shape)))
-        before, omega, shape = omega, float(np.sqrt(max(values[same], 0.0))), shapes[:, same]
-        if abs(omega - before) <= AGREED * omega:
+        own, shape = in_water(omega).pair(i)
+        if own == omega or abs(own - omega) <= AGREED * own < np.inf:
             break
-    return omega, shape
+        below, above = (omega, above) if own > omega else (below, omega)
+        omega = own if below < own < above or np.isinf(above) else (below + above) / 2
+    return own, shape
 
 
 def _squares(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

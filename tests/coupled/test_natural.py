@@ -222,6 +222,28 @@ def test_a_shape_whose_mass_in_water_is_negative_has_no_frequency():
     )
 
 
+def test_each_shape_has_a_frequency_of_its_own():
+    """Two alike, coupled by the added mass ±1/2 (1 + ω²) alone: x = ω² of x² ± x/2 - 1 = 0, one each."""
+    stiffness, coupling = np.ones(2), np.array([[0.0, 0.5], [0.5, 0.0]])
+    (slow, together), (fast, against) = (
+        _settled(stiffness, lambda omega: _in_water(stiffness, coupling / (1 + omega**2)), i) for i in (0, 1)
+    )
+    assert [slow**2, fast**2] == approx([(np.sqrt(4.25) - 0.5) / 2, (np.sqrt(4.25) + 0.5) / 2], rel=1e-8)
+    assert together[0] * together[1] > 0 > against[0] * against[1]
+
+
+def test_a_shape_is_found_where_added_mass_rises_steeply():
+    """Frequency and added mass in turn go round there: (2 + tanh 20(ω - 1)) ω² = 2, at ω = 1 exactly."""
+    stiffness = np.array([2.0])
+    omega, _ = _settled(stiffness, lambda at: _in_water(stiffness, np.array([[1 + np.tanh(20 * (at - 1))]])), 0)
+    assert omega == approx(1.0, rel=1e-8)
+
+
+def test_a_shape_without_mass_is_left_out():
+    stiffness, added = np.array([1.0, 4.0]), np.array([[0.0, 0.2], [0.2, -1.5]])
+    assert _settled(stiffness, lambda _: _in_water(stiffness, added), 1)[0] == np.inf
+
+
 @pytest.mark.parametrize("side", [-1, 1])
 def test_how_far_from_rest_a_hinge_is_pushed_back(side):
     """A ball about its own middle, held level by a constant load: mg(c cos θ - b sin θ - c), zero at tan θ/2 = -b/c."""

@@ -253,6 +253,22 @@ def test_a_law_is_followed_from_the_least_to_the_largest(study_with, tmp_path, e
         study_with(f'{HINGED}pto_law = {{ file = "law.py", {ends} }}\n')
 
 
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ("velocity = [-1, 1] }\npto_damping = 1e4", "floats.only.pto_law = given: needs pto_damping to be left out"),
+        ("velocity = [0.5, 1] }", "floats.only.pto_law.velocity = [0.5, 1.0]: must begin at 0"),
+        ("velocity = [-1, 1], axis = 'heave' }", "floats.only.pto_law.axis = heave: must be one of hinge"),
+    ],
+)
+def test_what_a_law_may_not_be_is_said_of_the_law(study_with, keys, message, tmp_path):
+    """Not of the table that is made of it, and with numbers as a study file has them."""
+    (tmp_path / "law.py").write_text("def load(y, dy): return dy\n")
+    with pytest.raises(StudyError) as caught:
+        study_with(f'{HINGED}pto_law = {{ file = "law.py", {keys}\n')
+    assert message in str(caught.value)
+
+
 def test_forces_of_power_take_offs_need_no_platform(study_with):
     study = study_with(HINGED + '[record]\noutputs = ["pto_force"]\n')
     assert scenes.scene(task(study).parameters).settings.outputs == ("pto_force",)
