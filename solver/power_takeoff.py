@@ -62,7 +62,7 @@ class PtoTable:
             name, x = falling[0]
             falls = np.diff(x) <= 0
             limit = f"must increase; it follows {x[:-1][falls][0]:g}"
-            yield InputError(f"pto_table.{name}", float(x[1:][falls][0]), limit)
+            yield InputError(f"pto_table.{name}", x[1:][falls][0].item(), limit)
         elif not v[0] <= 0 < v[-1]:
             limit = "must begin at 0, for both senses alike, or below, and end above 0"
             yield InputError("pto_table.velocity", tuple(v[[0, -1]].tolist()), limit)
