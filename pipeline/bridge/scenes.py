@@ -6,7 +6,7 @@ The only translation between the two.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, assert_never
@@ -98,21 +98,17 @@ def _key(theirs: str) -> str:
 
 
 @contextmanager
-def _part(place: str, word: str = "") -> Iterator[None]:
+def _renamed(name: Callable[[str], str]) -> Iterator[None]:
+    """Pass on objections to the solver's keys under the study file's."""
+    try:
+        yield
+    except InputError as first:
+        refuse(InputError(name(e.key), e.value, e.limit) for e in (first, *first.others))
+
+
+def _part(place: str, word: str = "") -> AbstractContextManager[None]:
     """Pass on objections to a part, with `place` before the key and without the word that the solver has there."""
-    try:
-        yield
-    except InputError as first:
-        refuse(InputError(place + e.key.removeprefix(word), e.value, e.limit) for e in (first, *first.others))
-
-
-@contextmanager
-def _renamed(theirs: str, ours: str) -> Iterator[None]:
-    """Pass on objections to the solver's key under the study file's."""
-    try:
-        yield
-    except InputError as first:
-        refuse(InputError(e.key.replace(theirs, ours), e.value, e.limit) for e in (first, *first.others))
+    return _renamed(lambda key: place + key.removeprefix(word))
 
 
 def settings(parameters: Parameters) -> physics.Settings:
@@ -244,8 +240,8 @@ def floating(item: Float) -> physics.Float:
     x, y, z = (0.0 if place == FOUND else place for place in item.cog)
     parts |= {"mass": 1.0 if item.mass == FOUND else item.mass, "cog": (x, y, z)}
     given = {name: value for name, value in item if name not in ("pto_law", "hold")}
-    table = f"floats.{item.name}.pto_table"  # is what the solver knows of a law, too
-    with _renamed(table, f"floats.{item.name}.pto_law" if law else table):
+    # A table is what the solver knows of a law, too.
+    with _renamed(lambda key: key.replace(".pto_table", ".pto_law") if law else key):
         return physics.Float(**{**given, **parts})
 
 

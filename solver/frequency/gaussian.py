@@ -33,10 +33,11 @@ def covariance(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
     return 0.5 * np.swapaxes(X, -1, -2) @ Y
 
 
-def cycles(m0: np.ndarray, m2: np.ndarray, duration: float) -> np.ndarray:
-    """Number (…) of zero-upcrossings in the time [s], e at least, of processes with moments m₀ and m₂ (…)."""
-    rate = np.sqrt(np.divide(m2, m0, out=np.zeros_like(m0), where=m0 > 0)) / (2 * np.pi)
-    return np.maximum(rate * duration, np.e)
+@kernel
+def _cycles(m0: float, m2: float, duration: float) -> float:
+    """Number of zero-upcrossings in the time [s], e at least, of a process with moments m₀ and m₂."""
+    rate = np.sqrt(m2 / m0) / (2 * np.pi) if m0 > 0 else 0.0
+    return max(rate * duration, np.e)
 
 
 def table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
@@ -67,8 +68,7 @@ def _tabulate(mean: np.ndarray, X: np.ndarray, squared: np.ndarray, duration: fl
 @kernel(inline="always")
 def _largest(m0: float, m2: float, most: float, duration: float) -> float:
     """Expected above the mean, of Σ|X|², Σω²|X|² and Σ|X|."""
-    rate = np.sqrt(m2 / m0) / (2 * np.pi) if m0 > 0 else 0.0
-    u = np.sqrt(2 * np.log(max(rate * duration, np.e)))
+    u = np.sqrt(2 * np.log(_cycles(m0, m2, duration)))
     return min((u + EULER / u) * np.sqrt(0.5 * m0), most)
 
 
@@ -90,8 +90,9 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
 
 def _beyond(power: np.ndarray, omega: np.ndarray, duration: float) -> float:
     """Of the strongest part, its largest expected over a time, less its mean; power: squared lines (nw, n)."""
-    peaks = 2 * np.max(cycles(power.sum(axis=0), omega**2 @ power, duration), initial=np.e)
-    return float(2 * (np.log(peaks) + EULER) - 1)
+    pairs = zip(power.sum(axis=0), omega**2 @ power, strict=True)
+    most = max((_cycles(m0, m2, duration) for m0, m2 in pairs), default=np.e)
+    return float(2 * (np.log(2 * most) + EULER) - 1)
 
 
 class Axes(NamedTuple):

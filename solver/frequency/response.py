@@ -192,8 +192,6 @@ def _length(X: np.ndarray) -> np.ndarray:
 
 def _change(before: np.ndarray, std: np.ndarray) -> float:
     """The largest, relative to itself; infinite from nothing."""
-    if before.all() and std.all():
-        return float(np.max(np.abs(std - before) / std, initial=0.0))
     new = np.full(std.shape, np.inf)
     new[std == before] = 0.0
     return float(np.divide(np.abs(std - before), std, out=new, where=(std != before) & (before > 0)).max(initial=0.0))
