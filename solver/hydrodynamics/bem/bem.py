@@ -78,7 +78,7 @@ def frequency_grid(
     panels: int = 432,
     interaction: bool = True,
 ) -> np.ndarray:
-    """Frequencies [rad/s] from Ka = 0.02 (or kh = 0.11) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
+    """Frequencies [rad/s] from Ka = 0.02 (or kh = SHALLOWEST) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
 
     None above that, not of the band, which meshes of about `panels` a body do not resolve: RESOLVED.
     `count` even ones for a body alone. A wave reflected between bodies L apart turns the phase
@@ -86,7 +86,7 @@ def frequency_grid(
     interaction none is. Hulls with heave plates have some moved by 0.3 % at most: see `clear`.
     """
     radii = [h.largest_radius for h in hulls]
-    shallow = 1.001 * np.sqrt(0.11 * np.tanh(0.11) * gravity / depth) if np.isfinite(depth) else 0.0
+    shallow = 1.001 * np.sqrt(SHALLOWEST * np.tanh(SHALLOWEST) * gravity / depth) if np.isfinite(depth) else 0.0
     low = max(np.sqrt(0.02 * gravity / max(radii)), shallow)
     high, resolved = np.sqrt(np.array([10, 2]) * gravity / min(h.scale for h in hulls))
     high = min(high, np.sqrt(RESOLVED * gravity / max(np.sqrt(h.wetted_area / panels) for h in hulls)))

@@ -14,6 +14,7 @@ from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.sea.dispersion import wavenumber
 
 REFERENCE = Path(__file__).parents[2] / "published"
 FLOAT = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
@@ -298,7 +299,18 @@ def test_the_grid_covers_the_band_and_resolves_reflections():
     step = np.diff(grid)
     assert grid[0] == 0.3 and grid[-1] == pytest.approx(alone[-1])
     assert np.all(step[grid[1:] < 5.0] * 4 * grid[1:][grid[1:] < 5.0] * 7.72 / G < 1.1)
-    assert bem.frequency_grid((FLOAT,), [[0, 0, 0]], depth=1.5)[0] ** 2 / G * 1.5 > 0.01  # kh > 0.1
+
+
+def test_a_body_wider_than_the_water_is_deep_has_coefficients():
+    """The longest waves solved for are those that capytaine's exponentials can meet; B = k|X|²/4ρg c_g in heave."""
+    depth, barge = 5.0, Revolution.vertical_cylinder(radius=9.0, draft=1.5, freeboard=1.0)
+    omega = bem.frequency_grid((barge,), [[0, 0, 0]], depth=depth)[:1]
+    assert omega[0] > np.sqrt(0.02 * G / 9.0)
+    h = solve((barge,), [[0, 0, 0]], depth=depth, omega=omega, panels=SMALL)
+    k = wavenumber(omega, depth, G)
+    group = omega / (2 * k) * (1 + 2 * k * depth / np.sinh(2 * k * depth))
+    force = np.abs(h.diffraction + h.froude_krylov)[:, 1]
+    assert h.radiation_damping[:, 1, 1] == pytest.approx(k * force**2 / (4 * RHO * G * group), rel=3e-3)
 
 
 def test_a_smooth_curve_has_nothing_of_what_rings_however_uneven_the_frequencies():
