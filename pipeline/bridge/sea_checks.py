@@ -117,7 +117,7 @@ def _realization(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputErr
 
 def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
     """Whether the waves lie in waves.band, and coefficients can be had at their frequencies."""
-    from solver.sea.dispersion import SHALLOWEST, too_shallow
+    from solver.sea.dispersion import SHALLOWEST, longest
 
     waves, water = study.waves, study.water
     span = seas.frequencies(sea, waves)
@@ -131,7 +131,8 @@ def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]
             limit = f"must put {what}, {outside:.3g} rad/s, inside waves.band = [{low:g}, {high:g}]"
             yield InputError(name, value, limit)
     wanted = seas.band(sea, waves)
-    if study.floats and wanted and too_shallow(wanted[0], water.depth, water.gravity):
+    solved = study.floats and not study.coefficients
+    if solved and wanted and wanted[0] <= longest(water.depth, water.gravity):
         limit = f"must start where kh > {SHALLOWEST:g} in {water.depth:g} m"
         error = InputError("waves.band", list(wanted), limit)
         yield error if waves.band else of_sea(error, key, sea)

@@ -39,9 +39,9 @@ def _wavenumbers(omega: Bits[np.ndarray], depth: float, gravity: float) -> np.nd
     return shared(wavenumber(omega.value, depth, gravity))
 
 
-def too_shallow(omega: float, depth: float, gravity: float) -> bool:
-    """Whether waves of ω [rad/s] are too long for the depth [m] to have coefficients."""
-    return bool(wavenumber(omega, depth, gravity) * depth <= SHALLOWEST)
+def longest(depth: float, gravity: float) -> float:
+    """Frequency [rad/s] of the longest waves that have coefficients, those of kh = SHALLOWEST; 0 in deep water."""
+    return float(np.sqrt(SHALLOWEST * np.tanh(SHALLOWEST) * gravity / depth))
 
 
 def breaking_height(period: float, depth: float, gravity: float) -> float:

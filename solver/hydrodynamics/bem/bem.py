@@ -32,7 +32,7 @@ from solver.hydrodynamics.hull.plates import Plates
 from solver.hydrodynamics.hull.standing import stands, walls
 from solver.hydrodynamics.hull.surface import divided, mirrored
 from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
-from solver.sea.dispersion import SHALLOWEST, too_shallow
+from solver.sea.dispersion import SHALLOWEST, longest
 
 __all__ = [
     "DOFS", "PLANAR", "Hydrodynamics", "Problem", "frequency_grid", "part", "require_solvable", "solve", "united",
@@ -86,8 +86,7 @@ def frequency_grid(
     interaction none is. Hulls with heave plates have some moved by 0.3 % at most: see `clear`.
     """
     radii = [h.largest_radius for h in hulls]
-    shallow = 1.001 * np.sqrt(SHALLOWEST * np.tanh(SHALLOWEST) * gravity / depth) if np.isfinite(depth) else 0.0
-    low = max(np.sqrt(0.02 * gravity / max(radii)), shallow)
+    low = max(np.sqrt(0.02 * gravity / max(radii)), 1.001 * longest(depth, gravity))
     high, resolved = np.sqrt(np.array([10, 2]) * gravity / min(h.scale for h in hulls))
     high = min(high, np.sqrt(RESOLVED * gravity / max(np.sqrt(h.wetted_area / panels) for h in hulls)))
     if band is not None:
@@ -594,7 +593,7 @@ def require_solvable(
         raise InputError("depth", depth, limit)
     if omega[0] <= 0 or np.any(np.diff(omega) <= 0):
         raise InputError("omega", omega.tolist(), "must increase from above 0 rad/s")
-    if too_shallow(omega[0], depth, gravity):
+    if omega[0] <= longest(depth, gravity):
         raise InputError("omega", omega[0], f"must have kh > {SHALLOWEST:g} in the depth of {depth} m")
     for i, j in zip(*np.triu_indices(len(hulls), 1), strict=True):
         if touching(hulls[i], centres[i], hulls[j], centres[j]):

@@ -406,11 +406,11 @@ def test_misfits_are_said_before_anything_runs(ours, study, tmp_path):
     wamit_files(tmp_path, ours, L=2.0)
     assert "other units" in judged(study("pair.1"))
     wamit_files(tmp_path, ours)
-    path = study("pair.1")
-    path.write_text(path.read_text().replace("band = [0.7, 3.0]", "band = [0.4, 3.0]"))
-    assert "waves.band = [0.4" in judged(
-        path
-    ) and "must be within 0.5 to 7.5 rad/s, the frequencies of pair.1" in judged(path)
+    for low in (0.4, 0.05):  # of the second our own boundary elements could not be had
+        path = study("pair.1")
+        path.write_text(path.read_text().replace("band = [0.7, 3.0]", f"band = [{low}, 3.0]"))
+        told = judged(path)
+        assert "waves.band = [" in told and "must be within 0.5 to 7.5 rad/s, the frequencies of pair.1" in told
     sea = 'one = { kind = "regular", height = 0.1, period = 16.0 }'
     for band in ("", "band = [0.3, 3.0]"):
         path = study("pair.1")

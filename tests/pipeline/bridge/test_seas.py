@@ -239,8 +239,8 @@ def test_a_sea_that_needs_a_band_says_so(study_with, sea):
 
 @pytest.mark.parametrize(
     ("band", "told"),
-    [("", "sea_states.only.period = 40.0: needs coefficients at [0.125, 0.25] rad/s, which must start where kh > 0.1"),
-     ("band = [0.1, 3.0]", "waves.band = [0.1, 3.0]: must start where kh > 0.1")],
+    [("", "sea_states.only.period = 40.0: needs coefficients at [0.125, 0.25] rad/s, which must start where kh > 0.14"),
+     ("band = [0.1, 3.0]", "waves.band = [0.1, 3.0]: must start where kh > 0.14 in 5.5 m")],
 )  # fmt: skip
 def test_waves_too_long_for_the_depth_are_named_as_they_were_given(study_with, monkeypatch, band, told):
     monkeypatch.setitem(globals(), "HEAD", HEAD.replace("depth = inf", "depth = 5.5"))
