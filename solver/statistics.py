@@ -17,15 +17,20 @@ class Statistics:
     def __init__(self) -> None:
         self.count = 0
 
-    def add(self, block: np.ndarray) -> None:
-        """Take in the next samples; moments are merged as in Chan, Golub and LeVeque (1979)."""
+    def add(self, block: np.ndarray, smooth: np.ndarray | None = None) -> None:
+        """Take in the next samples; moments are merged as in Chan, Golub and LeVeque (1979).
+
+        smooth (m,): whether a parabola through a sample and the two before it is one through what lies between; where
+        something jumps there it is not. Everywhere, if not given.
+        """
         if len(block) == 0:
             return
         block = np.ascontiguousarray(block, float)
+        smooth = np.ones(len(block), bool) if smooth is None else smooth
         if self.count == 0:
             self.high, self.low, self.last = block[0].copy(), block[0].copy(), np.full((2, block.shape[1]), np.nan)
             self.mean, self.spread, self.room = np.zeros((3, block.shape[1]))
-        _take_in(block, self.count, self.room, self.last, self.high, self.low, self.mean, self.spread)
+        _take_in(block, smooth, self.count, self.room, self.last, self.high, self.low, self.mean, self.spread)
         self.count += len(block)
 
     def amend(self, values: np.ndarray, weight: np.ndarray) -> None:
@@ -77,6 +82,7 @@ def vertex(older: float, old: float, new: float) -> float:
 @whole_lean_kernel
 def _take_in(
     block: np.ndarray,
+    smooth: np.ndarray,
     count: int,
     average: np.ndarray,
     last: np.ndarray,
@@ -103,7 +109,7 @@ def _take_in(
         for c in range(n):
             new = block[i, c]
             spread[c] += (new - average[c]) ** 2
-            middle = vertex(last[0, c], last[1, c], new)
+            middle = vertex(last[0, c], last[1, c], new) if smooth[i] else new
             last[0, c], last[1, c] = last[1, c], new
             for value in (middle, new):
                 high[c] = max(high[c], value)

@@ -43,6 +43,7 @@ from solver.coupled.step import (
     OK,
     RATE,
     UNCUT,
+    WITHSTOOD,
     Drive,
     Output,
     Problem,
@@ -318,9 +319,11 @@ def _keep(
         between.row[n + s] = row
         between.contact[n + s] = 0.0
         for k in range(problem.bent.size):
-            pto = room.stage.zone[PTO_ZONE, problem.bent[k]]
+            i = problem.bent[k]
+            pto = room.stage.zone[PTO_ZONE, i]
             between.contact[n + s, k, HOLDS] = 1.0 if pto == HELD else 0.0
             between.contact[n + s, k, LET_GO] = 1.0 if abs(pto) == GONE else 0.0
+            between.contact[n + s, k, WITHSTOOD] = room.stage.residual[s, i] if pto == HELD else 0.0
     between.number[0] = n + 2
     between.follows[0] = True
 
@@ -349,6 +352,7 @@ def note(problem: Problem, room: Workspace, output: Output, length: float, middl
                     copy(stage.wrench[s, b], output.struck[rows[s], n, b])
             contact[HOLDS] += length / problem.dt if pto == HELD else 0.0
             contact[LET_GO] = 1.0 if abs(pto) == GONE else 0.0
+            contact[WITHSTOOD] = stage.residual[s, i] if pto == HELD else 0.0
 
 
 @inner_kernel

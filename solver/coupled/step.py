@@ -61,8 +61,9 @@ OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED = 0, 1, 2, 3, 4
 # Of end stops: number of hits, largest rate at one [m/s or rad/s], largest load [N or N m].
 CONTACT = ("end_stop_hits", "impact_rate", "end_stop_load")
 HITS, RATE, LOAD = range(len(CONTACT))
-# And of an axis that is held, the share of the time; whether its power take-off has let go at the sample.
-HOLDS, LET_GO = len(CONTACT), len(CONTACT) + 1
+# And of an axis that is held, the share of the time; at the sample whether its power take-off has let go, and the load
+# that it withstands, held.
+HOLDS, LET_GO, WITHSTOOD = range(len(CONTACT), len(CONTACT) + 3)
 
 
 class Drive(NamedTuple):
@@ -110,7 +111,7 @@ class Output(NamedTuple):
     ddp: np.ndarray  # (m, nm)
     carried: np.ndarray  # (m, nc) load of the floats on the support's nodes, along their carriers [N, N m]
     drag: np.ndarray  # (m, nd, ns) of the water on the frame at its stations [N]
-    contact: np.ndarray  # (m, number of bent axes, 5) since the sample before: CONTACT, HOLDS, LET_GO
+    contact: np.ndarray  # (m, number of bent axes, 6) since the sample before: CONTACT, HOLDS, LET_GO, WITHSTOOD
     struck: np.ndarray  # (m, number of bent axes, nb, 6) loads as `wrench`, when the axis's stop bore most since then
     lead: np.ndarray  # (m,) weight of the sample before in the mean over the time since then, by pieces; or UNCUT
     between: Between
@@ -205,7 +206,7 @@ def new_output(problem: Problem, samples: int) -> Output:
     bodies, structure = problem.bodies, problem.structure
     nz, nb, (nc, nm) = bodies.mechanism.size, bodies.axes.size, structure.carrier.shape
     shapes = ((nz,), (nz,), (nm,), (nb, 6), (nm,), (nm,), (nc,), structure.station.shape[1:])
-    contact = np.zeros((samples, problem.bent.size, LET_GO + 1))
+    contact = np.zeros((samples, problem.bent.size, WITHSTOOD + 1))
     struck = np.zeros((samples, problem.bent.size, nb, 6))
     return whole_output([np.empty((samples, *shape)) for shape in shapes], contact, struck, PIECES * samples)
 

@@ -391,7 +391,7 @@ def pto_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
 
 
 def pto_bounds(law: JointLaw) -> np.ndarray:
-    """What the magnitude of a power take-off's load cannot exceed (n,)."""
+    """What the magnitude of a power take-off's load cannot exceed (n,), but for that by which one holds."""
     limit = np.minimum(law.force_limit, law.declutch_load)
     limit = np.where(law.pto_damping > 0, limit, np.minimum(limit, law.coulomb))
     loads = [law.tables.load[a:b] for a, b in pairwise(law.tables.first_load)]

@@ -10,7 +10,7 @@ import numpy as np
 
 from solver.coupled.assembly import Layout, joint_law
 from solver.coupled.natural import SystemModes
-from solver.coupled.step import CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, Between, Output
+from solver.coupled.step import CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, WITHSTOOD, Between, Output
 from solver.coupled.support import Support
 from solver.multibody.joint_law import (
     bent,
@@ -47,6 +47,8 @@ from solver.structure.legs import compressive
 ELEVATION = "wave_elevation"
 FAINT = 1e-3  # a wave below this share of the largest one says nothing of a float
 INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that others are made of
+# Though loads jump.
+CONTINUOUS = "wave_elevation", "rotation", "motion", "pto_rate", "line_tension", "top_displacement", *INNER
 NODES = np.arange(6)  # of the polynomial through the wave's samples around a piece
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
@@ -267,6 +269,7 @@ class Recorder:
         self.bent: dict[str, list[np.ndarray]] = {}  # N, My, Mz where samples are counted
         self.cuts: dict[str, list[Cuts]] = {}  # of the series
         self.taken = 0  # samples
+        self.whole = True  # the last step
         self.seconds = [np.inf, -np.inf]
         wanted = scene.settings.rao and self.channels.axes and scene.sea.amplitude.any()
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
@@ -282,7 +285,8 @@ class Recorder:
             return
         kept = slice(int(inside.argmax()), int(inside.argmax() + inside.sum()))
         forces, steel = self._forces(kept, output, samples), self.channels.steel
-        channels = dict(self._channels(kept, output, samples, forces))
+        smooth = self._smooth(output.lead[kept] == UNCUT)
+        channels = dict(self._channels(kept, output, samples, forces, smooth))
         if steel is not None and forces is not None and steel.counts:
             for at, end in steel.ends(forces).items():
                 self.bent.setdefault(at, []).append(end)
@@ -296,7 +300,8 @@ class Recorder:
             self.struck = np.maximum(self.struck, np.max([force, -force], axis=1, initial=-np.inf))
         for name, values in channels.items():
             self.shapes[name] = values.shape[1:]
-            self.statistics.setdefault(name, Statistics()).add(values.reshape(len(values), -1))
+            everywhere = None if name in CONTINUOUS else smooth
+            self.statistics.setdefault(name, Statistics()).add(values.reshape(len(values), -1), everywhere)
         if output.between.number[0]:
             self._amend(kept, channels, output, samples)
         self.taken += len(times[kept])
@@ -306,6 +311,11 @@ class Recorder:
                 self.series.setdefault(name, []).append(values)
         if self.harmonics is not None:
             self.harmonics.add(times[kept], output.z[kept, output.z.shape[1] - self.channels.owner.size :])
+
+    def _smooth(self, whole: np.ndarray) -> np.ndarray:
+        """Whether a sample's step and the one before it are whole (m,): in one that is cut, loads may jump."""
+        before, self.whole = np.append(self.whole, whole[:-1]), whole[-1]
+        return whole & before
 
     def _amend(self, kept: slice, channels: Mapping[str, np.ndarray], output: Output, samples: np.ndarray) -> None:
         """Where steps are cut, pieces tell the mean over the time between two samples in place of both's own mean."""
@@ -319,7 +329,8 @@ class Recorder:
         waves = np.empty((some.size, samples.shape[1]))
         for known in (self.layout.elevation, self.layout.forces):  # all of the waves that channels are made of
             waves[:, known] = _between(samples[:, known], pieces.at)
-        told = dict(self._channels(slice(None), pieces, waves, self._forces(slice(None), pieces, waves)))
+        forces, smooth = self._forces(slice(None), pieces, waves), np.zeros(some.size, bool)
+        told = dict(self._channels(slice(None), pieces, waves, forces, smooth))
         weight = np.concatenate([pieces.weight, output.lead[cut] - 0.5, np.full(cut.size, -0.5)])
         of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
         for name, values in channels.items():
@@ -343,7 +354,12 @@ class Recorder:
         return y
 
     def _channels(
-        self, kept: slice, output: Output | Between, samples: np.ndarray, forces: np.ndarray | None
+        self,
+        kept: slice,
+        output: Output | Between,
+        samples: np.ndarray,
+        forces: np.ndarray | None,
+        smooth: np.ndarray,
     ) -> Iterator[tuple[str, np.ndarray]]:
         channels = self.channels
         yield "wave_elevation", samples[kept, self.layout.elevation][:, 0]
@@ -352,7 +368,7 @@ class Recorder:
             first = output.z.shape[1] - nj
             joint, rate = (np.ascontiguousarray(part[kept, first:]) for part in (output.z, output.dz))
             yield from channels.motions(joint)
-            at_work = self._at_work(output.contact[kept])
+            at_work, held = self._at_work(output.contact[kept])
             absorbed = joint_loads(self.law, joint, rate).pto * rate * at_work
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))
             if self.bounded:
@@ -360,7 +376,7 @@ class Recorder:
             if "pto_stroke" in self.scene.settings.outputs:
                 yield STROKES, np.concatenate([joint, np.abs(rate)], axis=1)
                 yield "pto_rate", channels.by_axis(rate)
-            yield from self._pto(joint, rate, at_work)
+            yield from self._pto(joint, rate, at_work, held)
             yield from self._control(output.contact[kept])
             yield "hinge_force", channels.hinge_force(output.wrench[kept])
             if channels.lines:
@@ -370,18 +386,21 @@ class Recorder:
         if channels.steel is None or forces is None:
             return
         if channels.legs is not None and self.largest is not None:
-            tops, feet = channels.legs.response(output.p[kept], channels.steel.compression(forces), self.largest)
+            tops, feet = channels.legs.response(
+                output.p[kept], channels.steel.compression(forces), self.largest, smooth
+            )
             yield "top_displacement", tops
             yield "bottom_stress", feet
         yield from channels.steel.channels(forces)
 
-    def _at_work(self, contact: np.ndarray) -> np.ndarray | float:
-        """(m, nj) 0 where a power take-off has let go of its axis, else 1."""
-        if "declutched" not in self.control:
-            return 1.0
-        at_work = np.ones((len(contact), self.channels.owner.size))
-        at_work[:, bent(self.law)] -= contact[:, :, LET_GO]
-        return at_work
+    def _at_work(self, contact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(m, nj) 0 where a power take-off has let go of its axis, else 1; the load it withstands, held at rest."""
+        shape = len(contact), self.channels.owner.size
+        at_work, held = np.ones(shape), np.zeros(shape)
+        if contact.shape[1]:
+            at_work[:, bent(self.law)] -= contact[:, :, LET_GO]
+            held[:, bent(self.law)] = contact[:, :, WITHSTOOD]
+        return at_work, held
 
     def _control(self, contact: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """Share of the time in which axes are held by a latch, or let go of; NaN on axes without the one or other."""
@@ -391,7 +410,7 @@ class Recorder:
             yield name, self.channels.by_axis(share)
 
     def _pto(
-        self, joint: np.ndarray, rate: np.ndarray, at_work: np.ndarray | float
+        self, joint: np.ndarray, rate: np.ndarray, at_work: np.ndarray, held: np.ndarray
     ) -> Iterator[tuple[str, np.ndarray]]:
         """Force and electrical power of the power take-offs at positions and rates (m, nj), where asked for."""
         floats, channels = self.scene.floats, self.channels
@@ -400,7 +419,7 @@ class Recorder:
             return
         load = pto_loads(self.law, joint, rate) * at_work
         if wanted:
-            yield "pto_force", channels.by_axis(0.0 - load)
+            yield "pto_force", channels.by_axis(0.0 - load - held)
         electrical = np.full((len(joint), len(floats)), np.nan)
         for b, f in enumerate(floats):
             if f.pto_efficiency is not None:
@@ -427,7 +446,8 @@ class Recorder:
         channels, load = self.channels, pto_bounds(self.law)
         yield from ((name, (0.0, 1.0)) for name in ("latched", "declutched"))
         bound = channels.by_axis(load[None])[0][..., None]
-        yield "pto_force", (-bound, bound)
+        held = channels.by_axis(self.law.latch_load[None])[0][..., None]
+        yield "pto_force", (-np.maximum(bound, held), np.maximum(bound, held))
         if RATES in self.statistics:
             fastest = np.abs(self.statistics[RATES].table()[:, :2]).max(axis=1)
             fastest = np.minimum(fastest, working_rates(self.law))

@@ -81,16 +81,18 @@ class Legs:
         nd, nf = self.displacement.shape[2], self.fibre.shape[2]
         return Largest(np.zeros(nd), np.zeros(nf), np.full((2, nd), np.nan), np.full((2, nf), np.nan))
 
-    def response(self, p: np.ndarray, feet: np.ndarray, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
+    def response(
+        self, p: np.ndarray, feet: np.ndarray, largest: Largest, smooth: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Displacement of the tops (m, nl, 3) [m] and stress at the feet (m, nl) [Pa]; updates `largest`.
 
         The stress is that of the most compressive fibre, σ = N/A - ((c My/Iy)² + (c Mz/Iz)²)^½: at the feet, of
-        N/A, c My/Iy, c Mz/Iz (m, nl, 3) there; elsewhere of the nodes' displacements.
+        N/A, c My/Iy, c Mz/Iz (m, nl, 3) there; elsewhere of the nodes' displacements. smooth (m,): see Statistics.add.
         """
         u, fibre = _map(p, self.displacement), _map(p, self.fibre)
         fibre[:, :, self._feet] = feet[:, self.first].swapaxes(1, 2) - self.static_fibre[:, self._feet]
         stress = np.empty((len(p), self.ends.size))
-        _respond(u, fibre, self.static_fibre, self._feet, stress, *largest)
+        _respond(u, fibre, self.static_fibre, self._feet, smooth, stress, *largest)
         return self._tops(u), stress[:, self.twin]
 
     def envelopes(self, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
@@ -108,6 +110,7 @@ def _respond(
     fibre: np.ndarray,
     static: np.ndarray,
     first: np.ndarray,
+    smooth: np.ndarray,
     feet: np.ndarray,
     square: np.ndarray,
     stress: np.ndarray,
@@ -120,25 +123,25 @@ def _respond(
     """
     for i in range(feet.shape[0]):
         for j in range(square.size):
-            _take(u[i, 0, j] ** 2 + u[i, 1, j] ** 2 + u[i, 2, j] ** 2, j, square, last_square)
+            _take(u[i, 0, j] ** 2 + u[i, 1, j] ** 2 + u[i, 2, j] ** 2, j, smooth[i], square, last_square)
         axial, about_y, about_z = fibre[i, 0], fibre[i, 1], fibre[i, 2]
         for j in range(stress.size):
             axial[j] += static[0, j] - np.sqrt((about_y[j] + static[1, j]) ** 2 + (about_z[j] + static[2, j]) ** 2)
-            _take(abs(axial[j]), j, stress, last_stress)
+            _take(abs(axial[j]), j, smooth[i], stress, last_stress)
         for leg in range(feet.shape[1]):
             feet[i, leg] = axial[first[leg]]
 
 
 @fast_lean_kernel(inline="always")
-def _take(new: float, j: int, largest: np.ndarray, last: np.ndarray) -> None:
-    """Raise largest[j] to a sample >= 0, or to the vertex of the parabola through it and the two before.
+def _take(new: float, j: int, smooth: bool, largest: np.ndarray, last: np.ndarray) -> None:
+    """Raise largest[j] to a sample >= 0, or, where smooth, to the vertex of the parabola through it and the two before.
 
     The vertex lies above the middle sample by an eighth at most.
     """
     older, old = last[0, j], last[1, j]
     last[0, j], last[1, j] = old, new
     largest[j] = max(largest[j], new)
-    if 1.125 * old > largest[j]:
+    if smooth and 1.125 * old > largest[j]:
         largest[j] = max(largest[j], vertex(older, old, new))
 
 

@@ -100,6 +100,22 @@ def test_a_latched_oscillator_rests_until_the_load_passes_its_threshold():
     assert run.held.mean() == approx(lasting / seconds, abs=1e-4)
 
 
+def test_what_holds_an_axis_is_of_the_power_take_offs_force():
+    """While it holds, what the springs bring; else nothing."""
+    scene = latched(0.1, 17.0)
+    _, stages, starts = exact_latch(17.0)
+    stage_held = np.array([s[1] for s in stages])
+    settings = replace(scene.settings, outputs=("pto_force",), keep_series=True)
+    record = simulate(replace(scene, settings=settings), None)
+    t, force = record.series["time"][1], record.series["pto_force"][1][:, 0, 0]
+    motion = record.series["motion"][1][:, 0]
+    holds = stage_held[np.searchsorted(starts, t - 1e-9) - 1]
+    assert holds.sum() > 10
+    assert force == approx(np.where(holds, M * motion @ SPRINGS[0], 0.0), abs=1e-4 * LATCH * M)
+    high, low = record.variables["pto_force"][1][0, 0, :2]
+    assert max(high, -low) == approx(LATCH * M, rel=1e-3)
+
+
 FAINT = 1e-3  # of the offset and the latch's load beside: the levers at which the float pushes the column are nothing
 
 

@@ -118,6 +118,17 @@ def test_statistics_of_hits_are_those_of_pieces(dt, seconds):
     assert [most, -least] == approx([M * np.sqrt(STIFF)] * 2, rel=0.02)
 
 
+def test_friction_alone_is_all_that_the_hinge_bears():
+    """At most that at which it slips, though a parabola through samples before and after a turn is higher."""
+    friction = M
+    for offset in (0.25, 0.26, 0.28, 0.3):
+        scene = mass(0.1, 20.0, motion=("heave",), offset=offset, coulomb=friction)
+        afloat = replace(scene.floats[0], mass=scene.water.density * 2 / 3 * np.pi)
+        settings = replace(scene.settings, froude_krylov="linear")
+        record = simulate(replace(scene, floats=(afloat,), settings=settings), None)
+        assert record.variables["hinge_force"][1][0, 2, :2] == approx([friction, -friction], rel=1e-9)
+
+
 def test_a_zone_is_left_by_what_stays_beyond_it():
     """Also by what draws nearer to its border, as what rings may where it lets go of a stop that it still presses on:
     it would pass through the stop."""
