@@ -504,13 +504,18 @@ class Recorder:
         return self.channels.spectra(self.bands, responses)
 
     def _moments(self) -> dict[str, Labelled]:
-        """Of all channels, by what crosses their means and by their samples' spectra."""
+        """Of all channels, by what crosses their means and by their samples' spectra, which sum up to their variance.
+
+        A taper weighs the record's middle, so that by itself the sum is that but on average.
+        """
         samples = self.samples()
         times = samples.pop("time")
         found = {}
         for name, values in samples.items():
             omega, lines = all_lines(values, float(times[1] - times[0]))
-            found[name] = crossing_rate(values, self.seconds[1] - self.seconds[0]), moments(omega, lines)
+            tapered, std = moments(omega, lines), self.statistics[name].table()[:, -1].reshape(values.shape[1:])
+            share = np.divide(std**2, tapered[0], out=np.ones_like(std), where=tapered[0] > 0)
+            found[name] = crossing_rate(values, self.seconds[1] - self.seconds[0]), share * tapered
         return self.channels.moments(found)
 
     def _at_joints(self) -> Iterator[tuple[str, Labelled]]:

@@ -48,7 +48,7 @@ def cross_spectra(omega: np.ndarray, wave: np.ndarray, lines: np.ndarray, at: Ba
 def lines_of(record: np.ndarray, step: float, at: Bands) -> tuple[np.ndarray, np.ndarray]:
     """ω (n,) and amplitudes (n, m) within reach of the bands that an evenly sampled record (nt, m) is made of.
 
-    Tapered (Hann), so that what is far off does not leak in; ½ Σ|Y|² is the record's variance.
+    Tapered (Hann), so that what is far off does not leak in; ½ Σ|Y|² is on average the record's variance.
     """
     omega, lines = all_lines(record, step)
     reach = REACH * at.width
