@@ -9,7 +9,10 @@ than the error, and that is checked once more between the grid's points.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 
 import numpy as np
@@ -20,6 +23,7 @@ from solver.power_takeoff import MOST_POINTS, PtoTable
 
 RATES = 401  # of the grid, where the load goes by rate alone
 GRID = 161  # points of the grid along either
+LONGEST = 60.0  # that a table may take to make, of some 50,000 calls [s]
 AMPLY = 0.8  # share of the error to which lines are laid, for what lies between the grid's points
 
 Load = Callable[[float, float], float]
@@ -34,12 +38,13 @@ def table(
     for name, ends in (("velocity", velocity), ("position", position)):
         if ends and not ends[0] < ends[1]:
             raise InputError(f"pto_table.{name}", list(ends), "must increase")
-    load = _function(file, parameters)
     v = _points(velocity, GRID if position else RATES)
     y = _points(position, GRID) if position else np.zeros(1)
-    exact = _sampled(load, y, v)
-    rows, columns = _lines(file, y, v, exact, error)
-    _check_between(file, load, (y[rows], v[columns], exact[np.ix_(rows, columns)]), (y, v), error)
+    with _in_time():
+        load = _function(file, parameters)
+        exact = _sampled(load, y, v)
+        rows, columns = _lines(file, y, v, exact, error)
+        _check_between(file, load, (y[rows], v[columns], exact[np.ix_(rows, columns)]), (y, v), error)
     return PtoTable(
         position=tuple(y[rows].tolist()) if position else (),
         velocity=tuple(v[columns].tolist()),
@@ -79,6 +84,25 @@ def _function(file: Attachment, parameters: tuple[float, ...]) -> Load:
         return InputError("pto_table.file", file, f"{call} {why}")
 
     return checked
+
+
+@contextmanager
+def _in_time() -> Iterator[None]:
+    """A TimeoutError for what does not end within LONGEST; not in other threads, which no signal reaches."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        raise TimeoutError(f"the law's table takes longer than {LONGEST:g} s")
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, LONGEST)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def _told(error: BaseException) -> str:

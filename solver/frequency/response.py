@@ -124,20 +124,25 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
     at_rest = pto = joint_law.damping_at_rest(law)[nc:]
     rate, turning = np.zeros((len(model.mass), omega.size), complex), -1j * omega
     std, change, damping = np.zeros(len(model.mass)), np.inf, np.zeros(model.damping.shape)
+    before = _Sizes(*np.zeros((2, len(joints))))
+    taken = before.taken
     for rounds in range(1, ROUNDS + 1):
         K, damping[:nm, :nm], of_water = case.drag(rate[:nm]) if rounds > 1 else case.drag_at_rest
         push, dampers = _pushed(case.force, case.equation, damping, of_water, rate), linear
-        if quadratic.any():
-            dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rate[nm:].T[:, None])[:, 0, 0]
+        if quadratic.any() or bent:
+            now = _Sizes(taken, _length(rate[nm:]))
+            taken, before = _next(now, before), now
+            rates = rate[nm:] * np.divide(taken, now.given, out=np.ones(taken.size), where=now.given > 0)[:, None]
+            dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rates.T[:, None])[:, 0, 0]
         if bent:
-            pto = _taking(law, nc, rate[nm:])
+            pto = _taking(law, nc, rates)
             dampers = dampers + (pto - at_rest)
         damping[joints, joints] = dampers
         X = case.equation.response(push, damping)
-        rate, before, std = turning * X, std, _length(X)
+        rate, last_std, std = turning * X, std, _length(X)
         if not np.max(std * model.length, initial=0.0) < UNBOUNDED * height:  # each wave's part is less
             _require_bounded(model, omega, X, height)
-        last, change = change, _change(before, std)
+        last, change = change, _change(last_std, std)
         if not (stations.size or quadratic.any() or bent) or _ahead(last, change) <= AGREED:
             return _Round(X=X, rate=rate, damping=damping, K=K, of_water=of_water, pto=pto, rounds=rounds)
     what = "drag or power take-off" if bent else "drag"
@@ -191,17 +196,38 @@ def _length(X: np.ndarray) -> np.ndarray:
 
 
 def _change(before: np.ndarray, std: np.ndarray) -> float:
-    """The largest, relative to itself; infinite from nothing."""
-    new = np.full(std.shape, np.inf)
+    """The largest, relative to the smaller; infinite from nothing, and to it."""
+    new, least = np.full(std.shape, np.inf), np.minimum(std, before)
     new[std == before] = 0.0
-    return float(np.divide(np.abs(std - before), std, out=new, where=(std != before) & (before > 0)).max(initial=0.0))
+    return float(np.divide(np.abs(std - before), least, out=new, where=(std != before) & (least > 0)).max(initial=0.0))
 
 
 def _ahead(last: float, change: float) -> float:
-    """All changes to come, where each is the same share of the one before as this one is of the last."""
+    """All changes to come, where each is the same share of the one before as this one is of the last, a small one."""
     if change <= ROUNDING:
         return change
-    return change**2 / (last - change) if change < last < np.inf else np.inf
+    return change**2 / (last - change) if change < last < 1.0 else np.inf
+
+
+class _Sizes(NamedTuple):
+    """Of the joints' rates (nj,): those that dampers were linearised by, and those that they gave."""
+
+    taken: np.ndarray
+    given: np.ndarray
+
+
+def _next(now: _Sizes, before: _Sizes) -> np.ndarray:
+    """Sizes (nj,) to linearise by next: those given; where these overshoot, by the secant of their logarithms.
+
+    A damper that is all that holds an axis lets it move as 1/B, and B goes with that: from there to and fro.
+    """
+    known = np.all([*now, *before], axis=0) & (now.taken != before.taken)
+    away, rise, step = (
+        np.log(np.divide(a, b, out=np.ones(known.size), where=known))
+        for a, b in ((now.given, now.taken), (now.given, before.given), (now.taken, before.taken))
+    )
+    slope = np.clip(np.divide(rise, step, out=np.zeros(known.size), where=known), -1.0, 0.0)
+    return np.where(known, now.taken * np.exp(away / (1 - slope)), now.given)
 
 
 def _taking(law: JointLaw, nc: int, rate: np.ndarray) -> np.ndarray:

@@ -276,7 +276,7 @@ def test_drag_agrees_with_its_own_result(monkeypatch):
     assert 3 <= soon.rounds < exact.rounds
     assert np.all(np.abs(std - known) < 1e-5 * known)
     assert response._ahead(0.9, 0.3) == approx(0.15)
-    assert response._ahead(0.3, 0.3) == response._ahead(np.inf, 1.0) == np.inf
+    assert response._ahead(0.3, 0.3) == response._ahead(np.inf, 1.0) == response._ahead(1e4, 0.1) == np.inf
 
 
 def test_quadratic_damping_of_a_joint_is_the_marchs():
@@ -287,6 +287,20 @@ def test_quadratic_damping_of_a_joint_is_the_marchs():
     item = replace(item, sea=replace(item.sea, amplitude=0.1 * item.sea.amplitude))
     exact, table = (r.variables["rotation"][1][0, 4] for r in (simulate(item, h), frequency(item, h)))
     assert table == approx(exact, rel=0.03)
+
+
+@pytest.mark.parametrize("scene", ["model_scale", "duck"])
+@pytest.mark.parametrize("quadratic", [10.0, 3e4, 3e8])
+def test_a_damper_that_is_all_that_holds_agrees_with_its_own_result(scene, quadratic):
+    """In a few rounds: by itself it lets a float move too much, then too little, and to and fro."""
+    item, h = SCENES[scene]()
+    (body,), size = item.floats, item.floats[0].mass
+    bent = replace(item, floats=(replace(body, quadratic_damping=quadratic * size),))
+    lines = respond(linear(bent, method="frequency"), h)
+    rate = np.sqrt(0.5 * np.sum(np.abs(lines.omega[:, None] * lines.Z) ** 2, axis=0))[0]
+    alike = replace(item, floats=(replace(body, damping=quadratic * size * np.sqrt(8 / np.pi) * rate),))
+    assert lines.Z == approx(respond(linear(alike, method="frequency"), h).Z, rel=1e-4)
+    assert lines.rounds < 12
 
 
 def test_what_a_mesh_does_is_what_it_does_to_the_damped_motion():

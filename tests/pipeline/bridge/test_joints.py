@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.bridge import engine, preflight, scenes
+from pipeline.bridge import engine, preflight, pto_law, scenes
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
@@ -244,6 +244,14 @@ def test_a_law_that_is_none_is_refused(study_with, tmp_path, text, message):
     with pytest.raises(StudyError) as caught:
         study_with(f'{HINGED}pto_law = {{ file = "law.py", velocity = [-1, 1] }}\n')
     assert message in str(caught.value) and "floats.only.pto_law." in str(caught.value)
+
+
+@pytest.mark.parametrize("law", ["while True: pass\n", "def load(y, dy):\n    while True: pass\n"])
+def test_a_law_that_does_not_return_is_refused(study_with, tmp_path, monkeypatch, law):
+    monkeypatch.setattr(pto_law, "LONGEST", 0.2)
+    (tmp_path / "law.py").write_text(law)
+    with pytest.raises(StudyError, match=r"TimeoutError: the law's table takes longer than 0.2 s"):
+        study_with(f'{HINGED}pto_law = {{ file = "law.py", velocity = [-1, 1] }}\n')
 
 
 @pytest.mark.parametrize("ends", ["velocity = [1, -1]", "velocity = [1, 1]", "velocity = [-1, 1], position = [1, -1]"])
