@@ -19,6 +19,7 @@ from solver.statistics import STATISTICS
 KNOWN = 64  # floats that a process keeps
 LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
+TURNED = 0.2  # [rad] that a float may rest from where it is given
 
 
 def warnings(scene: Scene) -> tuple[str, ...]:
@@ -36,6 +37,17 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     ):
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes))
+
+
+def turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
+    """A sentence for each axis on which a float rests, at joints (nj,), elsewhere than its coefficients are of."""
+    names = [(f.name, axis) for f in scene.floats for axis in f.motion]
+    for (name, axis), at in zip(names, joints, strict=True):
+        if axis not in DOFS[:3] and abs(at) > TURNED:
+            yield (
+                f"floats.{name} rests at {at:+.2f} rad of {axis} from where it is given, which diffraction, radiation"
+                " and linear buoyancy are of"
+            )
 
 
 def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:

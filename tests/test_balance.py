@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from solver.balance import balanced, held, imbalance, warnings
-from solver.errors import InputError
+from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring
+from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import CALM, measured
 
@@ -211,3 +212,22 @@ def test_what_no_weight_balances_is_refused(floats, sought, key, words):
     with pytest.raises(InputError, match=words) as caught:
         balanced(floats, DEEP, sought)
     assert caught.value.key == key
+
+
+def capsizing(aside=0.01, **changes):
+    """A cylinder in roll whose weight and springs do not right it, a little out of balance."""
+    item = Float(
+        name="can", hull=Revolution.vertical_cylinder(radius=1.8, draft=1.5, freeboard=1.5), mass=15268.0,
+        inertia=(2e4,) * 3, hinge=(0.0, 0.0, 0.0), cog=(0.0, aside, 0.0), motion=("roll",), damping=1e4, **changes,
+    )  # fmt: skip
+    settings = Settings(duration=5.0, discard=0.0, ramp=0.0, radiation=False, diffraction=False)
+    return Scene(water=DEEP, floats=(item,), settings=settings)
+
+
+def test_a_float_that_rests_on_its_side_is_told_or_refused():
+    """Coefficients are of where it is given; beyond a right angle nothing is."""
+    text = simulate(capsizing(stiffness=26e3), None).attrs["warnings"]
+    assert text.startswith("floats.can rests at -") and "rad of roll from where it is given" in text
+    assert "warnings" not in simulate(capsizing(stiffness=40e3), None).attrs
+    with pytest.raises(SimulationFailed, match=r"can roll rests at -1\.57 in still water, beyond -1\.57 to \+1\.57"):
+        simulate(capsizing(aside=0.3), None)

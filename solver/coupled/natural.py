@@ -174,8 +174,17 @@ def _name(joints: tuple[str, ...], length: np.ndarray, shape: np.ndarray, suppor
 
 
 def require_stable(system: System) -> None:
-    """Raise SimulationFailed where a small push takes the floats away from their equilibrium, with the shape."""
-    nc, sizes = system.structure.carrier.shape[0], linear_model(system).length[system.structure.omega.size :]
+    """Raise SimulationFailed where a small push takes the floats away from their equilibrium, with the shape; and
+    where they rest beyond a bound.
+    """
+    nc, joints = system.structure.carrier.shape[0], system.joints_at_rest
+    for name, at, (low, high) in zip(_joints(system.scene), joints, system.bodies.limit[nc:], strict=True):
+        if not low < at < high:
+            raise SimulationFailed(
+                f"{name} rests at {at:+.2f} in still water, beyond {low:+.2f} to {high:+.2f}: check its mass and centre of"
+                " gravity (cog), or hold it by stiffness or a preload"
+            )
+    sizes = linear_model(system).length[system.structure.omega.size :]
     if not sizes.size:
         return
     K = system.stiffness[nc:, nc:] / np.outer(sizes, sizes)

@@ -86,6 +86,11 @@ class System:
         _, z, p = self._at_rest
         return z.copy(), p.copy()  # kernels are compiled once more for arrays that nobody may write to
 
+    @property
+    def joints_at_rest(self) -> np.ndarray:
+        """(nj,) of z in equilibrium."""
+        return self.equilibrium[0][self.structure.carrier.shape[0] :]
+
     @cached_property
     def _at_rest(self) -> tuple[Resting, np.ndarray, np.ndarray]:
         stride = 0.1 * min(1.0, *(f.hull.size for f in self.scene.floats), 1.0)
