@@ -181,8 +181,8 @@ def require_stable(system: System) -> None:
     for name, at, (low, high) in zip(_joints(system.scene), joints, system.bodies.limit[nc:], strict=True):
         if not low < at < high:
             raise SimulationFailed(
-                f"{name} rests at {at:+.2f} in still water, beyond {low:+.2f} to {high:+.2f}: check its mass and centre of"
-                " gravity (cog), or hold it by stiffness or a preload"
+                f"{name} rests at {at:+.2f} in still water, beyond {low:+.2f} to {high:+.2f}: check its mass and centre"
+                " of gravity (cog), or hold it by stiffness or a preload"
             )
     sizes = linear_model(system).length[system.structure.omega.size :]
     if not sizes.size:
