@@ -9,11 +9,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from solver.errors import InputError
+from solver.errors import InputError, refuse
 from solver.hydrodynamics.hull.clearance import openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
-from solver.scene import DOFS, Float, Scene, Water
+from solver.scene import DOFS, Float, Scene, Water, unlisted
 from solver.statistics import STATISTICS
 
 KNOWN = 64  # floats that a process keeps
@@ -74,7 +74,7 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tupl
         if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
             moments = f"; {name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
             sentences.append(
-                f"floats.{item.name} is out of equilibrium: {told}{'' if name == 'heave' else moments}"
+                f"floats.{item.name} is out of equilibrium: {told}{'' if name in DOFS[:3] else moments}"
                 f"{_pulled(name, preload, pull - preload)}. It settles before the run begins"
             )
     return tuple(sentences)
@@ -83,8 +83,12 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tupl
 def _pulled(name: str, preload: float, lines: float) -> str:
     """Constant loads of a joint along an axis, beside weight and buoyancy; nothing where there are none."""
     loads = {"a preload": preload, "a pull of mooring or lines": lines}
-    told = [f"{word} of {load:.4g} {'N' if name == 'heave' else 'N m'}" for word, load in loads.items() if load]
+    told = [f"{word} of {load:.4g} {_unit(name)}" for word, load in loads.items() if load]
     return f"; along {name} {' and '.join(told)}" if told else ""
+
+
+def _unit(name: str) -> str:
+    return "N" if name in DOFS[:3] else "N m"
 
 
 @lru_cache(maxsize=KNOWN)
@@ -100,7 +104,7 @@ def held(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tuple[str
         weight, buoyancy = both
         if any(both) and abs(pull) > max(min(map(abs, both)), _least(item, name, displaced * water.gravity)):
             sentences.append(
-                f"floats.{item.name}: a preload of {pull:.4g} {'N' if name == 'heave' else 'N m'} in {name} holds what"
+                f"floats.{item.name}: a preload of {pull:.4g} {_unit(name)} in {name} holds what"
                 f" weight, {weight:.4g}, and buoyancy, {buoyancy:.4g}, do not balance within a factor of 2: mass"
                 f" {item.mass:g} kg, displaced {displaced:g} kg"
             )
@@ -184,6 +188,7 @@ def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[
     the two is sought, about the hinge's axis, if it has one. What is not sought stays. "hold" adds to the preloads what
     is then still out of balance along each axis.
     """
+    refuse(unlisted(floats))
     done = list(floats)
     for i in reversed(range(len(done))):  # what is carried is listed after what carries it
         if {*sought[i]} - {"hold"}:

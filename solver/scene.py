@@ -42,6 +42,7 @@ OfFloats = Literal["pto_force", "pto_stroke", "drift"]
 OfAll = Literal["moments"]
 Output = Literal[OfSteel, OfFloats, OfAll]
 OF_STEEL, OF_FLOATS, OUTPUTS = map(get_args, (OfSteel, OfFloats, Output))
+MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
 MOST_SECTIONS = 200  # members whose section forces are put out, and nodes whose accelerations are
 MOST_CHECKED = 500  # elements whose utilisation is
 STILL_WATER = 1e-9  # a reference point this near to z = 0 is at still water [m]
@@ -165,6 +166,12 @@ class Float:
             yield InputError(f"{key}.axis", self.axis, "must not be zero")
         if len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
             yield InputError(f"{key}.motion", self.motion, f"must name each axis once, of hinge, {', '.join(DOFS)}")
+        elif "hinge" in self.motion and np.any(self.axis):
+            turns = [self.direction(name) for name in self.motion if name not in DOFS[:3]]
+            if np.linalg.matrix_rank(turns) < len(turns):
+                yield InputError(
+                    f"{key}.motion", self.motion, f"must turn about different axes; the hinge's {self.axis}"
+                )
         given = {name: v for name, usual in STARTS.items() if (v := self._joint(name)) is not None and v is not usual}
         unfit = [name for name, v in given.items() if not _fits(v, STARTS[name], len(self.motion))]
         each = f"needs one number for each of {', '.join(self.motion)}"
@@ -598,6 +605,14 @@ def panels_for(tolerance: float | None) -> int:
     return min(round(PANELS * finer ** (2 / 3)), 4 * PANELS)
 
 
+def unlisted(floats: Sequence[Float]) -> Iterator[InputError]:
+    """Of floats that are on one that is not listed before them."""
+    names = [f.name for f in floats]
+    for i, f in enumerate(floats):
+        if f.on and f.on not in names[:i]:
+            yield InputError(f"floats.{f.name}.on", f.on, "must name a float that is listed before")
+
+
 def needs_coefficients(settings: Settings, hulls: Sequence[Revolution | PanelHull], depth: float) -> bool:
     """Whether anything depends on coefficients of floats with these hulls; pressure on those that stand is linear."""
     s = settings
@@ -799,6 +814,8 @@ class Scene:
 
     def _carrier_problems(self) -> Iterator[InputError]:
         names = [f.name for f in self.floats]
+        if self.platform is None:
+            yield from unlisted(self.floats)
         for i, f in enumerate(self.floats):
             if names.index(f.name) < i:
                 yield InputError("floats.name", f.name, f"given {names.count(f.name)} times, must be unique")
@@ -806,8 +823,6 @@ class Scene:
                 yield InputError("platform.hinge_nodes", f.name, "no node carries this float's hinge")
             if f.on and self.platform:
                 yield InputError(f"floats.{f.name}.on", f.on, "must be empty: the platform carries every float")
-            elif f.on and f.on not in names[:i]:
-                yield InputError(f"floats.{f.name}.on", f.on, "must name a float that is listed before")
 
     @property
     def sharing(self) -> tuple[tuple[Float, ...], ...]:
@@ -891,3 +906,9 @@ def out_of_place(item: Float, water: Water) -> Iterator[InputError]:
     elif abs(z) > STILL_WATER:
         limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {z:g} m"
         yield InputError(key, item.arm, limit)
+
+
+def require_waves(scene: Scene) -> None:
+    """Refuse the frequency domain in a still sea."""
+    if scene.settings.method == "frequency" and not scene.sea.amplitude.any():
+        raise InputError("settings.method", "frequency", "needs waves: a decay is a matter of the time domain")

@@ -81,6 +81,8 @@ def encode(hydrodynamics: Hydrodynamics, key: str = "") -> bytes:
     """The file of a set of coefficients, those of the geometry with this key."""
     variables = _variables(hydrodynamics, ARRAYS)
     memory = hydrodynamics.memory
+    if memory is not None and not memory.beta.size:  # of what does not move: classic files have no arrays of nothing
+        memory = None
     if hydrodynamics.error is not None:
         variables |= _variables(hydrodynamics.error, ERRORS)
     if memory is not None:

@@ -33,10 +33,9 @@ from pipeline.tasks.task import (
     surviving,
 )
 from solver.errors import InputError
-from solver.scene import OF_FLOATS, OF_STEEL
+from solver.scene import MOST_STEPS, OF_FLOATS, OF_STEEL
 
 # Far more than anybody has asked for, and already days of work or all of a machine's memory.
-MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
 MOST_TASKS = 10_000_000
 MOST_AXES = 24  # over keys, each of which is a dimension of the dataset
 MOST_FLOATS = 100

@@ -149,8 +149,10 @@ def judge(parameters: Parameters) -> Sequence[str]:
     from pipeline.bridge import scenes
     from solver.balance import warnings
     from solver.hydrodynamics.bem.adopted import require_covered
+    from solver.scene import require_waves
 
     scene = scenes.scene(parameters)
+    require_waves(scene)
     geometry = geometry_of(parameters)
     if geometry and geometry.coefficients:
         if "drift" in scene.settings.outputs:

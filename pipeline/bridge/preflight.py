@@ -10,7 +10,7 @@ from pipeline.bridge.engine import Engine
 from pipeline.bridge.scenes import objections
 from pipeline.bridge.sea_checks import of_sea
 from pipeline.study.reading import StudyError
-from pipeline.study.seas import Components, Regular
+from pipeline.study.seas import Components, Regular, Still
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Parameters, Task
 
@@ -22,6 +22,7 @@ def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
     """Raise StudyError in the solver's words, under the study file's keys; or what is odd and yet no error."""
     distinct: dict[tuple[object, ...], Task] = {}
     seas: dict[object, Task] = {}
+    still = {label for label, sea in study.content.seas.items() if isinstance(sea, Still)}
     named = [axis.name for axis in study.content.varied]
     met: set[tuple[str, object]] = set()
     for task in tasks:
@@ -31,7 +32,8 @@ def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
         if fresh := labels - met:
             distinct[place, *fresh] = task
             met |= fresh
-        seas[task.labels["sea_state"]] = task
+        sea = task.labels["sea_state"]
+        seas[sea, *(labels if sea in still else ())] = task  # which some methods are not for
     platforms = {task.labels["platform"]: task for task in distinct.values()}
     odd: list[str] = []
     every = {task.id: task for task in (*distinct.values(), *seas.values())}

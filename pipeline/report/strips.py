@@ -26,9 +26,10 @@ def directions(results: Results) -> list[str]:
 
 def hinge_forces(results: Results) -> Figure | None:
     """Largest and least force of every realization, float and sea state."""
-    if not results.has(FORCE):
+    shown = directions(results) if results.has(FORCE) else []
+    if not shown:
         return None
-    shown, floats = directions(results), results.labels("float")
+    floats = results.labels("float")
     figure = canvas(9.0, len(floats) * (0.8 + min(0.36 * len(results.sea_names), 10.0)))
     grid = figure.subplots(len(floats), len(shown), sharex="col", sharey=True, squeeze=False)
     for item, row in zip(floats, grid, strict=True):

@@ -16,7 +16,7 @@ from solver.coupled.system import System, prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits, shared
-from solver.scene import STEPS, Scene, two_digits
+from solver.scene import MOST_STEPS, STEPS, Scene, two_digits
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
 PLATFORM = 6  # lowest shapes of the platform that are told, besides all joints
@@ -214,7 +214,11 @@ def with_usual_step(system: System, modes: SystemModes) -> System:
         step = min(system.scene.usual_step, *periods / STEPS, np.inf)
     else:
         step = min([*_swinging(system, modes) / DRAWN, *modes.period / STEPS], default=system.scene.usual_step)
-    return system.with_step(two_digits(step if np.isfinite(step) else system.scene.usual_step))
+    step, s = two_digits(step if np.isfinite(step) else system.scene.usual_step), system.scene.settings
+    if (longest := s.discard + s.duration) > MOST_STEPS * step:
+        what = f"the scene's own periods ask for steps of {step:g} s, more than {MOST_STEPS} in {longest:g} s"
+        raise SimulationFailed(f"{what}: set solver.time_step, if nothing sets the fastest of them swinging")
+    return system.with_step(step)
 
 
 def _swinging(system: System, modes: SystemModes) -> np.ndarray:

@@ -19,6 +19,7 @@ from solver.record.response import carried
 from solver.scene import Scene
 
 AGREED = 1e-5  # error of any coordinate's std, relative to itself, at which the drag is that of its own result
+HELD = 1e-6  # of the waves' amplitudes: an axis that moves less is held
 ROUNDING = 1e-12  # change of a std that tells no more of how the next will be
 ROUNDS = 300
 UNBOUNDED = 1e6  # times the sum of the waves' amplitudes: no damping holds what moves as far
@@ -142,7 +143,8 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
         rate, last_std, std = turning * X, std, _length(X)
         if not np.max(std * model.length, initial=0.0) < UNBOUNDED * height:  # each wave's part is less
             _require_bounded(model, omega, X, height)
-        last, change = change, _change(last_std, std)
+        held = np.maximum(last_std, std)[nm:] * model.length[nm:] < HELD * height
+        last, change = change, max(_change(last_std[:nm], std[:nm]), _change(last_std[nm:][~held], std[nm:][~held]))
         if not (stations.size or quadratic.any() or bent) or _ahead(last, change) <= AGREED:
             return _Round(X=X, rate=rate, damping=damping, K=K, of_water=of_water, pto=pto, rounds=rounds)
     what = "drag or power take-off" if bent else "drag"

@@ -6,17 +6,18 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.balance import met
-from solver.errors import InputError
+from solver.coupled.assembly import joint_law
 from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
 from solver.frequency.response import Response, respond_in
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
+from solver.multibody.joint_law import bent
 from solver.record.audit import left_out_effect, together
 from solver.record.bound import above
 from solver.record.elements import elements_effect
-from solver.record.recorder import ELEVATION, Labelled, Record
+from solver.record.recorder import ELEVATION, Labelled, Record, bound
 from solver.record.spectra import bands, cross_spectra, crossings, moments
-from solver.scene import Scene
+from solver.scene import Scene, require_waves
 from solver.statistics import STATISTICS
 
 NEAR = 1e-4  # [m or rad] from equilibrium, where slopes are taken
@@ -33,14 +34,17 @@ class Forces(NamedTuple):
 
 def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
     """Statistics of the linear model's stationary response over `duration`; series and envelopes it does not have."""
-    if not scene.sea.amplitude.any():
-        raise InputError("settings.method", "frequency", "needs waves: a decay is a matter of the time domain")
+    require_waves(scene)
     case = case_of(scene, hydrodynamics)
     law, channels, support = case.law(scene.floats), case.channels, case.system.support
     response = respond_in(case, law)
     frame = _forces(case, response)
     linear, waves, omega = list(_outputs(case, response, frame)), case.waves.size, case.omega
     tables = _tables(case, linear) | dict(_of_squares(case, response, frame))
+    if bent(law).any():
+        rates = -1j * omega[:, None] * _joints(case, response)
+        fastest = gaussian.table(np.zeros(rates.shape[1]), rates, omega, case.duration)[:, 0]
+        bound(tables, scene, channels, joint_law(scene.floats), fastest)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
     elements = elements_effect(scene, hydrodynamics, support)
     attrs: dict[str, float | str] = {
@@ -82,13 +86,25 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     counted = None
     if channels.steel is not None and channels.steel.counts:
         counted = channels.steel.expected(frame.lines, omega)
-    further = drifting
+    further = drifting | dict(_strokes(case, response))
     if "moments" in scene.settings.outputs:
         of_order = {name: moments(omega, lines) for name, _, lines in linear}
-        further = {**drifting, **channels.moments({name: (crossings(m), m) for name, m in of_order.items()})}
+        further |= {**channels.moments({name: (crossings(m), m) for name, m in of_order.items()})}
     return channels.record(
         tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further
     )
+
+
+def _strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
+    """Of power take-offs, if asked for: from one end to the other, and the way in an hour, 3600 ⟨|v|⟩."""
+    if "pto_stroke" not in case.system.scene.settings.outputs or not case.system.scene.floats:
+        return
+    joints, omega = _joints(case, response), response.omega
+    ends = gaussian.table(np.zeros(joints.shape[1]), joints, omega, case.duration)
+    std = np.sqrt(0.5 * np.sum(np.abs(omega[:, None] * joints) ** 2, axis=0))
+    mean_size = np.sqrt(8) / np.pi if len(omega) == 1 else np.sqrt(2 / np.pi)  # over the std: harmonic, or Gaussian
+    for name, values in (("pto_stroke", ends[:, 0] - ends[:, 1]), ("pto_travel", 3600 * mean_size * std)):
+        yield name, (("float", "axis"), case.channels.by_axis(values[None])[0])
 
 
 def _first_order(scene: Scene) -> Iterator[str]:

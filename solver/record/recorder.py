@@ -13,6 +13,7 @@ from solver.coupled.natural import SystemModes
 from solver.coupled.step import CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, WITHSTOOD, Between, Output
 from solver.coupled.support import Support
 from solver.multibody.joint_law import (
+    JointLaw,
     bent,
     declutched,
     joint_loads,
@@ -45,7 +46,7 @@ from solver.statistics import STATISTICS, Statistics
 from solver.structure.legs import compressive
 
 ELEVATION = "wave_elevation"
-FAINT = 1e-3  # a wave below this share of the largest one says nothing of a float
+FAINT = 0.05  # a wave below this share of the largest one is less than what others make a float do at its frequency
 INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that others are made of
 # Though loads jump.
 CONTINUOUS = "wave_elevation", "rotation", "motion", "pto_rate", "line_tension", "top_displacement", *INNER
@@ -249,6 +250,30 @@ def _between(samples: np.ndarray, at: np.ndarray) -> np.ndarray:
     return np.sum([w[:, None] * samples[first + j] for j, w in zip(nodes, weight, strict=True)], axis=0)
 
 
+def bound(tables: dict[str, np.ndarray], scene: Scene, channels: Channels, law: JointLaw, fastest: np.ndarray) -> None:
+    """Keep the extremes of statistics (…, 5) within the law of the joints, in place.
+
+    A parabola does not know where a quantity is cut off, or jumps; nor does a linear model. fastest (nj,): rates.
+    """
+    load = pto_bounds(law)
+    largest = channels.by_axis(np.maximum(load, law.latch_load)[None])[0][..., None]
+    fastest = np.minimum(fastest, working_rates(law))
+    known = np.isfinite(load) & np.isfinite(fastest)
+    power = np.multiply(load, fastest, out=np.full(load.size, np.inf), where=known)
+    most = np.array([power[channels.owner == b].sum() for b in range(len(scene.floats))])[:, None]
+    given = [f.pto_efficiency or PtoEfficiency() for f in scene.floats]
+    least, high = (np.array([e.electrical(x) for e, x in zip(given, side, strict=True)]) for side in (-most, most))
+    limits = {
+        **dict.fromkeys(("latched", "declutched"), (0.0, 1.0)),
+        "pto_force": (-largest, largest),
+        "absorbed_power": (-most, most),
+        "electrical_power": (least, high),
+    }
+    for name, ends in limits.items():
+        if name in tables:
+            tables[name][..., :2] = np.clip(tables[name][..., :2], *ends)
+
+
 class Recorder:
     """Takes in the march's blocks and keeps only what the record needs."""
 
@@ -436,27 +461,14 @@ class Recorder:
             force = known["hinge_force"]
             force[..., 0] = np.maximum(force[..., 0], self.struck[0])
             force[..., 1] = np.minimum(force[..., 1], -self.struck[1])
-        for name, bound in self._bounds():  # a parabola does not know where a quantity is cut off, or jumps
-            if name in known:
-                known[name][..., :2] = np.clip(known[name][..., :2], *bound)
-        return known
-
-    def _bounds(self) -> Iterator[tuple[str, tuple[np.ndarray | float, np.ndarray | float]]]:
-        """The least and largest value that a channel can have, by the laws of the joints."""
-        channels, load = self.channels, pto_bounds(self.law)
-        yield from ((name, (0.0, 1.0)) for name in ("latched", "declutched"))
-        bound = channels.by_axis(load[None])[0][..., None]
-        held = channels.by_axis(self.law.latch_load[None])[0][..., None]
-        yield "pto_force", (-np.maximum(bound, held), np.maximum(bound, held))
+        for name in known.keys() & self.control.keys():  # as what holds, or has let go, or not
+            share = np.clip(known[name][..., 2], 0.0, 1.0)
+            known[name][..., 3], known[name][..., 4] = np.sqrt(share), np.sqrt(share * (1 - share))
+        fastest = np.full(self.channels.owner.size, np.inf)
         if RATES in self.statistics:
             fastest = np.abs(self.statistics[RATES].table()[:, :2]).max(axis=1)
-            fastest = np.minimum(fastest, working_rates(self.law))
-            power = np.multiply(load, fastest, out=np.full(load.size, np.inf), where=np.isfinite(load))
-            most = np.array([power[channels.owner == b].sum() for b in range(len(self.scene.floats))])[:, None]
-            yield "absorbed_power", (-most, most)
-            given = [f.pto_efficiency or PtoEfficiency() for f in self.scene.floats]
-            ends = [np.array([e.electrical(x) for e, x in zip(given, side, strict=True)]) for side in (-most, most)]
-            yield "electrical_power", (ends[0], ends[1])
+        bound(known, self.scene, self.channels, self.law, fastest)
+        return known
 
     @property
     def mean_power(self) -> np.ndarray:
