@@ -34,6 +34,7 @@ from solver.coupled.newton import factorize, shorter_part, substitute
 from solver.coupled.scheme import SMOOTHING, Scheme
 from solver.coupled.stages import State
 from solver.coupled.step import (
+    BEYOND,
     HITS,
     HOLDS,
     LET_GO,
@@ -43,7 +44,6 @@ from solver.coupled.step import (
     OK,
     RATE,
     UNCUT,
-    WITHSTOOD,
     Drive,
     Output,
     Problem,
@@ -69,6 +69,7 @@ from solver.multibody.joint_law import (
     STOP_ZONE,
     axis_energy,
     axis_load,
+    beyond,
     holding,
     jumps,
     leaving,
@@ -323,7 +324,7 @@ def _keep(
             pto = room.stage.zone[PTO_ZONE, i]
             between.contact[n + s, k, HOLDS] = 1.0 if pto == HELD else 0.0
             between.contact[n + s, k, LET_GO] = 1.0 if abs(pto) == GONE else 0.0
-            between.contact[n + s, k, WITHSTOOD] = room.stage.residual[s, i] if pto == HELD else 0.0
+            between.contact[n + s, k, BEYOND] = _beyond_law(problem, room, s, i)
     between.number[0] = n + 2
     between.follows[0] = True
 
@@ -352,7 +353,13 @@ def note(problem: Problem, room: Workspace, output: Output, length: float, middl
                     copy(stage.wrench[s, b], output.struck[rows[s], n, b])
             contact[HOLDS] += length / problem.dt if pto == HELD else 0.0
             contact[LET_GO] = 1.0 if abs(pto) == GONE else 0.0
-            contact[WITHSTOOD] = stage.residual[s, i] if pto == HELD else 0.0
+            contact[BEYOND] = _beyond_law(problem, room, s, i)
+
+
+@kernel(inline="always")
+def _beyond_law(problem: Problem, room: Workspace, s: int, i: int) -> float:
+    stage = room.stage
+    return beyond(problem.bodies.law, i, stage.zone[PTO_ZONE, i], stage.z[s, i], stage.dz[s, i], stage.residual[s, i])
 
 
 @inner_kernel

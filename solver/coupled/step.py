@@ -62,8 +62,8 @@ OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED = 0, 1, 2, 3, 4
 CONTACT = ("end_stop_hits", "impact_rate", "end_stop_load")
 HITS, RATE, LOAD = range(len(CONTACT))
 # And of an axis that is held, the share of the time; at the sample whether its power take-off has let go, and the load
-# that it withstands, held.
-HOLDS, LET_GO, WITHSTOOD = range(len(CONTACT), len(CONTACT) + 3)
+# that it bears beyond what its position and rate tell: see joint_law.beyond.
+HOLDS, LET_GO, BEYOND = range(len(CONTACT), len(CONTACT) + 3)
 
 
 class Drive(NamedTuple):
@@ -111,7 +111,7 @@ class Output(NamedTuple):
     ddp: np.ndarray  # (m, nm)
     carried: np.ndarray  # (m, nc) load of the floats on the support's nodes, along their carriers [N, N m]
     drag: np.ndarray  # (m, nd, ns) of the water on the frame at its stations [N]
-    contact: np.ndarray  # (m, number of bent axes, 6) since the sample before: CONTACT, HOLDS, LET_GO, WITHSTOOD
+    contact: np.ndarray  # (m, number of bent axes, 6) since the sample before: CONTACT, HOLDS, LET_GO, BEYOND
     struck: np.ndarray  # (m, number of bent axes, nb, 6) loads as `wrench`, when the axis's stop bore most since then
     lead: np.ndarray  # (m,) weight of the sample before in the mean over the time since then, by pieces; or UNCUT
     between: Between
@@ -206,7 +206,7 @@ def new_output(problem: Problem, samples: int) -> Output:
     bodies, structure = problem.bodies, problem.structure
     nz, nb, (nc, nm) = bodies.mechanism.size, bodies.axes.size, structure.carrier.shape
     shapes = ((nz,), (nz,), (nm,), (nb, 6), (nm,), (nm,), (nc,), structure.station.shape[1:])
-    contact = np.zeros((samples, problem.bent.size, WITHSTOOD + 1))
+    contact = np.zeros((samples, problem.bent.size, BEYOND + 1))
     struck = np.zeros((samples, problem.bent.size, nb, 6))
     return whole_output([np.empty((samples, *shape)) for shape in shapes], contact, struck, PIECES * samples)
 

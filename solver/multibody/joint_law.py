@@ -157,6 +157,19 @@ def _kinked_load(law: JointLaw, i: int, pto: int, y: float, dy: float) -> float:
 
 
 @kernel(inline="always")
+def beyond(law: JointLaw, i: int, pto: int, y: float, dy: float, withstood: float) -> float:
+    """What the power take-off bears in its zone over f_pto(y, ẏ), by which joint_loads has it [N or N m].
+
+    Held that is what it withstands; where it turns round ẏ is rounding, whose sign says nothing of its sense. Of one
+    that has let go LET_GO tells.
+    """
+    if abs(pto) == GONE:
+        return 0.0
+    borne = withstood if pto == HELD else axis_load(law, i, OPEN, pto, y, dy).pto
+    return borne - axis_load(law, i, OPEN, pto_zone(law, i, y, dy), y, dy).pto
+
+
+@kernel(inline="always")
 def _constant(law: JointLaw, i: int) -> float:
     return min(law.coulomb[i], _largest(law, i))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from solver.coupled.assembly import Layout, joint_law
 from solver.coupled.natural import SystemModes
-from solver.coupled.step import CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, WITHSTOOD, Between, Output
+from solver.coupled.step import BEYOND, CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, Between, Output
 from solver.coupled.support import Support
 from solver.multibody.joint_law import (
     JointLaw,
@@ -46,6 +46,7 @@ from solver.statistics import STATISTICS, Statistics
 from solver.structure.legs import compressive
 
 ELEVATION = "wave_elevation"
+END = 1 / 12  # see _ends
 FAINT = 0.05  # a wave below this share of the largest one is less than what others make a float do at its frequency
 INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that others are made of
 # Though loads jump.
@@ -250,6 +251,17 @@ def _between(samples: np.ndarray, at: np.ndarray) -> np.ndarray:
     return np.sum([w[:, None] * samples[first + j] for j, w in zip(nodes, weight, strict=True)], axis=0)
 
 
+def _ends(cut: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of m samples, those at the ends of what is left uncut where steps up to samples `cut` are, and their neighbours.
+
+    A mean by samples is that by trapezoids, whose errors cancel between neighbours. Where pieces take the place of
+    some, what is left errs at its ends by h²/12 of the slopes there: Gregory's rule takes END of a difference back.
+    """
+    before, after = np.setdiff1d(cut - 1, cut), np.setdiff1d(cut, cut - 1)
+    before, after = before[before > 0], after[after < count - 1]
+    return np.concatenate([before, after]), np.concatenate([before - 1, after + 1])
+
+
 def bound(tables: dict[str, np.ndarray], scene: Scene, channels: Channels, law: JointLaw, fastest: np.ndarray) -> None:
     """Keep the extremes of statistics (…, 5) within the law of the joints, in place.
 
@@ -358,11 +370,13 @@ class Recorder:
         told = dict(self._channels(slice(None), pieces, waves, forces, smooth))
         weight = np.concatenate([pieces.weight, output.lead[cut] - 0.5, np.full(cut.size, -0.5)])
         of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
+        inner, outer = _ends(cut - first, len(output.lead[kept]))
+        weights = np.concatenate([weight, np.full(inner.size, -END), np.full(inner.size, END)])
         for name, values in channels.items():
             if name not in self.control:  # which are means over that time already
                 flat, new = values.reshape(len(values), -1), told[name].reshape(some.size, -1)
                 own = np.concatenate([new, flat[cut - 1 - first], flat[cut - first]])
-                self.statistics[name].amend(own, weight)
+                self.statistics[name].amend(np.concatenate([own, flat[inner], flat[outer]]), weights)
                 if self.scene.settings.keep_series and name not in INNER:
                     sums = np.zeros((2, cut.size, own.shape[1]))
                     for total, power in zip(sums, (own, own**2), strict=True):
@@ -393,7 +407,7 @@ class Recorder:
             first = output.z.shape[1] - nj
             joint, rate = (np.ascontiguousarray(part[kept, first:]) for part in (output.z, output.dz))
             yield from channels.motions(joint)
-            at_work, held = self._at_work(output.contact[kept])
+            at_work, beyond = self._at_work(output.contact[kept])
             absorbed = joint_loads(self.law, joint, rate).pto * rate * at_work
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))
             if self.bounded:
@@ -401,7 +415,7 @@ class Recorder:
             if "pto_stroke" in self.scene.settings.outputs:
                 yield STROKES, np.concatenate([joint, np.abs(rate)], axis=1)
                 yield "pto_rate", channels.by_axis(rate)
-            yield from self._pto(joint, rate, at_work, held)
+            yield from self._pto(joint, rate, at_work, beyond)
             yield from self._control(output.contact[kept])
             yield "hinge_force", channels.hinge_force(output.wrench[kept])
             if channels.lines:
@@ -419,13 +433,13 @@ class Recorder:
         yield from channels.steel.channels(forces)
 
     def _at_work(self, contact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(m, nj) 0 where a power take-off has let go of its axis, else 1; the load it withstands, held at rest."""
+        """(m, nj) 0 where a power take-off has let go of its axis, else 1; the load it bears beyond joint_loads."""
         shape = len(contact), self.channels.owner.size
-        at_work, held = np.ones(shape), np.zeros(shape)
+        at_work, beyond = np.ones(shape), np.zeros(shape)
         if contact.shape[1]:
             at_work[:, bent(self.law)] -= contact[:, :, LET_GO]
-            held[:, bent(self.law)] = contact[:, :, WITHSTOOD]
-        return at_work, held
+            beyond[:, bent(self.law)] = contact[:, :, BEYOND]
+        return at_work, beyond
 
     def _control(self, contact: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """Share of the time in which axes are held by a latch, or let go of; NaN on axes without the one or other."""
@@ -435,7 +449,7 @@ class Recorder:
             yield name, self.channels.by_axis(share)
 
     def _pto(
-        self, joint: np.ndarray, rate: np.ndarray, at_work: np.ndarray, held: np.ndarray
+        self, joint: np.ndarray, rate: np.ndarray, at_work: np.ndarray, beyond: np.ndarray
     ) -> Iterator[tuple[str, np.ndarray]]:
         """Force and electrical power of the power take-offs at positions and rates (m, nj), where asked for."""
         floats, channels = self.scene.floats, self.channels
@@ -444,7 +458,7 @@ class Recorder:
             return
         load = pto_loads(self.law, joint, rate) * at_work
         if wanted:
-            yield "pto_force", channels.by_axis(0.0 - load - held)
+            yield "pto_force", channels.by_axis(0.0 - load - beyond)
         electrical = np.full((len(joint), len(floats)), np.nan)
         for b, f in enumerate(floats):
             if f.pto_efficiency is not None:

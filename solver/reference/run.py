@@ -19,7 +19,7 @@ from solver.coupled.assembly import joint_law
 from solver.coupled.driving import driven
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.natural import require_stable, system_modes, with_usual_step
-from solver.coupled.step import CONTACT, WITHSTOOD, Output, whole_output
+from solver.coupled.step import BEYOND, CONTACT, Output, whole_output
 from solver.coupled.system import BALANCE, System, energy_residual, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
@@ -261,7 +261,7 @@ def _contact(case: Case, z: np.ndarray, dz: np.ndarray) -> np.ndarray:
     some = bent(law)
     load = stop_loads(law, z, dz)[:, some]
     begins = np.diff(load > 0, axis=0, prepend=load[:1] > 0) & (load > 0)
-    contact = np.zeros((*load.shape, WITHSTOOD + 1))
+    contact = np.zeros((*load.shape, BEYOND + 1))
     contact[..., : len(CONTACT)] = np.stack([begins, begins * np.abs(dz[:, some]), load], axis=-1)
     return contact
 

@@ -118,6 +118,20 @@ def test_statistics_of_hits_are_those_of_pieces(dt, seconds):
     assert [most, -least] == approx([M * np.sqrt(STIFF)] * 2, rel=0.02)
 
 
+@pytest.mark.parametrize("dt", [0.4, 0.2])
+def test_the_mean_power_of_friction_is_its_work(dt):
+    """⟨F|v|⟩ has a kink at every turn: what pieces tell there would leave (ωh)²/12 of it to the samples between."""
+    seconds, friction = 200.0, 0.002 * M
+    scene = mass(dt, seconds, stiffness=M, offset=1.0, coulomb=friction)
+    scene = replace(scene, settings=replace(scene.settings, keep_series=True))
+    record = simulate(scene, None)
+    power = record.series["absorbed_power"][1][:, 0]
+    h = np.diff(record.series["time"][1][:2])[0]
+    mean = record.variables["absorbed_power"][1][0, 2]
+    told = mean * seconds - power[-1] * h / 2  # which samples count whole
+    assert told == approx(record.attrs["work_pto"], rel=2e-4)
+
+
 def test_friction_alone_is_all_that_the_hinge_bears():
     """At most that at which it slips, though a parabola through samples before and after a turn is higher."""
     friction = M
