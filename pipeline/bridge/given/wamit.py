@@ -102,7 +102,9 @@ def _given(
         stiffness[rows, columns] = table.stiffness[:, 2]
         stiffness *= density * gravity * length ** (2.0 + turns[:, None] + turns)
     forced = _force(table.force, periods, headings, turns, length)
-    present = sorted({*i[real].tolist()})
+    present = sorted(
+        _motions(i[real] + 1).intersection(*(_motions(f[:, 2]) for f in (table.force, table.incident) if len(f)))
+    )
     return Given(
         name=name,
         omega=omega,
@@ -124,16 +126,21 @@ def _given(
     )
 
 
+def _motions(numbers: np.ndarray) -> set[int]:
+    """Indices from 0 of the motions with these numbers."""
+    return {int(number) - 1 for number in numbers}
+
+
 def _force(rows: np.ndarray, periods: np.ndarray, headings: np.ndarray, turns: np.ndarray, length: float) -> np.ndarray:
-    """(nw, nh, n) over ρg, conjugated to Re{X exp(-iωt)}; refused where a period or heading is missing."""
-    force = np.full((len(periods), len(headings), len(turns)), np.nan, complex)
+    """(nw, nh, n) over ρg, conjugated to Re{X exp(-iωt)}; refused where a period or heading of a motion is missing."""
+    force = np.zeros((len(periods), len(headings), len(turns)), complex)
+    has = np.zeros(force.shape, bool)
     rows = rows[np.isin(rows[:, 0], periods)]
     w, h, i = np.searchsorted(periods, rows[:, 0]), np.searchsorted(headings, rows[:, 1]), rows[:, 2].astype(int) - 1
-    force[w, h, i] = rows[:, 5] - 1j * rows[:, 6]
-    absent = np.isnan(force).all(axis=(0, 1))  # motions that the run left out
-    force[..., absent] = 0.0
-    if np.isnan(force).any():
-        missing = periods[np.isnan(force).any(axis=(1, 2))][0]
+    force[w, h, i], has[w, h, i] = rows[:, 5] - 1j * rows[:, 6], True
+    lacks = ~has[..., sorted(_motions(rows[:, 2]))].all(axis=(1, 2))  # others the run left out
+    if lacks.any():
+        missing = periods[lacks][0]
         raise ValueError(f"the exciting force lacks period {missing:g} s, which added mass has, in some heading")
     return force * length ** (2.0 + turns)
 

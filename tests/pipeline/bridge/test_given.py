@@ -428,6 +428,21 @@ def test_misfits_are_said_before_anything_runs(ours, study, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        (lambda row: [], "lacks pitch of front"),
+        (lambda row: [*row[:5], "nan", "nan"], "has numbers that are not finite"),
+    ],
+)
+def test_a_force_that_a_file_lacks_is_not_taken_for_none(ours, study, tmp_path, row, message):
+    """Of the front float's pitch in all periods, which added mass has."""
+    wamit_files(tmp_path, ours)
+    rows = [line.split() for line in (tmp_path / "pair.3").read_text().splitlines()]
+    (tmp_path / "pair.3").write_text("\n".join(" ".join(row(words) if words[2] == "5" else words) for words in rows))
+    assert message in judged(study("pair.1"))
+
+
+@pytest.mark.parametrize(
     ("name", "content", "message"),
     [("a.nc", b"no netCDF", "is not readable as .nc"), ("a.txt", b"1 2 3", "must end in one of .nc, .h5, "),
      ("a.out", b"Gravity: 9.81", "has no line with"),
