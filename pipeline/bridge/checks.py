@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 
 from pipeline.bridge import scenes, sea_checks
+from pipeline.results.variables import COORDINATES, VARIABLES
 from pipeline.study import seas
 from pipeline.study.axes import TAKEN, Axes, Axis
 from pipeline.study.layout import HINGE
@@ -108,12 +109,19 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
             "axes", f"{len(study.varied)} keys", f"must be <= {MOST_AXES}; [[axes.together]] varies several"
         )
         return
+    taken = TAKEN | VARIABLES.keys() | COORDINATES.keys() - set(AXES)
     for group in study.axes.together:
-        if group.name in TAKEN or getattr(study.axes, group.name, None):
-            yield InputError("axes.together.name", group.name, "is the name of another dimension or coordinate")
+        if group.name in taken or getattr(study.axes, group.name, None):
+            yield InputError("axes.together.name", group.name, "is the name of another dimension, coordinate or output")
+        for words in group.beside:
+            if words.partition(" ")[0] in taken:
+                limit = "is the name of another dimension, coordinate or output"
+                yield InputError(f'axes.together."{words}"', list(group.beside[words]), limit)
     for axis in study.varied:
         together = [axis.at(place) for place in range(len(axis.labels))]
         for path, values in axis.keys.items():
+            if path.endswith(".name"):
+                yield InputError(f'axes."{path}"', list(values), "is what others know the part by, and cannot vary")
             if not values:
                 yield InputError(f'axes."{path}"', "[]", "needs at least one value")
             for label, given in zip(axis.labels, together, strict=True):

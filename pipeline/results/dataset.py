@@ -129,14 +129,15 @@ def _dataset(
     knobs: dict[str, float] = {}
     for name in sorted(arrays.values):
         values, inner = arrays.whole(name), arrays.dims[name]
-        if name in table:
+        if name in table and name in KNOBS:
             continue  # an axis has it as its labels
         if name in KNOBS and (knob := _single(values[..., None], len(table))) is not None:
             knobs[name] = float(knob[0])
         elif name == ALONG_MODE and (single := _single(values, len(table))) is not None:
             variables[name] = Variable(inner, single, meaning(name))
         else:
-            variables[name] = Variable((*outer, *inner), values[keep], meaning(name, axes_met))
+            own = f"{name}_found" if name in table else name  # beside what an axis gives: "balance", or none at all
+            variables[own] = Variable((*outer, *inner), values[keep], meaning(name, axes_met))
     for name, texts in words.items():
         variables[name] = Variable(tuple(outer), np.asarray(texts[keep]), meaning(name))
     coordinates = _coordinates(study, table, outer, arrays)

@@ -17,11 +17,12 @@ from pipeline.study.tables import Count, Label, Name, NotNegative, Number, Posit
 
 Support = Literal["elastic", "fixed", "elastic-no-floats"]
 
-# Dimensions and coordinates of every dataset, which no key's last word may take.
+# Dimensions, coordinates and outputs of datasets that are some key's last word, which no axis over it may take.
 TAKEN = frozenset((
     "sea_state", "platform", "seed", "float", "axis", "line", "leg", "direction", "height", "statistic", "mode",
     "system_mode", "component", "variant", "variant_title", "sample", "status", "task", "unmet", "axis_unit",
     "elapsed_time", "wall_time", "foot", "node", "member", "tube", "end", "force", "moment", "fibre", "member_fibre",
+    "motion", "rotation", "rao", "utilisation",
 ))  # fmt: skip
 UNCHANGED = object()
 WORD = re.compile(r"([A-Za-z_]\w*)(?: \[([^\[\]]+)\])?")  # length [m]

@@ -1,13 +1,18 @@
 """Axes over any key: what a path reaches, what each task becomes, and what is wrong with a path or its values."""
 
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
+from pydantic import BaseModel
 
 from pipeline.bridge.loading import load
+from pipeline.results.variables import VARIABLES
+from pipeline.study.axes import TAKEN
 from pipeline.study.paths import PathError, with_value
 from pipeline.study.reading import StudyError
+from pipeline.study.schema import StudyFile
 from pipeline.tasks.select import select
 from pipeline.tasks.task import axes, dimensions, expand, known_as
 
@@ -153,6 +158,9 @@ WRONG = [
     ("[[axes.together]]\n'water.depth' = [50.0]", "axes.together[0].name: is missing"),
     ("[[axes.together]]\nname = 'a'\n'water.depth' = [50.0]\n'a/b' = [1]", "[0].a/b = [1]: must be a dotted path"),
     ("[[axes.together]]\nname = 'seed'\n'water.depth' = [50.0]", "axes.together.name = seed: is the name of another"),
+    ("[[axes.together]]\nname = 'motion'\n'water.depth' = [50.0]", "axes.together.name = motion: is the name of another"),
+    ("[[axes.together]]\nname = 'a'\n'water.depth' = [50.0]\n'task [s]' = [1]", '"task [s]" = [1]: is the name of another'),
+    ('"floats.front.name" = ["a", "b"]', "is what others know the part by, and cannot vary"),
     ('"water.depth" = [1979-05-27]', 'axes."water.depth" = 1979-05-27: must be a number [m]'),
     ("[samples]\ncount = 4\n'water.depth' = { from = 0.0, to = 2.0, spacing = 'log' }", 'needs numbers > 0'),
     ("[variants.deep]\n'water.depht' = 60.0", 'variants.deep."water.depht" = 60.0: leads nowhere; did you mean '),
@@ -477,3 +485,19 @@ def test_a_fault_of_the_whole_study_is_told_once_and_one_of_a_value_with_it(smal
     told = [line for line in str(caught.value).splitlines() if "record.ramp" in line]
     assert [": axes." in line for line in told] == [False, True]
     assert "= 90.0: record.ramp = 10000.0: must be <= record.discard = 90 s" in told[1]
+
+
+def _words(model, seen):
+    """Last words of a table's keys, with those of tables in it."""
+    if isinstance(model, type) and issubclass(model, BaseModel) and model not in seen:
+        seen.add(model)
+        for name, field in model.model_fields.items():
+            yield field.alias or name
+            yield from _words(field.annotation, seen)
+    for part in get_args(model):
+        yield from _words(part, seen)
+
+
+def test_no_axis_takes_the_place_of_an_output():
+    """What is found where `balance` and `hold` are asked for is put out beside it, with another name."""
+    assert {*_words(StudyFile, set())} & VARIABLES.keys() - TAKEN == {"mass", "cog", "preload"}
