@@ -67,6 +67,7 @@ from solver.multibody.joint_law import (
     PTO_ZONE,
     SLIPS,
     STOP_ZONE,
+    TABLE,
     axis_energy,
     axis_load,
     beyond,
@@ -74,6 +75,7 @@ from solver.multibody.joint_law import (
     jumps,
     leaving,
     next_zone,
+    pto_zone,
     stays,
     stop_load,
 )
@@ -218,7 +220,7 @@ def in_pieces(
                 fine.shared[0] = 0
                 if changes > CHANGES:
                     return NOT_CONVERGED, used
-                if not _change(problem, state, room, i, kind, output.contact[row]):
+                if not _change(problem, state, room, i, kind, at == 0, length, output.contact[row]):
                     return NOT_FINITE, used
                 output.between.follows[0] = kind == STOP_ZONE and abs(room.stage.zone[STOP_ZONE, i]) != PRESSED
                 before = _stored(problem, state, room)
@@ -519,7 +521,7 @@ def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, k
                     high = middle
                 else:
                     low = middle
-            return high
+            return high if high > SLIVER else 0.0
         before = now
     return 0.0 if before > 0 else NEVER
 
@@ -527,33 +529,57 @@ def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, k
 @inner_kernel
 def _beyond(problem: Problem, state: State, room: Workspace, h: float, i: int, kind: int, x: float) -> float:
     """> 0 where axis i is beyond its zone at the share x of the step, by the collocation's polynomials."""
-    start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]
-    law, zone = problem.bodies.law, stage.zone[kind, i]
+    stage, law, zone = room.stage, problem.bodies.law, room.stage.zone[kind, i]
     if kind == PTO_ZONE and zone == HELD:
         r0, r1, r2 = state.held[i], stage.residual[0, i], stage.residual[1, i]
         load = r0 + x * (-3 * r0 + 4 * r1 - r2) + 2 * x * x * (r0 - 2 * r1 + r2)
         return max(load - holding(law, i, 1), -load - holding(law, i, -1))
+    y, dy = _way(problem, state, room, h, i, x)
+    return leaving(law, i, kind, zone, y, dy)
+
+
+@inner_kernel
+def _way(problem: Problem, state: State, room: Workspace, h: float, i: int, x: float) -> tuple[float, float]:
+    """Position and rate of axis i there."""
+    start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]
     a0, a1, a2 = state.ddz[2, i - nc], stage.ddz[0, i], stage.ddz[1, i]
     if _smooths(problem, state, room):
         a0 = 2 * a1 - a2
     b, c, t = -3 * a0 + 4 * a1 - a2, 2 * (a0 - 2 * a1 + a2), x * h
     dy = start.dz[i] + t * (a0 + x * (b / 2 + x * c / 3))
     y = start.z[i] + t * start.dz[i] + t * t * (a0 / 2 + x * (b / 6 + x * c / 12))
-    return leaving(law, i, kind, zone, y, dy)
+    return y, dy
 
 
 # ---- behind it
 
 
 @inner_kernel
-def _change(problem: Problem, state: State, room: Workspace, i: int, kind: int, contact: np.ndarray) -> bool:
-    """Axis i enters its next zone where the state is; False where the masses are singular."""
+def _change(
+    problem: Problem,
+    state: State,
+    room: Workspace,
+    i: int,
+    kind: int,
+    at_once: bool,
+    length: float,
+    contact: np.ndarray,
+) -> bool:
+    """Axis i enters its next zone where the state is; False where the masses are singular.
+
+    Of a table it leaves a piece at once into that where the stages, of a step of this length [s], have it next: where
+    lines cross, as at rest, the borders do not tell.
+    """
     start, nc = room.start, problem.structure.carrier.shape[0]
     law, old = problem.bodies.law, room.stage.zone[kind, i]
     if kind == PTO_ZONE and old == HELD:
         new = SLIPS if state.held[i] > 0 else -SLIPS
     else:
         new = next_zone(law, i, kind, old, start.z[i], start.dz[i])
+    if at_once and kind == PTO_ZONE and old >= TABLE:
+        y, dy = _way(problem, state, room, length, i, 1 / SCAN)
+        soon = pto_zone(law, i, y, dy)
+        new = soon if soon != old else new
     if kind == STOP_ZONE and abs(new) == PRESSED:
         _begin_swing(problem, state, i)
         for n in range(problem.bent.size):

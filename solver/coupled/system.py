@@ -230,8 +230,9 @@ class System:
         """(2, nz) of the joints' laws where the floats are let go at rest at z (nz,)."""
         zone = np.zeros((2, z.size), np.int64)
         joint_law.zones_at_rest(self.bodies.law, z, zone)
-        zone[joint_law.PTO_ZONE, joint_law.turning(self.bodies.law)] = joint_law.HELD
-        for i in np.flatnonzero(joint_law.tabled(self.bodies.law)):
+        zone[joint_law.PTO_ZONE, joint_law.holds(self.bodies.law)] = joint_law.HELD
+        others = joint_law.turning(self.bodies.law) & ~joint_law.holds(self.bodies.law)
+        for i in np.flatnonzero(joint_law.tabled(self.bodies.law) | others):
             zone[joint_law.PTO_ZONE, i] = joint_law.pto_zone(self.bodies.law, int(i), z[i], 0.0)
         return zone
 
@@ -532,7 +533,7 @@ def _initial_acceleration(
         load[:nm] += system.drag_at_rest(first.station[0])
     if first.push.size:
         load[:nm] += np.tensordot(frame.station, first.push[0], axes=2)
-    at_rest = np.flatnonzero(joint_law.turning(body.law))
+    at_rest = np.flatnonzero(joint_law.holds(body.law))
     rows, free, known = nm + at_rest - nc, whole.copy(), load.copy()
     free[rows], known[rows] = np.eye(len(whole))[rows], 0.0
     acceleration = np.linalg.solve(free, known)

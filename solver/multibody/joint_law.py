@@ -187,6 +187,12 @@ def holding(law: JointLaw, i: int, sense: int) -> float:
 
 
 @kernel(inline="always")
+def _holds(law: JointLaw, i: int) -> bool:
+    """Whether an axis withstands any load at rest."""
+    return law.coulomb[i] > 0 or law.latch_load[i] > 0
+
+
+@kernel(inline="always")
 def jumps(law: JointLaw, i: int) -> bool:
     """Whether the load jumps where the power take-off leaves a zone: one that holds at rest, or lets go."""
     return holding(law, i, 1) > 0 or holding(law, i, -1) > 0 or law.declutch_load[i] < np.inf
@@ -301,7 +307,7 @@ def stops_zone(law: JointLaw, i: int, y: float, dy: float) -> int:
 
 @kernel(inline="always")
 def pto_zone(law: JointLaw, i: int, y: float, dy: float) -> int:
-    """The zone of the power take-off that y, dy lie in; HELD at rest where F_c, or another sense, begins there.
+    """The zone of the power take-off that y, dy lie in; HELD at rest where something holds there.
 
     One that has let go is not told from one at work.
     """
@@ -312,7 +318,7 @@ def pto_zone(law: JointLaw, i: int, y: float, dy: float) -> int:
         return sense * LIMITED
     if not _turns_at_rest(law, i):
         return LINEAR
-    return HELD if dy == 0 else sense * SLIPS
+    return HELD if dy == 0 and _holds(law, i) else sense * SLIPS
 
 
 @kernel(inline="always")
@@ -356,8 +362,16 @@ def leaving(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) ->
 
 
 @kernel(inline="always")
+def _turned(law: JointLaw, i: int, zone: int) -> int:
+    """The zone of an axis that was in another, with its sign, and has turned round."""
+    if _holds(law, i):
+        return HELD
+    return -SLIPS if zone > 0 else SLIPS
+
+
+@kernel(inline="always")
 def next_zone(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) -> int:
-    """The zone behind the border of another at y, dy; HELD where the rate is zero there."""
+    """The zone behind the border of another at y, dy."""
     if kind == STOP_ZONE:
         if zone == OPEN:
             return PRESSED if y - law.end_stops.upper[i] > law.end_stops.lower[i] - y else -PRESSED
@@ -370,11 +384,11 @@ def next_zone(law: JointLaw, i: int, kind: int, zone: int, y: float, dy: float) 
     if zone == LINEAR:
         return reached
     if abs(zone) == GONE:
-        return HELD if _turns_at_rest(law, i) else LINEAR
+        return _turned(law, i, zone) if _turns_at_rest(law, i) else LINEAR
     if abs(zone) == LIMITED:
         return (1 if zone > 0 else -1) * SLIPS if _turns_at_rest(law, i) else LINEAR
     rate = _limiting_rate(law, i)
-    return HELD if abs(dy) < 0.5 * rate else reached
+    return _turned(law, i, zone) if abs(dy) < 0.5 * rate else reached
 
 
 def joint_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> JointLoads:
@@ -410,6 +424,11 @@ def pto_bounds(law: JointLaw) -> np.ndarray:
     loads = [law.tables.load[a:b] for a, b in pairwise(law.tables.first_load)]
     largest = [np.abs(load).max() if load.size else most for load, most in zip(loads, limit, strict=True)]
     return np.where(law.pto_stiffness == 0, largest, np.inf)
+
+
+def borne_at_most(law: JointLaw) -> np.ndarray:
+    """The same of what it bears, held or not (n,)."""
+    return np.maximum(pto_bounds(law), law.latch_load)
 
 
 def working_rates(law: JointLaw) -> np.ndarray:
@@ -543,6 +562,11 @@ def stopped(law: JointLaw) -> np.ndarray:
 def turning(law: JointLaw) -> np.ndarray:
     """Which axes have a law that is another for each sense of motion, or a latch (n,)."""
     return (law.coulomb > 0) | (law.one_way != 0) | latched(law)
+
+
+def holds(law: JointLaw) -> np.ndarray:
+    """Which axes withstand loads at rest (n,)."""
+    return (law.coulomb > 0) | latched(law)
 
 
 def latched(law: JointLaw) -> np.ndarray:

@@ -15,6 +15,7 @@ from solver.coupled.support import Support
 from solver.multibody.joint_law import (
     JointLaw,
     bent,
+    borne_at_most,
     declutched,
     joint_loads,
     latched,
@@ -268,7 +269,7 @@ def bound(tables: dict[str, np.ndarray], scene: Scene, channels: Channels, law: 
     A parabola does not know where a quantity is cut off, or jumps; nor does a linear model. fastest (nj,): rates.
     """
     load = pto_bounds(law)
-    largest = channels.by_axis(np.maximum(load, law.latch_load)[None])[0][..., None]
+    largest = channels.by_axis(borne_at_most(law)[None])[0][..., None]
     fastest = np.minimum(fastest, working_rates(law))
     known = np.isfinite(load) & np.isfinite(fastest)
     power = np.multiply(load, fastest, out=np.full(load.size, np.inf), where=known)

@@ -342,6 +342,36 @@ def test_control_in_waves_closes_the_balance_and_is_told(law):
         assert np.abs(force[0, 1, :2]).max() <= 1e4 and power[0, 1] >= 0
 
 
+@pytest.mark.parametrize("lines", [(-1.0, 0.0, 1.0), (-1.0, 1.0)])
+def test_a_table_whose_lines_cross_at_rest_is_left_where_the_float_goes(lines):
+    """As a damper that it is: at rest between four pieces none of their borders tells which is next."""
+    whole, known = awkward.soft_mooring()
+    settings = replace(whole.settings, duration=30.0, discard=10.0, ramp=5.0)
+    rates = (-2.0, 0.0, 2.0)
+    straight = PtoTable(
+        position=lines, velocity=rates, axis="heave", force=tuple(1e5 * v for _ in lines for v in rates)
+    )
+    laws = {"pto_table": straight}, {"pto_damping": (0.0, 1e5, 0.0)}
+    one, other = (
+        simulate(replace(whole, floats=(replace(whole.floats[0], **law),), settings=settings), known) for law in laws
+    )
+    for name in ("motion", "absorbed_power"):
+        told, exact = one.variables[name][1], other.variables[name][1]
+        assert told == approx(exact, rel=2e-3, abs=2e-3 * np.abs(exact).max()), name
+
+
+@pytest.mark.parametrize("one_way", [1.0, 0.5, -1.0])
+def test_what_takes_power_one_way_alone_starts_from_rest(one_way):
+    """In waves that grow from nothing: no load holds it there, whichever way it begins to move."""
+    whole, known = awkward.soft_mooring()
+    settings = replace(whole.settings, duration=30.0, discard=0.0, ramp=5.0, time_step=0.05, keep_series=True)
+    law = {"pto_damping": (0.0, 1e5, 0.0), "one_way": (0.0, one_way, 0.0)}
+    record = simulate(replace(whole, floats=(replace(whole.floats[0], **law),), settings=settings), known)
+    assert record.attrs["energy_residual"] < 1e-3 and record.attrs["work_pto"] > 0
+    mean, last = record.variables["absorbed_power"][1][0, 2], record.series["absorbed_power"][1][-1, 0]
+    assert mean * 30.0 - last * 0.0125 == approx(record.attrs["work_pto"], rel=1e-4)  # whose last sample counts whole
+
+
 def test_no_power_is_beyond_the_rate_at_which_a_power_take_off_lets_go():
     """Of samples before that rate, at it nearly, and after it the parabola's vertex is higher than the law allows."""
     scene = mass(0.1, 1.0, pto_damping=1e5, coulomb=2e3, declutch_load=1e4)
