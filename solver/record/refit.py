@@ -24,7 +24,7 @@ from solver.statistics import FAINT
 
 SWAYED = 3e-3  # what the fit may change a motion's RAO, its std or its power by, relative, where no tolerance is given
 TIMES = (2, 4, 8, 16)  # that what misfits do to the motions counts, one after another until it is little enough
-FEW = 24  # motions that there are: their fits take seconds, those of many more minutes
+FEW = 12  # motions that there are: their fits take seconds, those of more a minute
 LEAST = 0.1  # of a motion's largest response: changes of less are relative to that
 
 

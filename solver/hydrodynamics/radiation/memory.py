@@ -219,7 +219,7 @@ class _Data:
         at, even = self.resolved, np.ones(self.omega.size)
         poles = starting_poles(self.omega[at], pairs)
         best: _Candidate | None = None
-        strictly = mixed((self.samples - 1j * self.omega[:, None] * self.infinite)[at])
+        strictly = mixed((self.samples - 1j * self.omega[:, None] * self.infinite)[at], tolerance)
         for n in range(SETTLE + EQUALIZE):
             poles = relocated(poles, self.omega[at], strictly, (self.weight * even)[at])
             if n < SETTLE:

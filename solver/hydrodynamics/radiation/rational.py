@@ -9,6 +9,7 @@ import numpy as np
 FASTEST = 10  # largest modulus of a pole, in units of the highest frequency
 FEWEST = 2  # pairs of poles that are tried
 RELOCATED = 8  # times
+FELT = 1e-2  # of a misfit
 
 
 def starting_poles(omega: np.ndarray, pairs: int) -> np.ndarray:
@@ -46,16 +47,18 @@ def derivative_at_start(poles: np.ndarray) -> np.ndarray:
     return np.array(columns)
 
 
-def mixed(samples: np.ndarray) -> np.ndarray:
-    """As few columns (nw, at most 2 nw) as vector fitting cannot tell from `samples` (nw, m).
+def mixed(samples: np.ndarray, goal: float) -> np.ndarray:
+    """As few columns (nw, at most 2 nw) as vector fitting to a misfit cannot tell from `samples` (nw, m).
 
-    It sees sums of squares over the columns, which a real orthogonal mixture of them leaves as they are.
+    It sees sums of squares over the columns, which a real orthogonal mixture of them leaves as they are. Of mixtures
+    those are left out that cannot make FELT of the misfit.
     """
     parts = _stacked(samples)
     if parts.shape[1] <= parts.shape[0]:
         return samples
     u, size, _ = np.linalg.svd(parts, full_matrices=False)
-    real, imag = np.split(u * size, 2)
+    heard = size > FELT * goal * np.sqrt(len(samples))
+    real, imag = np.split(u[:, heard] * size[heard], 2)
     return real + 1j * imag
 
 
@@ -89,7 +92,7 @@ def fewest_poles(omega: np.ndarray, samples: np.ndarray, goal: float, most: int)
 
     As few as that takes, by steps of a quarter more, or those that come nearest.
     """
-    fewer, target, nearest = mixed(samples), _stacked(samples), np.inf
+    fewer, target, nearest = mixed(samples, goal), _stacked(samples), np.inf
     best, pairs = np.zeros(0, complex), FEWEST
     while pairs <= most and nearest > goal:
         poles = starting_poles(omega, pairs)
