@@ -170,7 +170,7 @@ def _status(study: Study, tasks: Tasks, store: Store, *, as_json: bool) -> tuple
         if as_json:
             row = {"id": task.id, "state": entry.state, "labels": task.written_labels, "unmet": entry.unmet}
             rows.append(json.dumps(row))
-    holder = store.holder()
+    holder = store.at_work()
     if as_json:
         head = json.dumps({"study": study.name, "holder": holder})[:-1]
         return f'{head}, "tasks": [\n' + ",\n".join(rows) + "\n]}", tally

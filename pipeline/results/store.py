@@ -308,6 +308,23 @@ class Store:
         who = read_json(self.root / ".lock.json")
         return f"process {who.get('pid')} on {who.get('host')} since {who.get('since')}" if who else ""
 
+    def at_work(self) -> str:
+        """The same; empty if that is a process of this machine that has ended."""
+        return "" if _ended(read_json(self.root / ".lock.json") or {}) else self.holder()
+
+
+def _ended(who: Mapping[str, Any]) -> bool:
+    """Whether a process of this machine is gone; of others nobody knows."""
+    if who.get("host") != os.uname().nodename or not isinstance(who.get("pid"), int):
+        return False
+    try:
+        os.kill(who["pid"], 0)
+    except ProcessLookupError:
+        return True
+    except OSError:  # another user's
+        return False
+    return False
+
 
 def sha256(data: bytes) -> str:
     """Checksum of a file's bytes."""

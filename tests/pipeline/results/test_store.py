@@ -1,7 +1,10 @@
 """Files appear whole or not at all, and only a whole record counts."""
 
+import json
 import os
 import shutil
+import subprocess
+import sys
 
 import pytest
 
@@ -130,6 +133,19 @@ def test_a_second_user_waits_and_is_told(store):
     assert f"in use by process {os.getpid()}" in words[0]
     with store.lock(waiting):
         assert len(words) == 1
+
+
+def test_a_killed_process_works_on_nothing(store):
+    ended = subprocess.run([sys.executable, "-c", "import os; print(os.getpid())"], capture_output=True, check=True)
+    for pid, host, works in (
+        (int(ended.stdout), os.uname().nodename, False),
+        (os.getpid(), os.uname().nodename, True),
+        (int(ended.stdout), "elsewhere", True),
+    ):
+        store.root.mkdir(parents=True, exist_ok=True)
+        (store.root / ".lock.json").write_text(json.dumps({"pid": pid, "host": host, "since": "now"}))
+        assert store.at_work() == (store.holder() if works else "")
+        assert f"process {pid} on {host}" in store.holder()
 
 
 @pytest.mark.parametrize("name", ["record.nc", "status.json", ".status.json.1.part"])
