@@ -89,7 +89,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     further = drifting | dict(_strokes(case, response))
     if "moments" in scene.settings.outputs:
         of_order = {name: moments(omega, lines) for name, _, lines in linear}
-        further |= {**channels.moments({name: (crossings(m), m) for name, m in of_order.items()})}
+        further |= channels.moments({name: (crossings(m), m) for name, m in of_order.items()})
     return channels.record(
         tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further
     )

@@ -337,6 +337,7 @@ def test_control_in_waves_closes_the_balance_and_is_told(law):
     assert np.all((0.5 * rate[:, 3] < travel / 3600) & (travel / 3600 < rate[:, 3]))
     for of in share.values():
         assert 0.02 < of[2] < 0.98 and of[0] == 1.0 and of[1] == 0.0
+        assert of[3:] == approx([np.sqrt(of[2]), np.sqrt(of[2] * (1 - of[2]))])  # as what is on or off
     if law == "declutch":
         power, force = (record.variables[name][1] for name in ("absorbed_power", "pto_force"))
         assert np.abs(force[0, 1, :2]).max() <= 1e4 and power[0, 1] >= 0

@@ -200,6 +200,14 @@ def test_a_decay_has_twenty_steps_in_the_period_of_what_is_let_go_and_nine_in_ot
         assert 0.9 * heaving / count < stepped(system, h).dt <= heaving / count
 
 
+def test_a_step_that_no_run_would_end_with_is_refused(monkeypatch):
+    item, h = SCENES["soft_mooring"]()
+    let_go = replace(item, sea=CALM, floats=(replace(item.floats[0], offset=(0, 0.3, 0)),))
+    monkeypatch.setattr("solver.coupled.natural.MOST_STEPS", 10)
+    with pytest.raises(SimulationFailed, match=r"the scene's own periods ask for steps of .* s, more than 10 in"):
+        stepped(prepare(let_go, h), h)
+
+
 def test_waves_alone_have_the_step_of_the_shortest():
     bare = scene([])
     assert stepped(prepare(bare, None), None).dt == bare.usual_step

@@ -333,6 +333,33 @@ def test_a_bent_power_take_off_takes_the_marchs_power(law):
     assert abs(unbent / march.variables["rotation"][1][0, 4] - 1) > 0.1
 
 
+def test_extremes_are_within_what_a_law_allows_and_strokes_are_told():
+    """Of a Gaussian rate the mean size is 0.8 of the std; a linear model does not know of a limit."""
+    item, h = SCENES["duck"]()
+    law = replace(item.floats[0], pto_damping=1.2e5, coulomb=0.0, force_limit=700.0)
+    item = linear(replace(item, floats=(law,)), duration=2000.0, outputs=("pto_force", "pto_stroke"))
+    march, lines = simulate(item, h).variables, frequency(item, h).variables
+    force, power = lines["pto_force"][1][0, 0], lines["absorbed_power"][1][0]
+    assert force[:2].tolist() == [700.0, -700.0]
+    assert power[0] == approx(700.0 * lines["pto_rate"][1][0, 0, 0])
+    for name in ("pto_stroke", "pto_travel"):
+        assert lines[name][0] == march[name][0]
+        assert lines[name][1] == approx(march[name][1], rel=0.25), name
+
+
+def test_an_axis_that_friction_locks_has_an_answer():
+    """What moves less than a millionth of the waves is held, and bears what a stiff axis does."""
+    item, h = SCENES["duck"]()
+    (body,) = item.floats
+    locked, stiff = (replace(body, **law) for law in ({"coulomb": 1e9}, {"stiffness": 1e12}))
+    told, exact = (
+        frequency(replace(item, floats=(one,)), h, outputs=("pto_force",)).variables for one in (locked, stiff)
+    )
+    assert told["rotation"][1][0, 4] < 1e-6
+    force = told["hinge_force"][1], exact["hinge_force"][1]
+    assert force[0] == approx(force[1], rel=1e-3, abs=1e-3 * np.abs(force[1]).max())
+
+
 def test_one_wave_is_a_harmonic_not_a_gaussian():
     item, h = SCENES["flap"]()
     item = replace(item, sea=regular(height=0.02, period=6.0))

@@ -76,6 +76,12 @@ def test_coefficients_without_memory_have_none(coefficients):
     assert cache.decode(cache.encode(replace(coefficients, memory=None))).memory is None
 
 
+def test_the_memory_of_what_does_not_move_is_none(coefficients):
+    """A classic file has no arrays of no poles."""
+    nothing = replace(coefficients.memory, beta=np.zeros(0, complex), residue=coefficients.memory.residue[:0])
+    assert cache.decode(cache.encode(replace(coefficients, memory=nothing))).memory is None
+
+
 def same(one, other):
     """All fields, bit for bit."""
     for field in fields(one):

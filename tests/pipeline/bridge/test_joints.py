@@ -288,6 +288,7 @@ BAD = [
     ('motion = ["heave", "heave"]', "floats.only.motion = ['heave', 'heave']: must name each axis once"),
     ('motion = ["heaves"]', "floats[0].motion[0] = 'heaves': must be one of 'hinge', 'surge'"),
     ('motion = "heave"', "floats[0].motion = 'heave'"),
+    ('motion = ["hinge", "pitch"]', "floats.only.motion = ['hinge', 'pitch']: must turn about different axes"),
     ("axis = [0.0, 0.0, 0.0]", "floats.only.axis = [0.0, 0.0, 0.0]: must not be zero"),
     ("damping = -1.0", "floats[0].damping = -1.0: must be >= 0 N m s/rad or N s/m"),
     ("damping = [1.0, 2.0]", "floats.only.damping = [1.0, 2.0]: needs one number for each of hinge"),
@@ -432,6 +433,16 @@ def test_a_float_that_is_held_has_its_preload_told(study_with, monkeypatch):
     [
         ("mass = 2147.0", 'mass = "balanced"', r"floats[0].mass = 'balanced': must be a number [kg], or 'balance'"),
         ("mass = 2147.0", "mass = 0.0", "floats[0].mass = 0.0: must be > 0 kg"),
+        (
+            "mass = 2147.0",
+            'mass = "balance"\non = "only"',
+            "floats.only.on = only: must name a float that is listed bef",
+        ),
+        (
+            "only = { Hs",
+            'calm = { kind = "still" }\nonly = { Hs',
+            "solver.method = frequency: needs waves: a decay is a matter of the time domain",
+        ),
         ('["balance", 0.0, -0.5]', '[0.0, 0.0, "balance"]', "floats[1].cog[2] = 'balance': must be a number"),
         ("mass = 5e3", "mass = 8e5", "floats.only.mass = balance: leaves nothing"),
         ("beak = 2.4", "beak = 1.1", "floats.rotor.hull.beak = 1.1: must be > radius, 1.2 m"),
@@ -439,7 +450,7 @@ def test_a_float_that_is_held_has_its_preload_told(study_with, monkeypatch):
     ],
 )
 def test_what_cannot_be_balanced_or_built_is_refused_with_the_key(study_with, old, new, message):
-    path = study_with(FREE + DUCK).path
+    path = study_with(FREE + DUCK, '\n[variants.a]\n[variants.b]\nsolver.method = "frequency"\n[variants.c]').path
     path.write_text(path.read_text().replace(old, new, 1))
     if "leaves nothing" in message:
         path.write_text(path.read_text().replace("mass = 2147.0", 'mass = "balance"'))

@@ -247,6 +247,8 @@ def test_dots_stand_at_the_numbers(results):
 
 def test_a_force_that_is_zero_is_not_shown(results):
     assert strips.directions(results) == ["x", "z"]
+    still = results.data.assign(hinge_force=0.0 * results.data.hinge_force)
+    assert strips.hinge_forces(figures.Results(study=results.study, data=still)) is None
 
 
 def test_published_numbers_choose_the_sea_state(results, tmp_path):
