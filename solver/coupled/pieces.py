@@ -70,7 +70,7 @@ from solver.multibody.joint_law import (
     TABLE,
     axis_energy,
     axis_load,
-    beyond,
+    beyond_law,
     holding,
     jumps,
     leaving,
@@ -326,7 +326,7 @@ def _keep(
             pto = room.stage.zone[PTO_ZONE, i]
             between.contact[n + s, k, HOLDS] = 1.0 if pto == HELD else 0.0
             between.contact[n + s, k, LET_GO] = 1.0 if abs(pto) == GONE else 0.0
-            between.contact[n + s, k, BEYOND] = _beyond_law(problem, room, s, i)
+            between.contact[n + s, k, BEYOND] = _over_law(problem, room, s, i)
     between.number[0] = n + 2
     between.follows[0] = True
 
@@ -355,13 +355,13 @@ def note(problem: Problem, room: Workspace, output: Output, length: float, middl
                     copy(stage.wrench[s, b], output.struck[rows[s], n, b])
             contact[HOLDS] += length / problem.dt if pto == HELD else 0.0
             contact[LET_GO] = 1.0 if abs(pto) == GONE else 0.0
-            contact[BEYOND] = _beyond_law(problem, room, s, i)
+            contact[BEYOND] = _over_law(problem, room, s, i)
 
 
 @kernel(inline="always")
-def _beyond_law(problem: Problem, room: Workspace, s: int, i: int) -> float:
-    stage = room.stage
-    return beyond(problem.bodies.law, i, stage.zone[PTO_ZONE, i], stage.z[s, i], stage.dz[s, i], stage.residual[s, i])
+def _over_law(problem: Problem, room: Workspace, s: int, i: int) -> float:
+    stage, law = room.stage, problem.bodies.law
+    return beyond_law(law, i, stage.zone[PTO_ZONE, i], stage.z[s, i], stage.dz[s, i], stage.residual[s, i])
 
 
 @inner_kernel

@@ -62,7 +62,7 @@ OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED = 0, 1, 2, 3, 4
 CONTACT = ("end_stop_hits", "impact_rate", "end_stop_load")
 HITS, RATE, LOAD = range(len(CONTACT))
 # And of an axis that is held, the share of the time; at the sample whether its power take-off has let go, and the load
-# that it bears beyond what its position and rate tell: see joint_law.beyond.
+# that it bears beyond what its position and rate tell: see joint_law.beyond_law.
 HOLDS, LET_GO, BEYOND = range(len(CONTACT), len(CONTACT) + 3)
 
 

@@ -157,7 +157,7 @@ def _kinked_load(law: JointLaw, i: int, pto: int, y: float, dy: float) -> float:
 
 
 @kernel(inline="always")
-def beyond(law: JointLaw, i: int, pto: int, y: float, dy: float, withstood: float) -> float:
+def beyond_law(law: JointLaw, i: int, pto: int, y: float, dy: float, withstood: float) -> float:
     """What the power take-off bears in its zone over f_pto(y, ẏ), by which joint_loads has it [N or N m].
 
     Held that is what it withstands; where it turns round ẏ is rounding, whose sign says nothing of its sense. Of one

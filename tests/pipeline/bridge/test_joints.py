@@ -436,7 +436,7 @@ def test_a_float_that_is_held_has_its_preload_told(study_with, monkeypatch):
         (
             "mass = 2147.0",
             'mass = "balance"\non = "only"',
-            "floats.only.on = only: must name a float that is listed bef",
+            "floats.only.on = only: must name a float that",
         ),
         (
             "only = { Hs",
