@@ -84,7 +84,8 @@ class Mooring:
     """Lines between a float and what carries its joint; nothing else of their own, and no power but what C takes.
 
     x are the n positions of the joint's axes; or, in matrices 6 x 6, the motion of the float's reference point, surge
-    to yaw, as these axes move it at rest: x = J y, and the lines' load on the axes is Jᵀ F.
+    to yaw, as these axes move it about rest: x = J y, and the lines' load on the axes is Jᵀ F. Pretension keeps its
+    direction as the joint carries the point round, along y H y/2: -F₀·H more of stiffness.
     """
 
     stiffness: Annotated[
@@ -116,13 +117,14 @@ class Mooring:
         if self.damping is not None and _drives(np.array(self.damping, float)):
             yield InputError("mooring.damping", self.damping, "must be passive: without a negative eigenvalue")
 
-    def on_axes(self, J: np.ndarray) -> "AxisMooring":
-        """As the axes of a joint feel it, which move the reference point by J (6, n)."""
+    def on_axes(self, J: np.ndarray, H: np.ndarray) -> "AxisMooring":
+        """As the axes of a joint feel it, which move the reference point by J (6, n), and by H (n, n, 3) of y²/2."""
         K = np.array(self.stiffness, float)
         C = np.zeros(K.shape) if self.damping is None else np.array(self.damping, float)
         F = np.zeros(len(K)) if self.pretension is None else np.array(self.pretension, float)
         T = J if len(K) == SIX else np.eye(len(K))
-        return AxisMooring(T.T @ ((K + K.T) / 2) @ T, T.T @ ((C + C.T) / 2) @ T, T.T @ F)
+        turned = H @ F[:3] if len(K) == SIX else 0.0
+        return AxisMooring(T.T @ ((K + K.T) / 2) @ T - turned, T.T @ ((C + C.T) / 2) @ T, T.T @ F)
 
 
 class AxisMooring(NamedTuple):

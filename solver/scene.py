@@ -267,7 +267,11 @@ class Float:
         """The mooring along the joint's axes; zero without one."""
         if self.mooring is None:
             return none(len(self.motion))
-        return self.mooring.on_axes(self._jacobian)
+        J, n = self._jacobian, len(self.motion)
+        H = np.zeros((n, n, 3))  # as an axis turns about n, what later ones move it by turns, too: n × J
+        for i, j in zip(*np.triu_indices(n), strict=True):
+            H[i, j] = H[j, i] = np.cross(J[3:, i], J[:3, j])
+        return self.mooring.on_axes(J, H)
 
     @property
     def _jacobian(self) -> np.ndarray:

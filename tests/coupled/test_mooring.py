@@ -113,15 +113,23 @@ def test_six_by_six_is_of_the_reference_point():
     for motion, hinge in [(PLANAR, (1.0, 0, 2.0)), (("hinge",), (-2.0, 1.0, 2.5)), (DOFS[::-1], (0.5, -0.4, -1.0))]:
         item = floating(motion=motion, hinge=hinge, arm=tuple(-np.array(hinge)), axis=(0.6, 0.8, 0.0),
                         mooring=lines(six, pretension=pull))  # fmt: skip
-        moored, bodies = item.moored, prepare(dry(item), None).bodies
+        moored, slack = item.moored, replace(item, mooring=lines(six)).moored.stiffness
+        bodies = prepare(dry(replace(item, mooring=lines(six))), None).bodies
+
+        def moved(y):
+            at = new_motion(bodies)
+            move(bodies, y, np.zeros(y.size), at)
+            R = at.rotation[0]
+            turn = [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]
+            return np.concatenate([at.position[0], np.divide(turn, 2)])
+
         y = 1e-5 * np.random.default_rng(2).normal(size=len(motion))
-        at = new_motion(bodies)
-        move(bodies, y, np.zeros(len(motion)), at)
-        R = at.rotation[0]
-        x = np.concatenate([at.position[0], [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]])
-        x[3:] /= 2
-        assert y @ moored.stiffness @ y == approx(x @ six @ x, rel=1e-3)
+        x = moved(y)
+        assert y @ slack @ y == approx(x @ six @ x, rel=1e-3)
         assert y @ moored.pretension == approx(x @ pull, rel=1e-3)
+        # What is even in y is of second order: the point goes round, and the pull with it.
+        even = (moved(300 * y) + moved(-300 * y))[:3] / 300**2
+        assert y @ (moored.stiffness - slack) @ y == approx(-pull[:3] @ even, rel=1e-3)
 
 
 def test_a_diagonal_matrix_is_the_stiffness_of_each_axis():
