@@ -28,6 +28,7 @@ from tests import awkward
 M, TURNING = 2000.0, 800.0  # [kg], [kg m²]
 K = np.array([[8e3, -2e3, 1.5e3], [-2e3, 5e3, 900.0], [1.5e3, 900.0, 3e3]])
 C = np.array([[500.0, 100.0, -60.0], [100.0, 300.0, 40.0], [-60.0, 40.0, 200.0]])
+SINES = np.array([1, 1, 1, 2, 2, 2])  # of differences of a rotation's elements
 LEVEL = ("surge", "sway", "yaw")
 PLANAR = ("surge", "heave", "pitch")
 
@@ -106,6 +107,14 @@ def test_periods_and_the_linear_model_have_the_matrices():
     assert system_modes(system, None).omega == approx(omega, rel=1e-7)
 
 
+def moved(bodies, y):
+    """Motion (6,) of the first float's reference point at positions of its axes."""
+    at = new_motion(bodies)
+    move(bodies, y, np.zeros(y.size), at)
+    R = at.rotation[0]
+    return np.concatenate([at.position[0], [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]]) / SINES
+
+
 def test_six_by_six_is_of_the_reference_point():
     """Its potential ½ xᵀ K x - F₀ x, x the motion that the chain of axes makes of it, is that of the axes near rest."""
     six = np.random.default_rng(1).normal(size=(6, 6))
@@ -115,20 +124,12 @@ def test_six_by_six_is_of_the_reference_point():
                         mooring=lines(six, pretension=pull))  # fmt: skip
         moored, slack = item.moored, replace(item, mooring=lines(six)).moored.stiffness
         bodies = prepare(dry(replace(item, mooring=lines(six))), None).bodies
-
-        def moved(y):
-            at = new_motion(bodies)
-            move(bodies, y, np.zeros(y.size), at)
-            R = at.rotation[0]
-            turn = [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]
-            return np.concatenate([at.position[0], np.divide(turn, 2)])
-
         y = 1e-5 * np.random.default_rng(2).normal(size=len(motion))
-        x = moved(y)
+        x = moved(bodies, y)
         assert y @ slack @ y == approx(x @ six @ x, rel=1e-3)
         assert y @ moored.pretension == approx(x @ pull, rel=1e-3)
         # What is even in y is of second order: the point goes round, and the pull with it.
-        even = (moved(300 * y) + moved(-300 * y))[:3] / 300**2
+        even = (moved(bodies, 300 * y) + moved(bodies, -300 * y))[:3] / 300**2
         assert y @ (moored.stiffness - slack) @ y == approx(-pull[:3] @ even, rel=1e-3)
 
 
