@@ -68,7 +68,7 @@ def fit(
     Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
     boundary elements say nothing. Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell
     motions that radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size for
-    rotations; ones by default. `moved` (n,) are the motions that there are, all by default: the damping of these must
+    rotations; ones by default. Where none that there is does more there is no memory. `moved` (n,) are the motions that there are, all by default: the damping of these must
     be passive. What they do to the others is load on joints, without work, and fitted beside; the rest is zero.
     importance: (nw, n, n) what a unit of an entry changes at each ω of what it is for; where its misfit does more to
     that than its share of the largest it counts as that much.
@@ -80,7 +80,9 @@ def fit(
     n = len(added_mass_inf)
     lengths = np.ones(n) if lengths is None else np.asarray(lengths, float)
     moved = np.ones(n, bool) if moved is None else np.asarray(moved, bool)
-    if not moved.any():
+    own = np.abs(np.einsum("wii->wi", radiation_damping + 1j * omega[:, None, None] * (added_mass - added_mass_inf)))
+    radiates = own.max(axis=0) >= SILENT * np.max(own / lengths**2, initial=0.0) * lengths**2
+    if not np.any(radiates & moved):  # as a cylinder in yaw
         return RadiationMemory(
             beta=np.zeros(0, complex), residue=np.zeros((0, n, n), complex), added_mass_inf=added_mass_inf, error=0.0
         )

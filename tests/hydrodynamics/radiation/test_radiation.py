@@ -351,6 +351,21 @@ def test_a_lift_ends_what_cuts_have_not(monkeypatch):
     assert whole.error < lifted.error < 2e-2
 
 
+def test_what_radiates_next_to_nothing_has_no_memory():
+    """As a cylinder that only turns about itself: its coefficients are the mesh's noise, which no memory fits."""
+    exact, noise = known(), np.random.default_rng(3).normal(size=OMEGA.size)
+    y = exact.frequency(OMEGA)
+    A, B = exact.added_mass_inf - y.imag / OMEGA[:, None, None], y.real
+    for quiet, poles in ((1e-4 * noise, False), (B[:, 1, 1], True)):
+        A_, B_ = A.copy(), B.copy()
+        B_[:, 1, 1] = np.abs(quiet)
+        if not poles:
+            A_[:, 1, 1] = exact.added_mass_inf[1, 1]
+            A_[:, 0, 1] = A_[:, 1, 0] = B_[:, 0, 1] = B_[:, 1, 0] = 0.0
+        memory = fit(OMEGA, A_, B_, exact.added_mass_inf, moved=np.array([False, True]))
+        assert bool(memory.beta.size) == poles
+
+
 def test_mixed_entries_give_the_same_poles():
     """Vector fitting cannot tell 200 entries at 50 frequencies from as many sums of them as there are numbers; nor to a
     misfit from those of them that can make one."""
