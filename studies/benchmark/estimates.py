@@ -24,6 +24,9 @@ from tests.awkward import SCENES
 
 SECONDS = 900.0  # analysed, of Buan; the other scenes are as they are
 PARTS = ("discretization_error", "quadrature_error", "memory_effect", "shapes_effect", "elements_effect")
+OF_STEPS = ("discretization_error", "sampling_error")
+LOW = 0.3  # of the waves' heights, so that nothing swings through with less to hold it
+TYPICAL = 0.03  # rate [rad/s] at which a linear power take-off bears what one bears that bends
 TOLERANCES = [3e-2, 1e-2, 3e-3, 1e-3]
 FINER = 8  # times shorter steps
 CUT = 4  # times as many elements
@@ -84,6 +87,26 @@ def beside_exact(item: Scene, known: Hydrodynamics | None, asked: Scene) -> tupl
     return record, true, what
 
 
+def bent() -> list[float]:
+    """The same where a joint's load jumps or bends, beside the same scene with a shorter step alone."""
+    scenes = {"buan, fixed": (scene("fixed"), coefficients()[0]), **{name: SCENES[name]() for name in ("duck", "flap")}}
+    print(HEADER)
+    ratios = []
+    for name, (whole, known) in scenes.items():
+        for law in ("coulomb", "latch_load", "force_limit", "one_way"):
+            loads = ({law: 1.0 if law == "one_way" else TYPICAL * max(f.per_axis("pto_damping"))} for f in whole.floats)
+            floats = tuple(replace(f, **load) for f, load in zip(whole.floats, loads, strict=True))
+            low = replace(whole.sea, amplitude=LOW * whole.sea.amplitude)
+            item = with_settings(replace(whole, floats=floats, sea=low), duration=SECONDS)
+            record = simulate(item, known)
+            exact = simulate(with_settings(item, time_step=float(record.attrs["time_step"]) / FINER), known)
+            true, what = worst(item, record, exact)
+            estimate = together(float(record.attrs[part]) for part in OF_STEPS)
+            ratios.append(true / estimate)
+            print(f"{f'{name}, {law}':28s}{true:10.1e}{estimate:11.1e}{true / estimate:14.2f}  {what}", flush=True)
+    return ratios
+
+
 def told(record: Record) -> float:
     """The record's estimate, but for the boundary elements' share."""
     return together(float(record.attrs[name]) for name in PARTS)
@@ -104,4 +127,5 @@ def tolerances() -> None:
 
 if __name__ == "__main__":
     table()
+    bent()
     tolerances()
