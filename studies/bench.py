@@ -42,6 +42,7 @@ def main() -> int:
     for platform in ("fixed", "elastic"):
         knobs.steps(platform)
     estimates.table()
+    estimates.bent()
     estimates.tolerances()
     knobs.picture(rows)
     save(rows, sizes, attrs)

@@ -278,12 +278,9 @@ def _take(problem: Problem, length: float, state: State, room: Workspace, fine: 
 
 @lean_kernel
 def _open_row(output: Output, row: int) -> int:
-    """How many rows are kept before those of pieces between two samples, of which the later one is the output's `row`.
-
-    Of the time before an output's first row, whose start is not in it, none are.
-    """
+    """How many rows are kept before those of pieces up to the output's `row`."""
     between = output.between
-    output.lead[row] = 0.0 if row > 0 else UNCUT
+    output.lead[row] = 0.0
     between.follows[0] = True
     return int(between.number[0])
 

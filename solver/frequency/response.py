@@ -20,6 +20,7 @@ from solver.scene import Scene
 
 AGREED = 1e-5  # error of any coordinate's std, relative to itself, at which the drag is that of its own result
 HELD = 1e-6  # of the waves' amplitudes: an axis that moves less is held
+FARTHEST = 0.98  # slope of a secant
 ROUNDING = 1e-12  # change of a std that tells no more of how the next will be
 ROUNDS = 300
 UNBOUNDED = 1e6  # times the sum of the waves' amplitudes: no damping holds what moves as far
@@ -219,16 +220,17 @@ class _Sizes(NamedTuple):
 
 
 def _next(now: _Sizes, before: _Sizes) -> np.ndarray:
-    """Sizes (nj,) to linearise by next: those given; where these overshoot, by the secant of their logarithms.
+    """Sizes (nj,) to linearise by next: those given, and ahead of or behind them by the secant of their logarithms.
 
-    A damper that is all that holds an axis lets it move as 1/B, and B goes with that: from there to and fro.
+    A damper that is all that holds an axis lets it move as 1/B. Where B goes with that, it goes to and fro; where it is
+    friction, whose B goes as 1/v, each round leaves nearly the same.
     """
     known = np.all([*now, *before], axis=0) & (now.taken != before.taken)
     away, rise, step = (
         np.log(np.divide(a, b, out=np.ones(known.size), where=known))
         for a, b in ((now.given, now.taken), (now.given, before.given), (now.taken, before.taken))
     )
-    slope = np.clip(np.divide(rise, step, out=np.zeros(known.size), where=known), -1.0, 0.0)
+    slope = np.clip(np.divide(rise, step, out=np.zeros(known.size), where=known), -1.0, FARTHEST)
     return np.where(known, now.taken * np.exp(away / (1 - slope)), now.given)
 
 

@@ -308,6 +308,8 @@ class Recorder:
         self.cuts: dict[str, list[Cuts]] = {}  # of the series
         self.taken = 0  # samples
         self.whole = True  # the last step
+        self.last: dict[str, np.ndarray] = {}  # sample (1, n) of each channel, and of the waves' rows the nearest ones
+        self.waves = np.zeros((0, 0))
         self.seconds = [np.inf, -np.inf]
         wanted = scene.settings.rao and self.channels.axes and scene.sea.amplitude.any()
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
@@ -343,6 +345,8 @@ class Recorder:
         if output.between.number[0]:
             self._amend(kept, channels, output, samples)
         self.taken += len(times[kept])
+        self.last = {name: values.reshape(len(values), -1)[-1:] for name, values in channels.items()}
+        self.waves = samples[-len(NODES) :]
         channels = {name: values for name, values in channels.items() if name not in INNER}
         if s.keep_series or self.bands is not None or self.moments:
             for name, values in {**channels, "time": times[kept]}.items():
@@ -357,8 +361,9 @@ class Recorder:
 
     def _amend(self, kept: slice, channels: Mapping[str, np.ndarray], output: Output, samples: np.ndarray) -> None:
         """Where steps are cut, pieces tell the mean over the time between two samples in place of both's own mean."""
-        between, first = output.between, kept.start
-        cut = np.flatnonzero(output.lead[kept] != UNCUT)[int(output.lead[first] != UNCUT) :] + first
+        between, first, before = output.between, kept.start, self.waves if self.last else samples[:0]
+        cut = np.flatnonzero(output.lead[kept] != UNCUT) + first
+        cut = cut[int(not self.last and cut[:1].tolist() == [first]) :]  # whose start is in no block
         some = np.flatnonzero(np.isin(between.row[: between.number[0]], cut))
         if not some.size:
             return
@@ -366,17 +371,23 @@ class Recorder:
         pieces = Between(*parts)
         waves = np.empty((some.size, samples.shape[1]))
         for known in (self.layout.elevation, self.layout.forces):  # all of the waves that channels are made of
-            waves[:, known] = _between(samples[:, known], pieces.at)
+            near = np.concatenate([before[:, known], samples[:, known]])
+            waves[:, known] = _between(near, pieces.at + len(before))
         forces, smooth = self._forces(slice(None), pieces, waves), np.zeros(some.size, bool)
+        ends = [last.copy() for last in self.largest[2:]] if self.largest else []
         told = dict(self._channels(slice(None), pieces, waves, forces, smooth))
+        for last, end in zip(self.largest[2:] if self.largest else [], ends, strict=True):
+            last[:] = end  # the next samples' parabolas go through samples alone
         weight = np.concatenate([pieces.weight, output.lead[cut] - 0.5, np.full(cut.size, -0.5)])
         of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
-        inner, outer = _ends(cut - first, len(output.lead[kept]))
+        here = cut - first + bool(self.last)  # among the samples with the last one of the block before
+        inner, outer = _ends(here, len(output.lead[kept]) + bool(self.last))
         weights = np.concatenate([weight, np.full(inner.size, -END), np.full(inner.size, END)])
         for name, values in channels.items():
             if name not in self.control:  # which are means over that time already
                 flat, new = values.reshape(len(values), -1), told[name].reshape(some.size, -1)
-                own = np.concatenate([new, flat[cut - 1 - first], flat[cut - first]])
+                flat = np.concatenate([self.last[name], flat]) if self.last else flat
+                own = np.concatenate([new, flat[here - 1], flat[here]])
                 self.statistics[name].amend(np.concatenate([own, flat[inner], flat[outer]]), weights)
                 if self.scene.settings.keep_series and name not in INNER:
                     sums = np.zeros((2, cut.size, own.shape[1]))

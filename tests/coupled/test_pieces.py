@@ -118,6 +118,27 @@ def test_statistics_of_hits_are_those_of_pieces(dt, seconds):
     assert [most, -least] == approx([M * np.sqrt(STIFF)] * 2, rel=0.02)
 
 
+@pytest.mark.parametrize("steps", [256.25, 256.75, 255.25])
+def test_a_turn_at_the_edge_of_a_block_is_one_as_any_other(steps):
+    """Of 256 steps; the fifth turn, at 5π/ω, in the first and second half of the next one's first, and in the last."""
+    scene = mass(5 * np.pi / np.sqrt(2) / steps, 5.0, stiffness=2 * M, offset=1.0, coulomb=0.1 * M)
+    record = simulate(replace(scene, settings=replace(scene.settings, discard=9.5)), None)
+    assert record.variables["hinge_force"][1][0, 0, 0] == approx(1.1 * M, rel=1e-6)
+
+
+def test_pieces_leave_no_trace_in_the_parabolas_of_envelopes():
+    whole, known = SCENES["unequal_legs"]()
+    floats = tuple(replace(f, coulomb=300.0) for f in whole.floats)
+    system = prepare(replace(whole, floats=floats, settings=replace(whole.settings, discard=0.0)), known)
+    recorder = Recorder(system.scene, system.support, layout=system.layout, bodies=system.bodies)
+    samples, output, times = next(iter(blocks(system, system.start(), 256)))
+    recorder.add(times, output, samples)
+    shapes = recorder.channels.legs.displacement
+    u = np.tensordot(output.p[-2:], shapes, axes=1)
+    assert output.between.number[0] > 0
+    assert recorder.largest.last_square == approx(np.sum(u**2, axis=1), rel=1e-9)
+
+
 @pytest.mark.parametrize("dt", [0.4, 0.2])
 def test_the_mean_power_of_friction_is_its_work(dt):
     """⟨F|v|⟩ has a kink at every turn: what pieces tell there would leave (ωh)²/12 of it to the samples between."""

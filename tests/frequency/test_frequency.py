@@ -347,6 +347,20 @@ def test_extremes_are_within_what_a_law_allows_and_strokes_are_told():
         assert lines[name][1] == approx(march[name][1], rel=0.25), name
 
 
+@pytest.mark.parametrize("share", [0.9, 0.99, 1.01, 1.1])
+def test_friction_that_just_holds_agrees_with_its_own_result(share):
+    """F = 4/π F_c at one frequency: next to it each round of the plain iteration leaves nearly the same."""
+    item, h = SCENES["duck"]()
+    item = replace(item, sea=regular(height=0.02, period=3.0))
+    stiff = frequency(replace(item, floats=(replace(item.floats[0], pto_damping=1e12),)), h, outputs=("pto_force",))
+    most = stiff.variables["pto_force"][1][0, 0, 0] * np.pi / 4
+    body = replace(item.floats[0], pto_damping=0.0, coulomb=share * most)
+    told = frequency(replace(item, floats=(body,)), h)
+    free = frequency(replace(item, floats=(replace(body, coulomb=0.0),)), h)
+    moves = told.variables["rotation"][1][0, 4] / free.variables["rotation"][1][0, 4]
+    assert (moves > 1e-3) == (share < 1) and moves < 1
+
+
 def test_an_axis_that_friction_locks_has_an_answer():
     """What moves less than a millionth of the waves is held, and bears what a stiff axis does."""
     item, h = SCENES["duck"]()
