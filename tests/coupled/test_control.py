@@ -361,6 +361,16 @@ def test_a_table_whose_lines_cross_at_rest_is_left_where_the_float_goes(lines):
         assert told == approx(exact, rel=2e-3, abs=2e-3 * np.abs(exact).max()), name
 
 
+@pytest.mark.parametrize("one_way", [1.0, -1.0])
+def test_friction_one_way_alone_on_a_platform_that_rings(one_way):
+    """It holds in one sense and not at all in the other: the sense it slips in is that of the nearer load."""
+    whole, known = awkward.unequal_legs()
+    settings = replace(whole.settings, duration=30.0, discard=10.0, ramp=5.0)
+    floats = tuple(replace(f, pto_damping=3e4, coulomb=1e3, one_way=one_way) for f in whole.floats)
+    record = simulate(replace(whole, floats=floats, settings=settings), known)
+    assert record.attrs["energy_residual"] < 1e-3 and record.attrs["work_pto"] > 0
+
+
 @pytest.mark.parametrize("one_way", [1.0, 0.5, -1.0])
 def test_what_takes_power_one_way_alone_starts_from_rest(one_way):
     """In waves that grow from nothing: no load holds it there, whichever way it begins to move."""
