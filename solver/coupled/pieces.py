@@ -89,7 +89,6 @@ NEVER = 2.0  # shares of a step
 SHORT = 0.25  # of a step: in such pieces pressure is evaluated at their ends alone
 PATIENCE = 2  # iterations of a piece, beyond which Newton's matrix is renewed
 SHARE = 8  # pieces that share one
-INSIDE = 0.1  # of the loads that hold an axis both ways: it does not slip so far from either
 CHANGES = 200  # of laws in one step, at most
 # Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
 # swings. Pieces above it are halved, and grow as long as it stays below, with the cube of their length.
@@ -572,8 +571,6 @@ def _change(
     law, old = problem.bodies.law, room.stage.zone[kind, i]
     if kind == PTO_ZONE and old == HELD:
         up, down = holding(law, i, 1) - state.held[i], holding(law, i, -1) + state.held[i]
-        if min(up, down) > INSIDE * (up + down):  # a shorter piece has it otherwise, on a platform that rings
-            return True
         new = SLIPS if up < down else -SLIPS
     else:
         new = next_zone(law, i, kind, old, start.z[i], start.dz[i])

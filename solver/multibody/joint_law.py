@@ -160,12 +160,17 @@ def _kinked_load(law: JointLaw, i: int, pto: int, y: float, dy: float) -> float:
 def beyond_law(law: JointLaw, i: int, pto: int, y: float, dy: float, withstood: float) -> float:
     """What the power take-off bears in its zone over f_pto(y, ẏ), by which joint_loads has it [N or N m].
 
-    Held that is what it withstands; where it turns round ẏ is rounding, whose sign says nothing of its sense. Of one
-    that has let go LET_GO tells.
+    Held that is what it withstands, within what it can; where it turns round ẏ is rounding, or a little beyond it on a
+    platform that rings, and says nothing of its sense. Of one that has let go LET_GO tells.
     """
     if abs(pto) == GONE:
         return 0.0
-    borne = withstood if pto == HELD else axis_load(law, i, OPEN, pto, y, dy).pto
+    if pto == HELD:
+        borne = min(max(withstood, -holding(law, i, -1)), holding(law, i, 1))
+    else:
+        sense = 1.0 if pto > 0 else -1.0
+        rate = sense * max(sense * dy, 0.0) if abs(pto) == SLIPS else dy
+        borne = axis_load(law, i, OPEN, pto, y, rate).pto
     return borne - axis_load(law, i, OPEN, pto_zone(law, i, y, dy), y, dy).pto
 
 

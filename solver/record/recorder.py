@@ -384,7 +384,7 @@ class Recorder:
         inner, outer = _ends(here, len(output.lead[kept]) + bool(self.last))
         weights = np.concatenate([weight, np.full(inner.size, -END), np.full(inner.size, END)])
         for name, values in channels.items():
-            if name not in self.control:  # which are means over that time already
+            if name != "latched":  # which is a mean over that time already
                 flat, new = values.reshape(len(values), -1), told[name].reshape(some.size, -1)
                 flat = np.concatenate([self.last[name], flat]) if self.last else flat
                 own = np.concatenate([new, flat[here - 1], flat[here]])
