@@ -518,7 +518,8 @@ def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, k
                     high = middle
                 else:
                     low = middle
-            return high if high > SLIVER else 0.0
+            crosses = kind == PTO_ZONE and room.stage.zone[kind, i] >= TABLE
+            return 0.0 if crosses and high < SLIVER else high
         before = now
     return 0.0 if before > 0 else NEVER
 
