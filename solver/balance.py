@@ -22,8 +22,8 @@ ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 TURNED = 0.2  # [rad] that a float may rest from where it is given
 
 
-def warnings(scene: Scene) -> tuple[str, ...]:
-    """Sentences for the user, the key first."""
+def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
+    """Sentences for the user, the key first; joints (nj,): at rest, where that is known."""
     sentences = [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
@@ -36,10 +36,11 @@ def warnings(scene: Scene) -> tuple[str, ...]:
         for group in scene.sharing
     ):
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
-    return (*sentences, *(f"sea: {note}" for note in scene.sea.notes))
+    rest = () if joints is None else _turned(scene, joints)
+    return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
 
-def turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
+def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
     """A sentence for each axis on which a float rests, at joints (nj,), elsewhere than its coefficients are of."""
     names = [(f.name, axis) for f in scene.floats for axis in f.motion]
     for (name, axis), at in zip(names, joints, strict=True):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.balance import met, turned, warnings
+from solver.balance import met, warnings
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
 from solver.coupled.natural import require_stable, system_modes, with_critical_damping, with_usual_step
@@ -134,7 +134,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         "march_time": marched - ready,
         **scene.sea.parameters(),
     }
-    odd = *warnings(scene), *turned(scene, system.joints_at_rest), *met(scene, recorder.tables())
-    if odd := (*odd, *above(scene, recorder.mean_power)):
+    told = warnings(scene, system.joints_at_rest)
+    if odd := (*told, *met(scene, recorder.tables()), *above(scene, recorder.mean_power)):
         attrs["warnings"] = "; ".join(odd)
     return recorder.record(attrs, modes)

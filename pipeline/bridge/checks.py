@@ -109,13 +109,13 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
             "axes", f"{len(study.varied)} keys", f"must be <= {MOST_AXES}; [[axes.together]] varies several"
         )
         return
+    limit = "is the name of another dimension, coordinate or output"
     taken = TAKEN | VARIABLES.keys() | COORDINATES.keys() - set(AXES)
     for group in study.axes.together:
         if group.name in taken or getattr(study.axes, group.name, None):
-            yield InputError("axes.together.name", group.name, "is the name of another dimension, coordinate or output")
+            yield InputError("axes.together.name", group.name, limit)
         for words in group.beside:
             if words.partition(" ")[0] in taken:
-                limit = "is the name of another dimension, coordinate or output"
                 yield InputError(f'axes.together."{words}"', list(group.beside[words]), limit)
     for axis in study.varied:
         together = [axis.at(place) for place in range(len(axis.labels))]

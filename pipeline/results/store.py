@@ -305,12 +305,16 @@ class Store:
 
     def holder(self) -> str:
         """Who says that it works on the study; empty if nobody does."""
-        who = read_json(self.root / ".lock.json")
-        return f"process {who.get('pid')} on {who.get('host')} since {who.get('since')}" if who else ""
+        return _named(read_json(self.root / ".lock.json"))
 
     def at_work(self) -> str:
         """The same; empty if that is a process of this machine that has ended."""
-        return "" if _ended(read_json(self.root / ".lock.json") or {}) else self.holder()
+        who = read_json(self.root / ".lock.json")
+        return "" if who and _ended(who) else _named(who)
+
+
+def _named(who: Mapping[str, Any] | None) -> str:
+    return f"process {who.get('pid')} on {who.get('host')} since {who.get('since')}" if who else ""
 
 
 def _ended(who: Mapping[str, Any]) -> bool:
@@ -319,10 +323,8 @@ def _ended(who: Mapping[str, Any]) -> bool:
         return False
     try:
         os.kill(who["pid"], 0)
-    except ProcessLookupError:
-        return True
-    except OSError:  # another user's
-        return False
+    except OSError as error:  # another user's process may not be asked, and is there
+        return isinstance(error, ProcessLookupError)
     return False
 
 

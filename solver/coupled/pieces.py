@@ -518,8 +518,9 @@ def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, k
                     high = middle
                 else:
                     low = middle
-            crosses = kind == PTO_ZONE and room.stage.zone[kind, i] >= TABLE
-            return 0.0 if crosses and high < SLIVER else high
+            if kind == PTO_ZONE and room.stage.zone[kind, i] >= TABLE and high < SLIVER:
+                return 0.0  # where lines cross the way there tells no piece: see _change
+            return high
         before = now
     return 0.0 if before > 0 else NEVER
 

@@ -230,9 +230,7 @@ class System:
         """(2, nz) of the joints' laws where the floats are let go at rest at z (nz,)."""
         zone = np.zeros((2, z.size), np.int64)
         joint_law.zones_at_rest(self.bodies.law, z, zone)
-        zone[joint_law.PTO_ZONE, joint_law.holds(self.bodies.law)] = joint_law.HELD
-        others = joint_law.turning(self.bodies.law) & ~joint_law.holds(self.bodies.law)
-        for i in np.flatnonzero(joint_law.tabled(self.bodies.law) | others):
+        for i in np.flatnonzero(joint_law.tabled(self.bodies.law) | joint_law.turning(self.bodies.law)):
             zone[joint_law.PTO_ZONE, i] = joint_law.pto_zone(self.bodies.law, int(i), z[i], 0.0)
         return zone
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.balance import turned, warnings
+from solver.balance import warnings
 from solver.coupled.driving import patterns, share_curve
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.natural import SystemModes, require_stable, system_modes
@@ -95,7 +95,7 @@ class Case:
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What is odd about the scene."""
-        return *warnings(self.system.scene), *turned(self.system.scene, self.system.joints_at_rest)
+        return warnings(self.system.scene, self.system.joints_at_rest)
 
     @cached_property
     def met(self) -> np.ndarray:

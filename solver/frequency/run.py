@@ -42,7 +42,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     linear, waves, omega = list(_outputs(case, response, frame)), case.waves.size, case.omega
     tables = _tables(case, linear) | dict(_of_squares(case, response, frame))
     if bent(law).any():
-        rates = -1j * omega[:, None] * _joints(case, response)
+        rates = _rates(case, response)
         fastest = gaussian.table(np.zeros(rates.shape[1]), rates, omega, case.duration)[:, 0]
         bound(tables, scene, channels, joint_law(scene.floats), fastest)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
@@ -99,10 +99,10 @@ def _strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
     """Of power take-offs, if asked for: from one end to the other, and the way in an hour, 3600 ⟨|v|⟩."""
     if "pto_stroke" not in case.system.scene.settings.outputs or not case.system.scene.floats:
         return
-    joints, omega = _joints(case, response), response.omega
-    ends = gaussian.table(np.zeros(joints.shape[1]), joints, omega, case.duration)
-    std = np.sqrt(0.5 * np.sum(np.abs(omega[:, None] * joints) ** 2, axis=0))
-    mean_size = np.sqrt(8) / np.pi if len(omega) == 1 else np.sqrt(2 / np.pi)  # over the std: harmonic, or Gaussian
+    joints, rates = _joints(case, response), _rates(case, response)
+    ends = gaussian.table(np.zeros(joints.shape[1]), joints, response.omega, case.duration)
+    std = np.sqrt(0.5 * np.sum(np.abs(rates) ** 2, axis=0))
+    mean_size = np.sqrt(8) / np.pi if len(rates) == 1 else np.sqrt(2 / np.pi)  # over the std: harmonic, or Gaussian
     for name, values in (("pto_stroke", ends[:, 0] - ends[:, 1]), ("pto_travel", 3600 * mean_size * std)):
         yield name, (("float", "axis"), case.channels.by_axis(values[None])[0])
 
@@ -115,6 +115,11 @@ def _first_order(scene: Scene) -> Iterator[str]:
 def _joints(case: Case, response: Response) -> np.ndarray:
     """Lines of the joints' axes (nw, nj)."""
     return response.Z[:, case.system.structure.carrier.shape[0] :]
+
+
+def _rates(case: Case, response: Response) -> np.ndarray:
+    """Lines of their rates (nw, nj)."""
+    return -1j * response.omega[:, None] * _joints(case, response)
 
 
 def _tables(case: Case, outputs: list[Output]) -> dict[str, np.ndarray]:
@@ -130,7 +135,7 @@ def _of_squares(case: Case, response: Response, frame: Forces) -> Iterator[tuple
     """Name and statistics of what no line makes."""
     scene, channels, omega = case.system.scene, case.channels, case.omega
     if scene.floats:
-        pto, rates = response.pto, -1j * omega[:, None] * _joints(case, response)
+        pto, rates = response.pto, _rates(case, response)
         owned = [channels.owner == b for b in range(len(scene.floats))]
         powers = [gaussian.power_table(pto[i], rates[:, i], omega, case.duration) for i in owned]
         yield "absorbed_power", np.array(powers)
@@ -146,7 +151,7 @@ def _electrical(case: Case, response: Response, owned: list[np.ndarray]) -> Iter
     """Statistics of each float's electrical power; NaN of those without an efficiency."""
     scene, joints = case.system.scene, _joints(case, response)
     level = (case.system.equilibrium[0] + case.model.shape @ response.mean.x)[-joints.shape[1] :]
-    rates = -1j * response.omega[:, None] * joints
+    rates = _rates(case, response)
     for f, i in zip(scene.floats, owned, strict=True):
         if f.pto_efficiency is None:
             yield np.full(len(STATISTICS), np.nan)
@@ -168,7 +173,7 @@ def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
         means = dict(channels.motions(z[None, nc:]))
         for name, lines in channels.motions(joints):
             yield name, means[name][0], lines
-        pto, rates = response.pto, -1j * omega[:, None] * joints
+        pto, rates = response.pto, _rates(case, response)
         if "pto_stroke" in scene.settings.outputs:
             yield "pto_rate", np.zeros(()), channels.by_axis(rates)
         if "pto_force" in scene.settings.outputs:

@@ -206,7 +206,7 @@ def jumps(law: JointLaw, i: int) -> bool:
 @kernel(inline="always")
 def _turns_at_rest(law: JointLaw, i: int) -> bool:
     """Whether the law is another for each sense of motion, or holds the axis between them."""
-    return law.coulomb[i] > 0 or law.one_way[i] != 0 or law.latch_load[i] > 0
+    return _holds(law, i) or law.one_way[i] != 0
 
 
 @kernel(inline="always")
@@ -566,7 +566,7 @@ def stopped(law: JointLaw) -> np.ndarray:
 
 def turning(law: JointLaw) -> np.ndarray:
     """Which axes have a law that is another for each sense of motion, or a latch (n,)."""
-    return (law.coulomb > 0) | (law.one_way != 0) | latched(law)
+    return holds(law) | (law.one_way != 0)
 
 
 def holds(law: JointLaw) -> np.ndarray:

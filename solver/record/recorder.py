@@ -374,19 +374,21 @@ class Recorder:
             near = np.concatenate([before[:, known], samples[:, known]])
             waves[:, known] = _between(near, pieces.at + len(before))
         forces, smooth = self._forces(slice(None), pieces, waves), np.zeros(some.size, bool)
-        ends = [last.copy() for last in self.largest[2:]] if self.largest else []
+        last_two = self.largest[2:] if self.largest else ()
+        samples_alone = [last.copy() for last in last_two]  # that the next ones' parabolas go through
         told = dict(self._channels(slice(None), pieces, waves, forces, smooth))
-        for last, end in zip(self.largest[2:] if self.largest else [], ends, strict=True):
-            last[:] = end  # the next samples' parabolas go through samples alone
+        for last, sample in zip(last_two, samples_alone, strict=True):
+            last[:] = sample
         weight = np.concatenate([pieces.weight, output.lead[cut] - 0.5, np.full(cut.size, -0.5)])
         of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
-        here = cut - first + bool(self.last)  # among the samples with the last one of the block before
-        inner, outer = _ends(here, len(output.lead[kept]) + bool(self.last))
+        more = int(bool(self.last))  # sample of the block before
+        here = cut - first + more
+        inner, outer = _ends(here, len(output.lead[kept]) + more)
         weights = np.concatenate([weight, np.full(inner.size, -END), np.full(inner.size, END)])
         for name, values in channels.items():
             if name != "latched":  # which is a mean over that time already
                 flat, new = values.reshape(len(values), -1), told[name].reshape(some.size, -1)
-                flat = np.concatenate([self.last[name], flat]) if self.last else flat
+                flat = np.concatenate([self.last[name], flat]) if more else flat
                 own = np.concatenate([new, flat[here - 1], flat[here]])
                 self.statistics[name].amend(np.concatenate([own, flat[inner], flat[outer]]), weights)
                 if self.scene.settings.keep_series and name not in INNER:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from solver import limits
-from solver.balance import met, turned, warnings
+from solver.balance import met, warnings
 from solver.coupled.assembly import joint_law
 from solver.coupled.driving import driven
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
@@ -123,8 +123,8 @@ def simulate_reference(
         "march_time": marched - ready,
         **scene.sea.parameters(),
     }
-    odd = *warnings(scene), *turned(scene, case.system.joints_at_rest), *met(scene, recorder.tables())
-    if odd := (*odd, *above(scene, recorder.mean_power)):
+    told = warnings(scene, case.system.joints_at_rest)
+    if odd := (*told, *met(scene, recorder.tables()), *above(scene, recorder.mean_power)):
         attrs["warnings"] = "; ".join(odd)
     attrs["wall_time"] = time.perf_counter() - clock
     return recorder.record(attrs, system_modes(case.system, hydrodynamics))

@@ -34,7 +34,7 @@ FINE = {
     "modes": 40, "stations_per_element": 6, "azimuths": 48, "arc_points": 16, "line_points": 10, "panel_size": 0.12,
     "field_tolerance": 1e-9, "newton_tolerance": 1e-9, "memory_tolerance": 3e-4,
 }  # fmt: skip
-HEADER = f"{'scene':20s}{'true':>10s}{'estimated':>11s}{'true over it':>14s}  worst"
+HEADER = f"{'scene':24s}{'true':>10s}{'estimated':>11s}{'true over it':>14s}  worst"
 
 
 def cases() -> Iterator[tuple[str, Scene, Hydrodynamics | None]]:
@@ -65,10 +65,14 @@ def table() -> list[float]:
     ratios = []
     for name, item, known in cases():
         record, true, what = beside_exact(item, known, item)
-        estimate = told(record)
-        ratios.append(true / estimate)
-        print(f"{name:20s}{true:10.1e}{estimate:11.1e}{true / estimate:14.2f}  {what}", flush=True)
+        ratios.append(_row(name, true, told(record), what))
     return ratios
+
+
+def _row(name: str, true: float, estimate: float, what: str) -> float:
+    """Print it; the true error over the estimate."""
+    print(f"{name:24s}{true:10.1e}{estimate:11.1e}{true / estimate:14.2f}  {what}", flush=True)
+    return true / estimate
 
 
 def beside_exact(item: Scene, known: Hydrodynamics | None, asked: Scene) -> tuple[Record, float, str]:
@@ -102,8 +106,7 @@ def bent() -> list[float]:
             exact = simulate(with_settings(item, time_step=float(record.attrs["time_step"]) / FINER), known)
             true, what = worst(item, record, exact)
             estimate = together(float(record.attrs[part]) for part in OF_STEPS)
-            ratios.append(true / estimate)
-            print(f"{f'{name}, {law}':28s}{true:10.1e}{estimate:11.1e}{true / estimate:14.2f}  {what}", flush=True)
+            ratios.append(_row(f"{name}, {law}", true, estimate, what))
     return ratios
 
 

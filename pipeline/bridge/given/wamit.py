@@ -102,9 +102,8 @@ def _given(
         stiffness[rows, columns] = table.stiffness[:, 2]
         stiffness *= density * gravity * length ** (2.0 + turns[:, None] + turns)
     forced = _force(table.force, periods, headings, turns, length)
-    present = sorted(
-        _motions(i[real] + 1).intersection(*(_motions(f[:, 2]) for f in (table.force, table.incident) if len(f)))
-    )
+    forces = (_motions(rows[:, 2]) for rows in (table.force, table.incident) if len(rows))
+    present = sorted(_motions(table.radiation[real, 1]).intersection(*forces))
     return Given(
         name=name,
         omega=omega,

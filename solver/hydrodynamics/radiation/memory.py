@@ -81,9 +81,8 @@ def fit(
     n = len(added_mass_inf)
     lengths = np.ones(n) if lengths is None else np.asarray(lengths, float)
     moved = np.ones(n, bool) if moved is None else np.asarray(moved, bool)
-    own = np.abs(np.einsum("wii->wi", radiation_damping + 1j * omega[:, None, None] * (added_mass - added_mass_inf)))
-    radiates = own.max(axis=0) >= SILENT * np.max(own / lengths**2, initial=0.0) * lengths**2
-    if not np.any(radiates & moved):  # as a cylinder in yaw
+    largest = _diagonal(omega, added_mass, radiation_damping, added_mass_inf).max(axis=0) / lengths**2
+    if not np.any(moved & (largest >= SILENT * largest.max(initial=0.0))):  # as a cylinder in yaw
         return RadiationMemory(
             beta=np.zeros(0, complex), residue=np.zeros((0, n, n), complex), added_mass_inf=added_mass_inf, error=0.0
         )
@@ -119,6 +118,13 @@ def fit(
         " in a gap between bodies they are too sharp: interaction = false leaves that out, and"
         ' method = "frequency" needs no memory'
     )
+
+
+def _diagonal(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray, infinite: np.ndarray) -> np.ndarray:
+    """|B_ii - iω(A_ii - A∞_ii)| (nw, n)."""
+    B, A, A_inf = (np.diagonal(part, axis1=-2, axis2=-1) for part in (damping, added_mass, infinite))
+    size: np.ndarray = np.abs(B + 1j * omega[:, None] * (A - A_inf))
+    return size
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -166,7 +172,7 @@ class _Data:
     ) -> "_Data":
         """Samples of the motions that radiate; arguments as of `fit`."""
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
-        diagonal = np.abs(np.einsum("wii->wi", transfer))
+        diagonal = _diagonal(omega, added_mass, damping, infinite)
         largest = diagonal.max(axis=0) / lengths**2
         heard = largest >= SILENT * largest[moved].max()
         own, other = np.flatnonzero(heard & moved), np.flatnonzero(heard & ~moved)
