@@ -106,11 +106,13 @@ def _take_in(
         mean[c] += gap * (m / (count + m))
         spread[c] += gap**2 * (count * m / (count + m))
     for i in range(m):
+        older, old = (block[i - 2], block[i - 1]) if i > 1 else (last[i], block[0] if i else last[1])
         for c in range(n):
             new = block[i, c]
             spread[c] += (new - average[c]) ** 2
-            middle = vertex(last[0, c], last[1, c], new) if smooth[i] else new
-            last[0, c], last[1, c] = last[1, c], new
-            for value in (middle, new):
-                high[c] = max(high[c], value)
-                low[c] = min(low[c], value)
+            high[c], low[c] = max(high[c], new), min(low[c], new)
+            if smooth[i] and (old[c] - older[c]) * (old[c] - new) > 0:
+                middle = vertex(older[c], old[c], new)
+                high[c], low[c] = max(high[c], middle), min(low[c], middle)
+    for c in range(n):
+        last[0, c], last[1, c] = block[m - 2, c] if m > 1 else last[1, c], block[m - 1, c]

@@ -17,7 +17,7 @@ from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.beam import solid_rectangle, tube
-from solver.structure.frame import Frame, Material, Member, PointMass
+from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
 from solver.structure.soil import Soil, SoilSpring
 from tests.once import solve
 
@@ -209,6 +209,31 @@ def bare_legs():
     """That platform alone."""
     whole = unequal_legs()[0]
     return replace(whole, floats=(), platform=replace(whole.platform, hinge_nodes={})), None
+
+
+def raking(factor=1.0, **settings):
+    """Two legs that lean to each other across y = 0 and one in that plane, in waves from ahead."""
+    nodes = {"deck": (0.0, 0.0, 3.0), "a": (-4.0, -3.0, -25.0), "b": (-4.0, 3.0, -25.0), "c": (5.0, 0.0, -20.0)}
+    section, steel = tube(0.508, 0.016), replace(STEEL, yield_strength=355e6)
+    legs = [
+        Member(
+            name=f"leg {foot}", start=foot, end="deck", elements=2, section=section, material=steel,
+            drag_coefficient=1.0, inertia_coefficient=2.0,
+        )
+        for foot in "abc"
+    ]  # fmt: skip
+    legs[1] = replace(legs[1], moment_factor=factor)
+    frame = Frame(
+        nodes=nodes, members=tuple(legs), clamped=("a", "b", "c"), masses=(PointMass(node="deck", mass=3e4),),
+        loads=(PointLoad(node="deck", force=(2e4, 0.0, -9e5)),),
+    )  # fmt: skip
+    platform = Platform(frame=frame, legs=("leg a", "leg b", "leg c"))
+    return scene(
+        [],
+        depth=25.0,
+        platform=platform,
+        **{"outputs": ("utilisation",), "time_step": 0.1, "duration": 60.0, **settings},
+    )
 
 
 @cache

@@ -1,5 +1,6 @@
 """What an elastic platform's sections and feet bear, as linear maps of the march's samples: see structure.influence."""
 
+import functools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -25,6 +26,7 @@ SOIL = "soil:"  # of a member among the feet
 SHEAR = [1, 2, 3]  # Vy, Vz, T among the section forces
 MIRROR = np.array([1.0, -1.0, 1.0])
 SAME = 1e-9  # of the largest force or moment by one cause: rounding of the static solutions
+NEAR = 1e-12  # squares of what is that near are not apart by more than their rounding
 
 
 class Ends(NamedTuple):
@@ -100,7 +102,7 @@ class Places:
         model, along = self.influence.model, self.columns.along
         ends = [slice(*between) for between in pairwise([0, *np.cumsum(self.points).tolist()])]
         first = np.concatenate([part.ravel() for part in self.columns._replace(along=along[[at.start for at in ends]])])
-        yield np.sort(first), np.zeros(0, int), np.zeros((0, first.size))
+        yield (first := np.unique(first)), np.zeros(0, int), np.zeros((0, first.size))
         for tube, at, (Vy, Vz, _) in zip(self.tubes, ends, self.columns.shear[:, 0], strict=True):
             x = np.cumsum(model.length[model.member_elements[tube.name]])
             N, My, Mz = along[at].T
@@ -114,16 +116,19 @@ class Places:
         members = {m.name: m for m in self.influence.model.frame.members}
         return [members[self.checked[k]] for k in np.unique(self.twin, return_index=True)[1]]
 
+    def once(self, same: np.ndarray) -> "Places":
+        """With forces at ends, all but those along tubes, that are the same (ny,) as others there in these's place."""
+        ends, *_ = next(self.parts())
+        place = np.arange(same.size)
+        place[ends] = np.where(np.isin(same[ends], ends), same[ends], ends)
+        return replace(self, columns=self.columns.at(place))
+
     def without_twins(self, maps: np.ndarray) -> tuple["Places", np.ndarray]:
-        """Tubes that bear the same as others, or its mirror image, by maps (k, ny) to all forces are not looked at.
+        """Tubes that bear the same as others, or its mirror image, by `_scaled` maps (k, ny) are not looked at.
 
         The second: (ny,) which of the forces are left.
         """
-        frame, kept = self.influence.model.frame, np.ones(maps.shape[1], bool)
-        moment = self.wanted.moments
-        scale = [np.abs(maps[:, kind]).max(axis=1, initial=0.0) for kind in (~moment, moment)]
-        maps = maps / np.maximum(np.where(moment, *(s[:, None] for s in scale[::-1])), np.finfo(float).tiny)
-        columns = self.columns
+        frame, kept, columns = self.influence.model.frame, np.ones(maps.shape[1], bool), self.columns
         each = [columns.along[slice(*ends)] for ends in pairwise([0, *np.cumsum(self.points)])]
         makes = [(m.section, m.material, frame.buckling_length(m), m.moment_factor) for m in self.tubes]
         both = (each, columns.shear)
@@ -165,8 +170,10 @@ class Forces:
     drag: np.ndarray  # (nd ns, r) of the drag at the stations
     applied: np.ndarray  # (na, r) of the forces that load histories have
     moments: np.ndarray  # (r,) which are moments
-    parts: tuple[Part, ...]
+    parts: tuple[Part, ...]  # of which the first goes by no others
     at_rest: np.ndarray  # (ny,) of the frame alone: weight, constant loads, buoyancy
+    first: np.ndarray  # (ny,) of each the first that is always as large, maybe itself
+    sign: np.ndarray  # (ny,) 1 where it has that one's sign, -1 where it has not
 
     def damped(self, ratio: np.ndarray) -> "Forces":
         """With the modes' damping ratios (nm,)."""
@@ -179,10 +186,8 @@ class Forces:
         x, drag = self.of_motion(dp, ddp, carried), drag.reshape(len(drag), -1)
         x += waves
         for part, maps in zip(self.parts, self._drag, strict=True):
-            load = drag[:, part.stations]
-            for few in maps:
-                load = load @ few
-            x[:, part.kept] += load
+            if maps:
+                x[:, part.kept] += functools.reduce(np.matmul, maps, drag[:, part.stations])
         return self.whole(x)
 
     def of_motion(self, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray) -> np.ndarray:
@@ -192,17 +197,35 @@ class Forces:
     def whole(self, x: np.ndarray) -> np.ndarray:
         """y (m, ny) of x (m, r)."""
         y = np.empty((len(x), self.at_rest.size), x.dtype)
-        for part in self.parts:
+        ends, *others = self.parts
+        own, r = x[:, ends.kept], ends.kept.stop
+        y[:, :r] = own
+        np.matmul(own, ends.spread, out=y[:, r : ends.columns.stop])
+        if others:
+            by, levers = self._levers
+            np.matmul(y.take(by, axis=1), levers, out=y[:, ends.columns.stop :])
+        for part in others:
             own, these = x[:, part.kept], y[:, part.columns]
-            these[:, : own.shape[1]] = own
-            np.matmul(own, part.spread, out=these[:, own.shape[1] :])
-            if part.others.size:
-                these += y.take(part.others, axis=1) @ part.lever
+            these[:, : own.shape[1]] += own
+            if part.spread.size:
+                these[:, own.shape[1] :] += own @ part.spread
         return y
 
     @cached_property
+    def _levers(self) -> tuple[np.ndarray, np.ndarray]:
+        """Which of the first part's forces (b,) others go by, and how (b, n): levers of all in one."""
+        _, *others = self.parts
+        by = np.unique(np.concatenate([part.others for part in others]))
+        levers = np.zeros((by.size, self.at_rest.size - self.parts[0].columns.stop))
+        for part in others:
+            columns = np.arange(part.columns.start, part.columns.stop) - self.parts[0].columns.stop
+            levers[np.searchsorted(by, part.others)[:, None], columns] = part.lever
+        return by, levers
+
+    @cached_property
     def _drag(self) -> list[tuple[np.ndarray, ...]]:
-        return [_by_few(self.drag[part.stations, part.kept]) for part in self.parts]
+        maps = (self.drag[part.stations, part.kept] for part in self.parts)
+        return [_by_few(drag) if drag.size else () for drag in maps]
 
     @cached_property
     def _motion(self) -> np.ndarray:
@@ -212,18 +235,21 @@ class Forces:
 def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
     """Of maps (…, ny) to all ny forces.
 
-    Those of a part that are kept are rows of the maps themselves, less what others tell of them, by which a QR
-    decomposition with pivots leaves no more than rounding; what drives them counts by its largest effect, a force or a
-    moment by the largest of its kind.
+    Of forces at ends that are always the same there is one. Those of a part that are kept are rows of the maps
+    themselves, less what others tell of them, by which a QR decomposition with pivots leaves no more than rounding;
+    what drives them counts by its largest effect, a force or a moment by the largest of its kind.
     """
     whole = np.concatenate([*maps.values()])
-    places, left = places.without_twins(np.vstack([whole, at_rest]))
+    scaled = _scaled(np.vstack([whole, at_rest]), places.wanted.moments)
+    places, left = places.without_twins(scaled)
     whole, moment = whole[:, left], places.wanted.moments[left]
     size = np.where(moment, *(np.abs(whole[:, kind]).max(initial=0.0) for kind in (moment, ~moment)))
     size[size == 0] = 1.0
     ends = np.cumsum([len(values) for values in maps.values()])[:-1]
     largest = [np.abs(map_ / size).max(initial=0.0) for map_ in np.split(whole, ends)]
     most = np.repeat(largest, [*map(len, maps.values())])  # that drivers of one kind do
+    first, sign = _alike(scaled[:, left], moment)
+    places = places.once(np.where(sign > 0, first, np.arange(first.size)))
     x: list[np.ndarray] = []
     parts: list[Part] = []
     order, place = np.zeros(0, int), np.empty(size.size, int)
@@ -254,7 +280,31 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
         moments=np.concatenate([moment[order[part.columns]][: len(part.spread)] for part in parts]),
         parts=tuple(parts),
         at_rest=at_rest[left][order],
+        first=place[first[order]],
+        sign=sign[order],
     )
+
+
+def _scaled(maps: np.ndarray, moment: np.ndarray) -> np.ndarray:
+    """Maps (k, ny) with each of the k causes counted by its largest effect, a force or a moment by that of its kind."""
+    scale = [np.abs(maps[:, kind]).max(axis=1, initial=0.0)[:, None] for kind in (moment, ~moment)]
+    return maps / np.maximum(np.where(moment, *scale), np.finfo(float).tiny)
+
+
+def _alike(maps: np.ndarray, moment: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) of each column of `_scaled` maps (k, n) the first of its kind that is the same but for its sign, the sign.
+
+    Few pairs have squares as near as those of columns that are the same: only these are compared.
+    """
+    squares, products = np.sum(maps**2, axis=0), maps.T @ maps
+    apart = squares[:, None] + squares - 2 * np.abs(products)
+    near = (apart <= NEAR * len(maps)) & (moment[:, None] == moment)
+    way = np.where(products < 0, -1.0, 1.0)
+    first = firsts(
+        len(squares),
+        lambda i, j: bool(near[i, j] and np.abs(maps[:, i] - way[i, j] * maps[:, j]).max() <= SAME),
+    )
+    return first, way[first, np.arange(first.size)]
 
 
 def _by_few(drag: np.ndarray) -> tuple[np.ndarray, ...]:

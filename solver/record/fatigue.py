@@ -18,11 +18,11 @@ NARROW = 1e-6  # of one: a process whose zero crossings and peaks are that nearl
 
 
 class Damage(NamedTuple):
-    """Of each hot spot; NaN where the count failed, and what is said of that."""
+    """Of each hot spot; NaN where the count failed: of which leg and fibre, and why."""
 
     per_hour: np.ndarray  # Miner's sum
     equivalent: np.ndarray  # hot-spot range [Pa] that does as much in `cycles` an hour, by Σ S^exponent
-    failed: tuple[str, ...] = ()
+    failed: tuple[tuple[int, int, str], ...] = ()
 
 
 def turning_points(x: np.ndarray) -> np.ndarray:
@@ -95,7 +95,7 @@ def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: F
                 raise ValueError(f"{np.sum(~np.isfinite(x))} of {len(x)} samples are not finite, in {seconds:g} s")
             found = cycles(x)
         except Exception as error:  # whatever the library meets: no damage is not what that means
-            failed.append(f"fatigue of leg {leg + 1}, fibre {fibre + 1}: the count failed: {error}")
+            failed.append((leg, fibre, str(error)))
             continue
         size = found.size if how.mean_stress == "none" else found.reduced(COMPRESSION[how.mean_stress])
         hot = how.scf * size

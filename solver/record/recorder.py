@@ -294,6 +294,8 @@ class Recorder:
         """bodies: needed where floats have lines."""
         self.scene, self.layout, self.channels, self.bodies = scene, layout, Channels(scene, support), bodies
         self.law = joint_law(scene.floats)
+        steel = self.channels.steel
+        self.spread = steel.spread if steel is not None else {}  # of channels that are taken in where they differ
         self.statistics: dict[str, Statistics] = {}  # of each channel
         self.shapes: dict[str, tuple[int, ...]] = {}
         legs = self.channels.legs
@@ -444,7 +446,7 @@ class Recorder:
             )
             yield "top_displacement", tops
             yield "bottom_stress", feet
-        yield from channels.steel.channels(forces)
+        yield from channels.steel.differing(forces)
 
     def _at_work(self, contact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(m, nj) 0 where a power take-off has let go of its axis, else 1; the load it bears beyond joint_loads."""
@@ -483,8 +485,11 @@ class Recorder:
 
     def tables(self) -> dict[str, np.ndarray]:
         """Statistics (…, 5) of each channel."""
-        outputs = {name: each for name, each in self.statistics.items() if name not in INNER}
-        known = {name: each.table().reshape(*self.shapes[name], -1) for name, each in outputs.items()}
+        tables = {name: each.table() for name, each in self.statistics.items() if name not in INNER}
+        known = {
+            name: self.spread[name].table(table) if name in self.spread else table.reshape(*self.shapes[name], -1)
+            for name, table in tables.items()
+        }
         if "hinge_force" in known:  # a hit is shorter than the time between samples
             force = known["hinge_force"]
             force[..., 0] = np.maximum(force[..., 0], self.struck[0])
@@ -506,11 +511,17 @@ class Recorder:
 
     def samples(self) -> dict[str, np.ndarray]:
         """Of each channel (m, …), and their times (m,), where series are kept."""
-        return {name: np.concatenate(blocks) for name, blocks in self.series.items()}
+        samples = {name: np.concatenate(blocks) for name, blocks in self.series.items()}
+        return {name: self.spread[name].of(x) if name in self.spread else x for name, x in samples.items()}
 
     def amended(self) -> dict[str, Cuts]:
         """What pieces change of each channel's samples, where series are kept."""
-        return {name: Cuts(*map(np.concatenate, zip(*cuts, strict=True))) for name, cuts in self.cuts.items()}
+        cuts = {name: Cuts(*map(np.concatenate, zip(*parts, strict=True))) for name, parts in self.cuts.items()}
+        for name in cuts.keys() & self.spread.keys():
+            row, value, square = cuts[name]
+            all_ = self.spread[name].of(value), self.spread[name].squares(square)
+            cuts[name] = Cuts(row, *(part.reshape(len(row), -1) for part in all_))
+        return cuts
 
     def record(self, attrs: Mapping[str, float | str], modes: SystemModes | None = None) -> Record:
         """The record of all blocks; the system's natural periods, if known."""
@@ -548,12 +559,12 @@ class Recorder:
 
         A taper weighs the record's middle, so that by itself the sum is that but on average.
         """
-        samples = self.samples()
+        samples, tables = self.samples(), self.tables()
         times = samples.pop("time")
         found = {}
         for name, values in samples.items():
             omega, lines = all_lines(values, float(times[1] - times[0]))
-            tapered, std = moments(omega, lines), self.statistics[name].table()[:, -1].reshape(values.shape[1:])
+            tapered, std = moments(omega, lines), tables[name][..., -1]
             share = np.divide(std**2, tapered[0], out=np.ones_like(std), where=tapered[0] > 0)
             found[name] = crossing_rate(values, self.seconds[1] - self.seconds[0]), share * tapered
         return self.channels.moments(found)

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Iterator
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SECTIONS, STRESSES, TOPS, UTILISATION, Forces
+from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SAME, SECTIONS, STRESSES, TOPS, UTILISATION, Ends, Forces
 from solver.record import fatigue
 from solver.record.spectra import crossings, moments
 from solver.record.utilisation import bending_utilisation, shear_utilisation
@@ -32,6 +33,27 @@ DIMS = {
 }
 
 
+class Spread(NamedTuple):
+    """How k numbers of a channel are all that it puts out: others are as they are, or their negatives."""
+
+    place: np.ndarray  # (…) which of the k
+    sign: np.ndarray  # (…) or (), 1 or -1
+
+    def of(self, values: np.ndarray) -> np.ndarray:
+        """(m, …) of values (m, k)."""
+        return values[:, self.place] * self.sign
+
+    def squares(self, values: np.ndarray) -> np.ndarray:
+        """(m, …) of values (m, k) of which each sign has the same."""
+        return values[:, self.place]
+
+    def table(self, table: np.ndarray) -> np.ndarray:
+        """Statistics (…, 5) of those (k, 5)."""
+        high, low, mean, *even = np.moveaxis(table[self.place], -1, 0)
+        same = self.sign > 0
+        return np.stack([np.where(same, high, -low), np.where(same, low, -high), self.sign * mean, *even], axis=-1)
+
+
 class Steel:
     """Channels of the outputs that a scene asks for, each a linear function of the frame's forces y (m, ny)."""
 
@@ -39,7 +61,12 @@ class Steel:
         self.forces, self.places, self.outputs, self.fatigue = forces, forces.places, settings.outputs, settings.fatigue
         self.feet, self.extreme = forces.places.feet, forces.places.feet.extreme
         self.legs = {"": self.feet, **({"_top": forces.places.tops} if TOPS in self.outputs else {})}
-        self.stress = {at: ends.stress for at, ends in self.legs.items()} | {STRESSES: forces.places.ends.stress}
+        columns = {"": self.places.columns.feet, "_top": self.places.columns.tops}
+        self._alike = {at: self._fibres(ends, columns[at]) for at, ends in self.legs.items()}
+        self._bent = {at: columns[at][legs] for at, (legs, _) in self._alike.items()}
+        self.thickness = {at: self.legs[at].thickness[legs] for at, (legs, _) in self._alike.items()}
+        self.stress = {at: self.legs[at].stress[legs] for at, (legs, _) in self._alike.items()}
+        self.stress[STRESSES] = self.places.ends.stress
         self.material_factor = settings.utilisation.material_factor
 
     @property
@@ -53,47 +80,87 @@ class Steel:
         return y.take(self.places.columns.feet, axis=1) * self.extreme
 
     def fibres(self, bent: np.ndarray, at: str) -> np.ndarray:
-        """Signed stress (m, nl, nf), tension positive, of N, My, Mz at an end of the legs (m, nl, 3)."""
+        """Signed stress (m, k, nf), tension positive, of N, My, Mz at an end of some legs (m, k, 3)."""
         return (bent.swapaxes(0, 1) @ self.stress[at]).swapaxes(0, 1)
 
     def ends(self, y: np.ndarray) -> dict[str, np.ndarray]:
-        """N, My, Mz (m, nl, 3) at the ends of the legs where fibres are looked at, by what outputs there end in."""
-        columns = {"": self.places.columns.feet, "_top": self.places.columns.tops}
-        return {at: y.take(columns[at], axis=1) for at in self.legs}
+        """N, My, Mz (m, k, 3) at the ends of legs whose fibres differ from others', by what outputs there end in."""
+        return {at: y.take(columns, axis=1) for at, columns in self._bent.items()}
 
     def channels(self, y: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """Name and values (m, …) of each output, from samples, from lines or from values at rest."""
+        for name, values in self.differing(y):
+            yield name, self.spread[name].of(values) if name in self.spread else values
+
+    def differing(self, y: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+        """The same, but (m, k) alone of what is another's, or its negative, as `spread` has it."""
         at = self.places.columns
+        for name, columns in self._selected.items():
+            yield name, y.take(columns, axis=1)
         if REACTIONS in self.outputs:
-            force, moment = y.take(at.reactions[:, :3], axis=1), y.take(at.reactions[:, 3:], axis=1)
-            yield "reaction_force", force
-            yield "reaction_moment", moment
             shear, overturning = np.split(y.take(at.reactions.ravel(), axis=1) @ self._sums, 2, axis=1)
             yield "base_shear", shear
             yield "overturning_moment", overturning
-            if at.feet.size:
-                yield "pile_force", y.take(at.feet[:, 0], axis=1)
-        if SECTIONS in self.outputs:
-            yield "section_force", y.take(at.sections[..., :3], axis=1)
-            yield "section_moment", y.take(at.sections[..., 3:], axis=1)
         if STRESSES in self.outputs:
             bent = y.take(at.sections[..., BENDING].reshape(-1, 3), axis=1)
             yield "member_stress", self.fibres(bent, STRESSES).reshape(len(y), len(self.places.members), 2, -1)
         if FIBRES in self.outputs:
             for end, bent in self.ends(y).items():
-                yield f"fibre_stress{end}", self.fibres(bent, end)
+                yield f"fibre_stress{end}", self.fibres(bent, end).reshape(len(y), -1)
         if UTILISATION in self.outputs:
             bent, sheared = self.utilisation(y)
             yield "utilisation", np.maximum(bent, sheared)
             yield "shear_utilisation", sheared
 
+    @cached_property
+    def spread(self) -> dict[str, Spread]:
+        """Of the channels in which some are others, or their negatives."""
+        first, sign = self.forces.first, self.forces.sign
+        every = {
+            name: Spread(np.unique(first[columns], return_inverse=True)[1].reshape(columns.shape), sign[columns])
+            for name, columns in self._columns.items()
+        }
+        if FIBRES in self.outputs:
+            every |= {f"fibre_stress{end}": spread for end, (_, spread) in self._alike.items()}
+        if UTILISATION in self.outputs:
+            every |= dict.fromkeys(("utilisation", "shear_utilisation"), Spread(self.places.twin, np.ones(())))
+        return every
+
+    @cached_property
+    def _columns(self) -> dict[str, np.ndarray]:
+        """Which of y (…) are channels as they are."""
+        at = self.places.columns
+        some: dict[str, np.ndarray] = {}
+        if REACTIONS in self.outputs:
+            some |= {"reaction_force": at.reactions[:, :3], "reaction_moment": at.reactions[:, 3:]}
+            if at.feet.size:
+                some["pile_force"] = at.feet[:, 0]
+        if SECTIONS in self.outputs:
+            some |= {"section_force": at.sections[..., :3], "section_moment": at.sections[..., 3:]}
+        return some
+
+    @cached_property
+    def _selected(self) -> dict[str, np.ndarray]:
+        """(k,) those of them that differ."""
+        return {name: np.unique(self.forces.first[columns]) for name, columns in self._columns.items()}
+
+    def _fibres(self, legs: Ends, columns: np.ndarray) -> tuple[np.ndarray, Spread]:
+        """Which legs (k,) have fibres that differ from other legs', and how those are all (nl, nf)."""
+        first, sign, (nl, nf) = self.forces.first, self.forces.sign, legs.fibre.shape[:2]
+        stress = np.zeros((nl, nf, first.size))  # of unit forces of those that differ
+        for leg, unit, column in zip(stress, np.nan_to_num(legs.stress), columns, strict=True):
+            for force, of in zip(unit, column, strict=True):
+                leg[:, first[of]] += sign[of] * force
+        wall = np.where(np.isnan(legs.fibre[..., 0]), np.nan, legs.thickness[:, None])
+        return _alike(stress, np.nan_to_num(wall, nan=-1.0))
+
     def utilisation(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Largest of each tube (m, nk): of axial force and bending at all its points; of shear, torsion at its ends."""
+        """Largest of tubes that differ (m, no): of axial force and bending at all points; of shear, torsion at ends."""
         of, places = self._resistance, self.places
         bent = bending_utilisation(y, places.columns.along, places.points, of)
         Vy, Vz, T = np.moveaxis(y.take(places.columns.shear, axis=1), -1, 0)
         sheared = shear_utilisation(Vy, Vz, T, Resistance(*(values[:, None] for values in of)))
-        return bent[:, places.twin], sheared.max(axis=-1)[:, places.twin]
+        return bent, sheared.max(axis=-1)
 
     @cached_property
     def _sums(self) -> np.ndarray:
@@ -120,29 +187,29 @@ class Steel:
         across = {at: self.stress[at].swapaxes(1, 2) for at in bent}  # each fibre's history along memory
         stress = {at: np.moveaxis(across[at] @ forces.transpose(1, 2, 0), -1, 0) for at, forces in bent.items()}
         rates = {at: fatigue.crossing_rate(x, seconds) for at, x in stress.items()}
-        return self._counted(
-            rates, lambda at, how: fatigue.of_samples(stress[at], seconds, self.legs[at].thickness, how)
-        )
+        return self._counted(rates, lambda at, how: fatigue.of_samples(stress[at], seconds, self.thickness[at], how))
 
     def expected(self, lines: np.ndarray, omega: np.ndarray) -> tuple[dict[str, Labelled], tuple[str, ...]]:
         """The same of a Gaussian process, from lines (nw, ny) of the forces."""
         X = {at: self.fibres(forces, at) for at, forces in self.ends(lines).items()}
         rates = {at: crossings(moments(omega, x)) for at, x in X.items()}
-        return self._counted(rates, lambda at, how: fatigue.of_lines(X[at], omega, self.legs[at].thickness, how))
+        return self._counted(rates, lambda at, how: fatigue.of_lines(X[at], omega, self.thickness[at], how))
 
     def _counted(
         self, rates: dict[str, np.ndarray], reckon: Callable[[str, Fatigue], fatigue.Damage]
     ) -> tuple[dict[str, Labelled], tuple[str, ...]]:
-        dims: tuple[str, ...] = ("leg", "fibre")
         out: dict[str, Labelled] = {}
         failed: list[str] = []
         for at, rate in rates.items():
-            if FIBRES in self.outputs:
-                out[f"fibre_stress{at}_crossing_rate"] = dims, rate
+            legs, spread = self._alike[at]
+            found = {"fibre_stress{}_crossing_rate": rate} if FIBRES in self.outputs else {}
             if FATIGUE in self.outputs:
                 damage = reckon(at, self.fatigue)
-                out |= {f"damage{at}": (dims, damage.per_hour), f"equivalent_range{at}": (dims, damage.equivalent)}
-                failed += [f"{note}, at the top" if at else note for note in damage.failed]
+                found |= {"damage{}": damage.per_hour, "equivalent_range{}": damage.equivalent}
+                for leg, fibre, note in damage.failed:
+                    where = f"fatigue of leg {legs[leg] + 1}, fibre {fibre + 1}"
+                    failed.append(f"{where}: the count failed: {note}{', at the top' if at else ''}")
+            out |= {name.format(at): (("leg", "fibre"), spread.of(x.reshape(1, -1))[0]) for name, x in found.items()}
         return out, tuple(failed)
 
     def coords(self) -> dict[str, np.ndarray]:
@@ -179,3 +246,19 @@ class Steel:
         how = self.fatigue
         words = f"curve {how.curve}, {how.environment}, {how.edition}, SCF {how.scf:g}"
         return {"fatigue": words, "equivalent_exponent": how.exponent, "equivalent_cycles": how.cycles}
+
+
+def _alike(stress: np.ndarray, wall: np.ndarray) -> tuple[np.ndarray, Spread]:
+    """Of legs (nl, nf, n) those (k,) whose fibres are not another leg's in another order, walls (nl, nf) included."""
+    (nl, nf), close = wall.shape, SAME * np.abs(stress).max(initial=0.0)
+    legs: list[int] = []
+    place = np.empty((nl, nf), int)
+    for j in range(nl):
+        for k, i in enumerate([*legs, j]):
+            same = np.abs(stress[i] - stress[j][:, None]).max(axis=-1, initial=0.0) <= close
+            same &= wall[i] == wall[j][:, None]
+            if i == j or same.any(axis=1).all():
+                place[j] = k * nf + (np.arange(nf) if i == j else same.argmax(axis=1))
+                legs += [j] * (i == j)
+                break
+    return np.array(legs, int), Spread(place, np.ones(()))

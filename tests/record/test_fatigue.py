@@ -205,7 +205,7 @@ def test_a_count_that_fails_is_not_nothing(monkeypatch):
     x[:, 0, 3] = np.nan
     damage = fatigue.of_samples(x, 50.0, THIN, Fatigue())
     assert damage.per_hour[0, 0] > 0 == damage.per_hour[0, 2] and np.isnan(damage.per_hour[0, [1, 3]]).all()
-    assert damage.failed == ("fatigue of leg 1, fibre 2: the count failed: 1 of 50 samples are not finite, in 50 s",)
+    assert damage.failed == ((0, 1, "1 of 50 samples are not finite, in 50 s"),)
     short = fatigue.of_samples(x[:1], 0.0, THIN, Fatigue())
     assert np.isnan(short.per_hour).all() and len(short.failed) == 3
     monkeypatch.setattr(fatigue.rainflow, "extract_cycles", lambda _: 1 / 0)

@@ -6,13 +6,20 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from solver.coupled import forces as forces_module
+from solver.coupled import support
+from solver.coupled.system import prepare
 from solver.errors import InputError
+from solver.record import steel as steel_module
+from solver.record.recorder import Recorder
+from solver.record.sampling import Cuts
 from solver.record.spectra import MOMENTS, all_lines, crossings, moments
+from solver.record.steel import Spread, Steel
 from solver.run import simulate
 from solver.statistics import STATISTICS
 from solver.structure import water
 from solver.structure.frame_model import assemble
-from tests.awkward import bare_legs, duck, on_piles, soft_ground, unequal_legs
+from tests.awkward import bare_legs, duck, on_piles, raking, soft_ground, unequal_legs
 
 STD, MEAN = STATISTICS.index("std"), STATISTICS.index("mean")
 
@@ -97,3 +104,41 @@ def test_what_has_nothing_to_say_is_refused():
     with pytest.raises(InputError, match="outputs = static_part: is of legs, reactions or section_forces: name some"):
         replace(item, **changes)
     assert "node" not in ran(duck, outputs=("moments",), duration=20.0).coords
+
+
+def test_what_is_another_or_its_negative_is_looked_at_once(monkeypatch):
+    """The answer is that of one by one: signs, fibres in their order, extremes, series, damage; not of unequal legs."""
+    outputs = ("reactions", "section_forces", "member_stress", "fibre_stress", "fatigue", "leg_tops")
+    item = raking(outputs=outputs, keep_series=True)
+    forces = prepare(item, None).support.forces
+    places, spread = forces.places.columns, Steel(forces, item.settings).spread
+    assert places.sections[0, 0, 0] == places.feet[0, 0] == places.feet[1, 0]  # the one leg's N is the other's
+    assert spread["section_moment"].sign.min() == -1 and spread["fibre_stress"].place.max() < 2 * 8 == 16
+    assert spread["fibre_stress"].place[1].tolist() != spread["fibre_stress"].place[0].tolist()
+    once = simulate(item)
+    unequal = prepare(replace(bare_legs()[0], settings=item.settings), None).support.forces
+    assert np.unique(Steel(unequal, item.settings).spread["fibre_stress"].place).size == 3 * 8
+    monkeypatch.setattr(forces_module, "_alike", lambda maps, _: (np.arange(maps.shape[1]), np.ones(maps.shape[1])))
+    monkeypatch.setattr(steel_module, "SAME", -1.0)
+    support._reduced.cache_clear()
+    each = simulate(item)
+    support._reduced.cache_clear()
+    assert once.variables.keys() == each.variables.keys() and once.series.keys() == each.series.keys()
+    for found, expected in ((once.variables, each.variables), (once.series, each.series)):
+        for name, (dims, values) in expected.items():
+            assert found[name][0] == dims
+            least = 1e-7 * np.nanmax(np.abs(values), initial=0.0)
+            assert found[name][1] == approx(values, rel=1e-6, abs=least, nan_ok=True), name
+
+
+def test_what_pieces_change_is_told_of_all_that_are_another():
+    item = raking(outputs=("fibre_stress",))
+    system = prepare(item, None)
+    recorder = Recorder(item, system.support, layout=system.layout)
+    recorder.spread = {"x": Spread(np.array([[1, 0], [0, 0]]), np.array([[1.0, 1.0], [-1.0, 1.0]]))}
+    recorder.cuts = {name: [Cuts(np.array([3]), np.array([[2.0, 5.0]]), np.array([[7.0, 11.0]]))] for name in "xy"}
+    found = recorder.amended()
+    assert found["x"].value.tolist() == [[5.0, 2.0, -2.0, 2.0]] and found["x"].square.tolist() == [
+        [11.0, 7.0, 7.0, 7.0]
+    ]
+    assert found["y"].value.tolist() == [[2.0, 5.0]] and found["x"].row.tolist() == [3]

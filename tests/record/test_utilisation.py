@@ -16,8 +16,8 @@ from solver.run import simulate
 from solver.scene import Platform, Scene, Settings, Utilisation, Water
 from solver.structure import tubular
 from solver.structure.beam import solid_rectangle, tube
-from solver.structure.frame import Frame, Material, Member, PointLoad, PointMass
-from tests.awkward import bare_legs, scene, sea
+from solver.structure.frame import Frame, Material, Member, PointLoad
+from tests.awkward import bare_legs, raking, scene, sea
 
 FY, E = 355e6, 2.1e11
 STEEL = Material(E=E, G=8.08e10, density=7850.0, yield_strength=FY)
@@ -201,22 +201,6 @@ def test_tubes_are_utilised_by_their_section_forces():
         assert np.ptp(expected) > 0
         along = y[:, steel.places.columns.along]
         assert along[:, 2 * row : 2 * row + 2] == approx(np.stack([N, My, Mz], axis=-1), rel=1e-9, abs=1e-6)
-
-
-def raking(factor=1.0):
-    """Two legs that lean to each other across y = 0 and one in that plane, in waves from ahead."""
-    nodes = {"deck": (0.0, 0.0, 3.0), "a": (-4.0, -3.0, -25.0), "b": (-4.0, 3.0, -25.0), "c": (5.0, 0.0, -20.0)}
-    legs = [
-        member(name=f"leg {foot}", start=foot, end="deck", elements=2, drag_coefficient=1.0, inertia_coefficient=2.0)
-        for foot in "abc"
-    ]
-    legs[1] = replace(legs[1], moment_factor=factor)
-    frame = Frame(
-        nodes=nodes, members=tuple(legs), clamped=("a", "b", "c"), masses=(PointMass(node="deck", mass=3e4),),
-        loads=(PointLoad(node="deck", force=(2e4, 0.0, -9e5)),),
-    )  # fmt: skip
-    platform = Platform(frame=frame, legs=("leg a", "leg b", "leg c"))
-    return scene([], depth=25.0, platform=platform, outputs=("utilisation",), time_step=0.1, duration=60.0)
 
 
 def crossed():
