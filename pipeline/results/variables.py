@@ -133,6 +133,7 @@ VARIABLES = {
     ),
     "mesh_error": Meaning("1", "Estimated relative error of the coefficients by the boundary elements' mesh, at most"),
     "mesh_effect": Meaning("1", "Relative error that the boundary elements' mesh makes in the linear response"),
+    "stations_effect": Meaning("1", "Relative error by the stations of the frame's drag, of a run with twice as many"),
     "shapes_effect": Meaning("1", "Relative error that the frame's left-out shapes make in the linear response"),
     "elements_effect": Meaning("1", "Relative error that the frame's elements make in the linear response"),
     "memory_error": Meaning("1", "Largest relative misfit of the radiation memory"),

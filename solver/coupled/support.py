@@ -67,6 +67,7 @@ class Support:
     station_shape: np.ndarray  # (ns, nd, nm)
     flow: Callable[[WaveField], np.ndarray]  # rows (ns, nd, n) of the normal particle velocity there
     drag: np.ndarray  # (ns,) ½ρ C_D D w below still water [kg/m]
+    drag_length: float  # the most of a member's length that a station stands for [m]
     stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
     stretched: Stretched | None  # where waves load them up to their surface
     applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
@@ -198,6 +199,7 @@ def _reduced(
         station_shape=station_shape,
         flow=water_drag.flow,
         drag=water_drag.size,
+        drag_length=float(drags.weight[drags.drag > 0].max(initial=0.0)),
         stream=water_drag.stream,
         stretched=water_drag.stretched,
         applied=shapes[loaded],

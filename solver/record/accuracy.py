@@ -16,7 +16,7 @@ MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
 # What the estimate's square may be made of; the BEM's mesh is chosen before, see scene.panels_for. Where laws jump
 # samples err, and the step less.
 SHARE = {"discretization_error": 0.5, "sampling_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
-SHAPES = 0.25  # and of the frame's shapes, which are cheap
+SHAPES = 0.25  # and of the frame's shapes, and of its drag, which are cheap
 STEP_ORDER = 4
 SAMPLES_ORDER = 1.5  # jumps lie anywhere between samples: in gaps half as wide and twice as many
 USUAL = 5e-4  # of the usual step, where the guess starts from
@@ -53,6 +53,8 @@ def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
         finer = _shorter(finer, step)
     if isinstance(settings.modes, int) and told["shapes_effect"] > (SHAPES * left) ** 0.5:
         finer = replace(finer, modes=2 * settings.modes)
+    if told["stations_effect"] > (SHAPES * left) ** 0.5:
+        finer = replace(finer, stations_per_element=2 * settings.stations_per_element)
     at = RULES.index((settings.azimuths, settings.arc_points, settings.line_points))
     if over["quadrature_error"] > 1 and at + 1 < len(RULES):
         azimuths, arc, line = RULES[at + 1]

@@ -14,7 +14,7 @@ from solver.coupled.linear import LinearModel, impedance, linear_model
 from solver.coupled.stages import State, copied
 from solver.coupled.step import HITS, Output
 from solver.coupled.support import KNOWN, Support, real_by_complex
-from solver.coupled.system import System, blocks
+from solver.coupled.system import System, blocks, prepare
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
 from solver.keys import shared
@@ -29,6 +29,7 @@ from solver.statistics import FAINT, apart, moments
 
 PROBE = 600  # usual steps of a scene: length of the run with half the step
 STATES = 48  # at which the pressure's quadrature is compared with a finer one
+FAR = 2e-5  # of what stations may leave out unseen
 DECAY = 400  # frequencies at which a scene without waves is judged
 MOTIONS = ("rotation", "motion", "top_displacement")
 
@@ -109,6 +110,7 @@ class Probe:
                     "elements_effect": elements_effect(
                         self.system.scene, hydrodynamics, self.system.support, self.system
                     ),
+                    "stations_effect": stations_effect(self, hydrodynamics),
                 }
             self._errors = {**parts, "estimated_error": together(parts.values())}
             self.seconds += time.perf_counter() - clock
@@ -123,7 +125,8 @@ def together(errors: Iterable[float]) -> float:
 def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
     """Relative errors of any mean, rms or std, what was asked and not met, and what was left out.
 
-    `estimated_error` is that of step, samples, quadrature, memory, BEM mesh, the frame's shapes and elements together.
+    `estimated_error` is that of step, samples, quadrature, memory, BEM mesh, the frame's shapes, elements and stations
+    together.
     """
     system = probe.system
     errors = probe.errors(hydrodynamics)
@@ -193,6 +196,27 @@ def step_errors(probe: Probe) -> dict[str, float]:
     differ = partial(expected_error, cut=(cut, pieces))
     step = statistics_error(system, scene, differ, probe.recorder.samples(), exact)
     return {"discretization_error": step * 16 / 15, "sampling_error": between}
+
+
+def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:
+    """Relative error of any mean, rms or std by the stations of a frame's drag: of the same run with twice as many.
+
+    Gauss points that stand for a length l each, n to a piece, err by some (l/2λ)²ⁿ/20 of what waves do whose wave
+    number is 1/λ; none where that is no more than FAR, and waves stop at still water.
+    """
+    system, s = probe.system, probe.system.scene.settings
+    support, points = system.support, s.stations_per_element
+    if support is None or support.drag_length == 0 or not system.scene.sea.amplitude.any() or probe.state is not None:
+        return 0.0
+    share = support.drag_length / (2 * system.waves.mean_length)
+    if support.stretched is None and share ** (2 * points) / 20 < FAR:
+        return 0.0
+    finer = prepare(replace(system.scene, settings=replace(s, stations_per_element=2 * points)), h, system.fit)
+    recorder = Recorder(probe.recorder.scene, finer.support, layout=finer.layout, bodies=finer.bodies)
+    for samples, output, times in blocks(finer, finer.start(), probe.steps):
+        recorder.add(times, output, samples)
+    differ = partial(expected_error, cut=(probe.recorder.amended(), recorder.amended()))
+    return statistics_error(system, recorder.scene, differ, probe.recorder.samples(), recorder.samples())
 
 
 def statistics_error(

@@ -96,7 +96,8 @@ class Channels:
         self.steel = Steel(forces, scene.settings) if forces is not None else None
         self.frequencies = support.dry_omega if support is not None else np.zeros(0)
         self.static_tops = support.static_tops if support is not None else np.zeros((0, 3))
-        self.nodes = support.nodes if support is not None else ()
+        asked = "accelerations" in scene.settings.outputs  # which a probe's scene is not
+        self.nodes = support.nodes if support is not None and asked else ()
         self.node_shapes = support.node_shapes if support is not None else np.zeros((0, 0, 3))
         floats = scene.floats
         self.owner = np.array([b for b, f in enumerate(floats) for _ in f.motion], int)  # of each joint axis

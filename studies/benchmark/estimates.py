@@ -23,7 +23,9 @@ from studies.benchmark.case import coefficients, scene, timed, with_settings, wo
 from tests.awkward import SCENES
 
 SECONDS = 900.0  # analysed, of Buan; the other scenes are as they are
-PARTS = ("discretization_error", "quadrature_error", "memory_effect", "shapes_effect", "elements_effect")
+PARTS = (
+    "discretization_error", "quadrature_error", "memory_effect", "shapes_effect", "elements_effect", "stations_effect",
+)  # fmt: skip
 OF_STEPS = ("discretization_error", "sampling_error")
 LOW = 0.3  # of the waves' heights, so that nothing swings through with less to hold it
 TYPICAL = 0.03  # rate [rad/s] at which a linear power take-off bears what one bears that bends

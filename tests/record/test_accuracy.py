@@ -17,7 +17,7 @@ from solver.run import simulate
 from solver.scene import PANELS, EndStops, panels_for, two_digits
 from solver.sea.realization import Realization
 from solver.statistics import FAINT, apart
-from tests.awkward import SCENES, known
+from tests.awkward import SCENES, known, unequal_legs
 from tests.awkward import scene as awkward_scene
 
 
@@ -30,7 +30,7 @@ def oblique_hull_in_head_seas():
 
 GOOD = {
     "discretization_error": 1e-5, "sampling_error": 0.0, "quadrature_error": 1e-5, "memory_effect": 1e-5,
-    "mesh_effect": 0.0, "shapes_effect": 0.0,
+    "mesh_effect": 0.0, "shapes_effect": 0.0, "stations_effect": 0.0,
 }  # fmt: skip
 
 
@@ -134,6 +134,8 @@ def test_settings_are_refined_by_their_own_share_alone(buan):
     assert finer.time_step == approx(two_digits(0.9 / 2 * settings.time_step))
     finer = refined(settings, told(quadrature_error=1e-2))
     assert finer.azimuths > settings.azimuths and finer.panel_size == settings.panel_size / 2
+    denser = refined(settings, told(stations_effect=1e-2))
+    assert denser == replace(settings, stations_per_element=2 * settings.stations_per_element)
     finer = refined(settings, told(shapes_effect=1e-2))
     assert (finer.modes, finer.time_step) == (2 * settings.modes, settings.time_step)
     assert refined(replace(settings, modes="all"), told(shapes_effect=1e-2)) is None
@@ -182,3 +184,12 @@ def test_record_says_which_hulls_have_fewer_panels(buan, coefficients, method):
     scene = buan.scene("fixed", duration=20.0, discard=0.0, method=method, froude_krylov="linear")
     assert note in simulate(scene, coarser).attrs["skipped"].split("; ")
     assert "panels for" not in simulate(scene, coefficients).attrs["skipped"]
+
+
+def test_accelerations_asked_for_change_no_step():
+    item, h = unequal_legs()
+    asked = [replace(item, settings=replace(item.settings, outputs=o)) for o in ((), ("accelerations",))]
+    plain, both = (simulate(scene, h) for scene in asked)
+    assert "node_acceleration" in both.variables
+    for name in ("time_step", "discretization_error", "estimated_error"):
+        assert both.attrs[name] == plain.attrs[name]

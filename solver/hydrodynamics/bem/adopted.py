@@ -91,7 +91,7 @@ def _water_problems(given: Given, depth: float, density: float, gravity: float) 
     return [
         InputError(key, value, f"must be {limit:g}, that of {given.name}")
         for key, (value, limit) in told.items()
-        if limit is not None and value != limit and not abs(value - limit) <= TOLD * abs(limit)
+        if limit is not None and not np.isclose(value, limit, rtol=TOLD, atol=0.0)
     ]
 
 

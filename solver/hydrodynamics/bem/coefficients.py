@@ -87,10 +87,17 @@ class Hydrodynamics:
 
     @cached_property
     def mesh_error(self) -> float:
-        """Largest estimated error of a curve, as a share of the largest value of its kind."""
+        """Largest estimated error of a curve, as a share of the largest value of its kind.
+
+        Moments and rotations count by the cube root of a body's volume, as forces and displacements there.
+        """
         if self.error is None:
             return 0.0
-        return max(float(np.abs(e).max() / np.abs(getattr(self, n)).max()) for n, e in self.error._asdict().items())
+        arm = np.cbrt(self.displaced_mass / self.density)[:, None] ** [dof in DOFS[3:] for dof in self.dofs]
+        force = 1 / arm.ravel()
+        sizes = {"added_mass_inf": (both := force[:, None] * force), "added_mass": both, "radiation_damping": both}
+        known = {n: (e, getattr(self, n), sizes.get(n, force)) for n, e in self.error._asdict().items()}
+        return max(float(np.abs(e * size).max() / np.abs(x * size).max()) for e, x, size in known.values())
 
     @cached_property
     def resolved(self) -> np.ndarray:

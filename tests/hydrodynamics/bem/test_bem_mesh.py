@@ -147,3 +147,14 @@ def test_triangles_and_quadrilaterals_agree():
     triangles = PanelHull.of(*loose(np.concatenate([corners, corners[:, 2:]], axis=1)))
     a, b = (solve((hull,), [[0, 0, 0]], omega=OMEGA[1:2], panels=108) for hull in (triangles, BARGE))
     assert share(a, b) < a.mesh_error + b.mesh_error < 0.07  # measured 0.012 and 0.058
+
+
+def test_a_model_has_the_mesh_error_of_what_it_is_a_model_of():
+    """Forces and moments, of other units, count alike at any scale."""
+    scale = 1 / 20
+    model = PanelHull.of(scale * BARGE.vertices, BARGE.faces)
+    waves = {"depth": 30.0, "omega": OMEGA[:2]}, {"depth": 30.0 * scale, "omega": OMEGA[:2] / scale**0.5}
+    errors = [
+        solve((hull,), [[0, 0, 0]], panels=108, **w).mesh_error for hull, w in zip((BARGE, model), waves, strict=True)
+    ]
+    assert errors[1] == pytest.approx(errors[0], rel=5e-3)

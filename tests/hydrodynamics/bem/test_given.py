@@ -217,6 +217,7 @@ def test_one_float_alone_is_moved_to_its_place():
 def test_what_cannot_be_used_is_refused():
     refused(told(bodies=("one",)), match="has 1 bodies, the study has 2 floats")
     assert refused(told(density=1000.0), match="that of theirs.nc").key == "water.density"
+    assert refused(told(depth=np.inf), match="must be inf, that of theirs.nc").key == "water.depth"
     assert refused(told(headings=np.array([0.0])), match="must be one of 0 rad").key == "waves.heading"
     few = {n: getattr(told(), n)[:4] for n in ("omega", "added_mass", "radiation_damping", "excitation")}
     refused(told(**few), match="has 4 different frequencies, needs 8")

@@ -1,0 +1,57 @@
+"""What the points at which a frame's drag is taken leave out, told by each record, against many points."""
+
+from dataclasses import replace
+
+import pytest
+
+from solver.coupled.system import prepare
+from solver.record import audit
+from solver.run import simulate
+from solver.scene import Platform
+from solver.statistics import apart
+from solver.structure.beam import tube
+from solver.structure.frame import Frame, Member, PointMass
+from tests.awkward import STEEL, bare_legs, scene, sea, unequal_legs
+
+JUDGED = ("top_displacement", "bottom_stress")
+
+
+def column():
+    """Slender, from the seabed through the surface, of few elements; in steep waves."""
+    member = Member(
+        name="m", start="foot", end="top", elements=4, section=tube(0.6, 0.02), material=STEEL,
+        drag_coefficient=1.0, inertia_coefficient=2.0,
+    )  # fmt: skip
+    nodes, mass = {"foot": (0.0, 0.0, -20.0), "top": (0.0, 0.0, 8.0)}, PointMass(node="top", mass=5e3)
+    frame = Frame(nodes=nodes, members=(member,), clamped=("foot",), masses=(mass,))
+    return scene([], depth=20.0, waves=sea(Hs=2.0, Tp=6.0), platform=Platform(frame=frame, legs=("m",))), None
+
+
+def with_stations(item, count, stretching="none"):
+    settings = replace(item.settings, stations_per_element=count, time_step=0.15, duration=100.0)
+    return replace(item, settings=settings, platform=replace(item.platform, wave_stretching=stretching))
+
+
+@pytest.mark.parametrize("stretching", ["none", "wheeler"])
+@pytest.mark.parametrize("made", [column, unequal_legs, bare_legs])
+def test_records_tell_what_their_stations_do(made, stretching):
+    """True error over estimate between 1/3 and 3, to still water and to the waves' surface."""
+    item, h = made()
+    few, many = (simulate(with_stations(item, n, stretching), h) for n in (2, 10))
+    true = max(apart(few.variables[name][1], many.variables[name][1]) for name in JUDGED)
+    told = few.attrs["stations_effect"]
+    assert true > 3e-5
+    assert 1 / 3 < true / told < 3
+    assert few.attrs["estimated_error"] >= told > 5 * many.attrs["stations_effect"]
+
+
+def test_near_stations_are_not_looked_at_again(monkeypatch):
+    item = column()[0]
+    true = [simulate(with_stations(item, n)).variables for n in (3, 10)]
+    assert max(apart(*(v[name][1] for v in true)) for name in JUDGED) < audit.FAR
+    calls = []
+    monkeypatch.setattr(audit, "prepare", lambda scene, *_: calls.append(scene) or prepare(scene, None))
+    for count, told in ((1, True), (2, True), (3, False)):
+        calls.clear()
+        effect = simulate(with_stations(item, count)).attrs["stations_effect"]
+        assert bool(calls) == told == (effect > 0)
