@@ -168,7 +168,7 @@ class Float:
             yield InputError(f"{key}.motion", self.motion, f"must name each axis once, of hinge, {', '.join(DOFS)}")
         elif "hinge" in self.motion and np.any(self.axis):
             turns = [self.direction(name) for name in self.motion if name not in DOFS[:3]]
-            if np.linalg.matrix_rank(turns) < len(turns):
+            if len(turns) > 1 and np.linalg.matrix_rank(turns) < len(turns):
                 yield InputError(
                     f"{key}.motion", self.motion, f"must turn about different axes; the hinge's {self.axis}"
                 )

@@ -269,7 +269,7 @@ def pto_table(file: Attachment, axis: str) -> PtoTable:
     from solver.power_takeoff import PtoTable
 
     with _part("pto_table.", "pto_table."):
-        if not columns.has(file, "position"):
+        if "position" not in columns.among(file, ("position", "velocity", "force")):
             v, f = columns.read(file, ("velocity", "force")).values()
             return PtoTable(velocity=tuple(v.tolist()), force=tuple(f.tolist()), axis=axis)
         y, v, f = columns.read(file, ("position", "velocity", "force")).values()
@@ -317,10 +317,10 @@ def load_history(table: LoadHistory) -> History:
     from solver.structure.load_history import LoadHistory as History
 
     with _part(f"platform.load_histories.{table.node}.", f"load_histories.{table.node}."):
-        there = [name for name in FORCES if columns.has(table.file, name)]
+        there = [name for name in columns.among(table.file, ("time", *FORCES)) if name in FORCES]
         if not there:
             raise InputError("file", table.file, f"needs a column of {', '.join(FORCES)} in its header")
-        read = columns.read(table.file, ("time", *there))
+        read = columns.read(table.file, ("time", *dict.fromkeys(there)))
         time = read["time"]
         force = np.stack([read.get(name, np.zeros(time.size)) for name in FORCES], axis=-1)
         return History(node=table.node, time=time, force=force)

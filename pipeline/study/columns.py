@@ -47,12 +47,19 @@ ALIASES = {"omega": ("omega", "frequency")}
 
 @lru_cache(maxsize=32)
 def read(file: Attachment, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """The wanted columns in SI units, in any order in the file; others are passed over. Raises InputError."""
+    """The wanted columns in SI units, in any order in the file; others are passed over. Raises InputError.
+
+    Refused are a wanted one that is there twice, and a line of more cells than there are columns.
+    """
     rows = _rows(file)
     number, header = next(rows, (1, [""]))
     places = {name: _place(file, number, header, name) for name in wanted}
     numbers: dict[str, list[float]] = {name: [] for name in wanted}
     for line, cells in rows:
+        if any(cells[len(header) :]):
+            raise InputError(
+                "file", file, f"line {line}: has {len(cells)} cells, its header names {len(header)} columns"
+            )
         for name, (at, title, factor) in places.items():
             numbers[name].append(factor * _number(file, line, cells, at, title))
     if not numbers[wanted[0]]:
@@ -60,10 +67,19 @@ def read(file: Attachment, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
     return {name: np.array(values) for name, values in numbers.items()}
 
 
-def has(file: Attachment, name: str) -> bool:
-    """Whether a file has a column of that name."""
-    _, header = next(_rows(file), (1, [""]))
-    return name in [cell.partition("[")[0].strip() for cell in header]
+def among(file: Attachment, known: tuple[str, ...]) -> list[str]:
+    """Columns that a file has of the known ones, and no others; raises InputError."""
+    line, header = next(_rows(file), (1, [""]))
+    titles = [title for title in _titles(header) if title]
+    for title in titles:
+        if title not in known:
+            raise InputError("file", file, f"line {line}: column {title} must be one of {', '.join(known)}")
+    return titles
+
+
+def _titles(header: Sequence[str]) -> list[str]:
+    """Without units."""
+    return [cell.partition("[")[0].strip() for cell in header]
 
 
 def _rows(file: Attachment) -> Iterator[tuple[int, list[str]]]:
@@ -80,9 +96,11 @@ def _rows(file: Attachment) -> Iterator[tuple[int, list[str]]]:
 def _place(file: Attachment, line: int, header: Sequence[str], name: str) -> tuple[int, str, float]:
     """Which column, what it is called there, and the factor to SI."""
     names = ALIASES.get(name, (name,))
-    titles = [cell.partition("[")[0].strip() for cell in header]
+    titles = _titles(header)
     for at, title in enumerate(titles):
         if title in names:
+            if titles.count(title) > 1:
+                raise InputError("file", file, f"line {line}: column {title} is there {titles.count(title)} times")
             unit = " ".join(header[at].partition("[")[2].rstrip("] ").split()).replace("^", "").replace("²", "2")
             quantity = QUANTITIES[title]
             if title == "S" and "omega" not in titles:

@@ -16,6 +16,7 @@ from solver.coupled.system import System, prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits, shared
+from solver.limits import slides
 from solver.scene import MOST_STEPS, STEPS, Scene, two_digits
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
@@ -180,9 +181,11 @@ def require_stable(system: System) -> None:
     nc, joints = system.structure.carrier.shape[0], system.joints_at_rest
     for name, at, (low, high) in zip(_joints(system.scene), joints, system.bodies.limit[nc:], strict=True):
         if not low < at < high:
+            remedy = "check its mass and centre of gravity (cog), or hold it by stiffness or a preload"
+            if slides(name.rpartition(" ")[2]):
+                remedy = 'place it where it rests, hold it by a stiffer spring, or set froude_krylov = "linear"'
             raise SimulationFailed(
-                f"{name} rests at {at:+.2f} in still water, beyond {low:+.2f} to {high:+.2f}: check its mass and centre"
-                " of gravity (cog), or hold it by stiffness or a preload"
+                f"{name} rests at {at:+.2f} in still water, beyond {low:+.2f} to {high:+.2f}: {remedy}"
             )
     sizes = linear_model(system).length[system.structure.omega.size :]
     if not sizes.size:

@@ -497,12 +497,15 @@ def _reaches(scene: Scene, height: float) -> list[float]:
 
 
 def _way(item: Float, lever: np.ndarray, angle: float, height: float) -> float:
-    """How far the end of a lever gets: turned by an angle, or sliding from where it is let go by twice the wave height
-    [m].
+    """How far the end of a lever gets: turned by an angle, or sliding from where it is let go, or where a preload
+    brings it that nothing but springs holds, by twice the wave height [m].
     """
     turned = 2 * np.sin(angle / 2) * float(np.linalg.norm(lever))
-    start = zip(item.motion, item.per_axis("offset"), strict=True)
-    return max((abs(x) + 2 * height if slides(name) else turned for name, x in start), default=0.0)
+    springs, pushed = item.per_axis("stiffness") + item.per_axis("pto_stiffness"), np.abs(item.per_axis("preload"))
+    held = (springs > 0) & np.array([name in DOFS[:2] for name in item.motion], bool)
+    start = np.maximum(np.abs(item.per_axis("offset")), np.divide(pushed, springs, out=0 * pushed, where=held))
+    ways = zip(item.motion, start.tolist(), strict=True)
+    return max((x + 2 * height if slides(name) else turned for name, x in ways), default=0.0)
 
 
 def _whole_mass(system: System, z: np.ndarray) -> np.ndarray:

@@ -7,11 +7,14 @@ import pytest
 from pytest import approx
 
 from solver import limits
+from solver.coupled.natural import require_stable
 from solver.coupled.system import prepare
+from solver.errors import SimulationFailed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.mooring import Mooring
 from solver.multibody.minimal import move, new_motion, pressure_room, pressures
 from solver.scene import Float
-from tests.awkward import BALL, BUOYED, RHO, big_beside_small, rotors, sea
+from tests.awkward import BALL, BUOYED, RHO, big_beside_small, rotors, sea, soft_mooring
 from tests.hydrodynamics.shapes import box
 
 
@@ -129,3 +132,22 @@ def test_halves_are_of_hulls_alone_that_are_symmetric_and_stay_in_their_plane():
     askew = replace(item, sea=sea(Hs=0.5, Tp=4.5, band=(0.8, 3.0), heading=0.3))
     halves = [prepare(one, None).bodies.panels.copies.tolist() for one in (item, more, rolling, askew)]
     assert halves == [[2.0] * 3, [2.0, 2.0, 2.0, 1.0, 1.0], [1.0] * 3, [1.0] * 3]
+
+
+def test_the_field_reaches_where_a_preload_brings_what_springs_alone_hold():
+    """And a float that rests beyond it, by what is not foreseen, is told what helps."""
+    whole = bare(soft_mooring()[0])
+    stiffness = whole.floats[0].stiffness
+
+    def pushed(surge, **changes):
+        item = replace(whole.floats[0], preload=(surge, 0.0, 0.0), **changes)
+        return prepare(replace(whole, floats=(item,)), None)
+
+    far = pushed(12.0 * stiffness[0])
+    require_stable(far)
+    assert far.joints_at_rest[0] == approx(12.0)
+    assert far.terms > pushed(0.0).terms
+    with pytest.raises(SimulationFailed, match=r"barge surge rests at \+30.* place it where it rests, hold it by"):
+        require_stable(
+            pushed(30.0 * stiffness[0], mooring=Mooring(stiffness=(stiffness, (0, 0, 0), (0, 0, 0))), stiffness=0.0)
+        )

@@ -112,7 +112,10 @@ def test_a_speed_is_an_axis(study_with):
     [
         ("[current]\ndirection = 1.0\n", WIND, r"current\.speed = nothing: is missing"),
         ("[current]\nspeed = -1.0\n", WIND, r"current\.speed = -1\.0: must be >= 0 m/s"),
-        (LOADED, "time, force\n0, 1\n", r'wind\.csv: needs a column of Fx, Fy, Fz in its header'),
+        (LOADED, "time\n0\n", r'wind\.csv: needs a column of Fx, Fy, Fz in its header'),
+        (LOADED, "time, Fx, Mx\n0, 1, 2\n", r'wind\.csv: line 1: column Mx must be one of time, Fx, Fy, Fz'),
+        (LOADED, "time, Fx, Fx\n0, 1, 2\n", r'wind\.csv: line 1: column Fx is there 2 times'),
+        (LOADED, "time, Fx\n0, 1, 2\n", r'wind\.csv: line 2: has 3 cells, its header names 2 columns'),
         (LOADED, "time, Fx\n0, 1\n1, x\n", r"wind\.csv: line 3, column Fx: 'x' must be a finite number"),
         (LOADED, "Fx\n1\n", r"wind\.csv: line 1: needs a column time in its header"),
         (LOADED, "time, Fx [kN]\n0, 1\n", r"line 1, column Fx: needs its unit, \[N\], not \[kN\]"),
