@@ -574,7 +574,7 @@ class Settings:
         if self.froude_krylov == "body-nonlinear":
             yield InputError("settings.froude_krylov", self.froude_krylov, needs.format('"linear" or "none"'))
         if self.keep_series:
-            yield InputError("settings.keep_series", self.keep_series, needs.format("none"))
+            yield InputError("settings.keep_series", self.keep_series, needs.format("to be left out"))
         if self.paths.formulation == "augmented":
             yield InputError("settings.formulation", "augmented", needs.format('"minimal", and accuracy "standard"'))
         if self.tolerance is not None:

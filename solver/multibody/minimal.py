@@ -33,6 +33,8 @@ from solver.multibody.joint_law import (
     coupled_loss,
 )
 
+SMALL = 0.03  # angles [rad] of which a series knows more than what trigonometry leaves
+
 
 class Bodies(NamedTuple):
     """All floats as arrays; nb floats, n axes at most, nr active hydrodynamic DOF of each."""
@@ -199,13 +201,32 @@ def _rule_of(bodies: Bodies, b: int) -> WettedQuadrature:
 
 @kernel(inline="always")
 def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarray) -> None:
-    """Buoyancy at rest, less stiffness times displacement."""
+    """-∂U/∂x and J⁻ᵀ(-∂U/∂θ) of U = ξᵀKξ/2 - bᵀξ, ξ = (x - x₀, θ), of buoyancy b at rest and the rotation R = exp[θ].
+
+    J is that of rotations dφ = J dθ about the axes of space. What of the stiffness is not symmetric it makes of b.
+    """
     x, x0, R = motion.position[b], bodies.reference[b], motion.rotation[b]
-    shift = (x[0] - x0[0], x[1] - x0[1], x[2] - x0[2], R[2, 1], R[0, 2], R[1, 0])
-    for r in range(6):
-        load[r] += bodies.buoyancy[b, r]
+    p, q, r = (R[2, 1] - R[1, 2]) / 2, (R[0, 2] - R[2, 0]) / 2, (R[1, 0] - R[0, 1]) / 2
+    sine, cosine = np.sqrt(p * p + q * q + r * r), (R[0, 0] + R[1, 1] + R[2, 2] - 1) / 2
+    angle = np.arctan2(sine, cosine)
+    long = angle / sine if sine > 0 else 1.0
+    u, v, w = long * p, long * q, long * r
+    shift = (x[0] - x0[0], x[1] - x0[1], x[2] - x0[2], u, v, w)
+    for i in range(3):
+        load[i] += bodies.buoyancy[b, i]
         for c in range(6):
-            load[r] -= bodies.stiffness[b, r, c] * shift[c]
+            load[i] -= bodies.stiffness[b, i, c] * shift[c]
+    mx, my, mz = bodies.buoyancy[b, 3], bodies.buoyancy[b, 4], bodies.buoyancy[b, 5]
+    for c in range(6):
+        mx -= (bodies.stiffness[b, 3, c] + bodies.stiffness[b, c, 3]) / 2 * shift[c]
+        my -= (bodies.stiffness[b, 4, c] + bodies.stiffness[b, c, 4]) / 2 * shift[c]
+        mz -= (bodies.stiffness[b, 5, c] + bodies.stiffness[b, c, 5]) / 2 * shift[c]
+    # J⁻ᵀ m = m + θ × m/2 + k θ × (θ × m), k = (1 - ½ |θ| cot ½|θ|)/θ²
+    k = (1 - angle * sine / (2 * (1 - cosine))) / angle**2 if angle > SMALL else 1 / 12 + angle**2 / 720
+    tx, ty, tz = v * mz - w * my, w * mx - u * mz, u * my - v * mx
+    load[3] += mx + tx / 2 + k * (v * tz - w * ty)
+    load[4] += my + ty / 2 + k * (w * tx - u * tz)
+    load[5] += mz + tz / 2 + k * (u * ty - v * tx)
 
 
 @fast_lean_kernel(forceinline=True)

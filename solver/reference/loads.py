@@ -5,6 +5,7 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from solver.coupled.assembly import joint_law
 from solver.coupled.energy import JOINT_DAMPING, PTO, RADIATION, WAVE, WORKS
@@ -37,6 +38,7 @@ from solver.sea.realization import ramp
 PressureOf = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
 # Adds the pressure load of a hull with its reference point at a position (3,), in a rotation (3, 3), to (6,).
 Quadrature = Callable[[np.ndarray, np.ndarray, Incident, np.ndarray], None]
+ROUNDING = 1e-6  # of an angle [rad]: below it its square is none beside 1
 TERMS = 32  # of the local wave field, for pressure by quadrature: rounding for every hull that is small for its waves
 Surface = Literal["panels", "quadrature"]
 IN_PLANE = np.array([2.0, 0.0, 2.0, 0.0, 2.0, 0.0])  # load of a hull from that of its half
@@ -118,15 +120,23 @@ class PressureForce:
         return load
 
     def _linear(self, b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-        """Buoyancy ρgV at (x_b, y_b) at rest, with its moment, less stiffness times displacement."""
+        """-∂U/∂x and J⁻ᵀ(-∂U/∂θ), U = ξᵀKξ/2 - bᵀξ of x - x₀ and the rotation vector θ, dφ = J dθ about space's axes.
+
+        b: buoyancy ρgV at (x_b, y_b) at rest; what of the stiffness is not symmetric it makes, by J.
+        """
         assert self.coefficients is not None  # linear hydrostatics are among them
         h, index = self.coefficients, _index(self.coefficients)
         block = slice(b * len(index), (b + 1) * len(index))
-        shift = np.array([*(position - self.scene.floats[b].centre), rotation[2, 1], rotation[0, 2], rotation[1, 0]])
+        turned = Rotation.from_matrix(rotation).as_rotvec()
+        shift = np.concatenate([position - self.scene.floats[b].centre, turned])
         out = np.zeros(6)
         x, y, _ = self.scene.floats[b].hull.buoyancy_point
         out[2:5] = h.displaced_mass[b] * self.scene.water.gravity * np.array([1.0, y, -x])
-        out[index] -= h.hydrostatic_stiffness[block, block] @ shift[index]
+        K = h.hydrostatic_stiffness[block, block]
+        out[index] -= (K + K.T) / 2 @ shift[index]
+        angle, S = max(float(np.linalg.norm(turned)), ROUNDING), np.cross(np.eye(3), turned)
+        J = np.eye(3) + (1 - np.cos(angle)) / angle**2 * S + (1 - np.sin(angle) / angle) / angle**2 * S @ S
+        out[3:] = np.linalg.solve(J.T, out[3:])
         return out
 
 

@@ -9,13 +9,17 @@ from scipy.interpolate import CubicSpline
 
 from solver.coupled import driving, linear, natural, support
 from solver.coupled import system as systems
+from solver.coupled.equilibrium import balance, differences
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import prepare
 from solver.frequency import case
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.record.audit import coefficient_effects, shapes_effect
 from solver.run import simulate
-from solver.scene import DOFS
-from tests.awkward import SCENES
+from solver.scene import DOFS, Float
+from solver.sea.realization import regular
+from tests.awkward import RHO, SCENES, known, scene
+from tests.hydrodynamics.shapes import box
 
 HINGED = ("duck", "big_beside_small", "model_scale", "flap")
 
@@ -149,8 +153,8 @@ def forget():
     """All that a process keeps of other scenes."""
     kept = (support._reduced, driving._curve, driving.driven, systems._bodies, systems._equilibrium)
     kept += (systems._at_rest, systems.known_differences, systems.loads_at_rest, linear._linear_model, linear_model)
-    for known in (*kept, case._case, natural._system_modes):
-        known.cache_clear()
+    for cached in (*kept, case._case, natural._system_modes):
+        cached.cache_clear()
 
 
 def same_bits(one, other):
@@ -176,3 +180,49 @@ def test_mesh_effect_is_what_the_march_shows(name):
         changes.append(np.abs(b[used, 4] / a[used, 4] - 1).max(initial=0))
     memory, told = coefficient_effects(prepare(linear, h), h)
     assert told / 3 < max(changes) < 3 * told + 2 * memory
+
+
+def moored_box(**changes):
+    """Free in all motions, c.o.g. and place off any symmetry, in waves from the side."""
+    hull = PanelHull.of(*box((4.0, 6.0, 3.0), (0.2, -0.3, 0.0)))
+    item = Float(
+        name="box", hull=hull, mass=RHO * hull.volume, inertia=(1.2e5, 8e4, 1.5e5), hinge=(0.4, 0.6, 0.0),
+        cog=(hull.buoyancy_point[0], hull.buoyancy_point[1], -0.4), motion=DOFS,
+        stiffness=(3e4, 3e4, 1e4, 1e4, 1e4, 3e5), damping=(1e4, 1e4, 1e4, 2e4, 2e4, 5e4),
+    )  # fmt: skip
+    still = {"froude_krylov": "linear", "radiation": False, "diffraction": False, "duration": 60.0, "discard": 240.0}
+    waves = regular(height=1e-3, period=3.5, heading=0.5)
+    whole = scene([replace(item, **changes)], waves=waves, **still)
+    return whole, known(whole, 0.5, 3.5, 8)
+
+
+def test_linear_hydrostatics_have_a_potential_and_are_linear_about_one_axis():
+    """∂(JᵀW)/∂z is symmetric far from rest, too; a turn about y alone is borne as it is large."""
+    whole, h = moored_box()
+    body, random = prepare(whole, h).bodies, np.random.default_rng(1)
+    for size in (1e-5, 1e-2, 0.6):
+        K = differences(body, size * random.uniform(-1, 1, 6)).residual[0]
+        assert np.abs(K - K.T).max() < 1e-7 * np.abs(K).max()
+    nonlinear = replace(whole, settings=replace(whole.settings, froude_krylov="body-nonlinear"))
+    tangents = [linear_model(prepare(item, h)).stiffness for item in (whole, nonlinear)]
+    assert tangents[0] == approx(tangents[1], rel=1e-3, abs=1e-4 * np.abs(tangents[1]).max())
+    pitched = replace(whole, floats=(replace(whole.floats[0], mass=1e-3, inertia=(1.0, 1.0, 1.0), stiffness=0.0),))
+    body, angles = prepare(pitched, h).bodies, np.array([-0.5, 0.0, 0.02, 0.5, 1.0])
+    moment = balance(body, np.outer(angles, np.eye(6)[4]))[0][:, 4]
+    assert moment - moment[1] == approx(-h.hydrostatic_stiffness[4, 4] * angles, rel=1e-6)
+
+
+@pytest.mark.parametrize("preload", [(0, 0, 0, 5e4, 0, 0), (0, 0, 0, 5e4, 8e4, 0)])
+def test_a_float_that_rests_tilted_answers_alike_by_march_and_lines(preload):
+    """Yaw by roll, which no buoyancy holds, is half of it where the tangent is not symmetric."""
+    whole, h = moored_box(preload=preload)
+    stds = [
+        simulate(replace(whole, settings=replace(whole.settings, method=m)), h).variables["motion"][1][0, :, 4]
+        for m in ("time", "frequency")
+    ]
+    assert stds[0][5] > 0.01 * stds[0].max()
+    assert stds[1] == approx(stds[0], rel=5e-3)
+    asked = replace(whole.settings, time_step=0.05, duration=20.0, discard=0.0)
+    paths = (asked, replace(asked, formulation="augmented"))
+    a, b = (simulate(replace(whole, settings=s), h).variables["motion"][1][0, :, 4] for s in paths)
+    assert a == approx(b, rel=1e-3)

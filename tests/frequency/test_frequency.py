@@ -419,7 +419,7 @@ def test_spectra_of_a_linear_march_are_those_of_the_lines():
     ("changes", "message"),
     [
         ({"froude_krylov": "body-nonlinear"}, 'froude_krylov = body-nonlinear: needs "linear" or "none" with method'),
-        ({"keep_series": True}, "keep_series = True: needs none with method"),
+        ({"keep_series": True}, "keep_series = True: needs to be left out with method"),
         (
             {"formulation": "augmented"},
             'formulation = augmented: needs "minimal", and accuracy "standard" with method',

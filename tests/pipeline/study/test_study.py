@@ -30,7 +30,7 @@ BAD = [
     (
         "[water]",
         '[record]\nseries = "decimated"\n[solver]\nmethod = "frequency"\nfroude_krylov = "linear"\n[water]',
-        "record.series = decimated: needs none with method",
+        "record.series = decimated: needs to be left out with method",
     ),
     (
         "band = [0.7, 3.4]",
