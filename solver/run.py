@@ -18,7 +18,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_err
 from solver.hydrodynamics.radiation.memory import USUAL
 from solver.limits import field_error
 from solver.record.accuracy import ATTEMPTS, first_guess, refined, shortened
-from solver.record.audit import Probe, audit
+from solver.record.audit import Probe, audit, sharpest_bend
 from solver.record.bound import above
 from solver.record.recorder import Record, Recorder
 from solver.record.refit import prepared
@@ -101,17 +101,17 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))
     recorder, probe = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies), Probe(system)
     state = system.start()
-    before, done = copied(state), 0
+    before, done, bend = copied(state), 0, sharpest_bend(scene)
     furthest = np.abs(np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z))
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
         furthest = np.maximum(furthest, np.abs(output.z).max(axis=0))
         probe.add(times, output, samples)
-        if probe.unaware(output):
+        if probe.unaware(output) or probe.before(bend, times):
             probe = probe.again(done, before)
             probe.add(times, output, samples)
         done += len(times) // 2
-        if output.contact.size:  # only floats that may meet stops are judged again
+        if output.contact.size or bend < np.inf:  # what may be judged again
             before = copied(state)
         if probe.fresh and (settings := better(scene.settings, probe.errors(hydrodynamics))) is not None:
             return settings

@@ -75,6 +75,7 @@ class Support:
     within: tuple[float, float]  # what its worst elements leave out, [-] and over ω² [s²]: see _within
     nodes: tuple[str, ...]  # nn of the frame whose accelerations are asked for
     node_shapes: np.ndarray  # (nm, nn, 3) their displacement
+    judged: np.ndarray  # (nm, k, 3) displacement of nodes by which a run is judged where no legs are said
     static_tops: np.ndarray  # (nl, 3) displacement of the legs' tops by weight, buoyancy and constant loads [m]
     forces: Forces | None  # None where neither legs nor outputs ask for any
     left_out: LeftOut
@@ -186,6 +187,8 @@ def _reduced(
         name for name in platform.frame.nodes if "accelerations" in outputs and name not in model.frame.clamped
     ]
     numbers = [model.node_index[name] for name in accelerated]
+    free = [] if platform.legs else [model.node_index[n] for n in platform.frame.nodes if n not in model.frame.clamped]
+    moved = shapes.reshape(-1, 6, omega.size)[:, :3]
     return Support(
         dry_omega=_dry_frequencies(model),
         omega=omega,
@@ -212,7 +215,8 @@ def _reduced(
         legs=legs.outputs(platform.legs, model, sea.density, sea.gravity, at_rest, shapes) if platform.legs else None,
         within=_within(model, sea.density),
         nodes=tuple(accelerated),
-        node_shapes=shapes.reshape(-1, 6, omega.size)[numbers, :3].transpose(2, 0, 1),
+        node_shapes=moved[numbers].transpose(2, 0, 1),
+        judged=moved[free].transpose(2, 0, 1),
         static_tops=_static_tops(platform, sea),
         forces=borne,
         buckling_factor=factor,

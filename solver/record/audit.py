@@ -31,7 +31,7 @@ PROBE = 600  # usual steps of a scene: length of the run with half the step
 STATES = 48  # at which the pressure's quadrature is compared with a finer one
 FAR = 2e-5  # of what stations may leave out unseen
 DECAY = 400  # frequencies at which a scene without waves is judged
-MOTIONS = ("rotation", "motion", "top_displacement")
+MOTIONS = ("rotation", "motion", "top_displacement", "node_displacement")
 
 
 def probed(scene: Scene, steps: int) -> Scene:
@@ -49,7 +49,8 @@ def probed(scene: Scene, steps: int) -> Scene:
 class Probe:
     """Keeps what PROBE usual steps of a run are judged by: their samples, and some states.
 
-    They are the run's first ones; and where a float meets a stop only later, as many again from then on.
+    They are the run's first ones; and where a float meets a stop only later, or a load history bends most, as many
+    again from then on.
     """
 
     def __init__(self, system: System, first: int = 0, state: State | None = None, seconds: float = 0.0):
@@ -59,7 +60,7 @@ class Probe:
         self.system, self.first, self.state = system, first, state
         self.steps = max(1, int(min(PROBE * system.scene.usual_step, left) / system.dt))
         short = probed(system.scene, self.steps)
-        self.recorder = Recorder(short, system.support, layout=system.layout, bodies=system.bodies)
+        self.recorder = Recorder(short, system.support, layout=system.layout, bodies=system.bodies, judged=True)
         self.states: list[tuple[np.ndarray, np.ndarray]] = []
         self.full = False
         self.seconds = seconds
@@ -81,6 +82,10 @@ class Probe:
         """Whether the floats meet a stop in a block, and met none in what has been judged."""
         judged = bool(self._errors) and not self.recorder.contact[:, HITS].any()
         return judged and bool(output.contact[..., HITS].any())
+
+    def before(self, bend: float, times: np.ndarray) -> bool:
+        """Whether a load history bends most at a time in a block, and what has been judged was before."""
+        return bool(self._errors) and times[0] <= bend <= times[-1]
 
     def again(self, first: int, state: State) -> "Probe":
         """Another from there on, whose errors are the larger of both."""
@@ -115,6 +120,19 @@ class Probe:
             self._errors = {**parts, "estimated_error": together(parts.values())}
             self.seconds += time.perf_counter() - clock
         return self._errors
+
+
+def sharpest_bend(scene: Scene) -> float:
+    """Time [s] at which the slope of a load history changes most; infinite without one that has a bend."""
+    most, at = 0.0, np.inf
+    for history in scene.platform.load_histories if scene.platform else ():
+        slope = np.diff(history.force, axis=0) / np.diff(history.time)[:, None]
+        change = np.linalg.norm(np.diff(slope, axis=0, prepend=0.0, append=0.0), axis=1)
+        inside = (history.time > 0) & (change > most)
+        if inside.any():
+            sharpest = int(np.argmax(np.where(inside, change, 0.0)))
+            most, at = float(change[sharpest]), float(history.time[sharpest])
+    return at
 
 
 def together(errors: Iterable[float]) -> float:
@@ -183,7 +201,7 @@ def step_errors(probe: Probe) -> dict[str, float]:
     """
     system, jumps, scene = probe.system, probe.system.bent.size > 0, probe.recorder.scene
     half, every = system.with_step(system.dt / 2), slice(0, None) if jumps else slice(1, None, 2)
-    finer = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies)
+    finer = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies, judged=True)
     state, done = half.start() if probe.state is None else copied(probe.state), 2 * probe.first
     for samples, output, times in blocks(half, state, done + 2 * probe.steps, done):
         since = times - probe.first * system.dt
@@ -212,7 +230,7 @@ def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:
     if support.stretched is None and share ** (2 * points) / 20 < FAR:
         return 0.0
     finer = prepare(replace(system.scene, settings=replace(s, stations_per_element=2 * points)), h, system.fit)
-    recorder = Recorder(probe.recorder.scene, finer.support, layout=finer.layout, bodies=finer.bodies)
+    recorder = Recorder(probe.recorder.scene, finer.support, layout=finer.layout, bodies=finer.bodies, judged=True)
     for samples, output, times in blocks(finer, finer.start(), probe.steps):
         recorder.add(times, output, samples)
     differ = partial(expected_error, cut=(probe.recorder.amended(), recorder.amended()))

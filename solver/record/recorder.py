@@ -291,10 +291,19 @@ def bound(tables: dict[str, np.ndarray], scene: Scene, channels: Channels, law: 
 class Recorder:
     """Takes in the march's blocks and keeps only what the record needs."""
 
-    def __init__(self, scene: Scene, support: Support | None, *, layout: Layout, bodies: Bodies | None = None):
-        """bodies: needed where floats have lines."""
+    def __init__(
+        self,
+        scene: Scene,
+        support: Support | None,
+        *,
+        layout: Layout,
+        bodies: Bodies | None = None,
+        judged: bool = False,
+    ):
+        """bodies: needed where floats have lines; judged: whether samples are to show what the step does."""
         self.scene, self.layout, self.channels, self.bodies = scene, layout, Channels(scene, support), bodies
         self.law = joint_law(scene.floats)
+        self.judged = support.judged if judged and support is not None and support.judged.size else None
         steel = self.channels.steel
         self.spread = steel.spread if steel is not None else {}  # of channels that are taken in where they differ
         self.statistics: dict[str, Statistics] = {}  # of each channel
@@ -438,6 +447,8 @@ class Recorder:
             if channels.lines:
                 assert self.bodies is not None, "asked of scenes with lines"
                 yield "line_tension", channels.line_tension(self.bodies, output.z[kept])
+        if self.judged is not None:
+            yield "node_displacement", np.tensordot(output.p[kept], self.judged, axes=1)
         yield from channels.accelerations(output.ddp[kept])
         if channels.steel is None or forces is None:
             return

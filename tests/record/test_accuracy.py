@@ -10,14 +10,15 @@ from solver import run
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
-from solver.record.audit import together
+from solver.record.audit import sharpest_bend, together
 from solver.record.refit import prepared
 from solver.record.sampling import least_force
 from solver.run import simulate
 from solver.scene import PANELS, EndStops, panels_for, two_digits
 from solver.sea.realization import Realization
 from solver.statistics import FAINT, apart
-from tests.awkward import SCENES, known, unequal_legs
+from solver.structure.load_history import LoadHistory
+from tests.awkward import SCENES, known, raking, unequal_legs
 from tests.awkward import scene as awkward_scene
 
 
@@ -193,3 +194,40 @@ def test_accelerations_asked_for_change_no_step():
     assert "node_acceleration" in both.variables
     for name in ("time_step", "discretization_error", "estimated_error"):
         assert both.attrs[name] == plain.attrs[name]
+
+
+def errors_of(item, outputs, finer=8):
+    """Largest error of any mean, rms and std of outputs against a step so many times shorter, and what is told."""
+    usual = simulate(item)
+    settings = replace(item.settings, time_step=usual.attrs["time_step"] / finer, newton_tolerance=1e-9)
+    fine = simulate(replace(item, settings=settings))
+    true = max(apart(usual.variables[name][1], fine.variables[name][1]) for name in outputs)
+    return true, usual.attrs
+
+
+def test_a_frame_without_legs_has_a_step_that_is_judged():
+    """By its nodes, as it would be by the tops of its legs."""
+    item = raking(outputs=("reactions",), time_step=0.25)
+    bare = replace(item, platform=replace(item.platform, legs=()))
+    told, without = simulate(item).attrs, simulate(bare).attrs
+    assert without["discretization_error"] == approx(told["discretization_error"], rel=0.5)
+    true, attrs = errors_of(bare, ["base_shear", "overturning_moment"])
+    assert 1 / 3 < true / attrs["estimated_error"] < 3
+    usual = replace(item.settings, time_step=None)
+    steps = [simulate(replace(x, settings=usual)).attrs["time_step"] for x in (item, bare)]
+    assert steps[1] == approx(steps[0], rel=0.2)
+
+
+def test_a_load_history_is_judged_where_it_bends_most():
+    """A blow of a third of a second, long after the run's start, by which the step alone is judged otherwise."""
+    blow = LoadHistory(
+        node="deck",
+        time=np.array([0.0, 200.03, 200.17, 200.31, 400.0]),
+        force=np.outer([0, 0, 1, 0, 0], [2e5, 0.0, 0.0]),
+    )
+    item = raking(outputs=("reactions",), time_step=0.1, duration=300.0)
+    struck = replace(item, platform=replace(item.platform, load_histories=(blow,)))
+    assert sharpest_bend(item) == np.inf and sharpest_bend(struck) == approx(200.17)
+    true, attrs = errors_of(struck, ["top_displacement", "base_shear"])
+    assert attrs["estimated_error"] > 3 * simulate(item).attrs["estimated_error"]
+    assert 1 / 3 < true / attrs["estimated_error"] < 3
