@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
@@ -40,7 +40,7 @@ def find(study: Study, words: Iterable[str]) -> set[str]:
 def _wanted(study: Study, text: str) -> dict[str, set[Label]]:
     table = axes(study.content)
     wanted: dict[str, set[Label]] = {}
-    for pair in text.split(","):
+    for pair in _pairs(text):
         axis, equals, word = (part.strip() for part in pair.partition("="))
         if not equals:
             raise StudyError(study.path, [f"--select = {pair}: must be axis=value,axis=value"])
@@ -49,6 +49,17 @@ def _wanted(study: Study, text: str) -> dict[str, set[Label]]:
             raise StudyError(study.path, [f"--select = {axis}: unknown axis; {_suggest(axis, list(table))}"])
         wanted.setdefault(axis, set()).update(_labels(study, axis, word, table[axis]))
     return wanted
+
+
+def _pairs(text: str) -> Iterator[str]:
+    """What commas part, but for those of lists in brackets."""
+    depth = start = 0
+    for at, letter in enumerate(text):
+        depth += (letter == "[") - (letter == "]")
+        if letter == "," and depth <= 0:
+            yield text[start:at]
+            start = at + 1
+    yield text[start:]
 
 
 def _labels(study: Study, axis: str, word: str, known: Sequence[Label]) -> list[Label]:

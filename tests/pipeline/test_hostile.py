@@ -96,7 +96,7 @@ TABLE = [
     (("mass = 2147.0", "mass = 1979-05-27"), {}, "floats[0].mass = datetime.date(1979, 5, 27): must be a number [kg]"),
     # files
     ((HULL, MESH % "gdf"), gdf("1e300"), "hull.file = hull.gdf: has a corner at 1e+300 m, must be within 100000 m"),
-    ((HULL, MESH % "gdf"), gdf("nan"), "hull.file = hull.gdf: has panels with corners that are no points of it"),
+    ((HULL, MESH % "gdf"), gdf("nan"), "hull.file = hull.gdf: has coordinates that are not finite numbers"),
     ((HULL, MESH % "stl"), {"hull.stl": "vertex 1 1 -1e99 " * 3}, "hull.stl: has a corner at 1e+99 m"),
     ((HULL, MESH % "stl"), {"hull.stl": "\0" * 84}, "hull.stl: holds no panels"),
     (

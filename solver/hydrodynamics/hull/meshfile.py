@@ -33,7 +33,9 @@ def read(name: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
         raise InputError(KEY, name, f"is not a readable {kind} mesh: {error}") from None
     if not len(faces):
         raise InputError(KEY, name, "holds no panels")
-    if not np.all(np.isfinite(vertices)) or faces.min() < 0 or faces.max() >= len(vertices):
+    if not np.all(np.isfinite(vertices)):
+        raise InputError(KEY, name, "has coordinates that are not finite numbers")
+    if faces.min() < 0 or faces.max() >= len(vertices):
         raise InputError(KEY, name, "has panels with corners that are no points of it")
     if (far := float(np.abs(vertices).max())) > FARTHEST:
         raise InputError(KEY, name, f"has a corner at {far:.3g} m, must be within {FARTHEST:g} m")
@@ -47,7 +49,7 @@ def _stl(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
         record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
         corners = np.frombuffer(data, record, count, 84)["corners"].astype(float)
     else:
-        number = r"\s+([-+0-9.eE]+)"
+        number = r"\s+(\S+)"
         numbers = re.findall(r"vertex" + 3 * number, _text(data))
         if not numbers or len(numbers) % 3:
             raise ValueError(f"{len(numbers)} corners, three for each triangle are needed")

@@ -177,6 +177,8 @@ def test_a_moebius_strip_is_refused():
         ("a.stl", b""),
         ("a.stl", b"solid\nvertex 0 0 0\nendsolid"),
         ("a.stl", stl(PANELS)[:-7]),
+        ("a.stl", b"solid\nvertex nan 0 0\nvertex 1 0 0\nvertex 0 1 0\nendsolid"),
+        ("a.stl", b"solid\nvertex O 0 0\nvertex 1 0 0\nvertex 0 1 0\nendsolid"),
         ("a.gdf", b"title\n1 9.81\n0 0\n2\n0 0 0"),
         ("a.gdf", b"title\n1 9.81\n-1 0\n0\n"),
         ("a.gdf", b"title"),

@@ -9,7 +9,7 @@ from pipeline.bridge.geometry import of_joints
 from pipeline.bridge.loading import load
 from pipeline.study.reading import StudyError
 from pipeline.tasks import tasklist
-from pipeline.tasks.select import find, select
+from pipeline.tasks.select import _pairs, find, select
 from pipeline.tasks.task import expand
 
 
@@ -99,3 +99,18 @@ def test_selecting_makes_the_tasks_selected_and_no_others(million, monkeypatch):
     labels = [(t.labels["sea_state"], t.labels["pto_damping"], t.labels["seed"]) for t in chosen]
     assert labels == [("s3", 1e3, 5), ("s3", 99e3, 5), ("s7", 1e3, 5), ("s7", 99e3, 5)]
     assert [task.id for task in chosen] == [cell(million.content, task.labels, task.varied).id for task in chosen]
+
+
+def test_a_list_is_selected_as_it_is_written(small):
+    """Commas within brackets part nothing, in a matrix neither."""
+    assert list(_pairs("a=[0.3, 1.0, 0.0],b=1,c=[[1, 0], [0, 1]]")) == [
+        "a=[0.3, 1.0, 0.0]",
+        "b=1",
+        "c=[[1, 0], [0, 1]]",
+    ]
+    axis = '[axes]\n"floats.front.cog" = [[0.0, 0.0, 0.1], [0.0, 0.0, 0.2]]\n'
+    small.write_text(small.read_text().replace("[axes]\n", axis))
+    study = load(small)
+    chosen = select(study, "floats.front.cog=[0.0, 0.0, 0.2],seed=0")
+    assert all("[0.0, 0.0, 0.2]" in task.labels.values() for task in chosen)
+    assert 0 < len(chosen) < len(select(study, "seed=0"))
