@@ -35,9 +35,9 @@ def lives(data: xr.Dataset, variable: str = "damage", weights: Any = None) -> xr
 
     variable: "damage" or "damage_top" of a collected dataset. D = Σ wⱼ d̄ⱼ/Σ wⱼ of the means d̄ⱼ over the nⱼ
     realizations of each sea state j, by weights w (sea_state,): its `occurrence`, else equal ones. The interval is
-    D ± t s with s² = Σ (wⱼ/Σw)² sⱼ²/nⱼ of independent realizations and Student's t at the degrees of freedom of Welch
-    and Satterthwaite, (Σ vⱼ)²/Σ vⱼ²/(nⱼ - 1). NaN: value where a sea state has no number, interval where one has a
-    single realization. Life is 1/D, the interval's ends change places; where that reaches no damage it has no end.
+    D ± t s, not below zero, with s² = Σ (wⱼ/Σw)² sⱼ²/nⱼ of independent realizations and Student's t at the degrees of
+    freedom of Welch and Satterthwaite, (Σ vⱼ)²/Σ vⱼ²/(nⱼ - 1). NaN: value where a sea state has no number, interval
+    where one has a single realization. Life is 1/D, the interval's ends change places; of no damage it has no end.
     """
     return _estimates(_weighted(_means(data[variable]), data if weights is None else weights))
 
@@ -77,7 +77,9 @@ def _estimates(found: tuple[xr.DataArray, xr.DataArray, xr.DataArray]) -> xr.Dat
     with np.errstate(invalid="ignore", divide="ignore"):
         # Where no realization differs there is no scatter, and no degree of freedom either.
         half = (stats.t.ppf((1 + LEVEL) / 2, freedom) * error).where(error != 0, 0.0)
-        damage = xr.concat([mean, mean - half, mean + half], dim="estimate").assign_coords(estimate=list(ESTIMATES))
+        damage = xr.concat([mean, (mean - half).clip(min=0.0), mean + half], dim="estimate").assign_coords(
+            estimate=list(ESTIMATES)
+        )
         life = HOUR / damage.where(~(damage <= 0), 0.0).isel(estimate=[0, 2, 1])
     life = life.assign_coords(estimate=list(ESTIMATES))
     damage.attrs, life.attrs = {"units": "h-1"}, {"units": "s"}

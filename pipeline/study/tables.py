@@ -134,8 +134,9 @@ class Table(BaseModel):
         names = [field.alias or name for name, field in cls.model_fields.items()]
         for key in data if isinstance(data, dict) else ():
             if key not in names:
-                close = difflib.get_close_matches(str(key), names, n=1)
-                known = f"did you mean {close[0]}?" if close else f"known: {', '.join(names)}"
+                there = [name for name in names if name != "keys"]  # which holds paths, and is none itself
+                close = difflib.get_close_matches(str(key), there, n=1)
+                known = f"did you mean {close[0]}?" if close else f"known: {', '.join(there)}"
                 raise PydanticCustomError("unknown_key", "{limit}", {"key": key, "limit": f"unknown key; {known}"})
         return data
 
