@@ -299,12 +299,14 @@ def _alike(maps: np.ndarray, moment: np.ndarray) -> tuple[np.ndarray, np.ndarray
     squares, products = np.sum(maps**2, axis=0), maps.T @ maps
     apart = squares[:, None] + squares - 2 * np.abs(products)
     near = (apart <= NEAR * len(maps)) & (moment[:, None] == moment)
-    way = np.where(products < 0, -1.0, 1.0)
-    first = firsts(
-        len(squares),
-        lambda i, j: bool(near[i, j] and np.abs(maps[:, i] - way[i, j] * maps[:, j]).max() <= SAME),
-    )
-    return first, way[first, np.arange(first.size)]
+    first, sign = np.arange(len(squares)), np.ones(len(squares))
+    for j in first:
+        for i in np.flatnonzero(near[:j, j] & (first[:j] == np.arange(j))):
+            way = -1.0 if products[i, j] < 0 else 1.0
+            if np.abs(maps[:, i] - way * maps[:, j]).max() <= SAME:
+                first[j], sign[j] = i, way
+                break
+    return first, sign
 
 
 def _by_few(drag: np.ndarray) -> tuple[np.ndarray, ...]:
