@@ -239,6 +239,13 @@ class Case:
         return self.drag(None)
 
     @cached_property
+    def force_at_rest(self) -> np.ndarray:
+        """F (n, nl) with the drag on a frame that does not move."""
+        force, of_water = self.force.copy(), self.drag_at_rest[2]
+        force[: len(of_water)] += of_water
+        return force
+
+    @cached_property
     def equation(self) -> Condensed:
         """Without dampers."""
         return Condensed(self.model, self.omega, self.impedance, self.drag_at_rest[1])

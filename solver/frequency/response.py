@@ -130,7 +130,8 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
     taken = before.taken
     for rounds in range(1, ROUNDS + 1):
         K, damping[:nm, :nm], of_water = case.drag(rate[:nm]) if rounds > 1 else case.drag_at_rest
-        push, dampers = _pushed(case.force, case.equation, damping, of_water, rate), linear
+        push = _pushed(case.force, case.equation, damping, of_water, rate) if rounds > 1 else case.force_at_rest
+        dampers = linear
         if quadratic.any() or bent:
             now = _Sizes(taken, _length(rate[nm:]))
             taken, before = _next(now, before), now
@@ -144,8 +145,9 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
         rate, last_std, std = turning * X, std, _length(X)
         if not np.max(std * model.length, initial=0.0) < UNBOUNDED * height:  # each wave's part is less
             _require_bounded(model, omega, X, height)
-        held = np.maximum(last_std, std)[nm:] * model.length[nm:] < HELD * height
-        last, change = change, max(_change(last_std[:nm], std[:nm]), _change(last_std[nm:][~held], std[nm:][~held]))
+        held = np.maximum(last_std, std) * model.length < HELD * height
+        held[:nm] = False  # no brake holds a mode
+        last, change = change, _change(last_std[~held], std[~held]) if rounds > 1 else np.inf
         if not (stations.size or quadratic.any() or bent) or _ahead(last, change) <= AGREED:
             return _Round(X=X, rate=rate, damping=damping, K=K, of_water=of_water, pto=pto, rounds=rounds)
     what = "drag or power take-off" if bent else "drag"
@@ -200,9 +202,10 @@ def _length(X: np.ndarray) -> np.ndarray:
 
 def _change(before: np.ndarray, std: np.ndarray) -> float:
     """The largest, relative to the smaller; infinite from nothing, and to it."""
-    new, least = np.full(std.shape, np.inf), np.minimum(std, before)
-    new[std == before] = 0.0
-    return float(np.divide(np.abs(std - before), least, out=new, where=(std != before) & (least > 0)).max(initial=0.0))
+    new, least = np.abs(std - before), np.minimum(std, before)
+    if not least.all():
+        new[new > 0], least = np.where(least[new > 0] > 0, new[new > 0], np.inf), np.where(least > 0, least, 1.0)
+    return float((new / least).max(initial=0.0))
 
 
 def _ahead(last: float, change: float) -> float:
