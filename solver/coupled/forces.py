@@ -26,6 +26,7 @@ SOIL = "soil:"  # of a member among the feet
 SHEAR = [1, 2, 3]  # Vy, Vz, T among the section forces
 MIRROR = np.array([1.0, -1.0, 1.0])
 SAME = 1e-9  # of the largest force or moment by one cause: rounding of the static solutions
+LITTLE = 1e-3
 NEAR = 1e-12  # squares of what is that near are not apart by more than their rounding
 
 
@@ -286,9 +287,14 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
 
 
 def _scaled(maps: np.ndarray, moment: np.ndarray) -> np.ndarray:
-    """Maps (k, ny) with each of the k causes counted by its largest effect, a force or a moment by that of its kind."""
-    scale = [np.abs(maps[:, kind]).max(axis=1, initial=0.0)[:, None] for kind in (moment, ~moment)]
-    return maps / np.maximum(np.where(moment, *scale), np.finfo(float).tiny)
+    """Maps (k, ny) with each of the k causes counted by its largest effect, a force or a moment by that of its kind.
+
+    What a cause does to the one kind is rounding where it does little beside what it does to the other.
+    """
+    scale = np.array([np.abs(maps[:, kind]).max(axis=1, initial=0.0) for kind in (moment, ~moment)])
+    size = np.maximum(scale.max(axis=1, keepdims=True), np.finfo(float).tiny)
+    of_moments, of_forces = np.maximum(scale, LITTLE * size * (scale / size).max(axis=0))[..., None]
+    return maps / np.maximum(np.where(moment, of_moments, of_forces), np.finfo(float).tiny)
 
 
 def _alike(maps: np.ndarray, moment: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

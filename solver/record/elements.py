@@ -63,7 +63,7 @@ def _stds(system: System, h: Hydrodynamics | None, settings: Settings) -> Iterat
         x = system.rows[system.layout.forces].T + forces.of_motion(-1j * omega * P, -(omega**2) * P, borne)
         y = forces.whole(x + drag @ forces.drag)
         if support.legs is not None:
-            kinds.append(steel.fibres(steel.ends(y)[""], "").reshape(len(y), -1, 1))
+            kinds.append(steel.every_fibre(y).reshape(len(y), -1, 1))
         kinds += [values[:, None] for name, values in steel.channels(y) if name in SUMS]
     for lines in kinds:
         std = np.sqrt(np.nansum(np.abs(lines) ** 2, axis=(0, 2)))

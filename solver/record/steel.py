@@ -87,6 +87,10 @@ class Steel:
         """N, My, Mz (m, k, 3) at the ends of legs whose fibres differ from others', by what outputs there end in."""
         return {at: y.take(columns, axis=1) for at, columns in self._bent.items()}
 
+    def every_fibre(self, y: np.ndarray) -> np.ndarray:
+        """Signed stress (m, nl, nf) of all fibres at the legs' feet."""
+        return self._alike[""][1].of(self.fibres(self.ends(y)[""], "").reshape(len(y), -1))
+
     def channels(self, y: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
         """Name and values (m, …) of each output, from samples, from lines or from values at rest."""
         for name, values in self.differing(y):

@@ -11,7 +11,7 @@ from solver.record import elements
 from solver.run import simulate
 from solver.statistics import STATISTICS
 from solver.structure.frame_model import assemble
-from tests.awkward import bare_legs, on_piles, tripod, unequal_legs
+from tests.awkward import bare_legs, on_piles, raking, tripod, unequal_legs
 
 STD = STATISTICS.index("std")
 JUDGED = ("top_displacement", "bottom_stress", "base_shear", "overturning_moment")
@@ -43,6 +43,15 @@ def test_a_march_tells_the_same():
     marched = replace(cut(item, 1), settings=replace(item.settings, outputs=("reactions",), duration=30.0))
     told = [simulate(scene, h).attrs["elements_effect"] for scene in (marched, cut(item, 1))]
     assert told[0] == pytest.approx(told[1], rel=1e-3)
+
+
+@pytest.mark.parametrize("outputs", [("section_forces",), ("utilisation", "leg_tops", "fatigue")])
+def test_legs_are_compared_with_themselves_whatever_is_asked_for(outputs):
+    """Of mirrored legs one is looked at, which are others' images as the outputs have it."""
+    item = raking(outputs=outputs)
+    plain = replace(item, settings=replace(item.settings, outputs=()))
+    told = [simulate(scene).attrs["elements_effect"] for scene in (item, plain)]
+    assert told[0] == pytest.approx(told[1], rel=1e-6) and told[1] > elements.FINE
 
 
 def test_fine_elements_are_not_looked_at_again(monkeypatch):

@@ -115,11 +115,14 @@ def test_what_is_another_or_its_negative_is_looked_at_once(monkeypatch):
     assert places.sections[0, 0, 0] == places.feet[0, 0] == places.feet[1, 0]  # the one leg's N is the other's
     assert spread["section_moment"].sign.min() == -1 and spread["fibre_stress"].place.max() < 2 * 8 == 16
     assert spread["fibre_stress"].place[1].tolist() != spread["fibre_stress"].place[0].tolist()
-    once = simulate(item)
+    once, few = simulate(item), Steel(forces, item.settings)
     unequal = prepare(replace(bare_legs()[0], settings=item.settings), None).support.forces
     assert np.unique(Steel(unequal, item.settings).spread["fibre_stress"].place).size == 3 * 8
     monkeypatch.setattr(forces_module, "_alike", lambda maps, _: (np.arange(maps.shape[1]), np.ones(maps.shape[1])))
     monkeypatch.setattr(steel_module, "SAME", -1.0)
+    y = forces.whole(np.random.default_rng(2).normal(size=(4, len(forces.moments))))
+    some, all_ = (steel.every_fibre(y) for steel in (few, Steel(forces, item.settings)))
+    assert some.shape == (4, 3, 8) and some == approx(all_, rel=1e-6, abs=1e-9 * np.abs(all_).max())
     support._reduced.cache_clear()
     each = simulate(item)
     support._reduced.cache_clear()
