@@ -24,7 +24,8 @@ from solver.statistics import FAINT
 
 SWAYED = 3e-3  # what the fit may change a motion's RAO, its std or its power by, relative, where no tolerance is given
 TIMES = (2, 4, 8, 16)  # that what misfits do to the motions counts, one after another until it is little enough
-FEW = 12  # motions that there are: their fits take seconds, those of more a minute
+FEW = 12  # motions that there are: their fits take seconds
+MANY = 24  # whose fits take ten, where one has met its tolerance; else they end as it did, after a minute
 LEAST = 0.1  # of a motion's largest response: changes of less are relative to that
 
 
@@ -34,7 +35,7 @@ def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
     if h is None or best.fit is None or asked.memory == "convolution" or asked.memory_tolerance is not None:
         return best
     hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
-    if h.moved(ways).sum() > FEW:
+    if h.moved(ways).sum() > (MANY if best.fit.error <= USUAL else FEW):
         return best
     allowed = SWAYED if asked.tolerance is None else SHARE["memory_effect"] ** 0.5 * asked.tolerance / MARGIN
     effect = _swayed(best, h)

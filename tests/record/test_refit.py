@@ -47,6 +47,11 @@ def test_the_usual_fit_stays_where_it_is_asked_for_or_good_enough_or_dear(monkey
     assert refit.prepared(damped, h).fit is usual
     assert refit.prepared(item, h).fit is not usual
     monkeypatch.setattr(refit, "FEW", 0)
+    assert refit.prepared(item, h).fit is not usual
+    monkeypatch.setattr(refit, "USUAL", 0.5 * usual.error)  # which it has not met
+    assert refit.prepared(item, h).fit is usual
+    monkeypatch.undo()
+    monkeypatch.setattr(refit, "MANY", 0)
     assert refit.prepared(item, h).fit is usual
 
 
