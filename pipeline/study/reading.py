@@ -31,6 +31,8 @@ LIMITS = {
     "model_type": "must be a table",
     "dict_type": "must be a table",
     "tuple_type": "must be a list",
+    "too_short": "must have {min_length} at least",
+    "too_long": "must have {max_length} at most",
     "control_character": "must be one line, without control characters",
     "string_too_long": "must have at most {max_length} characters",
     "literal_error": "must be one of {expected}",
@@ -62,7 +64,13 @@ def parsed(path: Path) -> tuple[StudyFile, tuple[Path, ...]]:
     try:
         return StudyFile.model_validate(tables, context={"folder": path.parent}), bases
     except ValidationError as error:
-        raise StudyError(path, [describe(e) for e in error.errors(include_url=False)]) from None
+        raise StudyError(path, [describe(e) for e in _apart(error.errors(include_url=False))]) from None
+
+
+def _apart(errors: list[ErrorDetails]) -> list[ErrorDetails]:
+    """Without lists that are too short because none of their items is right."""
+    wrong = {error["loc"][:-1] for error in errors if error["loc"]}
+    return [error for error in errors if error["type"] != "too_short" or error["loc"] not in wrong]
 
 
 def check_name(path: Path) -> None:

@@ -1,5 +1,6 @@
 """Bad input: one line that names file, key, value and limit; exit status 2; no traceback."""
 
+import math
 import re
 
 import pytest
@@ -8,7 +9,7 @@ from typer.testing import CliRunner
 from pipeline.bridge.loading import load
 from pipeline.cli.cli import app
 from pipeline.study.reading import StudyError
-from tests.pipeline.conftest import BUAN
+from tests.pipeline.conftest import BUAN, SMALL
 
 # what to replace in the small study, by what, and what the message must say
 BAD = [
@@ -270,3 +271,36 @@ def test_every_verb_refuses_bad_input_alike(small, tmp_path, command):
     result = CliRunner().invoke(app, [command, str(small), "--results", str(tmp_path / "r")])
     assert isinstance(result.exception, StudyError)  # main() prints it and exits with 2
     assert not (tmp_path / "r").exists()
+
+
+def test_a_limit_of_one_axis_leaves_the_others_without(tmp_path):
+    """TOML's inf, in the file, in the task's identity, and as what a number must not be otherwise."""
+
+    def read(limit):
+        path = tmp_path / "s.toml"
+        motion = 'pto_damping = [1e4, 1e4]\nmotion = ["surge", "heave"]\nstiffness = [1e4, 0.0]\n'
+        text = SMALL.replace("pto_damping = 100e3\n", motion + limit).replace(
+            '["elastic", "fixed", "elastic-no-floats"]', '["fixed"]'
+        )
+        path.write_text(text)
+        return load(path)
+
+    found = read("force_limit = [inf, 2e4]\n")
+    assert {task.parameters.floats[0].force_limit for task in found.tasks.unique} == {(math.inf, 2e4)}
+    ids = [
+        {t.id for t in read(limit).tasks.unique}
+        for limit in ("force_limit = [inf, 2e4]\n", "force_limit = [inf, 3e4]\n", "")
+    ]
+    assert not ids[0] & ids[1] and not ids[0] & ids[2]
+    for limit, words in (
+        (
+            "[nan, 1e300]",
+            [r"force_limit\[0\] = nan: must be > 0 N m or N", r"force_limit\[1\] = 1e\+300: must be <= 1e\+20"],
+        ),
+        ("[-inf, 1.0]", [r"force_limit\[0\] = -inf: must be > 0"]),
+        ("[]", [r"force_limit = \[\]: must have 1 at least"]),
+    ):
+        with pytest.raises(StudyError) as error:
+            read(f"force_limit = {limit}\n")
+        assert len(error.value.problems) == len(words)
+        assert all(re.search(word, text) for word, text in zip(words, error.value.problems, strict=True))
