@@ -26,6 +26,8 @@ BETTER = 0.85  # of another convention that explains the difference
 OF_ITS_ORDER = 0.3, 3.0  # heave force told over that in long waves
 # Turning the waves round turns the Froude-Krylov force into its conjugate, so that the two cannot be told apart.
 TIME = "is of the other sign of time, Re{X exp(+iωt)}, or of waves from the other side"
+PLACED, NEARLY = 0.05, 0.5  # of the hull's size: how far off the point of moments may seem to be, and that times (ka)²
+THIN = 0.05  # of the largest force: along less nothing is told of the point
 SAME_HULL = 0.1  # relative: heave stiffness, and the Froude-Krylov force where it is told
 
 
@@ -158,8 +160,14 @@ def _permuted(six: Given, order: tuple[int, ...]) -> Given:
 
 
 def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> None:
-    """Refuse a Froude-Krylov force or moment, where it is told, that is not that on the hull."""
+    """Refuse a Froude-Krylov force or moment, where it is told, that is not that on the hull; else see `_misplaced`."""
     if six.froude_krylov is None:
+        for b, name in enumerate(floats.names):
+            if (off := _misplaced(six, floats, expected, b)) > 0:
+                text = f"wave moments on {name} are as about a point {off:.2g} m or more from the one told"
+                raise InputError(
+                    KEY, six.name, f"{text}; do moments refer to another point, or lengths have another unit?"
+                )
         return
     hulls, _, names, sea = floats
     radius = np.array([h.largest_radius for h in hulls])
@@ -175,6 +183,23 @@ def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> None:
         text += f" {abs(told[i, b, d] * unit[b, d]):.4g}, on its hull {abs(ours[i, b, d] * unit[b, d]):.4g}"
         point = "; do moments refer to another point?" if d >= 3 else "; another hull, or other units?"
         raise InputError(KEY, six.name, text + point)
+
+
+def _misplaced(six: Given, floats: Floats, expected: np.ndarray, b: int) -> float:
+    """How far from the point told a body's wave moments are about, by its longest wave [m]; 0 where that may be none.
+
+    With the water passing as in `_passing`, M - M̂ = d × F: what else moments are of goes with (ka)² of the hull's size.
+    """
+    hull, first = floats.hulls[b], int(np.argmin(six.omega))
+    six_of = slice(6 * b, 6 * b + 6)
+    told = six.excitation[first, 0, six_of]
+    away = told - (expected + _passing(six, floats))[first, six_of]
+    there = np.abs(six.excitation[:, 0, six_of]).max(axis=0)[3:] > 0  # a file may lack motions
+    cross = np.cross(np.eye(3), told[:3]).T[there]  # d × F = (e_i × F) d_i
+    both = [np.concatenate([part.real, part.imag]) for part in (cross, away[3:][there])]
+    off = float(np.linalg.norm(np.linalg.lstsq(*both, rcond=THIN)[0])) if there.any() else 0.0
+    ka = floats.sea.wavenumber(six.omega[first]) * hull.size
+    return off if off > (PLACED + NEARLY * ka**2) * hull.size else 0.0
 
 
 def _require_stiffness(six: Given, floats: Floats) -> None:

@@ -243,3 +243,13 @@ def test_motions_that_a_float_cannot_have_may_be_left_out():
     heaving = adopted(given, HULLS, CENTRES, NAMES, **WATER, planar=False, needed=[("heave",), ("heave",)])
     assert heaving.added_mass[:, kept[:, None], kept] == pytest.approx(h.added_mass[:, kept[:, None], kept])
     assert np.abs(heaving.added_mass[:, 0]).max() == 0
+
+
+def test_moments_about_another_point_than_told_are_seen_by_long_waves_alone():
+    """Without a Froude-Krylov force in the file."""
+    right = told(points=CENTRES)
+    same(taken(right), ours())
+    for shift in ((0.0, 0.0, 0.4), (0.4, 0.0, 0.0)):
+        refused(
+            told(points=CENTRES + shift), match="wave moments on .* as about a point .* m or more from the one told"
+        )
