@@ -69,7 +69,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     if notes := (*case.warnings, *met(scene, tables), *above(scene, power)):
         attrs["warnings"] = "; ".join(notes)
     rao = None
-    if scene.settings.rao and scene.floats:
+    if scene.settings.rao and channels.axes:
         rao = np.full((scene.sea.omega.size, channels.owner.size), np.nan, complex)
         rao[case.met] = _joints(case, response)[:waves]
     spectra = None
