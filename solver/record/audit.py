@@ -229,7 +229,8 @@ def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:
     share = support.drag_length / (2 * system.waves.mean_length)
     if support.stretched is None and share ** (2 * points) / 20 < FAR:
         return 0.0
-    finer = prepare(replace(system.scene, settings=replace(s, stations_per_element=2 * points)), h, system.fit)
+    settings = replace(s, stations_per_element=2 * points, outputs=())
+    finer = prepare(replace(system.scene, settings=settings), h, system.fit)
     recorder = Recorder(probe.recorder.scene, finer.support, layout=finer.layout, bodies=finer.bodies, judged=True)
     for samples, output, times in blocks(finer, finer.start(), probe.steps):
         recorder.add(times, output, samples)
