@@ -6,13 +6,11 @@ import numpy as np
 import rainflow
 from scipy.special import gamma, gammainc, gammaincc
 
-from solver.keys import firsts
 from solver.record.sn_curves import MPA, curve
 from solver.scene import Fatigue
 
 HOUR = 3600.0  # [s]
 COMPRESSION = {"base-material": 0.6, "stress-relieved": 0.8}  # what it counts for: DNVGL-RP-C203, 2.5
-SAME = 1e-8  # of the largest stress: what histories on both sides of a plane of symmetry differ by
 FEW = 0.02  # of turning points: fewer cycles are not worth a look at all of them
 NARROW = 1e-6  # of one: a process whose zero crossings and peaks are that nearly as many has Rayleigh's ranges
 
@@ -75,7 +73,9 @@ def _without_inner(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             return points, np.concatenate(taken)
         mean = 0.5 * (points[inner] + points[inner + 1])
         taken.append(np.stack([size[inner], mean, np.ones(inner.size)], axis=1))
-        points = np.delete(points, np.append(inner, inner + 1))
+        kept = np.ones(points.size, bool)
+        kept[inner] = kept[inner + 1] = False
+        points = points[kept]
 
 
 def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: Fatigue) -> Damage:
@@ -83,12 +83,9 @@ def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: F
     line, shape = curve(how.curve, how.environment), stress.shape[1:]
     larger = line.thicker(thickness if how.thickness is None else np.full(thickness.shape, how.thickness))
     per_hour, equivalent, failed = np.full(shape, np.nan), np.full(shape, np.nan), []
-    for (leg, fibre), twin in zip(np.ndindex(*shape), _twins(stress.reshape(len(stress), -1)), strict=True):
-        x, like = stress[:, leg, fibre], np.unravel_index(twin, shape)
+    for leg, fibre in np.ndindex(*shape):
+        x = stress[:, leg, fibre]
         if np.isnan(x).all() and len(x):
-            continue
-        if like != (leg, fibre) and larger[like[0]] == larger[leg] and np.isfinite(per_hour[like]):
-            per_hour[leg, fibre], equivalent[leg, fibre] = per_hour[like], equivalent[like]
             continue
         try:
             if not (np.isfinite(x).all() and seconds > 0):
@@ -103,17 +100,6 @@ def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: F
         per_hour[leg, fibre] = found.share @ line.damage(hot * larger[leg]) / hours
         equivalent[leg, fibre] = (found.share @ hot**how.exponent / (how.cycles * hours)) ** (1 / how.exponent)
     return Damage(per_hour, equivalent, tuple(failed))
-
-
-def _twins(x: np.ndarray) -> np.ndarray:
-    """(n,) of each column of x (m, n) the first that it differs from by no more than rounding, maybe itself."""
-    size, some = np.abs(x).max(axis=0, initial=0.0), slice(None, None, len(x) // 16 + 1)
-
-    def alike(i: int, j: int) -> bool:
-        rows = (some, slice(None))  # most that differ do so in a few samples
-        return size[j] < np.inf and all(np.abs(x[at, i] - x[at, j]).max() <= SAME * size[j] for at in rows)
-
-    return firsts(x.shape[1], alike)
 
 
 def of_lines(X: np.ndarray, omega: np.ndarray, thickness: np.ndarray, how: Fatigue) -> Damage:
@@ -182,6 +168,7 @@ def _between(a: float, low: float, high: float) -> float:
 
 def crossing_rate(x: np.ndarray, seconds: float) -> np.ndarray:
     """Upcrossings of the mean a second (…) [Hz] of samples (m, …); NaN where there are none."""
-    above = x >= x.mean(axis=0)
-    count = np.sum(~above[:-1] & above[1:], axis=0) / seconds
-    return np.where(np.isnan(x).any(axis=0), np.nan, count)
+    mean = x.mean(axis=0)
+    above = mean.ravel()[:, None] <= x.reshape(len(x), -1).T
+    count = np.array([np.count_nonzero(each[1:] > each[:-1]) for each in above], float).reshape(mean.shape)
+    return np.where(np.isnan(mean), np.nan, count / seconds)

@@ -13,7 +13,7 @@ from solver.record import fatigue
 from solver.record.sn_curves import ENVIRONMENTS, KNEE, TABLE, curve
 from solver.run import simulate
 from solver.scene import Fatigue, Settings
-from tests.awkward import bare_legs
+from tests.awkward import bare_legs, raking
 
 THIN = np.array([0.02])
 FREE = Fatigue(environment="free-corrosion")  # one slope, m = 3
@@ -213,26 +213,17 @@ def test_a_count_that_fails_is_not_nothing(monkeypatch):
     assert np.isnan(broken.per_hour).all() and len(broken.failed) == 3
 
 
-def test_histories_alike_but_for_rounding_are_counted_once(monkeypatch):
-    """Of legs on both sides of a plane of symmetry; not where their plates differ, or the histories by more."""
-    t = np.linspace(0, 300, 3001)
-    one, other = (1e7 * (np.sin(t) + 0.4 * np.sin(2.7 * t + phase)) for phase in (0, 1))
-    x = np.stack([[one, other, one, 1.001 * one], [one * (1 + 1e-11), other, other, one]]).transpose(2, 0, 1)
-    of, counted = np.array([0.03, 0.03]), []
-    alone = lambda i, j: fatigue.of_samples(x[:, i : i + 1, j : j + 1], 300.0, of[:1], Fatigue())  # noqa: E731
-    apart = [[alone(i, j) for j in range(4)] for i in range(2)]
-    cycles = fatigue.cycles
+def test_legs_on_both_sides_of_a_plane_of_symmetry_are_counted_once(monkeypatch):
+    """Each with its own fibres' damage."""
+    counted, cycles = [], fatigue.cycles
     monkeypatch.setattr(fatigue, "cycles", lambda x: counted.append(x) or cycles(x))
-    together = fatigue.of_samples(x, 300.0, of, Fatigue())
-    assert len(counted) == 3
-    for name in ("per_hour", "equivalent"):
-        each = [[getattr(d, name)[0, 0] for d in row] for row in apart]
-        assert getattr(together, name) == approx(np.array(each), rel=1e-7)
-    assert together.per_hour[0, 3] > 1.002 * together.per_hour[0, 0]
-    counted.clear()
-    thick = fatigue.of_samples(x, 300.0, np.array([0.03, 0.06]), Fatigue())
-    assert len(counted) == 7  # the last fibre has an own leg's history before it in the other leg alone
-    assert (thick.per_hour[1, 0] > 1.1 * thick.per_hour[0, 0]) and thick.per_hour[0] == approx(together.per_hour[0])
+    item = raking(outputs=("fatigue", "fibre_stress"), keep_series=True)
+    record = simulate(item)
+    assert len(counted) == 2 * 8
+    damage, stress = record.variables["damage"][1], record.series["fibre_stress"][1]
+    each = fatigue.of_samples(stress, 60.0, np.full(3, 0.016), Fatigue()).per_hour
+    assert damage == approx(each, rel=1e-5) and damage[0].tolist() != damage[1].tolist()
+    assert sorted(damage[0]) == approx(sorted(damage[1]))
 
 
 def test_a_record_has_the_damage_of_its_own_stress(monkeypatch):
