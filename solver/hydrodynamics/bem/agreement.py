@@ -196,8 +196,8 @@ def _misplaced(six: Given, floats: Floats, expected: np.ndarray, b: int) -> floa
     away = told - (expected + _passing(six, floats))[first, six_of]
     there = np.abs(six.excitation[:, 0, six_of]).max(axis=0)[3:] > 0  # a file may lack motions
     cross = np.cross(np.eye(3), told[:3]).T[there]  # d × F = (e_i × F) d_i
-    both = [np.concatenate([part.real, part.imag]) for part in (cross, away[3:][there])]
-    off = float(np.linalg.norm(np.linalg.lstsq(*both, rcond=THIN)[0])) if there.any() else 0.0
+    rows, sides = (np.concatenate([part.real, part.imag]) for part in (cross, away[3:][there]))
+    off = float(np.linalg.norm(np.linalg.lstsq(rows, sides, rcond=THIN)[0])) if there.any() else 0.0
     ka = floats.sea.wavenumber(six.omega[first]) * hull.size
     return off if off > (PLACED + NEARLY * ka**2) * hull.size else 0.0
 
