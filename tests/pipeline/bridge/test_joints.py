@@ -324,7 +324,7 @@ BAD = [
     ("pto_efficiency = { motoring = 1.2 }", "floats[0].pto_efficiency.motoring = 1.2: must be <= 1"),
     ("pto_stiffness = -1.0\nforce_limit = 4.0", "floats.only.pto_stiffness = -1.0: must be 0 beside a force_limit"),
     ("force_limit = 0.0", "floats[0].force_limit = 0.0: must be > 0 N m or N"),
-    ("force_limit = inf", "floats[0].force_limit = inf: must be a finite number [N m or N]"),
+    ("force_limit = -inf", "floats[0].force_limit = -inf: must be > 0 N m or N"),
     ("coulomb = 5.0\nforce_limit = 4.0", "floats.only.coulomb = 5.0: must be < force_limit"),
     ("one_way = 2", "floats[0].one_way = 2: must be <= 1"),
     ("mechanism_inertia = nan", "floats[0].mechanism_inertia = nan: must be a finite number [kg m2 or kg]"),
