@@ -249,9 +249,10 @@ def with_critical_damping(scene: Scene, h: Hydrodynamics | None) -> Scene:
     coordinate, floats = system.structure.omega.size, []
     for f in scene.floats:
         damping = f.per_axis("damping").copy()
-        for i, ratio in enumerate(f.per_axis("critical_damping")):
+        for i, (name, ratio) in enumerate(zip(f.motion, f.per_axis("critical_damping"), strict=True)):
             if ratio > 0:
-                damping[i] += _damping(model, added, known, coordinate, ratio, f"floats.{f.name}.critical_damping")
+                key = f"floats.{f.name}.critical_damping" + f" of {name}" * (len(f.motion) > 1)
+                damping[i] += _damping(model, added, known, coordinate, ratio, key)
             coordinate += 1
         floats.append(replace(f, damping=tuple(damping.tolist()), critical_damping=0.0))
     return replace(scene, floats=tuple(floats))

@@ -135,7 +135,7 @@ def test_damping_that_radiation_exceeds_or_nothing_restores_is_refused():
         with_critical_damping(linear(replace(item, floats=(little,))), h)
     barge, h = SCENES["soft_mooring"]()
     loose = replace(barge.floats[0], stiffness=0.0, critical_damping=(0.1, 0, 0))
-    with pytest.raises(InputError, match=r"critical_damping = 0\.1: needs an axis that something restores"):
+    with pytest.raises(InputError, match=r"critical_damping of surge = 0\.1: needs an axis that something restores"):
         with_critical_damping(linear(replace(barge, floats=(loose,))), h)
 
 
