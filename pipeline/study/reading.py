@@ -27,7 +27,7 @@ LIMITS = {
     "string_type": "must be a string",
     "finite_number": "must be a finite number{of_unit}",
     "too_small": "must be >= {least}{unit}",
-    "too_deep": "must be <= {deepest}{unit}, or inf",
+    "too_large": "must be <= {most}{unit}, or inf",
     "model_type": "must be a table",
     "dict_type": "must be a table",
     "tuple_type": "must be a list",

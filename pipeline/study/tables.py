@@ -51,16 +51,15 @@ def divisible(value: float) -> float:
     return value
 
 
-def _small(value: float) -> float:
-    if LARGEST < value < math.inf:
-        raise PydanticCustomError("less_than_equal", "{le}", {"le": LARGEST})
-    return value
+def _up_to(most: float) -> AfterValidator:
+    """Of a number that is no more than that, or infinite."""
 
+    def judged(value: float) -> float:
+        if most < value < math.inf:
+            raise PydanticCustomError("too_large", "{most}", {"most": most})
+        return value
 
-def _fathomable(value: float) -> float:
-    if DEEPEST < value < math.inf:
-        raise PydanticCustomError("too_deep", "{deepest}", {"deepest": DEEPEST})
-    return value
+    return AfterValidator(judged)
 
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
@@ -68,7 +67,7 @@ NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=LARGEST), AfterValidator(divisible)]
 # TOML has inf, JSON has not.
 Infinite = PlainSerializer(lambda v: "inf" if math.isinf(v) else v, when_used="json")
-Depth = Annotated[float, Field(strict=True, gt=0), AfterValidator(divisible), AfterValidator(_fathomable), Infinite]
+Depth = Annotated[float, Field(strict=True, gt=0), AfterValidator(divisible), _up_to(DEEPEST), Infinite]
 MOST = 10_000  # of anything that is counted
 Count = Annotated[int, Field(strict=True, ge=1, le=MOST)]
 Flag = Annotated[bool, Field(strict=True)]
@@ -203,9 +202,7 @@ def _strict(hint: Any, quantity: Quantity) -> Any:
     """A type of the solver's as a file must give it: no word and no flag is taken for a number."""
     if hint is float and quantity.infinite:
         bounds = {name: bound for name, bound in _bounds(quantity, real=True).items() if name in ("gt", "ge")}
-        return Annotated[
-            float, Field(strict=True, **bounds), AfterValidator(divisible), AfterValidator(_small), Infinite
-        ]
+        return Annotated[float, Field(strict=True, **bounds), AfterValidator(divisible), _up_to(LARGEST), Infinite]
     if hint in (float, int):
         number = Annotated[hint, Field(strict=True, **_bounds(quantity, real=hint is float))]
         return Annotated[number, AfterValidator(divisible)] if hint is float and quantity.above == 0 else number

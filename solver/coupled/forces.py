@@ -1,9 +1,8 @@
 """What an elastic platform's sections and feet bear, as linear maps of the march's samples: see structure.influence."""
 
-import functools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import pairwise
 from math import prod
 from typing import NamedTuple
@@ -26,7 +25,7 @@ SOIL = "soil:"  # of a member among the feet
 SHEAR = [1, 2, 3]  # Vy, Vz, T among the section forces
 MIRROR = np.array([1.0, -1.0, 1.0])
 SAME = 1e-9  # of the largest force or moment by one cause: rounding of the static solutions
-LITTLE = 1e-3
+LITTLE = 1e-3  # of what a cause does to the one kind, beside which what it does to the other may be rounding
 NEAR = 1e-12  # squares of what is that near are not apart by more than their rounding
 
 
@@ -117,13 +116,6 @@ class Places:
         members = {m.name: m for m in self.influence.model.frame.members}
         return [members[self.checked[k]] for k in np.unique(self.twin, return_index=True)[1]]
 
-    def once(self, same: np.ndarray) -> "Places":
-        """With forces at ends, all but those along tubes, that are the same (ny,) as others there in these's place."""
-        ends, *_ = next(self.parts())
-        place = np.arange(same.size)
-        place[ends] = np.where(np.isin(same[ends], ends), same[ends], ends)
-        return replace(self, columns=self.columns.at(place))
-
     def without_twins(self, maps: np.ndarray) -> tuple["Places", np.ndarray]:
         """Tubes that bear the same as others, or its mirror image, by `_scaled` maps (k, ny) are not looked at.
 
@@ -188,7 +180,7 @@ class Forces:
         x += waves
         for part, maps in zip(self.parts, self._drag, strict=True):
             if maps:
-                x[:, part.kept] += functools.reduce(np.matmul, maps, drag[:, part.stations])
+                x[:, part.kept] += reduce(np.matmul, maps, drag[:, part.stations])
         return self.whole(x)
 
     def of_motion(self, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray) -> np.ndarray:
@@ -249,8 +241,11 @@ def reduced(places: Places, at_rest: np.ndarray, **maps: np.ndarray) -> Forces:
     ends = np.cumsum([len(values) for values in maps.values()])[:-1]
     largest = [np.abs(map_ / size).max(initial=0.0) for map_ in np.split(whole, ends)]
     most = np.repeat(largest, [*map(len, maps.values())])  # that drivers of one kind do
-    first, sign = _alike(scaled[:, left], moment)
-    places = places.once(np.where(sign > 0, first, np.arange(first.size)))
+    at_ends, *_ = next(places.parts())  # along tubes none are
+    first, sign = np.arange(moment.size), np.ones(moment.size)
+    found, sign[at_ends] = _alike(scaled[:, left][:, at_ends], moment[at_ends])
+    first[at_ends] = at_ends[found]
+    places = replace(places, columns=places.columns.at(np.where(sign > 0, first, np.arange(first.size))))
     x: list[np.ndarray] = []
     parts: list[Part] = []
     order, place = np.zeros(0, int), np.empty(size.size, int)

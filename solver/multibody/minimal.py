@@ -223,10 +223,11 @@ def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarra
         mz -= (bodies.stiffness[b, 5, c] + bodies.stiffness[b, c, 5]) / 2 * shift[c]
     # J⁻ᵀ m = m + θ × m/2 + k θ × (θ × m), k = (1 - ½ |θ| cot ½|θ|)/θ²
     k = (1 - angle * sine / (2 * (1 - cosine))) / angle**2 if angle > SMALL else 1 / 12 + angle**2 / 720
-    tx, ty, tz = v * mz - w * my, w * mx - u * mz, u * my - v * mx
-    load[3] += mx + tx / 2 + k * (v * tz - w * ty)
-    load[4] += my + ty / 2 + k * (w * tx - u * tz)
-    load[5] += mz + tz / 2 + k * (u * ty - v * tx)
+    tx, ty, tz = cross(u, v, w, mx, my, mz)
+    sx, sy, sz = cross(u, v, w, tx, ty, tz)
+    load[3] += mx + tx / 2 + k * sx
+    load[4] += my + ty / 2 + k * sy
+    load[5] += mz + tz / 2 + k * sz
 
 
 @fast_lean_kernel(forceinline=True)

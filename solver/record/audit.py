@@ -60,7 +60,7 @@ class Probe:
         self.system, self.first, self.state = system, first, state
         self.steps = max(1, int(min(PROBE * system.scene.usual_step, left) / system.dt))
         short = probed(system.scene, self.steps)
-        self.recorder = Recorder(short, system.support, layout=system.layout, bodies=system.bodies, judged=True)
+        self.recorder = _judging(short, system)
         self.states: list[tuple[np.ndarray, np.ndarray]] = []
         self.full = False
         self.seconds = seconds
@@ -122,17 +122,15 @@ class Probe:
         return self._errors
 
 
+def _judging(scene: Scene, system: System) -> Recorder:
+    """Takes in blocks of the system's for a `probed` scene."""
+    return Recorder(scene, system.support, layout=system.layout, bodies=system.bodies, judged=True)
+
+
 def sharpest_bend(scene: Scene) -> float:
     """Time [s] at which the slope of a load history changes most; infinite without one that has a bend."""
-    most, at = 0.0, np.inf
-    for history in scene.platform.load_histories if scene.platform else ():
-        slope = np.diff(history.force, axis=0) / np.diff(history.time)[:, None]
-        change = np.linalg.norm(np.diff(slope, axis=0, prepend=0.0, append=0.0), axis=1)
-        inside = (history.time > 0) & (change > most)
-        if inside.any():
-            sharpest = int(np.argmax(np.where(inside, change, 0.0)))
-            most, at = float(change[sharpest]), float(history.time[sharpest])
-    return at
+    histories = scene.platform.load_histories if scene.platform else ()
+    return max((history.bend for history in histories), default=(0.0, np.inf))[1]
 
 
 def together(errors: Iterable[float]) -> float:
@@ -201,7 +199,7 @@ def step_errors(probe: Probe) -> dict[str, float]:
     """
     system, jumps, scene = probe.system, probe.system.bent.size > 0, probe.recorder.scene
     half, every = system.with_step(system.dt / 2), slice(0, None) if jumps else slice(1, None, 2)
-    finer = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies, judged=True)
+    finer = _judging(scene, system)
     state, done = half.start() if probe.state is None else copied(probe.state), 2 * probe.first
     for samples, output, times in blocks(half, state, done + 2 * probe.steps, done):
         since = times - probe.first * system.dt
@@ -231,7 +229,7 @@ def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:
         return 0.0
     settings = replace(s, stations_per_element=2 * points, outputs=())
     finer = prepare(replace(system.scene, settings=settings), h, system.fit)
-    recorder = Recorder(probe.recorder.scene, finer.support, layout=finer.layout, bodies=finer.bodies, judged=True)
+    recorder = _judging(probe.recorder.scene, finer)
     for samples, output, times in blocks(finer, finer.start(), probe.steps):
         recorder.add(times, output, samples)
     differ = partial(expected_error, cut=(probe.recorder.amended(), recorder.amended()))

@@ -121,7 +121,7 @@ class Steel:
         """Of the channels in which some are others, or their negatives."""
         first, sign = self.forces.first, self.forces.sign
         every = {
-            name: Spread(np.unique(first[columns], return_inverse=True)[1].reshape(columns.shape), sign[columns])
+            name: Spread(np.searchsorted(self._selected[name], first[columns]), sign[columns])
             for name, columns in self._columns.items()
         }
         if FIBRES in self.outputs:

@@ -35,6 +35,14 @@ class LoadHistory:
         return np.stack([np.interp(t, self.time, along) for along in self.force.T], axis=-1)
 
     @property
+    def bend(self) -> tuple[float, float]:
+        """Largest change of its slope after the start [N/s], and when that is [s]: never, if there is none."""
+        slope = np.diff(self.force, axis=0) / np.diff(self.time)[:, None]
+        change = np.linalg.norm(np.diff(slope, axis=0, prepend=0.0, append=0.0), axis=1) * (self.time > 0)
+        at = int(np.argmax(change))
+        return float(change[at]), float(self.time[at]) if change[at] > 0 else np.inf
+
+    @property
     def axes(self) -> np.ndarray:
         """Numbers of the global axes along which it is not always zero."""
         return np.flatnonzero(self.force.any(axis=0))

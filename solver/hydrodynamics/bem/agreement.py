@@ -162,8 +162,9 @@ def _permuted(six: Given, order: tuple[int, ...]) -> Given:
 def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> None:
     """Refuse a Froude-Krylov force or moment, where it is told, that is not that on the hull; else see `_misplaced`."""
     if six.froude_krylov is None:
+        exerted = expected + _passing(six, floats)
         for b, name in enumerate(floats.names):
-            if (off := _misplaced(six, floats, expected, b)) > 0:
+            if (off := _misplaced(six, floats, exerted, b)) > 0:
                 text = f"wave moments on {name} are as about a point {off:.2g} m or more from the one told"
                 raise InputError(
                     KEY, six.name, f"{text}; do moments refer to another point, or lengths have another unit?"
@@ -185,15 +186,15 @@ def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> None:
         raise InputError(KEY, six.name, text + point)
 
 
-def _misplaced(six: Given, floats: Floats, expected: np.ndarray, b: int) -> float:
+def _misplaced(six: Given, floats: Floats, exerted: np.ndarray, b: int) -> float:
     """How far from the point told a body's wave moments are about, by its longest wave [m]; 0 where that may be none.
 
-    With the water passing as in `_passing`, M - M̂ = d × F: what else moments are of goes with (ka)² of the hull's size.
+    With M̂ of what long waves exert (nw, 6 nb), M - M̂ = d × F: what else moments are of goes with (ka)² of its size.
     """
     hull, first = floats.hulls[b], int(np.argmin(six.omega))
     six_of = slice(6 * b, 6 * b + 6)
     told = six.excitation[first, 0, six_of]
-    away = told - (expected + _passing(six, floats))[first, six_of]
+    away = told - exerted[first, six_of]
     there = np.abs(six.excitation[:, 0, six_of]).max(axis=0)[3:] > 0  # a file may lack motions
     cross = np.cross(np.eye(3), told[:3]).T[there]  # d × F = (e_i × F) d_i
     rows, sides = (np.concatenate([part.real, part.imag]) for part in (cross, away[3:][there]))
