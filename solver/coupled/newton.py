@@ -139,7 +139,7 @@ def shorter_part(bodies: Bodies, whole: np.ndarray, dt: float, length: float, co
     _add_damping(bodies, length - share * share * dt, constant)
 
 
-@kernel
+@inner_kernel
 def newton_matrix(
     bodies: Bodies,
     motion: Motion,
@@ -154,7 +154,9 @@ def newton_matrix(
     mass, Z, K = newton.mass, newton.Z, newton.K
     nz, nc = bodies.mechanism.size, H.shape[1]
     mass_matrix(bodies, motion, mass)
-    Z[:] = constant
+    for i in range(2 * nz):
+        for k in range(2 * nz):
+            Z[i, k] = constant[i, k]
     for s in range(2):
         for i in range(nz):
             for k in range(nz):
@@ -165,7 +167,9 @@ def newton_matrix(
         for s in range(2):
             for l in range(2):
                 Z[s * nz + i, l * nz + i] += dt * dt * scheme.AA[s, l] * stiffness + dt * scheme.A[s, l] * damping
-    K[:] = Z
+    for i in range(2 * nz):
+        for k in range(2 * nz):
+            K[i, k] = Z[i, k]
     for s in range(2):
         for i in range(nc):
             row = s * nz + i

@@ -74,10 +74,11 @@ from solver.multibody.joint_law import (
     holding,
     jumps,
     leaving,
+    limited,
     next_zone,
     pto_zone,
-    stays,
     stop_load,
+    within_stops,
 )
 from solver.multibody.minimal import mass_matrix, move
 
@@ -101,6 +102,7 @@ MISSED = 1e-3  # of an axis's largest rate so far, which such a piece may leave 
 SHORTEST = 2.0**-14  # of a step: in shorter pieces Newton's tolerance opens the balance
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
+LONGER = 2.0  # times the last one may be what goes on with its parabolas
 NODES = 6  # of the polynomial through the drive's samples around a piece
 ONE: Any = np.int64(1)  # a bare 1 is of another type, with which all that it is handed to would be compiled once more
 POINTS, WEIGHTS = (np.array(x) for x in np.polynomial.legendre.leggauss(8))
@@ -118,6 +120,7 @@ class Fine(NamedTuple):
     smoothing: Scheme
     length: np.ndarray  # (1,) [s] of the step that all this is for; negative where it smooths
     shared: np.ndarray  # (1,) pieces that Newton's matrix has served; 0 if it is of another length or zone
+    knots: np.ndarray  # (1,) [s] from the first to the last of the state's accelerations, through which they go on
 
 
 def new_fine(problem: Problem, drive: Drive) -> Fine:
@@ -132,6 +135,7 @@ def new_fine(problem: Problem, drive: Drive) -> Fine:
         smoothing=SMOOTHING,
         length=np.zeros(1),
         shared=np.zeros(1, np.int64),
+        knots=np.zeros(1),
     )
 
 
@@ -139,18 +143,29 @@ def new_fine(problem: Problem, drive: Drive) -> Fine:
 def undisturbed(problem: Problem, room: Workspace) -> bool:
     """Whether no axis may leave its zone in the step that the stages hold, and none is on a stop, held or let go.
 
-    Most steps are so. Between its points an axis goes farther than there by a quarter of the step at its largest rate.
+    Most steps are so.
     """
-    law, start, stage = problem.bodies.law, room.start, room.stage
     for n in range(problem.bent.size):
         i = problem.bent[n]
-        if stage.zone[STOP_ZONE, i] != OPEN or stage.zone[PTO_ZONE, i] != LINEAR:
-            return False
-        reach = 0.5 * problem.dt * max(abs(start.dz[i]), abs(stage.dz[0, i]), abs(stage.dz[1, i]))
-        low, high = min(start.z[i], stage.z[0, i], stage.z[1, i]), max(start.z[i], stage.z[0, i], stage.z[1, i])
-        if not stays(law, i, low - reach, high + reach):
+        if not (_stays(problem, room, problem.dt, i, STOP_ZONE) and _stays(problem, room, problem.dt, i, PTO_ZONE)):
             return False
     return True
+
+
+@kernel(inline="always")
+def _stays(problem: Problem, room: Workspace, h: float, i: int, kind: int) -> bool:
+    """Whether axis i is off its stops, or its power take-off linear, and surely stays so in a step of h [s].
+
+    Between its points an axis goes farther than there by a quarter of the step at its largest rate.
+    """
+    law, start, stage = problem.bodies.law, room.start, room.stage
+    if kind == PTO_ZONE:
+        return stage.zone[PTO_ZONE, i] == LINEAR and not limited(law, i)
+    if stage.zone[STOP_ZONE, i] != OPEN:
+        return False
+    reach = 0.5 * h * max(abs(start.dz[i]), abs(stage.dz[0, i]), abs(stage.dz[1, i]))
+    low, high = min(start.z[i], stage.z[0, i], stage.z[1, i]), max(start.z[i], stage.z[0, i], stage.z[1, i])
+    return within_stops(law, i, low - reach, high + reach)
 
 
 @part_kernel
@@ -177,42 +192,45 @@ def in_pieces(
 ) -> tuple[int, int]:
     """Advance `state` by the step from `sample` on; (outcome, iterations). Pieces end at the step's middle, too."""
     used = changes = 0
-    fine.shared[0] = 0
+    at, i, kind = NEVER, -1, STOP_ZONE
+    fine.shared[0], fine.knots[0] = 0, problem.dt
     before = _stored(problem, state, room)
     for half in range(2):
         row, done, whole = sample + half, 0.0, 0.5 * problem.dt
-        first = _open_row(output, row)
+        first, cut = _open_row(output, row), 0.0  # length of a piece that ends where an axis leaves its zone
         while done < whole * (1 - SLIVER):
-            length = _length(problem, state, room, whole - done, fine)
-            outcome, spent = _piece(problem, drive, sample + half + 2 * done / problem.dt, length, state, room, fine)
+            length = cut if cut > 0 else _length(problem, state, room, whole - done, fine)
+            other = _of_length(problem, length, _smooths(problem, state, room), fine)
+            outcome, spent = _piece(other, drive, sample + half + 2 * done / problem.dt, problem.dt, state, room, fine)
             used += spent
             if outcome != OK:
                 return outcome, used
-            if not _smooths(problem, state, room) and _too_long(problem, state, room, length):
-                _halve(problem, state, room, length)
-                continue
-            if state.ring[0] < np.inf:
-                share = _opened(problem, length, state, room, fine, before)
-                if share > 1 and length > SHORTEST * problem.dt:
-                    state.ring[0] = 0.5 * length
-                    continue
-                if share * GROWTH < 1:
-                    state.ring[0] = max(state.ring[0], 2 * length) if 2 * length < problem.dt else np.inf
-            at, i, kind = _first(problem, state, room, length)
-            if 0 < at < NEVER:
-                length *= at
-                outcome, spent = _piece(
-                    problem, drive, sample + half + 2 * done / problem.dt, length, state, room, fine
-                )
-                used += spent
-                if outcome != OK:
-                    return outcome, used
+            if cut > 0:
+                cut = 0.0
                 if kind == PTO_ZONE and _misses(problem, length, state, room, i):
                     state.ring[0] = 0.5 * length
                     continue
+            else:
+                if not _smooths(problem, state, room) and _too_long(problem, state, room, length):
+                    _halve(problem, state, room, length)
+                    _again(state, room, fine)
+                    continue
+                if state.ring[0] < np.inf:
+                    share = _opened(problem, other, state, room, fine, before)
+                    if share > 1 and length > SHORTEST * problem.dt:
+                        state.ring[0] = 0.5 * length
+                        _again(state, room, fine)
+                        continue
+                    if share * GROWTH < 1:
+                        state.ring[0] = max(state.ring[0], 2 * length) if 2 * length < problem.dt else np.inf
+                at, i, kind = _first(problem, state, room, length)
+                if 0 < at < NEVER:
+                    cut = length * at
+                    _again(state, room, fine)
+                    continue
             if at > 0:
                 _keep(problem, length, state, room, fine, output, row, done / whole)
-                _take(problem, length, state, room, fine, output, row)
+                _take(problem, other, state, room, fine, output, row)
                 done += length
                 before = _stored(problem, state, room)
             if at < NEVER:
@@ -227,10 +245,11 @@ def in_pieces(
         put_stage(room, ONE, output, row)
         _close_row(output, row, first)
     room.newton.first[0] = 0.0
+    _go_on(state, fine, problem.dt)
     return OK, max(used, 4)  # so that Newton's matrix is renewed
 
 
-@inner_kernel
+@part_kernel
 def _length(problem: Problem, state: State, room: Workspace, left: float, fine: Fine) -> float:
     """Of the next piece [s]: all that is left of the half, or a whole part of it.
 
@@ -246,34 +265,36 @@ def _length(problem: Problem, state: State, room: Workspace, left: float, fine: 
     return last if abs(length - last) < SLIVER * length else length
 
 
-@inner_kernel
+@part_kernel
 def _piece(
-    problem: Problem, drive: Drive, sample: float, length: float, state: State, room: Workspace, fine: Fine
+    other: Problem, drive: Drive, sample: float, dt: float, state: State, room: Workspace, fine: Fine
 ) -> tuple[int, int]:
-    """The stages of a step of this length [s] that starts at a sample, which need not be whole."""
-    other = _of_length(problem, length, _smooths(problem, state, room), fine)
+    """The stages of a step of the problem `other` that starts at a sample, which need not be whole, of steps of dt."""
     for n in (1, 2):
-        _sample(drive, sample + n * length / problem.dt, n, fine)
+        _sample(drive, sample + n * other.dt / dt, n, fine)
     if fine.shared[0] == 0 and not refresh(other, room):
         return NOT_FINITE, 0
     room.newton.first[0] = 0.0  # what the stages hold is of another length
+    _go_on(state, fine, other.dt)
     outcome, spent = attempt(other, fine.drive, ONE, state, room)
     fine.shared[0] = 0 if spent > PATIENCE else (fine.shared[0] + 1) % SHARE
     return outcome, spent
 
 
-@inner_kernel
-def _take(problem: Problem, length: float, state: State, room: Workspace, fine: Fine, output: Output, row: int) -> None:
+@part_kernel
+def _take(
+    problem: Problem, other: Problem, state: State, room: Workspace, fine: Fine, output: Output, row: int
+) -> None:
     """The piece's end becomes the next one's start; what presses on the stops is noted."""
-    other = _of_length(problem, length, _smooths(problem, state, room), fine)
     account_work(other, fine.drive, ONE, state, room)
-    note(problem, room, output, length, row, row)
+    note(problem, room, output, other.dt, row, row)
     if fine.length[0] < 0:
         _settle(problem, state, room)
     else:
-        _quicken(problem, state, room, length)
+        _quicken(problem, state, room, other.dt)
     advance(other, state, room)
-    _forget(state)
+    if fine.length[0] < 0:
+        _forget(state)
 
 
 @lean_kernel
@@ -285,7 +306,7 @@ def _open_row(output: Output, row: int) -> int:
     return int(between.number[0])
 
 
-@inner_kernel
+@part_kernel
 def _keep(
     problem: Problem,
     length: float,
@@ -335,7 +356,7 @@ def _close_row(output: Output, row: int, first: int) -> None:
         output.between.number[0] = first
 
 
-@inner_kernel
+@part_kernel
 def note(problem: Problem, room: Workspace, output: Output, length: float, middle: int, end: int) -> None:
     """Of a step of this length [s], of which half goes to each of the output's rows `middle` and `end`: the stages'
     loads on the stops, where larger than those noted there, with all loads then, and what is held or let go of."""
@@ -363,10 +384,48 @@ def _over_law(problem: Problem, room: Workspace, s: int, i: int) -> float:
 
 @inner_kernel
 def _forget(state: State) -> None:
-    """Nothing to extrapolate from: pieces differ in length, and loads jump between them."""
+    """Nothing to extrapolate from: loads have jumped."""
     for n in range(2):
         copy(state.ddz[2], state.ddz[n])
         copy(state.force[2], state.force[n])
+
+
+@inner_kernel
+def _go_on(state: State, fine: Fine, length: float) -> None:
+    """The next step, of this length [s], goes on with the parabolas of the last one, unless far longer."""
+    share = length / fine.knots[0]
+    fine.knots[0] = length
+    if share > LONGER:
+        _forget(state)
+    elif share != 1:
+        _space(state.ddz, share)
+        _space(state.force, share)
+
+
+@lean_kernel
+def _space(knots: np.ndarray, share: float) -> None:
+    """Values (3, n) at -1, -1/2 and 0 become those at -share, -share/2 and 0, of the same parabolas."""
+    for i in range(knots.shape[1]):
+        a, b, c = knots[0, i], knots[1, i], knots[2, i]
+        first, second = share * (a - 4 * b + 3 * c), share * share * (2 * a - 4 * b + 2 * c)
+        knots[0, i], knots[1, i] = c - first + second, c - 0.5 * first + 0.25 * second
+
+
+@inner_kernel
+def _again(state: State, room: Workspace, fine: Fine) -> None:
+    """The next step is a part of that in the stages, and goes on with its parabolas."""
+    if fine.length[0] > 0:
+        nc = room.stage.ddz.shape[1] - state.ddz.shape[1]
+        _turn_back(room.stage.ddz[:, nc:], state.ddz)
+        _turn_back(room.stage.force, state.force)
+
+
+@lean_kernel
+def _turn_back(stages: np.ndarray, knots: np.ndarray) -> None:
+    """Values (3, n) at -1 and -1/2 of the parabolas through those at 0, 1/2 and 1, the last two in the stages (2, n)."""
+    for i in range(knots.shape[1]):
+        a, b, c = knots[2, i], stages[0, i], stages[1, i]
+        knots[0, i], knots[1, i] = 6 * a - 8 * b + 3 * c, 3 * a - 3 * b + c
 
 
 # ---- the length of pieces
@@ -381,7 +440,7 @@ def _bend(problem: Problem, state: State, room: Workspace, i: int, length: float
     return bend / rate if rate > 0 else 0.0
 
 
-@inner_kernel
+@part_kernel
 def _too_long(problem: Problem, state: State, room: Workspace, length: float) -> bool:
     """Whether a step of this length [s] does not follow a swing on a stop."""
     for n in range(problem.bent.size):
@@ -403,7 +462,7 @@ def _begin_swing(problem: Problem, state: State, i: int) -> None:
     state.pace[i] = problem.swing[i] / SMOOTH if smooth else problem.pace[i]
 
 
-@inner_kernel
+@part_kernel
 def _smooths(problem: Problem, state: State, room: Workspace) -> bool:
     """Whether the next piece does: one of the first on a stop."""
     if state.ring[0] < np.inf:
@@ -415,7 +474,7 @@ def _smooths(problem: Problem, state: State, room: Workspace) -> bool:
     return False
 
 
-@inner_kernel
+@part_kernel
 def _settle(problem: Problem, state: State, room: Workspace) -> None:
     """One piece less to smooth; after the last one those that follow the swing."""
     for n in range(problem.bent.size):
@@ -434,7 +493,7 @@ def _halve(problem: Problem, state: State, room: Workspace, length: float) -> No
             state.pace[i] = max(min(problem.pace[i], length), 0.5 * length)
 
 
-@inner_kernel
+@part_kernel
 def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> None:
     """Twice the pace where an axis's acceleration is so straight that it will be in a piece of that length, too."""
     for n in range(problem.bent.size):
@@ -445,7 +504,7 @@ def _quicken(problem: Problem, state: State, room: Workspace, length: float) -> 
             state.pace[i] *= 2
 
 
-@inner_kernel
+@part_kernel
 def _stored(problem: Problem, state: State, room: Workspace) -> float:
     """Energy [J] at the start of a piece that is to keep the balance."""
     start = room.start
@@ -457,13 +516,13 @@ def _stored(problem: Problem, state: State, room: Workspace) -> float:
 
 
 @inner_kernel
-def _opened(problem: Problem, length: float, state: State, room: Workspace, fine: Fine, before: float) -> float:
+def _opened(problem: Problem, other: Problem, state: State, room: Workspace, fine: Fine, before: float) -> float:
     """By how many times what it may a piece opens the energy balance, with the energy [J] before it."""
     swing = 0.0
     for n in range(problem.bent.size):
         i = problem.bent[n]
         swing = max(swing, 0.5 * room.newton.mass[i, i] * _fastest(state, room, i) ** 2)
-    opened = abs(before + gap(_of_length(problem, length, False, fine), fine.drive, ONE, state, room))
+    opened = abs(before + gap(other, fine.drive, ONE, state, room))
     return opened / (OPENED * swing) if opened > 0 else 0.0
 
 
@@ -487,20 +546,20 @@ def _misses(problem: Problem, length: float, state: State, room: Workspace, i: i
 # ---- where a zone ends
 
 
-@inner_kernel
+@part_kernel
 def _first(problem: Problem, state: State, room: Workspace, h: float) -> tuple[float, int, int]:
     """Share of a step of h [s] at which an axis is the first to leave a zone, the axis, the zone's kind; else NEVER."""
     first, axis, kind = NEVER, -1, STOP_ZONE
     for n in range(problem.bent.size):
         i = problem.bent[n]
         for k in (STOP_ZONE, PTO_ZONE):
-            at = _leaves(problem, state, room, h, i, k)
+            at = NEVER if _stays(problem, room, h, i, k) else _leaves(problem, state, room, h, i, k)
             if at < first:
                 first, axis, kind = at, i, k
     return first, axis, kind
 
 
-@inner_kernel
+@part_kernel
 def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, kind: int) -> float:
     """Share of the step at which axis i leaves its zone; at once if it begins beyond and goes further or stays."""
     before = _beyond(problem, state, room, h, i, kind, 0.0)
@@ -525,7 +584,7 @@ def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, k
     return 0.0 if before > 0 else NEVER
 
 
-@inner_kernel
+@part_kernel
 def _beyond(problem: Problem, state: State, room: Workspace, h: float, i: int, kind: int, x: float) -> float:
     """> 0 where axis i is beyond its zone at the share x of the step, by the collocation's polynomials."""
     stage, law, zone = room.stage, problem.bodies.law, room.stage.zone[kind, i]
@@ -537,7 +596,7 @@ def _beyond(problem: Problem, state: State, room: Workspace, h: float, i: int, k
     return leaving(law, i, kind, zone, y, dy)
 
 
-@inner_kernel
+@part_kernel
 def _way(problem: Problem, state: State, room: Workspace, h: float, i: int, x: float) -> tuple[float, float]:
     """Position and rate of axis i there."""
     start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]
@@ -662,7 +721,7 @@ def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: fl
 # ---- the constants of a piece
 
 
-@inner_kernel
+@part_kernel
 def _of_length(problem: Problem, length: float, smooths: bool, fine: Fine) -> Problem:
     """The problem for steps of this length [s]; Newton's tolerance goes by that: on a stop loads are large."""
     share, scheme = length / problem.dt, fine.smoothing if smooths else problem.scheme

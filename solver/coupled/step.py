@@ -234,7 +234,7 @@ def rings(problem: Problem) -> bool:
     return problem.bent.size > 0 and problem.structure.omega.size > 0
 
 
-@inner_kernel
+@part_kernel
 def refresh(problem: Problem, room: Workspace) -> bool:
     """Newton's matrix of the step's start, factored; False when singular."""
     newton, bodies = room.newton, problem.bodies
@@ -363,7 +363,7 @@ def _finish(problem: Problem, drive: Drive, sample: int, state: State, room: Wor
     load_bodies(problem.bodies, drive.excitation[sample : sample + 2], room.stage)
 
 
-@inner_kernel
+@part_kernel
 def account_work(problem: Problem, drive: Drive, sample: int, state: State, room: Workspace) -> None:
     """Works over the step, by powers at its three points."""
     power_at(problem, drive, sample, state, room)
@@ -430,7 +430,7 @@ def put_stage(room: Workspace, s: int, output: Output | Between, row: int) -> No
         copy(room.flow[s, d], output.drag[row, d])
 
 
-@inner_kernel
+@part_kernel
 def advance(problem: Problem, state: State, room: Workspace) -> None:
     """The step's end becomes the next one's start."""
     start, stage, nc = room.start, room.stage, problem.structure.carrier.shape[0]

@@ -327,10 +327,15 @@ def pto_zone(law: JointLaw, i: int, y: float, dy: float) -> int:
 
 
 @kernel(inline="always")
-def stays(law: JointLaw, i: int, low: float, high: float) -> bool:
-    """Whether axis i, off its stops and with a linear power take-off, remains so at positions between, at any rate."""
-    limited = _limiting_rate(law, i) < np.inf
-    return not limited and law.end_stops.lower[i] < low and high < law.end_stops.upper[i]
+def limited(law: JointLaw, i: int) -> bool:
+    """Whether the power take-off of axis i has another law from some rate on."""
+    return _limiting_rate(law, i) < np.inf
+
+
+@kernel(inline="always")
+def within_stops(law: JointLaw, i: int, low: float, high: float) -> bool:
+    """Whether positions of axis i between these two are off its stops."""
+    return law.end_stops.lower[i] < low and high < law.end_stops.upper[i]
 
 
 @kernel(inline="always")

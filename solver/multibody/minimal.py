@@ -81,6 +81,7 @@ class Motion(NamedTuple):
     bias: np.ndarray  # (nb, 6)
     acceleration: np.ndarray  # (nb, 6)
     active_velocity: np.ndarray  # (nb nr,)
+    scratch: np.ndarray  # (8, 6) of mass_matrix
 
 
 class Coordinates(NamedTuple):
@@ -133,6 +134,7 @@ def new_motion(bodies: Bodies) -> Motion:
         np.zeros((nb, 6)),
         np.zeros((nb, 6)),
         np.zeros(nb * bodies.active.size),
+        np.zeros((8, 6)),
     )
 
 
@@ -160,7 +162,7 @@ def move(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> None:
 
 @part_kernel
 def _spatial_inertia(bodies: Bodies, b: int, rotation: np.ndarray, M: np.ndarray, lever: np.ndarray) -> None:
-    """M (6, 6) about the reference point in world axes; lever (3,) to the c.o.g."""
+    """M (6, 6) about the reference point in world axes; lever (3,) and more: room for that to the c.o.g."""
     m, inertia = bodies.mass[b], bodies.inertia[b]
     for r in range(3):
         lever[r] = (
@@ -375,16 +377,16 @@ def _into_body(R: np.ndarray, x: float, y: float, z: float) -> tuple[float, floa
     )
 
 
-@kernel
+@lean_kernel
 def mass_matrix(bodies: Bodies, motion: Motion, M: np.ndarray) -> None:
     """M (nz, nz) of the floats with the added mass at infinite frequency."""
     nb, nr = bodies.axes.size, bodies.active.size
     M[:] = 0.0
-    spatial, lever, column = np.empty((6, 6)), np.empty(3), np.empty(6)
+    block, column, lever = motion.scratch[:6], motion.scratch[6], motion.scratch[7]
     for b in range(nb):
-        _spatial_inertia(bodies, b, motion.rotation[b], spatial, lever)
-        _project(bodies, motion, b, b, spatial, column, M)
-    block = np.zeros((6, 6))
+        _spatial_inertia(bodies, b, motion.rotation[b], block, lever)
+        _project(bodies, motion, b, b, block, column, M)
+    block[:] = 0.0
     for b in range(nb):
         for c in range(nb):
             for r in range(nr):
