@@ -480,7 +480,7 @@ def remembered(
     lengths = motion_lengths(hulls, h.dofs)
     asked = None if importance is None else importance.value
     known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
-    return radiation.fit(*known, tolerance, lengths, moved, asked, h.resolved)
+    return radiation.fit(*known, tolerance, lengths, h.body, moved, asked, h.resolved)
 
 
 def _reaches(scene: Scene, height: float) -> list[float]:

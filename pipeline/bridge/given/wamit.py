@@ -86,6 +86,7 @@ def _given(
     added, damping, infinite = np.zeros((2, len(periods), n, n)), None, None
     at = np.searchsorted(periods, period)
     real = period > 0
+    _require_whole(table.radiation, n)
     for part, column in enumerate((3, 4)):
         added[part][at[real], i[real], j[real]] = table.radiation[real, column]
     omega = 2 * np.pi / periods
@@ -123,6 +124,24 @@ def _given(
         density=density,
         gravity=gravity,
     )
+
+
+def _require_whole(radiation: np.ndarray, n: int) -> None:
+    """Refuse rows that are missing: WAMIT leaves out what symmetry makes zero, which is so at all periods, and is of no
+    motion of one body on the same one of another.
+    """
+    i, j = (radiation[:, k].astype(int) - 1 for k in (1, 2))
+    periods, at = np.unique(radiation[:, 0], return_inverse=True)
+    has = np.zeros((len(periods), n, n), bool)
+    has[at, i, j] = True
+    some, told = has.any(axis=0), periods != ZERO
+    own = np.flatnonzero(some.diagonal())
+    some[np.ix_(own, own)] |= np.equal.outer(own % 6, own % 6)
+    lacks = np.argwhere(some & ~has & told[:, None, None])
+    if len(lacks):
+        w, row, column = lacks[0]
+        period = "infinite frequency" if periods[w] == INFINITE else f"period {periods[w]:g} s"
+        raise ValueError(f"lacks added mass of motions {row + 1} and {column + 1} at {period}")
 
 
 def _motions(numbers: np.ndarray) -> set[int]:

@@ -275,9 +275,12 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
     hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
     edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
+    body = np.repeat(np.arange(len(hulls)), len(problem.dofs))
     plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
     share = TWO_MESHES if plates else _of_edges(problem.meshed)
-    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, edged, lengths, share)
+    (impedance, impedance_inf, diffraction, far), left = _extrapolated(
+        solutions, divisions, edged, (lengths, body), share
+    )
     if plates and len(solutions) <= len(HALVED):
         left = _of_plates(plates, left, (impedance, impedance_inf, diffraction, far))
     lid = solutions[0].lid
@@ -514,14 +517,18 @@ def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, 
 
 
 def _extrapolated(
-    solutions: list[Solution], divisions: tuple[int, ...], edged: bool, lengths: np.ndarray, share: float = TWO_MESHES
+    solutions: list[Solution],
+    divisions: tuple[int, ...],
+    edged: bool,
+    motions: tuple[np.ndarray, np.ndarray],
+    share: float = TWO_MESHES,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
     solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
     at a frequency that goes with the mesh there is no such limit, and the finest mesh stands; with damping lids at
-    all frequencies, for what is lost there is felt at others. lengths: of the motions; share: of the step from the
+    all frequencies, for what is lost there is felt at others. motions: lengths and bodies of `radiates`; share: of the step from the
     finer of two meshes to their limit, that is left.
     """
     *finest, lid, count = solutions[0]
@@ -530,7 +537,7 @@ def _extrapolated(
     best = _limits(solutions[:2], divisions[:2])
     if lid > 0:
         return finest, [b - f for b, f in zip(best, finest, strict=True)]
-    of_limit, of_finest = (least_damping(each[0], lengths) for each in (best, finest))
+    of_limit, of_finest = (least_damping(each[0], *motions) for each in (best, finest))
     lost = (of_limit < -UNPASSIVE) & (of_limit < 2 * of_finest)
     for k in (0, 2, 3):  # what has a frequency
         best[k][lost] = finest[k][lost]

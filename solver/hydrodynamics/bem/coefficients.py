@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from solver.errors import InputError
 from solver.hydrodynamics.bem.far_field import FarField, Waves
 from solver.hydrodynamics.radiation.memory import RadiationMemory
-from solver.hydrodynamics.radiation.passivity import SILENT
+from solver.hydrodynamics.radiation.passivity import radiates
 from solver.hydrodynamics.radiation.rational import fewest_poles
 from solver.keys import Bits, shared
 from solver.sea.dispersion import wavenumbers
@@ -78,6 +78,11 @@ class Hydrodynamics:
         each = motions or [self.dofs] * len(self.centres)
         return np.array([dof in names for names in each for dof in self.dofs], bool)
 
+    @property
+    def body(self) -> np.ndarray:
+        """Whose each motion is (n,), from 0."""
+        return np.repeat(np.arange(len(self.centres)), len(self.dofs))
+
     @cached_property
     def shifted(self) -> "Hydrodynamics":
         """The same coefficients plus their estimated errors."""
@@ -119,7 +124,7 @@ class Hydrodynamics:
         lengths = np.repeat(np.cbrt(self.displaced_mass / self.density), len(self.dofs))
         lengths[np.tile([DOFS.index(dof) < 3 for dof in self.dofs], len(self.centres))] = 1.0
         size = np.sqrt(np.abs(np.einsum("wii->wi", transfer)).max(axis=0))
-        heard = np.flatnonzero((size > 0) & ((size / lengths) ** 2 >= SILENT * np.max((size / lengths) ** 2)))
+        heard = np.flatnonzero(radiates(size**2, lengths, self.body))
         scaled = transfer[self.resolved][:, heard[:, None], heard] / np.outer(size[heard], size[heard])
         # Fewer than there are differences to tell how much of each a curve has.
         most = 2 * (omega.size - ROUGH) // 3 if heard.size else 0

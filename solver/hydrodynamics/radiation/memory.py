@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from solver.errors import InputError, SimulationFailed
-from solver.hydrodynamics.radiation.passivity import SILENT, UNPASSIVE, Constraint, enforce, least_damping
+from solver.hydrodynamics.radiation.passivity import UNPASSIVE, Constraint, enforce, least_damping, radiates
 from solver.hydrodynamics.radiation.rational import basis, complex_residues, mixed, relocated, starting_poles
 
 USUAL = 5e-3  # tolerance, where none is asked for
@@ -53,6 +53,7 @@ def fit(
     added_mass_inf: np.ndarray,
     tolerance: float = USUAL,
     lengths: np.ndarray | None = None,
+    body: np.ndarray | None = None,
     moved: np.ndarray | None = None,
     importance: np.ndarray | None = None,
     resolved: np.ndarray | None = None,
@@ -68,7 +69,7 @@ def fit(
     Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
     boundary elements say nothing. Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell
     motions that radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size for
-    rotations; ones by default. `moved` (n,) are the motions that there are, all by default: the damping of these must
+    rotations; ones by default; beside others of their `body` (n,), by default one has them all. `moved` (n,) are the motions that there are, all by default: the damping of these must
     be passive. What they do to the others is load on joints, without work, and fitted beside; the rest is zero, and all
     of it where none that there is radiates more than mesh error.
     importance: (nw, n, n) what a unit of an entry changes at each ω of what it is for; where its misfit does more to
@@ -80,14 +81,15 @@ def fit(
         raise InputError("memory_tolerance", tolerance, "must be > 0")
     n = len(added_mass_inf)
     lengths = np.ones(n) if lengths is None else np.asarray(lengths, float)
+    body = np.zeros(n, int) if body is None else body
     moved = np.ones(n, bool) if moved is None else np.asarray(moved, bool)
-    largest = _diagonal(omega, added_mass, radiation_damping, added_mass_inf).max(axis=0) / lengths**2
-    if not np.any(moved & (largest >= SILENT * largest.max(initial=0.0))):  # as a cylinder in yaw
+    heard = radiates(_diagonal(omega, added_mass, radiation_damping, added_mass_inf).max(axis=0), lengths, body)
+    if not np.any(moved & heard):  # as a cylinder in yaw
         return RadiationMemory(
             beta=np.zeros(0, complex), residue=np.zeros((0, n, n), complex), added_mass_inf=added_mass_inf, error=0.0
         )
     impedance = added_mass + 1j * radiation_damping / omega[:, None, None]
-    least = least_damping(impedance[:, moved][:, :, moved], lengths[moved])
+    least = least_damping(impedance[:, moved][:, :, moved], lengths[moved], body[moved])
     sound = least >= -UNPASSIVE
     if sound.mean() < 0.5:
         worst = float(omega[least.argmin()])
@@ -103,6 +105,7 @@ def fit(
         radiation_damping[sound],
         added_mass_inf,
         lengths,
+        heard,
         moved,
         asked[sound],
         told[sound],
@@ -166,17 +169,16 @@ class _Data:
         damping: np.ndarray,
         infinite: np.ndarray,
         lengths: np.ndarray,
+        heard: np.ndarray,
         moved: np.ndarray,
         importance: np.ndarray,
         resolved: np.ndarray,
     ) -> "_Data":
-        """Samples of the motions that radiate; arguments as of `fit`."""
+        """Samples of the motions that radiate, which are `heard` (n,); arguments as of `fit`."""
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
         diagonal = _diagonal(omega, added_mass, damping, infinite)
-        largest = diagonal.max(axis=0) / lengths**2
-        heard = largest >= SILENT * largest[moved].max()
         own, other = np.flatnonzero(heard & moved), np.flatnonzero(heard & ~moved)
-        upper, root = np.triu_indices(len(own)), lengths * np.sqrt(largest)
+        upper, root = np.triu_indices(len(own)), np.sqrt(diagonal.max(axis=0))
         i = np.concatenate([own[upper[0]], np.repeat(other, len(own))])
         j = np.concatenate([own[upper[1]], np.tile(own, len(other))])
         peak = omega[np.argmax((diagonal / lengths**2)[:, own].sum(axis=1))]

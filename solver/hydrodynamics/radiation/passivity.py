@@ -28,17 +28,27 @@ EXCHANGES = 500  # of active cuts, at most
 CHANCES = 3  # exchanges of all cuts at once that may fail to bring the number of wrong ones down
 
 
-SILENT = 1e-3  # a motion whose transfer over its squared length is less, of the largest's, radiates mesh error only
+SILENT = 1e-3  # a motion whose transfer over its squared length is less, of its body's largest, radiates mesh error only
 UNPASSIVE = 0.5  # of the added mass: where B/ω takes as much power from the waves it radiates, the data are an error
 
 
-def least_damping(impedance: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+def radiates(size: np.ndarray, lengths: np.ndarray, body: np.ndarray) -> np.ndarray:
+    """Which motions (n,) have more than mesh error of a size (n,) that goes with their lengths (n,) squared.
+
+    body: (n,) whose motions they are, from 0. Each is judged beside its own: a large one has a thousand times as much.
+    """
+    each, most = size / lengths**2, np.zeros(body.max(initial=-1) + 1)
+    np.maximum.at(most, body, each)
+    return np.asarray((each > 0) & (each >= SILENT * most[body]))
+
+
+def least_damping(impedance: np.ndarray, lengths: np.ndarray, body: np.ndarray) -> np.ndarray:
     """Least eigenvalue (nw,) of B/ω, motions scaled so that none has more than 1 of A + iB/ω = impedance (nw, n, n).
 
-    lengths: (n,) [m], as of `memory.fit`; motions that have next to nothing of it are left out.
+    lengths, body: (n,), as of `radiates`; motions that have next to nothing of it are left out.
     """
     size = np.abs(np.einsum("wii->wi", impedance)).max(axis=0)
-    heard = np.flatnonzero(size / lengths**2 >= SILENT * (size / lengths**2).max())
+    heard = np.flatnonzero(radiates(size, lengths, body))
     scale = np.sqrt(size[heard])
     both = impedance[:, heard[:, None], heard] / np.multiply.outer(scale, scale)
     return np.asarray(np.linalg.eigvalsh((both + np.swapaxes(both, 1, 2)).imag / 2)[:, 0])

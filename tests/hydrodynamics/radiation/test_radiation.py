@@ -93,6 +93,16 @@ def test_a_known_kernel_is_recovered_exactly():
     assert fitted.added_mass_inf == pytest.approx(memory.added_mass_inf, abs=1e-5)
 
 
+def test_a_small_body_beside_a_large_one_is_remembered():
+    """Of a hundredth of its length: it radiates a millionth, and what reaches it a thousandth, of the large one's."""
+    memory, small = known(), np.diag([1.0, 1e-3])
+    A, B = (small @ part @ small for part in coefficients(memory, OMEGA))
+    fitted = fit(OMEGA, A, B, small @ memory.added_mass_inf @ small, 1e-6, body=np.arange(2))
+    t = np.linspace(0, 10, 50)
+    back = np.linalg.inv(small)
+    assert back @ fitted.impulse(t) @ back == pytest.approx(memory.impulse(t), abs=1e-5)
+
+
 def test_a_frequency_at_which_the_data_are_nonsense_is_left_out():
     memory = known()
     A, B = coefficients(memory, OMEGA)
@@ -125,9 +135,10 @@ def test_to_ask_for_more_than_the_data_hold_gives_no_less():
 def test_a_motion_that_hardly_radiates_is_not_judged():
     """Mesh error of the second, by itself, would look as much against passivity as the first for it."""
     impedance = 1j * np.array([np.diag([1.0, -1e-9]), np.diag([0.5, 1e-9])])
-    assert passivity.least_damping(impedance, np.ones(2)) == pytest.approx([1.0, 0.5])
-    assert passivity.least_damping(impedance, np.array([1.0, 1e-4])) == pytest.approx([-1.0, 0.5])
-    assert passivity.least_damping(impedance[:, :1, :1] + 3, np.ones(1)) == pytest.approx([1 / 10**0.5, 0.5 / 10**0.5])
+    assert passivity.least_damping(impedance, np.ones(2), np.zeros(2, int)) == pytest.approx([1.0, 0.5])
+    assert passivity.least_damping(impedance, np.array([1.0, 1e-4]), np.zeros(2, int)) == pytest.approx([-1.0, 0.5])
+    assert passivity.least_damping(impedance, np.ones(2), np.arange(2)) == pytest.approx([-1.0, 0.5])
+    assert passivity.least_damping(impedance[:, :1, :1] + 3, np.ones(1), np.zeros(1, int)) == pytest.approx([1 / 10**0.5, 0.5 / 10**0.5])
 
 
 def test_units_do_not_matter():

@@ -443,6 +443,32 @@ def test_a_force_that_a_file_lacks_is_not_taken_for_none(ours, study, tmp_path, 
 
 
 @pytest.mark.parametrize(
+    ("left_out", "message"),
+    [
+        (lambda p, i, j: p == 3 and (i, j) == (1, 5), "lacks added mass of motions 1 and 5 at period"),
+        (lambda p, i, j: p == 0 and (i, j) == (3, 3), "lacks added mass of motions 3 and 3 at infinite frequency"),
+        (lambda p, i, j: abs(i - j) == 6 and i % 6 == 3, "lacks added mass of motions 3 and 9 at"),
+        (lambda p, i, j: (i - 1) // 6 != (j - 1) // 6, "lacks added mass of motions 1 and 7 at"),
+    ],
+)
+def test_rows_that_added_mass_lacks_are_not_taken_for_none(ours, study, tmp_path, left_out, message):
+    """p: 0 at infinite frequency, else which period. What symmetry makes zero may be left out."""
+    wamit_files(tmp_path, ours)
+    rows = [line.split() for line in (tmp_path / "pair.1").read_text().splitlines()]
+    periods = sorted({float(row[0]) for row in rows})
+
+    def written(out):
+        kept = [row for row in rows if not out(periods.index(float(row[0])), int(row[1]), int(row[2]))]
+        assert len(kept) < len(rows)
+        (tmp_path / "pair.1").write_text("\n".join(map(" ".join, kept)))
+
+    written(left_out)
+    assert message in judged(study("pair.1"))
+    written(lambda p, i, j: (i + j) % 2)
+    judged(study("pair.1"), fits=True)
+
+
+@pytest.mark.parametrize(
     ("name", "content", "message"),
     [("a.nc", b"no netCDF", "is not readable as .nc"), ("a.txt", b"1 2 3", "must end in one of .nc, .h5, "),
      ("a.out", b"Gravity: 9.81", "has no line with"),
