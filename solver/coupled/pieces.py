@@ -422,7 +422,7 @@ def _again(state: State, room: Workspace, fine: Fine) -> None:
 
 @lean_kernel
 def _turn_back(stages: np.ndarray, knots: np.ndarray) -> None:
-    """Values (3, n) at -1 and -1/2 of the parabolas through those at 0, 1/2 and 1, the last two in the stages (2, n)."""
+    """Values (3, n) at -1 and -1/2 of the parabolas through those at 0, 1/2 and 1, these two in the stages (2, n)."""
     for i in range(knots.shape[1]):
         a, b, c = knots[2, i], stages[0, i], stages[1, i]
         knots[0, i], knots[1, i] = 6 * a - 8 * b + 3 * c, 3 * a - 3 * b + c

@@ -11,7 +11,7 @@ import numpy as np
 
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Scene
-from solver.sea.dispersion import wavenumbers
+from solver.sea.dispersion import group_velocity, wavenumbers
 
 
 def largest_power(scene: Scene) -> float:
@@ -37,8 +37,7 @@ def _transport(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """J [W/m] and k [rad/m] of each wave."""
     water, sea = scene.water, scene.sea
     k = wavenumbers(sea.omega, water.depth, water.gravity)
-    kh = np.minimum(k * water.depth, 300.0)
-    speed = sea.omega / (2 * k) * (1 + 2 * kh / np.sinh(2 * kh))
+    speed = group_velocity(sea.omega, water.depth, water.gravity)
     return 0.5 * water.density * water.gravity * np.abs(sea.amplitude) ** 2 * speed, k
 
 

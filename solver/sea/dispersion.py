@@ -39,6 +39,14 @@ def _wavenumbers(omega: Bits[np.ndarray], depth: float, gravity: float) -> np.nd
     return shared(wavenumber(omega.value, depth, gravity))
 
 
+def group_velocity(omega: np.ndarray, depth: float, gravity: float) -> np.ndarray:
+    """∂ω/∂k [m/s] at ω (nw,) [rad/s]."""
+    k = wavenumbers(omega, depth, gravity)
+    kh = np.minimum(k * depth, 300.0)
+    speed: np.ndarray = omega / (2 * k) * (1 + 2 * kh / np.sinh(2 * kh))
+    return speed
+
+
 def longest(depth: float, gravity: float) -> float:
     """Frequency [rad/s] of the longest waves that have coefficients, those of kh = SHALLOWEST; 0 in deep water."""
     return float(np.sqrt(SHALLOWEST * np.tanh(SHALLOWEST) * gravity / depth))

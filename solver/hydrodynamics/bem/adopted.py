@@ -61,6 +61,7 @@ def adopted(
     six, note = agreement.agreed(six, floats, expected)
     six = _about(six, centres)
     agreement.require_moments(six, floats, expected)
+    agreement.require_energy(six, floats)
     infinite = _infinite(six, _scales(six, lengths), names)
     index = np.array([6 * b + DOFS.index(d) for b in range(len(hulls)) for d in dofs])
     both = np.ix_(index, index)

@@ -2,8 +2,11 @@
 
 In waves long against a hull the scattered wave's force is that of the water passing it as if the hull moved the other
 way, (B - iωA)u with the file's own A and B: much more than the Froude-Krylov force on a heave plate, and against it.
-The force told is therefore in phase with the sum of both, and of its order; another sign of time, reference for the
-phase, heading, order of bodies or unit shows at once.
+The force told is therefore the sum of both, but for what goes with the square of hull over wavelength; another sign of
+time, reference for the phase, heading, order of bodies, place or unit shows at once.
+
+A body of revolution radiates as much power as the force tells of its waves (Haskind): B = k|X|²/(4ρgv) in heave, and
+half of that along the waves, v their group velocity.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,15 +21,19 @@ from solver.hydrodynamics.bem.coefficients import DOFS
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull.mesh import Hull
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.sea.dispersion import group_velocity
 
 LONG = 0.5  # ka of waves that are long; up to twice that where there are no longer ones
 FELT = 0.02  # of the largest force on a body: of less the phase is not judged
-IN_PHASE = 0.5  # cosine of the phase, force-weighted
+IN_PHASE = 0.5  # cosine of the phase, force-weighted: of less some convention is another
 BETTER = 0.85  # of another convention that explains the difference
-OF_ITS_ORDER = 0.3, 3.0  # heave force told over that in long waves
 # Turning the waves round turns the Froude-Krylov force into its conjugate, so that the two cannot be told apart.
 TIME = "is of the other sign of time, Re{X exp(+iωt)}, or of waves from the other side"
 PLACED, NEARLY = 0.05, 0.5  # of the hull's size: how far off the point of moments may seem to be, and that times (ka)²
+NEAR = 0.1  # of the force of long waves: how far off that told may be, and NEARLY of it times (ka)²
+ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
+DAMPED = 0.1  # of the largest damping: of less energy is not judged
 THIN = 0.05  # of the largest force: along less nothing is told of the point
 SAME_HULL = 0.1  # relative: heave stiffness, and the Froude-Krylov force where it is told
 
@@ -53,14 +60,36 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str
         return six, "no waves long against the hulls are among the frequencies: phases were not judged"
     told, fits = six.excitation[long, 0], exerted[long]
     columns = _felt(fits)
-    if _cosine(told, fits, columns) < IN_PHASE:
+    off, where = _off(told, fits, k[long], floats)
+    if off > 1:
         moved = _moved(six, floats, k)
-        if len(floats.hulls) > 1 or _cosine(moved.excitation[long, 0], fits, columns) < BETTER:
-            raise InputError(KEY, six.name, _misfit(six, floats, expected, long))
+        if len(floats.hulls) > 1 or _off(moved.excitation[long, 0], fits, k[long], floats)[0] > 1:
+            other = _cosine(told, fits, columns) < IN_PHASE
+            text = _misfit(six, floats, expected, long) if other else _unlike(six, told, fits, where, long, floats)
+            raise InputError(KEY, six.name, text)
         x, y, _ = floats.centres[0]
         return moved, f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"
-    _require_size(six, told, fits, floats)
     return six, ""
+
+
+def require_energy(six: Given, floats: Floats) -> None:
+    """Refuse a damping that does not go with the wave force, of a body of revolution by itself."""
+    hull, sea = floats.hulls[0], floats.sea
+    if len(floats.hulls) > 1 or not isinstance(hull, Revolution):
+        return
+    k = np.array([sea.wavenumber(w) for w in six.omega])
+    each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
+    X = six.excitation[:, 0, :3]
+    power = {"heave": (2, X[:, 2], 4), "surge": (0, X[:, 0] * np.cos(sea.heading) + X[:, 1] * np.sin(sea.heading), 8)}
+    for dof, (i, force, share) in power.items():
+        damping = six.radiation_damping[:, i, i]
+        judged = damping > DAMPED * damping.max()
+        if not judged.any() or not np.any(force[judged]):
+            continue
+        ratio = float(np.median(damping[judged] / (each * np.abs(force) ** 2 / share)[judged]))
+        if not 1 / ENERGY < ratio < ENERGY:
+            text = f"damping in {dof} is {ratio:.3g} times what the wave force tells of the power radiated"
+            raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
 
 
 def _passing(six: Given, floats: Floats) -> np.ndarray:
@@ -101,6 +130,33 @@ def _felt(expected: np.ndarray) -> np.ndarray:
     size = np.abs(expected).max(axis=0).reshape(-1, 6)[:, :3]
     b, d = np.nonzero(size > FELT * size.max(axis=1, keepdims=True))
     return 6 * b + d
+
+
+def _off(told: np.ndarray, fits: np.ndarray, k: np.ndarray, floats: Floats) -> tuple[float, tuple[int, int]]:
+    """How far a force (nw, 6 nb) is from that of long waves, over how far it may be, and where most: row, column.
+
+    The largest body counts: what it scatters reaches the others. Forces that are small on their body are not judged.
+    """
+    away, size = (np.abs(x).reshape(len(k), -1, 6)[..., :3] for x in (told - fits, fits))
+    judged = (size > FELT * size.max(axis=2, keepdims=True)) & (np.abs(told).max(axis=0).reshape(1, -1, 6)[..., :3] > 0)
+    may = NEAR + NEARLY * (k * max(h.size for h in floats.hulls)) ** 2
+    off = np.where(judged, away / np.where(judged, size, 1.0), 0.0) / may[:, None, None]
+    row, b, d = np.unravel_index(off.argmax(), off.shape)
+    return float(off[row, b, d]), (int(row), int(6 * b + d))
+
+
+def _unlike(
+    six: Given, told: np.ndarray, fits: np.ndarray, where: tuple[int, int], long: np.ndarray, floats: Floats
+) -> str:
+    """What a force is that no other convention explains."""
+    ratio, column = told[where] / fits[where], where[1]
+    text = f"{DOFS[column % 6]} force on {floats.names[column // 6]} at {six.omega[long][where[0]]:.4g} rad/s"
+    text += f" is {abs(ratio):.3g} times what long waves exert on its hull, {_degrees(ratio)} of phase from it"
+    return f"{text}: other units, a length scale other than 1 m, another place, or one wave's force alone?"
+
+
+def _degrees(ratio: complex) -> str:
+    return f"{abs(np.degrees(np.angle(ratio))):.0f} degrees"
 
 
 def _cosine(told: np.ndarray, expected: np.ndarray, columns: np.ndarray) -> float:
@@ -213,14 +269,3 @@ def _require_stiffness(six: Given, floats: Floats) -> None:
         if told and abs(told - ours) > SAME_HULL * max(abs(ours), abs(told)):
             text = f"heave stiffness of {name} is {told:.4g} N/m, that of its hull {ours:.4g} N/m"
             raise InputError(KEY, six.name, f"{text}: another hull, another order of bodies, or other units?")
-
-
-def _require_size(six: Given, told: np.ndarray, fits: np.ndarray, floats: Floats) -> None:
-    """Refuse a heave force far from that of long waves on a body that pierces the surface."""
-    low, high = OF_ITS_ORDER
-    for b, (hull, name) in enumerate(zip(floats.hulls, floats.names, strict=True)):
-        column = 6 * b + 2
-        ratio = float(np.linalg.norm(told[:, column]) / np.linalg.norm(fits[:, column]))
-        if ratio and not low < ratio < high and hull.waterplane[0] * hull.draft > 0.1 * hull.volume:
-            text = f"heave force on {name} is {ratio:.3g} times what long waves exert on its hull"
-            raise InputError(KEY, six.name, f"{text}: other units, or a length scale other than 1 m?")

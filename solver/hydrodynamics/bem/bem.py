@@ -528,8 +528,8 @@ def _extrapolated(
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
     solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
     at a frequency that goes with the mesh there is no such limit, and the finest mesh stands; with damping lids at
-    all frequencies, for what is lost there is felt at others. motions: lengths and bodies of `radiates`; share: of the step from the
-    finer of two meshes to their limit, that is left.
+    all frequencies, for what is lost there is felt at others. motions: lengths and bodies, as of `least_damping`;
+    share: of the step from the finer of two meshes to their limit, that is left.
     """
     *finest, lid, count = solutions[0]
     if len(solutions) == 1:

@@ -69,9 +69,10 @@ def fit(
     Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
     boundary elements say nothing. Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell
     motions that radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size for
-    rotations; ones by default; beside others of their `body` (n,), by default one has them all. `moved` (n,) are the motions that there are, all by default: the damping of these must
-    be passive. What they do to the others is load on joints, without work, and fitted beside; the rest is zero, and all
-    of it where none that there is radiates more than mesh error.
+    rotations; ones by default. `body` (n,) tells whose they are, and beside which they are judged; by default one has
+    them all. `moved` (n,) are the motions that there are, all by default: the damping of these must be passive. What
+    they do to the others is load on joints, without work, and fitted beside; the rest is zero, and all of it where none
+    that there is radiates more than mesh error.
     importance: (nw, n, n) what a unit of an entry changes at each ω of what it is for; where its misfit does more to
     that than its share of the largest it counts as that much.
     resolved: (nw,) whether frequencies are close enough to each other to tell what goes on between them, all by

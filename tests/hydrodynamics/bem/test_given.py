@@ -169,7 +169,7 @@ def test_every_other_convention_is_named():
     refused(told(excitation=-force), match="opposite sign")
     refused(told(excitation=1j * force), match="quarter of a period")
     refused(shuffled(h), match="bodies in another order: rear, front")
-    refused(told(excitation=force * 8), match="heave force on front is .* times")
+    refused(told(excitation=force * 8), match="heave force on front at .* times")
     refused(told(radiation_damping=-h.radiation_damping), match="damping is negative at")
     refused(told(radiation_damping=2 * np.pi * h.radiation_damping), match="do not go together .* do their units agree")
     lopsided = h.added_mass.copy()
@@ -177,6 +177,42 @@ def test_every_other_convention_is_named():
     refused(told(added_mass=lopsided), match="not symmetric: front (surge|heave) on front (surge|heave)")
     stiffness = 2.0 * h.hydrostatic_stiffness
     refused(told(stiffness=stiffness), match="heave stiffness of front is")
+
+
+ALONE = {"hulls": HULLS[:1], "centres": np.array([[2.0, 0.0, 0.0]]), "names": ("front",)}
+
+
+@cache
+def alone():
+    omega = np.linspace(0.4, 4.4, 11)
+    return solve(*list(ALONE.values())[:2], **SEA, omega=omega, planar=False, panels=108)
+
+
+@pytest.mark.parametrize(
+    ("force", "radiation", "match"),
+    [
+        (0.5, 1.0, "force on front at .* is 0.5.* times"),
+        (2.0, 1.0, "force on front at .* is 2.* times"),
+        (1.0, 2.0, "force on front at .* times what long waves exert on its hull, . degrees of phase from it"),
+        (1.25**2, 1.25**3, "force on front at .* is 1.[56].* times"),
+        (np.array([1.0] * 5 + [1.4] * 6)[:, None, None], 1.0, "damping in .* is 0.5.* times what the wave force tells"),
+    ],
+)
+def test_sizes_that_do_not_go_together_are_refused(force, radiation, match):
+    h = alone()
+    scaled = {n: radiation * getattr(h, n) for n in ("added_mass", "radiation_damping", "added_mass_inf")}
+    refused(told(h, excitation=force * told(h).excitation, **scaled), match=match, **ALONE, **SEA)
+
+
+def test_a_body_that_is_elsewhere_is_refused_or_brought_there():
+    h = alone()
+    same(taken(told(h), **ALONE, **SEA), h)
+    later = 2.0 * h.omega**2 / SEA["gravity"] * np.cos(SEA["heading"])
+    brought = taken(told(h, excitation=told(h).excitation * np.exp(-1j * later)[:, None, None]), **ALONE, **SEA)
+    assert brought.settings["note"] == "computed at x = y = 0, moved to (2, 0) m"
+    same(brought, h)
+    away = {"centres": CENTRES - [[2.0, 0.0, 0.0], [0.0, 0.0, 0.0]]}
+    refused(told(), match="degrees of phase from it: other units, .* another place", **away)
 
 
 def test_negative_damping_at_few_or_high_frequencies_may_be_an_irregular_one():

@@ -138,7 +138,9 @@ def test_a_motion_that_hardly_radiates_is_not_judged():
     assert passivity.least_damping(impedance, np.ones(2), np.zeros(2, int)) == pytest.approx([1.0, 0.5])
     assert passivity.least_damping(impedance, np.array([1.0, 1e-4]), np.zeros(2, int)) == pytest.approx([-1.0, 0.5])
     assert passivity.least_damping(impedance, np.ones(2), np.arange(2)) == pytest.approx([-1.0, 0.5])
-    assert passivity.least_damping(impedance[:, :1, :1] + 3, np.ones(1), np.zeros(1, int)) == pytest.approx([1 / 10**0.5, 0.5 / 10**0.5])
+    assert passivity.least_damping(impedance[:, :1, :1] + 3, np.ones(1), np.zeros(1, int)) == pytest.approx(
+        [1 / 10**0.5, 0.5 / 10**0.5]
+    )
 
 
 def test_units_do_not_matter():
