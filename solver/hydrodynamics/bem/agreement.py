@@ -152,7 +152,8 @@ def _unlike(
     ratio, column = told[where] / fits[where], where[1]
     text = f"{DOFS[column % 6]} force on {floats.names[column // 6]} at {six.omega[long][where[0]]:.4g} rad/s"
     text += f" is {abs(ratio):.3g} times what long waves exert on its hull, {_degrees(ratio)} of phase from it"
-    return f"{text}: other units, a length scale other than 1 m, another place, or one wave's force alone?"
+    asked = "other units of force, added mass or damping, a length scale other than 1 m"
+    return f"{text}: {asked}, another place, or one wave's force alone?"
 
 
 def _degrees(ratio: complex) -> str:
