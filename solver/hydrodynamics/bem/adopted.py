@@ -10,10 +10,11 @@ from types import MappingProxyType
 from typing import Any, SupportsIndex
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.bem import agreement
-from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics
+from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov
@@ -27,6 +28,9 @@ ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
 FEW = 0.25  # of the frequencies: irregular ones are no more of them, or lie above the largest damping's
 SAME = 1e-9  # A∞ that equals the highest frequency's by so much is that
 TOGETHER = 0.2  # of an added mass: what it may scatter at infinite frequency where A and B are of one body
+SPACED = (
+    1 / 8
+)  # of what curves through every other frequency miss is missed by those through all; 1/16 where all are close
 UNSURE = 0.15  # of an added mass: its value at infinite frequency is not known if it scatters by more
 
 
@@ -66,7 +70,7 @@ def adopted(
     index = np.array([6 * b + DOFS.index(d) for b in range(len(hulls)) for d in dofs])
     both = np.ix_(index, index)
     scattered = six.excitation[:, 0] - (expected if six.froude_krylov is None else six.froude_krylov[:, 0])
-    return Hydrodynamics(
+    h = Hydrodynamics(
         omega=omega,
         added_mass=_symmetric(six.added_mass)[:, index[:, None], index],
         radiation_damping=_symmetric(six.radiation_damping)[:, index[:, None], index],
@@ -76,6 +80,23 @@ def adopted(
         settings=MappingProxyType({"method": f"from {given.name}", "note": note}),
         **at_rest(hulls, centres, dofs, sea),
     )
+    return replace(h, error=_between(h))
+
+
+def _between(h: Hydrodynamics) -> MeshError:
+    """What the curves may be off between a file's frequencies, of which alone it tells; its mesh is not known."""
+    kept = np.unique(np.append(np.arange(0, len(h.omega), 2), len(h.omega) - 1))
+    left_out = np.setdiff1d(np.arange(len(h.omega)), kept)
+    curves = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")
+    half = replace(h, omega=h.omega[kept], **{name: getattr(h, name)[kept] for name in curves})
+    at = h.omega[left_out]
+    Z, X = half.impedance(at), half.excitation(at, "diffraction")
+    missed = {"added_mass": -Z.imag / at[:, None, None], "radiation_damping": Z.real, "diffraction": X}
+    error = {"added_mass_inf": np.zeros_like(h.added_mass_inf)}
+    for name, value in missed.items():
+        away = SPACED * (getattr(h, name)[left_out] - value)
+        error[name] = make_interp_spline(at, away, k=1)(np.clip(h.omega, at[0], at[-1]))
+    return MeshError(**error)
 
 
 def require_covered(h: Hydrodynamics, name: str, low: float, high: float) -> None:

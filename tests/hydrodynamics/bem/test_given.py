@@ -68,6 +68,23 @@ def test_what_goes_out_comes_back():
     same(taken(told()), ours())
 
 
+def test_what_lies_between_a_files_frequencies_is_in_its_error():
+    """Of every other frequency; the others tell what its curves miss there."""
+    h, rows = alone(), np.arange(0, 21, 2)
+    names = ("added_mass", "radiation_damping")
+    thin = {name: getattr(h, name)[rows] for name in names}
+    half = taken(told(h, omega=h.omega[rows], excitation=told(h).excitation[rows], **thin), **ALONE, **SEA)
+    at = h.omega[1::2]
+    Z, X = half.impedance(at), half.excitation(at, "diffraction")
+    for missed, told_of in (
+        (Z.real - h.radiation_damping[1::2], half.error.radiation_damping),
+        (-Z.imag / at[:, None, None] - h.added_mass[1::2], half.error.added_mass),
+        (X - h.diffraction[1::2], half.error.diffraction),
+    ):
+        assert 1 / 6 < np.abs(missed[..., 2]).max() / np.abs(told_of[..., 2]).max() < 3
+    assert not np.any(half.error.added_mass_inf)
+
+
 def test_the_order_of_frequencies_and_named_bodies_does_not_matter():
     h, turned = ours(), np.r_[6:12, 0:6]
     rows = np.argsort(np.cos(np.arange(len(h.omega))))
@@ -171,7 +188,9 @@ def test_every_other_convention_is_named():
     refused(shuffled(h), match="bodies in another order: rear, front")
     refused(told(excitation=force * 8), match="heave force on front at .* times")
     refused(told(radiation_damping=-h.radiation_damping), match="damping is negative at")
-    refused(told(radiation_damping=2 * np.pi * h.radiation_damping), match="other units of force, added mass or damping")
+    refused(
+        told(radiation_damping=2 * np.pi * h.radiation_damping), match="other units of force, added mass or damping"
+    )
     turning = h.radiation_damping.copy()
     turning[:, 10, 10] *= 2 * np.pi  # which no force of long waves tells
     refused(told(radiation_damping=turning), match="pitch on rear pitch do not go together .* do their units agree")
@@ -187,7 +206,7 @@ ALONE = {"hulls": HULLS[:1], "centres": np.array([[2.0, 0.0, 0.0]]), "names": ("
 
 @cache
 def alone():
-    omega = np.linspace(0.4, 4.4, 11)
+    omega = np.linspace(0.4, 4.4, 21)
     return solve(*list(ALONE.values())[:2], **SEA, omega=omega, planar=False, panels=108)
 
 
@@ -198,7 +217,7 @@ def alone():
         (2.0, 1.0, "force on front at .* is 2.* times"),
         (1.0, 2.0, "force on front at .* times what long waves exert on its hull, . degrees of phase from it"),
         (1.25**2, 1.25**3, "force on front at .* is 1.[56].* times"),
-        (np.array([1.0] * 5 + [1.4] * 6)[:, None, None], 1.0, "damping in .* is 0.5.* times what the wave force tells"),
+        (np.r_[[1.0] * 10, [1.4] * 11][:, None, None], 1.0, "damping in .* is 0.5.* times what the wave force tells"),
     ],
 )
 def test_sizes_that_do_not_go_together_are_refused(force, radiation, match):
