@@ -120,8 +120,6 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
     for axis in study.varied:
         together = [axis.at(place) for place in range(len(axis.labels))]
         for path, values in axis.keys.items():
-            if path.endswith(".name"):
-                yield InputError(f'axes."{path}"', list(values), "is what others know the part by, and cannot vary")
             if not values:
                 yield InputError(f'axes."{path}"', "[]", "needs at least one value")
             for label, given in zip(axis.labels, together, strict=True):

@@ -19,6 +19,11 @@ ALL = "*"
 SEA = "sea"  # stands for every sea state that the study has tasks in
 FIXED = ("axes", "title", "variants", "samples")  # what no axis varies
 OWN = ("platform", "survival")  # tables by which a study has the tasks that it has: no value brings them in
+CONSTANT = {  # keys of tables that no value takes the place of, and why
+    "name": "is what others know the part by, and cannot vary",
+    "occurrence": "weighs means over sea states, is no part of a task, and cannot vary: give other weights in another"
+    " study file, with this one as its base",
+}
 NONE: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -102,6 +107,8 @@ def _table(node: Table, path: str, put: Put, above: str) -> Table:
     known = [name for name in type(node).model_fields if above or name not in FIXED]
     if key not in known:
         raise PathError(_nowhere(key, rest, known, above))
+    if key in CONSTANT:
+        raise PathError(CONSTANT[key])
     child = getattr(node, key)
     if rest and child is None:
         kind = _kind(node, key) if above or key not in OWN else None
