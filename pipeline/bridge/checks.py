@@ -18,7 +18,7 @@ from pipeline.results.variables import COORDINATES, VARIABLES
 from pipeline.study import seas
 from pipeline.study.axes import TAKEN, Axes, Axis
 from pipeline.study.layout import HINGE
-from pipeline.study.paths import PathError, with_value
+from pipeline.study.paths import PathError, keys_at, with_value
 from pipeline.study.schema import StudyFile
 from pipeline.study.tables import Same
 from pipeline.tasks.task import (
@@ -41,6 +41,7 @@ MOST_TASKS = 10_000_000
 MOST_AXES = 24  # over keys, each of which is a dimension of the dataset
 MOST_FLOATS = 100
 MOST_NAMED = 20  # labels of an axis in a message
+SHORT = {"pto_damping": "floats.*.pto_damping", "hinge_spacing": "floats.*.hinge"}  # what named axes decide, last
 SURVIVING = ("floats", "left_out", "platform", "solver")  # tables and keys of which others may hold in high seas
 
 Judge = Callable[[StudyFile], Iterable[InputError]]
@@ -49,6 +50,7 @@ Judge = Callable[[StudyFile], Iterable[InputError]]
 def problems(study: StudyFile) -> list[InputError]:
     """Everything wrong with a study whose types and ranges are right; what its parts lack before what they make."""
     later: tuple[Judge, ...] = (
+        _overlaps,
         _variants,
         partial(_at_each_value, judge=_contents),
         partial(_at_each_value, judge=_scenes),
@@ -131,9 +133,26 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
     names = Counter(axis.name for axis in study.varied)
     for name in (name for name, count in names.items() if count > 1):
         yield InputError("axes", name, "is the name of two dimensions; rename one in [[axes.together]]")
-    paths = Counter(path for axis in study.varied for path in axis.keys)
-    for path in (path for path, count in paths.items() if count > 1):
-        yield InputError("axes", f'"{path}"', "is varied along two dimensions, of which the second would decide alone")
+
+
+def _overlaps(study: StudyFile) -> Iterator[InputError]:
+    """Keys that two dimensions vary, by whatever paths; a variant's, from which axes may go on, by the same path."""
+    short = [Axis(name, (), {name: ()}) for name in SHORT if getattr(study.axes, name)]
+    for one, other in itertools.combinations((*study.varied, *short), 2):
+        if one.name == "variant":
+            twice = [path for path in one.keys if path in other.keys]
+        else:
+            pairs = itertools.product(_reached(study, one), _reached(study, other))
+            twice = [".".join(max(a, b)) for a, b in pairs if a[: len(b)] == b[: len(a)]]
+        if twice:
+            along = f"{one.name} and {other.name}"
+            limit = f"is varied along two dimensions, {along}, of which the second would decide alone"
+            yield InputError("axes", f'"{twice[0]}"', limit)
+
+
+def _reached(study: StudyFile, axis: Axis) -> list[tuple[str, ...]]:
+    """The keys that an axis varies; one that is part of another has a longer way."""
+    return [key for path in axis.keys for key in keys_at(study, SHORT.get(path, path))]
 
 
 def _objection(study: StudyFile, path: str, together: Mapping[str, object]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from fnmatch import fnmatchcase
 from types import MappingProxyType
 from typing import Any, NamedTuple, NoReturn, get_args
@@ -64,15 +64,36 @@ def with_value(study: StudyFile, path: str, value: Any, beside: Mapping[str, Any
     value and those beside it.
     """
     put = Put(value, path, beside, study.context)
-    head, dot, rest = path.partition(".")
-    for whole in [f"sea_states.{name}.{rest}" for name in study.seas or (ALL,)] if head == SEA and dot else [path]:
+    for whole in _in_seas(study, path):
         study = _changed(study, whole, put, "")
     return study
+
+
+def keys_at(study: StudyFile, path: str) -> Iterator[tuple[str, ...]]:
+    """The keys that a path stands for, each as the names on its way; the path leads somewhere."""
+    for whole in _in_seas(study, path):
+        yield from _below_names(study, whole, ())
 
 
 def unit(path: str) -> str:
     """Of the key at the end of a path; empty for words."""
     return units().get(path.rpartition(".")[2], "")
+
+
+def _in_seas(study: StudyFile, path: str) -> list[str]:
+    """The path, or one for every sea state that it stands for."""
+    head, dot, rest = path.partition(".")
+    return [f"sea_states.{name}.{rest}" for name in study.seas or (ALL,)] if head == SEA and dot else [path]
+
+
+def _below_names(node: Any, path: str, above: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    if not (path and _is_container(node)):  # the key, or a table that the study lacks
+        yield *above, *filter(None, path.split("."))
+        return
+    items = dict(node) if isinstance(node, Table | Mapping) else {_name(item): item for item in node}
+    chosen, rest = _named(list(items), path, ".".join(above))
+    for name in chosen:
+        yield from _below_names(items[name], rest, (*above, name))
 
 
 def _changed(node: Any, path: str, put: Put, above: str) -> Any:

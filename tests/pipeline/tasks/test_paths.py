@@ -218,21 +218,57 @@ def test_ranges_are_written_out(small):
     lines = ('"floats.front.mass" = { from = 2000.0, to = 2200.0, count = 3 }',
              '"floats.*.pto_damping" = { from = 1e4, to = 1e6, count = 3, spacing = "log" }',
              'pto_damping = { from = 1.0, to = 2.0, count = 2 }')  # fmt: skip
+    text = small.read_text()
     table = axes(varied(small, *lines[:2]).content)
     assert table["mass"] == (2000.0, 2100.0, 2200.0) and table["pto_damping"] == (1e4, 1e5, 1e6)
+    small.write_text(text)
     assert axes(varied(small, lines[2]).content)["pto_damping"] == (1.0, 2.0)
 
 
 def test_a_dimension_has_the_last_word_or_the_whole_path_where_two_would_clash(small):
     study = varied(
         small, '"water.depth" = [50.0]', '"floats.front.mass" = [2147.0]', '"platform.sections.tube.diameter" = [1.0]',
-        '"platform.members.leg.drag_coefficient" = [1.0]', '"platform.members.*.drag_coefficient" = [1.0]',
-        '"platform.legs" = [["leg"]]',
+        '"water.density" = [1025.0]', '"platform.materials.*.density" = [8012.0]', '"platform.legs" = [["leg"]]',
     )  # fmt: skip
     names = dimensions(study.content)
-    assert {"depth", "mass", "diameter"} <= set(names)
-    assert {"platform.members.leg.drag_coefficient", "platform.members.*.drag_coefficient"} <= set(names)
+    assert {"depth", "mass", "diameter", "water.density", "platform.materials.*.density"} <= set(names)
     assert axes(study.content)["legs"] == ('["leg"]',)
+
+
+TWICE = [
+    (("'floats.front.mass' = [2147.0, 2100.0]", "'floats.*.mass' = [2000.0]"), "floats.front.mass", "floats.*.mass"),
+    (("'floats.f*.mass' = [2000.0]", "'floats.front.mass' = [2147.0]"), "floats.front.mass", "floats.front.mass"),
+    (("pto_damping = [1e4, 1e5]", "'floats.*.pto_damping' = [2e4]"), "floats.front.pto_damping", "pto_damping"),
+    (("'sea.Hs' = [0.4, 0.6]", "'sea_states.rough.Hs' = [1.0]"), "sea_states.rough.Hs", "sea_states.rough.Hs"),
+    (("'floats.*.pto_efficiency' = [{ generating = 0.9 }]", "floats.front.pto_efficiency.generating = [0.8]"),
+     "floats.front.pto_efficiency.generating", "generating"),
+    (("'floats.*.damping' = [1.0, 2.0]", "[[axes.together]]", "name = 'a'", "'floats.front.damping' = [0.0, 1e4]"),
+     "floats.front.damping", "a"),
+    (("'floats.*.mass' = [2000.0]", "[samples]", "count = 2", "'floats.f*.mass' = { from = 2000.0, to = 2100.0 }"),
+     "floats.front.mass", "sample"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("lines", "key", "last"), TWICE, ids=[row[1] for row in TWICE])
+def test_a_key_is_varied_along_one_dimension_whatever_stands_for_it(small, lines, key, last):
+    """A pattern, one of the named axes, all sea states, a table that it is in."""
+    small.write_text(small.read_text().replace("[sea_states", "\n".join(lines) + "\n[sea_states", 1))
+    with pytest.raises(StudyError) as caught:
+        load(small)
+    (told,) = caught.value.problems
+    assert f'axes = "{key}": is varied along two dimensions, ' in told
+    assert f" and {last}, of which the second would decide alone" in told
+
+
+def test_keys_with_like_names_are_varied_along_two_dimensions(small):
+    """A name may have dots; and a variant may bring in what an axis then varies a part of."""
+    text = small.read_text().replace("foot = [", "'foot.2' = [0.0, 0.0, -50.0]\nfoot = [")
+    text = text.replace('clamped = ["foot"]', 'clamped = ["foot", "foot.2"]')
+    small.write_text(text)
+    lines = '"platform.nodes.foot" = [[-1.5, 0.0, -50.0]]', '"platform.nodes.foot.2" = [[0.0, 0.0, -49.0]]'
+    assert len(varied(small, *lines).tasks) == len(load(small).tasks)
+    small.write_text(text.replace("[sea_states", "[variants.a]\n'floats.front.mass' = 2100.0\n[sea_states", 1))
+    assert "variant" in dimensions(varied(small, "'floats.*.mass' = [2000.0]").content)
 
 
 def test_same_physics_is_the_same_task_however_it_is_said(small):
