@@ -113,12 +113,14 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
         return
     limit = "is the name of another dimension, coordinate or output"
     taken = TAKEN | VARIABLES.keys() | COORDINATES.keys() - set(AXES)
+    words = Counter(word.partition(" ")[0] for group in study.axes.together for word in group.beside)
+    words.update(axes(study).keys())
     for group in study.axes.together:
         if group.name in taken or getattr(study.axes, group.name, None):
             yield InputError("axes.together.name", group.name, limit)
-        for words in group.beside:
-            if words.partition(" ")[0] in taken:
-                yield InputError(f'axes.together."{words}"', list(group.beside[words]), limit)
+        for word, values in group.beside.items():
+            if (name := word.partition(" ")[0]) in taken or words[name] > 1:
+                yield InputError(f'axes.together."{word}"', list(values), limit)
     for axis in study.varied:
         together = [axis.at(place) for place in range(len(axis.labels))]
         for path, values in axis.keys.items():

@@ -26,7 +26,7 @@ LOWEST = 6  # modes: a table of the whole dataset has a row for every combinatio
 SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
 NO_TASK = "no task"  # the state of a cell that its variant does not go along
-LAYOUT = 4  # raise it when the dataset's form changes, so that it is written anew
+LAYOUT = 5  # raise it when the dataset's form changes, so that it is written anew
 
 
 Cell = tuple[int, ...]
@@ -125,22 +125,23 @@ def _dataset(
     outer = dimensions(study.content)
     keep = tuple(slice(None) if name in outer else 0 for name in table)
     axes_met = list(arrays.labels.get("axis", ()))
+    coordinates = _coordinates(study, table, outer, arrays)
     variables: dict[str, Variable] = {}
     knobs: dict[str, float] = {}
     for name in sorted(arrays.values):
         values, inner = arrays.whole(name), arrays.dims[name]
-        if name in table and name in KNOBS:
-            continue  # an axis has it as its labels
+        if name in coordinates and name in KNOBS:
+            continue  # an axis gives it
         if name in KNOBS and (knob := _single(values[..., None], len(table))) is not None:
             knobs[name] = float(knob[0])
         elif name == ALONG_MODE and (single := _single(values, len(table))) is not None:
             variables[name] = Variable(inner, single, meaning(name))
         else:
-            own = f"{name}_found" if name in table else name  # beside what an axis gives: "balance", or none at all
+            # Beside what an axis gives: "balance", or none at all.
+            own = f"{name}_found" if name in coordinates else name
             variables[own] = Variable((*outer, *inner), values[keep], meaning(name, axes_met))
     for name, texts in words.items():
         variables[name] = Variable(tuple(outer), np.asarray(texts[keep]), meaning(name))
-    coordinates = _coordinates(study, table, outer, arrays)
     return coordinates | _with_coordinates(variables, coordinates), _attributes(study) | knobs
 
 
@@ -166,12 +167,11 @@ def _coordinates(
         coords[name] = Variable((name,) if name in outer else (), labels if name in outer else labels[0], attrs)
     for axis in varied.values():
         for name, values, attrs in along(axis, motions):
-            if name not in coords:
-                coords[name] = Variable((axis.name,), _words_or_numbers(values), attrs)
+            coords[name] = Variable((axis.name,), _words_or_numbers(values), attrs)
     if titles := [variant.title or name for name, variant in study.content.variants.items()]:
         coords["variant_title"] = Variable(("variant",), _words_or_numbers(titles), meaning("variant_title"))
     if (
-        "pto_damping" in coords
+        "pto_damping" in table
         and "pto_damping" not in varied
         and any(f.motion and set(f.motion) <= SLIDING for f in study.content.floats)
     ):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
-from pipeline.study.axes import UNCHANGED, Axis, labels
+from pipeline.study.axes import Axis, labels
 from pipeline.study.paths import unit
 
 
@@ -263,11 +263,10 @@ def meaning_of(axis: Axis, motions: Collection[str]) -> dict[str, str]:
 
 def along(axis: Axis, motions: Collection[str]) -> Iterator[tuple[str, tuple[Any, ...], dict[str, str]]]:
     """Name, values and attributes of what changes together along a dimension."""
-    lasts = [path.rpartition(".")[2] for path in axis.keys]
-    for (path, values), last in zip(axis.keys.items(), lasts, strict=True):
-        if not axis.own and UNCHANGED not in values:
+    for path, values in axis.keys.items():
+        if not axis.own and path not in axis.partial:
             shown = labels(values)
-            yield (last if lasts.count(last) == 1 else path), shown, _of_path(path, shown, motions)
+            yield axis.names[path], shown, _of_path(path, shown, motions)
     for word, values in axis.beside.items():
         name, _, symbol = word.removesuffix("]").partition(" [")
         unit_of = {} if isinstance(labels(values)[0], str) else {"units": _udunits(symbol)}

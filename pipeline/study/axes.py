@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn
@@ -37,6 +38,8 @@ class Axis(NamedTuple):
     keys: Mapping[str, tuple[Any, ...]]  # by dotted path; UNCHANGED where the study's own value stands
     beside: Mapping[str, tuple[Any, ...]] = MappingProxyType({})  # other numbers or words that go with the labels
     own: bool = False  # whether the labels are the values of the only key
+    partial: Collection[str] = ()  # keys that are UNCHANGED with some of the labels, and no coordinates
+    names: Mapping[str, str] = MappingProxyType({})  # what datasets call the others, by dotted path
 
     def at(self, place: int) -> dict[str, Any]:
         """What keys have with one of the labels, where that is another value than the study's own."""
@@ -147,13 +150,7 @@ class Axes(Table):
     @cached_property
     def over_keys(self) -> tuple[Axis, ...]:
         """One for each path and each group, in the order of the file."""
-        lasts = [path.rpartition(".")[2] for path in self.keys]
-        taken = TAKEN | {name for name in ("pto_damping", "hinge_spacing") if getattr(self, name)}
-        taken |= {group.name for group in self.together}
-        single = (
-            Axis(path if last in taken or lasts.count(last) > 1 else last, labels(values), {path: values}, own=True)
-            for (path, values), last in zip(self.keys.items(), lasts, strict=True)
-        )
+        single = (Axis(path, labels(values), {path: values}, own=True) for path, values in self.keys.items())
         groups = (Axis(g.name, tuple(range(1, _length(g) + 1)), g.keys, g.beside) for g in self.together)
         return (*single, *groups)
 
@@ -242,7 +239,18 @@ def variant_axis(variants: Mapping[str, Variant]) -> Axis:
     """The dimension `variant`."""
     paths = dict.fromkeys(path for variant in variants.values() for path in variant.keys)
     keys = {path: tuple(variant.keys.get(path, UNCHANGED) for variant in variants.values()) for path in paths}
-    return Axis("variant", tuple(variants), keys)
+    return Axis("variant", tuple(variants), keys, partial=[path for path in paths if UNCHANGED in keys[path]])
+
+
+def named(axes: Sequence[Axis], others: Collection[str]) -> tuple[Axis, ...]:
+    """With the name of each key: its last word, or its whole path where two would clash; others: further dimensions."""
+    lasts = {path: path.rpartition(".")[2] for axis in axes for path in axis.keys if path not in axis.partial}
+    dimensions = (axis.name for axis in axes if not axis.own)
+    beside = (words.partition(" ")[0] for axis in axes for words in axis.beside)
+    several = (last for last, count in Counter(lasts.values()).items() if count > 1)
+    taken = TAKEN.union(others, dimensions, beside, several)
+    names = {path: path if last in taken else last for path, last in lasts.items()}
+    return tuple(axis._replace(name=names[axis.name] if axis.own else axis.name, names=names) for axis in axes)
 
 
 def by_path(table: Mapping[str, Any], above: str = "", *, ranges: bool = False) -> dict[str, Any]:

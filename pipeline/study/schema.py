@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 from pydantic import AfterValidator, Discriminator, Field, PrivateAttr, Tag, ValidationInfo, model_validator
 
 from pipeline.study.attachments import CoefficientFile, File
-from pipeline.study.axes import Axes, Axis, Samples, Survival, Variant, implied_sea, variant_axis
+from pipeline.study.axes import Axes, Axis, Samples, Survival, Variant, implied_sea, named, variant_axis
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.tables import (
     Count,
@@ -552,7 +552,9 @@ class StudyFile(Table):
     def varied(self) -> tuple[Axis, ...]:
         """The axes over keys: paths and groups, variants, samples."""
         variants = (variant_axis(self.variants),) if self.variants else ()
-        return (*variants, *self.axes.over_keys, *((self.samples.axis,) if self.samples else ()))
+        samples = (self.samples.axis,) if self.samples else ()
+        others = [name for name in ("pto_damping", "hinge_spacing") if getattr(self.axes, name)]
+        return named((*variants, *self.axes.over_keys, *samples), others)
 
     @property
     def seas(self) -> dict[str, SeaState]:

@@ -504,6 +504,28 @@ def test_axes_over_keys_are_dimensions_with_unit_and_path(changed, small):
     assert parameters.solver.time_step == 0.1 and not parameters.solver.diffraction
 
 
+def test_keys_of_one_dimension_are_called_as_dimensions_are(changed, small):
+    """Beside an output of the same name, a knob, a name that another dimension's key has, too."""
+    group = "[[axes.together]]\nname = 'kind'\n'record.rao' = [true, false]\n'solver.time_step' = [0.1, 0.2]\n"
+    group += "'floats.front.mass' = ['balance', 2200.0]\n'water.density' = [1025.0, 1000.0]\n"
+    group += "[samples]\ncount = 2\n'platform.materials.steel.density' = { from = 8e3, to = 9e3 }\n"
+    only = small.read_text().replace('["calm", "rough"]', '["calm"]').replace("seed = [0, 1]", "seed = [0]")
+    small.write_text(only.replace("[sea_states", f"{group}[sea_states", 1))
+    data = changed(
+        lambda parameters, record: record.attrs.update(time_step=parameters.solver.time_step, mass=2147.0, rao=1.0)
+    )
+    assert (data.status == "done").all() and data.rao.sizes["kind"] == data.mass_found.sizes["kind"] == 2
+    coords = {name: c.values.tolist() for name, c in data.coords.items() if c.dims == ("kind",)}
+    assert coords == {
+        "kind": [1, 2],
+        "record.rao": ["true", "false"],
+        "time_step": [0.1, 0.2],
+        "mass": ["balance", "2200.0"],
+        "water.density": [1025.0, 1000.0],
+    }
+    assert data["platform.materials.steel.density"].dims == ("sample",)
+
+
 MANY_AXES = """
 platform = ["elastic"]
 sea_state = ["calm"]

@@ -160,6 +160,8 @@ WRONG = [
     ("[[axes.together]]\nname = 'seed'\n'water.depth' = [50.0]", "axes.together.name = seed: is the name of another"),
     ("[[axes.together]]\nname = 'motion'\n'water.depth' = [50.0]", "together.name = motion: is the name of another"),
     ("[[axes.together]]\nname = 'a'\n'water.depth' = [50.0]\n'task [s]' = [1]", '"task [s]" = [1]: is the name of '),
+    ("[[axes.together]]\nname = 'a'\n'water.depth' = [50.0]\na = [1]", '"a" = [1]: is the name of another dimension'),
+    ("[[axes.together]]\nname = 'a'\n'water.depth' = [50.0]\n's [m]' = [1]\ns = [2]", '"s" = [2]: is the name of an'),
     ('"floats.front.name" = ["a", "b"]', "is what others know the part by, and cannot vary"),
     ('"sea.occurrence" = [1.0, 2.0]', 'axes."sea.occurrence" = 1.0: weighs means over sea states, is no'),
     ("[[axes.together]]\nname = 'a'\n'sea_states.calm.occurrence' = [3.0]", 'calm.occurrence" = 3.0: weighs means'),
@@ -233,6 +235,34 @@ def test_a_dimension_has_the_last_word_or_the_whole_path_where_two_would_clash(s
     names = dimensions(study.content)
     assert {"depth", "mass", "diameter", "water.density", "platform.materials.*.density"} <= set(names)
     assert axes(study.content)["legs"] == ('["leg"]',)
+
+
+def test_one_rule_names_all_keys_that_vary(small):
+    """Of an axis, a group, samples and variants that all have a value; one that some lack is no coordinate."""
+    tables = """
+    [variants.a]
+    platform.damping_ratio = 0.0
+    [variants.b]
+    platform.damping_ratio = 0.1
+    floats.front.mass = 2200.0
+    [[axes.together]]
+    name = "coulomb"
+    "heading [rad]" = [0.1]
+    waves.heading = [0.1]
+    floats.front.coulomb = [0.0]
+    floats.front.motion = [["hinge"]]
+    water.depth = [50.0]
+    [samples]
+    count = 2
+    floats.front.damping = { from = 0.0, to = 1.0 }
+    platform.materials.steel.density = { from = 8e3, to = 9e3 }
+    """
+    small.write_text(small.read_text().replace("[sea_states", f"{tables}\n[sea_states", 1))
+    study = varied(small, '"water.density" = [1025.0]', '"floats.front.stiffness" = [0.0]').content
+    kept = {"damping_ratio", "stiffness", "depth", "damping"}
+    own = {"water.density", "waves.heading", "floats.front.coulomb", "floats.front.motion"}
+    assert {*study.varied[0].names.values()} == kept | own | {"platform.materials.steel.density"}
+    assert [axis.name for axis in study.varied] == ["variant", "water.density", "stiffness", "coulomb", "sample"]
 
 
 TWICE = [
