@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -92,17 +93,10 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
         if variable not in data or not (values := data[variable].compute()).notnull().any():
             continue
         outer = [dim for dim in values.dims if dim not in ("seed", "sea_state", "leg", "fibre")]
-        for cell in _cells(values, outer):
-            words = [str(cell[dim].values) for dim in outer]
-            part = data[[variable]].sel({dim: cell[dim].values for dim in outer})
+        for labels in itertools.product(*(values[dim].values for dim in outer)):
+            part = data[[variable]].sel(dict(zip(outer, labels, strict=True)))
             if part[variable].notnull().any():
-                yield from _of_cell(part, variable, words, end)
-
-
-def _cells(values: xr.DataArray, outer: list[Any]) -> Iterator[xr.DataArray]:
-    stacked = values.stack(cell=outer) if outer else values.expand_dims("cell")
-    for i in range(stacked.sizes["cell"]):
-        yield stacked.isel(cell=i)
+                yield from _of_cell(part, variable, [str(label) for label in labels], end)
 
 
 def _of_cell(part: xr.Dataset, variable: str, words: list[str], end: str) -> Iterator[tuple[str, ...]]:

@@ -67,6 +67,12 @@ def test_what_is_not_known_is_not_told():
     assert still.damage.values.tolist() == [0, 0, 0] and np.all(np.isinf(still.life.values))
 
 
+def test_rows_are_of_each_label_whatever_its_axis_is_called():
+    """Numbers, and names that the reckoning or xarray might have for itself."""
+    data = dataset([[1e-6, 3e-6]]).expand_dims(cell=[0.5, 1.5], method=["time"], estimate=[1])
+    assert [line[0] for line in rows(data)] == ["0.5, time, 1, all seas", "1.5, time, 1, all seas"]
+
+
 @pytest.mark.parametrize("held", [True, False])
 def test_rows_name_the_worst_fibre(held):
     """Of each platform, all seas and each by itself; of a study of one sea without axes one line."""
