@@ -14,7 +14,19 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag, ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from pipeline.study.tables import Count, Label, Name, NotNegative, Number, Positive, Seed, Table, Title, Unit
+from pipeline.study.tables import (
+    Count,
+    Label,
+    Name,
+    NotNegative,
+    Number,
+    Positive,
+    Seed,
+    Table,
+    Title,
+    Unit,
+    whole_numbers,
+)
 
 Support = Literal["elastic", "fixed", "elastic-no-floats"]
 
@@ -312,12 +324,17 @@ def _listed(key: str, value: Any) -> tuple[Any, ...]:
     if unknown := [name for name in value if name not in ("from", "to", "count", "spacing")]:
         _refuse(key, f"a range has from, to, count and spacing, and not {unknown[0]}")
     try:
-        return Range.model_validate(value).values
+        values = Range.model_validate(value).values
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"]))
         message = "is missing" if first["type"] == "missing" else first["msg"]
         _refuse(key, f"{place}: {message[0].lower()}{message[1:]}" if place else message)
+    if key.rpartition(".")[2] not in whole_numbers():
+        return values
+    if broken := [number for number in values if not number.is_integer()]:
+        _refuse(key, f"must be whole numbers, and this range has {broken[0]}")
+    return tuple(map(int, values))
 
 
 def _refuse(key: str, limit: str) -> NoReturn:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
@@ -29,6 +28,7 @@ from pipeline.study.tables import (
     Unit,
     Vector,
     fields_of,
+    tables,
     unit_of,
 )
 from solver import power_takeoff as takeoff
@@ -590,10 +590,3 @@ def shapes() -> frozenset[str]:
     """Of hulls and sections: what tells their tables apart."""
     fields = (table.model_fields.get("shape") for table in tables())
     return frozenset(word for field in fields if field for word in get_args(field.annotation))
-
-
-def tables(above: type[Table] = Table) -> Iterator[type[Table]]:
-    """All tables of study files."""
-    for table in above.__subclasses__():
-        yield table
-        yield from tables(table)

@@ -6,7 +6,7 @@ import dataclasses
 import difflib
 import math
 import unicodedata
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from copy import copy
 from types import UnionType
 from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -150,6 +150,23 @@ class Table(BaseModel):
             shown = field.alias or name
             properties[shown] = properties[shown] | {key: text for key, text in told.items() if text}
         return reference
+
+
+def tables(above: type[Table] = Table) -> Iterator[type[Table]]:
+    """All tables of study files."""
+    for table in above.__subclasses__():
+        yield table
+        yield from tables(table)
+
+
+def whole_numbers() -> frozenset[str]:
+    """Keys that are whole numbers; a key means the same in every table."""
+    fields = (pair for table in tables() for pair in table.model_fields.items())
+    return frozenset(key for key, field in fields if _is_whole(field.annotation))
+
+
+def _is_whole(kind: Any) -> bool:
+    return kind is int or any(map(_is_whole, get_args(kind)))
 
 
 T = TypeVar("T", bound=Table)

@@ -151,6 +151,8 @@ WRONG = [
     ('"water.depth" = { from = 1.0, count = 3 }', "axes.\"water.depth\" = {'from': 1.0, 'count': 3}: to: is missing"),
     ('"water.depth" = { from = 60.0, to = 70.0, step = 3 }', "a range has from, to, count and spacing, and not step"),
     ('"water.depth" = { from = -1.0, to = 1.0, count = 3, spacing = "log" }', 'needs numbers > 0'),
+    ('"solver.azimuths" = { from = 8, to = 16, count = 4 }', "must be whole numbers, and this range has 10.6666666667"),
+    ("[variants.a]\naxes.seed = { from = 0, to = 1, count = 3 }", "must be whole numbers, and this range has 0.5"),
     ('"water.depth" = [50.0, 0.5]', 'axes."water.depth" = 0.5: '),
     ('"sea.Hs" = [0.2, 9.0]', 'axes."sea.Hs" = 9.0: '),
     ("damping_ratio = [0.1]", "axes.damping_ratio = [0.1]: unknown key"),
@@ -225,6 +227,30 @@ def test_ranges_are_written_out(small):
     assert table["mass"] == (2000.0, 2100.0, 2200.0) and table["pto_damping"] == (1e4, 1e5, 1e6)
     small.write_text(text)
     assert axes(varied(small, lines[2]).content)["pto_damping"] == (1.0, 2.0)
+
+
+def test_a_range_of_whole_numbers_is_of_whole_numbers(small):
+    """Of a path, of keys that change together, of the named axes; where one is not whole, that is told once."""
+    text = small.read_text().replace("seed = [0, 1]", "seed = { from = 0, to = 30, count = 31 }")
+    path, group = "platform.members.*.elements", "[[axes.together]]\nname = 'a'\n"
+    group += f"'{path}' = {{ from = 4, to = 16, count = 3, spacing = 'log' }}"
+    lines = (
+        '"solver.azimuths" = { from = 8.0, to = 16, count = 3 }',
+        '"floats.front.mass" = { from = 1, to = 2, count = 2 }',
+    )
+    small.write_text(text.replace("[sea_states", f"{group}\n[sea_states", 1))
+    study = varied(small, *lines).content
+    table = axes(study)
+    assert repr((table["seed"], table["azimuths"])) == repr((tuple(range(31)), (8, 12, 16)))
+    assert repr(study.varied[2].keys[path]) == "(4, 8, 16)"
+    assert repr(table["mass"]) == "(1.0, 2.0)"
+    small.write_text(text.replace("to = 30", "to = 7"))
+    with pytest.raises(StudyError) as caught:
+        load(small)
+    (told,) = caught.value.problems
+    assert told.endswith(
+        "axes.seed = {'from': 0, 'to': 7, 'count': 31}: must be whole numbers, and this range has 0.233333333333"
+    )
 
 
 def test_a_dimension_has_the_last_word_or_the_whole_path_where_two_would_clash(small):
