@@ -11,6 +11,7 @@ import numpy as np
 from pipeline.report.along import VARIANT
 from pipeline.report.drawing import COLOURS, FAINT, INK, STEEL, canvas, colour
 from pipeline.report.figures import Results
+from pipeline.report.report import first_platform
 from pipeline.study.layout import hinge_nodes
 from pipeline.study.schema import Float, StudyFile
 from pipeline.tasks.task import at_labels, first_labels
@@ -111,15 +112,10 @@ def by_period(results: Results) -> Figure | None:
 
 def _at(results: Results, name: str, sea: str, **labels: Any) -> xr.DataArray:
     """A variable in a sea, at these labels and the first of all other axes."""
-    values = _first_platform(results.data[name])
+    values = first_platform(results.data[name])
     wanted = {"sea_state": sea, **results.first, **labels}
     values = values.sel({dim: label for dim, label in wanted.items() if dim in values.dims})
     return values.isel(seed=0) if "seed" in values.dims else values
-
-
-def _first_platform(values: xr.DataArray) -> xr.DataArray:
-    """On the first platform that has numbers."""
-    return values.dropna("platform", how="all").isel(platform=0) if "platform" in values.dims else values
 
 
 def _periods(results: Results, sea: str) -> np.ndarray:
@@ -236,7 +232,7 @@ def _turns(results: Results) -> bool:
 
 def _held(results: Results, values: xr.DataArray, *more: str) -> xr.DataArray:
     """At the first label of all axes but seas and headings, mean over realizations; more: axes that are held, too."""
-    values = _first_platform(values)
+    values = first_platform(values)
     first = {d: label for d, label in results.first.items() if d in values.dims and (d != HEADING or d in more)}
     values = values.sel(first)
     values = values.mean("seed") if "seed" in values.dims else values

@@ -108,7 +108,7 @@ def ours(data: xr.Dataset, row: Published) -> Ours | None:
 def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
     """Our number in every realization, in the printed unit; None if the dataset lacks the variable or a label.
 
-    Of a study's variants the first is the one that was published.
+    Of all else that a study varies the first label is the published one; of platforms the first that has numbers.
     A statistic with a leading minus counts the other way round: "-min" is minus the minimum.
     """
     if row.variable not in data:
@@ -124,8 +124,16 @@ def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
         if not known:
             return None
         values = values.isel({dim: known[0]}) if len(known) == 1 else values.isel({dim: known}).mean(dim)
-    values = values.isel(variant=0) if "variant" in values.dims else values
+    values = first_platform(values.isel({dim: 0 for dim in values.dims if dim not in ("platform", "seed")}))
     return values / (-row.scale if row.statistic.startswith("-") else row.scale)
+
+
+def first_platform(values: xr.DataArray) -> xr.DataArray:
+    """On the first platform that has numbers."""
+    if "platform" not in values.dims:
+        return values
+    known = values.notnull().any([dim for dim in values.dims if dim != "platform"])
+    return values.isel(platform=int(known.argmax("platform")))
 
 
 def _nan(values: Any) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeline.report.drawing import PAPER, canvas, colour
 from pipeline.report.figures import Results
+from pipeline.report.report import first_platform
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,13 +54,11 @@ def responses(results: Results) -> Figure | None:
 
 def _part(results: Results, variable: str, at: dict[str, Any]) -> xr.DataArray:
     """A variable in the report's sea, at these labels and the first of the study's other axes."""
-    values = results.data[variable]
-    if "platform" in values.dims:
-        values = values.dropna("platform", how="all")
+    values = first_platform(results.data[variable])
     if "sea_state" in values.dims:
         values = values.sel(sea_state=results.sea)
     values = values.sel({dim: label for dim, label in at.items() if dim in values.dims})
-    own = {*results.first, "platform", "seed"}
+    own = {*results.first, "seed"}
     return values.isel({dim: 0 for dim in values.dims if dim in own})
 
 

@@ -47,6 +47,17 @@ def test_selection_units_and_spread(data, tmp_path, selection, mean, low, high):
     assert (mine.mean, mine.low, mine.high) == (mean, low, high)
 
 
+def test_realizations_alone_spread(data, tmp_path):
+    """Of what else a study varies the first label is compared, and the first platform that has numbers."""
+    theirs = row(tmp_path / "p.csv", "T,power,absorbed_power,float=front,,2.0,kW,")
+    thicker = xr.concat([data, 9 * data], "thickness").assign_coords(thickness=[0.012, 0.015])
+    none = (np.nan * thicker).assign_coords(platform=["elastic-no-floats"])
+    mine = report.ours(xr.concat([none, thicker], "platform"), theirs)
+    assert (mine.mean, mine.low, mine.high, mine.count) == (2.0, 1.0, 3.0, 3)
+    assert report.ours(none, theirs) is None
+    assert report.ours(thicker.isel(thickness=[1, 0]), theirs).mean == 18.0
+
+
 def test_minus_counts_the_other_way_round_and_prefixes_are_thousands(tmp_path):
     values = np.array([[-3e6, 7e6], [-1e6, 5e6]])
     stress = xr.Dataset(
