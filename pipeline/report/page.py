@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Set
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,8 @@ from pipeline.report.responses import responses
 from pipeline.report.template import PAGE
 from pipeline.results import dataset
 from pipeline.results.store import write_atomic
+from pipeline.study.axes import UNCHANGED
+from pipeline.study.schema import StudyFile
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import at_labels, axes, first_labels
 
@@ -75,17 +77,29 @@ def facts(results: Results) -> list[tuple[str, str]]:
     cells = math.prod(len(values) for values in varied.values())
     product = " × ".join(f"{len(values)} {name.replace('_', ' ')}s" for name, values in varied.items())
     count = _asked(results).size or cells
-    record = results.study.content.record
+    duration, discard = _lengths(results.study.content, "duration"), _lengths(results.study.content, "discard")
+    every = ", every task" if len(duration) == len(discard) == 1 else ""
     rows = [
         ("Study", results.study.path.name),
         ("Tasks", f"{_states(results)} of {count}" + (f" = {product}" if varied and count == cells else "")),
-        ("Record", f"{record.duration:g} s analysed after {record.discard:g} s, every task"),
+        ("Record", f"{_range(duration)} s analysed after {_range(discard)} s{every}"),
         ("Source", attributes.get("source", "")),
         ("Signs", attributes.get("sign_conventions", "")),
     ]
     parts = {k.removeprefix(VERSION): v for k, v in attributes.items() if k.startswith(VERSION)}
     versions = [f"{name.replace('_', ' ')} {value}" for name, value in parts.items() if name != "host"]
     return [row for row in [*rows, ("Versions", ", ".join(versions))] if row[1]]
+
+
+def _lengths(content: StudyFile, key: str) -> set[float]:
+    """What tasks have of a length of records [s]: the study's own, or those of the axis over it."""
+    path, own = f"record.{key}", getattr(content.record, key)
+    values = next((axis.keys[path] for axis in content.varied if path in axis.keys), (UNCHANGED,))
+    return {own if value is UNCHANGED else value for value in values}
+
+
+def _range(numbers: Set[float]) -> str:
+    return " to ".join(f"{number:g}" for number in sorted({min(numbers), max(numbers)}))
 
 
 def _asked(results: Results) -> np.ndarray:

@@ -168,6 +168,24 @@ def test_an_axis_of_numbers_has_its_own_figure(results):
     np.testing.assert_allclose(axes.lines[0].get_xydata(), np.column_stack([data.pto_damping, mean / 1e3]))
 
 
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("[record]\nduration = 600.0\ndiscard = 60.0", "600 s analysed after 60 s, every task"),
+        ("[axes.record]\nduration = [90, 60.0, 75.0]", "60 to 90 s analysed after 100 s"),
+        ("[variants.usual]\n[variants.long]\nrecord.duration = 1e4", "3600 to 10000 s analysed after 100 s"),
+        ("[axes.record]\nduration = [60.0]\ndiscard = [70.0]", "60 s analysed after 70 s, every task"),
+        (
+            "[[axes.together]]\nname = 'n'\nrecord.duration = [60.0, 90.0]\nrecord.discard = [70.0, 80.0]",
+            "60 to 90 s analysed after 70 to 80 s",
+        ),
+    ],
+)
+def test_the_length_of_records_is_what_tasks_have(small, lines, words):
+    small.write_text(small.read_text().replace("[sea_states", f"{lines}\n[sea_states", 1))
+    assert dict(page.facts(figures.Results(study=load(small), data=dataset())))["Record"] == words
+
+
 def along_of(small, axis, lines, **coordinates):
     """Results of a study that varies something more, three times as large at each label."""
     small.write_text(small.read_text().replace("[sea_states", f"{lines}\n[sea_states", 1))
