@@ -25,15 +25,16 @@ METHOD, BAND = "method", "frequency_band"
 
 def responses(results: Results) -> Figure | None:
     """Response per wave amplitude and coherence; the frequency domain as dashed lines where a study has both."""
-    shown = [name for name in OUTPUTS if results.has(f"{name}_response")][:PANELS]
+    methods = [{METHOD: label} for label in results.labels(METHOD)] or [{}]
+    known = [name for name in OUTPUTS if results.has(f"{name}_response")]
+    shown = [name for name in known if any(_largest(results, name, at) for at in methods)][:PANELS]
     if not shown:
         return None
     figure = canvas(9.0, 4.6)
     grid = figure.subplots(2, len(shown), sharex=True, squeeze=False, height_ratios=[3, 1])
     for name, (upper, lower) in zip(shown, grid.T, strict=True):
-        for method in results.labels(METHOD) or [None]:
-            at = {} if method is None else {METHOD: method}
-            theory = method == "frequency" and len(results.labels(METHOD)) > 1
+        for at in methods:
+            theory = at.get(METHOD) == "frequency" and len(methods) > 1
             style: dict[str, Any] = {"linestyle": "--", "color": PAPER, "linewidth": 0.9} if theory else {}
             omega, bands = _bands(results, at)
             for i, (words, place) in enumerate(_largest(results, name, at)):
@@ -44,7 +45,8 @@ def responses(results: Results) -> Figure | None:
                     axes.plot(omega[bands], numbers.values[bands], label=label, **look)
         unit = results.data[f"{name}_response"].attrs.get("units", "")
         upper.set_title(name.replace("_", " ") + (f" [{unit}]" if unit else ""))
-        upper.legend(frameon=False)
+        if upper.get_legend_handles_labels()[0]:
+            upper.legend(frameon=False)
         upper.set_ylim(bottom=0.0)
         lower.set_ylim(0.0, 1.05)
         lower.set_xlabel("frequency [rad/s]")
@@ -65,14 +67,14 @@ def _part(results: Results, variable: str, at: dict[str, Any]) -> xr.DataArray:
 def _bands(results: Results, at: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies (n,), and which of them (n,) have waves."""
     waves = _part(results, "wave_elevation_spectrum", at).values
-    return _part(results, "band_frequency", at).values, waves > FAINT * np.nanmax(waves)
+    return _part(results, "band_frequency", at).values, waves > FAINT * np.nanmax(waves, initial=0.0)
 
 
 def _largest(results: Results, name: str, at: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
-    """Words and labels of the components that respond most."""
+    """Words and labels of the components that respond most; what has no numbers, as a carrier's rotation, does not."""
     values = _part(results, f"{name}_response", at)
     inner = [str(dim) for dim in values.dims if dim != BAND]
-    size = values.where(_bands(results, at)[1]).max(BAND)
+    size = values.where(_bands(results, at)[1]).max(BAND).fillna(0.0)
     places = [dict(zip(inner, labels, strict=True)) for labels in product(*(values[d].values.tolist() for d in inner))]
     sizes = [float(size.sel(place)) for place in places]
     order = sorted((i for i in range(len(places)) if sizes[i] > SMALL * max(sizes)), key=lambda i: -sizes[i])

@@ -365,3 +365,21 @@ def test_responses_stand_beside_the_frequency_domains(results):
     assert [line.get_linestyle() for line in upper.lines] == ["-", "-", "--", "--"]
     assert upper.lines[0].get_xdata() == pytest.approx(omega[1:5]) and upper.get_title() == "hinge force [N m-1]"
     assert upper.lines[1].get_ydata() == pytest.approx(size[1, 1:5]) and lower.get_ylabel() == "coherence"
+
+
+def test_a_float_without_numbers_leaves_the_others_their_lines(results):
+    """A carrier has no rotation; of what has no number at the labels shown there is no panel, and no figure."""
+    dims, size = ("sea_state", "platform", "seed", "float", "frequency_band"), np.ones((2, 3, 2, 2, 4))
+    size[..., 0, :] = np.nan
+    added = {
+        "rotation_response": (dims, size),
+        "rotation_coherence": (dims, size),
+        "motion_response": (dims, np.where(np.arange(2)[:, None, None, None, None] == 0, size, np.nan)),
+        "wave_elevation_spectrum": (("sea_state", "frequency_band"), np.ones((2, 4))),
+        "band_frequency": (("frequency_band",), np.linspace(0.5, 2.0, 4)),
+    }
+    bare = results.data[["status"]].drop_vars("float", errors="ignore").assign_coords(float=["carrier", "front"])
+    figure = responses(replace(results, data=bare.assign(added)))
+    upper, _ = figure.axes
+    assert [line.get_label() for line in upper.lines] == ["front"]
+    assert responses(replace(results, data=bare.assign(added).drop_vars("rotation_response"))) is None
