@@ -69,8 +69,14 @@ def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> No
 
 
 def _draw_numbers(axes: Axes, results: Results, quantity: Measure, dim: str, name: str) -> None:
-    """Means over the numbers called `name`, joined by lines unless they are samples."""
+    """Means over the numbers called `name`, joined by lines unless they are samples.
+
+    If one is infinite, which no scale has a place for, they stand one after another.
+    """
     values, places = _values(results, quantity, dim), results.data[name].values
+    if not np.isfinite(places).all():
+        known, places = np.unique(places, return_inverse=True)
+        axes.set_xticks(range(len(known)), [f"{number:g}" for number in known])
     for item, support, look in series(results, quantity.variable):
         part = values.sel({"platform": support, "float": item})
         means = [finite(part.isel({dim: i})) / quantity.scale for i in range(len(places))]

@@ -235,6 +235,18 @@ def test_numbers_that_go_with_an_axis_stand_along_it(small):
     assert {line.get_linestyle() for axes in every for line in axes.lines} == {"None"}
 
 
+def test_infinity_has_its_place_along_an_axis(small):
+    """Beside the largest number, with its tick: a scale would leave it out."""
+    varied = along_of(small, "depth", "[axes.water]\ndepth = [inf, 60.0, 50.0]", depth=[np.inf, 60.0, 50.0])
+    with plain():
+        (axes,) = along(varied, "depth").axes
+    mean = varied.data.absorbed_power.sel(sea_state="rough", platform="elastic", statistic="mean", float="front")
+    means = mean.mean("seed").values / 1e3
+    np.testing.assert_allclose(axes.lines[0].get_xydata(), np.column_stack([[0, 1, 2], means[::-1]]))
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["50", "60", "inf"]
+    assert axes.get_xlabel() == "depth"
+
+
 def test_envelopes_average_what_is_there(results):
     heights, rows = envelopes.profile(results, "stress_envelope", "elastic", [1])
     expected = results.data.stress_envelope.sel(sea_state="rough", platform="elastic", seed=0, leg=1)
