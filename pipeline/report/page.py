@@ -66,6 +66,8 @@ def html(results: Results) -> str:
         summary=[] if report.speaks(results.data, results.published) else list(report.summary_rows(results.data)),
         figures=list(drawn(results)),
         periods=list(natural_periods(results)),
+        held=_held(results),
+        named=_held(results, *(dim for row in results.published for dim in row.selection)),
         lives=(life.HEADER, list(life.rows(results.data)), life.NOTE),
     )
 
@@ -159,11 +161,7 @@ def drawn(results: Results) -> Iterator[dict[str, str]]:
 
 def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:
     """Title, caption and maker of each figure, in order."""
-    first = "; ".join(
-        f"{dim.replace('_', ' ')} {value if isinstance(value, str) else f'{value:g}'}"
-        for dim, value in results.first.items()
-    )
-    held = f" Shown at {first}." if results.varied else ""
+    held = _held(results)
     count = len(results.labels("sea_state"))
     held += f" The first {len(results.seas)} of {count} sea states." if count > len(results.seas) else ""
     fixed = "Filled: elastic platform; open: fixed." if len(results.labels("platform")) > 1 else ""
@@ -187,7 +185,11 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ),
         ("Power and rotation in each sea state", f"{spread} Sea states with Hs, Tp.{held}", figures.sea_states),
         *[
-            (f"Along {dim.replace('_', ' ')}", f"Sea state {results.sea}, mean over realizations. {fixed}", _along(dim))
+            (
+                f"Along {dim.replace('_', ' ')}",
+                f"Sea state {results.sea}, mean over realizations. {fixed}{_held(results, dim)}",
+                _along(dim),
+            )
             for dim in results.varied
         ],
         (
@@ -210,9 +212,19 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
             f"q: mean power over that of as many floats alone, of floats that are alike; by period from the RAO.{held}",
             arrays.gain,
         ),
-        *series.entries(results),
+        *(
+            (title, f"{words} Sea state {results.sea}.{_held(results)}", make)
+            for title, words, make in series.entries(results)
+        ),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
     ]
+
+
+def _held(results: Results, *about: str) -> str:
+    """At which labels something is that is about these axes alone, where others are varied."""
+    others = {dim: label for dim, label in results.first.items() if dim not in about}
+    words = "; ".join(f"{dim.replace('_', ' ')} {_short(label)}" for dim, label in others.items())
+    return f" Shown at {words}." if others.keys() & set(results.varied) else ""
 
 
 def _short(label: object) -> str:

@@ -55,7 +55,7 @@ ul.note { margin: .4rem 0 0; padding-left: 1.2rem; }
 <h2>Published numbers and ours</h2>
 <p class="note">Ours: mean over realizations, with the least and the largest. Ratio: ours over theirs;
 a star if it is more than a third away from 1. Verdict: whether theirs, one realization, is in our range. Reasons
-below each table.{% if verdicts %} {{ verdicts }}{% endif %}</p>
+below each table.{{ named }}{% if verdicts %} {{ verdicts }}{% endif %}</p>
 {% for table in tables %}
 <h3>{{ table.title }}</h3>
 <div class="wide"><table>
@@ -90,7 +90,7 @@ below each table.{% if verdicts %} {{ verdicts }}{% endif %}</p>
 {% if periods %}
 <h2>Natural periods of the whole system in water</h2>
 <p class="note">Undamped, each with the added mass of its own frequency, and what moves in it: first the
-largest motion, with what moves along with it (+) or against it (-).</p>
+largest motion, with what moves along with it (+) or against it (-).{{ held }}</p>
 {% for platform, rows in periods %}
 <h3>{{ platform }}</h3>
 <table>

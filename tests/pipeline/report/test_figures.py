@@ -235,6 +235,21 @@ def test_numbers_that_go_with_an_axis_stand_along_it(small):
     assert {line.get_linestyle() for axes in every for line in axes.lines} == {"None"}
 
 
+@pytest.mark.usefixtures("undrawn")
+def test_it_is_said_at_what_the_other_axes_are_held(small, tmp_path):
+    """In captions of figures along one of them, and at the published table unless it names them."""
+    lines = "[axes.water]\ndepth = [inf, 60.0]\n[variants.usual]\n[variants.deep]\nwater.density = 1000.0"
+    varied = along_of(small, "depth", lines, depth=[np.inf, 60.0])
+    data = xr.concat([varied.data] * 2, "variant").assign_coords(variant=["usual", "deep"], pto_damping=1e5)
+    both = replace(varied, data=data)
+    captions = {title: caption.partition("Shown at ")[2] for title, caption, _ in page._list(both)}
+    assert captions["Along depth"] == "pto damping 100000; variant usual."
+    assert captions["Along variant"] == "pto damping 100000; depth inf."
+    (tmp_path / "p.csv").write_text(PUBLISHED.replace(",sea_state", ",depth=60.0;sea_state"))
+    text = page.html(replace(both, published=published(tmp_path / "p.csv")))
+    assert "below each table. Shown at pto damping 100000; variant usual.</p>" in text
+
+
 def test_infinity_has_its_place_along_an_axis(small):
     """Beside the largest number, with its tick: a scale would leave it out."""
     varied = along_of(small, "depth", "[axes.water]\ndepth = [inf, 60.0, 50.0]", depth=[np.inf, 60.0, 50.0])

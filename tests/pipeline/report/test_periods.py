@@ -38,6 +38,12 @@ def test_each_support_has_its_first_record_that_has_periods(results):
     }
 
 
+def test_the_page_says_of_which_labels_they_are(results, small):
+    small.write_text(small.read_text().replace("[sea_states", "[axes.water]\ndepth = [50.0, 60.0]\n[sea_states", 1))
+    data = xr.concat([results.data] * 2, "depth").assign_coords(depth=[50.0, 60.0])
+    assert "against it (-). Shown at depth 50.</p>" in page.html(replace(results, study=load(small), data=data))
+
+
 def test_the_page_has_the_table_where_there_are_periods(results):
     assert '<td>2.25</td><td class="word">front hinge - rear hinge</td>' in page.html(results)
     assert "&lt;platform&gt; x" in page.html(results)
