@@ -89,7 +89,7 @@ def refresh(study: Study, store: Store) -> list[Path]:
     from pipeline.results import dataset
 
     path = dataset.current(study, store)
-    if len(study.tasks) > REPORTED:
+    if len(study.tasks.unique) > REPORTED:
         return [path]
     page, mark, source = store.root / "report.html", store.root / ".report.json", {"of": _drawn_from(study, path)}
     if read_json(mark) != source or not page.is_file():

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from pipeline.results.dataset import once
+
 if TYPE_CHECKING:
     import xarray as xr
     from rich.console import Console
@@ -40,7 +42,17 @@ def lives(data: xr.Dataset, variable: str = "damage", weights: Any = None) -> xr
     freedom of Welch and Satterthwaite, (Σ vⱼ)²/Σ vⱼ²/(nⱼ - 1). NaN: value where a sea state has no number, interval
     where one has a single realization. Life is 1/D, the interval's ends change places; of no damage it has no end.
     """
-    return _estimates(_weighted(_means(data[variable]), data if weights is None else weights))
+    return _estimates(_weighted(_means(_realized(data, variable)), data if weights is None else weights))
+
+
+def _realized(data: xr.Dataset, variable: str) -> xr.DataArray:
+    """A variable where a realization has a task of its own: a regular or still sea has one, whatever the seed."""
+    import xarray as xr
+
+    if "task" not in data or "seed" not in data["task"].dims:
+        return data[variable]
+    along: dict[str, Any] = {"input_core_dims": [["seed"]], "output_core_dims": [["seed"]], "vectorize": True}
+    return data[variable].where(xr.apply_ufunc(once, data["task"].compute(), **along))
 
 
 def _means(each: xr.DataArray) -> _Mean:
@@ -90,11 +102,11 @@ def _estimates(found: tuple[xr.DataArray, xr.DataArray, xr.DataArray]) -> xr.Dat
 def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
     """Of every platform and other label, at feet and tops: all seas together, and each by itself, as text."""
     for variable, end in AT.items():
-        if variable not in data or not (values := data[variable].compute()).notnull().any():
+        if variable not in data or not (values := _realized(data, variable).compute()).notnull().any():
             continue
         outer = [dim for dim in values.dims if dim not in ("seed", "sea_state", "leg", "fibre")]
         for labels in itertools.product(*(values[dim].values for dim in outer)):
-            part = data[[variable]].sel(dict(zip(outer, labels, strict=True)))
+            part = values.to_dataset(name=variable).sel(dict(zip(outer, labels, strict=True)))
             if part[variable].notnull().any():
                 yield from _of_cell(part, variable, [str(label) for label in labels], end)
 

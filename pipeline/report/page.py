@@ -105,11 +105,10 @@ def _range(numbers: Set[float]) -> str:
 
 
 def _asked(results: Results) -> np.ndarray:
-    """States of the cells that have a task, in a row."""
+    """States of the tasks, in a row."""
     if "status" not in results.data:
         return np.array([], str)
-    states = results.data["status"].values.astype(str).ravel()
-    return np.asarray(states[states != dataset.NO_TASK])
+    return np.asarray(results.data["status"].values[dataset.once(results.data["task"].values)].astype(str))
 
 
 def _states(results: Results) -> str:
@@ -119,7 +118,7 @@ def _states(results: Results) -> str:
 
 def troubles(results: Results) -> list[str]:
     """Tasks that are not done, the first of them by name."""
-    return _named(results, "status", "done", dataset.NO_TASK)
+    return _named(results, "status", "done")
 
 
 def unmet(results: Results) -> list[str]:
@@ -127,13 +126,13 @@ def unmet(results: Results) -> list[str]:
     return _named(results, "unmet", "")
 
 
-def _named(results: Results, name: str, *usual: str) -> list[str]:
-    """Cells where a word is none of the usual ones, and that word."""
+def _named(results: Results, name: str, usual: str) -> list[str]:
+    """Tasks of which a word is not the usual one, where they stand first, and that word."""
     if name not in results.data:
         return []
     words = results.data[name]
     lines = []
-    places = np.argwhere(~np.isin(words.values.astype(str), usual))
+    places = np.argwhere((words.values.astype(str) != usual) & dataset.once(results.data["task"].values))
     for place in places[:MANY]:
         cell = words[tuple(place)]
         labels = ", ".join(f"{dim} {cell[dim].values}" for dim in words.dims)

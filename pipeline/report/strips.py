@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, decades, lanes
 from pipeline.report.figures import AUDIT, SUPPORT, Results, finite, key, series
+from pipeline.results.dataset import once
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -69,14 +70,15 @@ def audit(results: Results) -> Figure | None:
     figure = canvas(9.0, 1.0 + 0.45 * len(supports))
     rows = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
     for axes, (name, words) in zip(rows, shown, strict=True):
-        every = np.abs(finite(results.values(name)))
+        values = results.values(name).where(once(results.values("task").values))
+        every = np.abs(finite(values))
         every = every[every > 0]  # a logarithm has no place for exact zeros
         if every.size:
             decades(axes, float(every.min()), float(every.max()))
         categories(axes, [SUPPORT.get(str(s), str(s)) for s in supports])
         axes.set_xlabel(words)
         for place, support in enumerate(supports):
-            numbers = np.abs(finite(results.values(name).sel(platform=support)))
+            numbers = np.abs(finite(values.sel(platform=support)))
             numbers = numbers[numbers > 0]
             height = place + np.linspace(-0.25, 0.25, numbers.size) if numbers.size > 1 else np.array([place])
             axes.plot(numbers, height[: numbers.size], "o", color=colour(0), alpha=0.6)

@@ -62,9 +62,17 @@ def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int
             words["status"][cell], words["unmet"][cell] = state, entry.unmet
     with appearing(path) as part:
         to_file(part, *_dataset(study, table, arrays, words))
-    states, numbers = np.unique(words["status"][words["status"] != NO_TASK], return_counts=True)
+    states, numbers = np.unique(words["status"][once(words["task"])], return_counts=True)
     write_json(store.root / MARK, {"of": mark, "sha256": checksum(path)})
     return path, {str(s): int(n) for s, n in zip(states, numbers, strict=True)}
+
+
+def once(tasks: np.ndarray) -> np.ndarray:
+    """Where a task stands first, of tasks by cell: cells share one, as all realizations of a regular sea do."""
+    first = np.zeros(tasks.shape, bool)
+    names, places = np.unique(tasks, return_index=True)
+    first.ravel()[places[names != ""]] = True
+    return first
 
 
 def checksum(path: Path) -> str:

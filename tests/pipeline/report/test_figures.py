@@ -45,6 +45,7 @@ def dataset():
             "discretization_error": (dims, 0 * values()),
             "wall_time": (dims, values()),
             "status": (dims, np.full(cells, "done", dtype="U8")),
+            "task": (dims, np.arange(12).reshape(cells).astype(str)),
         },
         coords={
             "sea_state": ["calm", "rough"],
@@ -117,7 +118,7 @@ def test_the_page_needs_nothing_from_elsewhere(results):
 def test_missing_variables_are_left_out(results):
     half = results.data.drop_vars(["stress_envelope", "rotation", "hinge_force", "wall_time"])
     assert len(titles(figures.Results(study=results.study, data=half))) == 4
-    bare = figures.Results(study=results.study, data=results.data[["status"]])
+    bare = figures.Results(study=results.study, data=results.data[["status", "task"]])
     assert titles(bare) == ["Scene"]
     with plain():
         assert len(overview.overview(bare).axes) == 1
@@ -151,9 +152,11 @@ def test_the_page_names_what_was_asked_and_not_met(results):
     marked = figures.Results(study=results.study, data=results.data.assign(unmet=words))
     (line,) = page.unmet(marked)
     assert line.endswith("seed 0: tolerance 1e-3 asked, 2.1e-3 estimated")
-    bare = figures.Results(study=results.study, data=marked.data[["status", "unmet"]])
+    bare = figures.Results(study=results.study, data=marked.data[["status", "task", "unmet"]])
     assert f"<h2>Asked and not met</h2>\n<ul>\n<li>{line}</li>" in page.html(bare)
-    assert "Asked and not met" not in page.html(figures.Results(study=results.study, data=marked.data[["status"]]))
+    assert "Asked and not met" not in page.html(
+        figures.Results(study=results.study, data=marked.data[["status", "task"]])
+    )
 
 
 def test_an_axis_of_numbers_has_its_own_figure(results):
@@ -166,6 +169,23 @@ def test_an_axis_of_numbers_has_its_own_figure(results):
     assert axes.get_xlabel() == "pto damping [N m s rad-1]"
     mean = data.absorbed_power.sel(sea_state="rough", platform="elastic", statistic="mean", float="front").mean("seed")
     np.testing.assert_allclose(axes.lines[0].get_xydata(), np.column_stack([data.pto_damping, mean / 1e3]))
+
+
+def test_a_task_of_several_cells_is_counted_named_and_drawn_once(results):
+    """The calm sea is a regular one: both seeds have its one task; one platform has none for it."""
+    data = results.data.copy(deep=True)
+    data["task"][0, :, 1] = data["task"][0, :, 0]
+    data["task"][0, 2], data["status"][0, 2], data["status"][0, 0] = "", "no task", "failed"
+    data["wall_time"][0, 2] = np.nan
+    shared = replace(results, data=data)
+    assert dict(page.facts(shared))["Tasks"] == "6 done, 2 failed of 8"
+    assert page.troubles(shared) == [
+        "sea_state calm, platform elastic, seed 0: failed",
+        "sea_state rough, platform elastic, seed 1: failed",
+    ]
+    with plain():
+        axes = strips.audit(shared).axes[-1]
+    assert [line.get_xdata().size for line in axes.lines if line.get_marker() == "o"] == [2, 3, 2]
 
 
 @pytest.mark.parametrize(
@@ -405,7 +425,7 @@ def test_a_float_without_numbers_leaves_the_others_their_lines(results):
         "wave_elevation_spectrum": (("sea_state", "frequency_band"), np.ones((2, 4))),
         "band_frequency": (("frequency_band",), np.linspace(0.5, 2.0, 4)),
     }
-    bare = results.data[["status"]].drop_vars("float", errors="ignore").assign_coords(float=["carrier", "front"])
+    bare = results.data[["status"]].assign_coords(float=["carrier", "front"])
     figure = responses(replace(results, data=bare.assign(added)))
     upper, _ = figure.axes
     assert [line.get_label() for line in upper.lines] == ["front"]

@@ -89,3 +89,14 @@ def test_rows_name_the_worst_fibre(held):
     with console.capture() as drawn:
         print_lives(data.drop_vars("damage"), console)
     assert drawn.get() == ""
+
+
+def test_a_regular_sea_has_one_realization_whatever_the_seeds():
+    """Its one task stands at each of them: no interval, of all seas neither; the irregular sea keeps its own."""
+    data = dataset([[4e-6] * 3, [1e-6, 2e-6, 3e-6]])
+    data["task"] = (("sea_state", "seed"), [["a", "a", "a"], ["b", "c", "d"]])
+    found = lives(data).damage.isel(leg=0, fibre=0).values
+    assert found == approx([3e-6, np.nan, np.nan], nan_ok=True)
+    every, regular, irregular = rows(data)
+    assert (every[-1], regular[-1], irregular[-1]) == ("1/3", "1", "3")
+    assert regular[3:5] == every[3:5] == ("-", "-") and "-" not in irregular

@@ -18,7 +18,7 @@ from pipeline.bridge.loading import load
 from pipeline.cli import actions
 from pipeline.cli.cli import app
 from pipeline.cli.plan import Estimate
-from pipeline.report.page import html, results_of
+from pipeline.report.page import facts, html, results_of
 from pipeline.report.report import COLUMNS
 from pipeline.results import dataset
 from pipeline.results.store import Store, remove
@@ -388,6 +388,15 @@ def collected(small, tmp_path, engine):
     path, counts = dataset.collect(study, store)
     with xr.open_dataset(path) as data:
         return data.load(), counts
+
+
+def test_a_task_of_several_cells_is_counted_once(small, tmp_path, engine):
+    """As `run` and `status` count: without floats there is one of both dampings."""
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0]\npto_damping = [1e5, 2e5]"))
+    study, tasks, store, _, _ = run(small, tmp_path / "r", engine, workers=1)
+    path, counts = dataset.collect(study, store)
+    assert (len(tasks), counts) == (12, {"done": 10})
+    assert dict(facts(results_of(study, path)))["Tasks"] == "10 done of 10"
 
 
 def test_dimensions_and_labels(collected):
