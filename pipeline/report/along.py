@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.report.drawing import PAPER, canvas, categories, lanes
-from pipeline.report.figures import POWER, ROOM, ROTATION, Measure, Results, draw_spread, finite, key, series
+from pipeline.report.figures import CROSS, POWER, ROOM, ROTATION, Measure, Results, draw_spread, finite, key, series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,7 +34,7 @@ def along(results: Results, dim: str) -> Figure | None:
                 _draw_words(axes, results, quantity, dim)
             else:
                 _draw_numbers(axes, results, quantity, dim, name)
-    key(figure, results, shown[-1].variable, crosses=dim == VARIANT)
+    key(figure, results, shown[-1].variable)
     return figure
 
 
@@ -63,7 +63,7 @@ def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> No
         theirs = {"sea_state": results.sea, "platform": support, "float": item}
         known = results.theirs(quantity.variable, quantity.statistic, **theirs) if dim == VARIANT else None
         if known is not None:
-            axes.plot(known / quantity.scale, lane, "x", color=PAPER, markeredgewidth=1.1)
+            axes.plot(known / quantity.scale, lane, CROSS, color=PAPER, markeredgewidth=1.1)
     axes.locator_params(axis="x", nbins=6)
     axes.set_xlabel(quantity.words)
 

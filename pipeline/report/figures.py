@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 SHOWN = ("sea_state", "platform", "seed")  # axes that every figure goes along, or over
 SUPPORT = {"elastic": "elastic", "fixed": "fixed", "elastic-no-floats": "no floats"}
 ROOM = 24  # sea states in one figure
+CROSS = "x"  # marks a published number
 
 
 class Measure(NamedTuple):
@@ -156,21 +157,26 @@ def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
             draw_spread(axes, numbers, row + lane, look)
             theirs = results.theirs(name, statistic, sea_state=sea, platform=support, float=item)
             if theirs is not None:
-                axes.plot(theirs / scale, row + lane, "x", color=PAPER, markeredgewidth=1.1)
+                axes.plot(theirs / scale, row + lane, CROSS, color=PAPER, markeredgewidth=1.1)
     axes.locator_params(axis="x", nbins=6)
     axes.set_xlabel(words)
 
 
-def key(figure: Figure, results: Results, name: str, *, crosses: bool = True) -> None:
-    """What the marks mean, above the figure; crosses: whether published numbers may be among them."""
+def crossed(figure: Figure) -> bool:
+    """Whether published numbers are in a drawn figure: a study that stands on another may have none of its labels."""
+    return any(line.get_marker() == CROSS for axes in figure.axes for line in axes.lines)
+
+
+def key(figure: Figure, results: Results, name: str) -> None:
+    """What the marks of a drawn figure mean, above it."""
     from matplotlib.lines import Line2D
 
     marks = [
         Line2D([], [], marker="o", linestyle="", label=f"{item}, {SUPPORT[support]}", **look)
         for item, support, look in series(results, name)
     ]
-    if crosses and any(row.variable == name for row in results.published):
-        marks.append(Line2D([], [], marker="x", linestyle="", color=PAPER, label="published"))
+    if crossed(figure):
+        marks.append(Line2D([], [], marker=CROSS, linestyle="", color=PAPER, label="published"))
     style = {"handletextpad": 0.2, "columnspacing": 1.2, "frameon": False}
     figure.legend(handles=marks, loc="outside upper right", ncols=len(marks), **style)
 

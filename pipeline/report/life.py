@@ -119,7 +119,7 @@ def _of_cell(part: xr.Dataset, variable: str, words: list[str], end: str) -> Ite
         first = found.damage.sel(estimate="value", drop=True)
         label = ", ".join([*words, *([name] if seas else [])])
         if first.isnull().all():
-            yield (label, f"{end}s", *["-"] * (len(HEADER) - 2))
+            yield (label, end, *["-"] * (len(HEADER) - 2))
             continue
         worst = first.argmax(["leg", "fibre"])
         at = found.isel(worst)

@@ -77,7 +77,7 @@ def facts(results: Results) -> list[tuple[str, str]]:
     attributes = {str(key): str(value) for key, value in results.data.attrs.items()}
     varied = {name: values for name, values in axes(results.study.content).items() if len(values) > 1}
     cells = math.prod(len(values) for values in varied.values())
-    product = " × ".join(f"{len(values)} {name.replace('_', ' ')}s" for name, values in varied.items())
+    product = " × ".join(f"{name.replace('_', ' ')} ({len(values)})" for name, values in varied.items())
     count = _asked(results).size or cells
     duration, discard = _lengths(results.study.content, "duration"), _lengths(results.study.content, "discard")
     every = ", every task" if len(duration) == len(discard) == 1 else ""
@@ -155,7 +155,8 @@ def drawn(results: Results) -> Iterator[dict[str, str]]:
         with plain():
             figure = make(results)
             if figure is not None:
-                yield {"title": title, "caption": caption, "source": svg(figure)}
+                crosses = " Crosses: published." if figures.crossed(figure) else ""
+                yield {"title": title, "caption": caption + crosses, "source": svg(figure)}
 
 
 def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:
@@ -164,8 +165,7 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
     count = len(results.labels("sea_state"))
     held += f" The first {len(results.seas)} of {count} sea states." if count > len(results.seas) else ""
     fixed = "Filled: elastic platform; open: fixed." if len(results.labels("platform")) > 1 else ""
-    crosses = " Crosses: published." if results.published else ""
-    spread = f"Dots: mean over realizations; bars: least and largest. {fixed}{crosses}"
+    spread = f"Dots: mean over realizations; bars: least and largest. {fixed}"
     return [
         (
             "Scene",
@@ -193,7 +193,7 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ],
         (
             "Extremes of the hinge force",
-            f"Least and largest force in each realization, one dot each. {fixed}{crosses}{held}",
+            f"Least and largest force in each realization, one dot each. {fixed}{held}",
             strips.hinge_forces,
         ),
         (

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, decades, lanes
-from pipeline.report.figures import AUDIT, SUPPORT, Results, finite, key, series
+from pipeline.report.figures import AUDIT, CROSS, SUPPORT, Results, finite, key, series
 from pipeline.results.dataset import once
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def _extremes(axes: Axes, results: Results, item: str, direction: str) -> None:
                 labels = {"sea_state": sea, "platform": support, "float": item, "direction": direction}
                 theirs = results.theirs(FORCE, statistic, **labels)
                 if theirs is not None:
-                    axes.plot(theirs / 1e3, place + lane, "x", color=PAPER, markeredgewidth=1.1)
+                    axes.plot(theirs / 1e3, place + lane, CROSS, color=PAPER, markeredgewidth=1.1)
 
 
 def audit(results: Results) -> Figure | None:

@@ -93,7 +93,7 @@ def test_the_command_writes_the_page_and_the_figure(small, tmp_path, capsys):
     assert f"<td>{float(ours) / 1e3:.4g}</td>" in text
     for words in ("A &lt;small&gt; study", "0123abc", "numpy 2.4", "power &amp; &lt;all&gt;", "the paper&#39;s spike"):
         assert words in text
-    assert "11 done, 1 failed of 12 = 2 sea states × 3 platforms × 2 seeds" in text
+    assert "11 done, 1 failed of 12 = sea state (2) × platform (3) × seed (2)" in text
     assert "sea_state rough, platform elastic, seed 1: failed" in text
     assert str(root / "report.html") in capsys.readouterr().out
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -323,6 +323,22 @@ def test_published_numbers_choose_the_sea_state(results, tmp_path):
     assert (results.sea, known.sea) == ("rough", "calm")
     assert known.theirs("absorbed_power", "mean", sea_state="calm", platform="fixed", float="front") == 2e3
     assert known.theirs("absorbed_power", "mean", sea_state="rough", platform="fixed", float="front") is None
+
+
+def test_published_numbers_are_spoken_of_where_they_are_drawn(results, tmp_path):
+    """A study that stands on another has its published numbers and, maybe, none of their labels."""
+    path = tmp_path / "p.csv"
+    for sea in ("rough", "another"):
+        path.write_text(PUBLISHED.replace("rough", sea))
+        known = replace(results, published=published(path))
+        captions = {figure["title"]: figure["caption"] for figure in page.drawn(known)}
+        assert [title for title, words in captions.items() if words.endswith(" Crosses: published.")] == (
+            ["Power and rotation in each sea state"] if sea == "rough" else []
+        )
+        for make in (figures.sea_states, overview.overview):
+            with plain():
+                (legend,) = make(known).legends
+            assert ("published" in [text.get_text() for text in legend.get_texts()]) == (sea == "rough")
 
 
 def test_legs_are_grouped_from_the_weather_side(study_of, buan_tables):

@@ -63,6 +63,10 @@ def test_what_is_not_known_is_not_told():
     assert missing.damage.isnull().all() and missing.life.isnull().all()
     wide = lives(dataset([[0.0, 1e-6]])).isel(leg=0, fibre=0)
     assert wide.damage.sel(estimate="low") == 0 and wide.life.sel(estimate="high") == np.inf
+    assert [line[:3] for line in rows(dataset([[np.nan, 1e-6], [np.nan, np.nan]]))][::2] == [
+        ("all seas", "foot", "-"),
+        ("s1", "foot", "-"),
+    ]
     still = lives(dataset([[0.0, 0.0]])).isel(leg=0, fibre=0)
     assert still.damage.values.tolist() == [0, 0, 0] and np.all(np.isinf(still.life.values))
 
