@@ -49,7 +49,7 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
             froude_krylov=incident[finite],
             columns=columns,
             bodies=bodies,
-            points=_points(data, len(bodies)),
+            points=_points(data, bodies),
             depth=_number(data, "water_depth", "depth"),
             density=_number(data, "rho", "density"),
             gravity=_number(data, "g", "gravity"),
@@ -105,6 +105,11 @@ def _number(data: Any, name: str, attribute: str) -> float | None:
     return float(data.getncattr(attribute)) if attribute in data.ncattrs() else None
 
 
-def _points(data: Any, bodies: int) -> np.ndarray | None:
+def _points(data: Any, bodies: tuple[str, ...]) -> np.ndarray | None:
+    """Of the bodies in this order; the file's own goes by names where it has them."""
     points = _plain(data, "rotation_center")
-    return None if points is None or points.size != 3 * bodies else points.reshape(bodies, 3)
+    if points is None or points.size != 3 * len(bodies):
+        return None
+    named = _labels(data, "body") if "body" in data.variables else list(bodies)
+    order = [named.index(body) for body in bodies] if set(named) == set(bodies) else slice(None)
+    return np.asarray(points.reshape(-1, 3)[order])

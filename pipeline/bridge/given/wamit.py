@@ -134,8 +134,8 @@ def _require_whole(radiation: np.ndarray, n: int) -> None:
     periods, at = np.unique(radiation[:, 0], return_inverse=True)
     has = np.zeros((len(periods), n, n), bool)
     has[at, i, j] = True
-    some, told = has.any(axis=0), periods != ZERO
-    own = np.flatnonzero(some.diagonal())
+    some: np.ndarray = np.any(has, axis=0)
+    told, own = periods != ZERO, np.flatnonzero(np.diagonal(some))
     some[np.ix_(own, own)] |= np.equal.outer(own % 6, own % 6)
     lacks = np.argwhere(some & ~has & told[:, None, None])
     if len(lacks):

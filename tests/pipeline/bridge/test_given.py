@@ -258,6 +258,15 @@ def test_every_format_reads_back_what_was_written(ours, tmp_path):
     close(reading.read(attached(tmp_path / "told.out"), 1000.0, G), ours, rel=1e-6)
 
 
+def test_points_of_a_capytaine_file_go_by_the_bodies_names(ours, tmp_path):
+    """Which need not be in the order in which its labels name them."""
+    capytaine_file(tmp_path / "pair.nc", ours)
+    with netCDF4.Dataset(tmp_path / "pair.nc", "a") as data:
+        data.createVariable("body", str, ("body",))[:] = np.array(["rear", "front"], object)
+        data["rotation_center"][:] = CENTRES[::-1]
+    assert reading.read(attached(tmp_path / "pair.nc"), RHO, G).points == pytest.approx(CENTRES)
+
+
 def nemoh_files(folder, h, about=-2.0, wrapped=False):
     """Nemoh's tables in `folder`/Results and Nemoh.cal above them; moments about a point `about` z."""
     low = np.eye(12)
