@@ -40,12 +40,10 @@ __all__ = [
 
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
 HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it, or coarser, and halved
-METHODS = {1: "one mesh as given", 2: "extrapolated from two meshes", 3: "extrapolated from two of three meshes"}
+METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
 # Without the h² error the next power of h is left: even ones where the hull is smooth, all of them at edges.
 NEXT_SMOOTH, NEXT_EDGED = 4, 3
-# Of what they differ by, that their limit is off by: 0.17 on a sphere of triangles; on boxes up to 0.22, as those of so
-# few panels go as h^1.1 where h^4/3 is to come.
-TWO_MESHES = 0.2
+TWO_MESHES = 0.5  # of the h² error, that is left of it at least: measured on a sphere of 216 and 864 triangles
 ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
 # Of the wavenumber times a panel's side: up to here coefficients err by 2 % of the added mass at most, at 2.5 by 80 %
 # (heave and surge of a hemisphere and of a cylinder, against eight times the panels).
@@ -56,14 +54,6 @@ RESOLVED = 2.0
 ALIKE_PLATES, UNLIKE_PLATES = 4.0, 0.02
 FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
-
-
-class Motions(NamedTuple):
-    """What the error of their coefficients goes by, (n,)."""
-
-    length: np.ndarray  # and
-    body: np.ndarray  # as of `least_damping`
-    order: np.ndarray  # of the panels' size
 
 
 class Solution(NamedTuple):
@@ -285,10 +275,12 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
     hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
     edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
+    body = np.repeat(np.arange(len(hulls)), len(problem.dofs))
     plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
-    order = np.array([2.0 if plates else _order(h) for h in problem.meshed])
-    motions = Motions(lengths, np.repeat(np.arange(len(hulls)), len(problem.dofs)), order.repeat(len(problem.dofs)))
-    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, edged, motions)
+    share = TWO_MESHES if plates else _of_edges(problem.meshed)
+    (impedance, impedance_inf, diffraction, far), left = _extrapolated(
+        solutions, divisions, edged, (lengths, body), share
+    )
     if plates and len(solutions) <= len(HALVED):
         left = _of_plates(plates, left, (impedance, impedance_inf, diffraction, far))
     lid = solutions[0].lid
@@ -525,39 +517,45 @@ def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, 
 
 
 def _extrapolated(
-    solutions: list[Solution], divisions: tuple[int, ...], edged: bool, motions: Motions
+    solutions: list[Solution],
+    divisions: tuple[int, ...],
+    edged: bool,
+    motions: tuple[np.ndarray, np.ndarray],
+    share: float = TWO_MESHES,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Limits of zero panel size, error ~ h^order, h ~ 1/divisions, and what is left of the error, with its sign.
+    """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
     From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
     solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
     at a frequency that goes with the mesh there is no such limit, and the finest mesh stands; with damping lids at
-    all frequencies, for what is lost there is felt at others.
+    all frequencies, for what is lost there is felt at others. motions: lengths and bodies, as of `least_damping`;
+    share: of the step from the finer of two meshes to their limit, that is left.
     """
     *finest, lid, count = solutions[0]
     if len(solutions) == 1:
         return finest, [ONE_MESH / np.sqrt(count) * x for x in finest]
-    best = _limits(solutions[:2], divisions[:2], motions.order)
+    best = _limits(solutions[:2], divisions[:2])
     if lid > 0:
         return finest, [b - f for b, f in zip(best, finest, strict=True)]
-    of_limit, of_finest = (least_damping(each[0], motions.length, motions.body) for each in (best, finest))
+    of_limit, of_finest = (least_damping(each[0], *motions) for each in (best, finest))
     lost = (of_limit < -UNPASSIVE) & (of_limit < 2 * of_finest)
     for k in (0, 2, 3):  # what has a frequency
         best[k][lost] = finest[k][lost]
     if len(solutions) == 2:
-        return best, [TWO_MESHES * (f - c) for f, c in zip(finest, solutions[1][:-2], strict=True)]
+        return best, [share * (b - f) for b, f in zip(best, finest, strict=True)]
     left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if edged else NEXT_SMOOTH)
-    coarser = _limits(solutions[1:], divisions[1:], motions.order)
+    coarser = _limits(solutions[1:], divisions[1:])
     return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
 
 
-def _order(hull: Hull) -> float:
-    """Of the error of two meshes, one halved: h² where the hull is smooth or its panels are graded towards edges.
+def _of_edges(hulls: tuple[Hull, ...]) -> float:
+    """What two even meshes leave of the error, over the step from the finer to their limit for an error ~ h².
 
-    At an edge that turns by α the potential goes as r^(π/(π+α)), and the error of even panels as h to twice that.
+    At an edge that turns by α the potential goes as r^(π/(π+α)), and the error of even panels as h^p, p = 2π/(π+α):
+    of 2^p - 1 parts the limit takes three.
     """
-    turn = hull.sharpest if isinstance(hull, PanelHull) else 0.0
-    return float(2 * np.pi / (np.pi + turn))
+    turn = max((h.sharpest for h in hulls if isinstance(h, PanelHull)), default=0.0)
+    return max(TWO_MESHES, 3 / (2 ** (2 * np.pi / (np.pi + turn)) - 1) - 1)
 
 
 def _of_plates(plates: list[Plates], left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -568,28 +566,9 @@ def _of_plates(plates: list[Plates], left: list[np.ndarray], best: Sequence[np.n
     return [ALIKE_PLATES * error for error in left]
 
 
-def _limits(pair: Sequence[Solution], divisions: tuple[int, ...], order: np.ndarray) -> list[np.ndarray]:
-    """By orders (n,) of the motions; of two bodies' entries, the mean of what both would add.
-
-    Damping goes as the square of the waves that a motion radiates, which are what has that order: of itself as that, of
-    two motions by how much of their waves is the same.
-    """
-    step = 1 / ((divisions[0] / divisions[1]) ** order - 1)
-    both, rows = (step[:, None] + step) / 2, pair[0].far.shape[1]
-    far = np.append(step, np.full(rows, step.max(initial=0.0)))[:rows, None]  # what is scattered, too
-    impedance, *rest = (
-        f + (f - c) * by for f, c, by in zip(*(s[:-2] for s in pair), (both, both, step, far), strict=True)
-    )
-    sizes = [np.sqrt(np.maximum(np.einsum("wii->wi", each.impedance.imag), 0.0)) for each in pair]
-    some = np.all([size > 0 for size in sizes], axis=0) & (order < 2)
-    outer = [np.where(some, size, 1.0) for size in sizes]
-    outer = [size[:, :, None] * size[:, None, :] for size in outer]
-    fine, coarse = (each.impedance.imag / size for each, size in zip(pair, outer, strict=True))
-    waves = np.maximum(sizes[0] + (sizes[0] - sizes[1]) * step, 0.0)
-    alike = np.clip(fine + (fine - coarse) * both, -1.0, 1.0)
-    told = some[:, :, None] & some[:, None, :]
-    damping = np.where(told, alike * waves[:, :, None] * waves[:, None, :], impedance.imag)
-    return [impedance.real + 1j * damping, *rest]
+def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.ndarray]:
+    fine, coarse = (n**2 for n in divisions)
+    return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-2] for s in pair), strict=True)]
 
 
 def require_solvable(

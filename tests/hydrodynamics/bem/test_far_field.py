@@ -23,15 +23,10 @@ def solved(hulls, centres, **how):
 
 @pytest.fixture(scope="module")
 def ducks():
-    """An asymmetric pair off the origin, in water of 6 m, waves aslant.
-
-    Extrapolated as smooth ones: what goes by squares of others holds for a mesh, and for limits within their squares.
-    """
+    """An asymmetric pair off the origin, in water of 6 m, waves aslant."""
     hulls = tuple(duck(radius=1.0, beak=beak, elevation=0.4, submergence=0.5, width=2.0) for beak in (1.8, 2.2))
     omega = np.array([0.9, 1.6])
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(bem, "_order", lambda hull: 2.0)
-        return solved(hulls, [(3, 1, 0), (7, 4, 0)], depth=6.0, omega=omega, headings=(0.6, 2.0), panels=216)
+    return solved(hulls, [(3, 1, 0), (7, 4, 0)], depth=6.0, omega=omega, headings=(0.6, 2.0), panels=216)
 
 
 def test_haskind_and_damping_from_the_far_field(ducks):

@@ -218,8 +218,8 @@ def test_the_finest_mesh_stands_where_there_is_a_lid_and_nothing_changes_where_t
     ((finest, coarser),) = bem.part(problem)
     assert np.array_equal(lidded.added_mass, finest.impedance.real)
     assert np.array_equal(lidded.diffraction, finest.diffraction[:, 0])
-    assert np.abs(lidded.error.diffraction) == approx(
-        np.abs(finest.diffraction - coarser.diffraction)[:, 0] / (2 ** (4 / 3) - 1)  # of right angles
-    )
+    assert np.abs(lidded.error.diffraction) == approx(np.abs(finest.diffraction - coarser.diffraction)[:, 0] / 3)
     # Without waves at infinite frequency there is no damping either: of the finest mesh, too.
-    assert lidded.added_mass_inf == approx(plain.added_mass_inf, rel=0.1, abs=0.1 * np.abs(plain.added_mass_inf).max())
+    assert lidded.added_mass_inf == approx(
+        plain.added_mass_inf, rel=0.05, abs=0.05 * np.abs(plain.added_mass_inf).max()
+    )
