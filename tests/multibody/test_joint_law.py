@@ -32,13 +32,14 @@ from solver.multibody.joint_law import (
     joint_energy,
     joint_loads,
     leaving,
+    limited,
     next_zone,
     off_stop,
     pto_zone,
-    stays,
     stop_load,
     stops_zone,
     tangent,
+    within_stops,
 )
 from solver.multibody.load_table import NO_POINTS, tables
 
@@ -144,9 +145,10 @@ def test_what_stays_leaves_no_zone(y, at, dy):
     low, high = min(y), max(y)
     for i in (0, 1, 3):
         inside = [leaving(LAW, i, kind, OPEN, low + at * (high - low), dy) for kind in (STOP_ZONE, PTO_ZONE)]
-        assert not (stays(LAW, i, low, high) and max(inside) > 0)
-    assert stays(LAW, 0, low, high) and stays(LAW, 1, -0.9, 1.9) and not stays(LAW, 1, -0.9, 2.0)
-    assert not stays(LAW, 1, -1.0, 1.9) and not stays(LAW, 3, 0.0, 0.0)
+        assert not (within_stops(LAW, i, low, high) and inside[0] > 0) and (limited(LAW, i) or inside[1] <= 0)
+    assert [limited(LAW, i) for i in (0, 1, 3)] == [False, False, True]
+    assert within_stops(LAW, 0, low, high) and within_stops(LAW, 1, -0.9, 1.9)
+    assert not within_stops(LAW, 1, -0.9, 2.0) and not within_stops(LAW, 1, -1.0, 1.9)
 
 
 @given(y=values)

@@ -158,3 +158,21 @@ def test_a_model_has_the_mesh_error_of_what_it_is_a_model_of():
         solve((hull,), [[0, 0, 0]], panels=108, **w).mesh_error for hull, w in zip((BARGE, model), waves, strict=True)
     ]
     assert errors[1] == pytest.approx(errors[0], rel=5e-3)
+
+
+@pytest.mark.parametrize("panels", [216, 432])
+def test_the_error_that_edges_leave_is_what_it_is_said_to_be(panels):
+    """Beside a mesh with narrow panels at the edges, of which three times as little is left."""
+    fine = fine_box((4.0, 2.0, 1.0), (0.0, 0.0, 0.0), 0.25)
+    middle, half = np.array([0.0, 0.0, -0.25]), np.array([2.0, 1.0, 0.25])
+    narrow = middle + half * np.sin(np.pi / 2 * np.clip((fine.vertices - middle) / half, -1, 1))
+    graded = PanelHull.of(np.where(fine.vertices[:, 2:] < 0.01, narrow, fine.vertices), fine.faces)
+    run = partial(solve, centres=[[0, 0, 0]], omega=OMEGA[1:2], planar=False, heading=0.5)
+    exact, h = run((graded,), panels=len(graded.wetted)), run((PanelHull.of(*box((4.0, 2.0, 1.0))),), panels=panels)
+    for name, at in (
+        ("added_mass", np.s_[0, [0, 1, 3, 4, 5], [0, 1, 3, 4, 5]]),
+        ("radiation_damping", np.s_[0, [0, 1, 2], [0, 1, 2]]),
+        ("diffraction", np.s_[0, [0, 1]]),
+    ):
+        true, told = np.abs(getattr(h, name) - getattr(exact, name))[at], np.abs(getattr(h.error, name))[at]
+        assert np.all((true > told / 3) & (true < 3 * told))
