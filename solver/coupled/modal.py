@@ -66,7 +66,17 @@ def drag(
 
 @fast_lean_kernel(forceinline=True)
 def _relative_drag(size: np.ndarray, water: np.ndarray, flow: np.ndarray) -> None:
-    """flow (nd, ns) <- drag [N] of water beside stations that move by it [m/s]."""
+    """flow (nd, ns) <- drag [N] of water beside stations that move by it [m/s].
+
+    In a frame's usual two directions along memory by rows of their own, several stations at once.
+    """
+    if flow.shape[0] == 2:
+        u, v, x, y = water[0], water[1], flow[0], flow[1]
+        for i in range(size.size):
+            along, across = u[i] - x[i], v[i] - y[i]
+            factor = size[i] * np.sqrt(along * along + across * across)
+            x[i], y[i] = factor * along, factor * across
+        return
     for i in range(size.size):
         square = 0.0
         for d in range(flow.shape[0]):

@@ -69,10 +69,10 @@ def fit(
     Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
     boundary elements say nothing. Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell
     motions that radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size for
-    rotations; ones by default. `body` (n,) tells whose they are, and beside which they are judged; by default one has
-    them all. `moved` (n,) are the motions that there are, all by default: the damping of these must be passive. What
-    they do to the others is load on joints, without work, and fitted beside; the rest is zero, and all of it where none
-    that there is radiates more than mesh error.
+    rotations; ones by default. `body` (n,) tells whose they are, and beside which they are judged, if not beside all
+    that there are; by default one has them all. `moved` (n,) are the motions that there are, all by default: the
+    damping of these must be passive. What they do to the others is load on joints, without work, and fitted beside; the
+    rest is zero, and all of it where none that there is radiates more than mesh error.
     importance: (nw, n, n) what a unit of an entry changes at each ω of what it is for; where its misfit does more to
     that than its share of the largest it counts as that much.
     resolved: (nw,) whether frequencies are close enough to each other to tell what goes on between them, all by
@@ -84,11 +84,13 @@ def fit(
     lengths = np.ones(n) if lengths is None else np.asarray(lengths, float)
     body = np.zeros(n, int) if body is None else body
     moved = np.ones(n, bool) if moved is None else np.asarray(moved, bool)
-    heard = radiates(_diagonal(omega, added_mass, radiation_damping, added_mass_inf).max(axis=0), lengths, body)
+    size = _diagonal(omega, added_mass, radiation_damping, added_mass_inf).max(axis=0)
+    heard = radiates(size, lengths, body)
     if not np.any(moved & heard):  # as a cylinder in yaw
         return RadiationMemory(
             beta=np.zeros(0, complex), residue=np.zeros((0, n, n), complex), added_mass_inf=added_mass_inf, error=0.0
         )
+    heard |= radiates(size, lengths, body, moved)
     impedance = added_mass + 1j * radiation_damping / omega[:, None, None]
     least = least_damping(impedance[:, moved][:, :, moved], lengths[moved], body[moved])
     sound = least >= -UNPASSIVE

@@ -34,14 +34,17 @@ SILENT = (
 UNPASSIVE = 0.5  # of the added mass: where B/ω takes as much power from the waves it radiates, the data are an error
 
 
-def radiates(size: np.ndarray, lengths: np.ndarray, body: np.ndarray) -> np.ndarray:
+def radiates(
+    size: np.ndarray, lengths: np.ndarray, body: np.ndarray, among: np.ndarray | slice = slice(None)
+) -> np.ndarray:
     """Which motions (n,) have more than mesh error of a size (n,) that goes with their lengths (n,) squared.
 
-    body: (n,) whose motions they are, from 0. Each is judged beside its own: a large one has a thousand times as much.
+    body: (n,) whose motions they are, from 0. Each is judged beside its own, for a large one has a thousand times as
+    much, or, where that is less, beside the largest of some `among` all.
     """
     each, most = size / lengths**2, np.zeros(body.max(initial=-1) + 1)
     np.maximum.at(most, body, each)
-    return np.asarray((each > 0) & (each >= SILENT * most[body]))
+    return np.asarray((each > 0) & (each >= SILENT * np.minimum(most[body], each[among].max(initial=0.0))))
 
 
 def least_damping(impedance: np.ndarray, lengths: np.ndarray, body: np.ndarray) -> np.ndarray:

@@ -103,6 +103,15 @@ def test_a_small_body_beside_a_large_one_is_remembered():
     assert back @ fitted.impulse(t) @ back == pytest.approx(memory.impulse(t), abs=1e-5)
 
 
+def test_what_radiates_is_told_beside_its_own_body_or_all_that_move():
+    """Heave of a slender spar is next to nothing beside its surge, of which there is none, but not beside a float's."""
+    size, lengths, body = np.array([1.0, 900.0, 0.5, 1e-4]), np.ones(4), np.array([0, 1, 1, 0])
+    assert passivity.radiates(size, lengths, body).tolist() == [True, True, False, False]
+    moved = np.array([True, False, True, True])
+    assert passivity.radiates(size, lengths, body, moved).tolist() == [True, True, True, False]
+    assert passivity.radiates(size, np.array([1.0, 1.0, 1.0, 0.1]), body, moved).all()
+
+
 def test_a_frequency_at_which_the_data_are_nonsense_is_left_out():
     memory = known()
     A, B = coefficients(memory, OMEGA)
