@@ -28,9 +28,7 @@ ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
 FEW = 0.25  # of the frequencies: irregular ones are no more of them, or lie above the largest damping's
 SAME = 1e-9  # A∞ that equals the highest frequency's by so much is that
 TOGETHER = 0.2  # of an added mass: what it may scatter at infinite frequency where A and B are of one body
-SPACED = (
-    1 / 8
-)  # of what curves through every other frequency miss is missed by those through all; 1/16 where all are close
+SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do; less where all are close
 UNSURE = 0.15  # of an added mass: its value at infinite frequency is not known if it scatters by more
 
 

@@ -28,9 +28,7 @@ EXCHANGES = 500  # of active cuts, at most
 CHANCES = 3  # exchanges of all cuts at once that may fail to bring the number of wrong ones down
 
 
-SILENT = (
-    1e-3  # a motion whose transfer over its squared length is less, of its body's largest, radiates mesh error only
-)
+SILENT = 1e-3  # a motion whose transfer over its squared length is less, of the largest, radiates mesh error only
 UNPASSIVE = 0.5  # of the added mass: where B/ω takes as much power from the waves it radiates, the data are an error
 
 
