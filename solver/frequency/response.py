@@ -14,7 +14,7 @@ from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 from solver.multibody.joint_law import JointLaw
-from solver.record.audit import response_error
+from solver.record.audit import cancelled, response_error
 from solver.record.response import carried
 from solver.scene import Scene
 
@@ -168,9 +168,13 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round) -> float:
     """What coefficients off by their estimated error do: see audit.coefficient_effects. Drag and dampers stay."""
     if case.shifted is None:
         return 0.0
-    equation, force = case.shifted
-    X = equation.response(_pushed(force, equation, last.damping, last.of_water, last.rate), last.damping)
-    return response_error(case.system, law, case.omega, X.T, last.X.T)
+    other, force = case.shifted
+
+    def change(equation: Condensed) -> float:
+        X = equation.response(_pushed(force, equation, last.damping, last.of_water, last.rate), last.damping)
+        return response_error(case.system, law, case.omega, X.T, last.X.T)
+
+    return cancelled(change(other), case.force, force, lambda: change(case.equation))
 
 
 def _no_drag(case: Case) -> Drag:

@@ -30,6 +30,8 @@ from solver.statistics import FAINT, apart, moments
 PROBE = 600  # usual steps of a scene: length of the run with half the step
 STATES = 48  # at which the pressure's quadrature is compared with a finer one
 FAR = 2e-5  # of what stations may leave out unseen
+UNSURE = 0.4  # of what the error of forces alone would do, that may be left where others cancel it
+UNLIKE = 0.01  # of a force: an error of less is not looked at by itself
 DECAY = 400  # frequencies at which a scene without waves is judged
 MOTIONS = ("rotation", "motion", "top_displacement", "node_displacement")
 
@@ -287,7 +289,7 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     """What the memory's misfit and the boundary elements' mesh do to the linear response's std and mean power.
 
     In this sea, or let go from the scene's offsets: with the fit's B - iω(A - A∞) in place of the
-    coefficients', of the joints' forces, too; and with coefficients off by their estimated error.
+    coefficients', of the joints' forces, too; and with coefficients off by their estimated error, see `cancelled`.
     """
     if h is None:
         return 0.0, 0.0
@@ -295,20 +297,31 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     waves = bool(sea.amplitude.any())
     omega = sea.omega if waves else np.linspace(h.omega[0], h.omega[-1], DECAY)
 
-    def response(known: Hydrodynamics, Y: np.ndarray) -> np.ndarray:
-        if waves:
-            return model.response(omega, Y, force_of_waves(system, known))
-        return decay(system, model, omega, Y)
+    def response(force: np.ndarray, Y: np.ndarray) -> np.ndarray:
+        return model.response(omega, Y, force) if waves else decay(system, model, omega, Y)
 
+    def change(X: np.ndarray) -> float:
+        return response_error(system, system.bodies.law, omega, X, exact)
+
+    force, other = (force_of_waves(system, known) if waves else np.zeros((1, 1)) for known in (h, h.shifted))
     Y, Z = (impedance(system, known, omega) for known in (h, h.shifted))
-    exact, shifted, memory = response(h, Y), response(h.shifted, Z), 0.0
+    exact, memory = response(force, Y), 0.0
     if system.fit:
         fit = system.fit.frequency(omega)
-        fitted = response(h, fit)
+        fitted = response(force, fit)
         pushed = excitation(system, h, omega) * (sea.amplitude[:, None] if waves else 0.0)
         forces = (joint_forces(system, omega, X, y, pushed) for X, y in ((fitted, fit), (exact, Y)))
-        memory = max(response_error(system, system.bodies.law, omega, fitted, exact), force_error(system, *forces))
-    return memory, response_error(system, system.bodies.law, omega, shifted, exact)
+        memory = max(change(fitted), force_error(system, *forces))
+    return memory, cancelled(change(response(other, Z)), force.T, other.T, lambda: change(response(other, Y)))
+
+
+def cancelled(effect: float, force: np.ndarray, other: np.ndarray, pushed: Callable[[], float]) -> float:
+    """What a mesh does, of its net effect, of forces (n, nw) without and with their error, and of what that does alone.
+
+    Errors of forces and of added mass may cancel each other in a response, and each is known within a factor alone.
+    """
+    size, off = (np.linalg.norm(x, axis=1) for x in (force, other - force))
+    return max(effect, UNSURE * pushed()) if np.any(off > UNLIKE * size) else effect
 
 
 def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray) -> np.ndarray:

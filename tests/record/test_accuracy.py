@@ -10,7 +10,7 @@ from solver import run
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
-from solver.record.audit import sharpest_bend, together
+from solver.record.audit import UNSURE, cancelled, sharpest_bend, together
 from solver.record.refit import prepared
 from solver.record.sampling import least_force
 from solver.run import simulate
@@ -69,6 +69,23 @@ def test_what_cannot_be_met_is_said(buan, coefficients):
     rough = replace(coefficients, error=MeshError(*(100 * x for x in coefficients.error)))
     attrs = simulate(buan.scene("fixed", tolerance=2e-3), rough).attrs
     assert attrs["unmet"].startswith(f"tolerance = 0.002: the estimated error is {attrs['estimated_error']:.2g}")
+
+
+def test_errors_that_cancel_are_not_taken_for_none(buan, coefficients):
+    """Of forces too small by as much as the linear model takes a heavier float to move less."""
+    force = np.array([[3.0, 4.0], [1.0, 1.0j]])
+    assert cancelled(0.01, force, 1.005 * force, lambda: pytest.fail("looked at though next to nothing")) == 0.01
+    assert cancelled(0.01, force, 1.05 * force, lambda: 0.05) == pytest.approx(UNSURE * 0.05)
+    assert cancelled(0.03, force, 1.05 * force, lambda: 0.05) == 0.03
+    still = MeshError(*(0 * part for part in coefficients.error))
+    off = replace(coefficients, error=still._replace(diffraction=0.2 * coefficients.diffraction))
+    for method in ("time", "frequency"):
+        scene = buan.scene("fixed", method=method, froude_krylov="linear")
+        assert simulate(scene, replace(coefficients, error=still)).attrs["mesh_effect"] == 0
+        told = simulate(scene, off).attrs["mesh_effect"]
+        against = 2 * np.abs(coefficients.added_mass).max() * np.eye(len(coefficients.added_mass_inf))
+        both = off.error._replace(added_mass=off.error.added_mass + against, added_mass_inf=against)
+        assert simulate(scene, replace(coefficients, error=both)).attrs["mesh_effect"] >= UNSURE * told > 0
 
 
 def test_memory_that_does_not_fit_is_said(buan, coefficients):
