@@ -18,6 +18,7 @@ from solver.frequency.stations import Stations
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits
 from solver.multibody.joint_law import DAMPERS, JointLaw, damped, dampers
+from solver.record.audit import unlike
 from solver.record.recorder import Channels
 from solver.record.response import force_of_waves
 from solver.scene import Float, Scene
@@ -258,13 +259,16 @@ class Case:
         return beyond.forces(self.stations, self.waves, self.duration, self.nodes)
 
     @cached_property
-    def shifted(self) -> tuple[Condensed, np.ndarray] | None:
-        """Equation and forces (n, nl), without drag, by coefficients off by their estimated error; None without one."""
+    def shifted(self) -> tuple[Condensed, np.ndarray, bool] | None:
+        """Equation and forces (n, nl), without drag, by coefficients off by their estimated error; None without one.
+
+        And whether the forces are off by much.
+        """
         h, system = self.hydrodynamics, self.system
         if h is None or h.shifted is h:
             return None
-        force = force_of_waves(system, h.shifted)[self.met].T
-        return self.equation.radiating(self._impedance(h.shifted)), self.padded(force)
+        force = self.padded(force_of_waves(system, h.shifted)[self.met].T)
+        return self.equation.radiating(self._impedance(h.shifted)), force, unlike(self.force, force)
 
     @property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:

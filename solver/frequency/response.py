@@ -168,13 +168,13 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round) -> float:
     """What coefficients off by their estimated error do: see audit.coefficient_effects. Drag and dampers stay."""
     if case.shifted is None:
         return 0.0
-    other, force = case.shifted
+    other, force, unlike_forces = case.shifted
 
     def change(equation: Condensed) -> float:
         X = equation.response(_pushed(force, equation, last.damping, last.of_water, last.rate), last.damping)
         return response_error(case.system, law, case.omega, X.T, last.X.T)
 
-    return cancelled(change(other), case.force, force, lambda: change(case.equation))
+    return cancelled(change(other), unlike_forces, lambda: change(case.equation))
 
 
 def _no_drag(case: Case) -> Drag:

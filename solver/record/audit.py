@@ -312,16 +312,21 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
         pushed = excitation(system, h, omega) * (sea.amplitude[:, None] if waves else 0.0)
         forces = (joint_forces(system, omega, X, y, pushed) for X, y in ((fitted, fit), (exact, Y)))
         memory = max(change(fitted), force_error(system, *forces))
-    return memory, cancelled(change(response(other, Z)), force.T, other.T, lambda: change(response(other, Y)))
+    return memory, cancelled(change(response(other, Z)), unlike(force.T, other.T), lambda: change(response(other, Y)))
 
 
-def cancelled(effect: float, force: np.ndarray, other: np.ndarray, pushed: Callable[[], float]) -> float:
-    """What a mesh does, of its net effect, of forces (n, nw) without and with their error, and of what that does alone.
+def cancelled(effect: float, unlike_forces: bool, pushed: Callable[[], float]) -> float:
+    """What a mesh does, of its net effect, whether forces are off by much, and what those alone do.
 
     Errors of forces and of added mass may cancel each other in a response, and each is known within a factor alone.
     """
+    return max(effect, UNSURE * pushed()) if unlike_forces else effect
+
+
+def unlike(force: np.ndarray, other: np.ndarray) -> bool:
+    """Whether forces (n, nw) differ by much on any coordinate."""
     size, off = (np.linalg.norm(x, axis=1) for x in (force, other - force))
-    return max(effect, UNSURE * pushed()) if np.any(off > UNLIKE * size) else effect
+    return bool(np.any(off > UNLIKE * size))
 
 
 def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray) -> np.ndarray:
