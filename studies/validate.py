@@ -22,6 +22,7 @@ PROCESSES = 2
 SUBJECTS = {
     "hemisphere": "coefficients.hulme",
     "cylinder": "coefficients.cylinder",
+    "box": "coefficients.box",
     "decay": "decay.decays",
     "oes-linear": "sphere.linear",
     "oes-nonlinear": "sphere.nonlinear",

@@ -1,12 +1,16 @@
-"""Added mass, radiation damping and excitation: Hulme's hemisphere, a truncated cylinder, Haskind's relation."""
+"""Added mass, radiation damping and excitation: Hulme's hemisphere, a truncated cylinder, a box, Haskind's relation."""
+
+from functools import partial
 
 import numpy as np
 
 from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from studies.validation import drawing
 from studies.validation.checks import Check, columns
 from studies.validation.drawing import BLUE, GREEN, GREY, MARK, ORANGE, RED
+from tests.hydrodynamics import shapes
 
 G, RHO = 9.81, 1000.0
 MESHES = (108, 432, 972, 1728)  # panels; 432 is the default
@@ -98,6 +102,27 @@ def haskind(h: bem.Hydrodynamics) -> list[Check]:
             ours=X[worst], published=exact[worst], allowed=5e-3 * exact[worst],
         )
     ]  # fmt: skip
+
+
+def box() -> list[Check]:
+    """A box of 6 x 3 m, draft 1.2 m, at the default, beside four times as many panels, narrow at its edges."""
+    run = partial(bem.solve, centres=np.zeros((1, 3)), depth=np.inf, density=RHO, omega=np.array([1.4]), planar=False)
+    fine = shapes.graded_box((6.0, 3.0, 2.4), 0.5)
+    exact, h = run((fine,), panels=len(fine.wetted)), run((PanelHull.of(*shapes.box((6.0, 3.0, 2.4))),), panels=DEFAULT)
+    checks, panels, count = [], f", {h.settings['panels']} panels", exact.settings["panels"]
+    for i, motion in ((0, "surge"), (2, "heave"), (3, "roll")):
+        true, told = (exact.added_mass - h.added_mass)[0, i, i], h.error.added_mass[0, i, i]
+        checks += [
+            Check(
+                case="box, draft 1.2 m", quantity=f"added mass in {motion}, over that of {count}{panels}",
+                ours=h.added_mass[0, i, i] / exact.added_mass[0, i, i], published=1.0, allowed=np.inf,
+            ),
+            Check(
+                case="box, draft 1.2 m", quantity=f"true error in {motion} over that said{panels}", ours=true / told,
+                published=1.0, allowed=2.0,
+            ),
+        ]  # fmt: skip
+    return checks
 
 
 def cylinder() -> list[Check]:

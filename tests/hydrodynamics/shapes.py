@@ -29,6 +29,14 @@ def fine_box(size, centre, length):
     return PanelHull.of(*loose(split(vertices[faces], length)))
 
 
+def graded_box(size, length):
+    """A box half under water, there with panels that are narrow at its edges: sines of even ones of some length."""
+    even, half = fine_box(size, (0, 0, 0), length), np.array(size) / [2, 2, 4]
+    middle = np.array([0.0, 0.0, -half[2]])
+    narrow = middle + half * np.sin(np.pi / 2 * np.clip((even.vertices - middle) / half, -1, 1))
+    return PanelHull.of(np.where(even.vertices[:, 2:] < 1e-9, narrow, even.vertices), even.faces)
+
+
 def meshed(hull: Revolution, along: int) -> PanelHull:
     return PanelHull.of(*revolution_mesh(hull, along=along, around=2 * along))
 

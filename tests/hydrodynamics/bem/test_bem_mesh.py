@@ -12,7 +12,7 @@ from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
-from tests.hydrodynamics.shapes import box, fine_box, loose, meshed
+from tests.hydrodynamics.shapes import box, fine_box, graded_box, loose, meshed
 
 SPHERE = Revolution.sphere(radius=1.0, draft=1.0)
 CYLINDER = Revolution.vertical_cylinder(radius=1.0, draft=0.5, freeboard=0.5)
@@ -163,10 +163,7 @@ def test_a_model_has_the_mesh_error_of_what_it_is_a_model_of():
 @pytest.mark.parametrize("panels", [216, 432])
 def test_the_error_that_edges_leave_is_what_it_is_said_to_be(panels):
     """Beside a mesh with narrow panels at the edges, of which three times as little is left."""
-    fine = fine_box((4.0, 2.0, 1.0), (0.0, 0.0, 0.0), 0.25)
-    middle, half = np.array([0.0, 0.0, -0.25]), np.array([2.0, 1.0, 0.25])
-    narrow = middle + half * np.sin(np.pi / 2 * np.clip((fine.vertices - middle) / half, -1, 1))
-    graded = PanelHull.of(np.where(fine.vertices[:, 2:] < 0.01, narrow, fine.vertices), fine.faces)
+    graded = graded_box((4.0, 2.0, 1.0), 0.25)
     run = partial(solve, centres=[[0, 0, 0]], omega=OMEGA[1:2], planar=False, heading=0.5)
     exact, h = run((graded,), panels=len(graded.wetted)), run((PanelHull.of(*box((4.0, 2.0, 1.0))),), panels=panels)
     for name, at in (
