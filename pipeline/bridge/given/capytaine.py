@@ -58,7 +58,7 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
 
 def _labels(data: Any, name: str) -> list[str]:
     """Words along a dimension, however they are stored."""
-    stored = np.asarray(data[name][:])
+    stored = np.atleast_1d(data[name][:])  # one body's has no dimension
     if stored.ndim == 2:
         stored = np.array([b"".join(row).rstrip(b"\0 ").decode() for row in stored])
     return [str(word).strip() for word in stored]

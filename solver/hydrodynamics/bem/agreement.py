@@ -31,7 +31,7 @@ BETTER = 0.85  # of another convention that explains the difference
 # Turning the waves round turns the Froude-Krylov force into its conjugate, so that the two cannot be told apart.
 TIME = "is of the other sign of time, Re{X exp(+iωt)}, or of waves from the other side"
 PLACED, NEARLY = 0.05, 0.5  # of the hull's size: how far off the point of moments may seem to be, and that times (ka)²
-NEAR = 0.1  # of the force of long waves: how far off that told may be, and NEARLY of it times (ka)²
+NEAR = 0.1  # of the force of long waves: how far off that told may be, and NEARLY √n of it times (ka)², of n bodies
 ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
 DAMPED = 0.1  # of the largest damping: of less energy is not judged
 THIN = 0.05  # of the largest force: along less nothing is told of the point
@@ -135,11 +135,12 @@ def _felt(expected: np.ndarray) -> np.ndarray:
 def _off(told: np.ndarray, fits: np.ndarray, k: np.ndarray, floats: Floats) -> tuple[float, tuple[int, int]]:
     """How far a force (nw, 6 nb) is from that of long waves, over how far it may be, and where most: row, column.
 
-    The largest body counts: what it scatters reaches the others. Forces that are small on their body are not judged.
+    The largest body counts, and how many there are: what they scatter reaches the others. Forces that are small on
+    their body are not judged.
     """
     away, size = (np.abs(x).reshape(len(k), -1, 6)[..., :3] for x in (told - fits, fits))
     judged = (size > FELT * size.max(axis=2, keepdims=True)) & (np.abs(told).max(axis=0).reshape(1, -1, 6)[..., :3] > 0)
-    may = NEAR + NEARLY * (k * max(h.size for h in floats.hulls)) ** 2
+    may = NEAR + NEARLY * np.sqrt(len(floats.hulls)) * (k * max(h.size for h in floats.hulls)) ** 2
     off = np.where(judged, away / np.where(judged, size, 1.0), 0.0) / may[:, None, None]
     row, b, d = np.unravel_index(off.argmax(), off.shape)
     return float(off[row, b, d]), (int(row), int(6 * b + d))

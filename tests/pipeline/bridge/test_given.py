@@ -17,7 +17,7 @@ from pipeline.bridge import cache
 from pipeline.bridge.engine import Engine, compute, share
 from pipeline.bridge.engine import coefficients as file_of
 from pipeline.bridge.geometry import geometry_of
-from pipeline.bridge.given import reading
+from pipeline.bridge.given import capytaine, reading
 from pipeline.bridge.loading import load
 from pipeline.bridge.preflight import judge
 from pipeline.bridge.scenes import hull
@@ -265,6 +265,11 @@ def test_points_of_a_capytaine_file_go_by_the_bodies_names(ours, tmp_path):
         data.createVariable("body", str, ("body",))[:] = np.array(["rear", "front"], object)
         data["rotation_center"][:] = CENTRES[::-1]
     assert reading.read(attached(tmp_path / "pair.nc"), RHO, G).points == pytest.approx(CENTRES)
+    with netCDF4.Dataset(tmp_path / "one.nc", "w") as data:
+        data.createVariable("body", str, ())[...] = "front"
+        data.createDimension("space_coordinate", 3)
+        put(data, "rotation_center", ("space_coordinate",), CENTRES[0])
+        assert capytaine._points(data, ("",)) == pytest.approx(CENTRES[:1])
 
 
 def nemoh_files(folder, h, about=-2.0, wrapped=False):
