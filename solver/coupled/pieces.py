@@ -286,14 +286,15 @@ def _take(
     problem: Problem, other: Problem, state: State, room: Workspace, fine: Fine, output: Output, row: int
 ) -> None:
     """The piece's end becomes the next one's start; what presses on the stops is noted."""
+    smooths = fine.length[0] < 0
     account_work(other, fine.drive, ONE, state, room)
     note(problem, room, output, other.dt, row, row)
-    if fine.length[0] < 0:
+    if smooths:
         _settle(problem, state, room)
     else:
         _quicken(problem, state, room, other.dt)
     advance(other, state, room)
-    if fine.length[0] < 0:
+    if smooths:  # of a start whose accelerations the scheme passes over
         _forget(state)
 
 

@@ -42,9 +42,14 @@ def _wavenumbers(omega: Bits[np.ndarray], depth: float, gravity: float) -> np.nd
 def group_velocity(omega: np.ndarray, depth: float, gravity: float) -> np.ndarray:
     """∂ω/∂k [m/s] at ω (nw,) [rad/s]."""
     k = wavenumbers(omega, depth, gravity)
+    return omega / k * group_share(k, depth)
+
+
+def group_share(k: np.ndarray, depth: float) -> np.ndarray:
+    """The group's velocity over that of crests, (1 + 2kh/sinh 2kh)/2."""
     kh = np.minimum(k * depth, 300.0)
-    speed: np.ndarray = omega / (2 * k) * (1 + 2 * kh / np.sinh(2 * kh))
-    return speed
+    share: np.ndarray = (1 + 2 * kh / np.sinh(2 * kh)) / 2
+    return share
 
 
 def longest(depth: float, gravity: float) -> float:

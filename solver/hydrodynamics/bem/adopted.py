@@ -17,7 +17,7 @@ from solver.hydrodynamics.bem import agreement
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.incident import Sea
-from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov
+from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.radiation.infinite import infinite_added_mass
 
@@ -53,7 +53,7 @@ def adopted(
     refuse([*_water_problems(given, depth, density, gravity), *_form_problems(given, len(hulls), heading)])
     sea = Sea(depth=depth, density=density, gravity=gravity, heading=heading)
     dofs = PLANAR if planar else DOFS
-    lengths = np.array([1.0 if DOFS.index(d) < 3 else h.largest_radius for h in hulls for d in DOFS])
+    lengths = motion_lengths(hulls, DOFS)
     six = _complete(given, names, needed or [dofs] * len(hulls), heading)
     scale = _scales(six, lengths)
     refuse(_radiation_problems(six, scale, names))

@@ -54,7 +54,7 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str
     """
     _require_stiffness(six, floats)
     exerted = expected + _passing(six, floats)
-    k = np.array([floats.sea.wavenumber(w) for w in six.omega])
+    k = floats.sea.wavenumbers(six.omega)
     long = _long(k * max(h.largest_radius for h in floats.hulls))
     if not long.any():
         return six, "no waves long against the hulls are among the frequencies: phases were not judged"
@@ -77,7 +77,7 @@ def require_energy(six: Given, floats: Floats) -> None:
     hull, sea = floats.hulls[0], floats.sea
     if len(floats.hulls) > 1 or not isinstance(hull, Revolution):
         return
-    k = np.array([sea.wavenumber(w) for w in six.omega])
+    k = sea.wavenumbers(six.omega)
     each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
     X = six.excitation[:, 0, :3]
     power = {"heave": (2, X[:, 2], 4), "surge": (0, X[:, 0] * np.cos(sea.heading) + X[:, 1] * np.sin(sea.heading), 8)}
@@ -152,13 +152,10 @@ def _unlike(
     """What a force is that no other convention explains."""
     ratio, column = told[where] / fits[where], where[1]
     text = f"{DOFS[column % 6]} force on {floats.names[column // 6]} at {six.omega[long][where[0]]:.4g} rad/s"
-    text += f" is {abs(ratio):.3g} times what long waves exert on its hull, {_degrees(ratio)} of phase from it"
+    phase = abs(np.degrees(np.angle(ratio)))
+    text += f" is {abs(ratio):.3g} times what long waves exert on its hull, {phase:.0f} degrees of phase from it"
     asked = "other units of force, added mass or damping, a length scale other than 1 m"
     return f"{text}: {asked}, another place, or one wave's force alone?"
-
-
-def _degrees(ratio: complex) -> str:
-    return f"{abs(np.degrees(np.angle(ratio))):.0f} degrees"
 
 
 def _cosine(told: np.ndarray, expected: np.ndarray, columns: np.ndarray) -> float:
@@ -230,7 +227,7 @@ def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> None:
         return
     hulls, _, names, sea = floats
     radius = np.array([h.largest_radius for h in hulls])
-    long = _long(np.array([sea.wavenumber(w) for w in six.omega]) * radius.max())
+    long = _long(sea.wavenumbers(six.omega) * radius.max())
     unit = np.where(np.arange(6) < 3, 1.0, radius[:, None])
     told, ours = (f[long].reshape(-1, len(hulls), 6) / unit for f in (six.froude_krylov[:, 0], expected))
     there = np.abs(told).max(axis=0) > 0  # a file may lack motions

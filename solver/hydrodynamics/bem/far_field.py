@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.sea.dispersion import wavenumber
+from solver.sea.dispersion import group_share, wavenumber
 
 FURTHER = 4.0  # orders beyond kr, besides as many times (kr)^⅓: of higher ones 1e-6 is left
 
@@ -127,8 +127,7 @@ class Waves:
 
 def spread(k: np.ndarray, depth: float) -> np.ndarray:
     """N = ∫ f² dz = tanh kh (1 + 2kh/sinh 2kh)/2k [m]."""
-    kh = np.minimum(k * depth, 300.0)
-    return np.tanh(kh) * (1 + 2 * kh / np.sinh(2 * kh)) / (2 * k)
+    return np.tanh(k * depth) * group_share(k, depth) / k
 
 
 def radiation_damping(far: FarField, omega: np.ndarray, *, depth: float, density: float, gravity: float) -> np.ndarray:

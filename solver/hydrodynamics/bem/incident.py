@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.sea.dispersion import wavenumber
+from solver.sea.dispersion import wavenumber, wavenumbers
 
 DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see Sea.seabed_share
 
@@ -21,6 +21,10 @@ class Sea:
     def wavenumber(self, omega: float) -> float:
         """k [1/m] of ω [rad/s]."""
         return float(wavenumber(omega, self.depth, self.gravity))
+
+    def wavenumbers(self, omega: np.ndarray) -> np.ndarray:
+        """The same of several (nw,)."""
+        return wavenumbers(omega, self.depth, self.gravity)
 
     def seabed(self, k: float, radius: float) -> float:
         """Depth to solve with: infinite, with a table four times faster, where the seabed does not matter."""
