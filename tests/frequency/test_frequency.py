@@ -13,7 +13,7 @@ from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.frequency import condensed, gaussian, response
 from solver.frequency.case import case_of
-from solver.frequency.condensed import Condensed
+from solver.frequency.condensed import LANES, Condensed, _lanes, _side_by_side
 from solver.frequency.response import respond
 from solver.run import simulate
 from solver.scene import Settings
@@ -238,14 +238,16 @@ def test_modes_that_follow_are_what_the_whole_equation_has():
 
 
 def test_coordinates_that_only_others_hold_are_solved_for():
-    """At a resonance without damping nothing is left on the diagonal."""
-    random, (nw, nz, nk) = np.random.default_rng(4), (3, 4, 2)
-    Z, Lambda, f, g = (random.normal(size=n) + 0j for n in ((nw, nk, nk), (nw, nz, nz), (nk, nw), (nz, nw)))
-    Z[0, range(nk), range(nk)], Z[1, 1] = 0.0, 2 * Z[1, 0]
+    """At a resonance without damping nothing is left on the diagonal; waves beside it, and others', are not harmed."""
+    random, (nw, nz, nk) = np.random.default_rng(4), (LANES + 3, 4, 2)
+    Z = random.normal(size=(nk, nk)) + 0.1 * random.normal(size=(nw, nk, nk)) + 0j
+    Lambda, f, g = (random.normal(size=n) + 0j for n in ((nw, nz, nz), (nk, nw), (nz, nw)))
+    Z[0, range(nk), range(nk)], Z[1] = 0.0, [[1, 2], [2, 4]]  # of no rounding
     T, x, z = random.normal(size=(nz, nk)), f.copy(), g.copy()
-    condensed._solve(np.ones(nw), Z, np.zeros((nk, nk)), Lambda, T, x, z)
+    omega, arrays = np.ones(_lanes(nw).shape), (_side_by_side(Z), np.zeros((nk, nk)), _side_by_side(Lambda))
+    condensed._solve(omega, *arrays, T, x, z)
     assert np.isnan(x[:, 1]).all()
-    for w in (0, 2):
+    for w in (0, *range(2, nw)):
         exact = np.linalg.solve(Z[w], f[:, w] - T.T @ Lambda[w] @ g[:, w])
         assert np.allclose(x[:, w], exact, rtol=1e-12)
         assert np.allclose(z[:, w], Lambda[w] @ (T @ exact + g[:, w]), rtol=1e-12)
