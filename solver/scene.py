@@ -162,11 +162,11 @@ class Float:
         refuse([*out_of_range(self, key), *within, *self._joint_problems(key), *self._body_problems(key)])
 
     def _joint_problems(self, key: str) -> Iterator[InputError]:
-        if "hinge" in self.motion and not np.any(self.axis):
+        if "hinge" in self.motion and not any(self.axis):
             yield InputError(f"{key}.axis", self.axis, "must not be zero")
         if len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
             yield InputError(f"{key}.motion", self.motion, f"must name each axis once, of hinge, {', '.join(DOFS)}")
-        elif "hinge" in self.motion and np.any(self.axis):
+        elif "hinge" in self.motion and any(self.axis):
             turns = [self.direction(name) for name in self.motion if name not in DOFS[:3]]
             if len(turns) > 1 and np.linalg.matrix_rank(turns) < len(turns):
                 yield InputError(
@@ -304,7 +304,9 @@ class Float:
 
 def _fits(value: PerAxis, usual: float, axes: int) -> bool:
     """Whether there is a number for each axis; one that says nothing does for all."""
-    return np.size(value) == axes or not np.any(np.asarray(value) != usual)
+    if isinstance(value, (float, int)):
+        return axes == 1 or value == usual
+    return len(value) == axes or all(v == usual for v in value)
 
 
 def _of_joints(inputs: type, table: str = "") -> dict[str, float]:
