@@ -74,8 +74,8 @@ class Stations:
 
     def acting(self, K: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """By maps (k, nd, ns) of the drag: damping of what it does against modal rates (k, nm), the water's (k, nw)."""
-        against, of_water = np.split(self._carried(K, on) @ self._of, [len(self.shape)], axis=1)
-        return against, reduce(np.matmul, self.factors[1:], np.ascontiguousarray(of_water)).view(complex)
+        both, nm = self._carried(K, on) @ self._of, len(self.shape)
+        return both[:, :nm], reduce(np.matmul, self.factors[1:], np.ascontiguousarray(both[:, nm:])).view(complex)
 
     def against(self, K: np.ndarray) -> np.ndarray:
         """Damping of the modes (nm, nm)."""

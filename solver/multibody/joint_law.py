@@ -561,7 +561,7 @@ def absorbing(law: JointLaw) -> np.ndarray:
 
 def tabled(law: JointLaw) -> np.ndarray:
     """Which axes have a power take-off by a table (n,)."""
-    return np.diff(law.tables.first) > 0
+    return law.tables.first[1:] > law.tables.first[:-1]
 
 
 def stopped(law: JointLaw) -> np.ndarray:

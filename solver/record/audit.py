@@ -364,7 +364,7 @@ def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
         return 0.0
     waves = np.abs(sea.amplitude) > 0
     of_waves, p = driven(support, system.waves).left_out[:, waves], X.T[: len(support.omega)]
-    usual, inertia = np.split(real_by_complex(_tops_and_inertia(support), p), 2)
+    usual, inertia = real_by_complex(_tops_and_inertia(support), p).reshape(2, -1, p.shape[1])
     exact = usual + of_waves + drag.T + sea.omega[waves] ** 2 * inertia
     std, exact = (np.linalg.norm(lines.view(float), axis=1) for lines in (usual, exact))
     used = std > FAINT * std.max()
