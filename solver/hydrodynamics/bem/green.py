@@ -49,4 +49,23 @@ def joined(pieces: list[tuple[np.ndarray, np.ndarray]]) -> Any:
     """Pieces of vertices and faces as one capytaine mesh."""
     vertices, faces = merged(pieces)
     # Cleaning would take panels away that we count on; nor is there anything to clean.
-    return _capytaine().Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
+    mesh = _capytaine().Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
+    mesh.__dict__ |= _cached(vertices[faces])
+    return mesh
+
+
+def _cached(corners: np.ndarray) -> dict[str, np.ndarray]:
+    """What capytaine's mesh would find panel by panel of its corners (n, 4, 3), the last two alike in a triangle.
+
+    Centre and area of the two triangles abc and acd, n along the cross of the diagonals, distance of a from the centre.
+    """
+    a, b, c, d = np.moveaxis(corners, 1, 0)
+    halves = [(half, np.linalg.norm(np.cross(half - a, end - a), axis=1) / 2) for half, end in ((b, c), (c, d))]
+    normal, area = np.cross(c - a, d - b), halves[0][1] + halves[1][1]
+    centre = ((a + b + c) * halves[0][1][:, None] + (a + c + d) * halves[1][1][:, None]) / (3 * area[:, None])
+    return {
+        "faces_areas": area,
+        "faces_centers": centre,
+        "faces_normals": normal / np.linalg.norm(normal, axis=1, keepdims=True),
+        "faces_radiuses": np.linalg.norm(a - centre, axis=1),
+    }
