@@ -44,6 +44,7 @@ METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-
 # Without the h² error the next power of h is left: even ones where the hull is smooth, all of them at edges.
 NEXT_SMOOTH, NEXT_EDGED = 4, 3
 TWO_MESHES = 0.5  # of the h² error, that is left of it at least: measured on a sphere of 216 and 864 triangles
+NARROWED = 0.5  # of what even panels leave at edges, that narrower ones do: 0.2 to 0.5 of boxes 0.5 to 3 m deep
 ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
 # Of the wavenumber times a panel's side: up to here coefficients err by 2 % of the added mass at most, at 2.5 by 80 %
 # (heave and surge of a hemisphere and of a cylinder, against eight times the panels).
@@ -277,7 +278,7 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
     edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
     body = np.repeat(np.arange(len(hulls)), len(problem.dofs))
     plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
-    share = TWO_MESHES if plates else _of_edges(problem.meshed)
+    share = TWO_MESHES if plates else _of_edges(problem.meshed, problem.base)
     (impedance, impedance_inf, diffraction, far), left = _extrapolated(
         solutions, divisions, edged, (lengths, body), share
     )
@@ -375,7 +376,7 @@ class _Mesh:
         if gap_width > 0:
             side = min(np.sqrt(2 * h.wetted_area / count) for h, count in zip(hulls, counts, strict=True))
             lid = meshes.part_of(gaps(hulls, centres - origin, gap_width, side), 4 // len(mirrors))
-            pieces.append(meshes.indexed(divided(lid, refine)))
+            pieces.append(meshes.indexed(divided(lid, *2 * [np.linspace(0, 1, refine + 1)])))
             owners.append(np.zeros(len(pieces[-1][1]), int))
             hulled.append(np.zeros(len(pieces[-1][1]), bool))
         part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])
@@ -548,16 +549,21 @@ def _extrapolated(
     return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
 
 
-def _of_edges(hulls: tuple[Hull, ...]) -> float:
-    """What two even meshes leave of the error, over the step from the finer to their limit for an error ~ h².
+def _of_edges(hulls: tuple[Hull, ...], counts: tuple[int, ...]) -> float:
+    """What two meshes, the coarser of these counts, leave of the error, over the step from the finer to their limit.
 
-    At an edge that turns by α the potential goes as r^(π/(π+α)), and the error of even panels as h^p, p = 2π/(π+α) in
-    the end; of 2^p - 1 parts the limit takes three. Of panels as wide as ours p is less: 1.0 to 1.2 of boxes, 1.3 to
-    1.5 where α is 50 degrees. To take the limit by that order is no way out: added mass and damping would not be of one
-    cause, nor damping of the waves far off.
+    At an edge that turns by α the error of even panels goes as h^p, see `edges`; of 2^p - 1 parts the limit for an
+    error ~ h² takes three. Of panels as wide as ours p is 1.0 to 1.2 of boxes, 1.3 to 1.5 where α is 50 degrees. To
+    take the limit by that order is no way out: added mass and damping would not be of one cause, nor damping of the
+    waves far off. Panels narrower at edges leave NARROWED as much.
     """
-    turn = max((h.sharpest for h in hulls if isinstance(h, PanelHull)), default=0.0)
-    return max(TWO_MESHES, 3 / (2 ** (2 * (np.pi / (np.pi + turn)) ** 1.5) - 1) - 1)
+    shares = [TWO_MESHES]
+    for hull, count in zip(hulls, counts, strict=True):
+        if isinstance(hull, PanelHull):
+            left = 3 / (2 ** (2 * (np.pi / (np.pi + hull.sharpest)) ** 1.5) - 1) - 1
+            narrow = hull.finer is not None or meshes.halving(hull, count).narrow
+            shares.append(NARROWED * left if narrow else left)
+    return max(shares)
 
 
 def _of_plates(plates: list[Plates], left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:

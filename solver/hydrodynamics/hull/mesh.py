@@ -1,11 +1,13 @@
 """Panels on hulls below still water, lids inside them, and the mirror planes of a scene."""
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.edges import jutting, narrowed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.plates import Plates, divisions, of_panels, pieces
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -53,14 +55,17 @@ def _revolved_panels(hull: Revolution, count: int, refine: int, quarters: int) -
 
 
 def _halved_panels(hull: PanelHull, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
-    """The panels of a mesh, halved until there are about `count`, then each into refine², a power of 4.
+    """The panels of a mesh, halved until there are about `count`, narrower at edges, then each into refine².
 
     Of one made coarser with its `finer` ones, these.
     """
     pieces = part_of(hull.wetted if hull.finer is None or refine == 1 else hull.finer, quarters)
     if hull.finer is not None:
-        return indexed(pieces)
-    pieces = surface.split(pieces, _longest_side(hull, count))
+        return indexed(narrowed(pieces, *hull.edges if refine == 1 else jutting(hull.finer)))
+    how = halving(hull, count)
+    pieces = surface.split(pieces, how.longest)
+    if how.narrow:
+        pieces = narrowed(pieces, *hull.edges)
     while refine > 1:
         pieces, refine = surface.quartered(pieces), refine // 2
     return indexed(pieces)
@@ -73,21 +78,30 @@ def part_of(pieces: np.ndarray, quarters: int) -> np.ndarray:
     return pieces
 
 
+class Halving(NamedTuple):
+    """How the panels of a mesh are made of it."""
+
+    longest: float  # side [m]
+    narrow: bool  # at edges
+
+
 @lru_cache(maxsize=64)  # each frequency's mesh is the same
-def _longest_side(hull: PanelHull, count: int) -> float:
-    """Of panels [m], so that halving leaves as near to `count` of them as it can."""
+def halving(hull: PanelHull, count: int) -> Halving:
+    """So that it leaves as near to `count` panels as it can, and narrower ones at edges besides.
+
+    Unless that made more than a mesh of half their sides is meant to have.
+    """
     # Triangles are cut across their longest sides, which makes up to four times as many as their area asks for.
     sizes = np.sqrt(2 * hull.wetted_area / count) * LONGER ** np.arange(8)
     sizes = np.minimum(sizes, max(sizes[0], hull.waterplane_width / ACROSS_BOTTOM))
-    left = [len(surface.split(hull.wetted, size)) for size in sizes]
-    return float(sizes[np.argmin(np.abs(np.log(np.divide(left, count))))])
+    made = [surface.split(hull.wetted, size) for size in sizes]
+    best = np.argmin(np.abs(np.log(np.divide([len(panels) for panels in made], count))))
+    return Halving(float(sizes[best]), len(narrowed(made[best], *hull.edges)) <= 4 * count)
 
 
 def halved_count(hull: PanelHull, count: int) -> int:
     """How many panels `panels` makes of a mesh that is not divided further."""
-    if hull.finer is not None:
-        return len(hull.wetted)
-    return len(surface.split(hull.wetted, _longest_side(hull, count)))
+    return len(panels(hull, count)[1])
 
 
 def indexed(pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ import scipy  # spatial is slow to import, and the command line needs scenes but
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import meshfile, surface
+from solver.hydrodynamics.hull.edges import jutting
 
 ALIKE = 1e-5  # of the hull's size, within which a mirror image coincides with the hull
 
@@ -174,20 +175,14 @@ class PanelHull:
         return np.stack([start[at], end[at]], axis=1)[..., :2]
 
     @cached_property
+    def edges(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where the wetted surface juts out, and by how much: see `jutting`."""
+        return jutting(self.wetted)
+
+    @property
     def sharpest(self) -> float:
         """Largest angle by which the wetted surface turns where two panels meet at an edge that juts out [rad]."""
-        faces = np.arange(4 * len(self.wetted)).reshape(-1, 4)
-        vertices, faces, _ = surface.welded(self.wetted.reshape(-1, 3), faces)
-        pairs, owner = surface.edges(faces)
-        _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
-        order = np.argsort(place, kind="stable")
-        one, other = owner[order[count[place[order]] == 2]].reshape(-1, 2).T
-        corners = vertices[faces]
-        normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        normals /= np.linalg.norm(normals, axis=1)[:, None]
-        away = np.sum((corners.mean(axis=1)[other] - corners.mean(axis=1)[one]) * normals[one], axis=1)
-        turn = np.arccos(np.clip(np.sum(normals[one] * normals[other], axis=1), -1, 1))
-        return float(turn[away < 0].max(initial=0.0))
+        return float(self.edges[1].max(initial=0.0))
 
     @cached_property
     def waterplane_width(self) -> float:

@@ -342,9 +342,9 @@ def quartered(panels: np.ndarray) -> np.ndarray:
     return np.concatenate([np.stack(q, axis=1)[~flat] for q in quads] + [np.stack(t, axis=1)[flat] for t in thirds])
 
 
-def divided(panels: np.ndarray, n: int) -> np.ndarray:
-    """Each panel as n² whose corners are even shares of its sides."""
-    u, v = (x[..., None, None] for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * 2, indexing="ij"))
+def divided(panels: np.ndarray, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """Each panel in parts whose corners are at shares 0 to 1 of its first and third sides, and of the others."""
+    u, v = (x[..., None, None] for x in np.meshgrid(along, across, indexing="ij"))
     a, b, c, d = np.moveaxis(panels, 1, 0)
     nodes = (1 - v) * (a + u * (b - a)) + v * (d + u * (c - d))  # so that a triangle's last corners stay one
     cells = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]], axis=3)

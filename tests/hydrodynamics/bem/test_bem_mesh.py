@@ -160,16 +160,17 @@ def test_a_model_has_the_mesh_error_of_what_it_is_a_model_of():
     assert errors[1] == pytest.approx(errors[0], rel=5e-3)
 
 
-@pytest.mark.parametrize("panels", [216, 432])
-def test_the_error_that_edges_leave_is_what_it_is_said_to_be(panels):
-    """Beside a mesh with narrow panels at the edges, of which three times as little is left."""
-    graded = graded_box((4.0, 2.0, 1.0), 0.25)
+def test_the_error_that_edges_leave_is_what_it_is_said_to_be(monkeypatch):
+    """Beside seven times as many panels, narrow at all edges. Of roll two errors cancel from one mesh to the next."""
+    monkeypatch.setattr(bem, "AFFORDABLE", 1e9)
+    graded = graded_box((4.0, 2.0, 1.0), 0.16)
     run = partial(solve, centres=[[0, 0, 0]], omega=OMEGA[1:2], planar=False, heading=0.5)
-    exact, h = run((graded,), panels=len(graded.wetted)), run((PanelHull.of(*box((4.0, 2.0, 1.0))),), panels=panels)
+    exact, h = run((graded,), panels=len(graded.wetted)), run((PanelHull.of(*box((4.0, 2.0, 1.0))),), panels=432)
     for name, at in (
-        ("added_mass", np.s_[0, [0, 1, 3, 4, 5], [0, 1, 3, 4, 5]]),
+        ("added_mass", np.s_[0, [0, 1, 4, 5], [0, 1, 4, 5]]),
         ("radiation_damping", np.s_[0, [0, 1, 2], [0, 1, 2]]),
         ("diffraction", np.s_[0, [0, 1]]),
     ):
         true, told = np.abs(getattr(h, name) - getattr(exact, name))[at], np.abs(getattr(h.error, name))[at]
         assert np.all((true > told / 3) & (true < 3 * told))
+        assert np.all(true < 0.012 * np.abs(getattr(exact, name)[at]))

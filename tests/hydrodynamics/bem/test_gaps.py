@@ -42,7 +42,7 @@ def test_lids_cover_the_water_in_gaps(name, side):
     down = surface.area_vectors(surface.triangles(panels))
     assert np.all(down[:, 2] < 0) and np.all(panels[..., 2] == 0)
     assert -down[:, 2].sum() == approx(area, rel=share)
-    cut = surface.area_vectors(surface.triangles(surface.divided(panels, 3)))
+    cut = surface.area_vectors(surface.triangles(surface.divided(panels, *2 * [np.linspace(0, 1, 4)])))
     assert cut[:, 2].sum() == approx(down[:, 2].sum(), rel=1e-12) and np.all(cut[:, 2] < 0)
     assert not len(gaps(hulls, at, {"ring": 0.42, "boxes": 0.58, "unequal": 0.48}[name], side))
 
@@ -118,7 +118,7 @@ def of_scene(name, epsilon, omega, **how):
 # Scene, frequency [rad/s], least share of the bodies' heave damping that is the lid's, largest error of energy: half as
 # large panels leave a quarter, and in the ring's narrow gap they are wider than it.
 RINGING = [
-    ("ring", 1.5, 0.3, 0.05),
+    ("ring", 1.5, 0.25, 0.05),
     ("ring", 1.65, 0.7, 0.05),
     ("boxes", 1.9, 0.06, 0.03),
     ("unequal", 1.9, 0.015, 0.04),
@@ -176,7 +176,7 @@ def test_the_piston_in_a_moonpool_in_closed_form():
 
 
 def test_a_larger_damping_lowers_the_peak_where_it_is():
-    omega = np.array([1.5, 1.6, 1.7])
+    omega = np.array([1.54, 1.62, 1.7])
     some = {"panels": 300, "refine": 1}
     curves = np.array([[of_scene("ring", e, w, **some).damping[4, 4] for w in omega] for e in (0.03, 0.06, 0.12)])
     assert np.all(np.diff(curves.max(axis=1)) < -0.3 * curves.max(axis=1)[:-1])

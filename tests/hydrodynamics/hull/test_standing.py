@@ -54,7 +54,7 @@ def test_a_caisson_is_the_limit_of_one_over_a_narrow_gap():
 
     def forces(gap):
         hull = box(length=3.0, width=5.0, height=8.0 - gap, draft=6.0 - gap)
-        water = {"depth": 6.0, "omega": np.array([1.4]), "heading": 0.4, "planar": False, "panels": 108}
+        water = {"depth": 6.0, "omega": np.array([1.4]), "heading": 0.4, "planar": False, "panels": 216}
         h = solve((hull, BALL), PLACES, **water)
         return excitation(h)[0, [0, 1]], excitation(h)[0, 6:]
 

@@ -1,0 +1,89 @@
+"""Edges that jut out, and the panels cut along them."""
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull.edges import CUT, jutting, narrowed
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.surface import area_vectors, split, triangles
+from tests.awkward import prism
+from tests.hydrodynamics.shapes import box, loose
+
+SIZE = (4.0, 2.0, 1.0)
+
+
+def quads():
+    """Of a box, six."""
+    return PanelHull.of(*box(SIZE))
+
+
+def flat():
+    """As many panels of three corners, two a face."""
+    vertices, faces = box(SIZE)
+    corners = triangles(vertices[faces])
+    return PanelHull.of(*loose(corners[:, [0, 1, 2, 2]]))
+
+
+def widths(panels):
+    """Of panels (n, 4, 3): area over the longest side."""
+    area = np.linalg.norm(np.cross(panels[:, 2] - panels[:, 0], panels[:, 3] - panels[:, 1]), axis=1) / 2
+    return area / np.linalg.norm(panels - np.roll(panels, -1, axis=1), axis=2).max(axis=1)
+
+
+@pytest.mark.parametrize("made", [quads, flat])
+def test_panels_are_cut_along_the_edges_and_cover_what_they_did(made):
+    hull = made()
+    lines, turn = hull.edges
+    right = turn > 1
+    assert np.allclose(turn[right], np.pi / 2) and np.allclose(turn[~right], 0)
+    assert np.linalg.norm(lines[right, 1] - lines[right, 0], axis=1).sum() == approx(2 * (4 + 2) + 4 * 0.5)
+    even = split(hull.wetted, 0.5)
+    cut = narrowed(even, *hull.edges)
+    for panels in (even, cut):
+        vectors = area_vectors(triangles(panels))
+        assert np.linalg.norm(vectors, axis=1).sum() == approx(4 * 2 + 2 * (4 + 2) * 0.5)
+        assert vectors.sum(axis=0) == approx([0, 0, -4 * 2], abs=1e-12)
+    assert np.ptp(cut.reshape(-1, 3), axis=0) == approx([4, 2, 0.5])
+    sides = np.stack([cut, np.roll(cut, -1, axis=1)], axis=2)
+    long = np.any(sides[:, :, 0] != sides[:, :, 1], axis=2)
+    at_side = np.any(np.all((np.abs(sides[..., 1]) == 1) & (sides[..., 2] == -0.5), axis=2) & long, axis=1)
+    assert at_side.sum() > 2 * 8 and widths(cut[at_side]).max() < 1.01 * CUT * 0.5
+
+
+@pytest.mark.parametrize("side", range(3))
+def test_a_triangle_is_cut_along_whichever_side(side):
+    corners = np.roll([[0.0, 0, 0], [2, 0, 0], [0, 1, 0]], side, axis=0)[[0, 1, 2, 2]]
+    cut = narrowed(corners[None], np.array([[[2.0, 0, 0], [0, 1, 0]]]), np.array([np.pi / 2]))
+    areas = (
+        np.linalg.norm(area_vectors(triangles(cut[:1])).sum(axis=0)),
+        np.linalg.norm(area_vectors(triangles(cut)).sum(0)),
+    )
+    assert len(cut) == 2 and areas == approx(((1 - CUT) ** 2, 1.0))
+    far = 1 - cut[0] @ [0.5, 1.0, 0.0]
+    assert far.min() == approx(CUT)
+
+
+def test_an_edge_ends_where_it_does():
+    """Of four panels in a row the two beside it."""
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    row = square + np.arange(4)[:, None, None] * [1.0, 0.0, 0.0]
+    assert len(narrowed(row, np.array([[[0.0, 0, 0], [2, 0, 0]]]), np.array([np.pi / 2]))) == 4 + 2
+
+
+def test_what_turns_little_or_inwards_is_no_edge_to_cut_at():
+    bent = prism([(-2, -1.0), (0, -1.2), (2, -1.0), (2, 1.0), (-2, 1.0)], 3.0)
+    lines, turn = jutting(bent.wetted)
+    keel = np.all(lines[..., 2] == -1.2, axis=1)
+    assert turn[keel] == approx(2 * np.arctan(0.1))
+    cut = narrowed(bent.wetted, lines[keel], turn[keel])
+    assert len(cut) == len(bent.wetted)
+
+
+def test_a_mesh_that_is_fine_already_stays_as_its_author_made_it():
+    """And so does one that edges would make finer than half its sides would."""
+    fine = PanelHull.of(*loose(split(quads().panels, 0.15)))
+    assert not meshes.halving(fine, 108).narrow and meshes.halving(quads(), 108).narrow
+    assert len(meshes.panels(fine, 108)[1]) == len(fine.wetted)
+    assert meshes.halved_count(quads(), 108) == len(meshes.panels(quads(), 108)[1]) < 4 * 108
