@@ -68,6 +68,7 @@ from solver.multibody.joint_law import (
     SLIPS,
     STOP_ZONE,
     TABLE,
+    JointLaw,
     axis_energy,
     axis_load,
     beyond_law,
@@ -99,6 +100,7 @@ BEND = 0.03
 OPENED = 1e-5
 GROWTH = 2**5
 MISSED = 1e-3  # of an axis's largest rate so far, which such a piece may leave where the axis was to turn
+KINK = 0.05  # of the load at that rate, by which it may jump where a law that only bends is changed that far off
 SHORTEST = 2.0**-14  # of a step: in shorter pieces Newton's tolerance opens the balance
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
@@ -194,21 +196,29 @@ def in_pieces(
     used = changes = 0
     at, i, kind = NEVER, -1, STOP_ZONE
     fine.shared[0], fine.knots[0] = 0, problem.dt
+    most = np.inf  # length of the next piece, after one too long
     before = _stored(problem, state, room)
     for half in range(2):
         row, done, whole = sample + half, 0.0, 0.5 * problem.dt
         first, cut = _open_row(output, row), 0.0  # length of a piece that ends where an axis leaves its zone
         while done < whole * (1 - SLIVER):
-            length = cut if cut > 0 else _length(problem, state, room, whole - done, fine)
+            length = cut if cut > 0 else _length(problem, state, room, min(whole - done, most), fine)
             other = _of_length(problem, length, _smooths(problem, state, room), fine)
             outcome, spent = _piece(other, drive, sample + half + 2 * done / problem.dt, problem.dt, state, room, fine)
             used += spent
             if outcome != OK:
-                return outcome, used
+                if length <= SHORTEST * problem.dt:
+                    return outcome, used
+                most, cut, fine.shared[0] = 0.5 * length, 0.0, 0
+                _forget(state)
+                move(problem.bodies, room.start.z, room.start.dz, room.stage.motion[1])  # whose matrix is Newton's
+                continue
             if cut > 0:
                 cut = 0.0
                 if kind == PTO_ZONE and _misses(problem, length, state, room, i):
-                    state.ring[0] = 0.5 * length
+                    most = 0.5 * length
+                    if jumps(problem.bodies.law, i):
+                        state.ring[0] = most
                     continue
             else:
                 if not _smooths(problem, state, room) and _too_long(problem, state, room, length):
@@ -231,7 +241,7 @@ def in_pieces(
             if at > 0:
                 _keep(problem, length, state, room, fine, output, row, done / whole)
                 _take(problem, other, state, room, fine, output, row)
-                done += length
+                done, most = done + length, np.inf
                 before = _stored(problem, state, room)
             if at < NEVER:
                 changes += 1
@@ -535,13 +545,23 @@ def _fastest(state: State, room: Workspace, i: int) -> float:
 
 @inner_kernel
 def _misses(problem: Problem, length: float, state: State, room: Workspace, i: int) -> bool:
-    """Whether a piece that was to end where axis i turns is too long for that, on a platform that rings."""
+    """Whether a piece that was to end where axis i changes its law is too long for that, on a platform that rings."""
     law, stage = problem.bodies.law, room.stage
     zone = stage.zone[PTO_ZONE, i]
-    if zone == HELD or not (rings(problem) and jumps(law, i) and length > SHORTEST * problem.dt):
+    if zone == HELD or not (rings(problem) and length > SHORTEST * problem.dt):
         return False
-    beyond = leaving(law, i, PTO_ZONE, zone, stage.z[1, i], stage.dz[1, i])
-    return abs(beyond) > MISSED * _fastest(state, room, i)
+    y, dy, fastest = stage.z[1, i], stage.dz[1, i], _fastest(state, room, i)
+    if jumps(law, i):
+        return abs(leaving(law, i, PTO_ZONE, zone, y, dy)) > MISSED * fastest
+    load = _taken(law, i, zone, y, dy)
+    next_load = _taken(law, i, next_zone(law, i, PTO_ZONE, zone, y, dy), y, dy)
+    return abs(next_load - load) > KINK * abs(_taken(law, i, pto_zone(law, i, y, fastest), y, fastest))
+
+
+@part_kernel
+def _taken(law: JointLaw, i: int, zone: int, y: float, dy: float) -> float:
+    """Load of axis i's power take-off by a zone's formula."""
+    return axis_load(law, i, OPEN, zone, y, dy).pto
 
 
 # ---- where a zone ends

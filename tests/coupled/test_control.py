@@ -19,6 +19,7 @@ from solver.coupled.linear import linear_model
 from solver.coupled.step import HOLDS
 from solver.coupled.system import prepare
 from solver.errors import InputError
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring
 from solver.multibody import load_table
 from solver.multibody.joint_law import damping_of_gaussian, damping_of_harmonic
@@ -26,8 +27,8 @@ from solver.multibody.load_table import Points, tables
 from solver.power_takeoff import PtoTable
 from solver.record.recorder import Recorder
 from solver.run import simulate
-from solver.scene import Platform, Water
-from solver.statistics import Statistics
+from solver.scene import EndStops, Float, Platform, Water
+from solver.statistics import STATISTICS, Statistics
 from solver.structure.beam import tube
 from solver.structure.frame import Frame, Member, PointMass
 from tests import awkward
@@ -436,3 +437,32 @@ def test_a_straight_table_is_a_damper_in_the_frequency_domain():
     for name in ("motion", "absorbed_power", "pto_force", "pto_rate"):
         values = plain.variables[name][1]
         assert ours.variables[name][1] == approx(values, rel=1e-6, abs=1e-9 * np.abs(values).max()), name
+
+
+@pytest.mark.parametrize(
+    "law", [{"force_limit": 2e4}, {"end_stops": EndStops(lower=-0.05, upper=0.05, stiffness=2e8, damping=1e6)}]
+)
+def test_a_float_on_a_pile_s_bare_head_may_be_limited_and_stopped(law):
+    """Where a load bends, an arm joined to a node of next to no inertia goes on otherwise than the step foretold.
+
+    Taken into its law's next zone half way to the border, or by Newton's method from an acceleration that lasts
+    microseconds, it left everything finite.
+    """
+    pile = Member(
+        name="pile", start="foot", end="hinge:float", elements=10, section=tube(1.2, 0.03), material=awkward.STEEL,
+        drag_coefficient=1.0, inertia_coefficient=2.0,
+    )  # fmt: skip
+    frame = Frame(nodes={"foot": (0, 0, -20.0), "hinge:float": (0, 0, 3.0)}, members=(pile,), clamped=("foot",))
+    hull = Revolution.hemisphere_cylinder(radius=1.2, height=1.5)
+    item = Float(
+        name="float", hull=hull, mass=awkward.RHO * hull.volume, inertia=(3e3,) * 3, hinge=(0, 0, 3.0),
+        arm=(-4.0, 0, -3.0), pto_damping=1e6, damping=3e4, **law,
+    )  # fmt: skip
+    rough = {"waves": awkward.sea(Hs=2.0, Tp=6.0), "radiation": False, "diffraction": False, "duration": 60.0}
+    whole = awkward.scene(
+        [item], depth=20.0, platform=Platform(frame=frame, hinge_nodes={"float": "hinge:float"}), **rough
+    )
+    run, finer = (simulate(replace(whole, settings=replace(whole.settings, time_step=dt))) for dt in (0.2, 0.02))
+    assert run.attrs["repeated"] == "" and run.attrs["energy_residual"] < 1e-3
+    rotation, true = (r.variables["rotation"][1][0, STATISTICS.index("std")] for r in (run, finer))
+    assert rotation == approx(true, rel=0.02)
