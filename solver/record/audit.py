@@ -245,19 +245,46 @@ def statistics_error(
 
     samples: of a `short` part of it, the best ones last. Nothing where no motion exceeds Newton's tolerance.
     """
-    best = samples[-1]
-    moving = (np.nanmax(best[name].std(axis=0), initial=0.0) for name in MOTIONS if name in best)
-    if not max(moving, default=0.0) > 10 * system.newton_tolerance * bool(system.scene.floats):
+    stds = {name: samples[-1][name].std(axis=0) for name in MOTIONS if name in samples[-1]}
+    largest = max((np.nanmax(std, initial=0.0) for std in stds.values()), default=0.0)
+    if not largest > 10 * system.newton_tolerance * bool(system.scene.floats):
         return 0.0
     longer = max(1.0, system.scene.settings.duration / short.settings.duration)
     # What is on or off between two samples has another std where they are nearer.
     other = ("time", "wave_elevation", "latched", "declutched")
     driven = ({name: x for name, x in of.items() if name not in other} for of in samples)
-    return error(*driven, {"hinge_force": least_force(system.scene)}, longer)
+    return error(*driven, least_sizes(system, stds), longer)
+
+
+def least_sizes(system: System, stds: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What counts as zero though it may be the largest of its kind: joint forces as `least_force` says, motions that
+    move a hull or the structure [m] by FAINT² of what the furthest of all do (legs may bend by FAINT of a float's
+    swing), and power of floats whose power take-offs move by no more. stds: of MOTIONS.
+    """
+    scene, channels = system.scene, Channels(system.scene, None)
+    length = linear_model(system).length[None, system.structure.omega.size :]
+    reach = dict.fromkeys(MOTIONS, np.ones(())) | {name: x[0] for name, x in channels.motions(length)}
+    least = FAINT**2 * max(np.nanmax(reach[name] * std, initial=0.0) for name, std in stds.items())
+    sizes = {name: least / reach[name] for name in stds} | {"hinge_force": least_force(scene)}
+    if scene.floats:
+        name = "motion" if "motion" in stds else "rotation"
+        rest = ~_working(system, channels, stds[name] > sizes[name])
+        sizes |= dict.fromkeys(("absorbed_power", "electrical_power"), np.where(rest, np.inf, 0.0))
+    return sizes
+
+
+def _working(system: System, channels: Channels, moves: np.ndarray) -> np.ndarray:
+    """Whether any axis (nb, …) with a power take-off moves, of each float (nb,)."""
+    law = assembly.joint_law(system.scene.floats)
+    taken = channels.by_axis((absorbing(law) | (law.pto_stiffness != 0))[None].astype(float))[0] == 1
+    return np.any(taken & moves.reshape(taken.shape), axis=1)
 
 
 def quadrature_error(system: System, probe: Probe) -> float:
-    """Of mean and std of the pressure's load on the joints, against twice the points, relative to that std."""
+    """Of mean and std of the pressure's load on the joints, against twice the points, relative to that std.
+
+    Of joints that the load moves by more than Newton's tolerance, and FAINT as much as those that it moves most.
+    """
     if not system.bodies.nonlinear.any():
         return 0.0
     s = system.scene.settings
@@ -268,8 +295,10 @@ def quadrature_error(system: System, probe: Probe) -> float:
     joints = slice(system.structure.carrier.shape[0], None)
     # About the exact mean: weight bears the rest of it, and what varies is what moves the floats.
     usual, exact = (moments((load - exact.mean(axis=0))[:, joints]) for load in (usual, exact))
-    least = system.newton_tolerance * np.abs(np.diag(system.stiffness))[joints]
-    return max((apart(a, b, floor) for a, b, floor in zip(usual, exact, least, strict=True)), default=0.0)
+    least, model = system.newton_tolerance * np.abs(np.diag(system.stiffness))[joints], linear_model(system)
+    pushed = (model.length / np.diag(model.mass))[system.structure.omega.size :] * exact[:, -1]  # [m/s²]
+    used = (exact[:, -1] > least) & (pushed > FAINT * pushed.max(initial=0.0))
+    return max((apart(a, b) for a, b in zip(usual[used], exact[used], strict=True)), default=0.0)
 
 
 def _joint_loads(body: Bodies, states: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:

@@ -87,14 +87,15 @@ def _of_pairs(x: np.ndarray, cuts: Cuts, others: np.ndarray) -> Cuts:
 def _of_kind(
     x: np.ndarray, y: np.ndarray, of_x: Cuts | None, of_y: Cuts | None, least: np.ndarray, longer: float
 ) -> float:
-    mean, sizes = _sizes(x, y, least)
-    pairs = zip(_powers(x, mean, of_x), _powers(y, mean, of_y), sizes, strict=True)
     with np.errstate(divide="ignore", invalid="ignore"):
+        mean, sizes = _sizes(x, y, least)
+        pairs = zip(_powers(x, mean, of_x), _powers(y, mean, of_y), sizes, strict=True)
         return _expected([(a - b) / size for a, b, size in pairs], longer)
 
 
 def _between(x: np.ndarray, cuts: Cuts | None, least: np.ndarray, longer: float) -> float:
-    mean, sizes = _sizes(x[1::2], x[1::2], least)
+    with np.errstate(invalid="ignore"):
+        mean, sizes = _sizes(x[1::2], x[1::2], least)
     gaps = np.array([((v[1:-2:2] + v[3::2]) / 2 - v[2:-1:2]) / 2 for v in _powers(x, mean)])
     if cuts is not None:  # nothing lies between there that pieces do not tell
         gaps[:, cuts.row - 1] = 0.0
@@ -120,12 +121,14 @@ def _sizes(x: np.ndarray, y: np.ndarray, least: np.ndarray) -> tuple[np.ndarray,
     """ȳ (n,) and what differences of the means of `_powers` of x and y are to be divided by (3, n).
 
     They are then those of mean, rms and std, scaled as solver.statistics.apart does: 1, 2r and 2σ times the scale,
-    with r of y and σ the mean of x's and y's.
+    with r of y and σ the mean of x's and y's. least: sizes that count as zero, infinite of what is not to be judged;
+    what varies by FAINT² of itself, as a stress does under weight alone, does so by rounding.
     """
     least = np.broadcast_to(least, y.shape[1:]).ravel()
     x, y = x.reshape(len(x), -1), y.reshape(len(y), -1)
     mean, rms, std = y.mean(axis=0), np.sqrt(np.mean(y**2, axis=0)), y.std(axis=0)
     of_rms, of_std = (np.maximum(s, np.maximum(FAINT * np.nanmax(s, initial=0.0), least)) for s in (rms, std))
+    of_std = np.maximum(of_std, FAINT**2 * of_rms)
     both = np.sqrt(np.mean((x - mean) ** 2, axis=0)) + std
     return mean, np.array([of_rms, 2 * rms * of_rms, both * of_std])
 

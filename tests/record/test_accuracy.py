@@ -7,18 +7,20 @@ import pytest
 from pytest import approx
 
 from solver import run
+from solver.balance import balanced
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import MeshError
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
 from solver.record.audit import UNSURE, cancelled, sharpest_bend, together, unlike
 from solver.record.refit import prepared
 from solver.record.sampling import least_force
 from solver.run import simulate
-from solver.scene import PANELS, EndStops, panels_for, two_digits
+from solver.scene import PANELS, EndStops, Float, Water, panels_for, two_digits
 from solver.sea.realization import Realization
 from solver.statistics import FAINT, apart
 from solver.structure.load_history import LoadHistory
-from tests.awkward import SCENES, known, raking, unequal_legs
+from tests.awkward import SCENES, known, raking, sea, unequal_legs
 from tests.awkward import scene as awkward_scene
 
 
@@ -187,6 +189,66 @@ def test_what_symmetry_keeps_at_zero_is_not_judged(buan):
     scene, h = oblique_hull_in_head_seas()
     attrs = simulate(scene, h).attrs
     assert attrs["estimated_error"] < 2e-2
+
+
+def held_on_a_cylinder(scale=1.0):
+    """A cylinder free in its plane, and on it a ball on a hinge that a brake holds, at a scale."""
+    time = np.sqrt(scale)
+    hull = Revolution.vertical_cylinder(radius=4 * scale, draft=3 * scale, freeboard=2 * scale)
+    ball = Revolution.hemisphere_cylinder(radius=scale, height=0.6 * scale)
+    inertia = 2e6 * scale**5
+    floats = [
+        Float(
+            name="below", hull=hull, mass=1025.0 * hull.volume, inertia=(inertia,) * 3, hinge=(0, 0, 0),
+            cog=(0, 0, -scale), motion=("surge", "heave", "pitch"), stiffness=(4e4 * scale**2, 0, 0),
+            damping=(2e4 * scale**2.5, 2e5 * scale**2.5, 2e6 * scale**4.5),
+        ),
+        Float(
+            name="held", on="below", hull=ball, mass=1025.0 * ball.volume, inertia=(1e3 * scale**5,) * 3,
+            hinge=(5 * scale, 0, 2 * scale), arm=(3 * scale, 0, -2 * scale), coulomb=1e9 * scale**4,
+        ),
+    ]  # fmt: skip
+    floats = balanced(floats, Water(depth=50.0 * scale), [("mass",), ("mass",)])
+    waves = sea(Hs=scale, Tp=6.0 * time, band=(0.6 / time, 2.4 / time))
+    lengths = {"duration": 100.0 * time, "discard": 20.0 * time, "ramp": 20.0 * time}
+    return awkward_scene(floats, depth=50.0 * scale, waves=waves, radiation=False, diffraction=False, **lengths)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1 / 20])
+def test_what_a_brake_holds_is_not_judged_by_its_rounding(scale):
+    """Nothing turns, no power is taken: the step follows what moves, on a model as at sea."""
+    item = held_on_a_cylinder(scale)
+    attrs = simulate(item).attrs
+    assert attrs["time_step"] > 0.7 * item.usual_step
+    finer = simulate(replace(item, settings=replace(item.settings, time_step=attrs["time_step"] / 2))).attrs
+    for part in ("discretization_error", "sampling_error"):
+        assert 0 < finer[part] < attrs[part] < 1e-3
+
+
+def test_what_a_brake_holds_on_legs_that_bend_is_not_judged():
+    item, h = unequal_legs()
+    braked = replace(item, floats=(replace(item.floats[0], coulomb=1e9),))
+    for step in (0.2, 0.1):
+        attrs = simulate(replace(braked, settings=replace(item.settings, time_step=step)), h).attrs
+        assert 0 < attrs["discretization_error"] < 1e-3 and 0 < attrs["sampling_error"] < 1e-3
+
+
+def test_floats_that_rest_have_no_quadrature_to_judge():
+    """In still water; another's that is let go from an offset is the same without them."""
+    item = SCENES["oblique"]()[0]
+    calm = replace(item.sea, amplitude=0 * item.sea.amplitude)
+    item = replace(item, sea=calm, settings=replace(item.settings, radiation=False, diffraction=False))
+    moved, rests = replace(item.floats[0], offset=0.1), item.floats[1]
+    for floats in ((item.floats[0], rests), (rests,)):
+        assert simulate(replace(item, floats=floats)).attrs["quadrature_error"] == 0
+    alone, both = (simulate(replace(item, floats=x)).attrs["quadrature_error"] for x in ((moved,), (moved, rests)))
+    assert 0 < both == approx(alone, rel=1e-3)
+
+
+def test_what_nothing_pushes_or_holds_has_no_quadrature_to_judge():
+    """Sway of a ball in head seas, which is free to go and does not."""
+    free = replace(oblique_hull_in_head_seas()[0].floats[0], motion=("surge", "sway", "heave"), stiffness=(5e4, 0, 0))
+    assert simulate(awkward_scene([free], radiation=False, diffraction=False)).attrs["quadrature_error"] < 1e-3
 
 
 def test_record_says_what_it_skipped(buan, coefficients):

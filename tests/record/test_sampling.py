@@ -55,6 +55,19 @@ def test_the_least_is_what_a_channel_counts_as():
     assert error(quiet[:, 1:] * 2, quiet[:, 1:], least=np.array([1.0])) < 1e-6
 
 
+def test_what_is_not_to_be_judged_counts_for_nothing():
+    both = WAVE * np.array([1.01, 2.0])
+    least = np.array([0.0, np.inf])
+    assert error(both, WAVE, least=least) == approx(error(both[:, :1], WAVE[:, :1]), rel=1e-12)
+    assert between_samples({"x": 0 * WAVE}, {"x": least}, 1.0) == 0
+
+
+def test_rounding_of_what_stands_still_is_no_error():
+    """A load that weight alone makes, though none of its kind varies more."""
+    weight = 1e6 + 1e-9 * RNG.normal(size=(2, *WAVE.shape))
+    assert error(*weight) < 1e-6 and between_samples({"x": weight[0]}, {}, 1.0) < 1e-6
+
+
 def test_channels_that_a_float_does_not_have_count_for_nothing():
     gone = np.column_stack([WAVE, np.full(len(WAVE), np.nan)])
     assert error(1.01 * gone, gone) == approx(error(1.01 * WAVE), rel=1e-12)
