@@ -43,7 +43,7 @@ from solver.coupled.step import (
     NOT_FINITE,
     OK,
     RATE,
-    UNCUT,
+    UNTOLD,
     Drive,
     Output,
     Problem,
@@ -334,8 +334,8 @@ def _keep(
     """
     between, n = output.between, output.between.number[0]
     if n + 2 > between.at.size:
-        output.lead[row] = UNCUT
-    if output.lead[row] == UNCUT:
+        output.lead[row] = UNTOLD
+    if output.lead[row] == UNTOLD:
         return
     share = length / (0.5 * problem.dt)
     simpson = between.follows[0] and not _smooths(problem, state, room)
@@ -363,7 +363,7 @@ def _keep(
 @lean_kernel
 def _close_row(output: Output, row: int, first: int) -> None:
     """Where there was no room for all pieces up to `row`, none are kept."""
-    if output.lead[row] == UNCUT:
+    if output.lead[row] == UNTOLD:
         output.between.number[0] = first
 
 

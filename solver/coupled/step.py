@@ -77,7 +77,7 @@ class Drive(NamedTuple):
     push: np.ndarray
 
 
-UNCUT = -1.0
+UNCUT, UNTOLD = -1.0, -2.0  # of a step that is cut, where there is no room for its pieces
 PIECES = 4  # of steps that are cut for which there is room, over samples
 
 
@@ -113,7 +113,7 @@ class Output(NamedTuple):
     drag: np.ndarray  # (m, nd, ns) of the water on the frame at its stations [N]
     contact: np.ndarray  # (m, number of bent axes, 6) since the sample before: CONTACT, HOLDS, LET_GO, BEYOND
     struck: np.ndarray  # (m, number of bent axes, nb, 6) loads as `wrench`, when the axis's stop bore most since then
-    lead: np.ndarray  # (m,) weight of the sample before in the mean over the time since then, by pieces; or UNCUT
+    lead: np.ndarray  # (m,) weight of the sample before in the mean over the time since then, by pieces; UNCUT; UNTOLD
     between: Between
 
     def thinned(self) -> "Output":

@@ -50,8 +50,8 @@ ELEVATION = "wave_elevation"
 END = 1 / 12  # see _ends
 FAINT = 0.05  # a wave below this share of the largest one is less than what others make a float do at its frequency
 INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that others are made of
-# Though loads jump.
-CONTINUOUS = "wave_elevation", "rotation", "motion", "pto_rate", "line_tension", "top_displacement", *INNER
+# Though loads jump; at a hard stop a rate does so between samples, too, and a parabola would go beyond either side.
+CONTINUOUS = "wave_elevation", "rotation", "motion", "line_tension", "top_displacement", STROKES
 NODES = np.arange(6)  # of the polynomial through the wave's samples around a piece
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
@@ -374,7 +374,7 @@ class Recorder:
     def _amend(self, kept: slice, channels: Mapping[str, np.ndarray], output: Output, samples: np.ndarray) -> None:
         """Where steps are cut, pieces tell the mean over the time between two samples in place of both's own mean."""
         between, first, before = output.between, kept.start, self.waves if self.last else samples[:0]
-        cut = np.flatnonzero(output.lead[kept] != UNCUT) + first
+        cut = np.flatnonzero(output.lead[kept] >= 0) + first
         cut = cut[int(not self.last and cut[:1].tolist() == [first]) :]  # whose start is in no block
         some = np.flatnonzero(np.isin(between.row[: between.number[0]], cut))
         if not some.size:

@@ -16,7 +16,7 @@ from solver.coupled import system as system_module
 from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
 from solver.coupled.pieces import _fill_memory, _sample, new_fine
-from solver.coupled.step import HITS, HOLDS, LOAD, RATE, Drive, _halfway, new_workspace
+from solver.coupled.step import HITS, HOLDS, LOAD, RATE, UNTOLD, Drive, _halfway, new_workspace
 from solver.coupled.system import blocks, energy_residual, prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -116,6 +116,36 @@ def test_statistics_of_hits_are_those_of_pieces(dt, seconds):
     assert hits == 4 and mean == approx(0, abs=2e-3 * hits * 2 * M / seconds)
     assert rms**2 == approx(hits * M**2 * np.sqrt(STIFF) * np.pi / 2 / seconds, rel=1e-3 * hits)
     assert [most, -least] == approx([M * np.sqrt(STIFF)] * 2, rel=0.02)
+
+
+@pytest.mark.parametrize(("dt", "gap"), [(0.4, 1.7), (0.13, 1.7), (0.4, 0.2)])
+def test_no_rate_at_hits_is_beyond_that_of_the_mass(dt, gap):
+    """Which bounces with ±V, whatever parabolas through samples on either side say; the last time with more hits than
+    there is room for their pieces."""
+    seconds, stops = 40 * dt, EndStops(lower=-gap / 2, upper=gap / 2, stiffness=100 * STIFF * M)
+    scene = mass(dt, seconds, end_stops=stops)
+    scene = replace(scene, settings=replace(scene.settings, outputs=("pto_stroke",)))
+    system = prepare(scene, None)
+    state, recorder = system.start(), Recorder(scene, None, layout=system.layout, bodies=system.bodies)
+    state.dz[0], told = 1.0, []
+    state.energy[AT_START] = energy(system.bodies, system.structure, state)
+    for samples, output, times in blocks(system, state, 40):
+        recorder.add(times, output, samples)
+        told.append(output.lead)
+    assert np.any(np.concatenate(told) == UNTOLD) == (gap < 1)
+    assert recorder.tables()["pto_rate"][0, 0, :2] == approx([1.0, -1.0], rel=2e-3)
+
+
+def test_rates_of_a_duck_on_hard_stops_are_those_of_short_steps():
+    whole, known = SCENES["duck"]()
+    floats = (replace(whole.floats[0], end_stops=EndStops(lower=-0.1, upper=0.1, stiffness=1e8)),)
+    settings = replace(whole.settings, duration=60.0, outputs=("pto_stroke",))
+    long, short = (
+        simulate(replace(whole, floats=floats, settings=replace(settings, time_step=dt)), known) for dt in (0.2, 0.05)
+    )
+    assert long.variables["end_stop_hits"][1] > 5
+    extremes = [record.variables["pto_rate"][1][0, 0, :2] for record in (long, short)]
+    assert extremes[0] == approx(extremes[1], rel=2e-3)
 
 
 @pytest.mark.parametrize("steps", [256.25, 256.75, 255.25])
