@@ -59,6 +59,12 @@ def between_samples(
     return max(_between(x, known.get(name), least.get(name, np.zeros(())), longer) for name, x in samples.items())
 
 
+def from_start(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float) -> float:
+    """The same of a record that begins at rest or as it is let go, half a step before the first of these samples."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return max(_from_start(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
+
+
 def of_every_other(samples: Mapping[str, np.ndarray], cut: Cut, coarse: Cut) -> dict[str, Cuts]:
     """What pieces make of the means over the time before every other sample, the second on, which is a step.
 
@@ -105,6 +111,26 @@ def _between(x: np.ndarray, cuts: Cuts | None, least: np.ndarray, longer: float)
     return float(np.max(errors, where=np.isfinite(errors), initial=0.0))
 
 
+def _from_start(x: np.ndarray, least: np.ndarray, longer: float) -> float:
+    """Means of v over a time T by samples h apart, none at its start, err by h/2 (v(T) - v(0))/T.
+
+    v(0): by the line through the first two; v(T), and all that follows these samples: as in the last of their PARTS.
+    """
+    count, last = len(x), np.array_split(np.arange(len(x)), min(PARTS, len(x)))[-1]
+    start = 2 * x[0] - x[min(1, count - 1)]
+
+    def of_record(v: np.ndarray) -> np.ndarray:
+        return (v[1:].mean(axis=0) + (longer - 1) * v[1 + last].mean(axis=0)) / longer
+
+    whole = np.concatenate([start[None], x]).reshape(1 + count, -1)
+    powers = _powers(whole, of_record(whole))
+    rms, std = (np.sqrt(of_record(v)) for v in powers[1:])
+    of_rms, of_std = _scales(rms, std, np.broadcast_to(least, x.shape[1:]).ravel())
+    sizes = np.array([of_rms, 2 * rms * of_rms, 2 * std * of_std])
+    errors = np.array([np.abs(v[1 + last].mean(axis=0) - v[0]) for v in powers]) / sizes / (2 * longer * count)
+    return float(np.max(errors, where=np.isfinite(errors), initial=0.0))
+
+
 def _powers(x: np.ndarray, mean: np.ndarray, cuts: Cuts | None = None) -> list[np.ndarray]:
     """Of samples (m, …) of channels what the mean and the squares of rms and std are the means of, (m, n)."""
     x = x.reshape(len(x), -1)
@@ -121,16 +147,22 @@ def _sizes(x: np.ndarray, y: np.ndarray, least: np.ndarray) -> tuple[np.ndarray,
     """ȳ (n,) and what differences of the means of `_powers` of x and y are to be divided by (3, n).
 
     They are then those of mean, rms and std, scaled as solver.statistics.apart does: 1, 2r and 2σ times the scale,
-    with r of y and σ the mean of x's and y's. least: sizes that count as zero, infinite of what is not to be judged;
-    what varies by FAINT² of itself, as a stress does under weight alone, does so by rounding.
+    with r of y and σ the mean of x's and y's.
     """
     least = np.broadcast_to(least, y.shape[1:]).ravel()
     x, y = x.reshape(len(x), -1), y.reshape(len(y), -1)
     mean, rms, std = y.mean(axis=0), np.sqrt(np.mean(y**2, axis=0)), y.std(axis=0)
-    of_rms, of_std = (np.maximum(s, np.maximum(FAINT * np.nanmax(s, initial=0.0), least)) for s in (rms, std))
-    of_std = np.maximum(of_std, FAINT**2 * of_rms)
+    of_rms, of_std = _scales(rms, std, least)
     both = np.sqrt(np.mean((x - mean) ** 2, axis=0)) + std
     return mean, np.array([of_rms, 2 * rms * of_rms, both * of_std])
+
+
+def _scales(rms: np.ndarray, std: np.ndarray, least: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What rms and std (n,) count as. least (n,): sizes that count as zero, infinite of what is not to be judged;
+    what varies by FAINT² of itself, as a stress does under weight alone, does so by rounding.
+    """
+    of_rms, of_std = (np.maximum(s, np.maximum(FAINT * np.nanmax(s, initial=0.0), least)) for s in (rms, std))
+    return of_rms, np.maximum(of_std, FAINT**2 * of_rms)
 
 
 def _expected(errors: list[np.ndarray], longer: float) -> float:

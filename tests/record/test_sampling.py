@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.record.sampling import Cuts, between_samples, expected_error, of_every_other
+from solver.record.sampling import Cuts, between_samples, expected_error, from_start, of_every_other
 
 NONE = np.zeros(())
 RNG = np.random.default_rng(3)
@@ -94,6 +94,28 @@ def test_what_jumps_between_samples_is_told_as_chance():
     assert np.all((true[:2] / told[:2] > 1 / 3) & (true[:2] / told[:2] < 3)), (true, told)
     assert told[2] < told[0] / 20
     assert between_samples({"x": fine[:: apart // 2]}, {}, 4.0) == approx(told[0] / 2)
+
+
+@pytest.mark.parametrize("damping", [0.02, 0.1])
+def test_what_is_let_go_before_the_first_sample_is_missed_by_half_a_gap(damping):
+    """x = 1 + exp(-δt) cos t has half a gap's too little of it; of a part of it, as of all that dies away."""
+    apart = 0.1
+    t = np.arange(apart, 200 + apart / 2, apart)
+    few, fine = ((1 + np.exp(-damping * t) * np.cos(t))[:, None] for t in (t, np.arange(1e-4, 200, 1e-4)))
+    true = 1 - few.std() / fine.std()
+    told = [from_start({"x": few[: len(few) // n]}, {}, n) for n in (1, 2)]
+    assert true > 1e-3 and np.all(np.abs(true / told - 1) < 0.3), (true, told)
+
+
+def test_a_start_is_forgotten_in_a_record_of_waves():
+    """Let go from five times the waves' height: the less the longer the record; of the waves alone there is next to
+    none."""
+    t = np.arange(0.1, 400, 0.1)
+    waves = np.sin(1.3 * t) + np.sin(0.9 * t)
+    both = (waves + 5 * np.exp(-0.1 * t) * np.cos(t))[:, None]
+    short, long = (from_start({"x": both}, {}, longer) for longer in (1.0, 100.0))
+    assert long < short / 50 and from_start({"x": waves[:, None]}, {}, 1.0) < 2e-4 < short / 3
+    assert from_start({"x": both}, {"x": np.array(np.inf)}, 1.0) == 0
 
 
 def pulses(spacing, record=400.0, every=0.01):
