@@ -164,10 +164,13 @@ def _force(rows: np.ndarray, periods: np.ndarray, headings: np.ndarray, turns: n
 
 
 def read_out(file: Attachment, density: float, _gravity: float) -> Given:
-    """The printed output, with length scale, depth and places of the bodies; phases are whole degrees there.
+    """The printed output, with length scale, depth, places of the bodies and the angles of their axes, to which all
+    numbers refer; phases are whole degrees there.
 
     It tells the water's density only where the run's force control file did; `density` stands for it elsewhere.
     """
+    from solver.hydrodynamics.bem.given import turned
+
     text = file.data.decode("latin-1")
     number = r"([-+0-9.Ee]+|infinite)"
     gravity, length, depth = (
@@ -176,10 +179,8 @@ def read_out(file: Attachment, density: float, _gravity: float) -> Given:
     )
     if told := re.search(f"Water density:\\s+{number}", text):
         density = float(told[1])
-    xyz = [
-        [float(v) for v in m]
-        for m in re.findall(rf"XBODY =\s*{number}\s+YBODY =\s*{number}\s+ZBODY =\s*{number}", text)
-    ]
+    place = rf"XBODY =\s*{number}\s+YBODY =\s*{number}\s+ZBODY =\s*{number}(?:\s+PHIBODY =\s*{number})?"
+    places = np.array([[float(v or 0) for v in found] for found in re.findall(place, text)])
     radiation, force = [], []
     for part in re.split(r"Wave period", text)[1:]:
         period = _period(part.splitlines()[0])
@@ -189,8 +190,9 @@ def read_out(file: Attachment, density: float, _gravity: float) -> Given:
     table = _Table(np.array(radiation), np.array(force), np.zeros((0, 3)), np.zeros((0, 7)))
     if not len(table.radiation) or not len(table.force):
         raise ValueError("has no added mass, or no exciting forces")
-    points = np.array(xyz) if xyz else None
-    return _given(file.name, table, density=density, gravity=gravity, length=length, depth=depth, points=points)
+    points = places[:, :3] if len(places) else None
+    given = _given(file.name, table, density=density, gravity=gravity, length=length, depth=depth, points=points)
+    return turned(given, np.radians(places[:, 3])) if len(places) else given
 
 
 def _found(text: str, pattern: str) -> str:

@@ -1,10 +1,14 @@
 """Coefficients that others computed, as a file has them."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from solver.hydrodynamics.bem.coefficients import DOFS
+
 KEY = "coefficients"  # of study files, under which they are refused
+ALONG = 1e-9  # what a turn by half a circle leaves of a motion across
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -26,3 +30,28 @@ class Given:
     depth: float | None = None
     density: float | None = None
     gravity: float | None = None
+
+
+def turned(given: Given, angles: Sequence[float]) -> Given:
+    """On the sea's axes what is told on each body's (nb,), turned in plan by an angle [rad]: X = T X', A = T A' Tᵀ.
+
+    ValueError where a file has but one of two motions that a turn mixes.
+    """
+    c, s = np.cos(angles), np.sin(angles)
+    own = np.array([6 * b + DOFS.index(dof) for b, dof in given.columns])
+    whole = np.eye(6 * len(c))
+    for i in (0, 3):
+        x, y = (np.arange(i + k, 6 * len(c), 6) for k in (0, 1))
+        whole[x, x], whole[x, y], whole[y, x], whole[y, y] = c, -s, s, c
+    if np.any(np.abs(np.delete(whole, own, axis=0)[:, own]) > ALONG):
+        raise ValueError("axes turned in plan need both of surge and sway, and of roll and pitch, or neither")
+    T, incident = whole[np.ix_(own, own)], given.froude_krylov
+    return replace(
+        given,
+        added_mass=T @ given.added_mass @ T.T,
+        radiation_damping=T @ given.radiation_damping @ T.T,
+        added_mass_inf=None if given.added_mass_inf is None else T @ given.added_mass_inf @ T.T,
+        excitation=given.excitation @ T.T,
+        froude_krylov=None if incident is None else incident @ T.T,
+        stiffness=None if given.stiffness is None else T @ given.stiffness @ T.T,
+    )

@@ -204,12 +204,23 @@ def wamit_files(folder, h, L=1.0):
     (folder / "pair.hst").write_text("\n".join(f"{i + 1} {j + 1} {C[i, j]:.6e}" for i in range(12) for j in range(12)))
 
 
-def wamit_out(path, h, L=2.0, water=""):
-    """The printed output for a length scale L, with the bodies' places; phases have decimals here."""
+def on_own_axes(h, angles):
+    """The same on axes of each body, turned in plan by its angle [deg]."""
+    turn = np.eye(12)
+    for at, angle in zip((0, 3, 6, 9), np.radians(angles).repeat(2), strict=True):
+        turn[at : at + 2, at : at + 2] = [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
+    matrices = {n: turn @ getattr(h, n) @ turn.T for n in ("added_mass", "radiation_damping", "added_mass_inf")}
+    return replace(h, **matrices, **{n: getattr(h, n) @ turn.T for n in ("diffraction", "froude_krylov")})
+
+
+def wamit_out(path, h, L=2.0, water="", angles=(0.0, 0.0), motions=range(1, 7)):
+    """The printed output for a length scale L, with the bodies' places and angles [deg]; phases have decimals here."""
     lines = [f" Gravity: {h.gravity}   Length scale: {L}", f" Water depth: {h.depth}   {water}"]
-    lines += [f" XBODY = {x} YBODY = {y} ZBODY = {z} PHIBODY = 0.0" for x, y, z in h.centres]
-    first, third = wamit_rows(h, L)
-    words = [line.split() for line in first], [line.split() for line in third]
+    for (x, y, z), angle in zip(h.centres, angles, strict=True):
+        lines.append(f" XBODY = {x} YBODY = {y} ZBODY = {z} PHIBODY = {angle}")
+    kept = {str(6 * b + i) for b in (0, 1) for i in motions}
+    first, third = ([line.split() for line in rows] for rows in wamit_rows(on_own_axes(h, angles), L))
+    words = [row for row in first if kept.issuperset(row[1:3])], [row for row in third if row[2] in kept]
     for period in dict.fromkeys(row[0] for row in words[0]):
         lines += [
             "",
@@ -256,6 +267,23 @@ def test_every_format_reads_back_what_was_written(ours, tmp_path):
     whole = Attachment.of("pair.1", json.dumps(texts).encode())
     close(reading.read(whole, RHO, G), ours, rel=1e-6)
     close(reading.read(attached(tmp_path / "told.out"), 1000.0, G), ours, rel=1e-6)
+
+
+@pytest.mark.parametrize("angles", [(22.9, 0.0), (0.0, 22.9), (-70.0, 149.0), (90.0, 180.0)])
+def test_wamits_bodies_may_have_axes_turned_in_plan(ours, tmp_path, angles):
+    rows = np.arange(0, 24, 6)
+    names = ("omega", "added_mass", "radiation_damping", "diffraction", "froude_krylov")
+    few = replace(ours, **{n: getattr(ours, n)[rows] for n in names})
+    path = tmp_path / "pair.out"
+    wamit_out(path, few, angles=angles)
+    close(reading.read(attached(path), RHO, G), few, rel=1e-6)
+    wamit_out(path, few, angles=angles, motions=(1, 2, 3))
+    force = (few.diffraction + few.froude_krylov)[::-1, [0, 1, 2, 6, 7, 8]]
+    forces = reading.read(attached(path), RHO, G).excitation[:, 0]
+    assert forces == pytest.approx(force, rel=0, abs=1e-6 * np.abs(force).max())
+    wamit_out(path, few, angles=angles, motions=(1, 3, 5))
+    with pytest.raises(InputError, match="turned in plan need both of surge and sway, and of roll and pitch"):
+        reading.read(attached(path), RHO, G)
 
 
 def test_points_of_a_capytaine_file_go_by_the_bodies_names(ours, tmp_path):
