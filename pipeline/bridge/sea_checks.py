@@ -139,8 +139,13 @@ def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]
 
 
 def _resolution(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
-    """Two waves can be told apart in a record that is as long as their beat, one from a mean in its period."""
-    spacing = _spacing(sea, study.waves) if study.record.rao else math.inf
+    """Two waves can be told apart in a record that is as long as their beat, one from a mean in its period.
+
+    The frequency domain analyses no record.
+    """
+    varied = (values for axis in study.varied for path, values in axis.keys.items() if path == "solver.method")
+    marched = "time" in {study.solver.method, *itertools.chain(*varied)}
+    spacing = _spacing(sea, study.waves) if study.record.rao and marched else math.inf
     beat = 2 * math.pi / spacing if spacing > 0 else math.inf
     if study.record.duration < beat:
         limit = f"must be >= {beat:.4g} s for record.rao, to tell the waves of {key} and a mean apart"

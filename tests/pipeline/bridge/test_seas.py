@@ -303,6 +303,21 @@ def test_waves_too_close_for_the_record_cannot_have_an_rao(study_with, tmp_path)
         study_with(regular, waves="[record]\nrao = true\nduration = 7.9")
 
 
+def test_an_rao_of_the_frequency_domain_needs_no_record_of_any_length(study_with):
+    """Where an axis has the time domain too, a record is analysed, which another axis may shorten."""
+    sea = "{ Hs = 1.0, Tp = 8.0 }"
+    waves = f'{BAND}\n[record]\nrao = true\nduration = 20.0\n[solver]\nmethod = "frequency"'
+    study_with(sea, waves=waves)
+    for name, keys in {
+        "method": {"solver.method": ["frequency", "time"], "solver.froude_krylov": ["linear", "linear"]},
+        "length": {"record.duration": [487.0, 485.0], "number": [1, 2]},
+    }.items():
+        sea += f"\n[[axes.together]]\nname = '{name}'\n" + "\n".join(f"'{k}' = {v}" for k, v in keys.items())
+    with pytest.raises(StudyError, match=r"record.duration = 485.0: must be >= 486.2 s for record.rao"):
+        study_with(sea, waves=waves)
+    study_with(sea.replace("485.0", "488.0"), waves=waves)
+
+
 def test_all_sea_states_have_an_occurrence_or_none(study_with):
     """A mean that left one out would be of other seas."""
     sea = "{{ Hs = 1.0, Tp = 8.0{} }}\n{} = {{ Hs = 1.5, Tp = 8.0 }}"
