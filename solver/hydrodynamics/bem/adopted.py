@@ -62,23 +62,34 @@ def adopted(
     floats = agreement.Floats(hulls, centres, tuple(names), sea)
     six, note = agreement.agreed(six, floats, expected)
     six = _about(six, centres)
-    agreement.require_moments(six, floats, expected)
+    doubt = agreement.require_moments(six, floats, expected)
     agreement.require_energy(six, floats)
-    infinite = _infinite(six, _scales(six, lengths), names)
+    six = replace(six, added_mass_inf=_infinite(six, _scales(six, lengths), names))
     index = np.array([6 * b + DOFS.index(d) for b in range(len(hulls)) for d in dofs])
-    both = np.ix_(index, index)
-    scattered = six.excitation[:, 0] - (expected if six.froude_krylov is None else six.froude_krylov[:, 0])
+    curves = _curves(six, expected, index)
     h = Hydrodynamics(
         omega=omega,
-        added_mass=_symmetric(six.added_mass)[:, index[:, None], index],
-        radiation_damping=_symmetric(six.radiation_damping)[:, index[:, None], index],
-        added_mass_inf=infinite[both],
-        diffraction=scattered[:, index],
+        **curves,
         froude_krylov=expected[:, index],
         settings=MappingProxyType({"method": f"from {given.name}", "note": note}),
         **at_rest(hulls, centres, dofs, sea),
     )
-    return replace(h, error=_between(h))
+    moved = _curves(_about(replace(six, points=centres - doubt), centres), expected, index)
+    error = {name: off + moved[name] - curves[name] for name, off in _between(h)._asdict().items()}
+    return replace(h, error=MeshError(**error))
+
+
+def _curves(six: Given, expected: np.ndarray, index: np.ndarray) -> dict[str, Any]:
+    """What a file gives of some columns (n,), of which errors are told."""
+    incident, infinite = six.froude_krylov, six.added_mass_inf
+    assert infinite is not None
+    scattered = six.excitation[:, 0] - (expected if incident is None else incident[:, 0])
+    return {
+        "added_mass": _symmetric(six.added_mass)[:, index[:, None], index],
+        "radiation_damping": _symmetric(six.radiation_damping)[:, index[:, None], index],
+        "added_mass_inf": infinite[np.ix_(index, index)],
+        "diffraction": scattered[:, index],
+    }
 
 
 def _between(h: Hydrodynamics) -> MeshError:

@@ -20,6 +20,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.incident import Sea
+from solver.hydrodynamics.bem.mean_hull import unit_motions
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.sea.dispersion import group_velocity
@@ -30,11 +31,15 @@ IN_PHASE = 0.5  # cosine of the phase, force-weighted: of less some convention i
 BETTER = 0.85  # of another convention that explains the difference
 # Turning the waves round turns the Froude-Krylov force into its conjugate, so that the two cannot be told apart.
 TIME = "is of the other sign of time, Re{X exp(+iωt)}, or of waves from the other side"
-PLACED, NEARLY = 0.05, 0.5  # of the hull's size: how far off the point of moments may seem to be, and that times (ka)²
-NEAR = 0.1  # of the force of long waves: how far off that told may be, and NEARLY √n of it times (ka)², of n bodies
+PLACED = 0.03  # of the hull's size: how far off the point of moments may seem to be,
+BENT = 0.1  # and that of the largest's times (ka)², and √n of both, of n bodies
+PLAIN = 0.25  # of that: as far off it may seem to be of right coefficients
+NEAR = 0.1  # of the force of long waves: how far off that told may be,
+NEARLY = 0.5  # and √n of it times (ka)², of n bodies
 ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
 DAMPED = 0.1  # of the largest damping: of less energy is not judged
 THIN = 0.05  # of the largest force: along less nothing is told of the point
+STILL = 1e-6  # of the largest motion through the hull's surface: less is none
 SAME_HULL = 0.1  # relative: heave stiffness, and the Froude-Krylov force where it is told
 
 
@@ -93,13 +98,14 @@ def require_energy(six: Given, floats: Floats) -> None:
 
 
 def _passing(six: Given, floats: Floats) -> np.ndarray:
-    """(B - iωA)u (nw, 6 nb), u the mean over the wetted hull of the water's velocity, weighted as the wall faces it."""
+    """(B - iωA)u (nw, 6 nb), u the hulls' motions that go through their wetted surfaces most as the water does."""
     u = np.zeros((len(six.omega), 6 * len(floats.hulls)), complex)
     for b, (hull, centre) in enumerate(zip(floats.hulls, floats.centres, strict=True)):
         points, areas = hull.surface_points()
-        weight = np.abs(areas)
-        velocity = np.array([floats.sea.wave(points + centre, w)[1] for w in six.omega])
-        u[:, 6 * b : 6 * b + 3] = np.sum(velocity * weight, axis=1) / weight.sum(axis=0)
+        normals = areas / np.sqrt(np.linalg.norm(areas, axis=1, keepdims=True))  # n √dS
+        motions = unit_motions(points, normals, np.zeros(len(points), int), np.zeros((1, 3)), DOFS)
+        flow = [np.sum(normals * floats.sea.wave(points + centre, w)[1], axis=1) for w in six.omega]
+        u[:, 6 * b : 6 * b + 6] = flow @ np.linalg.pinv(motions, rcond=STILL).T
     Z = six.radiation_damping - 1j * six.omega[:, None, None] * six.added_mass
     return np.einsum("wij,wj->wi", Z, u)
 
@@ -214,17 +220,28 @@ def _permuted(six: Given, order: tuple[int, ...]) -> Given:
     )
 
 
-def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> None:
-    """Refuse a Froude-Krylov force or moment, where it is told, that is not that on the hull; else see `_misplaced`."""
-    if six.froude_krylov is None:
-        exerted = expected + _passing(six, floats)
-        for b, name in enumerate(floats.names):
-            if (off := _misplaced(six, floats, exerted, b)) > 0:
-                text = f"wave moments on {name} are as about a point {off:.2g} m or more from the one told"
-                raise InputError(
-                    KEY, six.name, f"{text}; do moments refer to another point, or lengths have another unit?"
-                )
-        return
+def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> np.ndarray:
+    """How far each point of moments (nb, 3) [m] may be from the one told; refused where right files show no such place.
+
+    A Froude-Krylov force or moment, where it is told, is held against that on the hull, and leaves no doubt.
+    """
+    doubt = np.zeros((len(floats.names), 3))
+    if six.froude_krylov is not None:
+        _require_incident(six, floats, expected)
+        return doubt
+    exerted = expected + _passing(six, floats)
+    for b, name in enumerate(floats.names):
+        away, may = _place(six, floats, expected, exerted, b)
+        if (off := float(np.linalg.norm(away))) > may:
+            text = f"wave moments on {name} are as about a point {off:.2g} m or more from the one told"
+            raise InputError(KEY, six.name, f"{text}; do moments refer to another point, or lengths have another unit?")
+        doubt[b] = away * max(0.0, 1 - PLAIN * may / off) if off else 0.0
+    return doubt
+
+
+def _require_incident(six: Given, floats: Floats, expected: np.ndarray) -> None:
+    """Refuse a Froude-Krylov force or moment that is not that on the hull."""
+    assert six.froude_krylov is not None
     hulls, _, names, sea = floats
     radius = np.array([h.largest_radius for h in hulls])
     long = _long(sea.wavenumbers(six.omega) * radius.max())
@@ -241,21 +258,24 @@ def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> None:
         raise InputError(KEY, six.name, text + point)
 
 
-def _misplaced(six: Given, floats: Floats, exerted: np.ndarray, b: int) -> float:
-    """How far from the point told a body's wave moments are about, by its longest wave [m]; 0 where that may be none.
+def _place(six: Given, floats: Floats, expected: np.ndarray, exerted: np.ndarray, b: int) -> tuple[np.ndarray, float]:
+    """From where a body's wave moments are about to the point told (3,) [m], and how far that may be of right ones.
 
-    With M̂ of what long waves exert (nw, 6 nb), M - M̂ = d × F: what else moments are of goes with (ka)² of its size.
+    With M̂ of what long waves exert, by A and B of the file, M - M̂ = d × F of the incident wave alone: another point
+    shows in what the water passing exerts, too. Judged is the longest wave that pushes along enough to tell a height.
     """
-    hull, first = floats.hulls[b], int(np.argmin(six.omega))
-    six_of = slice(6 * b, 6 * b + 6)
-    told = six.excitation[first, 0, six_of]
-    away = told - exerted[first, six_of]
-    there = np.abs(six.excitation[:, 0, six_of]).max(axis=0)[3:] > 0  # a file may lack motions
-    cross = np.cross(np.eye(3), told[:3]).T[there]  # d × F = (e_i × F) d_i
-    rows, sides = (np.concatenate([part.real, part.imag]) for part in (cross, away[3:][there]))
-    off = float(np.linalg.norm(np.linalg.lstsq(rows, sides, rcond=THIN)[0])) if there.any() else 0.0
-    ka = floats.sea.wavenumber(six.omega[first]) * hull.size
-    return off if off > (PLACED + NEARLY * ka**2) * hull.size else 0.0
+    six_of, k = slice(6 * b, 6 * b + 6), floats.sea.wavenumbers(six.omega)
+    force, told = expected[:, six_of][:, :3], six.excitation[:, 0, six_of]
+    rows = np.flatnonzero(_long(k * max(h.largest_radius for h in floats.hulls)))
+    along = np.linalg.norm(force[:, :2], axis=1) > THIN * np.linalg.norm(force, axis=1)
+    row = next((i for i in rows if along[i]), rows[-1] if len(rows) else 0)
+    away, there = (told - exerted[:, six_of])[row, 3:], np.abs(told).max(axis=0)[3:] > 0  # a file may lack motions
+    cross = np.cross(np.eye(3), force[row]).T[there]  # d × F = (e_i × F) d_i
+    matrix, sides = (np.concatenate([part.real, part.imag]) for part in (cross, away[there]))
+    place = np.linalg.lstsq(matrix, sides, rcond=THIN)[0] if there.any() else np.zeros(3)
+    largest = max(h.size for h in floats.hulls)
+    may = PLACED * floats.hulls[b].size + BENT * (k[row] * largest) ** 2 * largest
+    return place, float(np.sqrt(len(floats.hulls)) * may)
 
 
 def _require_stiffness(six: Given, floats: Floats) -> None:

@@ -10,6 +10,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.adopted import adopted, require_covered
 from solver.hydrodynamics.bem.given import Given
+from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.infinite import infinite_added_mass
 from tests.once import solve
@@ -101,12 +102,12 @@ def test_the_order_of_frequencies_and_named_bodies_does_not_matter():
 
 def about(h, points):
     """Coefficients with moments and rotations about other points, from velocities: of the centre v + ω × (c - p)."""
-    T = np.eye(12)
+    T = np.eye(6 * len(points))
     for b, point in enumerate(points):
         for j, spin in enumerate(np.eye(3)):
             T[6 * b : 6 * b + 3, 6 * b + 3 + j] = np.cross(spin, h.centres[b] - point)
     matrices = {n: T.T @ getattr(h, n) @ T for n in ("added_mass", "radiation_damping", "added_mass_inf")}
-    return told(**matrices, excitation=told().excitation @ T, points=np.array(points))
+    return told(h, **matrices, excitation=told(h).excitation @ T, points=np.array(points))
 
 
 def test_moments_about_a_point_that_the_file_tells_are_carried_over():
@@ -186,7 +187,7 @@ def test_every_other_convention_is_named():
     refused(told(excitation=-force), match="opposite sign")
     refused(told(excitation=1j * force), match="quarter of a period")
     refused(shuffled(h), match="bodies in another order: rear, front")
-    refused(told(excitation=force * 8), match="heave force on front at .* times")
+    refused(told(excitation=force * 8), match="force on .* is 8 times")
     refused(told(radiation_damping=-h.radiation_damping), match="damping is negative at")
     refused(
         told(radiation_damping=2 * np.pi * h.radiation_damping), match="other units of force, added mass or damping"
@@ -311,3 +312,23 @@ def test_moments_about_another_point_than_told_are_seen_by_long_waves_alone():
         refused(
             told(points=CENTRES + shift), match="wave moments on .* as about a point .* m or more from the one told"
         )
+
+
+def test_where_moments_are_about_is_told_by_long_waves_or_is_in_the_error():
+    """A box's, about its centre of gravity; what is seen of another point is as far as it is."""
+    one = {"hulls": (box(length=4.0, width=2.0, height=1.6, draft=1.0),), "centres": np.zeros((1, 3)), "names": "a"}
+    h = solve(*list(one.values())[:2], **SEA, omega=np.linspace(0.4, 3.0, 14), planar=False, panels=216)
+
+    def untold(z):
+        return replace(about(h, [[0.0, 0.0, z]]), points=None)
+
+    right = taken(untold(0.0), **one, **SEA)
+    sure = taken(told(h, froude_krylov=h.froude_krylov[:, None]), **one, **SEA)
+    assert right.error.diffraction == pytest.approx(sure.error.diffraction)
+    for z in (-0.2, 0.4):
+        refused(untold(z), match=f"a point {abs(z)} m or more", **one, **SEA)
+    near = taken(untold(-0.06), **one, **SEA)
+    for dof in (3, 4):
+        off = near.diffraction[:3, dof] - right.diffraction[:3, dof]
+        told_of = (near.error.diffraction - right.error.diffraction)[:3, dof]
+        assert np.all((-told_of / off).real > 0.5) and np.all((-told_of / off).real < 1.0)
