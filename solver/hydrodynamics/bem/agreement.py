@@ -18,7 +18,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS
-from solver.hydrodynamics.bem.given import KEY, Given
+from solver.hydrodynamics.bem.given import KEY, Given, turned
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import unit_motions
 from solver.hydrodynamics.hull.mesh import Hull
@@ -38,6 +38,7 @@ NEAR = 0.1  # of the force of long waves: how far off that told may be,
 NEARLY = 0.5  # and √n of it times (ka)², of n bodies
 ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
 DAMPED = 0.1  # of the largest damping: of less energy is not judged
+TURNS = 6  # rounds until angles agree with the added mass that they turn
 THIN = 0.05  # of the largest force: along less nothing is told of the point
 STILL = 1e-6  # of the largest motion through the hull's surface: less is none
 SAME_HULL = 0.1  # relative: heave stiffness, and the Froude-Krylov force where it is told
@@ -70,8 +71,8 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str
         moved = _moved(six, floats, k)
         if len(floats.hulls) > 1 or _off(moved.excitation[long, 0], fits, k[long], floats)[0] > 1:
             other = _cosine(told, fits, columns) < IN_PHASE
-            text = _misfit(six, floats, expected, long) if other else _unlike(six, told, fits, where, long, floats)
-            raise InputError(KEY, six.name, text)
+            text = _misfit(six, floats, expected, long) if other else _turn(six, floats, expected, long)
+            raise InputError(KEY, six.name, text or _unlike(six, told, fits, where, long, floats))
         x, y, _ = floats.centres[0]
         return moved, f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"
     return six, ""
@@ -142,10 +143,12 @@ def _off(told: np.ndarray, fits: np.ndarray, k: np.ndarray, floats: Floats) -> t
     """How far a force (nw, 6 nb) is from that of long waves, over how far it may be, and where most: row, column.
 
     The largest body counts, and how many there are: what they scatter reaches the others. Forces that are small on
-    their body are not judged.
+    their body are judged beside the others in plan, or all: a turn makes one of another.
     """
     away, size = (np.abs(x).reshape(len(k), -1, 6)[..., :3] for x in (told - fits, fits))
-    judged = (size > FELT * size.max(axis=2, keepdims=True)) & (np.abs(told).max(axis=0).reshape(1, -1, 6)[..., :3] > 0)
+    largest, level = size.max(axis=2, keepdims=True), np.linalg.norm(size[..., :2], axis=2, keepdims=True)
+    size = np.where(size > FELT * largest, size, np.concatenate([level, level, largest], axis=2))
+    judged = (size > FELT * largest) & (np.abs(told).max(axis=0).reshape(1, -1, 6)[..., :3] > 0)
     may = NEAR + NEARLY * np.sqrt(len(floats.hulls)) * (k * max(h.size for h in floats.hulls)) ** 2
     off = np.where(judged, away / np.where(judged, size, 1.0), 0.0) / may[:, None, None]
     row, b, d = np.unravel_index(off.argmax(), off.shape)
@@ -156,12 +159,42 @@ def _unlike(
     six: Given, told: np.ndarray, fits: np.ndarray, where: tuple[int, int], long: np.ndarray, floats: Floats
 ) -> str:
     """What a force is that no other convention explains."""
-    ratio, column = told[where] / fits[where], where[1]
+    column, largest = where[1], np.abs(fits[where[0], where[1] // 6 * 6 :][:3]).max()
     text = f"{DOFS[column % 6]} force on {floats.names[column // 6]} at {six.omega[long][where[0]]:.4g} rad/s"
-    phase = abs(np.degrees(np.angle(ratio)))
-    text += f" is {abs(ratio):.3g} times what long waves exert on its hull, {phase:.0f} degrees of phase from it"
+    if abs(fits[where]) > FELT * largest:
+        ratio = told[where] / fits[where]
+        phase = abs(np.degrees(np.angle(ratio)))
+        text += f" is {abs(ratio):.3g} times what long waves exert on its hull, {phase:.0f} degrees of phase from it"
+    else:
+        text += f" is {abs(told[where]):.3g} N/m, of long waves on its hull {abs(fits[where]):.3g}"
     asked = "other units of force, added mass or damping, a length scale other than 1 m"
-    return f"{text}: {asked}, another place, or one wave's force alone?"
+    return f"{text}: {asked}, another place or axes, or one wave's force alone?"
+
+
+def _turn(six: Given, floats: Floats, expected: np.ndarray, long: np.ndarray) -> str:
+    """By which turns of each body's axes in plan a force would fit, in words; empty where by none.
+
+    The angle of least squares is that of Σ X' × X over Σ X' · X, of forces X' told; X goes by turned A and B.
+    """
+    angles, k = np.zeros(len(floats.names)), floats.sea.wavenumbers(six.omega)[long]
+    for _ in range(TURNS):
+        told, fits = _on_axes(six, floats, expected, angles)
+        x, y = (told[long, i::6].conj() for i in (0, 1))
+        across = x * fits[long, 1::6] - y * fits[long, ::6]
+        along = x * fits[long, ::6] + y * fits[long, 1::6]
+        angles += np.arctan2(across.sum(axis=0).real, along.sum(axis=0).real)
+    told, fits = _on_axes(six, floats, expected, angles)
+    if _off(told[long], fits[long], k, floats)[0] > 1:
+        return ""
+    whole = (np.degrees(angles) + 180) % 360 - 180  # sums of several turns
+    each = ", ".join(f"{round(angle)} of {name}" for angle, name in zip(whole, floats.names, strict=True))
+    return f"wave force is on axes turned in plan, by degrees {each}: WAMIT's .out tells of them as PHIBODY"
+
+
+def _on_axes(six: Given, floats: Floats, expected: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The force and that of long waves (nw, 6 nb), were a file's axes turned by these angles."""
+    other = turned(six, angles)
+    return other.excitation[:, 0], expected + _passing(other, floats)
 
 
 def _cosine(told: np.ndarray, expected: np.ndarray, columns: np.ndarray) -> float:
@@ -193,6 +226,8 @@ def _misfit(six: Given, floats: Floats, expected: np.ndarray, long: np.ndarray) 
     best, text = max(tries, key=lambda scored: scored[0])
     if best >= BETTER:
         return f"wave force {text}"
+    if text := _turn(six, floats, expected, long):
+        return text
     each = [_cosine(told, fits, np.array([c])) for c in columns]
     worst = int(columns[int(np.argmin(each))])
     text = f"wave force on {names[worst // 6]} in {DOFS[worst % 6]} is out of phase with what long waves exert on"

@@ -1,6 +1,5 @@
 """Coefficients that others computed, as a file has them."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,7 +31,7 @@ class Given:
     gravity: float | None = None
 
 
-def turned(given: Given, angles: Sequence[float]) -> Given:
+def turned(given: Given, angles: np.ndarray) -> Given:
     """On the sea's axes what is told on each body's (nb,), turned in plan by an angle [rad]: X = T X', A = T A' Tᵀ.
 
     ValueError where a file has but one of two motions that a turn mixes.

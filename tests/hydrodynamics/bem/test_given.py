@@ -9,7 +9,7 @@ import pytest
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.adopted import adopted, require_covered
-from solver.hydrodynamics.bem.given import Given
+from solver.hydrodynamics.bem.given import Given, turned
 from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.infinite import infinite_added_mass
@@ -236,6 +236,27 @@ def test_a_body_that_is_elsewhere_is_refused_or_brought_there():
     same(brought, h)
     away = {"centres": CENTRES - [[2.0, 0.0, 0.0], [0.0, 0.0, 0.0]]}
     refused(told(), match="degrees of phase from it: .* another place", **away)
+
+
+SQUARE = box(length=2.0, width=2.0, height=3.0, draft=2.0)
+TWO = {"hulls": (SQUARE, SQUARE), "centres": np.array([[0.0, 0.0, 0.0], [7.0, 0.0, 0.0]]), "names": NAMES}
+LEVEL = SEA | {"heading": 0.0}
+
+
+@pytest.mark.parametrize("angles", [(23, 0), (0, -40), (130, 0), (65, -110)])
+def test_axes_turned_in_plan_are_named(angles):
+    """Of two square boxes in waves along x, where a turn of either makes a force across of none."""
+    hulls, centres, _ = TWO.values()
+    h = solve(hulls, centres, **LEVEL, omega=np.linspace(0.6, 2.0, 8), planar=False, panels=216)
+    given = told(h)
+    taken(given, **TWO, **LEVEL)
+    named = rf"axes turned in plan, by degrees {angles[0]} of front, {angles[1]} of rear"
+    refused(turned(given, -np.radians(angles)), match=named, **TWO, **LEVEL)
+    across = given.excitation.copy()
+    across[..., 1] = 0.4 * across[..., 0]
+    refused(
+        replace(given, excitation=across), match="sway force on front at .* of long waves on its hull", **TWO, **LEVEL
+    )
 
 
 def test_negative_damping_at_few_or_high_frequencies_may_be_an_irregular_one():
