@@ -194,10 +194,13 @@ def require_stable(system: System) -> None:
     value, shape = np.linalg.eigh(K)
     if value[0] < UNSTABLE * np.abs(value).max():
         moves = np.abs(shape[:, 0]) >= MOVES * np.abs(shape[:, 0]).max()
-        names = ", ".join(name for name, moved in zip(_joints(system.scene), moves, strict=True) if moved)
+        names = [name for name, moved in zip(_joints(system.scene), moves, strict=True) if moved]
+        stiffness = f"{value[0]:.3g} N per metre of motion"
+        if len(names) == 1 and not slides(names[0].rpartition(" ")[2]):
+            stiffness = f"{value[0] * sizes[moves][0] ** 2:.3g} N m/rad"
         raise SimulationFailed(
-            f"the equilibrium in still water is unstable: {names} falls away with a stiffness of {value[0]:.3g} N per"
-            " metre of motion; lower the centre of gravity (cog), or hold it by stiffness"
+            f"the equilibrium in still water is unstable: {', '.join(names)} falls away with a stiffness of"
+            f" {stiffness}; lower the centre of gravity (cog), or hold it by stiffness"
         )
 
 

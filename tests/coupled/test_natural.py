@@ -158,8 +158,11 @@ def test_a_barge_with_its_weight_too_high_is_refused(pressure):
         replace(scene([item]), settings=replace(scene([item]).settings, froude_krylov=pressure)) for item in barges
     )
     require_stable(prepare(stable, known))
-    with pytest.raises(SimulationFailed, match="equilibrium in still water is unstable: barge pitch falls away"):
+    match = r"equilibrium in still water is unstable: barge pitch falls away with a stiffness of \S+ N m/rad"
+    with pytest.raises(SimulationFailed, match=match) as caught:
         require_stable(prepare(unstable, known))
+    told = float(str(caught.value).partition("stiffness of ")[2].split()[0])
+    assert told == approx(-0.05 * h.density * h.gravity * hull.volume, rel=5e-3)  # of three digits
 
 
 @pytest.mark.parametrize("name", ["duck", "soft_mooring", "unequal_legs"])
