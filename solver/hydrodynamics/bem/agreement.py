@@ -11,7 +11,7 @@ half of that along the waves, v their group velocity.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import permutations
+from itertools import combinations, permutations
 from typing import NamedTuple
 
 import numpy as np
@@ -31,10 +31,11 @@ IN_PHASE = 0.5  # cosine of the phase, force-weighted: of less some convention i
 BETTER = 0.85  # of another convention that explains the difference
 # Turning the waves round turns the Froude-Krylov force into its conjugate, so that the two cannot be told apart.
 TIME = "is of the other sign of time, Re{X exp(+iωt)}, or of waves from the other side"
-PLACED = 0.03  # of the hull's size: how far off the point of moments may seem to be,
-BENT = 0.1  # and that of the largest's times (ka)², and √n of both, of n bodies
-PLAIN = 0.25  # of that: as far off it may seem to be of right coefficients
+PLACED = 0.045  # of the hull's size: how far off the point of moments may seem to be,
+BENT = 0.15  # and that of the largest's times (ka)², and √n of both, of n bodies
+PLAIN = 0.17  # of that: as far off it may seem to be of right coefficients
 NEAR = 0.1  # of the force of long waves: how far off that told may be,
+BESIDE = 0.5  # see _near
 NEARLY = 0.5  # and √n of it times (ka)², of n bodies
 ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
 DAMPED = 0.1  # of the largest damping: of less energy is not judged
@@ -142,17 +143,29 @@ def _felt(expected: np.ndarray) -> np.ndarray:
 def _off(told: np.ndarray, fits: np.ndarray, k: np.ndarray, floats: Floats) -> tuple[float, tuple[int, int]]:
     """How far a force (nw, 6 nb) is from that of long waves, over how far it may be, and where most: row, column.
 
-    The largest body counts, and how many there are: what they scatter reaches the others. Forces that are small on
-    their body are judged beside the others in plan, or all: a turn makes one of another.
+    The largest body counts, and how many there are: what they scatter reaches the others, and of two that are near each
+    other each takes of the other's share. Forces that are small on their body are judged beside the others in plan, or
+    all: a turn makes one of another. Waves that are long beside the radii may be short beside a draft.
     """
+    hulls, centres, _, _ = floats
+    ka = k * max(h.size for h in hulls)
     away, size = (np.abs(x).reshape(len(k), -1, 6)[..., :3] for x in (told - fits, fits))
     largest, level = size.max(axis=2, keepdims=True), np.linalg.norm(size[..., :2], axis=2, keepdims=True)
     size = np.where(size > FELT * largest, size, np.concatenate([level, level, largest], axis=2))
     judged = (size > FELT * largest) & (np.abs(told).max(axis=0).reshape(1, -1, 6)[..., :3] > 0)
-    may = NEAR + NEARLY * np.sqrt(len(floats.hulls)) * (k * max(h.size for h in floats.hulls)) ** 2
+    judged &= (ka <= max(LONG, ka.min()))[:, None, None]
+    may = (1 + _near(hulls, centres)) * (NEAR + NEARLY * np.sqrt(len(hulls)) * ka**2)
     off = np.where(judged, away / np.where(judged, size, 1.0), 0.0) / may[:, None, None]
     row, b, d = np.unravel_index(off.argmax(), off.shape)
     return float(off[row, b, d]), (int(row), int(6 * b + d))
+
+
+def _near(hulls: tuple[Hull, ...], centres: np.ndarray) -> bool:
+    """Whether circles about two bodies, in plan, are nearer than BESIDE of the smaller one's radius, or cross."""
+    pairs = combinations(zip(hulls, centres, strict=True), 2)
+    apart = [np.linalg.norm((at - to)[:2]) - a.largest_radius - b.largest_radius for (a, at), (b, to) in pairs]
+    radii = [min(a.largest_radius, b.largest_radius) for a, b in combinations(hulls, 2)]
+    return any(gap < BESIDE * radius for gap, radius in zip(apart, radii, strict=True))
 
 
 def _unlike(

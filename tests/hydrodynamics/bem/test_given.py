@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from solver.errors import InputError
-from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem import agreement, bem
 from solver.hydrodynamics.bem.adopted import adopted, require_covered
 from solver.hydrodynamics.bem.given import Given, turned
+from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.ring import ring
 from solver.hydrodynamics.radiation.infinite import infinite_added_mass
 from tests.once import solve
 
@@ -353,3 +355,19 @@ def test_where_moments_are_about_is_told_by_long_waves_or_is_in_the_error():
         off = near.diffraction[:3, dof] - right.diffraction[:3, dof]
         told_of = (near.error.diffraction - right.error.diffraction)[:3, dof]
         assert np.all((-told_of / off).real > 0.5) and np.all((-told_of / off).real < 1.0)
+
+
+@pytest.mark.parametrize("count", [5, 12])
+def test_a_float_about_a_spar_with_a_plate_is_known(count):
+    """Of a deep body waves that are long beside its radius are short, and each takes of the other's force along."""
+    spar = Revolution.profile([(0, -35.0), (15.0, -35.0), (15.0, -34.0), (3.0, -34.0), (3.0, 5.0), (0, 5.0)])
+    hulls, at = (ring(((3.4, -3.0), (10.0, -2.0), (10.0, 2.0), (3.4, 2.0))), spar), np.zeros((2, 3))
+    omega, water = np.linspace(0.2, 0.7, count), {"depth": np.inf, "heading": 0.3}
+    right = solve(hulls, at, **water, omega=omega, planar=False, panels=216)
+    floats = agreement.Floats(hulls, at, ("float", "spar"), Sea(density=1025.0, gravity=9.81, **water))
+    given = told(right, points=at)
+    agreement.agreed(given, floats, right.froude_krylov)
+    assert not agreement.require_moments(given, floats, right.froude_krylov).any()
+    for factor in (0.5, 1.7):
+        with pytest.raises(InputError, match="times what long waves"):
+            agreement.agreed(replace(given, excitation=factor * given.excitation), floats, right.froude_krylov)
