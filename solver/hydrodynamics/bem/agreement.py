@@ -145,7 +145,7 @@ def _off(told: np.ndarray, fits: np.ndarray, k: np.ndarray, floats: Floats) -> t
 
     The largest body counts, and how many there are: what they scatter reaches the others, and of two that are near each
     other each takes of the other's share. Forces that are small on their body are judged beside the others in plan, or
-    all: a turn makes one of another. Waves that are long beside the radii may be short beside a draft.
+    all: a turn makes one of another.
     """
     hulls, centres, _, _ = floats
     ka = k * max(h.size for h in hulls)
@@ -153,7 +153,6 @@ def _off(told: np.ndarray, fits: np.ndarray, k: np.ndarray, floats: Floats) -> t
     largest, level = size.max(axis=2, keepdims=True), np.linalg.norm(size[..., :2], axis=2, keepdims=True)
     size = np.where(size > FELT * largest, size, np.concatenate([level, level, largest], axis=2))
     judged = (size > FELT * largest) & (np.abs(told).max(axis=0).reshape(1, -1, 6)[..., :3] > 0)
-    judged &= (ka <= max(LONG, ka.min()))[:, None, None]
     may = (1 + _near(hulls, centres)) * (NEAR + NEARLY * np.sqrt(len(hulls)) * ka**2)
     off = np.where(judged, away / np.where(judged, size, 1.0), 0.0) / may[:, None, None]
     row, b, d = np.unravel_index(off.argmax(), off.shape)

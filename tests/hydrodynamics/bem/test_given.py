@@ -359,7 +359,7 @@ def test_where_moments_are_about_is_told_by_long_waves_or_is_in_the_error():
 
 @pytest.mark.parametrize("count", [5, 12])
 def test_a_float_about_a_spar_with_a_plate_is_known(count):
-    """Of a deep body waves that are long beside its radius are short, and each takes of the other's force along."""
+    """Near each other each takes of the other's force along."""
     spar = Revolution.profile([(0, -35.0), (15.0, -35.0), (15.0, -34.0), (3.0, -34.0), (3.0, 5.0), (0, 5.0)])
     hulls, at = (ring(((3.4, -3.0), (10.0, -2.0), (10.0, 2.0), (3.4, 2.0))), spar), np.zeros((2, 3))
     omega, water = np.linspace(0.2, 0.7, count), {"depth": np.inf, "heading": 0.3}
