@@ -44,7 +44,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
         hydrodynamics = coefficients(scene)
     scene = with_critical_damping(scene, hydrodynamics)
     finer: Better = _content
-    if scene.settings.tolerance is not None:
+    if scene.settings.tolerance is not None and scene.settings.method == "time":
         scene, finer = replace(scene, settings=first_guess(scene)), refined
     elif scene.settings.time_step is None:
         finer = shortened

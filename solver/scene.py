@@ -557,7 +557,7 @@ class Settings:
     tolerance: Annotated[
         float | None,
         Quantity(least=1e-6, most=0.1),
-        "Relative error asked of every mean, rms and std; given, it chooses the knobs from time_step on",
+        "Relative error asked of every mean, rms and std; it chooses panels and, marching, the knobs from time_step on",
     ] = None
 
     def __post_init__(self) -> None:
@@ -579,8 +579,6 @@ class Settings:
             yield InputError("settings.keep_series", self.keep_series, needs.format("to be left out"))
         if self.paths.formulation == "augmented":
             yield InputError("settings.formulation", "augmented", needs.format('"minimal", and accuracy "standard"'))
-        if self.tolerance is not None:
-            yield InputError("settings.tolerance", self.tolerance, needs.format("to be left out"))
         if "utilisation" in self.outputs:
             yield InputError("settings.outputs", "utilisation", 'needs method = "time": it is not linear')
         if "fatigue" in self.outputs and self.fatigue.mean_stress != "none":

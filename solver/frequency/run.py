@@ -12,7 +12,7 @@ from solver.frequency.case import Case, case_of
 from solver.frequency.response import Response, respond_in
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import bent
-from solver.record.audit import left_out_effect, together
+from solver.record.audit import left_out_effect, together, unmet
 from solver.record.bound import above
 from solver.record.elements import elements_effect
 from solver.record.recorder import ELEVATION, Labelled, Record, bound
@@ -47,15 +47,16 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         bound(tables, scene, channels, joint_law(scene.floats), fastest)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
     elements = elements_effect(scene, hydrodynamics, support)
+    error = together((mesh, shapes, elements))
     attrs: dict[str, float | str] = {
-        "estimated_error": together((mesh, shapes, elements)),
+        "estimated_error": error,
         "mesh_effect": mesh,
         "shapes_effect": shapes,
         "elements_effect": elements,
         **coefficient_errors(hydrodynamics),
         "drag_rounds": response.rounds,
         "buckling_factor": support.buckling_factor if support else np.inf,
-        "unmet": "",
+        "unmet": "; ".join(unmet(scene.settings, None, error)),
         "skipped": "; ".join(
             [
                 f"time: a linear model in the frequency domain has no {LEFT_OUT}",

@@ -427,12 +427,19 @@ def test_spectra_of_a_linear_march_are_those_of_the_lines():
             'formulation = augmented: needs "minimal", and accuracy "standard" with method',
         ),
         ({"accuracy": "reference"}, 'formulation = augmented: needs "minimal", and accuracy "standard" with method'),
-        ({"tolerance": 1e-3}, "tolerance = 0.001: needs to be left out with method"),
     ],
 )
 def test_what_no_linear_response_gives_is_refused(changes, message):
     with pytest.raises(InputError, match=message):
         Settings(**({"method": "frequency", "froude_krylov": "linear"} | changes))
+
+
+def test_a_tolerance_is_met_or_said_not_to_be():
+    item, h = SCENES["duck"]()
+    loose, strict = (linear(item, method="frequency", tolerance=asked) for asked in (0.1, 1e-6))
+    told = [simulate(each, h).attrs for each in (loose, strict)]
+    assert told[0]["unmet"] == "" and told[0]["estimated_error"] < 0.1
+    assert told[1]["unmet"].startswith("tolerance = 1e-06: the estimated error is")
 
 
 def test_still_water_has_no_response():
