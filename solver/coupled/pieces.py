@@ -20,7 +20,8 @@ a hit is shorter than that.
 Where a load jumps, all modes of an elastic platform ring, and those that a piece does not follow move the axis as no
 polynomial tells: it would be caught while it moves, let go at another load, and damped by what Simpson's rule does not
 see. From then on pieces are halved until they keep the energy balance and end where the law changes, and grow as far
-as they keep it.
+as they keep it. Where a load only bends, the piece that ends there is halved if it would make it jump; and any piece
+for which Newton's method fails, as from an acceleration that lasts microseconds.
 """
 
 from typing import Any, NamedTuple

@@ -96,9 +96,11 @@ def halving(hull: PanelHull, count: int) -> Halving:
     sizes = np.minimum(sizes, max(sizes[0], hull.waterplane_width / ACROSS_BOTTOM))
     made = [surface.split(hull.wetted, size) for size in sizes]
     best = np.argmin(np.abs(np.log(np.divide([len(panels) for panels in made], count))))
-    return Halving(float(sizes[best]), len(narrowed(made[best], *hull.edges)) <= 4 * count)
+    most, even = 4 * count, made[best]
+    return Halving(float(sizes[best]), len(even) <= most and len(narrowed(even, *hull.edges)) <= most)
 
 
+@lru_cache(maxsize=64)
 def halved_count(hull: PanelHull, count: int) -> int:
     """How many panels `panels` makes of a mesh that is not divided further."""
     return len(panels(hull, count)[1])
