@@ -559,6 +559,11 @@ def absorbing(law: JointLaw) -> np.ndarray:
     return (law.pto_damping > 0) | (law.coulomb > 0) | tabled(law)
 
 
+def taking(law: JointLaw) -> np.ndarray:
+    """Which axes have a power take-off, be it a spring alone (n,)."""
+    return absorbing(law) | (law.pto_stiffness != 0)
+
+
 def tabled(law: JointLaw) -> np.ndarray:
     """Which axes have a power take-off by a table (n,)."""
     return law.tables.first[1:] > law.tables.first[:-1]

@@ -18,7 +18,7 @@ from solver.coupled.system import System, blocks, prepare
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
 from solver.keys import shared
-from solver.multibody.joint_law import JointLaw, absorbing
+from solver.multibody.joint_law import JointLaw, absorbing, taking
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
 from solver.record.elements import elements_effect
 from solver.record.recorder import Channels, Recorder
@@ -279,7 +279,7 @@ def least_sizes(system: System, stds: Mapping[str, np.ndarray]) -> dict[str, np.
 def _working(system: System, channels: Channels, moves: np.ndarray) -> np.ndarray:
     """Whether any axis (nb, …) with a power take-off moves, of each float (nb,)."""
     law = assembly.joint_law(system.scene.floats)
-    taken = channels.by_axis((absorbing(law) | (law.pto_stiffness != 0))[None].astype(float))[0] == 1
+    taken = channels.by_axis(taking(law)[None].astype(float))[0] == 1
     return np.any(taken & moves.reshape(taken.shape), axis=1)
 
 
