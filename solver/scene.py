@@ -306,7 +306,7 @@ def _fits(value: PerAxis, usual: float, axes: int) -> bool:
     """Whether there is a number for each axis; one that says nothing does for all."""
     if isinstance(value, (float, int)):
         return axes == 1 or value == usual
-    return len(value) == axes or all(v == usual for v in value)
+    return np.size(value) == axes or not np.any(np.asarray(value) != usual)
 
 
 def _of_joints(inputs: type, table: str = "") -> dict[str, float]:

@@ -4,7 +4,7 @@ The mirror planes, the systems and the forces are ours, so that every right-hand
 shares one factorization, and parts that a symmetry makes zero are never solved. Conventions: see `coefficients`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from types import MappingProxyType
@@ -218,9 +218,14 @@ class Problem:
         return orders(self.seas[0].wavenumber(self.omega[-1]), float(away.max()))
 
     @cached_property
+    def meshing(self) -> "Meshing":
+        """Of the hulls."""
+        return _meshing(self.hulls, self.centres, self.counts)
+
+    @property
     def divisions(self) -> tuple[int, ...]:
         """Of the base mesh, to solve for."""
-        return _divisions(self.hulls, self.centres, self.counts)
+        return self.meshing.divisions
 
     @cached_property
     def base(self) -> tuple[int, ...]:
@@ -278,7 +283,7 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
     edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
     body = np.repeat(np.arange(len(hulls)), len(problem.dofs))
     plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
-    share = TWO_MESHES if plates else _of_edges(problem.meshed, problem.base)
+    share = TWO_MESHES if plates else _of_edges(problem.meshed, problem.base, narrow=problem.meshing.narrow)
     (impedance, impedance_inf, diffraction, far), left = _extrapolated(
         solutions, divisions, edged, (lengths, body), share
     )
@@ -355,24 +360,27 @@ class _Mesh:
         *,
         lids: bool,
         gap_width: float = 0.0,
+        narrow: bool = True,
     ) -> "_Mesh":
         """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count of each, refine: see mesh.panels.
 
-        Hulls that stand on the seabed, in `depth` [m], have no panels there. gap_width: of gaps with damping lids [m].
+        Hulls that stand on the seabed, in `depth` [m], have no panels there. gap_width: of gaps with damping lids [m];
+        narrow: see mesh.panels.
         """
         origin, mirrors = meshes.mirror_planes(hulls, centres)
         # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
-        makers = [(meshes.panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
+        hull_panels: Callable[..., tuple[np.ndarray, np.ndarray]] = partial(meshes.panels, narrow=narrow)
+        makers = [(hull_panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
         pieces, owners, hulled = [], [], []
         for b, (hull, at, count) in enumerate(zip(hulls, centres - origin, counts, strict=True)):
             share = meshes.quarters(at, len(mirrors))
             for make, times in makers if share else ():
                 vertices, faces = make(hull, count, refine=times, quarters=share)
-                if make is meshes.panels and stands(hull, depth):
+                if make is hull_panels and stands(hull, depth):
                     vertices, faces = walls(vertices, faces, depth)
                 pieces.append((vertices + at, faces))
                 owners.append(np.full(len(faces), b))
-                hulled.append(np.full(len(faces), make is meshes.panels))
+                hulled.append(np.full(len(faces), make is hull_panels))
         if gap_width > 0:
             side = min(np.sqrt(2 * h.wetted_area / count) for h, count in zip(hulls, counts, strict=True))
             lid = meshes.part_of(gaps(hulls, centres - origin, gap_width, side), 4 // len(mirrors))
@@ -468,7 +476,8 @@ class _Mesh:
 def _coefficients(problem: Problem, omega: np.ndarray, refine: int, *, infinite: bool) -> Solution:
     """At frequencies (nw,), of one mesh; A(inf) is empty where it is not asked for."""
     hulls, centres, dofs, seas = problem.meshed, problem.centres, problem.dofs, problem.seas
-    build = partial(_Mesh.build, hulls, centres, dofs, problem.base, refine, problem.depth)
+    where = hulls, centres, dofs, problem.base, refine, problem.depth
+    build = partial(_Mesh.build, *where, narrow=problem.meshing.narrow)
     mesh = build(lids=True, gap_width=problem.gap_width)
     n, sea = mesh.motions.shape[-1], seas[0]
     limit = np.zeros((0, 0))
@@ -504,17 +513,29 @@ def _counts(hulls: tuple[Hull, ...], panels: int, k: float) -> tuple[int, ...]:
     return tuple(round(min(max(panels, n), FINER * panels)) for n in needed)
 
 
-def _divisions(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, ...]) -> tuple[int, ...]:
-    """Divisions of the base mesh to solve for, the finer first; only one where the finer costs too much."""
+class Meshing(NamedTuple):
+    """How hulls that are meshes are solved for."""
+
+    divisions: tuple[int, ...]  # of the base mesh, the finer first
+    narrow: bool  # whether panels may be narrower at edges
+
+
+def _meshing(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, ...]) -> Meshing:
+    """Two meshes, narrower at edges where that does not cost too much; only one where even two even ones do."""
     if not any(isinstance(h, PanelHull) for h in hulls):
-        return DIVISIONS
+        return Meshing(DIVISIONS, narrow=True)
     _, mirrors = meshes.mirror_planes(hulls, centres)
     divided = HALVED[0] ** 2
-    count = sum(
-        divided * meshes.halved_count(fewer(h, n, HALVED[0]), n // divided) if isinstance(h, PanelHull) else n
-        for h, n in zip(hulls, counts, strict=True)
-    )
-    return HALVED if count**2 / len(mirrors) <= AFFORDABLE else HALVED[1:]
+    for narrow in (True, False):
+        count = sum(
+            divided * meshes.halved_count(fewer(h, n, HALVED[0]), n // divided, narrow=narrow)
+            if isinstance(h, PanelHull)
+            else n
+            for h, n in zip(hulls, counts, strict=True)
+        )
+        if count**2 / len(mirrors) <= AFFORDABLE:
+            return Meshing(HALVED, narrow)
+    return Meshing(HALVED[1:], narrow=True)
 
 
 def _extrapolated(
@@ -549,7 +570,7 @@ def _extrapolated(
     return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
 
 
-def _of_edges(hulls: tuple[Hull, ...], counts: tuple[int, ...]) -> float:
+def _of_edges(hulls: tuple[Hull, ...], counts: tuple[int, ...], *, narrow: bool) -> float:
     """What two meshes, the coarser of these counts, leave of the error, over the step from the finer to their limit.
 
     At an edge that turns by α the error of even panels goes as h^p, see `edges`; of 2^p - 1 parts the limit for an
@@ -561,8 +582,8 @@ def _of_edges(hulls: tuple[Hull, ...], counts: tuple[int, ...]) -> float:
     for hull, count in zip(hulls, counts, strict=True):
         if isinstance(hull, PanelHull):
             left = 3 / (2 ** (2 * (np.pi / (np.pi + hull.sharpest)) ** 1.5) - 1) - 1
-            narrow = hull.finer is not None or meshes.halving(hull, count).narrow
-            shares.append(NARROWED * left if narrow else left)
+            narrower = narrow and (hull.finer is not None or meshes.halving(hull, count).narrow)
+            shares.append(NARROWED * left if narrower else left)
     return max(shares)
 
 

@@ -31,7 +31,7 @@ def _together(problem: Problem) -> float:
 def _panels(problem: Problem) -> int:
     """Of the hulls in the finest mesh."""
     base = (
-        meshes.halved_count(hull, count) if isinstance(hull, PanelHull) else count
+        meshes.halved_count(hull, count, narrow=problem.meshing.narrow) if isinstance(hull, PanelHull) else count
         for hull, count in zip(problem.meshed, problem.base, strict=True)
     )
     return sum(base) * problem.divisions[0] ** 2

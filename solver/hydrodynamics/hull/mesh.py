@@ -25,15 +25,17 @@ MOVED, INSET, SLIVER = 0.6, 0.1, 0.1  # of a cell's side: how far corners move, 
 IMAGES = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], float)  # of a quarter at x > 0, y > 0
 
 
-def panels(hull: Hull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
+def panels(
+    hull: Hull, count: int, *, refine: int = 1, quarters: int = 4, narrow: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
     """Quadrilaterals on the wetted hull, about `count` on all of it: vertices (nv, 3) [m], faces (nf, 4).
 
     `refine` divides each panel's sides: meshes that differ in it alone are one family, and may be
     extrapolated. `quarters` from azimuth 0: 1 is x >= 0, y >= 0; 2 is y >= 0; 4 the whole. Normals
-    point into the water.
+    point into the water. `narrow`: whether those of a mesh may be narrower at edges.
     """
     if isinstance(hull, PanelHull):
-        return _halved_panels(hull, count, refine, quarters)
+        return _halved_panels(hull, count, refine, quarters, narrow)
     return _revolved_panels(hull, count, refine, quarters)
 
 
@@ -54,17 +56,20 @@ def _revolved_panels(hull: Revolution, count: int, refine: int, quarters: int) -
     return _copied(points, faces, quarters)
 
 
-def _halved_panels(hull: PanelHull, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
+def _halved_panels(
+    hull: PanelHull, count: int, refine: int, quarters: int, narrow: bool
+) -> tuple[np.ndarray, np.ndarray]:
     """The panels of a mesh, halved until there are about `count`, narrower at edges, then each into refine².
 
     Of one made coarser with its `finer` ones, these.
     """
     pieces = part_of(hull.wetted if hull.finer is None or refine == 1 else hull.finer, quarters)
     if hull.finer is not None:
-        return indexed(narrowed(pieces, *hull.edges if refine == 1 else jutting(hull.finer)))
+        edges = hull.edges if refine == 1 else jutting(hull.finer)
+        return indexed(narrowed(pieces, *edges) if narrow else pieces)
     how = halving(hull, count)
     pieces = surface.split(pieces, how.longest)
-    if how.narrow:
+    if narrow and how.narrow:
         pieces = narrowed(pieces, *hull.edges)
     while refine > 1:
         pieces, refine = surface.quartered(pieces), refine // 2
@@ -101,9 +106,9 @@ def halving(hull: PanelHull, count: int) -> Halving:
 
 
 @lru_cache(maxsize=64)
-def halved_count(hull: PanelHull, count: int) -> int:
+def halved_count(hull: PanelHull, count: int, *, narrow: bool = True) -> int:
     """How many panels `panels` makes of a mesh that is not divided further."""
-    return len(panels(hull, count)[1])
+    return len(panels(hull, count, narrow=narrow)[1])
 
 
 def indexed(pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,9 +1,12 @@
 """Edges that jut out, and the panels cut along them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pytest import approx
 
+from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.edges import CUT, jutting, narrowed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -87,3 +90,21 @@ def test_a_mesh_that_is_fine_already_stays_as_its_author_made_it():
     assert not meshes.halving(fine, 108).narrow and meshes.halving(quads(), 108).narrow
     assert len(meshes.panels(fine, 108)[1]) == len(fine.wetted)
     assert meshes.halved_count(quads(), 108) == len(meshes.panels(quads(), 108)[1]) < 4 * 108
+
+
+def test_two_even_meshes_go_before_one_that_is_narrow_at_edges(monkeypatch):
+    """And two narrow ones before these, where they do not cost too much."""
+
+    def made(affordable):
+        monkeypatch.setattr(bem, "AFFORDABLE", affordable)
+        return bem._meshing((quads(), quads()), np.array([[0.0, 0, 0], [9, 30, 0]]), (432, 432))
+
+    even, narrow = ((2 * 4 * meshes.halved_count(quads(), 108, narrow=choice)) ** 2 for choice in (False, True))
+    assert even < narrow
+    assert [made(limit) for limit in (narrow, narrow - 1, even - 1)] == [((2, 1), True), ((2, 1), False), ((1,), True)]
+    problem = bem.Problem.of((quads(),), np.zeros((1, 3)), depth=np.inf, omega=np.array([1.0]), planar=False)
+    counts = []
+    for limit in (1e9, (4 * meshes.halved_count(quads(), 108)) ** 2 / 4 - 1):
+        monkeypatch.setattr(bem, "AFFORDABLE", limit)
+        counts.append(bem.part(replace(problem))[0][0].panels)
+    assert counts[1] == 4 * meshes.halved_count(quads(), 108, narrow=False) < counts[0]
