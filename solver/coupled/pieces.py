@@ -40,10 +40,10 @@ from solver.coupled.step import (
     HOLDS,
     LET_GO,
     LOAD,
-    NOT_CONVERGED,
     NOT_FINITE,
     OK,
     RATE,
+    TO_AND_FRO,
     UNTOLD,
     Drive,
     Output,
@@ -248,7 +248,7 @@ def in_pieces(
                 changes += 1
                 fine.shared[0] = 0
                 if changes > CHANGES:
-                    return NOT_CONVERGED, used
+                    return TO_AND_FRO, used
                 if not _change(problem, state, room, i, kind, at == 0, length, output.contact[row]):
                     return NOT_FINITE, used
                 output.between.follows[0] = kind == STOP_ZONE and abs(room.stage.zone[STOP_ZONE, i]) != PRESSED

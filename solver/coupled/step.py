@@ -57,7 +57,7 @@ from solver.multibody.minimal import Bodies, PressureRoom, powers, pressure_room
 # a step, whose tolerance goes by its length, may be farther by as much as it is shorter.
 NEAR = 25.0
 
-OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED = 0, 1, 2, 3, 4
+OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED, TO_AND_FRO = range(6)
 # Of end stops: number of hits, largest rate at one [m/s or rad/s], largest load [N or N m].
 CONTACT = ("end_stop_hits", "impact_rate", "end_stop_load")
 HITS, RATE, LOAD = range(len(CONTACT))

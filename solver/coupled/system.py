@@ -22,12 +22,13 @@ from solver.coupled.equilibrium import (
 from solver.coupled.march import GROSSLY, march
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure, WaterAbout, drag
-from solver.coupled.pieces import SWING, new_fine
+from solver.coupled.pieces import CHANGES, SWING, new_fine
 from solver.coupled.stages import State
 from solver.coupled.step import (
     EXCURSION,
     NOT_CONVERGED,
     OK,
+    TO_AND_FRO,
     UNBALANCED,
     Drive,
     Output,
@@ -574,8 +575,11 @@ def _failure(outcome: int, t: float, system: System, state: State) -> Simulation
     if outcome == UNBALANCED:
         stored = energy(system.bodies, system.structure, state)
         return unbalanced(energy_residual(state.work, stored, state.energy, state.energy[GAP]), GROSSLY, t, system)
-    trouble = f"no convergence in {ITERATIONS} iterations" if outcome == NOT_CONVERGED else "not finite"
-    return StepTooLong(f"{trouble} {when}: reduce time_step = {system.dt:g} s")
+    troubles = {
+        NOT_CONVERGED: f"no convergence in {ITERATIONS} iterations",
+        TO_AND_FRO: f"a joint's law changes over {CHANGES} times in a step",
+    }
+    return StepTooLong(f"{troubles.get(outcome, 'not finite')} {when}: reduce time_step = {system.dt:g} s")
 
 
 def _stability(system: System, joints: np.ndarray) -> str:

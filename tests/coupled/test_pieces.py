@@ -16,7 +16,18 @@ from solver.coupled import system as system_module
 from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
 from solver.coupled.pieces import _fill_memory, _sample, new_fine
-from solver.coupled.step import HITS, HOLDS, LOAD, RATE, UNTOLD, Drive, _halfway, new_workspace
+from solver.coupled.step import (
+    HITS,
+    HOLDS,
+    LOAD,
+    NOT_CONVERGED,
+    RATE,
+    TO_AND_FRO,
+    UNTOLD,
+    Drive,
+    _halfway,
+    new_workspace,
+)
 from solver.coupled.system import blocks, energy_residual, prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -435,3 +446,12 @@ def test_what_a_hit_sets_ringing_faster_than_it_swings_takes_no_pieces(buan, coe
         loads.append(run.contact[:, LOAD].max())
     assert used[1] < 2 * used[0]
     assert loads[1] == approx(loads[2], rel=0.01)
+
+
+def test_a_law_that_changes_without_end_is_what_a_run_ends_by():
+    system = prepare(mass(0.1, 1.0, coulomb=5.0), None)
+    told = [
+        str(system_module._failure(outcome, 1.0, system, system.start())) for outcome in (TO_AND_FRO, NOT_CONVERGED)
+    ]
+    assert told[0].startswith("a joint's law changes over 200 times in a step at t = 1.0 s: reduce time_step")
+    assert told[1].startswith("no convergence in 40 iterations at t = 1.0 s")
