@@ -211,7 +211,7 @@ def step_errors(probe: Probe) -> dict[str, float]:
     pieces = of_every_other(exact, finer.amended(), cut)
     if system.scene.settings.discard == 0 and probe.state is None:
         start = statistics_error(system, scene, from_start, exact)
-    if jumps:
+    if jumps:  # of samples twice as near to each other as the record's
         between, start = statistics_error(system, scene, partial(between_samples, cut=pieces), exact), 2 * start
         exact = {name: x[1::2] for name, x in exact.items()}
     differ = partial(expected_error, cut=(cut, pieces))

@@ -384,7 +384,8 @@ class _Mesh:
         if gap_width > 0:
             side = min(np.sqrt(2 * h.wetted_area / count) for h, count in zip(hulls, counts, strict=True))
             lid = meshes.part_of(gaps(hulls, centres - origin, gap_width, side), 4 // len(mirrors))
-            pieces.append(meshes.indexed(divided(lid, *2 * [np.linspace(0, 1, refine + 1)])))
+            even = np.linspace(0, 1, refine + 1)
+            pieces.append(meshes.indexed(divided(lid, even, even)))
             owners.append(np.zeros(len(pieces[-1][1]), int))
             hulled.append(np.zeros(len(pieces[-1][1]), bool))
         part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])

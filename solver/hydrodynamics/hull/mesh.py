@@ -65,8 +65,9 @@ def _halved_panels(
     """
     pieces = part_of(hull.wetted if hull.finer is None or refine == 1 else hull.finer, quarters)
     if hull.finer is not None:
-        edges = hull.edges if refine == 1 else jutting(hull.finer)
-        return indexed(narrowed(pieces, *edges) if narrow else pieces)
+        if narrow:
+            pieces = narrowed(pieces, *hull.edges if refine == 1 else jutting(hull.finer))
+        return indexed(pieces)
     how = halving(hull, count)
     pieces = surface.split(pieces, how.longest)
     if narrow and how.narrow:

@@ -8,6 +8,7 @@ from pytest import approx
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem.green import joined
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -174,3 +175,14 @@ def test_the_error_that_edges_leave_is_what_it_is_said_to_be(monkeypatch):
         true, told = np.abs(getattr(h, name) - getattr(exact, name))[at], np.abs(getattr(h.error, name))[at]
         assert np.all((true > told / 3) & (true < 3 * told))
         assert np.all(true < 0.012 * np.abs(getattr(exact, name)[at]))
+
+
+def test_panels_are_as_capytaine_finds_them_one_by_one():
+    """Of four corners that are not in one plane, and of three."""
+    corners = surface.triangles(BARGE.wetted)
+    pieces = [meshes.panels(SPHERE, 108), meshes.indexed(corners[:, [0, 1, 2, 2]])]
+    ours = joined(pieces)
+    vertices, faces = surface.merged(pieces)
+    theirs = type(ours)(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
+    for name in ("faces_areas", "faces_centers", "faces_normals", "faces_radiuses"):
+        assert getattr(ours, name) == approx(getattr(theirs, name), abs=1e-13)

@@ -42,7 +42,8 @@ def test_lids_cover_the_water_in_gaps(name, side):
     down = surface.area_vectors(surface.triangles(panels))
     assert np.all(down[:, 2] < 0) and np.all(panels[..., 2] == 0)
     assert -down[:, 2].sum() == approx(area, rel=share)
-    cut = surface.area_vectors(surface.triangles(surface.divided(panels, *2 * [np.linspace(0, 1, 4)])))
+    thirds = np.linspace(0, 1, 4)
+    cut = surface.area_vectors(surface.triangles(surface.divided(panels, thirds, thirds)))
     assert cut[:, 2].sum() == approx(down[:, 2].sum(), rel=1e-12) and np.all(cut[:, 2] < 0)
     assert not len(gaps(hulls, at, {"ring": 0.42, "boxes": 0.58, "unequal": 0.48}[name], side))
 
