@@ -35,11 +35,8 @@ class Statistics:
 
     def amend(self, values: np.ndarray, weight: np.ndarray) -> None:
         """Take in values (k, n) with weights (k,), in samples, of which the negative ones take samples back: Σ is 0."""
-        apart = values - self.mean
-        shift = weight @ apart / self.count
-        self.spread += weight @ apart**2 - self.count * shift**2
-        self.mean += shift
-        self.high, self.low = np.maximum(self.high, values.max(axis=0)), np.minimum(self.low, values.min(axis=0))
+        values = np.ascontiguousarray(values, float)
+        _weigh_in(values, weight, self.count, self.room, self.high, self.low, self.mean, self.spread)
 
     def table(self) -> np.ndarray:
         """(n, 5) in the order of STATISTICS."""
@@ -116,3 +113,28 @@ def _take_in(
                 high[c], low[c] = max(high[c], middle), min(low[c], middle)
     for c in range(n):
         last[0, c], last[1, c] = block[m - 2, c] if m > 1 else last[1, c], block[m - 1, c]
+
+
+@whole_lean_kernel
+def _weigh_in(
+    values: np.ndarray,
+    weight: np.ndarray,
+    count: int,
+    shift: np.ndarray,
+    high: np.ndarray,
+    low: np.ndarray,
+    mean: np.ndarray,
+    spread: np.ndarray,
+) -> None:
+    """Update extremes, mean and spread (n,) of `count` samples with weighted ones (k, n); shift (n,): of the mean."""
+    shift[:] = 0.0
+    for i in range(values.shape[0]):
+        for c in range(values.shape[1]):
+            apart = values[i, c] - mean[c]
+            shift[c] += weight[i] * apart
+            spread[c] += weight[i] * apart**2
+            high[c], low[c] = max(high[c], values[i, c]), min(low[c], values[i, c])
+    for c in range(mean.size):
+        shift[c] /= count
+        spread[c] -= count * shift[c] ** 2
+        mean[c] += shift[c]

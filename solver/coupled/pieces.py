@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from solver.coupled.between import NODES, nearest
 from solver.coupled.energy import JOINT_DAMPING, PTO, stored
 from solver.coupled.memory import Memory
 from solver.coupled.modal import fill_flexibility
@@ -106,7 +107,6 @@ SHORTEST = 2.0**-14  # of a step: in shorter pieces Newton's tolerance opens the
 SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
 LONGER = 2.0  # times the last one may be what goes on with its parabolas
-NODES = 6  # of the polynomial through the drive's samples around a piece
 ONE: Any = np.int64(1)  # a bare 1 is of another type, with which all that it is handed to would be compiled once more
 POINTS, WEIGHTS = (np.array(x) for x in np.polynomial.legendre.leggauss(8))
 
@@ -801,14 +801,7 @@ def _fill_memory(beta: np.ndarray, h: float, memory: Memory) -> None:
 @lean_kernel
 def _sample(drive: Drive, at: float, n: int, fine: Fine) -> None:
     """What the wave drives at a sample that need not be whole, as row n of the piece's own drive."""
-    count = min(NODES, drive.modal.shape[0])
-    first = min(max(int(np.floor(at)) - (NODES // 2 - 1), 0), drive.modal.shape[0] - count)
-    for j in range(count):
-        weight = 1.0
-        for k in range(count):
-            if k != j:
-                weight *= (at - first - k) / (j - k)
-        fine.weight[j] = weight
+    first, count = nearest(at, drive.modal.shape[0], fine.weight), min(NODES, drive.modal.shape[0])
     own = fine.drive
     own.field[n] = 0.0
     own.excitation[n] = 0.0

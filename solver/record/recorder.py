@@ -1,6 +1,5 @@
 """What a run leaves: statistics, envelopes and, if asked for, time series."""
 
-import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from solver.coupled.assembly import Layout, joint_law
+from solver.coupled.between import NODES, interpolate
 from solver.coupled.natural import SystemModes
 from solver.coupled.step import BEYOND, CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, Between, Output
 from solver.coupled.support import Support
@@ -44,7 +44,7 @@ from solver.record.spectra import (
 from solver.record.steel import Steel
 from solver.scene import Scene
 from solver.statistics import STATISTICS, Statistics
-from solver.structure.legs import compressive
+from solver.structure.legs import Largest, compressive
 
 ELEVATION = "wave_elevation"
 END = 1 / 12  # see _ends
@@ -52,7 +52,6 @@ FAINT = 0.05  # a wave below this share of the largest one is less than what oth
 INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that others are made of
 # Though loads jump; at a hard stop a rate does so between samples, too, and a parabola would go beyond either side.
 CONTINUOUS = "wave_elevation", "rotation", "motion", "line_tension", "top_displacement", STROKES
-NODES = np.arange(6)  # of the polynomial through the wave's samples around a piece
 
 Labelled = tuple[tuple[str, ...], np.ndarray]
 
@@ -243,23 +242,15 @@ class Channels:
         }
 
 
-def _between(samples: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """(k, n) of samples (m, n) at places (k,) among them that need not be whole, by polynomials through the nearest."""
-    nodes = NODES[: len(samples)]
-    first = np.clip(np.floor(at).astype(int) - len(nodes) // 2 + 1, 0, len(samples) - len(nodes))
-    away, weight = at - first, np.ones((len(nodes), len(at)))
-    for j, k in itertools.permutations(nodes, 2):
-        weight[j] *= (away - k) / (j - k)
-    return np.sum([w[:, None] * samples[first + j] for j, w in zip(nodes, weight, strict=True)], axis=0)
-
-
 def _ends(cut: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Of m samples, those at the ends of what is left uncut where steps up to samples `cut` are, and their neighbours.
 
     A mean by samples is that by trapezoids, whose errors cancel between neighbours. Where pieces take the place of
     some, what is left errs at its ends by h²/12 of the slopes there: Gregory's rule takes END of a difference back.
     """
-    before, after = np.setdiff1d(cut - 1, cut), np.setdiff1d(cut, cut - 1)
+    is_cut = np.zeros(count + 1, bool)  # up to each sample, and one after the last
+    is_cut[cut] = True
+    before, after = cut[~is_cut[cut - 1]] - 1, cut[~is_cut[cut + 1]]
     before, after = before[before > 0], after[after < count - 1]
     return np.concatenate([before, after]), np.concatenate([before - 1, after + 1])
 
@@ -338,7 +329,8 @@ class Recorder:
         kept = slice(int(inside.argmax()), int(inside.argmax() + inside.sum()))
         forces, steel = self._forces(kept, output, samples), self.channels.steel
         smooth = self._smooth(output.lead[kept] == UNCUT)
-        channels = dict(self._channels(kept, output, samples, forces, smooth))
+        channels = dict(self._channels(kept, output, samples, forces))
+        self._enlarge(output.p[kept], forces, smooth)
         if steel is not None and forces is not None and steel.counts:
             for at, end in steel.ends(forces).items():
                 self.bent.setdefault(at, []).append(end)
@@ -358,7 +350,7 @@ class Recorder:
             self._amend(kept, channels, output, samples)
         self.taken += len(times[kept])
         self.last = {name: values.reshape(len(values), -1)[-1:] for name, values in channels.items()}
-        self.waves = samples[-len(NODES) :]
+        self.waves = samples[-NODES:]
         channels = {name: values for name, values in channels.items() if name not in INNER}
         if s.keep_series or self.bands is not None or self.moments:
             for name, values in {**channels, "time": times[kept]}.items():
@@ -376,21 +368,20 @@ class Recorder:
         between, first, before = output.between, kept.start, self.waves if self.last else samples[:0]
         cut = np.flatnonzero(output.lead[kept] >= 0) + first
         cut = cut[int(not self.last and cut[:1].tolist() == [first]) :]  # whose start is in no block
-        some = np.flatnonzero(np.isin(between.row[: between.number[0]], cut))
-        if not some.size:
+        if not cut.size:
             return
+        some = slice(*np.searchsorted(between.row[: between.number[0]], [cut[0], cut[-1] + 1]))
         parts: list[Any] = [*(part[some] for part in between[:-2]), *between[-2:]]
         pieces = Between(*parts)
-        waves = np.empty((some.size, samples.shape[1]))
-        for known in (self.layout.elevation, self.layout.forces):  # all of the waves that channels are made of
-            near = np.concatenate([before[:, known], samples[:, known]])
-            waves[:, known] = _between(near, pieces.at + len(before))
-        forces, smooth = self._forces(slice(None), pieces, waves), np.zeros(some.size, bool)
-        last_two = self.largest[2:] if self.largest else ()
-        samples_alone = [last.copy() for last in last_two]  # that the next ones' parabolas go through
-        told = dict(self._channels(slice(None), pieces, waves, forces, smooth))
-        for last, sample in zip(last_two, samples_alone, strict=True):
-            last[:] = sample
+        count = len(pieces.row)
+        waves = np.empty((count, samples.shape[1]))
+        known = np.r_[self.layout.elevation, self.layout.forces]  # all of the waves that channels are made of
+        near, there = np.concatenate([before[:, known], samples[:, known]]), np.empty((count, known.size))
+        interpolate(near, pieces.at + len(before), np.empty(NODES), there)
+        waves[:, known] = there
+        forces = self._forces(slice(None), pieces, waves)
+        told = dict(self._channels(slice(None), pieces, waves, forces))
+        self._enlarge(pieces.p[1::2], forces[1::2] if forces is not None else None)  # by ends, which are near enough
         weight = np.concatenate([pieces.weight, output.lead[cut] - 0.5, np.full(cut.size, -0.5)])
         of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
         more = int(bool(self.last))  # sample of the block before
@@ -399,7 +390,7 @@ class Recorder:
         weights = np.concatenate([weight, np.full(inner.size, -END), np.full(inner.size, END)])
         for name, values in channels.items():
             if name != "latched":  # which is a mean over that time already
-                flat, new = values.reshape(len(values), -1), told[name].reshape(some.size, -1)
+                flat, new = values.reshape(len(values), -1), told[name].reshape(count, -1)
                 flat = np.concatenate([self.last[name], flat]) if more else flat
                 own = np.concatenate([new, flat[here - 1], flat[here]])
                 self.statistics[name].amend(np.concatenate([own, flat[inner], flat[outer]]), weights)
@@ -418,13 +409,16 @@ class Recorder:
         y += forces.at_rest
         return y
 
+    def _enlarge(self, p: np.ndarray, forces: np.ndarray | None, smooth: np.ndarray | None = None) -> None:
+        """The legs' largest values; of pieces, which no parabola goes through, where nothing is told of that."""
+        legs, steel = self.channels.legs, self.channels.steel
+        if legs is None or steel is None or self.largest is None or forces is None:
+            return
+        largest = self.largest if smooth is not None else Largest(*self.largest[:2], *legs.nothing()[2:])
+        legs.enlarge(largest, p, steel.compression(forces), np.zeros(len(p), bool) if smooth is None else smooth)
+
     def _channels(
-        self,
-        kept: slice,
-        output: Output | Between,
-        samples: np.ndarray,
-        forces: np.ndarray | None,
-        smooth: np.ndarray,
+        self, kept: slice, output: Output | Between, samples: np.ndarray, forces: np.ndarray | None
     ) -> Iterator[tuple[str, np.ndarray]]:
         channels = self.channels
         yield "wave_elevation", samples[kept, self.layout.elevation][:, 0]
@@ -452,12 +446,9 @@ class Recorder:
         yield from channels.accelerations(output.ddp[kept])
         if channels.steel is None or forces is None:
             return
-        if channels.legs is not None and self.largest is not None:
-            tops, feet = channels.legs.response(
-                output.p[kept], channels.steel.compression(forces), self.largest, smooth
-            )
-            yield "top_displacement", tops
-            yield "bottom_stress", feet
+        if channels.legs is not None:
+            yield "top_displacement", channels.legs.top_displacement(output.p[kept])
+            yield "bottom_stress", compressive(channels.steel.compression(forces))
         yield from channels.steel.differing(forces)
 
     def _at_work(self, contact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -59,7 +59,8 @@ class Legs:
     @cached_property
     def tops(self) -> np.ndarray:
         """Displacement of the tops (nm, nl, 3)."""
-        return self._tops(self.displacement)
+        own = self.displacement[..., self.ends - 1].swapaxes(1, 2)[:, self.twin]
+        return own * np.where(self.mirrored[:, None], MIRROR, 1.0)
 
     @cached_property
     def first(self) -> np.ndarray:
@@ -71,29 +72,24 @@ class Legs:
         """Place of each of the no legs' foot among the element ends."""
         return np.array([at.start for at in self.element_ends])
 
-    def _tops(self, u: np.ndarray) -> np.ndarray:
-        """Of all legs (m, nl, 3), from the displacements (m, 3, nn) of all nodes."""
-        tops = u[..., self.ends - 1].swapaxes(1, 2)[:, self.twin]
-        return tops * np.where(self.mirrored[:, None], MIRROR, 1.0)
-
     def nothing(self) -> Largest:
         """The largest values before the first sample."""
         nd, nf = self.displacement.shape[2], self.fibre.shape[2]
         return Largest(np.zeros(nd), np.zeros(nf), np.full((2, nd), np.nan), np.full((2, nf), np.nan))
 
-    def response(
-        self, p: np.ndarray, feet: np.ndarray, largest: Largest, smooth: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Displacement of the tops (m, nl, 3) [m] and stress at the feet (m, nl) [Pa]; updates `largest`.
+    def top_displacement(self, p: np.ndarray) -> np.ndarray:
+        """(m, nl, 3) [m] of modal amplitudes (m, nm)."""
+        return np.tensordot(p, self.tops, axes=1)
 
-        The stress is that of the most compressive fibre, σ = N/A - ((c My/Iy)² + (c Mz/Iz)²)^½: at the feet, of
-        N/A, c My/Iy, c Mz/Iz (m, nl, 3) there; elsewhere of the nodes' displacements. smooth (m,): see Statistics.add.
+    def enlarge(self, largest: Largest, p: np.ndarray, feet: np.ndarray, smooth: np.ndarray) -> None:
+        """Update `largest` by displacements and the stress of the most compressive fibres: see `compressive`.
+
+        At the feet that is of N/A, c My/Iy, c Mz/Iz (m, nl, 3) there; elsewhere of the nodes' displacements.
+        smooth (m,): see Statistics.add.
         """
         u, fibre = _map(p, self.displacement), _map(p, self.fibre)
         fibre[:, :, self._feet] = feet[:, self.first].swapaxes(1, 2) - self.static_fibre[:, self._feet]
-        stress = np.empty((len(p), self.ends.size))
-        _respond(u, fibre, self.static_fibre, self._feet, smooth, stress, *largest)
-        return self._tops(u), stress[:, self.twin]
+        _respond(u, fibre, self.static_fibre, smooth, *largest)
 
     def envelopes(self, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
         """Displacement (nl, nh) [m] and stress (nl, nh) [Pa], NaN at heights where a leg has no node."""
@@ -109,27 +105,20 @@ def _respond(
     u: np.ndarray,
     fibre: np.ndarray,
     static: np.ndarray,
-    first: np.ndarray,
     smooth: np.ndarray,
-    feet: np.ndarray,
     square: np.ndarray,
     stress: np.ndarray,
     last_square: np.ndarray,
     last_stress: np.ndarray,
 ) -> None:
-    """Stress at the feet (m, no) and largest values, from displacements and fibres, sample by sample in place.
-
-    first (no,): the feet among the elements' ends.
-    """
-    for i in range(feet.shape[0]):
+    """Update the largest values by displacements (m, 3, nn) and fibres (m, 3, ne 2), sample by sample."""
+    for i in range(smooth.size):
         for j in range(square.size):
             _take(u[i, 0, j] ** 2 + u[i, 1, j] ** 2 + u[i, 2, j] ** 2, j, smooth[i], square, last_square)
         axial, about_y, about_z = fibre[i, 0], fibre[i, 1], fibre[i, 2]
         for j in range(stress.size):
-            axial[j] += static[0, j] - np.sqrt((about_y[j] + static[1, j]) ** 2 + (about_z[j] + static[2, j]) ** 2)
-            _take(abs(axial[j]), j, smooth[i], stress, last_stress)
-        for leg in range(feet.shape[1]):
-            feet[i, leg] = axial[first[leg]]
+            bending = np.sqrt((about_y[j] + static[1, j]) ** 2 + (about_z[j] + static[2, j]) ** 2)
+            _take(abs(axial[j] + static[0, j] - bending), j, smooth[i], stress, last_stress)
 
 
 @fast_lean_kernel(inline="always")

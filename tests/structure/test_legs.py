@@ -11,7 +11,7 @@ from solver.errors import InputError
 from solver.sea.field import WaveField
 from solver.statistics import Statistics
 from solver.structure import recovery, statics, water
-from solver.structure.legs import BENDING, at_nodes
+from solver.structure.legs import BENDING, at_nodes, compressive
 
 LEGS = ["leg1", "leg2", "leg3", "leg4"]
 
@@ -75,10 +75,9 @@ def test_tops_feet_and_envelopes_are_those_of_the_whole_frame(buan, make):
     foot = s.forces.places.wanted.end[::3]
     at_feet = 1.1 * (force * np.stack([1 / A, c / Iy, c / Iz], axis=-1)).reshape(len(p), -1, 3)[:, foot]
     largest = s.legs.nothing()
-    parts = [
-        s.legs.response(p[at], at_feet[at], largest, np.ones(len(p[at]), bool)) for at in (slice(3), slice(3, None))
-    ]
-    tops, feet = (np.concatenate(x) for x in zip(*parts, strict=True))
+    for at in (slice(3), slice(3, None)):
+        s.legs.enlarge(largest, p[at], at_feet[at], np.ones(len(p[at]), bool))
+    tops, feet = s.legs.top_displacement(p), compressive(at_feet)
     displacement, stress = s.legs.envelopes(largest)
     sigma = force[..., 0] / A - c * np.hypot(force[..., 1] / Iy, force[..., 2] / Iz)
     sigma.reshape(len(p), -1)[:, foot] *= 1.1
