@@ -118,12 +118,17 @@ def fill_flexibility(structure: Structure, dt: float, scheme: Scheme, inverse: n
         det = d00 * d11 - d01 * d10
         inverse[m, 0, 0], inverse[m, 1, 1] = d11 / det, d00 / det
         inverse[m, 0, 1], inverse[m, 1, 0] = -d01 / det, -d10 / det
-        for s in range(2):
-            for l in range(2):
-                for i in range(nc):
-                    share = inverse[m, s, l] * structure.carrier[i, m]
-                    for j in range(nc):
-                        H[s, i, l, j] += share * structure.carrier[j, m]
+        for i in range(nc):
+            for j in range(i + 1):
+                both = structure.carrier[i, m] * structure.carrier[j, m]
+                for s in range(2):
+                    for l in range(2):
+                        H[s, i, l, j] += inverse[m, s, l] * both
+    for i in range(nc):
+        for j in range(i):
+            for s in range(2):
+                for l in range(2):
+                    H[s, j, l, i] = H[s, i, l, j]
 
 
 @lean_kernel

@@ -108,7 +108,19 @@ SLIVER = 1e-9  # of a step
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
 LONGER = 2.0  # times the last one may be what goes on with its parabolas
 ONE: Any = np.int64(1)  # a bare 1 is of another type, with which all that it is handed to would be compiled once more
-POINTS, WEIGHTS = (np.array(x) for x in np.polynomial.legendre.leggauss(8))
+
+
+def _gauss() -> tuple[np.ndarray, np.ndarray]:
+    """Gauss's points (8,) of 0 to 1, and their shares (8, 2, 3) in integrals up to ½ and 1 of the parabolas that are 1
+    at 0, ½ and 1, and 0 at the others."""
+    points, weights = np.polynomial.legendre.leggauss(8)
+    x = (points + 1) / 2
+    tau = np.stack([x / 2, x], axis=1)
+    parabolas = [2 * (tau - 0.5) * (tau - 1), -4 * tau * (tau - 1), 2 * tau * (tau - 0.5)]
+    return x, (weights / 2)[:, None, None] * [[0.5], [1.0]] * np.stack(parabolas, axis=2)
+
+
+POINTS, SHARES = _gauss()
 
 
 class Fine(NamedTuple):
@@ -703,40 +715,48 @@ def _enter(problem: Problem, state: State, room: Workspace, i: int, kind: int, n
 
 @kernel(no_cpython_wrapper=True)
 def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: float) -> bool:
-    """Accelerations of modes and joints after the load against an axis has changed; False where M is singular."""
+    """Accelerations of modes and joints after the load against an axis has changed; False where M is singular.
+
+    Of carriers, which modes move by S: Δa_c = -S Sᵀ (M Δa)_c, and Δp̈ = -Sᵀ (M Δa)_c.
+    """
     S, (nc, nm), nz = problem.structure.carrier, problem.structure.carrier.shape, state.zone.shape[1]
-    M = np.empty((nz, nz))
+    M, K, pivot = np.empty((nz, nz)), np.empty((nz, nz)), np.empty(nz, np.int64)
     mass_matrix(problem.bodies, room.stage.motion[1], M)
-    T = np.zeros((nz, nm + nz - nc))
-    T[:nc, :nm] = S
-    for i in range(nc, nz):
-        T[i, nm + i - nc] = 1.0
-    whole = T.T @ M @ T
-    for m in range(nm):
-        whole[m, m] += 1.0
-    side = np.zeros(nm + nz - nc)
-    side[nm + axis - nc] = state.held[axis] - change
-    K, pivot, at = whole.copy(), np.empty(side.size, np.int64), nm - nc
+    K[:] = M
+    for i in range(nc):
+        K[i] = 0.0
+        for k in range(nc):
+            yields = 0.0
+            for m in range(nm):
+                yields += S[i, m] * S[k, m]
+            for j in range(nz):
+                K[i, j] += yields * M[k, j]
+        K[i, i] += 1.0
+    update, moved = np.zeros(nz), np.zeros(nz)
+    update[axis] = state.held[axis] - change
     for n in range(problem.bent.size):
         i = problem.bent[n]
         if room.stage.zone[PTO_ZONE, i] == HELD:
-            K[at + i] = 0.0
-            K[at + i, at + i] = 1.0
-            side[at + i] = -state.ddz[2, i - nc]
+            K[i] = 0.0
+            K[i, i] = 1.0
+            update[i] = -state.ddz[2, i - nc]
     if not factorize(K, pivot):
         return False
-    update = side
     substitute(K, pivot, update)
-    moved = whole @ update
+    for i in range(nz):
+        for j in range(nz):
+            moved[i] += M[i, j] * update[j]
     for n in range(problem.bent.size):
         i = problem.bent[n]
         if room.stage.zone[PTO_ZONE, i] == HELD:
-            state.held[i] -= moved[at + i] + (change if i == axis else 0.0)
+            state.held[i] -= moved[i] + (change if i == axis else 0.0)
         else:
             state.held[i] = 0.0
-    state.ddp[:] += update[:nm]
-    state.force[2] += update[:nm]
-    state.ddz[2] += update[nm:]
+    for m in range(nm):
+        for i in range(nc):
+            state.ddp[m] -= S[i, m] * moved[i]
+            state.force[2, m] -= S[i, m] * moved[i]
+    state.ddz[2] += update[nc:]
     return True
 
 
@@ -777,25 +797,26 @@ def _of_length(problem: Problem, length: float, smooths: bool, fine: Fine) -> Pr
 @lean_kernel
 def _fill_memory(beta: np.ndarray, h: float, memory: Memory) -> None:
     """Decay, weights and direct part for steps of h [s], see assembly.memory; by Gauss's rule."""
-    memory.weight[:] = 0.0
     memory.direct[:] = 0.0
     for q in range(beta.size):
-        memory.decay[0, q] = np.exp(beta[q] * (h / 2))
-        memory.decay[1, q] = memory.decay[0, q] ** 2
-        for g in range(POINTS.size):
-            x = (POINTS[g] + 1) / 2
-            left = np.exp(beta[q] * (h / 2 * (1 - x)))  # of the half step; its square, of the whole one
-            for s in range(2):
-                tau, part = x * (0.5 * (s + 1)), WEIGHTS[g] * (0.25 * (s + 1)) * h * left
-                memory.weight[s, 0, q] += part * (2 * (tau - 0.5) * (tau - 1))
-                memory.weight[s, 1, q] += part * (-4 * tau * (tau - 1))
-                memory.weight[s, 2, q] += part * (2 * tau * (tau - 0.5))
-                left *= left
+        half = np.exp(beta[q] * (h / 2))
+        memory.decay[0, q], memory.decay[1, q] = half, half * half
+        for s in range(2):
+            for j in range(3):
+                memory.weight[s, j, q] = 0.0
+        for g in range(POINTS.size // 2):  # in pairs: what is left of one is what is lost of the other
+            lost = np.exp(beta[q] * (h / 2 * POINTS[g]))
+            left = half / lost
+            for j in range(3):
+                memory.weight[0, j, q] += h * (SHARES[g, 0, j] * left + SHARES[-1 - g, 0, j] * lost)
+                memory.weight[1, j, q] += h * (SHARES[g, 1, j] * left * left + SHARES[-1 - g, 1, j] * lost * lost)
         for s in range(2):
             for j in range(2):
+                real, imag = memory.weight[s, 1 + j, q].real, memory.weight[s, 1 + j, q].imag
                 for i in range(memory.residue.shape[1]):
                     for k in range(memory.residue.shape[2]):
-                        memory.direct[s, j, i, k] += (memory.residue[q, i, k] * memory.weight[s, 1 + j, q]).real
+                        residue = memory.residue[q, i, k]
+                        memory.direct[s, j, i, k] += residue.real * real - residue.imag * imag
 
 
 @lean_kernel
