@@ -31,6 +31,7 @@ class Newton(NamedTuple):
     pivot: np.ndarray  # (2nz,)
     update: np.ndarray  # (2nz,) of the stage accelerations
     first: np.ndarray  # (1,) what the first one of the last step moved a position by [m or rad]; 0 for none to go by
+    rate: np.ndarray  # (1,) share of the first one that the second one was, in the last piece that needed both
 
 
 def new_newton(nz: int) -> Newton:
@@ -42,6 +43,7 @@ def new_newton(nz: int) -> Newton:
         pivot=np.empty(2 * nz, np.int64),
         update=np.empty(2 * nz),
         first=np.zeros(1),
+        rate=np.full(1, np.inf),
     )
 
 

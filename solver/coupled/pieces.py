@@ -86,7 +86,7 @@ from solver.multibody.joint_law import (
 from solver.multibody.minimal import mass_matrix, move
 
 SWING = 16  # pieces in the period of what swings on a stop
-SMOOTH = 4  # pieces in the time of one of those, the first ones on an elastic platform
+SMOOTH = 3  # pieces in the time of one of those, the first ones on an elastic platform
 SCAN = 8  # points of a step at which its polynomial is looked at
 HALVINGS = 50  # of the interval in which it leaves a zone
 NEVER = 2.0  # shares of a step
@@ -208,7 +208,7 @@ def in_pieces(
     """Advance `state` by the step from `sample` on; (outcome, iterations). Pieces end at the step's middle, too."""
     used = changes = 0
     at, i, kind = NEVER, -1, STOP_ZONE
-    fine.shared[0], fine.knots[0] = 0, problem.dt
+    fine.shared[0], fine.knots[0], room.newton.rate[0] = 0, problem.dt, np.inf
     most = np.inf  # length of the next piece, after one too long
     before = _stored(problem, state, room)
     for half in range(2):
@@ -298,6 +298,7 @@ def _piece(
     if fine.shared[0] == 0 and not refresh(other, room):
         return NOT_FINITE, 0
     room.newton.first[0] = 0.0  # what the stages hold is of another length
+    room.newton.rate[0] *= max(1.0, other.dt / fine.knots[0]) ** 2  # as what the matrix leaves out goes
     _go_on(state, fine, other.dt)
     outcome, spent = attempt(other, fine.drive, ONE, state, room)
     fine.shared[0] = 0 if spent > PATIENCE else (fine.shared[0] + 1) % SHARE
@@ -455,7 +456,7 @@ def _turn_back(stages: np.ndarray, knots: np.ndarray) -> None:
 # ---- the length of pieces
 
 
-@inner_kernel
+@part_kernel
 def _bend(problem: Problem, state: State, room: Workspace, i: int, length: float) -> float:
     """Of coordinate i's acceleration in the stages, times their step's length, over its largest rate so far."""
     stage, nc = room.stage, problem.structure.carrier.shape[0]
@@ -550,7 +551,7 @@ def _opened(problem: Problem, other: Problem, state: State, room: Workspace, fin
     return opened / (OPENED * swing) if opened > 0 else 0.0
 
 
-@inner_kernel
+@part_kernel
 def _fastest(state: State, room: Workspace, i: int) -> float:
     """Rate of axis i so far [m/s or rad/s]."""
     return max(state.fastest[i], abs(room.stage.dz[1, i]))
@@ -789,6 +790,7 @@ def _of_length(problem: Problem, length: float, smooths: bool, fine: Fine) -> Pr
         max(problem.tolerance * share, LEAST),
         problem.near / share,
         problem.iterations,
+        True,
         share <= SHORT,
         scheme,
     )

@@ -57,6 +57,8 @@ from solver.multibody.minimal import Bodies, PressureRoom, powers, pressure_room
 # a step, whose tolerance goes by its length, may be farther by as much as it is shorter.
 NEAR = 25.0
 
+SURELY = 0.1  # of the tolerance: where a piece's next update is foreseen to be less it is not made
+
 OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED, TO_AND_FRO = range(6)
 # Of end stops: number of hits, largest rate at one [m/s or rad/s], largest load [N or N m].
 CONTACT = ("end_stop_hits", "impact_rate", "end_stop_load")
@@ -140,6 +142,7 @@ class Problem(NamedTuple):
     tolerance: float  # of Newton's last update of any stage position [m or rad]
     near: float  # [m or rad] a stage may be from where its pressure and drag were evaluated, see NEAR
     iterations: int  # of Newton's method, at most
+    part: bool  # whether steps are pieces of others, one like the other
     short: bool  # whether pressure at a step's middle is near the mean of that at its ends
     scheme: Scheme
 
@@ -175,10 +178,8 @@ def new_problem(
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
     fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace, swing)
-    near, short = NEAR * tolerance, False
-    return Problem(
-        bodies, structure, memory, inverse, H, constant, *fixed, dt, tolerance, near, iterations, short, LOBATTO
-    )
+    of_newton = (dt, tolerance, NEAR * tolerance, iterations)
+    return Problem(bodies, structure, memory, inverse, H, constant, *fixed, *of_newton, False, False, LOBATTO)
 
 
 def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
@@ -279,6 +280,10 @@ def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: W
             return NOT_FINITE, spent
         if spent == 1:
             newton.first[0] = update
+            if problem.part and update < problem.near and update * newton.rate[0] < SURELY * tolerance:
+                return OK, spent
+        elif spent == 2:
+            newton.rate[0] = update / before if before > 0 else np.inf
         if ringing and spent > first and not fresh and before > 0:  # modes follow as they followed the update before
             change *= update / before
         if spent >= first and max(change, update) < tolerance:
