@@ -124,7 +124,7 @@ VARIABLES = {
         "1", "Estimated relative error of any mean, rms or std: step, samples, quadrature, memory and mesh"
     ),
     "discretization_error": Meaning("1", "Estimated relative error of the time discretization"),
-    "sampling_error": Meaning("1", "Estimated relative error of samples: jumps between them, none at the start"),
+    "sampling_error": Meaning("1", "Estimated relative error of samples: jumps between them, the record's ends"),
     "field_error": Meaning("1", "Share of the wave amplitudes' sum that the local series left out at a hull, at most"),
     "seabed_error": Meaning("1", "Share of a coefficient that the seabed has, at most, where it was left out"),
     "quadrature_error": Meaning("1", "Estimated relative error of the pressure's quadrature"),

@@ -23,7 +23,7 @@ from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pr
 from solver.record.elements import elements_effect
 from solver.record.recorder import Channels, Recorder
 from solver.record.response import excitation, force_of_waves, in_waves
-from solver.record.sampling import between_samples, expected_error, from_start, least_force, of_every_other
+from solver.record.sampling import at_ends, between_samples, expected_error, from_start, least_force, of_every_other
 from solver.scene import Scene, Settings
 from solver.statistics import FAINT, apart, moments
 
@@ -197,8 +197,8 @@ def step_errors(probe: Probe) -> dict[str, float]:
     """Of every mean, rms and std of the record, from what is judged of it and a run of that with half the step.
 
     `discretization_error`: the scheme is of fourth order, so that run differs by 15/16 of the error. `sampling_error`,
-    where a joint's law may jump: what lies between samples half a step apart, by that run's; and where nothing is
-    discarded, that no sample is at the start.
+    where a joint's law may jump: what lies between samples half a step apart, by that run's; and the record's ends,
+    or where nothing is discarded, that no sample is at the start.
     """
     system, jumps, scene = probe.system, probe.system.bent.size > 0, probe.recorder.scene
     half, every = system.with_step(system.dt / 2), slice(0, None) if jumps else slice(1, None, 2)
@@ -207,16 +207,16 @@ def step_errors(probe: Probe) -> dict[str, float]:
     for samples, output, times in blocks(half, state, done + 2 * probe.steps, done):
         since = times - probe.first * system.dt
         finer.add(since[every], output if jumps else output.thinned(), samples[every])
-    exact, between, start, cut = finer.samples(), 0.0, 0.0, probe.recorder.amended()
+    own, exact, between, cut = probe.recorder.samples(), finer.samples(), 0.0, probe.recorder.amended()
     pieces = of_every_other(exact, finer.amended(), cut)
-    if system.scene.settings.discard == 0 and probe.state is None:
-        start = statistics_error(system, scene, from_start, exact)
+    from_rest = system.scene.settings.discard == 0 and probe.state is None
+    ends = statistics_error(system, scene, from_start if from_rest else at_ends, own)
     if jumps:  # of samples twice as near to each other as the record's
-        between, start = statistics_error(system, scene, partial(between_samples, cut=pieces), exact), 2 * start
+        between = statistics_error(system, scene, partial(between_samples, cut=pieces), exact)
         exact = {name: x[1::2] for name, x in exact.items()}
     differ = partial(expected_error, cut=(cut, pieces))
-    step = statistics_error(system, scene, differ, probe.recorder.samples(), exact)
-    return {"discretization_error": step * 16 / 15, "sampling_error": together((between, start))}
+    step = statistics_error(system, scene, differ, own, exact)
+    return {"discretization_error": step * 16 / 15, "sampling_error": together((between, ends))}
 
 
 def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:

@@ -65,6 +65,14 @@ def from_start(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray
         return max(_from_start(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
 
 
+def at_ends(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float) -> float:
+    """The same of a record whose first and last sample count in full, and might anywhere lie.
+
+    Means of v over a time T by samples h apart err by h/2 (v(0) + v(T) - 2v̄)/T, the std of which is h/T σ_v/2^½.
+    """
+    return max(_at_ends(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
+
+
 def of_every_other(samples: Mapping[str, np.ndarray], cut: Cut, coarse: Cut) -> dict[str, Cuts]:
     """What pieces make of the means over the time before every other sample, the second on, which is a step.
 
@@ -128,6 +136,13 @@ def _from_start(x: np.ndarray, least: np.ndarray, longer: float) -> float:
     of_rms, of_std = _scales(rms, std, np.broadcast_to(least, x.shape[1:]).ravel())
     sizes = np.array([of_rms, 2 * rms * of_rms, 2 * std * of_std])
     errors = np.array([np.abs(v[1 + last].mean(axis=0) - v[0]) for v in powers]) / sizes / (2 * longer * count)
+    return float(np.max(errors, where=np.isfinite(errors), initial=0.0))
+
+
+def _at_ends(x: np.ndarray, least: np.ndarray, longer: float) -> float:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean, sizes = _sizes(x, x, least)
+        errors = np.array([v.std(axis=0) for v in _powers(x, mean)]) / sizes / (np.sqrt(2) * longer * len(x))
     return float(np.max(errors, where=np.isfinite(errors), initial=0.0))
 
 

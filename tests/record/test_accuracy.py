@@ -193,7 +193,8 @@ def test_what_symmetry_keeps_at_zero_is_not_judged(buan):
 
 @pytest.mark.parametrize("law", [{}, {"coulomb": 2e3}])
 def test_a_decay_s_statistics_lack_half_of_its_first_gap(law):
-    """No sample is at the start, from where a duck is let go: an error of first order. Of a part there is none."""
+    """No sample is at the start, from where a duck is let go: an error of first order. Later on the first one counts
+    in full, which is as much of what is left."""
     whole, h = SCENES["duck"]()
     calm = replace(whole.sea, amplitude=0 * whole.sea.amplitude)
     settings = replace(whole.settings, duration=60.0, discard=0.0, time_step=0.1)
@@ -202,8 +203,8 @@ def test_a_decay_s_statistics_lack_half_of_its_first_gap(law):
     std, exact = (record.variables["rotation"][1][0, 4] for record in records)
     told = records[0].attrs["sampling_error"]
     assert exact > (1 + 3e-3) * std and 1 / 3 < (1 - std / exact) / told < 3
-    later = replace(settings, discard=3.0)
-    assert simulate(replace(item, settings=later), h).attrs["sampling_error"] < told / 10
+    later = simulate(replace(item, settings=replace(settings, discard=3.0)), h).attrs["sampling_error"]
+    assert 0 < later < told / 2
 
 
 def held_on_a_cylinder(scale=1.0):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.record.sampling import Cuts, between_samples, expected_error, from_start, of_every_other
+from solver.record.sampling import Cuts, at_ends, between_samples, expected_error, from_start, of_every_other
 
 NONE = np.zeros(())
 RNG = np.random.default_rng(3)
@@ -94,6 +94,21 @@ def test_what_jumps_between_samples_is_told_as_chance():
     assert np.all((true[:2] / told[:2] > 1 / 3) & (true[:2] / told[:2] < 3)), (true, told)
     assert told[2] < told[0] / 20
     assert between_samples({"x": fine[:: apart // 2]}, {}, 4.0) == approx(told[0] / 2)
+
+
+@pytest.mark.parametrize("apart", [0.05, 0.2])
+def test_a_record_s_first_and_last_sample_count_in_full(apart):
+    """By the trapezoids they count half: so waves cut out anywhere differ, in the mean square, as is told."""
+    rng, differ, told = np.random.default_rng(5), [], []
+    for _ in range(200):
+        t, (a, b) = np.arange(rng.integers(900, 1100)) * apart, rng.uniform(0, 2 * np.pi, 2)
+        x = np.sin(1.3 * t + a) + np.sin(0.9 * t + b)
+        mean = np.trapezoid(x) / (t.size - 1)
+        std = np.sqrt(np.trapezoid((x - mean) ** 2) / (t.size - 1))
+        differ.append([(x.mean() - mean) / std, x.std() / std - 1])
+        told.append(at_ends({"x": x[: t.size // 2, None]}, {}, 2.0))
+    true = np.sqrt(np.mean(np.square(differ), axis=0)).max()
+    assert true > 1e-4 and 0.8 < true / np.median(told) < 1.25, (true, np.median(told))
 
 
 @pytest.mark.parametrize("damping", [0.02, 0.1])
