@@ -185,12 +185,18 @@ def _stays(problem: Problem, room: Workspace, h: float, i: int, kind: int) -> bo
 
 @part_kernel
 def in_contact(problem: Problem, state: State, room: Workspace) -> bool:
-    """Whether an axis swings on its stop, or the platform since a load jumped, too fast for a whole step."""
+    """Whether an axis swings on its stop, or the platform since a load jumped, too fast for a whole step; or an axis
+    goes on to its stop with its last acceleration, where a whole step would be tried in vain."""
     if state.ring[0] < problem.dt:
         return True
+    start, dt, nc = room.start, problem.dt, problem.structure.carrier.shape[0]
     for n in range(problem.bent.size):
         i = problem.bent[n]
-        if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED and state.pace[i] < problem.dt:
+        zone = room.stage.zone[STOP_ZONE, i]
+        if abs(zone) == PRESSED and state.pace[i] < dt:
+            return True
+        y = start.z[i] + dt * (start.dz[i] + 0.5 * dt * state.ddz[2, i - nc])
+        if zone == OPEN and not within_stops(problem.bodies.law, i, y, y):
             return True
     return False
 
