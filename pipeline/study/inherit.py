@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ KINDS = ("shape", "kind")  # keys that decide which others a table has
 
 def merged(base: Any, upper: Any) -> Any:
     """Tables key by key, lists of named tables name by name; all else, and a table of another kind, is replaced."""
-    if isinstance(base, dict) and isinstance(upper, dict) and not _of_another_kind(base, upper):
+    if isinstance(base, dict) and isinstance(upper, dict) and not of_another_kind(base, upper):
         return base | {key: merged(base[key], value) if key in base else value for key, value in upper.items()}
     if _named(base) and _named(upper):
         mine = {item["name"]: item for item in upper}
@@ -23,7 +24,7 @@ def merged(base: Any, upper: Any) -> Any:
     return upper
 
 
-def _of_another_kind(base: Tables, upper: Tables) -> bool:
+def of_another_kind(base: Mapping[str, Any], upper: Mapping[str, Any]) -> bool:
     """Whether both say what they are, and not the same: a cone has no use for a sphere's draft."""
     return any(key in base and upper.get(key, base[key]) != base[key] for key in KINDS)
 

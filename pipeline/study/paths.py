@@ -11,7 +11,8 @@ from typing import Any, NamedTuple, NoReturn, get_args
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from pipeline.study.reading import dotted, limit_of
+from pipeline.study.inherit import KINDS, of_another_kind
+from pipeline.study.reading import describe, dotted, limit_of
 from pipeline.study.schema import StudyFile, units
 from pipeline.study.tables import Table
 
@@ -61,7 +62,7 @@ def with_value(study: StudyFile, path: str, value: Any, beside: Mapping[str, Any
     """The study with a value at a path; names stand for floats, members, nodes and others.
 
     `*` stands for all of them, `rotor-*` for those whose names begin so. A table that the study lacks is made of the
-    value and those beside it.
+    value and those beside it; so is one of another shape or kind, which takes the place of the study's.
     """
     put = Put(value, path, beside, study.context)
     for whole in _in_seas(study, path):
@@ -99,6 +100,9 @@ def _below_names(node: Any, path: str, above: tuple[str, ...]) -> Iterator[tuple
 def _changed(node: Any, path: str, put: Put, above: str) -> Any:
     """A table, or tables by name, with the value at the path below."""
     if isinstance(node, Table):
+        _, keys = put.table(path)
+        if of_another_kind(vars(node), keys):
+            return keys if path in KINDS else node  # the others come with the one that says of which
         return _table(node, path, put, above)
     if isinstance(node, Mapping):
         chosen, rest = _named(list(node), path, above)
@@ -145,12 +149,14 @@ def _table(node: Table, path: str, put: Put, above: str) -> Table:
     try:
         return type(node).model_validate(given | {key: new}, context=put.context)
     except ValidationError as error:
-        raise PathError(_within(error.errors(include_url=False)[0], put.value)) from None
+        raise PathError(_within(error.errors(include_url=False)[0], put)) from None
 
 
-def _within(error: ErrorDetails, value: Any) -> str:
-    """The limit, with the key of a table that is given as a whole."""
-    inner = dotted(error["loc"][1:]) if isinstance(value, dict) and error["type"] != "missing" else ""
+def _within(error: ErrorDetails, put: Put) -> str:
+    """The limit, with the key of a table that is given as a whole, or with its kind."""
+    if put.path.rpartition(".")[2] in KINDS and not error["type"].startswith("union_tag"):
+        return describe(error)
+    inner = dotted(error["loc"][1:]) if isinstance(put.value, dict) and error["type"] != "missing" else ""
     return f"{inner}: {limit_of(error)}" if inner else limit_of(error)
 
 

@@ -528,6 +528,34 @@ def test_a_table_that_the_study_lacks_is_brought_in_whole(small, given):
     assert ids == (plain | with_stops if "variants" in given else with_stops) and with_stops != plain
 
 
+HULL = '{ shape = "hemisphere-cylinder", radius = 1.0, height = 0.6 }'
+CYLINDER = "{ shape = 'vertical-cylinder', radius = 1.0, draft = 0.6, freeboard = 1.0 }"
+
+
+@pytest.mark.parametrize(
+    ("old", "table", "given"),
+    [
+        (HULL, CYLINDER, f"'floats.*.hull' = {CYLINDER}"),
+        (HULL, CYLINDER, "\n".join(f"floats.front.hull.{key}" for key in reversed(CYLINDER[2:-2].split(", ")))),
+        ('shape = "tube"\ndiameter = 1.0\nthickness = 0.05', 'shape = "solid-rectangle"\nheight = 0.5\nwidth = 0.4',
+         "'platform.sections.tube' = { width = 0.4, shape = 'solid-rectangle', height = 0.5 }"),
+        ("{ Hs = 0.5, Tp = 5.0 }", "{ kind = 'regular', height = 0.4, period = 5.0 }",
+         "'sea_states.calm' = { kind = 'regular', height = 0.4, period = 5.0 }"),
+    ],
+    ids=["table", "keys", "section", "sea"],
+)  # fmt: skip
+def test_a_table_of_another_kind_takes_the_place_of_the_study_s(small, old, table, given):
+    """Its tasks are those of a study with that table; nothing of the other is left, whichever key comes first."""
+    text = small.read_text()
+    plain = {task.id for task in load(small).tasks}
+    assert text.count(old) == 1
+    small.write_text(text.replace(old, table))
+    other = {task.id for task in load(small).tasks}
+    small.write_text(text)
+    assert {task.id for task in tables_under(small, f"[variants.a]\n[variants.b]\n{given}").tasks} == plain | other
+    assert other != plain
+
+
 @pytest.mark.parametrize("folder", ["", "above/"])
 def test_files_of_a_variant_lie_beside_the_study(small, folder):
     """Whoever runs it from where; and those of a base beside that."""
@@ -565,6 +593,12 @@ def test_a_table_brought_in_may_be_the_current(small):
         ("[survival]\nHs = 0.5\n'floats.*.end_stops' = { lower = 'low', upper = 0.9, stiffness = 1e6 }",
          'survival."floats.*.end_stops.lower" = low: must be a number'),
         ("[variants.b.survival]\nHs = 0.5", "leads nowhere: the study has no [survival]"),
+        ("[variants.b]\n'floats.*.hull' = { radius = 1.0, draft = -0.6, freeboard = 1.0, shape = 'vertical-cylinder' }",
+         'variants.b."floats.*.hull.shape" = vertical-cylinder: hull.draft = -0.6: must be > 0 m'),
+        ("[variants.b]\n'floats.*.hull' = { shape = 'vertical-cylinder', radius = 1.0, draft = 0.6 }",
+         'variants.b."floats.*.hull.shape" = vertical-cylinder: hull.freeboard: is missing [m]'),
+        ("[variants.b]\n'floats.*.hull' = { shape = 'vertical', radius = 1.0 }",
+         'variants.b."floats.*.hull.shape" = vertical: must be one of '),
         ("[[axes.together]]\nname = 'a'\n'floats.front.end_stops' = [{ lower = -1.0, upper = 1.0, stiffness = -1.0 }]",
          "}: stiffness: must be >= 0"),
     ],
