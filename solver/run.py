@@ -37,7 +37,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     """Run `scene` to its end; raises SimulationFailed with time, quantity and advice.
 
     hydrodynamics: coefficients of the scene's floats at rest; without them the boundary elements come
-    first. Where a smaller step may help the run is repeated once with a quarter of it; `repeated` says why.
+    first. Where a smaller step may help the run is repeated with a quarter of it; `repeated` says why.
     """
     clock = time.perf_counter()
     if hydrodynamics is None and needed(scene):
@@ -55,7 +55,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
             record = _run(scene, hydrodynamics, better)
         except StepTooLong as error:
             repeated = str(error)
-            record = _again(scene, hydrodynamics, repeated)
+            record = _again(scene, hydrodynamics, repeated, better)
         if isinstance(record, Record):
             break
         scene = replace(scene, settings=record)
@@ -69,13 +69,13 @@ def _content(_settings: Settings, _told: Mapping[str, float]) -> None:
     """No other settings, whatever the estimated errors are."""
 
 
-def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str) -> Record | Settings:
-    """The record with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone."""
+def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str, better: Better) -> Record | Settings:
+    """As `_run` with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone."""
     s, system = scene.settings, prepared(scene, hydrodynamics)
     dt = with_usual_step(system, system_modes(system, hydrodynamics)).dt
     finer = replace(s, time_step=dt / 4, newton_tolerance=s.newton_tolerance / 4**2)
     try:
-        return _run(replace(scene, settings=finer), hydrodynamics)
+        return _run(replace(scene, settings=finer), hydrodynamics, better)
     except SimulationFailed as second:
         raise SimulationFailed(f"{second} (second attempt; the first: {first})") from None
 

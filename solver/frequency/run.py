@@ -47,16 +47,14 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         bound(tables, scene, channels, joint_law(scene.floats), fastest)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
     elements = elements_effect(scene, hydrodynamics, support)
-    error = together((mesh, shapes, elements))
+    errors = {"mesh_effect": mesh, "shapes_effect": shapes, "elements_effect": elements}
+    errors["estimated_error"] = together(errors.values())
     attrs: dict[str, float | str] = {
-        "estimated_error": error,
-        "mesh_effect": mesh,
-        "shapes_effect": shapes,
-        "elements_effect": elements,
+        **errors,
         **coefficient_errors(hydrodynamics),
         "drag_rounds": response.rounds,
         "buckling_factor": support.buckling_factor if support else np.inf,
-        "unmet": "; ".join(unmet(scene.settings, None, error)),
+        "unmet": "; ".join(unmet(scene.settings, None, errors)),
         "skipped": "; ".join(
             [
                 f"time: a linear model in the frequency domain has no {LEFT_OUT}",
@@ -83,7 +81,8 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     drifting: dict[str, Labelled] = {}
     if "drift" in scene.settings.outputs:
         drifting, figures = drift.variables(case, response, law)
-        attrs |= figures
+        said = (str(of.get("unmet", "")) for of in (attrs, figures))
+        attrs |= figures | {"unmet": "; ".join(note for note in said if note)}
     counted = None
     if channels.steel is not None and channels.steel.counts:
         counted = channels.steel.expected(frame.lines, omega)

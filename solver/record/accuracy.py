@@ -13,8 +13,9 @@ from solver.scene import Scene, Settings, two_digits
 ATTEMPTS = 6  # at most; each but the last costs the first audit.PROBE seconds of a run, and their audit
 RULES = [(8, 4, 2), (12, 6, 3), (16, 12, 6), (24, 16, 8)]
 MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
-# What the estimate's square may be made of; the BEM's mesh is chosen before, see scene.panels_for. Where laws jump
-# samples err, and the step less.
+# What of (tolerance / MARGIN)² the estimate's square may have of each; all together half of tolerance², so that what no
+# setting changes (the BEM's mesh is chosen before, see scene.panels_for) has the rest. Where laws jump samples err, and
+# the step less.
 SHARE = {"discretization_error": 0.5, "sampling_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
 SHAPES = 0.25  # and of the frame's shapes, and of its drag, which are cheap
 STEP_ORDER = 4
@@ -42,18 +43,20 @@ def first_guess(scene: Scene) -> Settings:
 
 
 def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:
-    """Finer settings for a run that has `told` its estimates; None where they meet the tolerance or nothing helps."""
-    tolerance = _tolerance(settings)
-    left = (tolerance / MARGIN) ** 2 - told["mesh_effect"] ** 2
-    if MARGIN * told["estimated_error"] <= tolerance or left <= 0:
+    """Finer settings for a run that has `told` its estimates; None where they meet the tolerance or nothing helps.
+
+    Each part comes to its own share, also where another stands against the tolerance.
+    """
+    allowed = _tolerance(settings) / MARGIN
+    if told["estimated_error"] <= allowed:
         return None
-    over = {name: told[name] / (share * left) ** 0.5 for name, share in SHARE.items()}
+    over = {name: told[name] / (share**0.5 * allowed) for name, share in SHARE.items()}
     finer = settings
     if (step := max(over["discretization_error"], over["sampling_error"] ** (STEP_ORDER / SAMPLES_ORDER))) > 1:
         finer = _shorter(finer, step)
-    if isinstance(settings.modes, int) and told["shapes_effect"] > (SHAPES * left) ** 0.5:
+    if isinstance(settings.modes, int) and told["shapes_effect"] > SHAPES**0.5 * allowed:
         finer = replace(finer, modes=2 * settings.modes)
-    if told["stations_effect"] > (SHAPES * left) ** 0.5:
+    if told["stations_effect"] > SHAPES**0.5 * allowed:
         finer = replace(finer, stations_per_element=2 * settings.stations_per_element)
     at = RULES.index((settings.azimuths, settings.arc_points, settings.line_points))
     if over["quadrature_error"] > 1 and at + 1 < len(RULES):

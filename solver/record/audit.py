@@ -153,20 +153,28 @@ def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> di
         "memory_error": system.fit.error if system.fit else 0.0,
         "memory_poles": system.fit.beta.size if system.fit else 0,
         "constraint_drift": constraint_drift(system, state),
-        "unmet": "; ".join(unmet(system.scene.settings, system.fit, errors["estimated_error"])),
+        "unmet": "; ".join(unmet(system.scene.settings, system.fit, errors)),
         "skipped": "; ".join([*skipped(system), *coarser(hydrodynamics)]),
     }
 
 
-def unmet(s: Settings, fit: RadiationMemory | None, estimated: float = 0.0) -> list[str]:
-    """What was asked for and not reached, with both numbers."""
+def unmet(s: Settings, fit: RadiationMemory | None, errors: Mapping[str, float]) -> list[str]:
+    """What was asked for and not reached, with both numbers, by which of a record's `errors`."""
     notes = []
-    if s.tolerance is not None and not estimated <= s.tolerance:
-        notes.append(f"tolerance = {s.tolerance:g}: the estimated error is {estimated:.2g}")
+    if s.tolerance is not None and not errors["estimated_error"] <= s.tolerance:
+        parts = ", ".join(f"{name} {errors[name]:.2g}" for name in against(s.tolerance, errors))
+        notes.append(f"tolerance = {s.tolerance:g}: the estimated error is {errors['estimated_error']:.2g}, by {parts}")
     asked = s.memory_tolerance or USUAL
     if fit is not None and s.memory == "state-space" and not fit.error <= asked:
         notes.append(f"memory_tolerance = {asked:g}: the radiation memory's fit ended at {fit.error:.2g}")
     return notes
+
+
+def against(tolerance: float, errors: Mapping[str, float]) -> list[str]:
+    """Names of the fewest parts of `estimated_error`, the largest first, without which it would meet the tolerance."""
+    names = sorted((name for name in errors if name != "estimated_error"), key=lambda name: -errors[name])
+    rests = (together(errors[name] for name in names[without:]) for without in range(len(names)))
+    return names[: sum(not rest <= tolerance for rest in rests)]
 
 
 def constraint_drift(system: System, state: State) -> float:

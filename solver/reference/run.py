@@ -115,7 +115,7 @@ def simulate_reference(
         "constraint_drift_acceleration": float(errors[2]),
         **_errors(case, hydrodynamics, probe, options, tolerance),
         **coefficient_errors(hydrodynamics),
-        "unmet": "; ".join(unmet(case.scene.settings, case.system.fit)),
+        "unmet": "; ".join(unmet(case.scene.settings, case.system.fit, {})),  # no tolerance is asked of this path
         "skipped": "; ".join(coarser(hydrodynamics)),
         **_told(case.scene),
         "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,

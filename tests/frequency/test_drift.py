@@ -97,6 +97,12 @@ def test_offset_is_that_of_the_mooring():
     assert np.isnan(np.delete(offset[0], at)).all() and np.isnan(offset[1:]).all()
 
 
+def test_a_tolerance_not_met_is_said_beside_the_drift():
+    item = drifting(HEADING)
+    strict = replace(item, settings=replace(item.settings, tolerance=1e-6))
+    assert simulate(strict, coefficients()[0]).attrs["unmet"].startswith("tolerance = 1e-06: ")
+
+
 @pytest.mark.parametrize("slowest", [0.05, 0.15])
 def test_slow_drift_of_one_axis_is_that_of_all_pairs_of_waves(slowest):
     """σ² = Σ 2|aᵢaⱼTᵢⱼ|²/|C - μ²M - iμD|² over all pairs, μ = ωᵢ - ωⱼ, where S_F is level, and where it falls."""

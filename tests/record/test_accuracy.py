@@ -8,11 +8,11 @@ from pytest import approx
 
 from solver import run
 from solver.balance import balanced
-from solver.errors import InputError
+from solver.errors import InputError, StepTooLong
 from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
-from solver.record.audit import UNSURE, cancelled, sharpest_bend, together, unlike
+from solver.record.audit import UNSURE, against, cancelled, sharpest_bend, together, unlike
 from solver.record.refit import prepared
 from solver.record.sampling import least_force
 from solver.run import simulate
@@ -70,7 +70,50 @@ def test_what_cannot_be_met_is_said(buan, coefficients):
     """The error of coefficients from outside is not one that settings can reduce."""
     rough = replace(coefficients, error=MeshError(*(100 * x for x in coefficients.error)))
     attrs = simulate(buan.scene("fixed", tolerance=2e-3), rough).attrs
-    assert attrs["unmet"].startswith(f"tolerance = 0.002: the estimated error is {attrs['estimated_error']:.2g}")
+    error, mesh = attrs["estimated_error"], attrs["mesh_effect"]
+    assert attrs["unmet"] == f"tolerance = 0.002: the estimated error is {error:.2g}, by mesh_effect {mesh:.2g}"
+
+
+def test_what_cannot_be_met_is_the_fewest_largest_parts():
+    errors = told(mesh_effect=3e-3, discretization_error=8e-4, memory_effect=7e-4)
+    assert against(1e-2, errors) == []
+    assert against(2e-3, errors) == ["mesh_effect"]
+    assert against(1e-3, errors) == ["mesh_effect", "discretization_error"]
+
+
+def test_a_mesh_that_is_too_coarse_keeps_no_step_too_long(buan, coefficients, monkeypatch):
+    """A tighter tolerance has a shorter step, and one below the default's a shorter one than that."""
+    rough = replace(coefficients, error=MeshError(*(100 * x for x in coefficients.error)))
+    monkeypatch.setattr(run, "first_guess", lambda scene: replace(first_guess(scene), time_step=scene.longest_step))
+    asked = (4e-3, 2e-3, 1e-3)
+    runs = [simulate(buan.scene("fixed", tolerance=t, duration=120.0), rough).attrs for t in asked]
+    for attrs, tolerance in zip(runs, asked, strict=True):
+        assert attrs["mesh_effect"] > tolerance and "by mesh_effect" in attrs["unmet"]
+        assert attrs["discretization_error"] <= SHARE["discretization_error"] ** 0.5 * tolerance / MARGIN
+    default = simulate(buan.scene("fixed", duration=120.0), rough).attrs["time_step"]
+    steps = [attrs["time_step"] for attrs in runs]
+    assert steps == sorted(steps, reverse=True) and steps[2] < min(steps[0], default)
+
+
+def test_a_run_repeated_for_its_step_is_refined_as_any_other(monkeypatch):
+    item = SCENES["duck"]()[0]
+    settings = replace(item.settings, tolerance=1e-2, radiation=False, diffraction=False)
+    whole, steps = run._run, []
+
+    def too_long_at_first(scene, *rest):
+        steps.append(scene.settings.time_step)
+        if len(steps) == 1:
+            raise StepTooLong("too long")
+        return whole(scene, *rest)
+
+    def halved_once(settings, _told):
+        return replace(settings, time_step=settings.time_step / 2) if len(steps) == 2 else None
+
+    monkeypatch.setattr(run, "_run", too_long_at_first)
+    monkeypatch.setattr(run, "refined", halved_once)
+    attrs = simulate(replace(item, settings=settings)).attrs
+    assert steps == [steps[0], steps[0] / 4, steps[0] / 8]
+    assert (attrs["time_step"], attrs["repeated"]) == (steps[2], "too long")
 
 
 def test_errors_that_cancel_are_not_taken_for_none(buan, coefficients):
@@ -160,8 +203,11 @@ def test_settings_are_refined_by_their_own_share_alone(buan):
     finer = refined(settings, told(shapes_effect=1e-2))
     assert (finer.modes, finer.time_step) == (2 * settings.modes, settings.time_step)
     assert refined(replace(settings, modes="all"), told(shapes_effect=1e-2)) is None
-    for name in ("mesh_effect", "memory_effect"):  # not to be had by settings
+    parts = ("discretization_error", "sampling_error", "quadrature_error", "stations_effect", "shapes_effect")
+    for name in ("mesh_effect", "memory_effect", "elements_effect"):  # not to be had by settings, and in nothing's way
         assert refined(settings, told(**{name: 1e-2})) is None
+        for part in parts:
+            assert refined(settings, told(**{name: 1e-2, part: 16e-3})) == refined(settings, told(**{part: 16e-3}))
 
 
 def test_step_follows_the_fourth_order(buan):
