@@ -282,11 +282,16 @@ def report(
 ) -> None:
     """Print our numbers beside the published ones, and write results/<study>/report.html."""
     from pipeline.report import page
+    from pipeline.results import dataset
 
     study = load(study_file)
-    path = store_of(study, results).root / "statistics.nc"
+    store = store_of(study, results)
+    path = store.root / "statistics.nc"
     if not path.exists():
         raise StudyError(study.path, [f"{path}: not there yet; `study run {study.path}` makes it"])
+    if dataset.changed(store):
+        dataset.collect(study, store)
+        say(f"{path}: was not what had been collected, and is collected again", err)
     actions.print_table(study, path)
     if figure:
         page.write_figure(study, path, figure)

@@ -81,9 +81,12 @@ def published(path: Path) -> list[Published]:
     """Rows of a file of published numbers."""
     with path.open(newline="", encoding="utf-8") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
-        if tuple(rows.fieldnames or ()) != COLUMNS:
-            raise StudyError(path, [f"columns = {rows.fieldnames}: must be {', '.join(COLUMNS)}"])
-        return [_row(path, number, row) for number, row in enumerate(rows, start=1)]
+        try:
+            if tuple(rows.fieldnames or ()) != COLUMNS:
+                raise StudyError(path, [f"columns = {rows.fieldnames}: must be {', '.join(COLUMNS)}"])
+            return [_row(path, number, row) for number, row in enumerate(rows, start=1)]
+        except (UnicodeDecodeError, csv.Error) as error:
+            raise StudyError(path, [f"is no table of text: {error}"]) from None
 
 
 def _row(path: Path, number: int, row: dict[str, str]) -> Published:

@@ -18,6 +18,7 @@ from pipeline.results.status import read_json
 from pipeline.results.store import Entry, Store, appearing, together, write_json
 from pipeline.results.variables import KNOBS, SLIDING, along, axis_units, meaning, meaning_of
 from pipeline.study import seas
+from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import MODEL_VERSION, Label, axes, dimensions
 
@@ -43,6 +44,12 @@ def current(study: Study, store: Store) -> Path:
 def collect(study: Study, store: Store) -> tuple[Path, dict[str, int]]:
     """Write the dataset of whatever is there; its path, and how many tasks are in which state."""
     return _collect(study, store, _fingerprint(study, store))
+
+
+def changed(store: Store) -> bool:
+    """Whether the dataset is another file than was collected, as a damaged one is; not known of one without a mark."""
+    mark = read_json(store.root / MARK)
+    return mark is not None and mark.get("sha256") != checksum(store.root / "statistics.nc")
 
 
 def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int]]:
@@ -233,7 +240,10 @@ def opened(path: Path) -> Any:
     """The dataset as xarray.Dataset, read as far as it is used, and again when used again."""
     import xarray as xr
 
-    return xr.open_dataset(path, cache=False)
+    try:
+        return xr.open_dataset(path, cache=False, engine="netcdf4")
+    except OSError:
+        raise StudyError(path, ["is damaged; `study collect` makes it again"]) from None
 
 
 def loaded(path: Path) -> Any:

@@ -102,6 +102,9 @@ def test_bad_rows_are_named(tmp_path):
     (tmp_path / "q.csv").write_text("a,b\n1,2\n")
     with pytest.raises(StudyError, match="must be table, label"):
         report.published(tmp_path / "q.csv")
+    (tmp_path / "q.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(StudyError, match="is no table of text: 'utf-8' codec can't decode"):
+        report.published(tmp_path / "q.csv")
 
 
 def test_published_numbers_of_the_project_name_known_variables():

@@ -318,6 +318,35 @@ def test_table_and_report_are_drawn_again_only_from_other_sources(small, cli, tm
     assert len(drawn) == 4
 
 
+@pytest.mark.parametrize(
+    "damaged", [lambda data: np.random.default_rng(1).bytes(100), lambda data: data[: len(data) // 2], lambda data: b""]
+)
+def test_a_damaged_dataset_is_collected_again_by_the_report(cli, tmp_path, drawn, damaged):
+    cli("run", "--workers", "1")
+    path = tmp_path / "r" / "small" / "statistics.nc"
+    with dataset.opened(path) as data:
+        whole = data.load()
+    path.write_bytes(damaged(path.read_bytes()))
+    assert "statistics.nc: was not what had been collected, and is collected again" in cli("report")
+    with dataset.opened(path) as data:
+        assert data.identical(whole)
+    assert "collected again" not in cli("report")
+
+
+def test_a_damaged_dataset_without_a_mark_is_named_and_what_makes_it_again(cli, tmp_path, drawn):
+    """One from elsewhere is none of ours to write over."""
+    cli("run", "--workers", "1")
+    path = tmp_path / "r" / "small" / "statistics.nc"
+    path.with_name(dataset.MARK).unlink()
+    assert "collected again" not in cli("report")
+    path.write_bytes(b"nothing")
+    with pytest.raises(StudyError, match="is damaged; `study collect` makes it again"):
+        dataset.opened(path)
+    cli("report", code=1)
+    cli("collect")
+    cli("report")
+
+
 def test_a_rerun_to_the_same_bits_leaves_dataset_and_report_alone(cli, tmp_path, drawn, monkeypatch, engine):
     cli("run", "--workers", "1")
     path = tmp_path / "r" / "small" / "statistics.nc"
