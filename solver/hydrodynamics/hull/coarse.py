@@ -6,16 +6,18 @@ planes of symmetry keep their curves.
 """
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 from math import sqrt
 
 import numpy as np
 
+from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.mesh import halved_count
 from solver.hydrodynamics.hull.original import AT_CORNER, FREE, ON_EDGE, Original, Point, key, point
-from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.panel_hull import ALIKE, PanelHull
 
 TRIANGLES = 2  # for each panel asked for: with sides as long as quadrilaterals have
 SHORT, LONG = 0.8, 4 / 3  # of the side aimed at: what is shorter collapses, what is longer is cut, if that does well
@@ -42,14 +44,21 @@ def fewer(hull: PanelHull, count: int, divided: int) -> PanelHull:
 def coarse(hull: PanelHull, count: int) -> PanelHull:
     """The wetted part of a hull in `count` triangles or a few more; its `finer` panels have their corners on the hull.
 
-    Symmetric where the hull is.
+    Symmetric where the hull is. What folds or tears is made without symmetry, and if that does, too, the hull stays.
     """
-    pieces, planes = hull.wetted, [axis for axis in (0, 1) if hull.symmetry[axis]]
-    for axis in planes:
-        pieces = surface.below(pieces, axis, sign=-1)
-    pieces = np.where(np.abs(pieces) < surface.WELD * hull.size, 0.0, pieces)  # in still water and in the planes
+    own = tuple(axis for axis in (0, 1) if hull.symmetry[axis])
+    for planes in dict.fromkeys((own, ())):
+        with suppress(InputError, np.linalg.LinAlgError):  # of panels that are not the file's
+            made = _coarse(hull, count, planes)
+            if not len(made.holes):
+                return made
+    return hull
+
+
+def _coarse(hull: PanelHull, count: int, planes: tuple[int, ...]) -> PanelHull:
+    """The same, symmetric in x = 0 or y = 0 for 0 or 1 in `planes`."""
     longest = min(sqrt(4 / sqrt(3) * hull.wetted_area / count), hull.waterplane_width / 2)
-    original = Original(pieces, longest)
+    original = Original(_part(hull, planes), longest)
     net = _Net(original)
     _remesh(net, longest, count / 2 ** len(planes))
     base, finer = (_as_large(*mesh, original, planes) for mesh in (net.mesh(), net.quartered()))
@@ -58,6 +67,21 @@ def coarse(hull: PanelHull, count: int) -> PanelHull:
         base, finer = (np.concatenate([p, (p * sign)[:, [0, 2, 1, 1]]]) for p in (base, finer))
     faces = np.tile([0, 1, 2, 2], (len(base), 1)) + 4 * np.arange(len(base))[:, None]
     return replace(PanelHull.of(base.reshape(-1, 3), faces, name=hull.name), finer=finer)
+
+
+def _part(hull: PanelHull, planes: tuple[int, ...]) -> np.ndarray:
+    """Panels (n, 4, 3) [m] below still water, on one side of planes of symmetry."""
+    cuts = [2, *planes]
+
+    def snapped(panels: np.ndarray) -> np.ndarray:
+        near = (np.abs(panels) < ALIKE * hull.size) & np.isin(np.arange(3), cuts)
+        return np.where(near, 0.0, panels)
+
+    # Before each cut, too: corners a hair off it would leave slivers, which fold when they are welded.
+    pieces = snapped(hull.panels)
+    for axis in cuts:
+        pieces = snapped(surface.below(pieces, axis, sign=1 if axis == 2 else -1))
+    return pieces
 
 
 def _remesh(net: "_Net", longest: float, count: float) -> None:
@@ -74,7 +98,7 @@ def _remesh(net: "_Net", longest: float, count: float) -> None:
             side = min(LONG * longest, side * sqrt(len(net.faces) / count) * (0.99 if len(net.faces) < count else 1.0))
 
 
-def _as_large(points: np.ndarray, faces: np.ndarray, original: "Original", planes: list[int]) -> np.ndarray:
+def _as_large(points: np.ndarray, faces: np.ndarray, original: "Original", planes: tuple[int, ...]) -> np.ndarray:
     """Panels (n, 4, 3) [m] of triangles with their corners on the hull, moved off it until as much lies within.
 
     Over a triangle on a curved hull the mean distance is 3/4 of that at its middle, δ. Each corner moves by u with
@@ -83,6 +107,8 @@ def _as_large(points: np.ndarray, faces: np.ndarray, original: "Original", plane
     corners = points[faces]
     vectors, middles = surface.area_vectors(corners), corners.mean(axis=1)
     areas = np.linalg.norm(vectors, axis=1)
+    if not areas.all():
+        raise np.linalg.LinAlgError("a triangle without area has no normal")
     normals = vectors / areas[:, None]
     off = 0.75 * np.sum((original.nearest(middles, normals)[0] - middles) * normals, axis=1)
     n = np.where((corners == 0.0) & np.isin(np.arange(3), [*planes, 2]), 0.0, normals[:, None])

@@ -1,11 +1,13 @@
 """Dense meshes in fewer panels: as large, as sharp, as symmetric, and solved within what they tell of their error."""
 
+import importlib
 from functools import cache, partial
 
 import numpy as np
 import pytest
 from pytest import approx
 
+from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.coarse import coarse, fewer
@@ -111,6 +113,75 @@ def test_edges_corners_and_waterline_stay():
         outline = rim(panels)[..., :2]
         assert np.linalg.norm(outline[:, 1] - outline[:, 0], axis=1).sum() == approx(2 * (4 + 2))
     assert made.sharpest == approx(np.pi / 2)
+
+
+def as_a_file(hull, angle=0.0, noise=0.0, up=0.0, unit=1.0):
+    """Turned, raised [m], in that unit [m] and single precision, off by `noise` [m]; and turned back."""
+    R = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    written = ((hull.vertices + np.array([0, 0, up])) @ R.T / unit).astype("f4") * unit
+    vertices = written.astype(float) @ R + noise * np.random.default_rng(1).normal(size=hull.vertices.shape)
+    return PanelHull.of(vertices, hull.faces)
+
+
+@cache
+def ellipsoid():
+    """Its axes along x and y, as planes of symmetry that corners lie on."""
+    vertices, faces = revolution_mesh(SPHERE, along=16, around=40)
+    return PanelHull.of(*loose(triangulated((vertices * [1.6, 0.8, 1.0])[faces])))
+
+
+@cache
+def lopsided():
+    """A hull without planes of symmetry."""
+    x, y, z = ellipsoid().vertices.T
+    return PanelHull.of(np.column_stack([x + 0.1 * x**2 + 0.05 * x * y, y + 0.1 * y**2, z]), ellipsoid().faces)
+
+
+@cache
+def flat():
+    return dense(PanelHull.of(*box(SIZE)), 0.4)
+
+
+ROUNDED = {
+    "angles": (ellipsoid, [{"angle": angle} for angle in (0.3, np.pi / 6, 0.7, 1.2, 2.5)]),
+    "noise": (ellipsoid, [{"noise": 10.0**n} for n in range(-9, -2)]),
+    "turned, in mm": (ellipsoid, [{"angle": angle, "unit": 1e-3} for angle in (0.3, np.pi / 6)]),
+    "raised": (ellipsoid, [{"angle": 0.7, "up": 0.05}, {"angle": 0.7, "up": -0.08}, {"noise": 1e-7, "up": 0.05}]),
+    "lopsided": (lopsided, [{"angle": 0.7}, {"noise": 1e-7}, {"noise": 1e-5}, {"noise": 1e-5, "up": 0.05}]),
+    "flat faces": (flat, [{"angle": 0.3}, {"angle": 0.7, "up": 0.1}, {"noise": 1e-8}]),
+}
+
+
+@pytest.mark.parametrize("name", ROUNDED)
+def test_corners_that_rounding_moved_off_a_cut_leave_no_slivers(name):
+    shape, each = ROUNDED[name]
+    for how in each:
+        hull = as_a_file(shape(), **how)
+        made = coarse(hull, 120)
+        assert made.symmetry == hull.symmetry and len(made.wetted) < 180
+        assert all(hull.symmetry) == (shape is not lopsided and how.get("noise", 0.0) < 1e-6)
+        for panels in (made.wetted, made.finer):
+            assert quality(panels).min() > 0.3
+            assert surface.volume(panels) == approx(hull.volume, rel=2e-3)
+            assert np.all(rim(panels)[..., 2] == 0.0)
+
+
+def test_what_folds_is_not_the_files_fault(monkeypatch):
+    """One half that does is made whole; and there is always the hull as it is."""
+    module = importlib.import_module("solver.hydrodynamics.hull.coarse")
+    made = module._coarse
+
+    def folds(hull, count, planes):
+        if len(planes) >= fewest:
+            raise InputError("hull.file", hull.name, "4 panels meet at an edge")
+        return made(hull, count, planes)
+
+    monkeypatch.setattr(module, "_coarse", folds)
+    fewest, hull = 1, as_a_file(ellipsoid(), angle=0.31)
+    whole = coarse(hull, 120)
+    assert hull.symmetry == (True, True) and whole.symmetry == (False, False) and len(whole.wetted) < 180
+    fewest, hull = 0, as_a_file(ellipsoid(), angle=0.32)
+    assert fewer(hull, 60, 1) is hull
 
 
 @pytest.mark.parametrize("side, edge", [(1.0, np.pi / 2), (-1.0, 0.0)])
