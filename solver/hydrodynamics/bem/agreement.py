@@ -33,6 +33,7 @@ BETTER = 0.85  # of another convention that explains the difference
 TIME = "is of the other sign of time, Re{X exp(+iωt)}, or of waves from the other side"
 PLACED = 0.045  # of the hull's size: how far off the point of moments may seem to be,
 BENT = 0.15  # and that of the largest's times (ka)², and √n of both, of n bodies
+PANELLED = 0.025, 0.05  # of its size and BM: the same by a Froude-Krylov force, of a hull in four panels across
 PLAIN = 0.17  # of that: as far off it may seem to be of right coefficients
 NEAR = 0.1  # of the force of long waves: how far off that told may be,
 BESIDE = 0.5  # see _near
@@ -270,17 +271,18 @@ def _permuted(six: Given, order: tuple[int, ...]) -> Given:
 def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> np.ndarray:
     """How far each point of moments (nb, 3) [m] may be from the one told; refused where right files show no such place.
 
-    A Froude-Krylov force or moment, where it is told, is held against that on the hull, and leaves no doubt.
+    A Froude-Krylov force, where it is told, is held against that on the hull and shows the point, else long waves do.
     """
     doubt = np.zeros((len(floats.names), 3))
-    if six.froude_krylov is not None:
+    if six.froude_krylov is None:
+        exerted = expected + _passing(six, floats)
+        places = [_place(six, floats, expected, exerted, b) for b in range(len(doubt))]
+    else:
         _require_incident(six, floats, expected)
-        return doubt
-    exerted = expected + _passing(six, floats)
-    for b, name in enumerate(floats.names):
-        away, may = _place(six, floats, expected, exerted, b)
+        places = [_incident_place(six.froude_krylov[:, 0], floats, expected, six.omega, b) for b in range(len(doubt))]
+    for b, (away, may) in enumerate(places):
         if (off := float(np.linalg.norm(away))) > may:
-            text = f"wave moments on {name} are as about a point {off:.2g} m or more from the one told"
+            text = f"wave moments on {floats.names[b]} are as about a point {off:.2g} m or more from the one told"
             raise InputError(KEY, six.name, f"{text}; do moments refer to another point, or lengths have another unit?")
         doubt[b] = away * max(0.0, 1 - PLAIN * may / off) if off else 0.0
     return doubt
@@ -316,13 +318,37 @@ def _place(six: Given, floats: Floats, expected: np.ndarray, exerted: np.ndarray
     rows = np.flatnonzero(_long(k * max(h.largest_radius for h in floats.hulls)))
     along = np.linalg.norm(force[:, :2], axis=1) > THIN * np.linalg.norm(force, axis=1)
     row = next((i for i in rows if along[i]), rows[-1] if len(rows) else 0)
-    away, there = (told - exerted[:, six_of])[row, 3:], np.abs(told).max(axis=0)[3:] > 0  # a file may lack motions
-    cross = np.cross(np.eye(3), force[row]).T[there]  # d × F = (e_i × F) d_i
-    matrix, sides = (np.concatenate([part.real, part.imag]) for part in (cross, away[there]))
-    place = np.linalg.lstsq(matrix, sides, rcond=THIN)[0] if there.any() else np.zeros(3)
+    there = np.abs(told).max(axis=0)[3:] > 0  # a file may lack motions
+    place = _lever((told - exerted[:, six_of])[row, 3:], force[row], there, THIN)
     largest = max(h.size for h in floats.hulls)
     may = PLACED * floats.hulls[b].size + BENT * (k[row] * largest) ** 2 * largest
     return place, float(np.sqrt(len(floats.hulls)) * may)
+
+
+def _incident_place(
+    incident: np.ndarray, floats: Floats, expected: np.ndarray, omega: np.ndarray, b: int
+) -> tuple[np.ndarray, float]:
+    """The same by Froude-Krylov forces told (nw, 6 nb), which are the hull's but for the file's panels.
+
+    Those have moments off by the hull's size and BM, I/V of its waterplane, and as much more as forces: BM by twice
+    their share, for I goes with the square of the waterplane. Judged is the long wave that pushes along most.
+    """
+    hull, told, fits = floats.hulls[b], incident[:, 6 * b :][:, :6], expected[:, 6 * b :][:, :6]
+    rows = np.flatnonzero(_long(floats.sea.wavenumbers(omega) * hull.largest_radius))
+    row, there = rows[-1] if len(rows) else 0, np.abs(told).max(axis=0) > 0
+    force, away = fits[row, :3], there * (told - fits)[row]
+    S, Sx, Sy, Sxx, _, Syy = hull.waterplane
+    metacentric = max(Sxx - Sx**2 / S, Syy - Sy**2 / S) / hull.volume if S > 0 else 0.0
+    off = np.linalg.norm(away[:3]) / np.linalg.norm(force)
+    may = (PANELLED[0] + off) * hull.size + (PANELLED[1] + 2 * off) * metacentric
+    return _lever(away[3:], force, there[3:], THIN**2), float(may)
+
+
+def _lever(moment: np.ndarray, force: np.ndarray, there: np.ndarray, thin: float) -> np.ndarray:
+    """d (3,) [m] of a moment d × F (3,) in least squares of those that are `there`; none along forces that are thin."""
+    cross = np.cross(np.eye(3), force).T[there]  # d × F = (e_i × F) d_i
+    matrix, sides = (np.concatenate([part.real, part.imag]) for part in (cross, moment[there]))
+    return np.linalg.lstsq(matrix, sides, rcond=thin)[0] if there.any() else np.zeros(3)
 
 
 def _require_stiffness(six: Given, floats: Floats) -> None:

@@ -9,8 +9,11 @@ import pytest
 from solver.errors import InputError
 from solver.hydrodynamics.bem import agreement, bem
 from solver.hydrodynamics.bem.adopted import adopted, require_covered
+from solver.hydrodynamics.bem.coefficients import DOFS
 from solver.hydrodynamics.bem.given import Given, turned
 from solver.hydrodynamics.bem.incident import Sea
+from solver.hydrodynamics.bem.mean_hull import froude_krylov
+from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
@@ -102,12 +105,18 @@ def test_the_order_of_frequencies_and_named_bodies_does_not_matter():
     same(taken(given), h)
 
 
-def about(h, points):
-    """Coefficients with moments and rotations about other points, from velocities: of the centre v + ω × (c - p)."""
+def carried(centres, points):
+    """T of velocities of points to those of centres, v + ω × (c - p)."""
     T = np.eye(6 * len(points))
     for b, point in enumerate(points):
         for j, spin in enumerate(np.eye(3)):
-            T[6 * b : 6 * b + 3, 6 * b + 3 + j] = np.cross(spin, h.centres[b] - point)
+            T[6 * b : 6 * b + 3, 6 * b + 3 + j] = np.cross(spin, centres[b] - point)
+    return T
+
+
+def about(h, points):
+    """Coefficients with moments and rotations about other points."""
+    T = carried(h.centres, points)
     matrices = {n: T.T @ getattr(h, n) @ T for n in ("added_mass", "radiation_damping", "added_mass_inf")}
     return told(h, **matrices, excitation=told(h).excitation @ T, points=np.array(points))
 
@@ -277,11 +286,9 @@ def test_negative_damping_at_few_or_high_frequencies_may_be_an_irregular_one():
 
 
 def test_moments_about_another_point_than_told_show_in_the_froude_krylov_moment():
-    low = about(ours(), [[-3.86, 0.0, -2.0], [4.5, 1.0, -2.0]])
-    T = np.eye(12)
-    for b in (0, 1):
-        T[6 * b : 6 * b + 2, 6 * b + 3 : 6 * b + 5] = [[0, 2.0], [-2.0, 0]]
-    fk = (ours().froude_krylov @ T)[:, None]
+    points = CENTRES - [0.0, 0.0, 2.0]
+    low = about(ours(), points)
+    fk = (ours().froude_krylov @ carried(CENTRES, points))[:, None]
     same(taken(replace(low, froude_krylov=fk)), ours())
     refused(replace(low, froude_krylov=fk, points=None), match="Froude-Krylov moment on .* another point")
 
@@ -355,6 +362,52 @@ def test_where_moments_are_about_is_told_by_long_waves_or_is_in_the_error():
         off = near.diffraction[:3, dof] - right.diffraction[:3, dof]
         told_of = (near.error.diffraction - right.error.diffraction)[:3, dof]
         assert np.all((-told_of / off).real > 0.5) and np.all((-told_of / off).real < 1.0)
+
+
+DEEP = Sea(density=1025.0, gravity=9.81, depth=np.inf, heading=0.5)
+
+
+def incident(hull, count, z):
+    """Froude-Krylov force of so many flat panels as a file has it, moments about a height z, and that on the hull."""
+    omega = np.sqrt(DEEP.gravity * np.array([0.01, 0.1, 0.3, 0.8]) / hull.largest_radius)
+    vertices, faces = meshes.panels(hull, count, narrow=False)
+    corners, none = vertices[faces], np.zeros((len(omega), 6, 6))
+    areas = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
+    lever = np.cross(corners.mean(axis=1) - [0.0, 0.0, z], areas)
+    force = [-DEEP.pressure(corners.mean(axis=1), w) @ np.hstack([areas, lever]) for w in omega]
+    given = Given(
+        name="theirs.nc", omega=omega, added_mass=none, radiation_damping=none, added_mass_inf=None, bodies=("a",),
+        headings=np.array([DEEP.heading]), excitation=np.array(force)[:, None], froude_krylov=np.array(force)[:, None],
+        columns=tuple((0, dof) for dof in DOFS),
+    )  # fmt: skip
+    at = np.zeros((1, 3))
+    return given, agreement.Floats((hull,), at, ("a",), DEEP), froude_krylov((hull,), at, DOFS, DEEP, omega)
+
+
+UNLIKE = {
+    "sphere": Revolution.sphere(radius=1.0, draft=1.0),
+    "cylinder": Revolution.vertical_cylinder(radius=2.0, draft=2.0, freeboard=2.0),
+    "disc": Revolution.vertical_cylinder(radius=5.0, draft=0.5, freeboard=1.0),
+    "deep": Revolution.sphere(radius=1.0, draft=1.8),
+    "box": box(length=3.0, width=2.0, height=2.0, draft=1.0),
+    "barge": box(length=20.0, width=4.0, height=2.0, draft=1.0),
+}
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_froude_krylov_moments_tell_where_they_are_about(name):
+    """Another point than told is refused as soon as no coarse panels are like it; what is nearer is in the error."""
+    hull = UNLIKE[name]
+    _, _, _, Sxx, _, Syy = hull.waterplane
+    may = 0.025 * hull.size + 0.05 * max(Sxx, Syy) / hull.volume
+    (fine,) = agreement.require_moments(*incident(hull, 3000, 0.0))
+    assert np.linalg.norm(fine) < 0.02 * may
+    agreement.require_moments(*incident(hull, 108, 0.0))
+    for side in (-1.0, 1.0):
+        with pytest.raises(InputError, match="wave moments on a are as about a point"):
+            agreement.require_moments(*incident(hull, 432, 1.5 * side * may))
+        (doubt,) = agreement.require_moments(*incident(hull, 3000, 0.8 * side * may))
+        assert doubt[:2] == pytest.approx([0.0, 0.0], abs=0.01 * may) and 0.6 < -side * doubt[2] / (0.8 * may) < 1.0
 
 
 @pytest.mark.parametrize("count", [5, 12])
