@@ -148,7 +148,6 @@ def judge(parameters: Parameters) -> Sequence[str]:
     """Build a task's scene, and the frequencies of its coefficients; what is odd about it. Raises InputError."""
     from pipeline.bridge import scenes
     from solver.balance import warnings
-    from solver.hydrodynamics.bem.adopted import require_covered
     from solver.scene import require_waves
 
     scene = scenes.scene(parameters)
@@ -157,9 +156,8 @@ def judge(parameters: Parameters) -> Sequence[str]:
     if geometry and geometry.coefficients:
         if "drift" in scene.settings.outputs:
             raise InputError("settings.outputs", "drift", "needs boundary elements: no file knows the waves far off")
-        known = given_hydrodynamics(geometry)
-        if scene.sea.amplitude.any():
-            require_covered(known, geometry.coefficients.name, scene.sea.omega.min(), scene.sea.omega.max())
+        omega = scene.sea.omega
+        given_hydrodynamics(geometry, (omega.min(), omega.max()) if scene.sea.amplitude.any() else None)
     elif geometry:
         require_solvable(geometry)
     return warnings(scene)

@@ -123,8 +123,8 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     )
 
 
-def given_hydrodynamics(geometry: Geometry) -> Hydrodynamics:
-    """Coefficients from the geometry's file; InputError where they do not fit its floats."""
+def given_hydrodynamics(geometry: Geometry, waves: tuple[float, float] | None = None) -> Hydrodynamics:
+    """Coefficients from the geometry's file; InputError where they do not fit its floats, or reach waves [rad/s]."""
     from pipeline.bridge.given import reading
     from solver.hydrodynamics.bem.adopted import adopted
 
@@ -141,6 +141,7 @@ def given_hydrodynamics(geometry: Geometry) -> Hydrodynamics:
         heading=geometry.heading,
         planar=geometry.planar,
         needed=geometry.needed,
+        waves=waves,
     )
 
 

@@ -44,10 +44,12 @@ def adopted(
     heading: float,
     planar: bool,
     needed: Sequence[Sequence[str]] | None = None,
+    waves: tuple[float, float] | None = None,
 ) -> Hydrodynamics:
     """The coefficients of `hulls` with `names` at `centres` (nb, 3) [m], from a file; InputError where they cannot be.
 
     needed: motions that each float has, so that the file must; others that it lacks are without load. All by default.
+    waves: lowest and highest [rad/s] that the file must reach.
     """
     centres = np.asarray(centres, float).reshape(-1, 3)
     refuse([*_water_problems(given, depth, density, gravity), *_form_problems(given, len(hulls), heading)])
@@ -61,6 +63,8 @@ def adopted(
     expected = froude_krylov(hulls, centres, DOFS, sea, omega)
     floats = agreement.Floats(hulls, centres, tuple(names), sea)
     six, note = agreement.agreed(six, floats, expected)
+    if waves:
+        _require_covered(given, *waves)
     six = _about(six, centres)
     doubt = agreement.require_moments(six, floats, expected)
     agreement.require_energy(six, floats)
@@ -108,11 +112,11 @@ def _between(h: Hydrodynamics) -> MeshError:
     return MeshError(**error)
 
 
-def require_covered(h: Hydrodynamics, name: str, low: float, high: float) -> None:
+def _require_covered(given: Given, low: float, high: float) -> None:
     """Refuse waves [rad/s] that a file's coefficients do not reach."""
-    first, last = h.omega[[0, -1]]
+    first, last = given.omega.min(), given.omega.max()
     if low < first * (1 - 1e-9) or high > last * (1 + 1e-9):
-        limit = f"must be within {first:.4g} to {last:.4g} rad/s, the frequencies of {name}"
+        limit = f"must be within {first:.4g} to {last:.4g} rad/s, the frequencies of {given.name}"
         raise InputError("band", f"[{low:.4g}, {high:.4g}]", limit)
 
 
@@ -288,7 +292,10 @@ def _infinite(six: Given, scale: dict[str, np.ndarray], names: Sequence[str]) ->
     i, j = np.unravel_index(off.argmax(), off.shape)
     if off[i, j] > UNSURE:
         text = f"added mass of {_word(names, i)} on {_word(names, j)} at infinite frequency is {told[i, j]:.4g},"
-        raise _problem(six, f"{text} the rest implies {follows.value[i, j]:.4g}")
+        text += f" the rest up to {six.omega[-1]:.4g} rad/s implies {follows.value[i, j]:.4g}"
+        if np.any(six.radiation_damping[:, [i, j], [i, j]].argmax(axis=0) == len(six.omega) - 1):
+            text += "; damping still grows there, higher frequencies may tell otherwise"
+        raise _problem(six, text)
     return _symmetric(told)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem import agreement, bem
-from solver.hydrodynamics.bem.adopted import adopted, require_covered
+from solver.hydrodynamics.bem.adopted import adopted
 from solver.hydrodynamics.bem.coefficients import DOFS
 from solver.hydrodynamics.bem.given import Given, turned
 from solver.hydrodynamics.bem.incident import Sea
@@ -315,8 +315,19 @@ def test_what_cannot_be_used_is_refused():
     refused(told(excitation=wrong), match="not finite")
     short = {n: getattr(told(), n)[:8] for n in ("omega", "added_mass", "radiation_damping", "excitation")}
     refused(told(**short, added_mass_inf=None), match="no added mass at infinite frequency")
-    with pytest.raises(InputError, match=r"must be within 0.6 to 6.6 rad/s"):
-        require_covered(taken(told()), "theirs.nc", 0.5, 2.0)
+    assert refused(told(), match=r"must be within 0.6 to 6.6 rad/s", waves=(0.5, 2.0)).key == "band"
+
+
+def test_too_short_a_range_is_not_taken_for_wrong_numbers():
+    """What does not reach the waves is said first; and where damping still grows, that the rest tells little."""
+    h, surge = alone(), 1.0 + 9.0 * np.diag(np.arange(6) == 0)
+    wrong = {"added_mass_inf": h.added_mass_inf * surge}
+    said = refused(told(h, **wrong), match="at infinite frequency is .* rest up to 4.4 rad/s implies", **ALONE, **SEA)
+    assert "grows" not in said.limit
+    cut = {n: getattr(told(h), n)[:9] for n in ("omega", "added_mass", "radiation_damping", "excitation")}
+    short = told(h, **wrong, **cut)
+    refused(short, match="must be within 0.4 to 2 rad/s, the frequencies of", waves=(0.7, 2.3), **ALONE, **SEA)
+    refused(short, match="rest up to 2 rad/s implies .*; damping still grows there", waves=(0.7, 1.9), **ALONE, **SEA)
 
 
 def test_motions_that_a_float_cannot_have_may_be_left_out():
