@@ -20,7 +20,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS
 from solver.hydrodynamics.bem.given import KEY, Given, turned
 from solver.hydrodynamics.bem.incident import Sea
-from solver.hydrodynamics.bem.mean_hull import unit_motions
+from solver.hydrodynamics.bem.mean_hull import froude_krylov, unit_motions
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.sea.dispersion import group_velocity
@@ -241,10 +241,29 @@ def _misfit(six: Given, floats: Floats, expected: np.ndarray, long: np.ndarray) 
         return f"wave force {text}"
     if text := _turn(six, floats, expected, long):
         return text
+    if text := _units(six, floats):
+        return text
     each = [_cosine(told, fits, np.array([c])) for c in columns]
     worst = int(columns[int(np.argmin(each))])
     text = f"wave force on {names[worst // 6]} in {DOFS[worst % 6]} is out of phase with what long waves exert on"
     return f"{text} its hull (cosine {min(each):.2f}); is it this hull, and where it was computed?"
+
+
+def _units(six: Given, floats: Floats) -> str:
+    """In which other units a file's numbers would fit, in words; empty where in none."""
+    rho = floats.sea.density
+    over = replace(six, added_mass=six.added_mass / rho, radiation_damping=six.radiation_damping / rho)
+    tries = [
+        (replace(six, omega=2 * np.pi * six.omega), "frequencies in Hz: rad/s are needed"),
+        (over, "added mass and damping that were to be divided by density"),
+    ]
+    for other, text in tries:
+        k = floats.sea.wavenumbers(other.omega)
+        long = _long(k * max(h.largest_radius for h in floats.hulls))
+        fits = froude_krylov(floats.hulls, floats.centres, DOFS, floats.sea, other.omega) + _passing(other, floats)
+        if long.any() and _off(other.excitation[long, 0], fits[long], k[long], floats)[0] <= 1:
+            return f"wave force is as of {text}"
+    return ""
 
 
 def _orders(names: Sequence[str]) -> Iterator[tuple[tuple[int, ...], str]]:

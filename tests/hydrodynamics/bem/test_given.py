@@ -213,6 +213,13 @@ def test_every_other_convention_is_named():
     refused(told(stiffness=stiffness), match="heave stiffness of front is")
 
 
+def test_other_units_are_named():
+    h, rho = ours(), WATER["density"]
+    heavy = {n: rho * getattr(h, n) for n in ("added_mass", "radiation_damping", "added_mass_inf")}
+    refused(told(**heavy), match="wave force is as of added mass and damping that were to be divided by density")
+    refused(told(omega=h.omega / (2 * np.pi)), match="wave force is as of frequencies in Hz: rad/s are needed")
+
+
 ALONE = {"hulls": HULLS[:1], "centres": np.array([[2.0, 0.0, 0.0]]), "names": ("front",)}
 
 
