@@ -1,7 +1,7 @@
 """Power take-offs by more than a few numbers: a table of their load by rate, and their efficiency."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from solver.errors import InputError, refuse
 from solver.quantities import Quantity, out_of_range
 
-MOST_POINTS = 100  # each of which may cut a step in two
+MOST_POINTS = 500  # each of which may cut a step in two
 ROUNDING = 1e-9  # of the largest load
 
 
@@ -45,6 +45,7 @@ class PtoTable:
     ]
     position: Annotated[tuple[float, ...], Quantity("rad or m"), "Positions of the axis from rest, increasing"] = ()
     axis: Annotated[str, "The axis of `motion` that it acts on; the only one where it is left out"] = ""
+    finer: Annotated["PtoTable | None", "The law that it stands for, by more points"] = None
 
     def __post_init__(self) -> None:
         refuse(out_of_range(self, "pto_table"))
@@ -80,6 +81,25 @@ class PtoTable:
             if abs(at_rest) > ROUNDING * np.abs(f).max():
                 limit = "must be 0 at rate 0; `coulomb` is a load that jumps there"
                 yield InputError("pto_table.force", at_rest, limit)
+
+    def by_finer(self) -> "PtoTable":
+        """The finer one, itself without one."""
+        return self.finer or self
+
+    def by_judged(self) -> "PtoTable":
+        """The finer one if there is another behind it that tells of its error, else itself."""
+        return self.finer if self.finer is not None and self.finer.finer is not None else self
+
+    def on_finer_lines(self) -> "PtoTable":
+        """This load at the points of the finer one, which has all lines of this one."""
+        if self.finer is None:
+            return self
+        y, v = self.finer.position, self.finer.velocity
+        f = np.array(self.force).reshape(-1, len(self.velocity))
+        f = np.stack([np.interp(v, self.velocity, line) for line in f])
+        if y:
+            f = np.stack([np.interp(y, self.position, line) for line in f.T], axis=1)
+        return replace(self, position=y, velocity=v, force=tuple(f.ravel().tolist()), finer=None)
 
     @property
     def alike(self) -> bool:

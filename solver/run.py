@@ -17,12 +17,12 @@ from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_errors
 from solver.hydrodynamics.radiation.memory import USUAL
 from solver.limits import field_error
-from solver.record.accuracy import ATTEMPTS, first_guess, refined, shortened
+from solver.record.accuracy import ATTEMPTS, first_guess, improved
 from solver.record.audit import Probe, audit, sharpest_bend
 from solver.record.bound import above
 from solver.record.recorder import Record, Recorder
 from solver.record.refit import prepared
-from solver.scene import Scene, Settings
+from solver.scene import Scene
 
 # What the record says of how it was computed.
 KNOBS = (
@@ -30,7 +30,7 @@ KNOBS = (
     "stations_per_element", "newton_tolerance",
 )  # fmt: skip
 
-Better = Callable[[Settings, Mapping[str, float]], Settings | None]  # other settings for a run that tells its errors
+Better = Callable[[Scene, Mapping[str, float]], Scene | None]  # a finer one for a run that tells its errors
 
 
 def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record:
@@ -45,9 +45,9 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     scene = with_critical_damping(scene, hydrodynamics)
     finer: Better = _content
     if scene.settings.tolerance is not None and scene.settings.method == "time":
-        scene, finer = replace(scene, settings=first_guess(scene)), refined
+        scene, finer = replace(scene, settings=first_guess(scene)), improved
     elif scene.settings.time_step is None:
-        finer = shortened
+        finer = improved
     repeated = ""
     for attempt in range(ATTEMPTS):
         better = finer if attempt + 1 < ATTEMPTS else _content
@@ -58,18 +58,18 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
             record = _again(scene, hydrodynamics, repeated, better)
         if isinstance(record, Record):
             break
-        scene = replace(scene, settings=record)
+        scene = record
     assert isinstance(record, Record)  # the last attempt is content with whatever a run tells
     asked = {} if scene.settings.tolerance is None else {"tolerance": scene.settings.tolerance}
     attrs = {**record.attrs, **asked, "repeated": repeated, "wall_time": time.perf_counter() - clock}
     return replace(record, attrs=attrs)
 
 
-def _content(_settings: Settings, _told: Mapping[str, float]) -> None:
-    """No other settings, whatever the estimated errors are."""
+def _content(_scene: Scene, _told: Mapping[str, float]) -> None:
+    """No other scene, whatever the estimated errors are."""
 
 
-def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str, better: Better) -> Record | Settings:
+def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str, better: Better) -> Record | Scene:
     """As `_run` with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone."""
     s, system = scene.settings, prepared(scene, hydrodynamics)
     dt = with_usual_step(system, system_modes(system, hydrodynamics)).dt
@@ -80,8 +80,8 @@ def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str, better
         raise SimulationFailed(f"{second} (second attempt; the first: {first})") from None
 
 
-def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _content) -> Record | Settings:
-    """The record; or other settings, where `better` chooses some by the errors estimated from the run's start."""
+def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _content) -> Record | Scene:
+    """The record; or another scene, where `better` chooses one by the errors estimated from the run's start."""
     if scene.settings.method == "frequency":
         from solver.frequency.run import simulate_frequency  # with what it imports
 
@@ -113,8 +113,8 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         done += len(times) // 2
         if output.contact.size or bend < np.inf:  # what may be judged again
             before = copied(state)
-        if probe.fresh and (settings := better(scene.settings, probe.errors(hydrodynamics))) is not None:
-            return settings
+        if probe.fresh and (other := better(scene, probe.errors(hydrodynamics))) is not None:
+            return other
     stored = energy(system.bodies, system.structure, state)
     residual = energy_residual(state.work, stored, state.energy)
     if not residual <= BALANCE:

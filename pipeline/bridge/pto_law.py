@@ -3,7 +3,8 @@
 The file has a function load(y, dy), with more arguments where the study gives `parameters`: the load against the motion
 [N or N m] at position y [m or rad] and rate dy. It is called on a dense grid before anything runs; lines of the table
 are laid where straight (bilinear) pieces between those that are there miss it most, until they do not miss it by more
-than the error, and that is checked once more between the grid's points.
+than the error, and that is checked once more between the grid's points. Behind it are one of a FINER-th of the error
+and the whole grid: by them a run tells what the table does to it, and goes on by a finer one where that is too much.
 """
 
 from __future__ import annotations
@@ -19,15 +20,18 @@ import numpy as np
 
 from pipeline.study.attachments import Attachment
 from solver.errors import InputError
-from solver.power_takeoff import MOST_POINTS, PtoTable
+from solver.power_takeoff import PtoTable
 
 RATES = 401  # of the grid, where the load goes by rate alone
 GRID = 161  # points of the grid along either
+MOST_LINES = 100  # either way, of the table by which a run begins
+FINER = 10
 LONGEST = 60.0  # that a table may take to make, of some 50,000 calls [s]
 AMPLY = 0.8  # share of the error to which lines are laid, for what lies between the grid's points
 
 Load = Callable[[float, float], float]
 Ends = tuple[float, float]
+Lines = tuple[list[int], list[int]]  # rows and columns of the grid
 
 
 @lru_cache(maxsize=32)
@@ -43,14 +47,21 @@ def table(
     with _in_time():
         load = _function(file, parameters)
         exact = _sampled(load, y, v)
-        rows, columns = _lines(file, y, v, exact, error)
+        rows, columns = laid = _lines(file, y, v, exact, error, MOST_LINES)
         _check_between(file, load, (y[rows], v[columns], exact[np.ix_(rows, columns)]), (y, v), error)
-    return PtoTable(
-        position=tuple(y[rows].tolist()) if position else (),
-        velocity=tuple(v[columns].tolist()),
-        force=tuple(exact[np.ix_(rows, columns)].ravel().tolist()),
-        axis=axis,
-    )
+        close = _lines(file, y, v, exact, error / FINER, exact.size + 1)
+    whole, made = (list(range(y.size)), list(range(v.size))), None
+    levels = [whole, *(at for at, finer in ((close, whole), (laid, close)) if at != finer)]
+    for rows, columns in levels:
+        made = PtoTable(
+            position=tuple(y[rows].tolist()) if position else (),
+            velocity=tuple(v[columns].tolist()),
+            force=tuple(exact[np.ix_(rows, columns)].ravel().tolist()),
+            axis=axis,
+            finer=made,
+        )
+    assert made is not None  # of the grid, at least
+    return made
 
 
 def _points(ends: Ends, count: int) -> np.ndarray:
@@ -119,9 +130,7 @@ def _between(lines: np.ndarray, x: np.ndarray) -> np.ndarray:
     return np.array([np.interp(x, lines, unit) for unit in np.eye(lines.size)]).T
 
 
-def _lines(
-    file: Attachment, y: np.ndarray, v: np.ndarray, exact: np.ndarray, error: float
-) -> tuple[list[int], list[int]]:
+def _lines(file: Attachment, y: np.ndarray, v: np.ndarray, exact: np.ndarray, error: float, most: int) -> Lines:
     """Rows and columns of the grid (y.size, v.size) between which straight pieces miss it by no more than the error."""
     rows, columns = ({0, x.size - 1, int(np.abs(x).argmin())} for x in (y, v))
     allowed = AMPLY * error * np.abs(exact).max()
@@ -133,7 +142,7 @@ def _lines(
         i, j = divmod(int(missed.argmax()), v.size)
         if missed[i, j] <= allowed:
             return at
-        if len(rows) >= MOST_POINTS or len(columns) >= MOST_POINTS:
+        if max(len(rows), len(columns)) >= most:
             raise _unlike(file, y[i], v[j], missed[i, j] / np.abs(exact).max(), error)
         by_rate = abs(along_v[i, j] - exact[i, j]) >= abs(along_y[i, j] - exact[i, j])
         if (by_rate and j not in columns) or i in rows:

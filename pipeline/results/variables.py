@@ -121,7 +121,7 @@ VARIABLES = {
     "constraint_drift_velocity": Meaning("m s-1", "Largest velocity at which a hinge leaves its place"),
     "constraint_drift_acceleration": Meaning("m s-2", "Largest acceleration at which a hinge leaves its place"),
     "estimated_error": Meaning(
-        "1", "Estimated relative error of any mean, rms or std: step, samples, quadrature, memory and mesh"
+        "1", "Estimated relative error of any mean, rms or std: step, samples, quadrature, memory, mesh, laws"
     ),
     "discretization_error": Meaning("1", "Estimated relative error of the time discretization"),
     "sampling_error": Meaning("1", "Estimated relative error of samples: jumps between them, the record's ends"),
@@ -134,6 +134,7 @@ VARIABLES = {
     "mesh_error": Meaning("1", "Estimated relative error of the coefficients by the boundary elements' mesh, at most"),
     "mesh_effect": Meaning("1", "Relative error that the boundary elements' mesh makes in the linear response"),
     "stations_effect": Meaning("1", "Relative error by the stations of the frame's drag, of a run with twice as many"),
+    "law_effect": Meaning("1", "Relative error by the tables of power take-offs' laws, of runs with finer ones"),
     "shapes_effect": Meaning("1", "Relative error that the frame's left-out shapes make in the linear response"),
     "elements_effect": Meaning("1", "Relative error that the frame's elements make in the linear response"),
     "memory_error": Meaning("1", "Largest relative misfit of the radiation memory"),

@@ -9,10 +9,11 @@ from solver.balance import met
 from solver.coupled.assembly import joint_law
 from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
-from solver.frequency.response import Response, respond_in
+from solver.frequency.response import Response, respond, respond_in
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import bent
-from solver.record.audit import left_out_effect, together, unmet
+from solver.power_takeoff import PtoTable
+from solver.record.audit import left_out_effect, response_error, together, unmet, with_tables
 from solver.record.bound import above
 from solver.record.elements import elements_effect
 from solver.record.recorder import ELEVATION, Labelled, Record, bound
@@ -47,7 +48,12 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         bound(tables, scene, channels, joint_law(scene.floats), fastest)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
     elements = elements_effect(scene, hydrodynamics, support)
-    errors = {"mesh_effect": mesh, "shapes_effect": shapes, "elements_effect": elements}
+    errors = {
+        "mesh_effect": mesh,
+        "shapes_effect": shapes,
+        "elements_effect": elements,
+        "law_effect": _law_effect(case, response, scene),
+    }
     errors["estimated_error"] = together(errors.values())
     attrs: dict[str, float | str] = {
         **errors,
@@ -93,6 +99,15 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     return channels.record(
         tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further
     )
+
+
+def _law_effect(case: Case, response: Response, scene: Scene) -> float:
+    """Relative error of the response's std and power by tables of laws that are known by finer ones."""
+    finer, waves = with_tables(scene, PtoTable.by_finer), case.waves.size
+    if finer.floats == scene.floats:
+        return 0.0
+    exact = respond(finer, case.hydrodynamics).X[:waves]
+    return response_error(case.system, case.law(scene.floats), case.waves, response.X[:waves], exact)
 
 
 def _strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:

@@ -1,6 +1,7 @@
 """An error asked for becomes settings: a first guess by known laws, and finer ones where a run's start says so.
 
-Without one the step alone is chosen: by the scene's periods, and shorter where a run's start says so.
+Without one the step alone is chosen: by the scene's periods, and shorter where a run's start says so. The tables of
+power take-offs' laws are finer where it says so, with and without one.
 """
 
 from collections.abc import Mapping
@@ -8,6 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from solver.power_takeoff import PtoTable
+from solver.record.audit import UNTOLD, with_tables
 from solver.scene import Scene, Settings, two_digits
 
 ATTEMPTS = 6  # at most; each but the last costs the first audit.PROBE seconds of a run, and their audit
@@ -17,11 +20,11 @@ MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
 # setting changes (the BEM's mesh is chosen before, see scene.panels_for) has the rest. Where laws jump samples err, and
 # the step less.
 SHARE = {"discretization_error": 0.5, "sampling_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
-SHAPES = 0.25  # and of the frame's shapes, and of its drag, which are cheap
+SHAPES = 0.25  # and of the frame's shapes, of its drag, and of tables of laws, which are cheap
 STEP_ORDER = 4
 SAMPLES_ORDER = 1.5  # jumps lie anywhere between samples: in gaps half as wide and twice as many
 USUAL = 5e-4  # of the usual step, where the guess starts from
-DEFAULT = 1e-3  # what the step may err by where none is given
+DEFAULT = 1e-3  # what the step may err by where none is given, and the tables
 
 
 def first_guess(scene: Scene) -> Settings:
@@ -40,6 +43,18 @@ def first_guess(scene: Scene) -> Settings:
         stations_per_element=2 if tolerance > 4e-4 else 4,
         time_step=min(step, scene.longest_step),
     )
+
+
+def improved(scene: Scene, told: Mapping[str, float]) -> Scene | None:
+    """The scene with finer settings or tables for a run that has `told` its estimates; None where these are enough."""
+    s = scene.settings
+    settings = shortened(s, told) if s.tolerance is None else refined(s, told)
+    allowed = DEFAULT if s.tolerance is None else SHAPES**0.5 * s.tolerance / MARGIN
+    met = s.tolerance is not None and MARGIN * told["estimated_error"] <= s.tolerance
+    better = scene if met or not allowed < told["law_effect"] < UNTOLD else with_tables(scene, PtoTable.by_judged)
+    if settings is None and better.floats == scene.floats:
+        return None
+    return replace(better, settings=settings or s)
 
 
 def refined(settings: Settings, told: Mapping[str, float]) -> Settings | None:

@@ -15,11 +15,13 @@ from solver.coupled.stages import State, copied
 from solver.coupled.step import HITS, Output
 from solver.coupled.support import KNOWN, Support, real_by_complex
 from solver.coupled.system import System, blocks, prepare
+from solver.errors import StepTooLong
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
 from solver.keys import shared
 from solver.multibody.joint_law import JointLaw, absorbing, taking
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
+from solver.power_takeoff import PtoTable
 from solver.record.elements import elements_effect
 from solver.record.recorder import Channels, Recorder
 from solver.record.response import excitation, force_of_waves, in_waves
@@ -31,6 +33,7 @@ PROBE = 600  # usual steps of a scene: length of the run with half the step
 STATES = 48  # at which the pressure's quadrature is compared with a finer one
 FAR = 2e-5  # of what stations may leave out unseen
 UNSURE = 0.4  # of what the error of forces alone would do, that may be left where others cancel it
+UNTOLD = 1.0  # an error that no run tells
 UNLIKE = 0.01  # of a force: an error of less is not looked at by itself
 DECAY = 400  # frequencies at which a scene without waves is judged
 MOTIONS = ("rotation", "motion", "top_displacement", "node_displacement")
@@ -118,6 +121,7 @@ class Probe:
                         self.system.scene, hydrodynamics, self.system.support, self.system
                     ),
                     "stations_effect": stations_effect(self, hydrodynamics),
+                    "law_effect": law_effect(self, hydrodynamics),
                 }
             self._errors = {**parts, "estimated_error": together(parts.values())}
             self.seconds += time.perf_counter() - clock
@@ -143,8 +147,8 @@ def together(errors: Iterable[float]) -> float:
 def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
     """Relative errors of any mean, rms or std, what was asked and not met, and what was left out.
 
-    `estimated_error` is that of step, samples, quadrature, memory, BEM mesh, the frame's shapes, elements and stations
-    together.
+    `estimated_error` is that of step, samples, quadrature, memory, BEM mesh, the frame's shapes, elements and stations,
+    and the tables of laws together.
     """
     system = probe.system
     errors = probe.errors(hydrodynamics)
@@ -241,12 +245,43 @@ def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:
     if support.stretched is None and share ** (2 * points) / 20 < FAR:
         return 0.0
     settings = replace(s, stations_per_element=2 * points, outputs=())
-    finer = prepare(replace(system.scene, settings=settings), h, system.fit)
-    recorder = _judging(probe.recorder.scene, finer)
-    for samples, output, times in blocks(finer, finer.start(), probe.steps):
+    return _apart(system, probe.recorder, _start(probe, replace(system.scene, settings=settings), h))
+
+
+def law_effect(probe: Probe, h: Hydrodynamics | None) -> float:
+    """The same by the tables of power take-offs, of laws that are known by finer ones.
+
+    Both runs have the lines of the finer tables: steps that are cut elsewhere would tell of the step.
+    """
+    scene = probe.system.scene
+    if probe.state is not None or not any(f.pto_table and f.pto_table.finer for f in scene.floats):
+        return 0.0
+    tables = (with_tables(scene, of) for of in (PtoTable.on_finer_lines, PtoTable.by_finer))
+    try:
+        return _apart(probe.system, *(_start(probe, other, h) for other in tables))
+    except StepTooLong:  # for so many lines, though not for the run's own
+        return UNTOLD
+
+
+def with_tables(scene: Scene, of: Callable[[PtoTable], PtoTable]) -> Scene:
+    """The scene with other tables of its power take-offs."""
+    floats = (replace(f, pto_table=of(f.pto_table)) if f.pto_table is not None else f for f in scene.floats)
+    return replace(scene, floats=tuple(floats))
+
+
+def _start(probe: Probe, scene: Scene, h: Hydrodynamics | None) -> Recorder:
+    """Of what is judged of a run, by another scene."""
+    system = prepare(scene, h, probe.system.fit)
+    recorder = _judging(replace(probe.recorder.scene, floats=scene.floats), system)
+    for samples, output, times in blocks(system, system.start(), probe.steps):
         recorder.add(times, output, samples)
-    differ = partial(expected_error, cut=(probe.recorder.amended(), recorder.amended()))
-    return statistics_error(system, recorder.scene, differ, probe.recorder.samples(), recorder.samples())
+    return recorder
+
+
+def _apart(system: System, usual: Recorder, finer: Recorder) -> float:
+    """Relative error of any mean, rms or std by what the start of a finer run tells otherwise."""
+    differ = partial(expected_error, cut=(usual.amended(), finer.amended()))
+    return statistics_error(system, finer.scene, differ, usual.samples(), finer.samples())
 
 
 def statistics_error(

@@ -126,7 +126,7 @@ def test_on_an_elastic_platform_a_line_is_a_damper_and_a_mooring_of_one_axis_a_s
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda: PtoTable(velocity=(0.0,), force=(0.0,)), r"pto_table.velocity = 1: must be 2 to 100 rates"),
+        (lambda: PtoTable(velocity=(0.0,), force=(0.0,)), r"pto_table.velocity = 1: must be 2 to 500 rates"),
         (lambda: PtoTable(velocity=(0.0, 1.0), force=(0.0,)), r"a load for each; there are 1 loads"),
         (lambda: PtoTable(velocity=(0.0, 2.0, 1.0), force=(0, 1, 2)), r"= 1.0: must increase; it follows 2"),
         (lambda: PtoTable(velocity=(0.5, 2.0), force=(1.0, 2.0)), r"must begin at 0, for both senses alike, or below"),
