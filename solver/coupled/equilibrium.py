@@ -27,6 +27,7 @@ SLOW = 1e-6  # of differences by rates [m/s or rad/s]: quadratic damping is noth
 SETTLED = 1e-12  # last change of a coordinate [m or rad]
 UNHELD = 1e-6  # of the weights [N m], that may be left out of balance
 ANGLES = 100  # at which it is looked whether a joint is pushed back to its rest
+FALLS = -1e-4  # of the largest stiffness: below it a joint is pushed away
 STRIDES = 500  # of the search for the floats' rest, in the water or out of it
 ROUNDS = 100  # of floats and structure in turn; a float on a platform as soft as itself needs some twenty
 
@@ -149,12 +150,15 @@ def _settle_joints(body: Bodies, z: np.ndarray, nc: int, stride: float) -> None:
     """Bring the joints z[nc:] to rest, the carriers held.
 
     Newton's method on the potential energy, always downhill, so that what it finds is stable; in
-    strides that a float follows in the water, halved where it oversteps.
+    strides that a float follows in the water, halved where it oversteps. Given within one of an equilibrium from which
+    they fall they stay, for that to be said: see natural.require_stable.
     """
     before = np.zeros(z.size - nc)
-    for _ in range(STRIDES):
-        update, r = _downhill(body, z, nc)
+    for k in range(STRIDES):
+        update, r, stiffness = _downhill(body, z, nc)
         size = np.abs(update).max()
+        if k == 0 and size < stride and stiffness.min() < FALLS * np.abs(stiffness).max():
+            return
         if min(size, stride) < SETTLED:
             break
         if update @ before < 0:
@@ -168,12 +172,12 @@ def _settle_joints(body: Bodies, z: np.ndarray, nc: int, stride: float) -> None:
         )
 
 
-def _downhill(body: Bodies, z: np.ndarray, nc: int) -> tuple[np.ndarray, np.ndarray]:
-    """Newton's step of the joints (nj,) with all curvatures taken as positive, and the load there (nj,)."""
+def _downhill(body: Bodies, z: np.ndarray, nc: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Newton's step of the joints (nj,) with all curvatures taken as positive, the load there (nj,) and these (nj,)."""
     n, steps = z.size, STEP * np.eye(z.size)
     load = balance(body, np.concatenate([z - steps, z + steps, z[None]]))[0]
     r, tangent = load[-1, nc:], symmetric_stiffness((load[n : 2 * n] - load[:n]) / (2 * STEP))
     value, vector = np.linalg.eigh(tangent[nc:, nc:])
     # Nothing holds a free float in surge or yaw, and nothing pushes it; rounding is 1e-7 of the rest.
     held = np.abs(value) > 1e-6 * np.abs(value).max()
-    return vector[:, held] @ (vector[:, held].T @ r / np.abs(value[held])), r
+    return vector[:, held] @ (vector[:, held].T @ r / np.abs(value[held])), r, value

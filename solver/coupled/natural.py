@@ -17,6 +17,7 @@ from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits, shared
 from solver.limits import slides
+from solver.multibody.joint_law import pto_stiffness_at_rest
 from solver.scene import MOST_STEPS, STEPS, Scene, two_digits
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
@@ -193,14 +194,22 @@ def require_stable(system: System) -> None:
     K = system.stiffness[nc:, nc:] / np.outer(sizes, sizes)
     value, shape = np.linalg.eigh(K)
     if value[0] < UNSTABLE * np.abs(value).max():
+        falls = shape[:, 0] / sizes
+        of_pto = float(falls**2 @ pto_stiffness_at_rest(system.bodies.law, system.equilibrium[0])[nc:])
         moves = np.abs(shape[:, 0]) >= MOVES * np.abs(shape[:, 0]).max()
         names = [name for name, moved in zip(_joints(system.scene), moves, strict=True) if moved]
-        stiffness = f"{value[0]:.3g} N per metre of motion"
+        scale, unit = 1.0, "N per metre of motion"
         if len(names) == 1 and not slides(names[0].rpartition(" ")[2]):
-            stiffness = f"{value[0] * sizes[moves][0] ** 2:.3g} N m/rad"
+            scale, unit = sizes[moves][0] ** 2, "N m/rad"
+        parts, remedy = "", "lower the centre of gravity (cog), or hold it by stiffness"
+        if of_pto:
+            parts = f", {scale * (value[0] - of_pto):.4g} of water, weight and springs and {scale * of_pto:.4g} of the"
+            parts += " power take-off"
+        if of_pto < 0 < value[0] - of_pto:
+            remedy = "let the power take-off push it away less, or hold it by stiffness"
         raise SimulationFailed(
             f"the equilibrium in still water is unstable: {', '.join(names)} falls away with a stiffness of"
-            f" {stiffness}; lower the centre of gravity (cog), or hold it by stiffness"
+            f" {scale * value[0]:.3g} {unit}{parts}; {remedy}"
         )
 
 

@@ -46,6 +46,7 @@ from solver.multibody.load_table import (
 
 DAMPERS = ("pto_damping", "damping", "quadratic_damping")  # linear or nearly, and nothing at rest
 FAR = 40.0  # standard deviations
+SIDE = 1e-5  # of differences by position [m or rad]
 OPEN, PRESSED, RELEASED = 0, 1, 2  # zones of the stops; + at the upper one, - at the lower one
 LINEAR, SLIPS, LIMITED, HELD = 0, 1, 2, 3  # of the power take-off; SLIPS and LIMITED with the sign of the rate
 GONE = 4  # the power take-off has let go, with the sign of the rate
@@ -425,6 +426,12 @@ def _fill(law: JointLaw, y: np.ndarray, dy: np.ndarray, loads: JointLoads) -> No
 def pto_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
     """Load of the power take-offs against their axes (m, n), stiffness included; that by which one holds is not."""
     return joint_loads(law, y, dy).pto + law.pto_stiffness * y
+
+
+def pto_stiffness_at_rest(law: JointLaw, y: np.ndarray) -> np.ndarray:
+    """∂f_pto/∂y (n,) at rest at y (n,), between those to either side."""
+    sides = pto_loads(law, y + SIDE * np.array([[-1.0], [1.0]]), np.zeros((2, y.size)))
+    return np.diff(sides, axis=0)[0] / (2 * SIDE)
 
 
 def pto_bounds(law: JointLaw) -> np.ndarray:

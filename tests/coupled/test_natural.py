@@ -1,5 +1,6 @@
 """Natural periods and shapes of the coupled system, critical damping, and equilibria that fall over."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,7 @@ from solver.coupled.natural import (
 from solver.coupled.system import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.power_takeoff import PtoTable
 from solver.run import simulate
 from solver.scene import Float, two_digits
 from solver.sea.realization import CALM
@@ -269,3 +271,35 @@ def test_how_far_from_rest_a_hinge_is_pushed_back(side):
     lost = 2 * np.arctan(b / abs(c))
     expected = (-lost, 1.5) if side > 0 else (-1.5, lost)
     assert righting(system.bodies, system.equilibrium[0], 0, 1.5) == approx(expected, abs=0.016)
+
+
+def heaving(**keys):
+    """A cylinder of radius 2 m and draft 3 m on a guide, in still water, without radiation, a little too heavy."""
+    hull = Revolution.vertical_cylinder(radius=2.0, draft=3.0, freeboard=2.0)
+    item = Float(
+        name="cyl", hull=hull, mass=1.001 * RHO * hull.volume, inertia=(1e5,) * 3, cog=(0, 0, -1), hinge=(0, 0, 0),
+        motion=("heave",), **keys,
+    )  # fmt: skip
+    return prepare(scene([item], waves=CALM, diffraction=False, radiation=False), None)
+
+
+@pytest.mark.parametrize("by", ["stiffness", "table"])
+def test_a_power_take_off_that_pushes_a_float_away_is_refused(by):
+    """By its stiffness, or by that of its table at rest, though beyond the table's ends, 4 m off, it would hold."""
+    K, places, rates = RHO * 9.81 * np.pi * 2.0**2, (-4.0, 0.0, 4.0), (-5.0, 0.0, 5.0)
+
+    def held_by(k):
+        load = tuple(k * y + 1e4 * v for y in places for v in rates)
+        return {"pto_stiffness": k} if by == "stiffness" else {
+            "pto_table": PtoTable(position=places, velocity=rates, force=load)
+        }  # fmt: skip
+
+    stays, falls = (heaving(**held_by(-share * K)) for share in (0.9, 1.1))
+    require_stable(stays)
+    assert stays.joints_at_rest == approx(-0.001 * 3.0 / 0.1, rel=1e-6)
+    with pytest.raises(
+        SimulationFailed, match=r"unstable: cyl heave falls away.*let the power take-off push"
+    ) as caught:
+        require_stable(falls)
+    told = [float(x) for x in re.findall(r"(\S+) (?:N per metre|of water|of the power)", str(caught.value))]
+    assert told == approx([-0.1 * K, K, -1.1 * K], rel=5e-3)
