@@ -60,6 +60,27 @@ def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
             yield f"floats.{a} and floats.{b} meet at {at} rad, angles that each of them passed; no load tells of it"
 
 
+def beyond_tables(floats: Sequence[Float], low: np.ndarray, high: np.ndarray) -> Iterator[str]:
+    """A sentence for each axis whose motion or rate, met from `low` to `high` (2, nj), leaves the range in which the
+    load of its power take-off is given, where that is not level at the range's end."""
+    axes = [(f, axis, points) for f in floats for axis, points in zip(f.motion, f.pto_points, strict=True)]
+    for j, (item, axis, points) in enumerate(axes):
+        if points is None:
+            continue
+        y, v, load = points
+        for k, (what, given, lines) in enumerate((("position", y, load), ("rate", v, load.T))):
+            if given.size and (
+                (low[k, j] < given[0] and np.any(lines[0] != lines[1]))
+                or (high[k, j] > given[-1] and np.any(lines[-1] != lines[-2]))
+            ):
+                unit = ("m" if axis in DOFS[:3] else "rad") + "/s" * k
+                yield (
+                    f"floats.{item.name}: the {what} of {axis} was {low[k, j]:+.3g} to {high[k, j]:+.3g} {unit}, beyond"
+                    f" {given[0]:+.3g} to {given[-1]:+.3g} {unit}, in which the load of its power take-off is given:"
+                    " beyond that it stays what it is at the ends"
+                )
+
+
 @lru_cache(maxsize=KNOWN)
 def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tuple[str, ...]:
     """Axes of the joint along which weight and buoyancy at rest, with those of what it carries, differ by over ALLOWED.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.balance import met, warnings
+from solver.balance import beyond_tables, met, warnings
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
 from solver.coupled.natural import require_stable, system_modes, with_critical_damping, with_usual_step
@@ -103,8 +103,11 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     state = system.start()
     before, done, bend = copied(state), 0, sharpest_bend(scene)
     furthest = np.abs(np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z))
+    low, high = np.zeros((2, 2, state.z.size))  # of positions and rates
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
+        joints = np.stack([output.z, output.dz])[..., output.z.shape[1] - state.z.size :]
+        low, high = np.minimum(low, joints.min(axis=1)), np.maximum(high, joints.max(axis=1))
         furthest = np.maximum(furthest, np.abs(output.z).max(axis=0))
         probe.add(times, output, samples)
         if probe.unaware(output) or probe.before(bend, times):
@@ -135,6 +138,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         **scene.sea.parameters(),
     }
     told = warnings(scene, system.joints_at_rest)
-    if odd := (*told, *met(scene, recorder.tables()), *above(scene, recorder.mean_power)):
+    beyond = beyond_tables(scene.floats, low, high)
+    if odd := (*told, *met(scene, recorder.tables()), *beyond, *above(scene, recorder.mean_power)):
         attrs["warnings"] = "; ".join(odd)
     return recorder.record(attrs, modes)

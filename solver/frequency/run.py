@@ -1,11 +1,11 @@
 """One scene in, one record out, without a march."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
-from solver.balance import met
+from solver.balance import beyond_tables, met
 from solver.coupled.assembly import joint_law
 from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
@@ -42,10 +42,13 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     frame = _forces(case, response)
     linear, waves, omega = list(_outputs(case, response, frame)), case.waves.size, case.omega
     tables = _tables(case, linear) | dict(_of_squares(case, response, frame))
+    beyond: Iterable[str] = ()
     if bent(law).any():
         rates = _rates(case, response)
         fastest = gaussian.table(np.zeros(rates.shape[1]), rates, omega, case.duration)[:, 0]
         bound(tables, scene, channels, joint_law(scene.floats), fastest)
+        ways = np.stack([0 * fastest, fastest])  # tables are by rate alone
+        beyond = beyond_tables(scene.floats, -ways, ways)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
     elements = elements_effect(scene, hydrodynamics, support)
     errors = {
@@ -71,7 +74,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         **case.sea_parameters,
     }
     power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
-    if notes := (*case.warnings, *met(scene, tables), *above(scene, power)):
+    if notes := (*case.warnings, *met(scene, tables), *beyond, *above(scene, power)):
         attrs["warnings"] = "; ".join(notes)
     rao = None
     if scene.settings.rao and channels.axes:

@@ -1,5 +1,6 @@
 """What the tables of power take-offs' laws leave out, told by each record, against tables of many points."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy.special import j1
 from pipeline.bridge.pto_law import table
 from pipeline.study.attachments import Attachment
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.power_takeoff import PtoTable
 from solver.record import audit
 from solver.record.accuracy import DEFAULT
 from solver.run import simulate
@@ -140,3 +142,23 @@ def test_in_the_frequency_domain_too():
     usual, exact = simulate(few), simulate(fine)
     true = max(apart(*(x.variables[k][1] for x in (usual, exact))) for k in JUDGED[1:])
     assert 1 / 3 < true / usual.attrs["law_effect"] < 3 and usual.attrs["estimated_error"] >= usual.attrs["law_effect"]
+
+
+@pytest.mark.parametrize("method", ["time", "frequency"])
+def test_motion_beyond_what_a_law_is_given_for_is_among_the_warnings(method):
+    """With what was met; not where it stays within, nor where the load is level at its end, as a limit's is."""
+    waves = None if method == "frequency" else regular(height=HEIGHT, period=PERIOD)
+    settings = {"method": method, "outputs": ("pto_stroke",)} | ({"time_step": None} if waves is None else {})
+
+    def told(velocity, force, position=()):
+        pto = PtoTable(velocity=velocity, force=force, position=position)
+        record = simulate(heaving(waves, pto, **settings))
+        return record, record.attrs.get("warnings", "")
+
+    record, text = told((0.0, 0.1), (0.0, 2e3))
+    most = record.variables["pto_rate"][1][0, 0, 0]
+    found = re.search(r"floats.cyl: the rate of heave was (\S+) to (\S+) m/s, beyond -0.1 to \+0.1 m/s", text)
+    assert most > 0.2 and float(found[2]) >= 0.99 * most
+    assert "the rate" not in told((0.0, 9.0), (0.0, 1.8e5))[1] + told((0.0, 0.1, 0.2), (0.0, 2e3, 2e3))[1]
+    if method == "time":
+        assert "position of heave was" in told((-9.0, 9.0), (-1.8e5, 1.8e5, -1.7e5, 1.9e5), (-0.1, 0.1))[1]
