@@ -1,6 +1,6 @@
 """What the wave does between its samples: by the polynomial through the nearest NODES of them.
 
-With n nodes x_j = 0, 1, ... the weights are w_j(x) = Π_{k≠j} (x - k)/(j - k); those denominators are (-1)^(n-1-j) j! (n-1-j)!.
+Of n nodes 0, 1, ... they are w_j(x) = Π_{k≠j} (x - k)/(j - k), with denominators (-1)^(n-1-j) j! (n-1-j)!.
 """
 
 import numpy as np
@@ -33,7 +33,7 @@ def nearest(at: float, count: int, weight: np.ndarray) -> int:
 
 @whole_lean_kernel
 def interpolate(samples: np.ndarray, at: np.ndarray, weight: np.ndarray, values: np.ndarray) -> None:
-    """Fill values (k, n) at places (k,) among samples (m, n), of which none need be whole; weight (NODES,) is scratch."""
+    """Fill values (k, n) at places (k,) among samples (m, n), which need not be whole; weight (NODES,): scratch."""
     for row in range(at.size):
         first = nearest(at[row], samples.shape[0], weight)
         values[row] = 0.0

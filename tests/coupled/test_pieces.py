@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 from solver.coupled import assembly
 from solver.coupled import system as system_module
+from solver.coupled.between import NODES, interpolate
 from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
 from solver.coupled.pieces import _fill_memory, _sample, new_fine
@@ -382,6 +383,15 @@ def test_the_drive_between_samples_is_a_polynomial_through_them():
         for mine, theirs in zip(fine.drive, exact, strict=True):
             assert mine[1] == approx(theirs[0], abs=1e-12)
     assert isinstance(fine.drive, Drive)
+
+
+@pytest.mark.parametrize(("count", "degree"), [(20, 5), (6, 5), (4, 3), (1, 0)])
+def test_between_samples_a_polynomial_through_the_nearest_is_met(count, degree):
+    """Of as high a degree as there are samples for; at a sample, before the first and after the last one, too."""
+    power, at = np.arange(degree + 1), np.array([0.0, -0.5, 0.25 * count, count - 1.0, count - 0.5])
+    samples, values = np.arange(count)[:, None] ** power / count**power, np.empty((at.size, power.size))
+    interpolate(samples, at, np.empty(NODES), values)
+    assert values == approx(at[:, None] ** power / count**power, abs=1e-12)
 
 
 @pytest.mark.slow
