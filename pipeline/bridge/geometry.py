@@ -19,6 +19,7 @@ from solver import scene as physics
 from solver.hydrodynamics.hull.mesh import plates
 from solver.motions import PLANAR, possible
 from solver.scene import DOFS, STARTS, is_planar, needs_coefficients, panels_for
+from solver.sea.dispersion import first_solved
 
 if TYPE_CHECKING:
     from solver.hydrodynamics.bem.bem import Problem
@@ -108,9 +109,10 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     # One file serves both methods, but for large arrays: the frequency domain has no use for a memory.
     memory = memory or sum(map(len, ways)) <= MANY
     some = memory and any(len(each) < all_motions for each in ways)
+    least = first_solved(parameters.water.depth, parameters.water.gravity)
     return Geometry(
         **place,
-        band=seas.band(parameters.sea_state, parameters.waves),
+        band=seas.band(parameters.sea_state, parameters.waves, least),
         panels=panels,
         interaction=parameters.solver.interaction or len(floats) == 1,
         gap_damping=parameters.solver.gap_damping,

@@ -117,7 +117,7 @@ def _realization(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputErr
 
 def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
     """Whether the waves lie in waves.band, and coefficients can be had at their frequencies."""
-    from solver.sea.dispersion import SHALLOWEST, longest
+    from solver.sea.dispersion import SHALLOWEST, first_solved, longest
 
     waves, water = study.waves, study.water
     span = seas.frequencies(sea, waves)
@@ -130,12 +130,18 @@ def _coverage(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]
             outside = span[1] if span[1] > high else span[0]
             limit = f"must put {what}, {outside:.3g} rad/s, inside waves.band = [{low:g}, {high:g}]"
             yield InputError(name, value, limit)
-    wanted = seas.band(sea, waves)
-    solved = study.floats and not study.coefficients
-    if solved and wanted and wanted[0] <= longest(water.depth, water.gravity):
-        limit = f"must start where kh > {SHALLOWEST:g} in {water.depth:g} m"
-        error = InputError("waves.band", list(wanted), limit)
-        yield error if waves.band else of_sea(error, key, sea)
+    least = longest(water.depth, water.gravity)
+    wanted = seas.band(sea, waves, first_solved(water.depth, water.gravity))
+    if study.floats and not study.coefficients and wanted and wanted[0] <= least:
+        start = f"must start where kh > {SHALLOWEST:g} in {water.depth:g} m, above {least:.4g} rad/s"
+        if waves.band:
+            yield InputError("waves.band", list(wanted), start)
+            return
+        name, value, _ = named(key, sea)
+        reason = f"needs coefficients from {wanted[0]:.4g} rad/s on, which {start}"
+        if isinstance(value, float):  # a period: all frequencies go with it
+            reason = f"must be <= {math.floor(100 * value * wanted[0] / least) / 100:g} s: it {reason}"
+        yield InputError(name, value, reason)
 
 
 def _resolution(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:

@@ -181,12 +181,13 @@ def frequencies(sea: SeaState, waves: Waves) -> tuple[float, float] | None:
             return waves.band
 
 
-def band(sea: SeaState, waves: Waves) -> tuple[float, float] | None:
+def band(sea: SeaState, waves: Waves, least: float = 0.0) -> tuple[float, float] | None:
     """Frequencies that coefficients must cover; None if any will do.
 
-    Without waves.band whole octaves, so that waves of about the same period share their coefficients.
+    Without waves.band whole octaves, so that waves of about the same period share their coefficients; not below
+    `least` [rad/s], where the waves are not.
     """
     if waves.band is not None or (span := frequencies(sea, waves)) is None:
         return waves.band
     low, high = span
-    return 2.0 ** math.floor(math.log2(low)), 2.0 ** math.ceil(math.log2(high))
+    return max(2.0 ** math.floor(math.log2(low)), min(low, least)), 2.0 ** math.ceil(math.log2(high))

@@ -57,6 +57,11 @@ def longest(depth: float, gravity: float) -> float:
     return float(np.sqrt(SHALLOWEST * np.tanh(SHALLOWEST) * gravity / depth))
 
 
+def first_solved(depth: float, gravity: float) -> float:
+    """Least frequency [rad/s] that coefficients start at, unless waves as long ask for less: just above `longest`."""
+    return 1.001 * longest(depth, gravity)
+
+
 def breaking_height(period: float, depth: float, gravity: float) -> float:
     """Miche's limit of a regular wave's height [m], 0.142 L tanh(kh), for its period [s]."""
     k = float(wavenumber(2 * np.pi / period, depth, gravity))

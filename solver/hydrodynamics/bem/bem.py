@@ -32,7 +32,7 @@ from solver.hydrodynamics.hull.plates import Plates
 from solver.hydrodynamics.hull.standing import stands, walls
 from solver.hydrodynamics.hull.surface import divided, mirrored
 from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
-from solver.sea.dispersion import SHALLOWEST, longest
+from solver.sea.dispersion import SHALLOWEST, first_solved, longest
 
 __all__ = [
     "DOFS", "PLANAR", "Hydrodynamics", "Problem", "frequency_grid", "part", "require_solvable", "solve", "united",
@@ -87,7 +87,7 @@ def frequency_grid(
     interaction none is. Hulls with heave plates have some moved by 0.3 % at most: see `clear`.
     """
     radii = [h.largest_radius for h in hulls]
-    low = max(np.sqrt(0.02 * gravity / max(radii)), 1.001 * longest(depth, gravity))
+    low = max(np.sqrt(0.02 * gravity / max(radii)), first_solved(depth, gravity))
     high, resolved = np.sqrt(np.array([10, 2]) * gravity / min(h.scale for h in hulls))
     high = min(high, np.sqrt(RESOLVED * gravity / max(np.sqrt(h.wetted_area / panels) for h in hulls)))
     if band is not None:
