@@ -13,12 +13,14 @@ from solver.errors import InputError, refuse
 from solver.hydrodynamics.hull.clearance import openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
+from solver.mooring import line_loads
 from solver.scene import DOFS, Float, Scene, Water, unlisted
 from solver.statistics import STATISTICS
 
 KNOWN = 64  # floats that a process keeps
 LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
+LEVEL_AXES = DOFS[:2]  # along which neither weight nor buoyancy acts
 TURNED = 0.2  # [rad] that a float may rest from where it is given
 
 
@@ -94,19 +96,18 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tupl
     for (name, weight, buoyancy, pull), preload in zip(_along(item, water, floats), preloads, strict=True):
         excess = abs(weight + buoyancy + pull)
         if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
-            moments = f"; {name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
-            sentences.append(
-                f"floats.{item.name} is out of equilibrium: {told}{'' if name in DOFS[:3] else moments}"
-                f"{_pulled(name, preload, pull - preload)}. It settles before the run begins"
-            )
+            moments = f"{name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
+            which = [told] * (name not in LEVEL_AXES) + [moments] * (name not in DOFS[:3])
+            reasons = "; ".join([*which, *_pulled(name, preload, pull - preload)])
+            sentences.append(f"floats.{item.name} is out of equilibrium: {reasons}. It settles before the run begins")
     return tuple(sentences)
 
 
-def _pulled(name: str, preload: float, lines: float) -> str:
+def _pulled(name: str, preload: float, lines: float) -> Iterator[str]:
     """Constant loads of a joint along an axis, beside weight and buoyancy; nothing where there are none."""
     loads = {"a preload": preload, "a pull of mooring or lines": lines}
-    told = [f"{word} of {load:.4g} {_unit(name)}" for word, load in loads.items() if load]
-    return f"; along {name} {' and '.join(told)}" if told else ""
+    if told := [f"{word} of {load:.4g} {_unit(name)}" for word, load in loads.items() if load]:
+        yield f"along {name} {' and '.join(told)}"
 
 
 def _unit(name: str) -> str:
@@ -198,8 +199,16 @@ def _work(item: Float, name: str, point: np.ndarray, force: float) -> float:
 
 
 def _least(item: Float, name: str, buoyancy: float) -> float:
-    """Moments are small where both forces pass by the axis: then the hull's size is the lever."""
-    return 0.0 if name in DOFS[:3] else buoyancy * item.hull.scale
+    """What a load along an axis is held against, beside weight and buoyancy [N or N m].
+
+    Moments are small where both forces pass by the axis: then the hull's size is the lever. Along the horizontal, where
+    neither acts, pulls are held against the sum of their sizes: of lines that balance each other rounding is left.
+    """
+    if name not in LEVEL_AXES:
+        return 0.0 if name == "heave" else buoyancy * item.hull.scale
+    i = item.motion.index(name)
+    lines = sum(float(np.linalg.norm(line_loads((line,), item.centre)[:3])) for line in item.lines)
+    return lines + float(abs(item.moored.pretension[i]) + abs(item.per_axis("preload")[i]))
 
 
 def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[str]]) -> tuple[Float, ...]:

@@ -9,7 +9,7 @@ from solver.balance import balanced, held, imbalance, warnings
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.mooring import Mooring
+from solver.mooring import Line, Mooring
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import CALM, measured
@@ -43,6 +43,33 @@ def test_a_preload_or_lines_that_are_the_reason_are_named():
     (text,) = imbalance(ball(motion=("hinge",), hinge=(-20, 0, 3), arm=(20, 0, -3), preload=4e6), DEEP)
     assert "; along hinge a preload of 4e+06 N m. It settles" in text
     assert "along" not in imbalance(ball(mass=0.9 * DISPLACED), DEEP)[0]
+
+
+def line(angle, length=128.0):
+    """Of a spread mooring, its fairlead 4 m and its anchor 120 m from the middle."""
+    x, y = np.cos(angle), np.sin(angle)
+    ends = {"anchor": (120 * x, 120 * y, -40.0), "fairlead": (4 * x, 4 * y, -1.0)}
+    return Line(**ends, length=length, weight=600.0, EA=2e8)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+@pytest.mark.parametrize("start", [0.0, np.pi / 2])
+def test_lines_that_balance_each_other_leave_rounding_alone(count, start):
+    """And balance = "mass" leaves nothing of what they pull down."""
+    lines = tuple(line(round(start + 2 * np.pi * i / count, 6)) for i in range(count))
+    item = ball(motion=("surge", "sway", "heave"), cog=(0, 0, -1), lines=lines)
+    (found,) = balanced([item], DEEP, [("mass",)])
+    assert np.abs(found.pulls[:2]).max() > 0 and imbalance(found, DEEP) == ()
+
+
+def test_a_line_that_pulls_by_more_than_the_others_is_told():
+    """By its pull alone: mass and displacement, 4 % apart by what lines pull down, are no reason for it."""
+    lines = (line(0.0, length=127.0), line(np.pi))
+    item = ball(motion=("surge", "heave"), cog=(0, 0, -1), lines=lines)
+    (found,) = balanced([item], DEEP, [("mass",)])
+    (text,) = imbalance(found, DEEP)
+    pull = f"along surge a pull of mooring or lines of {found.pulls[0]:.4g} N"
+    assert text == f"floats.ball is out of equilibrium: {pull}. It settles before the run begins"
 
 
 @pytest.mark.parametrize(("motion", "arm"), [("surge", 0), ("pitch", 0), ("yaw surge", 0), ("hinge", 20)])
