@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from solver.keys import Bits
 from solver.multibody.joint_law import DAMPERS, JointLaw, damped, dampers
 from solver.record.audit import unlike
 from solver.record.recorder import Channels
-from solver.record.response import force_of_waves
+from solver.record.response import excitation
 from solver.scene import Float, Scene
 
 OTHERS = tuple(f.name for f in fields(Float) if f.name not in DAMPERS)
@@ -61,6 +61,16 @@ def _bare(item: Float) -> Float:
     """Without its dampers; seas share it."""
     none: dict[str, Any] = dict.fromkeys(DAMPERS, 0.0)
     return replace(item, **none)
+
+
+class Shifted(NamedTuple):
+    """What coefficients off by their estimated error change of a case."""
+
+    equation: Condensed
+    impedance: np.ndarray  # (nl, na, na)
+    force: np.ndarray  # (n, nl) without drag
+    excitation: np.ndarray  # (nl, na)
+    unlike: bool  # whether the forces are off by much
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,16 +269,15 @@ class Case:
         return beyond.forces(self.stations, self.waves, self.duration, self.nodes)
 
     @cached_property
-    def shifted(self) -> tuple[Condensed, np.ndarray, bool] | None:
-        """Equation and forces (n, nl), without drag, by coefficients off by their estimated error; None without one.
-
-        And whether the forces are off by much.
-        """
+    def shifted(self) -> Shifted | None:
+        """By coefficients off by their estimated error; None without one."""
         h, system = self.hydrodynamics, self.system
         if h is None or h.shifted is h:
             return None
-        force = self.padded(force_of_waves(system, h.shifted)[self.met].T)
-        return self.equation.radiating(self._impedance(h.shifted)), force, unlike(self.force, force)
+        pushed = (self.padded(excitation(system, h.shifted, self.waves).T) * self.amplitude).T
+        force = np.ascontiguousarray(wave_force(self.model, pushed, self.modal).T)
+        impedance = self._impedance(h.shifted)
+        return Shifted(self.equation.radiating(impedance), impedance, force, pushed, unlike(self.force, force))
 
     @property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 from solver.multibody.joint_law import JointLaw
-from solver.record.audit import cancelled, response_error
+from solver.record.audit import cancelled, force_error, joint_forces, response_error
 from solver.record.response import carried
 from solver.scene import Scene
 
@@ -70,17 +70,18 @@ def respond_in(case: Case, law: JointLaw) -> Response:
     model, omega, frame = case.model, case.omega, case.system.structure
     last, nm = _agreed(case, law), frame.omega.size
     X, drag = last.X.T, _borne(case, last) if case.stations.size else _no_drag(case)
+    wrench = model.loads(omega, X, case.impedance, case.excitation, case.system.bodies.active)
     return Response(
         omega=omega,
         X=X,
         Z=real_by_complex(model.shape, last.X).T,
-        wrench=model.loads(omega, X, case.impedance, case.excitation, case.system.bodies.active),
+        wrench=wrench,
         carried=_carried(case, omega, last.X[:nm], case.modal + drag.modes.T),
         drag=drag,
         pto=last.pto,
         rounds=last.rounds,
         mean=_mean(case, last.rate[:nm]),
-        mesh_effect=_mesh_effect(case, law, last),
+        mesh_effect=_mesh_effect(case, law, last, wrench),
     )
 
 
@@ -164,17 +165,24 @@ def _pushed(
     return push
 
 
-def _mesh_effect(case: Case, law: JointLaw, last: _Round) -> float:
-    """What coefficients off by their estimated error do: see audit.coefficient_effects. Drag and dampers stay."""
+def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) -> float:
+    """What coefficients off by their estimated error do: see audit.coefficient_effects. Drag and dampers stay.
+
+    wrench (nw, nb, 6): all loads on the floats without them.
+    """
     if case.shifted is None:
         return 0.0
-    other, force, unlike_forces = case.shifted
+    other, borne = case.shifted, case.channels.hinge_force(wrench)
 
-    def change(equation: Condensed) -> float:
-        X = equation.response(_pushed(force, equation, last.damping, last.of_water, last.rate), last.damping)
-        return response_error(case.system, law, case.omega, X.T, last.X.T)
+    def change(equation: Condensed, Y: np.ndarray) -> float:
+        X = equation.response(_pushed(other.force, equation, last.damping, last.of_water, last.rate), last.damping).T
+        forces = joint_forces(case.system, case.omega, X, Y, other.excitation)
+        motions = response_error(case.system, law, case.omega, X, last.X.T)
+        return max(motions, force_error(case.system, forces, borne))
 
-    return cancelled(change(other), unlike_forces, lambda: change(case.equation))
+    return cancelled(
+        change(other.equation, other.impedance), other.unlike, lambda: change(case.equation, case.impedance)
+    )
 
 
 def _no_drag(case: Case) -> Drag:

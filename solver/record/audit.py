@@ -363,8 +363,8 @@ def _joint_loads(body: Bodies, states: list[tuple[np.ndarray, np.ndarray]]) -> n
 def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float, float]:
     """What the memory's misfit and the boundary elements' mesh do to the linear response's std and mean power.
 
-    In this sea, or let go from the scene's offsets: with the fit's B - iω(A - A∞) in place of the
-    coefficients', of the joints' forces, too; and with coefficients off by their estimated error, see `cancelled`.
+    And to the joints' forces. In this sea, or let go from the scene's offsets: with the fit's B - iω(A - A∞) in place
+    of the coefficients'; and with coefficients off by their estimated error, see `cancelled`.
     """
     if h is None:
         return 0.0, 0.0
@@ -375,19 +375,20 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     def response(force: np.ndarray, Y: np.ndarray) -> np.ndarray:
         return model.response(omega, Y, force) if waves else decay(system, model, omega, Y)
 
-    def change(X: np.ndarray) -> float:
-        return response_error(system, system.bodies.law, omega, X, exact)
+    def change(known: Hydrodynamics, y: np.ndarray) -> float:
+        X = response(force[known], y)
+        forces = joint_forces(system, omega, X, y, pushed[known])
+        return max(response_error(system, system.bodies.law, omega, X, exact), force_error(system, forces, borne))
 
-    force, other = (force_of_waves(system, known) if waves else np.zeros((1, 1)) for known in (h, h.shifted))
-    Y, Z = (impedance(system, known, omega) for known in (h, h.shifted))
-    exact, memory = response(force, Y), 0.0
-    if system.fit:
-        fit = system.fit.frequency(omega)
-        fitted = response(force, fit)
-        pushed = excitation(system, h, omega) * (sea.amplitude[:, None] if waves else 0.0)
-        forces = (joint_forces(system, omega, X, y, pushed) for X, y in ((fitted, fit), (exact, Y)))
-        memory = max(change(fitted), force_error(system, *forces))
-    return memory, cancelled(change(response(other, Z)), unlike(force.T, other.T), lambda: change(response(other, Y)))
+    size = sea.amplitude[:, None] if waves else 0.0
+    force = {known: force_of_waves(system, known) if waves else np.zeros((1, 1)) for known in (h, h.shifted)}
+    pushed = {known: excitation(system, known, omega) * size for known in force}
+    Y = impedance(system, h, omega)
+    exact = response(force[h], Y)
+    borne = joint_forces(system, omega, exact, Y, pushed[h])
+    memory = change(h, system.fit.frequency(omega)) if system.fit else 0.0
+    net, off = change(h.shifted, impedance(system, h.shifted, omega)), unlike(force[h].T, force[h.shifted].T)
+    return memory, cancelled(net, off, lambda: change(h.shifted, Y))
 
 
 def cancelled(effect: float, unlike_forces: bool, pushed: Callable[[], float]) -> float:
@@ -414,7 +415,7 @@ def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray
 
 def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:
     """Largest relative change of the std of a joint's force (nw, nb, 3), but for those that count as zero."""
-    std, true = (np.sqrt(np.sum(np.abs(F) ** 2, axis=0)) for F in (forces, exact))
+    std, true = (np.linalg.norm(F, axis=0) for F in (forces, exact))
     least = np.maximum(np.sqrt(2) * least_force(system.scene), FAINT * true.max())
     return float(np.max(np.abs(std - true) / np.maximum(true, least), initial=0.0))
 
@@ -463,14 +464,14 @@ def decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) 
 
 def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
     """Largest relative change of a coordinate's std, or of its rate's square where that is power absorbed by a law."""
-    squares, true = (x.real**2 + x.imag**2 for x in (X, exact))
-    largest = linear_model(system).length * np.sqrt(true.sum(axis=0))
+    size, true = (np.linalg.norm(x, axis=0) for x in (X, exact))
+    largest = linear_model(system).length * true
     used = largest > FAINT * largest.max(initial=0.0)
     first, pto = system.structure.omega.size, absorbing(law)[system.structure.carrier.shape[0] :]
     absorbs = used & np.concatenate([np.zeros(first, bool), pto])
-    std = np.sqrt(squares.sum(axis=0)[used] / true.sum(axis=0)[used])
-    power = (omega**2 @ squares)[absorbs] / (omega**2 @ true)[absorbs]
-    return float(np.abs(np.concatenate([std, power]) - 1).max(initial=0.0))
+    rate, true_rate = (np.linalg.norm(omega[:, None] * x[:, absorbs], axis=0) for x in (X, exact))
+    changes = np.concatenate([size[used] / true[used], (rate / true_rate) ** 2])
+    return float(np.abs(changes - 1).max(initial=0.0))
 
 
 def skipped(system: System) -> list[str]:

@@ -66,6 +66,16 @@ def test_a_fixed_body_is_one_too_heavy_to_move(monkeypatch, method, own, apart):
     assert np.isnan(fixed["motion"][1][0]).all() and np.all(fixed["absorbed_power"][1][0] == 0)
 
 
+@pytest.mark.parametrize("method", ["frequency", "time"])
+def test_what_a_mesh_does_to_a_fixed_body_is_told_of_its_force(method):
+    """It moves nothing and takes no power: what holds it is off by what nine times the panels change it by."""
+    usual, fine = (simulate(scene(FIXED, method=method, tolerance=1e-4), h) for h in (known_alone(), known_alone(972)))
+    ours, exact = (r.variables["hinge_force"][1][0, [0, 2], 4] for r in (usual, fine))
+    told, true = usual.attrs["mesh_effect"], np.abs(ours / exact - 1).max()
+    assert told / 3 < true < 3 * told
+    assert usual.attrs["estimated_error"] >= told > 1e-4 and "tolerance" in usual.attrs["unmet"]
+
+
 def test_a_fixed_body_alone_bears_the_waves():
     """Along x: the excitation's root of half the squared amplitudes; along z weight less buoyancy in the mean."""
     heavy = replace(FIXED, mass=2 * FIXED.mass)
@@ -79,8 +89,8 @@ def test_a_fixed_body_alone_bears_the_waves():
 
 
 @cache
-def known_alone():
-    return solve((PILLAR,), np.zeros((1, 3)), depth=DEPTH, omega=np.linspace(0.5, 7.0, 22), panels=108)
+def known_alone(panels=108):
+    return solve((PILLAR,), np.zeros((1, 3)), depth=DEPTH, omega=np.linspace(0.5, 7.0, 22), panels=panels)
 
 
 def test_a_fixed_body_has_no_joint_and_no_augmented_path():

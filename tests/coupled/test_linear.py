@@ -176,7 +176,7 @@ def test_mesh_effect_is_what_the_march_shows(name, monkeypatch):
     )
     usual, off = (simulate(linear, known).variables for known in (h, h.shifted))
     changes = []
-    for key in {"rotation", "motion", "absorbed_power"} & set(usual):
+    for key in {"rotation", "motion", "absorbed_power", "hinge_force"} & set(usual):
         a, b = (v[key][1].reshape(-1, 5) for v in (usual, off))
         used = a[:, 4] > 1e-3 * a[:, 4].max(initial=1e-30)
         changes.append(np.abs(b[used, 4] / a[used, 4] - 1).max(initial=0))
