@@ -601,12 +601,13 @@ class Settings:
 
 
 PANELS = 432  # a body, of the finer of the boundary elements' two meshes
+MOST_PANELS = 4 * PANELS  # of any tolerance
 
 
 def panels_for(tolerance: float | None) -> int:
     """Panels a body: what is left after extrapolation from two meshes falls about as h³, panels^-3/2."""
     finer = 1.0 if tolerance is None else max(1.0, 2e-3 / tolerance)
-    return min(round(PANELS * finer ** (2 / 3)), 4 * PANELS)
+    return min(round(PANELS * finer ** (2 / 3)), MOST_PANELS)
 
 
 def unlisted(floats: Sequence[Float]) -> Iterator[InputError]:

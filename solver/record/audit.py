@@ -26,7 +26,7 @@ from solver.record.elements import elements_effect
 from solver.record.recorder import Channels, Recorder
 from solver.record.response import excitation, force_of_waves, in_waves
 from solver.record.sampling import at_ends, between_samples, expected_error, from_start, least_force, of_every_other
-from solver.scene import Scene, Settings
+from solver.scene import MOST_PANELS, Scene, Settings, panels_for
 from solver.statistics import FAINT, apart, moments
 
 PROBE = 600  # usual steps of a scene: length of the run with half the step
@@ -167,7 +167,10 @@ def unmet(s: Settings, fit: RadiationMemory | None, errors: Mapping[str, float])
     notes = []
     if s.tolerance is not None and not errors["estimated_error"] <= s.tolerance:
         parts = ", ".join(f"{name} {errors[name]:.2g}" for name in against(s.tolerance, errors))
-        notes.append(f"tolerance = {s.tolerance:g}: the estimated error is {errors['estimated_error']:.2g}, by {parts}")
+        note = f"tolerance = {s.tolerance:g}: the estimated error is {errors['estimated_error']:.2g}, by {parts}"
+        if errors["mesh_effect"] > s.tolerance:
+            note += f"; boundary elements have {panels_for(s.tolerance)} panels a body by it, {MOST_PANELS} at most"
+        notes.append(note)
     asked = s.memory_tolerance or USUAL
     if fit is not None and s.memory == "state-space" and not fit.error <= asked:
         notes.append(f"memory_tolerance = {asked:g}: the radiation memory's fit ended at {fit.error:.2g}")

@@ -12,11 +12,11 @@ from solver.errors import InputError, StepTooLong
 from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
-from solver.record.audit import UNSURE, against, cancelled, sharpest_bend, together, unlike
+from solver.record.audit import UNSURE, against, cancelled, sharpest_bend, together, unlike, unmet
 from solver.record.refit import prepared
 from solver.record.sampling import least_force
 from solver.run import simulate
-from solver.scene import PANELS, EndStops, Float, Water, panels_for, two_digits
+from solver.scene import MOST_PANELS, PANELS, EndStops, Float, Settings, Water, panels_for, two_digits
 from solver.sea.realization import Realization
 from solver.statistics import FAINT, apart
 from solver.structure.load_history import LoadHistory
@@ -71,7 +71,12 @@ def test_what_cannot_be_met_is_said(buan, coefficients):
     rough = replace(coefficients, error=MeshError(*(100 * x for x in coefficients.error)))
     attrs = simulate(buan.scene("fixed", tolerance=2e-3), rough).attrs
     error, mesh = attrs["estimated_error"], attrs["mesh_effect"]
-    assert attrs["unmet"] == f"tolerance = 0.002: the estimated error is {error:.2g}, by mesh_effect {mesh:.2g}"
+    told = f"tolerance = 0.002: the estimated error is {error:.2g}, by mesh_effect {mesh:.2g}"
+    assert attrs["unmet"] == f"{told}; boundary elements have {PANELS} panels a body by it, {MOST_PANELS} at most"
+    other = {"estimated_error": 1.5e-3, "mesh_effect": 9e-4, "memory_effect": 1.2e-3}
+    assert unmet(Settings(tolerance=1e-3), None, other) == [
+        "tolerance = 0.001: the estimated error is 0.0015, by memory_effect 0.0012"
+    ]
 
 
 def test_what_cannot_be_met_is_the_fewest_largest_parts():
@@ -106,11 +111,12 @@ def test_a_run_repeated_for_its_step_is_refined_as_any_other(monkeypatch):
             raise StepTooLong("too long")
         return whole(scene, *rest)
 
-    def halved_once(settings, _told):
-        return replace(settings, time_step=settings.time_step / 2) if len(steps) == 2 else None
+    def halved_once(scene, _told):
+        settings = replace(scene.settings, time_step=scene.settings.time_step / 2)
+        return replace(scene, settings=settings) if len(steps) == 2 else None
 
     monkeypatch.setattr(run, "_run", too_long_at_first)
-    monkeypatch.setattr(run, "refined", halved_once)
+    monkeypatch.setattr(run, "improved", halved_once)
     attrs = simulate(replace(item, settings=settings)).attrs
     assert steps == [steps[0], steps[0] / 4, steps[0] / 8]
     assert (attrs["time_step"], attrs["repeated"]) == (steps[2], "too long")
