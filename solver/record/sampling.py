@@ -68,7 +68,7 @@ def from_start(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray
 def at_ends(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float) -> float:
     """The same of a record whose first and last sample count in full, and might anywhere lie.
 
-    Means of v over a time T by samples h apart err by h/2 (v(0) + v(T) - 2v̄)/T, the std of which is h/T σ_v/2^½.
+    Means of v over a time T by samples h apart err by h/2 (v(0) + v(T) - 2v̄)/T, as a rule by h/T ⟨|v - v̄|⟩/2^½.
     """
     return max(_at_ends(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
 
@@ -142,7 +142,8 @@ def _from_start(x: np.ndarray, least: np.ndarray, longer: float) -> float:
 def _at_ends(x: np.ndarray, least: np.ndarray, longer: float) -> float:
     with np.errstate(divide="ignore", invalid="ignore"):
         mean, sizes = _sizes(x, x, least)
-        errors = np.array([v.std(axis=0) for v in _powers(x, mean)]) / sizes / (np.sqrt(2) * longer * len(x))
+        usual = np.array([np.abs(v - v.mean(axis=0)).mean(axis=0) for v in _powers(x, mean)])
+        errors = usual / sizes / (np.sqrt(2) * longer * len(x))
     return float(np.max(errors, where=np.isfinite(errors), initial=0.0))
 
 
