@@ -69,7 +69,7 @@ class Shifted(NamedTuple):
     equation: Condensed
     impedance: np.ndarray  # (nl, na, na)
     force: np.ndarray  # (n, nl) without drag
-    excitation: np.ndarray  # (nl, na)
+    excitation: np.ndarray  # (nl, nb, 6)
     unlike: bool  # whether the forces are off by much
 
 
@@ -277,7 +277,9 @@ class Case:
         pushed = (self.padded(excitation(system, h.shifted, self.waves).T) * self.amplitude).T
         force = np.ascontiguousarray(wave_force(self.model, pushed, self.modal).T)
         impedance = self._impedance(h.shifted)
-        return Shifted(self.equation.radiating(impedance), impedance, force, pushed, unlike(self.force, force))
+        on_bodies = np.zeros_like(self.excitation)
+        on_bodies[..., system.bodies.active] = pushed.reshape(len(pushed), system.bodies.axes.size, -1)
+        return Shifted(self.equation.radiating(impedance), impedance, force, on_bodies, unlike(self.force, force))
 
     @property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:

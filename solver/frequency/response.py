@@ -14,7 +14,7 @@ from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 from solver.multibody.joint_law import JointLaw
-from solver.record.audit import cancelled, force_error, joint_forces, response_error
+from solver.record.audit import cancelled, force_error, response_error
 from solver.record.response import carried
 from solver.scene import Scene
 
@@ -172,11 +172,12 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) ->
     """
     if case.shifted is None:
         return 0.0
-    other, borne = case.shifted, case.channels.hinge_force(wrench)
+    other, model, active = case.shifted, case.model, case.system.bodies.active
+    borne = case.channels.hinge_force(wrench)
 
     def change(equation: Condensed, Y: np.ndarray) -> float:
         X = equation.response(_pushed(other.force, equation, last.damping, last.of_water, last.rate), last.damping).T
-        forces = joint_forces(case.system, case.omega, X, Y, other.excitation)
+        forces = case.channels.hinge_force(model.loads(case.omega, X, Y, other.excitation, active))
         motions = response_error(case.system, law, case.omega, X, last.X.T)
         return max(motions, force_error(case.system, forces, borne))
 
