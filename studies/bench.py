@@ -15,7 +15,7 @@ mpl.use("Agg")
 import numpy as np
 import xarray as xr
 
-from studies.benchmark import boundary, estimates, knobs, outputs, paper, parts, scaling
+from studies.benchmark import boundary, estimates, knobs, outputs, paper, parts, scaling, stops
 from studies.benchmark.case import OUT, coefficients, scene, timed, with_settings
 
 
@@ -32,7 +32,7 @@ def main() -> int:
         _, wall = timed(case, known)
         attrs[f"run_time_3700_s_{platform}"] = wall
         print(f"3,700 s, {platform}: {wall:.2f} s, {3700 / wall:.0f} times real time")
-    attrs |= of_parts() | of_pressure() | of_paper() | outputs.table()
+    attrs |= of_parts() | of_pressure() | of_paper() | outputs.table() | stops.table()
     attrs["memory_of_three_hours_MB"] = scaling.memory_of_three_hours()
     print(f"largest memory of a 3-hour record: {attrs['memory_of_three_hours_MB']:.0f} MB")
     sizes = scaling.measure()

@@ -29,39 +29,64 @@ class WaterAbout(NamedTuple):
 
 @fast_lean_kernel(forceinline=True)
 def drag(
-    structure: Structure, water: WaterAbout, dp: np.ndarray, force: np.ndarray, flow: np.ndarray, power: np.ndarray
+    structure: Structure,
+    water: WaterAbout,
+    dp: np.ndarray,
+    since: int,
+    force: np.ndarray,
+    flow: np.ndarray,
+    power: np.ndarray,
 ) -> None:
-    """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), at both stages of a step, added to force (2, nm).
+    """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), at a step's stages from `since` on, added to force (2, nm).
 
     flow (2, nd, ns) is left with the stations' drag [N], power (2,) with that on the frame [W]. Stations are innermost,
-    so that both products with the modal shapes run along memory, and each shape is read once for both stages.
+    so that both products with the modal shapes run along memory.
     """
-    nm, nd, ns = structure.station.shape
-    flow[:] = 0.0
-    for d in range(nd):
-        first, second = flow[0, d], flow[1, d]
-        for m in range(nm):
-            shape, rate, later = structure.station[m, d], dp[0, m], dp[1, m]
-            for i in range(ns):
-                first[i] += shape[i] * rate
-                second[i] += shape[i] * later
-    for s in range(2):
+    for s in range(since, 2):
+        flow[s] = 0.0
+        for d in range(flow.shape[1]):
+            _add_rates(structure.station[:, d], dp[s], flow[s, d])
         _relative_drag(structure.drag, water.flow[s], flow[s])
         if water.wet.size:
             _partly_wet(water.wet[s], water.push[s], flow[s])
-    power[:] = 0.0
-    for d in range(nd):
-        first, second = flow[0, d], flow[1, d]
-        for m in range(nm):
-            shape = structure.station[m, d]
-            total = later = 0.0
-            for i in range(ns):
-                total += shape[i] * first[i]
-                later += shape[i] * second[i]
-            force[0, m] += total
-            force[1, m] += later
-            power[0] += total * dp[0, m]
-            power[1] += later * dp[1, m]
+        power[s] = 0.0
+        for d in range(flow.shape[1]):
+            power[s] += _add_loads(structure.station[:, d], dp[s], flow[s, d], force[s])
+
+
+@fast_lean_kernel(forceinline=True)
+def _add_rates(shape: np.ndarray, rate: np.ndarray, flow: np.ndarray) -> None:
+    """flow (ns,) += Σ shape (nm, ns) rate (nm,); two modes at once, for each has to fetch the flow and put it back."""
+    nm = rate.size
+    for m in range(0, nm - 1, 2):
+        first, second, x, y = shape[m], shape[m + 1], rate[m], rate[m + 1]
+        for i in range(flow.size):
+            flow[i] += first[i] * x + second[i] * y
+    if nm % 2:
+        last, x = shape[nm - 1], rate[nm - 1]
+        for i in range(flow.size):
+            flow[i] += last[i] * x
+
+
+@fast_lean_kernel(forceinline=True)
+def _add_loads(shape: np.ndarray, rate: np.ndarray, flow: np.ndarray, force: np.ndarray) -> float:
+    """force (nm,) += shape (nm, ns) flow (ns,) of drag; its power [W] at rates (nm,)."""
+    nm, power = rate.size, 0.0
+    for m in range(0, nm - 1, 2):
+        first, second, x, y = shape[m], shape[m + 1], 0.0, 0.0
+        for i in range(flow.size):
+            x += first[i] * flow[i]
+            y += second[i] * flow[i]
+        force[m] += x
+        force[m + 1] += y
+        power += x * rate[m] + y * rate[m + 1]
+    if nm % 2:
+        last, x = shape[nm - 1], 0.0
+        for i in range(flow.size):
+            x += last[i] * flow[i]
+        force[nm - 1] += x
+        power += x * rate[nm - 1]
+    return power
 
 
 @fast_lean_kernel(forceinline=True)

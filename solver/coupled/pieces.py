@@ -86,11 +86,11 @@ from solver.multibody.joint_law import (
 from solver.multibody.minimal import mass_matrix, move
 
 SWING = 16  # pieces in the period of what swings on a stop
-SMOOTH = 3  # pieces in the time of one of those, the first ones on an elastic platform
+SMOOTH = 2  # pieces in the time of one of those, the first ones on an elastic platform
 SCAN = 8  # points of a step at which its polynomial is looked at
 HALVINGS = 50  # of the interval in which it leaves a zone
 NEVER = 2.0  # shares of a step
-SHORT = 0.25  # of a step: in such pieces pressure is evaluated at their ends alone
+SHORT = 0.25  # of a step: in such pieces pressure and drag are evaluated at their ends alone
 PATIENCE = 2  # iterations of a piece, beyond which Newton's matrix is renewed
 SHARE = 8  # pieces that share one
 CHANGES = 200  # of laws in one step, at most

@@ -143,7 +143,7 @@ class Problem(NamedTuple):
     near: float  # [m or rad] a stage may be from where its pressure and drag were evaluated, see NEAR
     iterations: int  # of Newton's method, at most
     part: bool  # whether steps are pieces of others, one like the other
-    short: bool  # whether pressure at a step's middle is near the mean of that at its ends
+    short: bool  # whether pressure and drag at a step's middle are near the mean of those at its ends
     scheme: Scheme
 
 
@@ -192,6 +192,9 @@ def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
             np.empty(bodies.axes.size * bodies.active.size),
             np.empty(nz),
             np.empty((bodies.axes.size, 6)),
+            np.empty(structure.omega.size),
+            np.empty(structure.station.shape[1:]),
+            np.zeros(1),
             np.zeros(1, np.bool_),
         ),
         stage=new_stages(bodies, structure.omega.size),
@@ -317,19 +320,26 @@ def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> N
     """Pressure and drag where the stages are: expensive, and slowly varying."""
     stage, between = room.stage, problem.short and room.start.known[0]
     stage.drag[:] = 0.0
-    for s in range(1 if between else 0, 2):
+    since = 1 if between else 0
+    for s in range(since, 2):
         copy(stage.z[s], stage.anchor[s])
         pressures(problem.bodies, stage.motion[s], drive.field[sample + s], room.pressure, stage.pressure[s])
-    if between:
-        _halfway(room.start, stage)
     end, power = sample + 2, room.power[1:, FRAME_DRAG]
     water = WaterAbout(drive.station[sample:end], drive.wet[sample:end], drive.push[sample:end])
-    drag(problem.structure, water, stage.dp, stage.drag, room.flow, power)
+    drag(problem.structure, water, stage.dp, since, stage.drag, room.flow, power)
+    if between:
+        _halfway(room.start, stage, room.flow, power)
 
 
 @kernel(inline="always")
-def _halfway(start: Start, stage: Stages) -> None:
-    """Pressure at a step's middle, from that at its ends."""
+def _halfway(start: Start, stage: Stages, flow: np.ndarray, power: np.ndarray) -> None:
+    """Pressure and drag at a step's middle, from those at its ends; flow (2, nd, ns), power (2,): see modal.drag."""
+    for m in range(start.drag.size):
+        stage.drag[0, m] = 0.5 * (start.drag[m] + stage.drag[1, m])
+    for d in range(start.flow.shape[0]):
+        for i in range(start.flow.shape[1]):
+            flow[0, d, i] = 0.5 * (start.flow[d, i] + flow[1, d, i])
+    power[0] = 0.5 * (start.power[0] + power[1])
     for i in range(stage.z.shape[1]):
         stage.anchor[0, i] = 0.5 * (start.anchor[i] + stage.anchor[1, i])
     for b in range(stage.pressure.shape[1]):
@@ -458,6 +468,10 @@ def advance(problem: Problem, state: State, room: Workspace) -> None:
     copy(stage.anchor[1], start.anchor)
     for b in range(stage.pressure.shape[1]):
         copy(stage.pressure[1, b], start.pressure[b])
+    copy(stage.drag[1], start.drag)
+    for d in range(room.flow.shape[1]):
+        copy(room.flow[1, d], start.flow[d])
+    start.power[0] = room.power[2, FRAME_DRAG]
     copy(start.z[nc:], state.z)
     copy(start.dz[nc:], state.dz)
     copy(stage.p[1], state.p)

@@ -110,8 +110,8 @@ class System:
         if flow.any():
             both = np.stack([flow, flow])
             water = WaterAbout(both, np.zeros((2, 0)), np.zeros((2, 0, 0)))
-            drag(self.structure, water, np.zeros(load.shape), load, np.empty(both.shape), np.empty(2))
-        return load[0]
+            drag(self.structure, water, np.zeros(load.shape), 1, load, np.empty(both.shape), np.empty(2))
+        return load[1]
 
     @property
     def histories(self) -> tuple[LoadHistory, ...]:

@@ -75,7 +75,9 @@ def of_a_step(platform: str) -> list[tuple[str, float, float]]:
     if frame.omega.size:
         water = WaterAbout(drive.station[4:6], drive.wet[4:6], drive.push[4:6])
         dp, force = np.stack([state.dp] * 2), np.zeros((2, frame.omega.size))
-        parts.append(("Morison drag", each(drag, frame, water, dp, force, np.zeros_like(water.flow), np.zeros(2)), 1))
+        parts.append(
+            ("Morison drag", each(drag, frame, water, dp, 0, force, np.zeros_like(water.flow), np.zeros(2)), 1)
+        )
     return parts
 
 

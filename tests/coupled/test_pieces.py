@@ -349,13 +349,15 @@ def test_ringing_after_hits_leaves_newton_within_its_tolerance():
     assert np.abs(usual - tight).max() < 0.01 * np.abs(finer - tight).max()
 
 
-def test_at_a_short_piece_s_middle_pressure_is_between_that_of_its_ends():
+def test_at_a_short_piece_s_middle_pressure_and_drag_are_between_those_of_its_ends():
     system = prepare(*SCENES["unequal_legs"]())
     room, dice = new_workspace(system.bodies, system.structure), np.random.default_rng(3)
-    ends = [(room.start.anchor, room.stage.anchor), (room.start.pressure, room.stage.pressure)]
+    start, stage, power = room.start, room.stage, np.zeros(2)
+    ends = [(start.anchor, stage.anchor), (start.pressure, stage.pressure), (start.drag, stage.drag)]
+    ends += [(start.flow, room.flow), (start.power, power)]
     for part in sum(ends, ()):
         part[:] = dice.normal(size=part.shape)
-    _halfway(room.start, room.stage)
+    _halfway(start, stage, room.flow, power)
     for before, after in ends:
         assert after[0] == approx((before + after[1]) / 2)
 

@@ -121,13 +121,14 @@ def reduced(waves, modes=4, **changes):
     )
 
 
+@pytest.mark.parametrize("modes", [4, 5])
 @pytest.mark.parametrize("partly", [False, True])
-def test_kernel_drag_is_that_of_relative_velocity(waves, partly):
+def test_kernel_drag_is_that_of_relative_velocity(waves, partly, modes):
     """Power and modal force of ½ρC_D D|u - v|(u - v) at both stages, summed over stations in plain numpy.
 
-    Of stations that are wet in part that share, and what pushes besides.
+    Of stations that are wet in part that share, and what pushes besides. At a step's end alone nothing is done before.
     """
-    s, random = reduced(waves), np.random.default_rng(0)
+    s, random = reduced(waves, modes), np.random.default_rng(0)
     one = driving.driven(s, waves).stations[..., 0].T
     u = np.stack([one.real, one.imag])
     shape = np.ascontiguousarray(s.station_shape.transpose(2, 1, 0))
@@ -137,7 +138,7 @@ def test_kernel_drag_is_that_of_relative_velocity(waves, partly):
     push = 1e3 * random.normal(size=u.shape) if partly else np.zeros((2, 1, 0))
     force, power = np.ones_like(dp), np.empty((2, 2))[:, 0]  # a column, as the march has it: compiled once
     flow = np.empty_like(u)
-    drag(structure, WaterAbout(u, wet, push), dp, force, flow, power)
+    drag(structure, WaterAbout(u, wet, push), dp, 0, force, flow, power)
     v = np.einsum("mdn,sm->sdn", shape, dp)
     load = s.drag * np.linalg.norm(u - v, axis=1, keepdims=True) * (u - v)
     if partly:
@@ -145,6 +146,9 @@ def test_kernel_drag_is_that_of_relative_velocity(waves, partly):
     assert flow == approx(load, rel=1e-12)
     assert force == approx(1 + np.einsum("mdn,sdn->sm", shape, load), rel=1e-12)
     assert power == approx(np.sum(load * v, axis=(1, 2)), rel=1e-12)
+    late, at_end = np.ones_like(dp), np.full((2, 2), 7.0)[:, 0]
+    drag(structure, WaterAbout(u, wet, push), dp, 1, late, flow, at_end)
+    assert (late[0] == 1).all() and at_end[0] == 7.0 and (late[1] == force[1]).all() and at_end[1] == power[1]
 
 
 def test_basis_is_orthonormal_and_holds_the_static_answer(waves):
