@@ -103,11 +103,13 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     state = system.start()
     before, done, bend = copied(state), 0, sharpest_bend(scene)
     furthest = np.abs(np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z))
-    low, high = np.zeros((2, 2, state.z.size))  # of positions and rates
+    low, high = np.zeros((2, 2, state.z.size))  # of positions and rates, where loads are given in a range of them
+    ranged = any(points is not None for f in scene.floats for points in f.pto_points)
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
-        joints = np.stack([output.z, output.dz])[..., output.z.shape[1] - state.z.size :]
-        low, high = np.minimum(low, joints.min(axis=1)), np.maximum(high, joints.max(axis=1))
+        if ranged:
+            joints = np.stack([output.z, output.dz])[..., output.z.shape[1] - state.z.size :]
+            low, high = np.minimum(low, joints.min(axis=1)), np.maximum(high, joints.max(axis=1))
         furthest = np.maximum(furthest, np.abs(output.z).max(axis=0))
         probe.add(times, output, samples)
         if probe.unaware(output) or probe.before(bend, times):

@@ -1,6 +1,6 @@
 """What the wave does between its samples: by the polynomial through the nearest NODES of them.
 
-Of n nodes 0, 1, ... they are w_j(x) = Π_{k≠j} (x - k)/(j - k), with denominators (-1)^(n-1-j) j! (n-1-j)!.
+Of n nodes 0, 1, ... the weights are w_j(x) = Π_{k≠j} (x - k)/(j - k), with denominators (-1)^(n-1-j) j! (n-1-j)!.
 """
 
 import numpy as np

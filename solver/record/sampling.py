@@ -116,7 +116,7 @@ def _between(x: np.ndarray, cuts: Cuts | None, least: np.ndarray, longer: float)
     near = np.add.reduceat(gaps, np.arange(0, gaps.shape[1], NEAR), axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = np.sqrt(np.sum(near**2, axis=1) / longer) / gaps.shape[1] / sizes
-    return float(np.max(errors, where=np.isfinite(errors), initial=0.0))
+    return _largest(errors)
 
 
 def _from_start(x: np.ndarray, least: np.ndarray, longer: float) -> float:
@@ -136,7 +136,7 @@ def _from_start(x: np.ndarray, least: np.ndarray, longer: float) -> float:
     of_rms, of_std = _scales(rms, std, np.broadcast_to(least, x.shape[1:]).ravel())
     sizes = np.array([of_rms, 2 * rms * of_rms, 2 * std * of_std])
     errors = np.array([np.abs(v[1 + last].mean(axis=0) - v[0]) for v in powers]) / sizes / (2 * longer * count)
-    return float(np.max(errors, where=np.isfinite(errors), initial=0.0))
+    return _largest(errors)
 
 
 def _at_ends(x: np.ndarray, least: np.ndarray, longer: float) -> float:
@@ -144,6 +144,11 @@ def _at_ends(x: np.ndarray, least: np.ndarray, longer: float) -> float:
         mean, sizes = _sizes(x, x, least)
         usual = np.array([np.abs(v - v.mean(axis=0)).mean(axis=0) for v in _powers(x, mean)])
         errors = usual / sizes / (np.sqrt(2) * longer * len(x))
+    return _largest(errors)
+
+
+def _largest(errors: np.ndarray) -> float:
+    """Of those that are known."""
     return float(np.max(errors, where=np.isfinite(errors), initial=0.0))
 
 
