@@ -53,16 +53,22 @@ def _tabulate(mean: np.ndarray, X: np.ndarray, squared: np.ndarray, duration: fl
     """The same of lines (nw, n), ω² (nw,), in one pass over them: as arrays their sums take several times as long."""
     n = len(out)
     m0, m2, most = np.zeros(n), np.zeros(n), np.zeros(n)
-    for w in range(squared.size):
-        for i in range(n):
-            power = X[w, i].real ** 2 + X[w, i].imag ** 2
-            m0[i] += power
-            m2[i] += squared[w] * power
-            most[i] += np.sqrt(power)
+    _sum(X, squared, m0, m2, most)
     for i in range(n):
         std, top = np.sqrt(0.5 * m0[i]), _largest(m0[i], m2[i], most[i], duration)
         out[i, 0], out[i, 1], out[i, 2] = mean[i] + top, mean[i] - top, mean[i]
         out[i, 3], out[i, 4] = np.hypot(mean[i], std), std
+
+
+@kernel
+def _sum(X: np.ndarray, squared: np.ndarray, m0: np.ndarray, m2: np.ndarray, most: np.ndarray) -> None:
+    """See _sums; added to what is there."""
+    for w in range(squared.size):
+        for i in range(m0.size):
+            power = X[w, i].real ** 2 + X[w, i].imag ** 2
+            m0[i] += power
+            m2[i] += squared[w] * power
+            most[i] += np.sqrt(power)
 
 
 @kernel(inline="always")
@@ -80,18 +86,24 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
     """
     if len(V) == 1:
         return moments(_sampled(V) ** 2 @ c[:, None])[0]
-    power = V.real**2 + V.imag**2
-    principal = np.linalg.eigvals(c[:, None] * covariance(V, V)).real if c.size > 1 else 0.5 * c * power.sum(axis=0)
+    m0, m2, most = _sums(V, omega)
+    principal = np.linalg.eigvals(c[:, None] * covariance(V, V)).real if c.size > 1 else 0.5 * c * m0
     mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2))
     strongest = principal.max(initial=0.0)
-    largest = min(mean + strongest * _beyond(power, omega, duration), float(c @ np.sqrt(power).sum(axis=0) ** 2))
+    largest = min(mean + strongest * _beyond(m0, m2, duration), float(c @ most**2))
     return np.array([largest, 0.0, mean, np.hypot(mean, std), std])
 
 
-def _beyond(power: np.ndarray, omega: np.ndarray, duration: float) -> float:
-    """Of the strongest part, its largest expected over a time, less its mean; power: squared lines (nw, n)."""
-    pairs = zip(power.sum(axis=0), omega**2 @ power, strict=True)
-    most = max((_cycles(m0, m2, duration) for m0, m2 in pairs), default=np.e)
+def _sums(X: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Σ|X|², Σω²|X|² and Σ|X| (n,) of lines (nw, n)."""
+    m0, m2, most = np.zeros((3, X.shape[1]))
+    _sum(np.ascontiguousarray(X), omega**2, m0, m2, most)
+    return m0, m2, most
+
+
+def _beyond(m0: np.ndarray, m2: np.ndarray, duration: float) -> float:
+    """Of the strongest part of rates with moments m₀, m₂ (n,), its square's largest over a time, less its mean."""
+    most = max((_cycles(*pair, duration) for pair in zip(m0, m2, strict=True)), default=np.e)
     return float(2 * (np.log(2 * most) + EULER) - 1)
 
 
@@ -132,7 +144,7 @@ def electrical_table(efficiency: PtoEfficiency, axes: Axes, omega: np.ndarray, d
     mean = efficiency.generating * absorbed.sum() - given.sum() / efficiency.motoring
     A = np.block([[np.zeros((n, n)), np.diag(k / 2)], [np.diag(k / 2), np.diag(c)]])
     parts = np.linalg.eigvals(A @ S).real
-    ends = np.array([parts.max(), parts.min()]) * _beyond(V.real**2 + V.imag**2, omega, duration)
+    ends = np.array([parts.max(), parts.min()]) * _beyond(*_sums(V, omega)[:2], duration)
     high, low = efficiency.electrical(parts.sum() + ends)
     return np.array([high, min(low, 0.0), mean, np.hypot(mean, std), std])
 

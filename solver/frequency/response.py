@@ -123,7 +123,7 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
     nm, nc = model.modes.shape[1], case.system.structure.carrier.shape[0]
     height = float(np.abs(case.system.scene.sea.amplitude).sum())
     quadratic, bent = joint_law.drag(law), joint_law.bent(law).any()
-    linear, joints = case.linear_damping(law), range(nm, len(model.mass))
+    linear, joints = case.linear_damping(law), np.arange(nm, len(model.mass))
     at_rest = pto = joint_law.damping_at_rest(law)[nc:]
     rate, turning = np.zeros((len(model.mass), omega.size), complex), -1j * omega
     std, change, damping = np.zeros(len(model.mass)), np.inf, np.zeros(model.damping.shape)

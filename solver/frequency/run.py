@@ -106,10 +106,10 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
 
 def _law_effect(case: Case, response: Response, scene: Scene) -> float:
     """Relative error of the response's std and power by tables of laws that are known by finer ones."""
-    finer, waves = with_tables(scene, PtoTable.by_finer), case.waves.size
-    if finer.floats == scene.floats:
+    if not any(f.pto_table and f.pto_table.finer for f in scene.floats):
         return 0.0
-    exact = respond(finer, case.hydrodynamics).X[:waves]
+    waves = case.waves.size
+    exact = respond(with_tables(scene, PtoTable.by_finer), case.hydrodynamics).X[:waves]
     return response_error(case.system, case.law(scene.floats), case.waves, response.X[:waves], exact)
 
 
@@ -142,11 +142,16 @@ def _rates(case: Case, response: Response) -> np.ndarray:
 
 def _tables(case: Case, outputs: list[Output]) -> dict[str, np.ndarray]:
     """Statistics of outputs, all at once."""
-    sizes = [lines[0].size for _, _, lines in outputs]
-    mean = np.concatenate([np.broadcast_to(mean, lines.shape[1:]).ravel() for _, mean, lines in outputs], dtype=float)
+    ends = np.cumsum([lines[0].size for _, _, lines in outputs])
     every = np.concatenate([lines.reshape(len(lines), -1) for _, _, lines in outputs], axis=1)
-    tables = np.split(gaussian.table(mean, every, case.omega, case.duration), np.cumsum(sizes)[:-1])
-    return {name: table.reshape(*lines.shape[1:], -1) for (name, _, lines), table in zip(outputs, tables, strict=True)}
+    mean = np.empty(every.shape[1])
+    for end, (_, level, lines) in zip(ends, outputs, strict=True):
+        mean[end - lines[0].size : end] = np.ravel(level)
+    table = gaussian.table(mean, every, case.omega, case.duration)
+    return {
+        name: table[end - lines[0].size : end].reshape(*lines.shape[1:], -1)
+        for end, (name, _, lines) in zip(ends, outputs, strict=True)
+    }
 
 
 def _of_squares(case: Case, response: Response, frame: Forces) -> Iterator[tuple[str, np.ndarray]]:
@@ -204,9 +209,10 @@ def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
             slope = np.subtract(*either) / (2 * NEAR)
             yield "line_tension", channels.line_tension(system.bodies, z[None])[0], response.Z @ slope
     if channels.legs is not None:
-        tops, X = channels.legs.tops, response.X[:, : p.size]
-        lines = (X @ tops.reshape(p.size, -1)).reshape(omega.size, *tops.shape[1:])
-        yield "top_displacement", np.tensordot(p, tops, axes=1), lines
+        tops = channels.legs.tops.reshape(p.size, -1)
+        means, lines = (x @ tops for x in (p, response.X[:, : p.size]))
+        on = channels.legs.tops.shape[1:]
+        yield "top_displacement", means.reshape(on), lines.reshape(-1, *on)
     if channels.nodes:
         for name, lines in channels.accelerations(-(omega[:, None] ** 2) * response.X[:, : p.size]):
             yield name, np.zeros(()), lines

@@ -43,10 +43,11 @@ class Stations:
         if rate is None:
             return self._at_rest
         v = np.ascontiguousarray(rate).view(float)
-        along = reduce(np.matmul, [part.T for part in reversed(self.factors)], v[:, : self.water.shape[1]])
-        e = (0.25 * v @ v.T @ self.shape - 0.5 * along).reshape(self.frame.station.shape)
-        both = np.sum(self.frame.station[:, :, None] * e[:, None], axis=0).T
-        return self._at_rest + both + np.swapaxes(both, 1, 2)
+        along = reduce(np.matmul, [part.T for part in self.factors[:0:-1]], v[:, : self.water.shape[1]])
+        e = np.concatenate([0.25 * v @ v.T, -0.5 * along], axis=1) @ self._of.T
+        S = self._at_rest.copy()
+        _add_both_ways(self.frame.station, e.reshape(self.frame.station.shape), S)
+        return S
 
     @cached_property
     def _at_rest(self) -> np.ndarray:
@@ -97,3 +98,14 @@ def _carry(K: np.ndarray, on: np.ndarray, carried: np.ndarray) -> None:
             for j in range(nd):
                 for s in range(ns):
                     carried[m, j, s] += on[m, i, s] * K[s, i, j]
+
+
+@whole_lean_kernel
+def _add_both_ways(shape: np.ndarray, e: np.ndarray, S: np.ndarray) -> None:
+    """Σ φe + eφ of φ and e (k, nd, ns), to S (ns, nd, nd)."""
+    k, nd, ns = shape.shape
+    for m in range(k):
+        for i in range(nd):
+            for j in range(nd):
+                for s in range(ns):
+                    S[s, i, j] += shape[m, i, s] * e[m, j, s] + e[m, i, s] * shape[m, j, s]

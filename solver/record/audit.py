@@ -467,13 +467,14 @@ def decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) 
 
 def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
     """Largest relative change of a coordinate's std, or of its rate's square where that is power absorbed by a law."""
-    size, true = (np.linalg.norm(x, axis=0) for x in (X, exact))
-    largest = linear_model(system).length * true
+    power, true = (x.real**2 + x.imag**2 for x in (X, exact))
+    size, true_size = (np.sqrt(squares.sum(axis=0)) for squares in (power, true))
+    largest = linear_model(system).length * true_size
     used = largest > FAINT * largest.max(initial=0.0)
     first, pto = system.structure.omega.size, absorbing(law)[system.structure.carrier.shape[0] :]
     absorbs = used & np.concatenate([np.zeros(first, bool), pto])
-    rate, true_rate = (np.linalg.norm(omega[:, None] * x[:, absorbs], axis=0) for x in (X, exact))
-    changes = np.concatenate([size[used] / true[used], (rate / true_rate) ** 2])
+    rate, true_rate = (omega**2 @ squares[:, absorbs] for squares in (power, true))
+    changes = np.concatenate([size[used] / true_size[used], rate / true_rate])
     return float(np.abs(changes - 1).max(initial=0.0))
 
 
