@@ -2,9 +2,11 @@
 
 import errno
 import os
+import pickle
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -25,7 +27,9 @@ from solver.kernels import (
     part_kernel,
     whole_lean_kernel,
 )
+from solver.scene import EndStops
 from solver.statistics import Statistics
+from tests.awkward import unequal_legs
 
 FLOAT = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
 
@@ -126,6 +130,26 @@ def test_numba_compiles_once_what_several_processes_need(tmp_path):
     both = [subprocess.Popen([sys.executable, "-c", program], env=env, stdout=subprocess.PIPE, text=True) for _ in "ab"]
     said = sorted(process.communicate()[0] for process in both)
     assert said == ["0 [1. 1. 1.]\n", "1 [1. 1. 1.]\n"], f"numba {numba_version}: see solver/kernels.py"
+
+
+def test_a_process_compiles_nothing_that_another_has_compiled(tmp_path):
+    """A kernel with an array, or a tuple of some, as an argument's default is never found again in numba's cache."""
+    whole, h = unequal_legs()
+    short = replace(whole, settings=replace(whole.settings, duration=20.0, discard=5.0, ramp=5.0))
+    stops = EndStops(lower=-0.01, upper=0.01, stiffness=1e7, damping=1e5)
+    hits = replace(short, floats=tuple(replace(f, end_stops=stops) for f in short.floats))
+    lines = replace(short, settings=replace(short.settings, method="frequency", froude_krylov="linear"))
+    (tmp_path / "scenes").write_bytes(pickle.dumps(([short, hits, lines], h)))
+    program = (
+        "import gc, pickle, sys; from numba.core.dispatcher import Dispatcher; from solver.run import simulate\n"
+        "scenes, h = pickle.load(open(sys.argv[1], 'rb'))\n"
+        "for scene in scenes: simulate(scene, h)\n"
+        "kernels = [d for d in gc.get_objects() if isinstance(d, Dispatcher)]\n"
+        "print([d.__name__ for d in kernels if sum(d.stats.cache_misses.values())])"
+    )
+    command = [sys.executable, "-c", program, str(tmp_path / "scenes")]
+    said = [subprocess.run(command, check=True, capture_output=True, text=True).stdout for _ in "ab"]
+    assert said[1] == "[]\n", said
 
 
 def test_a_kernel_is_compiled_where_nothing_can_be_locked(monkeypatch):

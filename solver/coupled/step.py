@@ -174,7 +174,7 @@ def new_problem(
 ) -> Problem:
     """Constants for steps of dt [s]; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
     nz = bodies.mechanism.size
-    inverse, H = flexibility(structure, dt)
+    inverse, H = flexibility(structure, dt, LOBATTO)
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
     fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace, swing)

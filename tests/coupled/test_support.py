@@ -235,7 +235,7 @@ def test_flexibility_inverts_the_stage_equations():
     omega, zeta, dt = 3.0, 0.02, 0.2
     empty = np.zeros((1, 1, 0))
     structure = Structure(np.array([omega]), np.array([zeta]), np.ones((1, 1)), empty, np.zeros(0), np.ones(1))
-    inverse, H = flexibility(structure, dt)
+    inverse, H = flexibility(structure, dt, LOBATTO)
     D = np.eye(2) + 2 * zeta * omega * dt * LOBATTO.A + (omega * dt) ** 2 * LOBATTO.AA
     assert inverse[0] @ D == approx(np.eye(2), abs=1e-14)
     assert H[:, 0, :, 0] == approx(inverse[0])
