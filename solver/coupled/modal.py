@@ -45,35 +45,38 @@ def drag(
     for s in range(since, 2):
         flow[s] = 0.0
         for d in range(flow.shape[1]):
-            _add_rates(structure.station[:, d], dp[s], flow[s, d])
+            _add_rates(structure.station, d, dp[s], flow[s, d])
         _relative_drag(structure.drag, water.flow[s], flow[s])
         if water.wet.size:
             _partly_wet(water.wet[s], water.push[s], flow[s])
         power[s] = 0.0
         for d in range(flow.shape[1]):
-            power[s] += _add_loads(structure.station[:, d], dp[s], flow[s, d], force[s])
+            power[s] += _add_loads(structure.station, d, dp[s], flow[s, d], force[s])
 
 
 @fast_lean_kernel(forceinline=True)
-def _add_rates(shape: np.ndarray, rate: np.ndarray, flow: np.ndarray) -> None:
-    """flow (ns,) += Σ shape (nm, ns) rate (nm,); two modes at once, for each has to fetch the flow and put it back."""
+def _add_rates(station: np.ndarray, d: int, rate: np.ndarray, flow: np.ndarray) -> None:
+    """flow (ns,) += Σ station[:, d] rate (nm,); two modes at once, for each has to fetch the flow and put it back.
+
+    `station[:, d]` as an array would not be known to run along memory, and loops over it would not be SIMD's.
+    """
     nm = rate.size
     for m in range(0, nm - 1, 2):
-        first, second, x, y = shape[m], shape[m + 1], rate[m], rate[m + 1]
+        first, second, x, y = station[m, d], station[m + 1, d], rate[m], rate[m + 1]
         for i in range(flow.size):
             flow[i] += first[i] * x + second[i] * y
     if nm % 2:
-        last, x = shape[nm - 1], rate[nm - 1]
+        last, x = station[nm - 1, d], rate[nm - 1]
         for i in range(flow.size):
             flow[i] += last[i] * x
 
 
 @fast_lean_kernel(forceinline=True)
-def _add_loads(shape: np.ndarray, rate: np.ndarray, flow: np.ndarray, force: np.ndarray) -> float:
-    """force (nm,) += shape (nm, ns) flow (ns,) of drag; its power [W] at rates (nm,)."""
+def _add_loads(station: np.ndarray, d: int, rate: np.ndarray, flow: np.ndarray, force: np.ndarray) -> float:
+    """force (nm,) += station[:, d] flow (ns,) of drag; its power [W] at rates (nm,)."""
     nm, power = rate.size, 0.0
     for m in range(0, nm - 1, 2):
-        first, second, x, y = shape[m], shape[m + 1], 0.0, 0.0
+        first, second, x, y = station[m, d], station[m + 1, d], 0.0, 0.0
         for i in range(flow.size):
             x += first[i] * flow[i]
             y += second[i] * flow[i]
@@ -81,7 +84,7 @@ def _add_loads(shape: np.ndarray, rate: np.ndarray, flow: np.ndarray, force: np.
         force[m + 1] += y
         power += x * rate[m] + y * rate[m + 1]
     if nm % 2:
-        last, x = shape[nm - 1], 0.0
+        last, x = station[nm - 1, d], 0.0
         for i in range(flow.size):
             x += last[i] * flow[i]
         force[nm - 1] += x
