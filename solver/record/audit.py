@@ -37,6 +37,7 @@ UNTOLD = 1.0  # an error that no run tells
 UNLIKE = 0.01  # of a force: an error of less is not looked at by itself
 DECAY = 400  # frequencies at which a scene without waves is judged
 MOTIONS = ("rotation", "motion", "top_displacement", "node_displacement")
+POWERS = "absorbed_power", "electrical_power"
 
 
 def probed(scene: Scene, steps: int) -> Scene:
@@ -292,17 +293,21 @@ def statistics_error(
 ) -> float:
     """Error to expect of any mean, rms or std of the system's record, by an `error` of sampling.
 
-    samples: of a `short` part of it, the best ones last. Nothing where no motion exceeds Newton's tolerance.
+    samples: of a `short` part of it, the best ones last. Motions do not count where none exceeds Newton's tolerance;
+    nor does anything, there, without waves, which load what is held, too.
     """
+    scene = system.scene
     stds = {name: samples[-1][name].std(axis=0) for name in MOTIONS if name in samples[-1]}
     largest = max((np.nanmax(std, initial=0.0) for std in stds.values()), default=0.0)
-    if not largest > 10 * system.newton_tolerance * bool(system.scene.floats):
+    moves = largest > 10 * system.newton_tolerance * bool(scene.floats)
+    if not moves and not scene.sea.amplitude.any():
         return 0.0
-    longer = max(1.0, system.scene.settings.duration / short.settings.duration)
+    longer = max(1.0, scene.settings.duration / short.settings.duration)
+    least = least_sizes(system, stds) if moves else {"hinge_force": least_force(scene)}
     # What is on or off between two samples has another std where they are nearer.
-    other = ("time", "wave_elevation", "latched", "declutched")
+    other = ("time", "wave_elevation", "latched", "declutched", *(() if moves else (*MOTIONS, *POWERS)))
     driven = ({name: x for name, x in of.items() if name not in other} for of in samples)
-    return error(*driven, least_sizes(system, stds), longer)
+    return error(*driven, least, longer)
 
 
 def least_sizes(system: System, stds: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -318,7 +323,7 @@ def least_sizes(system: System, stds: Mapping[str, np.ndarray]) -> dict[str, np.
     if scene.floats:
         name = "motion" if "motion" in stds else "rotation"
         rest = ~_working(system, channels, stds[name] > sizes[name])
-        sizes |= dict.fromkeys(("absorbed_power", "electrical_power"), np.where(rest, np.inf, 0.0))
+        sizes |= dict.fromkeys(POWERS, np.where(rest, np.inf, 0.0))
     return sizes
 
 

@@ -15,7 +15,7 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
-from solver.sea.realization import realize
+from solver.sea.realization import CALM, realize
 from solver.sea.spectrum import PiersonMoskowitz
 from tests.once import solve
 
@@ -74,6 +74,21 @@ def test_what_a_mesh_does_to_a_fixed_body_is_told_of_its_force(method):
     told, true = usual.attrs["mesh_effect"], np.abs(ours / exact - 1).max()
     assert told / 3 < true < 3 * told
     assert usual.attrs["estimated_error"] >= told > 1e-4 and "tolerance" in usual.attrs["unmet"]
+
+
+def test_what_a_record_s_ends_do_is_told_where_nothing_moves():
+    """Its force alone is judged: records of a few periods, as they end anywhere, against those of finer samples."""
+    apart, told = [], []
+    for duration in np.linspace(20.0, 24.0, 9):
+        short = {"duration": duration, "discard": 12.0}
+        usual, fine = (simulate(scene(FIXED, **short, time_step=h), known_alone()) for h in (0.1, 0.0125))
+        ours, exact = (r.variables["hinge_force"][1][0, 0] for r in (usual, fine))  # max, min, mean, rms, std
+        apart.append(np.abs(ours - exact)[2:] / exact[4])
+        told.append(usual.attrs["sampling_error"])
+    true = np.mean(apart, axis=0).max()
+    assert true > 5e-4 and true / 3 < np.median(told) < 3 * true, (true, told)
+    calm = simulate(replace(scene(FIXED, duration=20.0), sea=CALM), known_alone())
+    assert calm.attrs["sampling_error"] == 0
 
 
 def test_a_fixed_body_alone_bears_the_waves():
