@@ -10,6 +10,7 @@ import numpy as np
 from scipy import linalg
 from scipy.interpolate import CubicSpline
 
+from solver.coupled.histories import missed, moved
 from solver.coupled.linear import LinearModel, linear_model
 from solver.coupled.support import Support
 from solver.coupled.system import System, prepare
@@ -28,6 +29,7 @@ ROUNDS, AGREED = 50, 1e-9  # of added mass and frequency in turn
 MOVES = 0.3  # of the largest motion: what moves by less is not part of a shape's name
 FAR = 100.0  # times its frequency without waves: there an axis has none
 FRAME = "platform "  # and the axis, in a shape's name
+MISSED, SHORTER = 5e-4, 0.6  # of all that moves a frame; and of a step that misses more
 DRAWN = 20  # steps in the period of a decay, which is looked at as a curve
 
 Added = Callable[[float], np.ndarray]  # ω -> A - A∞ + iB (n, n)
@@ -218,7 +220,8 @@ def with_usual_step(system: System, modes: SystemModes) -> System:
 
     STEPS in the shortest wave's period and in each of the floats' own that is not below half of that: what is faster
     follows the waves without swinging, and the scheme is stable. In still water STEPS in all of them, and DRAWN in
-    those that the offsets set swinging.
+    those that the offsets set swinging. STEPS, too, in those of a frame's modes that load histories set swinging, and
+    steps that miss no more than MISSED of these loads.
     """
     if system.scene.settings.time_step is not None:
         return system
@@ -229,9 +232,14 @@ def with_usual_step(system: System, modes: SystemModes) -> System:
         step = min(system.scene.usual_step, *periods / STEPS, np.inf)
     else:
         step = min([*_swinging(system, modes) / DRAWN, *modes.period / STEPS], default=system.scene.usual_step)
-    step, s = two_digits(step if np.isfinite(step) else system.scene.usual_step), system.scene.settings
-    if (longest := s.discard + s.duration) > MOST_STEPS * step:
-        what = f"the scene's own periods ask for steps of {step:g} s, more than {MOST_STEPS} in {longest:g} s"
+    step, s = step if np.isfinite(step) else system.scene.usual_step, system.scene.settings
+    least, what = (s.discard + s.duration) / MOST_STEPS, "the scene's own periods"
+    if system.histories:
+        step = two_digits(min([step, *2 * np.pi / STEPS / moved(system).swung]))
+        while step > least and missed(system, step) > MISSED:
+            step, what = two_digits(SHORTER * step), "load histories"
+    if (step := two_digits(step)) < least:
+        what += f" ask for steps of {step:g} s, more than {MOST_STEPS} in {s.discard + s.duration:g} s"
         raise SimulationFailed(f"{what}: set solver.time_step, if nothing sets the fastest of them swinging")
     return system.with_step(step)
 

@@ -1,7 +1,7 @@
 """An elastic platform as the march sees it: few Ritz modes (eq. 17), drag stations, wave-load rows (eq. 16).
 
-The basis is the lowest modes plus the static shapes of what loads the frame (unit loads at the
-hinge nodes, the principal shapes of the wave load), made orthogonal again by Rayleigh-Ritz.
+The basis is the lowest modes, and those that load histories set swinging, plus the static shapes of what loads the
+frame (unit loads at the hinge nodes, the principal shapes of the wave load), made orthogonal again by Rayleigh-Ritz.
 The static shapes carry what the left-out modes would have added quasi-statically. The mass
 includes the added mass of the wetted members, because that is the mass that moves.
 """
@@ -27,7 +27,10 @@ from solver.structure import modes as natural
 from solver.structure.frame_model import FrameModel, sparse_sum
 from solver.structure.legs import Legs
 from solver.structure.load_history import LoadHistory
+from solver.structure.ringing import lines, sizes
 
+SWUNG = 3e-3  # of all that load histories move: modes that they set swinging by more are kept
+FAR_LESS = 0.1  # of the leg's top that moves most: what moves by less is not judged
 PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
 # Pieces of an element in which loads are integrated: of 1/k of the shortest wave for inertia, whose EXACT points are
 # then right to 2e-5 of it, and of the mean wave for drag.
@@ -71,6 +74,7 @@ class Support:
     stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
     stretched: Stretched | None  # where waves load them up to their surface
     applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
+    unswung: float  # of all that these move, what they set swinging of modes that are not kept
     legs: Legs | None
     within: tuple[float, float]  # what its worst elements leave out, [-] and over ω² [s²]: see _within
     nodes: tuple[str, ...]  # nn of the frame whose accelerations are asked for
@@ -119,18 +123,21 @@ def reduce_platform(
     modes: int | Literal["all"],
     stations: int,
     outputs: tuple[str, ...] = (),
+    damping: StructuralDamping | None = None,
 ) -> Support:
     """Reduce a platform for seas like one; tasks in any of those share what comes of it.
 
     hinge_nodes: names of nodes in the order of the floats; modes: lowest ones kept, or "all"; stations: Gauss points
-    of the drag on each wetted element; outputs: what is asked for besides the legs. InputError for a planar scene on
-    a frame that is not symmetric.
+    of the drag on each wetted element; outputs: what is asked for besides the legs; damping: of modes that load
+    histories may set swinging, to be known where there are some. InputError for a planar scene on a frame that is not
+    symmetric.
     """
     model = dynamic_model(platform, sea)[0]
     splash = water.DRY if platform.wave_stretching == "none" else stretching.splash(field)
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
     drags = water.stations(model, stations, DRAG * field.mean_length, splash)
-    asked = {"planar": planar, "modes": modes, "outputs": outputs, "reach": splash.reach}
+    damping = damping if platform.load_histories else None  # or platforms that differ in it alone would not share
+    asked = {"planar": planar, "modes": modes, "outputs": outputs, "reach": splash.reach, "damping": damping}
     return _reduced(platform, sea, hinge_nodes, at, drags, typical_waves(field, at), **asked)
 
 
@@ -147,6 +154,7 @@ def _reduced(
     modes: int | Literal["all"],
     outputs: tuple[str, ...],
     reach: float,
+    damping: StructuralDamping | None,
 ) -> Support:
     """By stations of inertia and of drag, in typical waves; reach: of crests that wet those above still water [m]."""
     model, at_rest, factor = dynamic_model(platform, sea)
@@ -155,12 +163,17 @@ def _reduced(
     M, kept, symmetric = _kept_modes(model, sea.density, planar, None if modes == "all" else modes)
     around = _surroundings(at, field.sea.heading)
     inertial = around.by_swing(_inertia_size(platform, at, sea))
-    omega, shapes = kept
+    unswung = 0.0
     if modes != "all":
-        unit = _unit_loads(len(shapes), np.concatenate([dof.ravel(), loaded]))
+        if damping is not None:
+            every = _kept_modes(model, sea.density, planar, None)[1]
+            kept, unswung = _with_swung(every, modes, platform, every.shapes[loaded], model, damping)
+        unit = _unit_loads(len(kept.shapes), np.concatenate([dof.ravel(), loaded]))
         if field.current is not None:
             unit = np.concatenate([unit, _stream_load(model, field, drags, sea)], axis=1)
-        omega, shapes = _basis(model, M, kept, symmetric, unit, _patterns(model, at, around, inertial, field, sea))
+        driven = _patterns(model, at, around, inertial, field, sea)
+        kept = natural.Modes(*_basis(model, M, kept, symmetric, unit, driven))
+    omega, shapes = kept
     tops = _tops(model, platform.legs)
     rest = _rest(model, tops, symmetric, omega, shapes)
     both = np.concatenate([shapes, rest], axis=1)
@@ -206,6 +219,7 @@ def _reduced(
         stream=water_drag.stream,
         stretched=water_drag.stretched,
         applied=shapes[loaded],
+        unswung=unswung,
         left_out=LeftOut(
             waves=nodal @ rest,
             drag=station_rest.transpose(1, 0, 2).reshape(station_rest.shape[0] * station_rest.shape[1], tops.size),
@@ -221,6 +235,32 @@ def _reduced(
         forces=borne,
         buckling_factor=factor,
     )
+
+
+def _with_swung(
+    every: natural.Modes,
+    lowest: int,
+    platform: Platform,
+    applied: np.ndarray,
+    model: FrameModel,
+    damping: StructuralDamping,
+) -> tuple[natural.Modes, float]:
+    """The lowest modes and those that the loads set swinging, of a frame by itself; and `unswung`.
+
+    applied (na, nm): modal load of unit forces.
+    """
+    omega, shapes = every
+    ratio = damping.of(omega, np.einsum("ij,ij->j", shapes, model.M @ shapes))
+    end = min(history.time[-1] for history in platform.load_histories)
+    told = sizes(lines(platform.load_histories, end).of_modes(applied), omega, ratio)
+    of_tops = np.abs(shapes[_tops(model, platform.legs)]) / omega
+    share = np.concatenate([np.ones((1, omega.size)), of_tops])  # of strain energy, and of the legs' tops
+    whole = np.linalg.norm(share * np.hypot(told.swings, told.pushed), axis=1)
+    judged = whole > FAR_LESS * np.append(0.0, np.full(len(of_tops), whole[1:].max(initial=0.0)))
+    swings = share[judged] * told.swings / whole[judged, None]
+    kept = (np.arange(omega.size) < lowest) | (swings.max(axis=0, initial=0.0) > SWUNG)
+    left = np.linalg.norm(swings[:, ~kept], axis=1).max(initial=0.0)
+    return natural.Modes(omega[kept], shapes[:, kept]), float(left)
 
 
 def _patterns(

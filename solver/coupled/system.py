@@ -363,6 +363,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
             modes=settings.modes,
             stations=settings.stations_per_element,
             outputs=settings.outputs,
+            damping=scene.platform.damping,
         )
         support = supports.damped(reduced, scene.platform.damping)
     if fit is None and scene.floats and settings.radiation and settings.method == "time":

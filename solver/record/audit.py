@@ -10,6 +10,7 @@ import numpy as np
 
 from solver.coupled import assembly
 from solver.coupled.driving import driven
+from solver.coupled.histories import missed, unswung
 from solver.coupled.linear import LinearModel, impedance, linear_model
 from solver.coupled.stages import State, copied
 from solver.coupled.step import HITS, Output
@@ -212,7 +213,8 @@ def constraint_drift(system: System, state: State) -> float:
 def step_errors(probe: Probe) -> dict[str, float]:
     """Of every mean, rms and std of the record, from what is judged of it and a run of that with half the step.
 
-    `discretization_error`: the scheme is of fourth order, so that run differs by 15/16 of the error. `sampling_error`,
+    `discretization_error`: the scheme is of fourth order, so that run differs by 15/16 of the error; or what the steps
+    miss of load histories, where that is more, of which such a run may know as little. `sampling_error`,
     where a joint's law may jump: what lies between samples half a step apart, by that run's; and the record's ends,
     or where nothing is discarded, that no sample is at the start.
     """
@@ -232,7 +234,8 @@ def step_errors(probe: Probe) -> dict[str, float]:
         exact = {name: x[1::2] for name, x in exact.items()}
     differ = partial(expected_error, cut=(cut, pieces))
     step = statistics_error(system, scene, differ, own, exact)
-    return {"discretization_error": step * 16 / 15, "sampling_error": together((between, ends))}
+    step = max(step * 16 / 15, missed(system, system.dt))
+    return {"discretization_error": step, "sampling_error": together((between, ends))}
 
 
 def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:
@@ -431,14 +434,17 @@ def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:
 def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
     """What the shapes left out of a frame's motion change of the std of its legs' tops in the linear response.
 
-    In this sea, with drag linearised by the water's own velocity.
+    In this sea, with drag linearised by the water's own velocity; and of what load histories move, if that is more.
     """
     support, sea = system.support, system.scene.sea
-    if support is None or not sea.amplitude.any():
+    if support is None:
         return 0.0
+    by_histories = unswung(system)
+    if not sea.amplitude.any():
+        return by_histories
     X, drag = in_waves(system, h)
     waves = np.abs(sea.amplitude) > 0
-    return left_out_effect(system, X[waves], drag[waves] @ support.left_out.drag)
+    return max(by_histories, left_out_effect(system, X[waves], drag[waves] @ support.left_out.drag))
 
 
 def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:

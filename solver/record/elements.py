@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from solver.coupled.forces import REACTIONS
+from solver.coupled.histories import moved
 from solver.coupled.support import Support
 from solver.coupled.system import System, prepare
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -30,19 +31,27 @@ def elements_effect(
     support: of the scene; system: the scene's, where there is one that has its dampers.
     """
     waves = np.abs(scene.sea.amplitude) > 0
-    if scene.platform is None or support is None or not waves.any():
+    if scene.platform is None or support is None or not (waves.any() or scene.platform.load_histories):
         return 0.0
+    system = system or (prepare(scene, h) if scene.platform.load_histories else None)
+    swung = moved(system).swung if system and system.histories else np.zeros(0)
     still, moving = support.within
-    rough = float(still + moving * scene.sea.omega[waves].max() ** 2)
+    rough = float(still + moving * max([*scene.sea.omega[waves], *swung], default=0.0) ** 2)
     if rough < FINE:
         return rough
     system = prepare(scene, h) if system is None else system
     asked = tuple(name for name in scene.settings.outputs if name == REACTIONS)
     settings = replace(scene.settings, time_step=system.dt, outputs=asked)
     finer = prepare(replace(scene, platform=scene.platform.cut(2), settings=settings), h, system.fit)
-    usual, exact = (np.array(list(_stds(item, h, settings))) for item in (system, finer))
+    usual, exact = (np.array([*_of_modes(item), *_stds(item, h, settings)]) for item in (system, finer))
     used = (usual > 0) & (exact > 0)
     return float(np.abs(usual[used] / exact[used] - 1).max(initial=0.0)) * 16 / 15
+
+
+def _of_modes(system: System) -> Iterator[float]:
+    """Size of all that moves the frame, where load histories do: the root of twice its mean strain energy."""
+    if system.histories:
+        yield moved(system).whole
 
 
 def _stds(system: System, h: Hydrodynamics | None, settings: Settings) -> Iterator[float]:

@@ -1,0 +1,66 @@
+"""What load histories do to a frame: which of its modes they set swinging, and what a march's samples miss of them.
+
+By the frame's modes alone, as if no float hung on it. Sizes are those of structure.ringing.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.coupled.system import System
+from solver.structure.ringing import lines, parabolas, sizes
+
+SWINGS = 0.01  # of all that moves the frame: what swings by more is followed
+
+
+class Moved(NamedTuple):
+    """How much a frame's modes (nm,) move."""
+
+    omega: np.ndarray  # their frequencies [rad/s]
+    swings: np.ndarray  # about where slow loads would push them
+    histories: np.ndarray  # with that
+    whole: float  # all of them together, in waves, too
+
+    @property
+    def swung(self) -> np.ndarray:
+        """Frequencies [rad/s] of those that the loads set swinging."""
+        return self.omega[self.swings > SWINGS * self.whole]
+
+
+@lru_cache(maxsize=2)
+def moved(system: System) -> Moved:
+    """Of a system with load histories, by these and by its waves."""
+    support, sea = system.support, system.scene.sea.omega
+    assert support is not None, "asked of a scene with loads on a platform"
+    omega = support.omega
+    told = sizes(lines(system.histories, _end(system)).of_modes(support.applied), omega, support.damping)
+    histories = np.hypot(told.swings, told.pushed)
+    in_waves = system.rows[system.layout.modal] / (
+        omega[:, None] ** 2 - sea**2 - 2j * (support.damping * omega)[:, None] * sea
+    )
+    of_waves = np.linalg.norm(omega[:, None] * in_waves) / np.sqrt(2)
+    return Moved(omega, told.swings, histories, float(np.hypot(np.linalg.norm(histories), of_waves)))
+
+
+def missed(system: System, step: float) -> float:
+    """What parabolas through start, middle and end of each step [s] do otherwise than the loads, of all that moves."""
+    support = system.support
+    if support is None or not system.histories or not (told := moved(system)).whole > 0:
+        return 0.0
+    some = told.histories > SWINGS * told.whole
+    taken = parabolas(system.histories, step, _end(system))
+    off = lines(system.histories, _end(system)).less(taken).of_modes(support.applied[:, some])
+    return float(np.linalg.norm(sizes(off, support.omega[some], support.damping[some]).whole) / told.whole)
+
+
+def unswung(system: System) -> float:
+    """What they set swinging of the frame's modes that are not kept, of all that moves."""
+    support = system.support
+    if support is None or not support.unswung or not (told := moved(system)).whole > 0:
+        return 0.0
+    return float(support.unswung * np.linalg.norm(told.histories) / told.whole)
+
+
+def _end(system: System) -> float:
+    return system.scene.settings.discard + system.scene.settings.duration

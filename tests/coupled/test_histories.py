@@ -1,0 +1,95 @@
+"""Loads that go with time, in waves: short ones, those of modes that waves do not move, and coarse elements."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.coupled.histories import missed, moved
+from solver.coupled.system import prepare
+from solver.run import simulate
+from solver.structure.load_history import LoadHistory
+from tests.awkward import raking, sea
+
+SWELL = sea(Hs=0.02, Tp=8.0, band=(0.6, 1.0))
+
+
+def struck(times, force, node="deck", cut=1, **settings):
+    """The raking platform in a low swell; force along x at times, 0 before and after."""
+    end = 80.0
+    history = LoadHistory(
+        node=node,
+        time=np.array([0.0, *times, end]),
+        force=np.outer([0.0, *force, 0.0], [1.0, 0.0, 0.0]),
+    )
+    item = raking()
+    chosen = {"outputs": (), "time_step": None, "duration": 60.0, "discard": 20.0, "ramp": 5.0} | settings
+    platform = replace(item.platform, load_histories=(history,), damping_ratio=0.01).cut(cut)
+    return replace(item, sea=SWELL, platform=platform, settings=replace(item.settings, **chosen))
+
+
+def blow(start, **settings):
+    """A half sine of 50 ms."""
+    at = np.linspace(0.0, 0.05, 11)
+    return struck(start + at, 2e5 * np.sin(np.pi * at / 0.05).clip(min=0), **settings)
+
+
+def ringing(omega, **settings):
+    """A sine from 1 s on."""
+    at = np.arange(1.0, 79.0, 2 * np.pi / omega / 40)
+    return struck(at, 1e3 * np.sin(omega * (at - at[0])), **settings)
+
+
+def stds(record):
+    return record.variables["top_displacement"][1][..., 4]
+
+
+def apart(ours, theirs):
+    """Of what moves most."""
+    used = theirs > 0.1 * theirs.max()
+    return np.abs(ours[used] / theirs[used] - 1).max()
+
+
+def test_a_blow_does_the_same_whenever_it_comes():
+    """Also between the samples of the step that the waves alone would have."""
+    records = [simulate(blow(start)) for start in (30.0, 30.17, 30.29)]
+    reference = simulate(blow(30.0, time_step=0.0025))
+    for record in records:
+        error = apart(stds(record), stds(reference))
+        assert error < 3e-3 and error < 3 * record.attrs["estimated_error"] + 1e-4
+    assert records[0].attrs["time_step"] < 0.1 * prepare(blow(30.0), None).scene.usual_step
+
+
+def test_a_step_that_misses_a_blow_says_so():
+    """Samples of half that step, too, are all beside it."""
+    record, reference = simulate(blow(30.17, time_step=0.3)), simulate(blow(30.17, time_step=0.0025))
+    error = apart(stds(record), stds(reference))
+    assert error > 0.3 and 1 / 3 < error / record.attrs["discretization_error"] < 3
+
+
+def test_what_a_step_misses_falls_with_it():
+    system = prepare(blow(30.17), None)
+    told = [missed(system, step) for step in (0.3, 0.04, 0.01, 0.0025)]
+    assert told[0] > 0.3 and all(b < 0.5 * a for a, b in zip(told[:-1], told[1:], strict=True)) and told[-1] < 1e-3
+    calm = replace(system.scene, platform=replace(system.scene.platform, load_histories=()))
+    assert missed(prepare(calm, None), 0.3) == 0
+
+
+def test_modes_that_a_load_sets_swinging_are_kept():
+    """One mode alone is asked for; the load rings the fourth."""
+    omega = prepare(ringing(10.0, modes="all"), None).support.omega[3]
+    few, every = (simulate(ringing(omega, modes=count)) for count in (1, "all"))
+    error = apart(stds(few), stds(every))
+    assert error < 0.02 and error < 3 * few.attrs["estimated_error"] + 1e-4
+    system = prepare(ringing(omega, modes=1), None)
+    assert np.abs(system.support.omega / omega - 1).min() < 1e-9
+    assert approx(omega) in list(moved(system).swung)
+
+
+@pytest.mark.parametrize("cut", [1, 2])
+def test_elements_that_shift_a_resonance_are_told(cut):
+    omega = prepare(ringing(10.0, cut=8, modes="all"), None).support.omega[4]
+    coarse, fine = (simulate(ringing(omega, cut=n)) for n in (cut, 8))
+    error = apart(stds(coarse), stds(fine))
+    assert error > 1e-3 and 1 / 3 < error / coarse.attrs["elements_effect"] < 3

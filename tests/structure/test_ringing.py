@@ -1,0 +1,74 @@
+"""Modes under loads that go with time, against another integration of the same."""
+
+import numpy as np
+import pytest
+from pytest import approx
+from scipy import signal
+
+from solver.structure.load_history import LoadHistory
+from solver.structure.ringing import lines, parabolas, sizes
+
+END = 10.0
+OMEGA, RATIO = np.array([3.0, 40.0]), np.array([0.02, 0.1])
+APPLIED = np.array([[1.0, 2.0]])
+BLOW = LoadHistory(
+    node="top",
+    time=np.array([-1.0, 0.0, 1.03, 1.28, 1.53, 20.0]),
+    force=np.outer([3.0, 0.2, 0.2, 1.2, 0.2, 0.4], [0, 1.0, 0]),
+)
+
+
+def moved(load, mode, fine=200001):
+    """q, fine in time, of a load as a function of it, from rest under its first value."""
+    t = np.linspace(0, END, fine)
+    w, zeta = OMEGA[mode], RATIO[mode]
+    system = signal.StateSpace([[0, 1], [-(w**2), -2 * zeta * w]], [[0], [1]], [[1, 0]], [[0]])
+    Q = APPLIED[0, mode] * load(t)
+    return t, Q, signal.lsim(system, Q - Q[0], t)[1].ravel() + Q[0] / w**2
+
+
+def rms(x):
+    return np.sqrt(np.mean(x**2))
+
+
+@pytest.mark.parametrize("mode", [0, 1])
+def test_sizes_are_those_of_another_integration(mode):
+    t, Q, q = moved(lambda t: np.interp(t, BLOW.time, BLOW.force[:, 1]), mode)
+    w, slow = OMEGA[mode], Q / OMEGA[mode] ** 2
+    slow -= 2 * RATIO[mode] * np.gradient(Q, t) / w**3
+    pieces = lines([BLOW], END)
+    fine = pieces.cut(np.union1d(pieces.time, np.arange(0, END, 0.002)))
+    for each in (pieces, fine):
+        told = sizes(each.of_modes(APPLIED), OMEGA, RATIO)
+        assert told.swings[mode] == approx(w * rms(q - slow), rel=1e-3)
+        assert told.pushed[mode] == approx(Q.std() / w, rel=1e-3)
+    assert told.whole[mode] == approx(w * rms(q), rel=1e-3)
+
+
+@pytest.mark.parametrize("step", [0.4, 0.1])
+def test_what_a_march_makes_of_a_blow_differs_by_what_is_told(step):
+    """Through start, middle and end of each step."""
+
+    def taken(t):
+        start = step * np.floor(t / step + 1e-9)
+        u = (t - start) / step
+        first, middle, last = (
+            np.interp(start + share * step, BLOW.time, BLOW.force[:, 1]) for share in (0.0, 0.5, 1.0)
+        )
+        return first * (1 - u) * (1 - 2 * u) + 4 * middle * u * (1 - u) + last * u * (2 * u - 1)
+
+    exact = moved(lambda t: np.interp(t, BLOW.time, BLOW.force[:, 1]), 0)[2]
+    off = lines([BLOW], END).less(parabolas([BLOW], step, END))
+    told = sizes(off.of_modes(APPLIED), OMEGA, RATIO).whole[0]
+    assert told == approx(OMEGA[0] * rms(moved(taken, 0)[2] - exact), rel=0.02)
+
+
+def test_lines_that_fall_on_steps_are_a_march_s_own():
+    on_steps = LoadHistory(node="top", time=np.array([0.0, 1.2, 1.6, 2.4, END]), force=BLOW.force[1:])
+    off = lines([on_steps], END).less(parabolas([on_steps], 0.4, END))
+    assert sizes(off.of_modes(APPLIED), OMEGA, RATIO).whole == approx(0.0, abs=1e-12)
+
+
+def test_what_is_damped_by_more_than_critical_is_known_too():
+    told = sizes(lines([BLOW], END).of_modes(APPLIED), OMEGA, np.array([1.0, 3.0]))
+    assert np.all(np.isfinite(told.swings)) and np.all(told.whole > 0)
