@@ -6,7 +6,7 @@ from pytest import approx
 from scipy import signal
 
 from solver.structure.load_history import LoadHistory
-from solver.structure.ringing import lines, parabolas, sizes
+from solver.structure.ringing import Pieces, lines, parabolas, sizes
 
 END = 10.0
 OMEGA, RATIO = np.array([3.0, 40.0]), np.array([0.02, 0.1])
@@ -72,3 +72,11 @@ def test_lines_that_fall_on_steps_are_a_march_s_own():
 def test_what_is_damped_by_more_than_critical_is_known_too():
     told = sizes(lines([BLOW], END).of_modes(APPLIED), OMEGA, np.array([1.0, 3.0]))
     assert np.all(np.isfinite(told.swings)) and np.all(told.whole > 0)
+
+
+def test_a_parabola_pushes_slowly_as_far_as_it_varies():
+    t = np.linspace(0.0, 2.0, 100001)
+    bent = Pieces(np.array([0.0, 2.0]), np.array([[1.0, 1.0]]), np.array([[0.5, -2.0]]), np.array([[3.0, 1.0]]))
+    for pieces in (bent, bent.cut(np.array([0.0, 0.3, 1.7, 2.0]))):
+        for mode, load in enumerate((1 + 0.5 * t + 1.5 * t**2, 1 - 2 * t + 0.5 * t**2)):
+            assert sizes(pieces, OMEGA, RATIO).pushed[mode] == approx(load.std() / OMEGA[mode], rel=1e-4)
