@@ -34,7 +34,7 @@ def moved(system: System) -> Moved:
     support, sea = system.support, system.scene.sea.omega
     assert support is not None, "asked of a scene with loads on a platform"
     omega = support.omega
-    told = sizes(lines(system.histories, _end(system)).of_modes(support.applied), omega, support.damping)
+    told = sizes(lines(system.histories, _end(system)), omega, support.damping, support.applied)
     histories = np.hypot(told.swings, told.pushed)
     in_waves = system.rows[system.layout.modal] / (
         omega[:, None] ** 2 - sea**2 - 2j * (support.damping * omega)[:, None] * sea
@@ -50,8 +50,9 @@ def missed(system: System, step: float) -> float:
         return 0.0
     some = told.histories > SWINGS * told.whole
     taken = parabolas(system.histories, step, _end(system))
-    off = lines(system.histories, _end(system)).less(taken).of_modes(support.applied[:, some])
-    return float(np.linalg.norm(sizes(off, support.omega[some], support.damping[some]).whole) / told.whole)
+    off = lines(system.histories, _end(system)).less(taken)
+    size = sizes(off, support.omega[some], support.damping[some], support.applied[:, some])
+    return float(np.linalg.norm(size.whole) / told.whole)
 
 
 def unswung(system: System) -> float:

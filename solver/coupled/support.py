@@ -252,7 +252,7 @@ def _with_swung(
     omega, shapes = every
     ratio = damping.of(omega, np.einsum("ij,ij->j", shapes, model.M @ shapes))
     end = min(history.time[-1] for history in platform.load_histories)
-    told = sizes(lines(platform.load_histories, end).of_modes(applied), omega, ratio)
+    told = sizes(lines(platform.load_histories, end), omega, ratio, applied)
     of_tops = np.abs(shapes[_tops(model, platform.legs)]) / omega
     share = np.concatenate([np.ones((1, omega.size)), of_tops])  # of strain energy, and of the legs' tops
     whole = np.linalg.norm(share * np.hypot(told.swings, told.pushed), axis=1)

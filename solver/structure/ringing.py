@@ -12,6 +12,8 @@ import numpy as np
 from solver.kernels import whole_kernel
 from solver.structure.load_history import LoadHistory
 
+TOGETHER = 16  # modes whose loads are known at a time: there may be hundreds of both, and a million pieces
+SAME = 1e-10  # of a piece's length
 LARGEST = 0.99  # damping ratio: what is damped by more hardly swings
 
 
@@ -36,10 +38,6 @@ class Pieces(NamedTuple):
         time = np.union1d(self.time, other.time)
         ours, theirs = self.cut(time), other.cut(time)
         return Pieces(time, *(a - b for a, b in zip(ours[1:], theirs[1:], strict=True)))
-
-    def of_modes(self, applied: np.ndarray) -> "Pieces":
-        """Loads of modes that unit loads push by `applied` (n, nm)."""
-        return Pieces(self.time, *(np.ascontiguousarray(part @ applied) for part in self[1:]))
 
 
 def lines(histories: Iterable[LoadHistory], end: float) -> Pieces:
@@ -73,16 +71,16 @@ class Sizes(NamedTuple):
     whole: np.ndarray  # by both, at the pieces' ends
 
 
-def sizes(loads: Pieces, omega: np.ndarray, ratio: np.ndarray) -> Sizes:
-    """Of modes ω, ζ (nm,), mass-normalised, at rest under the loads (k, nm) when these begin."""
-    swings, whole, span = np.zeros(omega.size), np.zeros(omega.size), loads.time[-1] - loads.time[0]
-    _move(*loads, omega, np.minimum(ratio, LARGEST), swings, whole)
-    gaps, (a, b, c) = np.diff(loads.time)[:, None], loads[1:]
-    mean = np.sum(gaps * (a + gaps * (b / 2 + gaps * c / 6)), axis=0) / span
-    a = a - mean
-    squares = a * a + gaps * (a * b + gaps * ((b * b + a * c) / 3 + gaps * (b * c / 4 + gaps * c * c / 20)))
-    pushed = np.sqrt(np.sum(gaps * squares, axis=0) / span) / omega
-    return Sizes(np.sqrt(swings / span) * omega, pushed, np.sqrt(whole / span) * omega)
+def sizes(loads: Pieces, omega: np.ndarray, ratio: np.ndarray, applied: np.ndarray) -> Sizes:
+    """Of modes ω, ζ (nm,), mass-normalised, that unit loads push by `applied` (n, nm), at rest when these begin."""
+    squares, span = np.zeros((4, omega.size)), loads.time[-1] - loads.time[0]
+    for first in range(0, omega.size, TOGETHER):
+        some = slice(first, first + TOGETHER)
+        value, slope, curvature = (applied[:, some].T @ part.T for part in loads[1:])
+        damped = np.minimum(ratio[some], LARGEST)
+        _move(loads.time, value, slope, curvature, omega[some], damped, squares[:, some])
+    swings, whole, slow, mean = squares / span
+    return Sizes(*(np.sqrt(square) * omega for square in (swings, np.maximum(slow - mean**2, 0.0), whole)))
 
 
 @whole_kernel
@@ -93,26 +91,32 @@ def _move(
     curvature: np.ndarray,
     omega: np.ndarray,
     ratio: np.ndarray,
-    swings: np.ndarray,
-    whole: np.ndarray,
+    squares: np.ndarray,
 ) -> None:
-    """Integrals over time (nm,), added to what is there: of the square of Re A exp(λt), and of q² by trapezoids."""
+    """Integrals over time (4, nm), added to what is there: of the squares of Re A exp(λt), of q by trapezoids, of Q/ω²,
+    and of Q/ω² itself.
+
+    Loads (nm, k).
+    """
     for m in range(omega.size):
         w, zeta = omega[m], ratio[m]
-        fast = w * np.sqrt(1 - zeta * zeta)
-        rate = complex(-zeta * w, fast)
-        q, dq = value[0, m] / w**2, 0.0
-        for k in range(len(value)):
-            a, b, c, span = value[k, m] / w**2, slope[k, m] / w**3, curvature[k, m] / w**4, time[k + 1] - time[k]
+        fast = np.sqrt(1 - zeta * zeta)
+        rate, first, second, third = complex(-zeta, fast), 1 / w**2, 1 / w**3, 1 / w**4
+        q, dq, last, later, grown, turned = value[m, 0] * first, 0.0, 0.0, 0j, 0.0, 0j  # dq over ω
+        for k in range(time.size - 1):
+            a, b, c, span = value[m, k] * first, slope[m, k] * second, curvature[m, k] * third, time[k + 1] - time[k]
+            if abs(span - last) > SAME * span:  # pieces are mostly alike
+                last, later = span, np.exp(w * span * rate)
+                grown = (abs(later) ** 2 - 1) / (-2 * zeta * w) if zeta * w * span > 1e-8 else span
+                turned = (later * later - 1) / (2 * w * rate)
             bend = (4 * zeta * zeta - 1) * c
-            x, v = q - (a - 2 * zeta * b + bend), dq / w - (b - 2 * zeta * c)
-            swing = complex(x, -(v + zeta * x) * w / fast)
-            later = np.exp(rate * span)
-            grown = (abs(later) ** 2 - 1) / (-2 * zeta * w) if zeta * w * span > 1e-8 else span
-            swings[m] += 0.5 * (abs(swing) ** 2 * grown + (swing * swing * (later * later - 1) / (2 * rate)).real)
-            swing *= later
-            t, before = w * span, q
+            x, v = q - (a - 2 * zeta * b + bend), dq - (b - 2 * zeta * c)
+            y = -(v + zeta * x) / fast
+            squares[0, m] += 0.5 * ((x * x + y * y) * grown + (x * x - y * y) * turned.real - 2 * x * y * turned.imag)
+            swing, t, before = complex(x, y) * later, w * span, q
+            squares[2, m] += span * (a * a + t * (a * b + t * ((b * b + a * c) / 3 + t * (b * c / 4 + t * c * c / 20))))
+            squares[3, m] += span * (a + t * (b / 2 + t * c / 6))
             a, b = a + t * (b + 0.5 * t * c), b + t * c
             q = a - 2 * zeta * b + bend + swing.real
-            dq = w * (b - 2 * zeta * c) + (rate * swing).real
-            whole[m] += 0.5 * span * (before * before + q * q)
+            dq = b - 2 * zeta * c + (rate * swing).real
+            squares[1, m] += 0.5 * span * (before * before + q * q)

@@ -39,7 +39,7 @@ def test_sizes_are_those_of_another_integration(mode):
     pieces = lines([BLOW], END)
     fine = pieces.cut(np.union1d(pieces.time, np.arange(0, END, 0.002)))
     for each in (pieces, fine):
-        told = sizes(each.of_modes(APPLIED), OMEGA, RATIO)
+        told = sizes(each, OMEGA, RATIO, APPLIED)
         assert told.swings[mode] == approx(w * rms(q - slow), rel=1e-3)
         assert told.pushed[mode] == approx(Q.std() / w, rel=1e-3)
     assert told.whole[mode] == approx(w * rms(q), rel=1e-3)
@@ -59,18 +59,18 @@ def test_what_a_march_makes_of_a_blow_differs_by_what_is_told(step):
 
     exact = moved(lambda t: np.interp(t, BLOW.time, BLOW.force[:, 1]), 0)[2]
     off = lines([BLOW], END).less(parabolas([BLOW], step, END))
-    told = sizes(off.of_modes(APPLIED), OMEGA, RATIO).whole[0]
+    told = sizes(off, OMEGA, RATIO, APPLIED).whole[0]
     assert told == approx(OMEGA[0] * rms(moved(taken, 0)[2] - exact), rel=0.02)
 
 
 def test_lines_that_fall_on_steps_are_a_march_s_own():
     on_steps = LoadHistory(node="top", time=np.array([0.0, 1.2, 1.6, 2.4, END]), force=BLOW.force[1:])
     off = lines([on_steps], END).less(parabolas([on_steps], 0.4, END))
-    assert sizes(off.of_modes(APPLIED), OMEGA, RATIO).whole == approx(0.0, abs=1e-12)
+    assert sizes(off, OMEGA, RATIO, APPLIED).whole == approx(0.0, abs=1e-12)
 
 
 def test_what_is_damped_by_more_than_critical_is_known_too():
-    told = sizes(lines([BLOW], END).of_modes(APPLIED), OMEGA, np.array([1.0, 3.0]))
+    told = sizes(lines([BLOW], END), OMEGA, np.array([1.0, 3.0]), APPLIED)
     assert np.all(np.isfinite(told.swings)) and np.all(told.whole > 0)
 
 
@@ -79,4 +79,4 @@ def test_a_parabola_pushes_slowly_as_far_as_it_varies():
     bent = Pieces(np.array([0.0, 2.0]), np.array([[1.0, 1.0]]), np.array([[0.5, -2.0]]), np.array([[3.0, 1.0]]))
     for pieces in (bent, bent.cut(np.array([0.0, 0.3, 1.7, 2.0]))):
         for mode, load in enumerate((1 + 0.5 * t + 1.5 * t**2, 1 - 2 * t + 0.5 * t**2)):
-            assert sizes(pieces, OMEGA, RATIO).pushed[mode] == approx(load.std() / OMEGA[mode], rel=1e-4)
+            assert sizes(pieces, OMEGA, RATIO, np.eye(2)).pushed[mode] == approx(load.std() / OMEGA[mode], rel=1e-4)
