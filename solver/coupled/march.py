@@ -27,7 +27,7 @@ from solver.multibody.minimal import move
 
 REFRESH = 8  # steps that share Newton's matrix while it serves
 WATCH = 8  # steps after which the energy balance is looked at
-GROSSLY = 0.1  # of the wave's work, by which the energy balance is never open
+GROSSLY = 0.1  # of the energy exchanged, by which the energy balance is never open
 
 
 @whole_lean_kernel

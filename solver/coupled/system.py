@@ -58,7 +58,7 @@ FELT = 0.1  # of a float's largest force per wave amplitude: by no more do waves
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
 ROUNDING = 1e-12  # of the weights' energy and work: 2e-16 a step, in some 1e6 steps of either sign
-BALANCE = 1e-3  # every record's energy balance closes to so much of the wave's work
+BALANCE = 1e-3  # every record's energy balance closes to so much of the energy exchanged
 KNOWN = 32  # scenes at rest that a process keeps
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
 
@@ -603,8 +603,8 @@ def energy_residual(work: np.ndarray, stored: float, exchanged: np.ndarray, allo
 
 
 def unbalanced(gap: float, limit: float, t: float, system: System) -> StepTooLong:
-    """The error of a run whose energy balance is open by too large a share of the wave's work."""
+    """The error of a run whose energy balance is open by too large a share of the energy exchanged."""
     return StepTooLong(
-        f"energy balance at t = {t:.1f} s open by {gap:.1e} of the wave's work, > {limit:g}: reduce time_step ="
+        f"energy balance at t = {t:.1f} s open by {gap:.1e} of the energy exchanged, > {limit:g}: reduce time_step ="
         f" {system.dt:g} s and newton_tolerance = {system.scene.settings.newton_tolerance:g}"
     )
