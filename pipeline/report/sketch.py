@@ -165,7 +165,7 @@ def side_view(study: StudyFile) -> Figure | None:
     draw(left, study, all_)
     left.set_ylabel("z [m]")
     left.set_title("whole depth")
-    if math.isfinite(study.water.depth):
+    if -study.water.depth > all_.low:  # beyond the axes it would leave these no room
         left.text(all_.right, -study.water.depth, " seabed", va="top", fontsize="small")
     close_up(right, study)
     right.set_title("at the water line")

@@ -370,6 +370,17 @@ def test_the_scene_is_to_scale(results):
     assert {axes.get_aspect() for axes in figure.axes} == {1.0}
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_platform_that_hangs_far_above_the_seabed_has_room(results):
+    """Where the seabed is written far below the axes, they have none left."""
+    study = results.study.content
+    deep = study.model_copy(update={"water": study.water.model_copy(update={"depth": 500.0})})
+    with plain():
+        figure = sketch.side_view(deep)
+        assert svg(figure)
+    assert all(axes.get_position().height > 0.5 for axes in figure.axes)
+
+
 @pytest.mark.parametrize("hull", ["sphere", "vertical-cylinder"])
 @pytest.mark.parametrize("heading", [0.0, 1.5707963, 3.14])
 def test_floats_without_a_platform(study_of, buan_tables, hull, heading):
