@@ -7,7 +7,7 @@ What a file says is kept; what it leaves out follows from the hull (Froude-Krylo
 from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, SupportsIndex
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -18,18 +18,15 @@ from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, M
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths
+from solver.hydrodynamics.bem.radiated import infinite, require_damping, require_energy, word
 from solver.hydrodynamics.hull.mesh import Hull
-from solver.hydrodynamics.radiation.infinite import infinite_added_mass
 
 FEWEST = 8  # frequencies from which a memory can be fitted
 TOLD = 1e-3  # relative, to which water and heading must be those of the study
 LOPSIDED = 0.2  # of the largest entry's scale: more asymmetry is no error of a mesh
 ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
 FEW = 0.25  # of the frequencies: irregular ones are no more of them, or lie above the largest damping's
-SAME = 1e-9  # A∞ that equals the highest frequency's by so much is that
-TOGETHER = 0.2  # of an added mass: what it may scatter at infinite frequency where A and B are of one body
 SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do; less where all are close
-UNSURE = 0.15  # of an added mass: its value at infinite frequency is not known if it scatters by more
 
 
 def adopted(
@@ -56,9 +53,10 @@ def adopted(
     sea = Sea(depth=depth, density=density, gravity=gravity, heading=heading)
     dofs = PLANAR if planar else DOFS
     lengths = motion_lengths(hulls, DOFS)
-    six = _complete(given, names, needed or [dofs] * len(hulls), heading)
-    scale = _scales(six, lengths)
-    refuse(_radiation_problems(six, scale, names))
+    each = needed or [dofs] * len(hulls)
+    six = _complete(given, names, each, heading)
+    moved = np.array([6 * b + k for b, those in enumerate(each) for k, dof in enumerate(DOFS) if dof in those], int)
+    refuse(_radiation_problems(six, _scales(six, lengths), moved, names))
     omega = six.omega
     expected = froude_krylov(hulls, centres, DOFS, sea, omega)
     floats = agreement.Floats(hulls, centres, tuple(names), sea)
@@ -67,8 +65,10 @@ def adopted(
         _require_covered(given, *waves)
     six = _about(six, centres)
     doubt = agreement.require_moments(six, floats, expected)
-    agreement.require_energy(six, floats)
-    six = replace(six, added_mass_inf=_infinite(six, _scales(six, lengths), names))
+    due = np.sqrt(require_damping(six, moved, names))
+    require_energy(six, floats, moved)
+    added, unsure = infinite(six, _scales(six, lengths)["added_mass"], moved, names)
+    six = replace(six, added_mass_inf=added)
     index = np.array([6 * b + DOFS.index(d) for b in range(len(hulls)) for d in dofs])
     curves = _curves(six, expected, index)
     h = Hydrodynamics(
@@ -78,8 +78,10 @@ def adopted(
         settings=MappingProxyType({"method": f"from {given.name}", "note": note}),
         **at_rest(hulls, centres, dofs, sea),
     )
-    moved = _curves(_about(replace(six, points=centres - doubt), centres), expected, index)
-    error = {name: off + moved[name] - curves[name] for name, off in _between(h)._asdict().items()}
+    other = replace(six, points=centres - doubt, added_mass_inf=added + unsure)
+    other = replace(other, radiation_damping=six.radiation_damping * np.multiply.outer(due, due))
+    perhaps = _curves(_about(other, centres), expected, index)
+    error = {name: off + perhaps[name] - curves[name] for name, off in _between(h)._asdict().items()}
     return replace(h, error=MeshError(**error))
 
 
@@ -230,24 +232,33 @@ def _scales(six: Given, lengths: np.ndarray) -> dict[str, np.ndarray]:
     return scales
 
 
-def _radiation_problems(six: Given, scale: dict[str, np.ndarray], names: Sequence[str]) -> list[InputError]:
-    """Matrices that no body in water has: lopsided, or giving energy away."""
+def _radiation_problems(
+    six: Given, scale: dict[str, np.ndarray], moved: np.ndarray, names: Sequence[str]
+) -> list[InputError]:
+    """Matrices that no body in water has: lopsided, giving energy away or keeping it; of motions that there are."""
+    both: Any = (slice(None), moved[:, None], moved)
+    words = [word(names, column) for column in moved]
+    own = six.radiation_damping[:, moved, moved]
+    still = [words[i] for i in np.flatnonzero((moved % 6 < 3) & ~own.any(axis=0))]
+    if still:
+        return [_problem(six, f"has no damping of {', '.join(still)} at any frequency: does it lack a column?")]
     problems = []
     for name, size in scale.items():
-        values = getattr(six, name)
-        gap = np.abs(values - np.swapaxes(values, 1, 2)) / np.multiply.outer(size, size)
+        values = getattr(six, name)[both]
+        gap = np.abs(values - np.swapaxes(values, 1, 2)) / np.multiply.outer(size[moved], size[moved])
         w, i, j = np.unravel_index(gap.argmax(), gap.shape)
         if gap[w, i, j] > LOPSIDED:
-            pair = f"{_word(names, i)} on {_word(names, j)}"
-            text = f"{name.replace('_', ' ')} is not symmetric: {pair} {values[w, i, j]:.4g}, the other way"
-            text += f" {values[w, j, i]:.4g} at {six.omega[w]:.4g} rad/s; are columns in another order or unit?"
+            text = (
+                f"{name.replace('_', ' ')} is not symmetric: {words[i]} on {words[j]} {values[w, i, j]:.4g}, the other"
+            )
+            text += f" way {values[w, j, i]:.4g} at {six.omega[w]:.4g} rad/s; are columns in another order or unit?"
             problems.append(_problem(six, text))
-    size = scale["radiation_damping"]
-    value, vector = np.linalg.eigh(_symmetric(six.radiation_damping) / np.multiply.outer(size, size))
+    size = scale["radiation_damping"][moved]
+    value, vector = np.linalg.eigh(_symmetric(six.radiation_damping[both]) / np.multiply.outer(size, size))
     w = int(value[:, 0].argmin())
     if value[w, 0] < -ACTIVE:
         i = int(np.abs(vector[w, :, 0]).argmax())
-        text = f"damping is negative at {six.omega[w]:.4g} rad/s, mostly of {_word(names, i)}, by {-value[w, 0]:.0%}"
+        text = f"damping is negative at {six.omega[w]:.4g} rad/s, mostly of {words[i]}, by {-value[w, 0]:.0%}"
         problems.append(_problem(six, f"{text} of its largest; is the sign the other one{_irregular(six, value)}?"))
     return problems
 
@@ -261,42 +272,6 @@ def _irregular(six: Given, value: np.ndarray) -> str:
         return ""
     span = f"{first:.4g}" if first == last else f"{low.sum()} of them, {first:.4g} to {last:.4g}"
     return f", or are there irregular frequencies ({span} rad/s), which a lid inside the hull takes away"
-
-
-def _word(names: Sequence[str], column: SupportsIndex) -> str:
-    column = int(column)
-    return f"{names[column // 6]} {DOFS[column % 6]}"
-
-
-def _infinite(six: Given, scale: dict[str, np.ndarray], names: Sequence[str]) -> np.ndarray:
-    """A∞ (n, n): the file's where it goes with A and B, else what follows from them."""
-    size = np.multiply.outer(scale["added_mass"], scale["added_mass"])
-    follows = infinite_added_mass(six.omega, _symmetric(six.added_mass), _symmetric(six.radiation_damping))
-    scatter, beyond = follows.scatter / size, follows.beyond / size
-    told = six.added_mass_inf
-    unlike = np.where(scatter > beyond, scatter, 0.0)
-    if unlike.max() > TOGETHER:
-        i, j = np.unravel_index(unlike.argmax(), unlike.shape)
-        text = f"added mass and damping of {_word(names, i)} on {_word(names, j)} do not go together (off causality by"
-        raise _problem(six, f"{text} {scatter[i, j]:.0%}); do their units agree?")
-    # Some programs put the highest frequency's in its place.
-    if told is None or np.abs(told - six.added_mass[-1]).max() <= SAME * np.abs(told).max():
-        off = np.hypot(scatter, beyond)
-        if off.max() > UNSURE:
-            i, j = np.unravel_index(off.argmax(), off.shape)
-            text = "has no added mass at infinite frequency, and what follows from frequencies up to"
-            text += f" {six.omega[-1]:.4g} rad/s may be {off[i, j]:.0%} off for {_word(names, i)} on {_word(names, j)}"
-            raise _problem(six, text)
-        return follows.value
-    off = np.abs(told - follows.value) / size - scatter - 3 * beyond
-    i, j = np.unravel_index(off.argmax(), off.shape)
-    if off[i, j] > UNSURE:
-        text = f"added mass of {_word(names, i)} on {_word(names, j)} at infinite frequency is {told[i, j]:.4g},"
-        text += f" the rest up to {six.omega[-1]:.4g} rad/s implies {follows.value[i, j]:.4g}"
-        if np.any(six.radiation_damping[:, [i, j], [i, j]].argmax(axis=0) == len(six.omega) - 1):
-            text += "; damping still grows there, higher frequencies may tell otherwise"
-        raise _problem(six, text)
-    return _symmetric(told)
 
 
 def _symmetric(matrix: np.ndarray) -> Any:

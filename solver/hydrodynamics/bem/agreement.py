@@ -4,9 +4,6 @@ In waves long against a hull the scattered wave's force is that of the water pas
 way, (B - iωA)u with the file's own A and B: much more than the Froude-Krylov force on a heave plate, and against it.
 The force told is therefore the sum of both, but for what goes with the square of hull over wavelength; another sign of
 time, reference for the phase, heading, order of bodies, place or unit shows at once.
-
-A body of revolution radiates as much power as the force tells of its waves (Haskind): B = k|X|²/(4ρgv) in heave, and
-half of that along the waves, v their group velocity.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,8 +19,6 @@ from solver.hydrodynamics.bem.given import KEY, Given, turned
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import froude_krylov, unit_motions
 from solver.hydrodynamics.hull.mesh import Hull
-from solver.hydrodynamics.hull.revolution import Revolution
-from solver.sea.dispersion import group_velocity
 
 LONG = 0.5  # ka of waves that are long; up to twice that where there are no longer ones
 FELT = 0.02  # of the largest force on a body: of less the phase is not judged
@@ -38,8 +33,6 @@ PLAIN = 0.17  # of that: as far off it may seem to be of right coefficients
 NEAR = 0.1  # of the force of long waves: how far off that told may be,
 BESIDE = 0.5  # see _near
 NEARLY = 0.5  # and √n of it times (ka)², of n bodies
-ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
-DAMPED = 0.1  # of the largest damping: of less energy is not judged
 TURNS = 6  # rounds until angles agree with the added mass that they turn
 THIN = 0.05  # of the largest force: along less nothing is told of the point
 STILL = 1e-6  # of the largest motion through the hull's surface: less is none
@@ -63,7 +56,7 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str
     _require_stiffness(six, floats)
     exerted = expected + _passing(six, floats)
     k = floats.sea.wavenumbers(six.omega)
-    long = _long(k * max(h.largest_radius for h in floats.hulls))
+    long = long_waves(k * max(h.largest_radius for h in floats.hulls))
     if not long.any():
         return six, "no waves long against the hulls are among the frequencies: phases were not judged"
     told, fits = six.excitation[long, 0], exerted[long]
@@ -78,26 +71,6 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str
         x, y, _ = floats.centres[0]
         return moved, f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"
     return six, ""
-
-
-def require_energy(six: Given, floats: Floats) -> None:
-    """Refuse a damping that does not go with the wave force, of a body of revolution by itself."""
-    hull, sea = floats.hulls[0], floats.sea
-    if len(floats.hulls) > 1 or not isinstance(hull, Revolution):
-        return
-    k = sea.wavenumbers(six.omega)
-    each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
-    X = six.excitation[:, 0, :3]
-    power = {"heave": (2, X[:, 2], 4), "surge": (0, X[:, 0] * np.cos(sea.heading) + X[:, 1] * np.sin(sea.heading), 8)}
-    for dof, (i, force, share) in power.items():
-        damping = six.radiation_damping[:, i, i]
-        judged = damping > DAMPED * damping.max()
-        if not judged.any() or not np.any(force[judged]):
-            continue
-        ratio = float(np.median(damping[judged] / (each * np.abs(force) ** 2 / share)[judged]))
-        if not 1 / ENERGY < ratio < ENERGY:
-            text = f"damping in {dof} is {ratio:.3g} times what the wave force tells of the power radiated"
-            raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
 
 
 def _passing(six: Given, floats: Floats) -> np.ndarray:
@@ -126,7 +99,7 @@ def _moved(six: Given, floats: Floats, k: np.ndarray) -> Given:
     )
 
 
-def _long(ka: np.ndarray) -> np.ndarray:
+def long_waves(ka: np.ndarray) -> np.ndarray:
     """Which frequencies are judged: the three longest waves at most in number beyond LONG."""
     some = ka <= LONG
     if some.sum() < 3:
@@ -259,7 +232,7 @@ def _units(six: Given, floats: Floats) -> str:
     ]
     for other, text in tries:
         k = floats.sea.wavenumbers(other.omega)
-        long = _long(k * max(h.largest_radius for h in floats.hulls))
+        long = long_waves(k * max(h.largest_radius for h in floats.hulls))
         fits = froude_krylov(floats.hulls, floats.centres, DOFS, floats.sea, other.omega) + _passing(other, floats)
         if long.any() and _off(other.excitation[long, 0], fits[long], k[long], floats)[0] <= 1:
             return f"wave force is as of {text}"
@@ -312,7 +285,7 @@ def _require_incident(six: Given, floats: Floats, expected: np.ndarray) -> None:
     assert six.froude_krylov is not None
     hulls, _, names, sea = floats
     radius = np.array([h.largest_radius for h in hulls])
-    long = _long(sea.wavenumbers(six.omega) * radius.max())
+    long = long_waves(sea.wavenumbers(six.omega) * radius.max())
     unit = np.where(np.arange(6) < 3, 1.0, radius[:, None])
     told, ours = (f[long].reshape(-1, len(hulls), 6) / unit for f in (six.froude_krylov[:, 0], expected))
     there = np.abs(told).max(axis=0) > 0  # a file may lack motions
@@ -334,7 +307,7 @@ def _place(six: Given, floats: Floats, expected: np.ndarray, exerted: np.ndarray
     """
     six_of, k = slice(6 * b, 6 * b + 6), floats.sea.wavenumbers(six.omega)
     force, told = expected[:, six_of][:, :3], six.excitation[:, 0, six_of]
-    rows = np.flatnonzero(_long(k * max(h.largest_radius for h in floats.hulls)))
+    rows = np.flatnonzero(long_waves(k * max(h.largest_radius for h in floats.hulls)))
     along = np.linalg.norm(force[:, :2], axis=1) > THIN * np.linalg.norm(force, axis=1)
     row = next((i for i in rows if along[i]), rows[-1] if len(rows) else 0)
     there = np.abs(told).max(axis=0)[3:] > 0  # a file may lack motions
@@ -353,7 +326,7 @@ def _incident_place(
     their share, for I goes with the square of the waterplane. Judged is the long wave that pushes along most.
     """
     hull, told, fits = floats.hulls[b], incident[:, 6 * b :][:, :6], expected[:, 6 * b :][:, :6]
-    rows = np.flatnonzero(_long(floats.sea.wavenumbers(omega) * hull.largest_radius))
+    rows = np.flatnonzero(long_waves(floats.sea.wavenumbers(omega) * hull.largest_radius))
     row, there = rows[-1] if len(rows) else 0, np.abs(told).max(axis=0) > 0
     force, away = fits[row, :3], there * (told - fits)[row]
     S, Sx, Sy, Sxx, _, Syy = hull.waterplane

@@ -1,6 +1,7 @@
-"""Added mass at infinite frequency from the rest: what causality says of A and B.
+"""What causality says of added mass and damping: added mass at infinite frequency, and whether both are of one body.
 
-A(ω) - A∞ = 2/π ⨍ B(s)/(s² - ω²) ds over s > 0 (Kramers and Kronig; Ogilvie 1964), a principal value.
+A(ω) - A∞ = 2/π ⨍ B(s)/(s² - ω²) ds over s > 0 (Kramers and Kronig; Ogilvie 1964), a principal value. Of its part within
+the band of frequencies a file tells; what lies beyond is, seen from within, a + bω² + ..., however B goes on there.
 """
 
 from typing import NamedTuple
@@ -12,40 +13,122 @@ NODES = 801  # of B within the band, straight between them
 TAIL = 201  # beyond it, up to FARTHEST times its end
 FARTHEST = 300.0
 FALL = 2.0, 12.0  # least and largest power of ω with which B falls beyond the band
-DOUBT = 0.5
-WITHIN = 0.25, 0.75  # shares of the band at which A∞ is asked for: far from its ends
+LIKELY = 2.0  # the power of what there is more of it, and
+EXTREMES = 0.0, 8.0  # those by which that is doubted
+SPREAD, FREE = 0.5, 3.0  # see _likely
+FARTHER = 25.0  # times the doubt where there is more of that than any damping told, at most: a hump six bands away
+WITHIN = 0.8  # share of the band up to which A is asked for: what lies beyond bends most at its end
+ABOVE = 0.25  # and from which for A∞: what lies below bends most at its beginning
 
 
 class Infinite(NamedTuple):
     """Added mass at infinite frequency, and what speaks against it, each (n, n)."""
 
     value: np.ndarray
-    scatter: np.ndarray  # its standard deviation over the band, 0 where A and B go together
+    scatter: np.ndarray  # standard deviation over the band of what is left of A, 0 where A and B go together
     beyond: np.ndarray  # how far B beyond the band may put it off
+
+
+class Share(NamedTuple):
+    """Of each motion (n,): how many times its damping told its added mass asks for, and how unsure that is."""
+
+    value: np.ndarray
+    doubt: np.ndarray  # ∞ where the damping is none
+
+
+class _Band(NamedTuple):
+    """A at some frequencies, and its parts by B, each (na, m)."""
+
+    at: np.ndarray  # (na, 1) shares of the band
+    A: np.ndarray
+    inner: np.ndarray  # of B within the band
+    falling: np.ndarray  # of B that goes on beyond it as its last quarter falls
+    tails: np.ndarray  # (na, ne) of 1 at the band's end that falls by each of the powers
 
 
 def infinite_added_mass(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray) -> Infinite:
     """A∞ of A, B (nw, n, n) at increasing ω (nw,) [rad/s].
 
-    B is a spline from B(0) = 0 through the samples and goes on as a power of ω, as its last quarter falls.
+    B goes on beyond the band as its last quarter falls, and with more or less of a tail by how A bends within; as which
+    shape is what A∞ is doubted by. A tail that would begin above all damping told is a hump farther away, of which less
+    is known.
     """
-    shape = added_mass.shape[1:]
-    B, A = damping.reshape(len(omega), -1), added_mass.reshape(len(omega), -1)
+    B = damping.reshape(len(omega), -1)
+    band = _band(omega, added_mass.reshape(B.shape), B, ABOVE, (LIKELY, *EXTREMES))
+    rest = band.A - band.inner - band.falling
+    more, left = _likely(band.tails[:, 0], rest, np.abs(B[-1]))
+    plain, value = rest.mean(axis=0), (rest - np.multiply.outer(band.tails[:, 0], more)).mean(axis=0)
+    other = [np.polyfit(tail, rest, 1)[1] for tail in band.tails.T]
+    largest, begins = (
+        np.maximum(np.abs(B).max(axis=0), 1e-300),
+        np.abs(B[-1] + np.polyfit(band.tails[:, 0], rest, 1)[0]),
+    )
+    beyond = np.max([np.abs(each - value) for each in (plain, *other)], axis=0)
+    beyond *= np.clip(begins / largest, 1.0, FARTHER)
+    value, left, beyond = (x.reshape(added_mass.shape[1:]) for x in (value, left, beyond))
+    own = np.sqrt(np.diagonal(beyond))  # what is not known of two motions is not of what one does to the other
+    return Infinite(value, left, np.maximum(beyond, np.multiply.outer(own, own)))
+
+
+def _likely(tail: np.ndarray, rest: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How much of a tail (na,) is likely in the rest (na, m), about SPREAD of `size` (m,), and what it leaves (m,).
+
+    What is left is as of FREE values that have nothing to do with each other, and outweighs a tail no larger than that.
+    """
+    bend = tail - tail.mean()
+    slope = bend @ rest / (bend @ bend)
+    left = (rest - np.multiply.outer(tail, slope)).std(axis=0)
+    tells, unsure = FREE * bend.var() * (SPREAD * size) ** 2, left**2
+    return slope * tells / np.maximum(tells + unsure, 1e-300), left
+
+
+def damping_share(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray) -> Share:
+    """c of A = A∞ + c K(B) + what lies beyond the band, in least squares, of A, B (nw, n) of single motions.
+
+    Doubted by other forms of what lies beyond and below the band, and as if all that is left of A were by c.
+    """
+    band = _band(omega, added_mass, damping)
+    one, x = np.ones(len(band.at)), band.at[:, 0] ** 2
+    value, doubt = np.ones(damping.shape[1]), np.full(damping.shape[1], np.inf)
+    for i in np.flatnonzero(damping.any(axis=0)):
+        A, inner, whole = band.A[:, i], band.inner[:, i], (band.inner + band.falling)[:, i]
+        value[i], left = _fitted(A, whole, one, x)
+        forms = ((whole, one), (inner, one, x), (inner, one, x, x**2), (whole, one, x, 1 / x))
+        doubt[i] = left + max(abs(_fitted(A, *form)[0] - value[i]) for form in forms)
+    return Share(value, doubt)
+
+
+def _fitted(A: np.ndarray, by: np.ndarray, *others: np.ndarray) -> tuple[float, float]:
+    """How many times `by` is in A beside the others, in least squares; and how many what is left may be."""
+    rest = np.stack(others, axis=1)
+    rest /= np.linalg.norm(rest, axis=0)
+    alone, A = (y - rest @ np.linalg.lstsq(rest, y, rcond=None)[0] for y in (by, A))
+    size = max(float(np.linalg.norm(alone)), 1e-300)
+    share = float(alone @ A) / size**2
+    return share, float(np.linalg.norm(A - share * alone)) / size
+
+
+def _band(omega: np.ndarray, A: np.ndarray, B: np.ndarray, above: float = 0.0, powers: tuple[float, ...] = ()) -> _Band:
+    """Of A, B (nw, m). B is a spline from B(0) = 0 through the samples."""
     inner = np.linspace(0, omega[-1], NODES)
     outer = omega[-1] * np.geomspace(1, FARTHEST, TAIL)[1:]
     quarter = len(omega) * 3 // 4
     fall = np.log(np.maximum(np.abs(B[quarter]), 1e-300) / np.maximum(np.abs(B[-1]), 1e-300))
-    power = np.clip(fall / np.log(omega[-1] / omega[quarter]), *FALL)
+    fall = np.clip(fall / np.log(omega[-1] / omega[quarter]), *FALL)
     within = CubicSpline(np.concatenate([[0.0], omega]), np.vstack([0 * B[:1], B]))(inner)
-    values = np.vstack([within, B[-1] * (omega[-1] / outer[:, None]) ** power])
-    low, high = omega[0] + np.multiply(WITHIN, omega[-1] - omega[0])
     # Half-way between nodes, where the principal value of a straight piece is its logarithms.
-    at = (inner[1:] + inner[:-1])[(inner[1:] > low) & (inner[:-1] < high)] / 2
+    at = (inner[1:] + inner[:-1]) / 2
+    low, high = omega[0] + np.multiply((above, WITHIN), omega[-1] - omega[0])
+    at = at[(at >= low) & (at <= high)]
     weights = 2 / np.pi * _principal(np.concatenate([inner, outer]), at)
-    follows = CubicSpline(omega, A)(at) - weights @ values
-    beyond = DOUBT * np.abs(weights[:, NODES:] @ values[NODES:]).mean(axis=0)
-    beyond += np.where(fall < FALL[0], 2 / np.pi * np.abs(B[-1]) / omega[-1], 0.0)  # where B has not begun to fall
-    return Infinite(*(x.reshape(shape) for x in (follows.mean(axis=0), follows.std(axis=0), beyond)))
+    near, far = weights[:, :NODES], weights[:, NODES:]
+    return _Band(
+        at[:, None] / omega[-1],
+        CubicSpline(omega, A)(at),
+        near @ within,
+        far @ (B[-1] * (omega[-1] / outer[:, None]) ** fall),
+        far @ (omega[-1] / outer[:, None]) ** np.array(powers),
+    )
 
 
 def _principal(s: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver.errors import InputError
-from solver.hydrodynamics.bem import agreement, bem
+from solver.hydrodynamics.bem import agreement, bem, radiated
 from solver.hydrodynamics.bem.adopted import adopted
 from solver.hydrodynamics.bem.coefficients import DOFS
 from solver.hydrodynamics.bem.given import Given, turned
@@ -17,7 +17,7 @@ from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
-from solver.hydrodynamics.radiation.infinite import infinite_added_mass
+from solver.hydrodynamics.radiation.infinite import damping_share, infinite_added_mass
 from tests.once import solve
 
 HULLS = (
@@ -130,7 +130,8 @@ def test_added_mass_at_infinite_frequency_follows_from_the_rest():
     size = np.sqrt(np.maximum(np.diag(ours().added_mass_inf), 1.0))
     size[[5, 11]] = 1e3  # a float that turns about its axis moves no water
     gap = np.abs(follows - ours().added_mass_inf) / np.multiply.outer(size, size)
-    assert gap.max() < 0.02 and np.all(gap < 0.005 + np.hypot(*off) / np.multiply.outer(size, size))
+    # The mesh of infinite frequency is another one, 1 % of an added mass from the others'.
+    assert gap.max() < 0.02 and np.all(gap < 0.01 + sum(off) / np.multiply.outer(size, size))
     taken_without = taken(told(added_mass_inf=None))
     assert taken_without.added_mass_inf == pytest.approx(follows)
     # The highest frequency's in its place is what some programs write.
@@ -143,7 +144,34 @@ def test_causality_of_an_exponential_is_exact():
     B, A = a / (a**2 + omega**2), 3.0 - 1 / (a**2 + omega**2)
     # B(0) is not 0 here, which the spline starts from: the first piece is wrong, by 2/π of its area over ω².
     value, scatter, beyond = infinite_added_mass(omega, A[:, None, None], B[:, None, None])
-    assert value[0, 0] == pytest.approx(3.0, abs=2e-4) and scatter[0, 0] < 2e-4 and beyond[0, 0] < 2e-4
+    assert value[0, 0] == pytest.approx(3.0, abs=2e-4) and scatter[0, 0] < 2e-4 and beyond[0, 0] < 4e-4
+
+
+def oscillator(omega):
+    """A and B of radiation by one damped oscillator, K̂ = iω/(ω₀² - ω² + 2iζω₀ω), and A∞ = 3."""
+    Z = 1j * omega / (4.0 - omega**2 + 1.6j * omega)
+    return 3.0 + Z.imag / omega, Z.real
+
+
+@pytest.mark.parametrize("top", [20.0, 5.0, 3.0])
+def test_causality_tells_how_many_times_damping_is_told(top):
+    """And what of that is not known, and of added mass at infinite frequency; the damping's peak is at 2 rad/s."""
+    omega = np.linspace(0.1, top, 40)
+    A, B = oscillator(omega)
+    (share,), (doubt,) = damping_share(omega, A[:, None], 1.3 * B[:, None])
+    assert abs(1.3 * share - 1) < 1.3 * doubt < 0.15
+    value, scatter, beyond = infinite_added_mass(omega, A[:, None, None], B[:, None, None])
+    assert abs(value[0, 0] - 3) < scatter[0, 0] + beyond[0, 0] + 1e-4 < 0.2
+
+
+@pytest.mark.parametrize(("last", "known"), [(21, 0.005), (17, 0.05), (13, 0.25)])
+def test_added_mass_at_infinite_frequency_is_doubted_as_far_as_it_is_off(last, known):
+    """Damping of surge has its peak at the 19th frequency, of heave at the 13th."""
+    h = alone()
+    value, scatter, beyond = infinite_added_mass(h.omega[:last], h.added_mass[:last], h.radiation_damping[:last])
+    for i in (0, 2):
+        off, doubt = (x[i, i] / h.added_mass_inf[i, i] for x in (abs(value - h.added_mass_inf), scatter + beyond))
+        assert off < doubt + 0.01 and off < 0.01 + known and doubt < 5 * (0.01 + known)
 
 
 def refused(given, *, match, **others):
@@ -205,7 +233,10 @@ def test_every_other_convention_is_named():
     )
     turning = h.radiation_damping.copy()
     turning[:, 10, 10] *= 2 * np.pi  # which no force of long waves tells
-    refused(told(radiation_damping=turning), match="pitch on rear pitch do not go together .* do their units agree")
+    refused(
+        told(radiation_damping=turning),
+        match="damping of rear pitch is 6.* times what its added mass tells by causality",
+    )
     lopsided = h.added_mass.copy()
     lopsided[:, 0, 2] += 1.0 * np.sqrt(h.added_mass_inf[0, 0] * h.added_mass_inf[2, 2])
     refused(told(added_mass=lopsided), match="not symmetric: front (surge|heave) on front (surge|heave)")
@@ -229,6 +260,12 @@ def alone():
     return solve(*list(ALONE.values())[:2], **SEA, omega=omega, planar=False, panels=108)
 
 
+def first(h, count):
+    """Of the lowest frequencies alone."""
+    names = ("omega", "added_mass", "radiation_damping", "diffraction", "froude_krylov")
+    return replace(h, **{n: getattr(h, n)[:count] for n in names})
+
+
 @pytest.mark.parametrize(
     ("force", "radiation", "match"),
     [
@@ -243,6 +280,82 @@ def test_sizes_that_do_not_go_together_are_refused(force, radiation, match):
     h = alone()
     scaled = {n: radiation * getattr(h, n) for n in ("added_mass", "radiation_damping", "added_mass_inf")}
     refused(told(h, excitation=force * told(h).excitation, **scaled), match=match, **ALONE, **SEA)
+
+
+BOX = {"hulls": (box(length=6.0, width=4.0, height=3.0, draft=1.5),), "centres": np.zeros((1, 3)), "names": ("boxy",)}
+EVERY = np.ones(6)
+HEAVE = np.array([1.0, 1.0, 2.0, 1.0, 1.0, 1.0])
+TURNS = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 1.0])
+
+
+@cache
+def boxy():
+    omega = np.linspace(0.3, 4.2, 20)
+    return solve(*list(BOX.values())[:2], **SEA, omega=omega, planar=False, panels=216)
+
+
+@pytest.mark.parametrize(
+    ("factor", "power", "match"),
+    [
+        (0.5 * EVERY, 0, "damping of boxy .* is 0.5 times what its added mass tells by causality, as that of 5 other"),
+        (1.5 * EVERY, 0, "is 1.5 times what its added mass .* of 5 other motions"),
+        (EVERY, 1, "damping of boxy .* goes with its added mass, by causality, as B multiplied by ω; needed is B"),
+        (EVERY, -1, "as B divided by ω; needed is B"),
+        (2 * EVERY, 1, "as B multiplied by ω and 2.* times that; needed is B"),
+        (HEAVE, 0, "damping of boxy heave is 2.* times what its added mass tells by causality: have"),
+        (TURNS, 0, "damping of boxy .* is 2 times .*, as that of 1 other motion: have"),
+        (1.12 * EVERY, 0, "is 1.12 times what its added mass"),
+    ],
+)
+def test_damping_that_its_added_mass_does_not_go_with_is_refused(factor, power, match):
+    """Of a hull that is not of revolution; a force of long waves has hardly any of the damping."""
+    h = boxy()
+    wrong = np.sqrt(np.multiply.outer(factor, factor)) * h.radiation_damping * h.omega[:, None, None] ** power
+    for infinite in (h.added_mass_inf, None):
+        refused(told(h, radiation_damping=wrong, added_mass_inf=infinite), match=match, **BOX, **SEA)
+
+
+def test_damping_a_little_off_is_in_the_error():
+    h = boxy()
+    right, off = (taken(told(h, radiation_damping=f * h.radiation_damping), **BOX, **SEA) for f in (1.0, 1.06))
+    for dof in range(5):
+        B = off.radiation_damping[:, dof, dof]
+        told_of = (off.error.radiation_damping - 1.06 * right.error.radiation_damping)[:, dof, dof]
+        assert told_of == pytest.approx(-0.06 / 1.06 * B, abs=0.006 * B.max())
+        assert np.abs(right.error.radiation_damping[:, dof, dof]).max() < 0.01 * B.max()
+
+
+@pytest.mark.parametrize(("dof", "name"), [(0, "surge"), (2, "heave")])
+def test_the_force_of_long_waves_tells_of_damping(dof, name):
+    """As few frequencies as they are, of any hull."""
+    h, one = first(boxy(), 8), BOX["centres"]
+    floats = agreement.Floats(BOX["hulls"], one, BOX["names"], Sea(**SEA))
+    radiated.require_energy(told(h), floats, np.array([dof]))
+    for factor in (0.7, 1.4):
+        wrong = h.radiation_damping.copy()
+        wrong[:, dof, dof] *= factor
+        with pytest.raises(InputError, match=f"damping in {name} is {factor}.* times what the wave force tells"):
+            radiated.require_energy(told(h, radiation_damping=wrong), floats, np.array([dof]))
+
+
+def test_damping_that_is_none_is_refused():
+    h = boxy()
+    refused(
+        told(h, radiation_damping=0 * h.radiation_damping), match="no damping of boxy surge, .* column", **BOX, **SEA
+    )
+
+
+def test_motions_that_a_float_does_not_have_are_not_judged():
+    """The yaw of a box is hardly known up to 2 rad/s, its heave is; wrong numbers of others do not matter either."""
+    h = first(boxy(), 10)
+    lopsided = h.radiation_damping.copy()
+    lopsided[:, 0, 1] += lopsided[:, 0, 0]
+    refused(told(h, added_mass_inf=None), match="no added mass at infinite frequency", **BOX, **SEA)
+    given = told(h, added_mass_inf=None, radiation_damping=lopsided)
+    heaving = adopted(given, *BOX.values(), **SEA, planar=False, needed=[("heave",)])
+    off, doubt = (heaving.added_mass_inf - h.added_mass_inf)[2, 2], heaving.error.added_mass_inf
+    assert abs(off) < doubt[2, 2] + 0.01 * h.added_mass_inf[2, 2] and doubt[2, 2] < 0.1 * h.added_mass_inf[2, 2]
+    assert not np.delete(np.delete(doubt, 2, axis=0), 2, axis=1).any()
 
 
 def test_a_body_that_is_elsewhere_is_refused_or_brought_there():
@@ -320,8 +433,7 @@ def test_what_cannot_be_used_is_refused():
     wrong = told().excitation.copy()
     wrong[0, 0, 0] = np.nan
     refused(told(excitation=wrong), match="not finite")
-    short = {n: getattr(told(), n)[:8] for n in ("omega", "added_mass", "radiation_damping", "excitation")}
-    refused(told(**short, added_mass_inf=None), match="no added mass at infinite frequency")
+    refused(told(first(alone(), 8), added_mass_inf=None), match="no added mass at infinite frequency", **ALONE, **SEA)
     assert refused(told(), match=r"must be within 0.6 to 6.6 rad/s", waves=(0.5, 2.0)).key == "band"
 
 

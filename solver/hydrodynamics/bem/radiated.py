@@ -1,0 +1,149 @@
+"""Whether damping goes with what else a file says of the same bodies: with added mass, by causality, and with the force
+of waves, by the energy that they carry away (Haskind); and added mass at infinite frequency, which follows.
+
+A body alone that sends waves as a source or a dipole does radiates in heave B = k|X|²/(4ρgv), and half of that along
+the waves, v their group velocity: a body of revolution in all waves, any other in long ones.
+"""
+
+from collections.abc import Sequence
+from typing import SupportsIndex
+
+import numpy as np
+
+from solver.errors import InputError
+from solver.hydrodynamics.bem.agreement import Floats, long_waves
+from solver.hydrodynamics.bem.coefficients import DOFS
+from solver.hydrodynamics.bem.given import KEY, Given
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.radiation.infinite import Share, damping_share, infinite_added_mass
+from solver.sea.dispersion import group_velocity
+
+ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
+DAMPED = 0.1  # of the largest damping: of less energy is not judged
+ACROSS = 0.2  # of the wave's force along an axis where it comes across: of less that axis is not judged
+SAME = 1e-9  # A∞ that equals the highest frequency's by so much is that
+TOGETHER = 0.2  # of an added mass: what it may scatter at infinite frequency where A and B are of one body
+CONTRARY = 0.15  # of an added mass: what A∞ told may be from that of the rest, beyond doubt
+UNKNOWN = 0.5  # of an added mass: what A∞ of the rest may be off; a memory is fitted beside an A∞ of its own
+ALIKE = 0.1  # damping off by less may be, with a told error,
+SURE = 2.0  # and by less than so many times what causality leaves in doubt
+CERTAIN = 0.15  # of damping times another power of ω: what causality may doubt where it is the right one,
+CLEARER = 3.0  # and how many times less than that of the damping told
+POWERS = {-1: "multiplied", 1: "divided"}  # of ω that would set damping right, and how it was told
+
+
+def require_damping(six: Given, needed: np.ndarray, names: Sequence[str]) -> np.ndarray:
+    """Share (n,) of each motion's damping that is due by its added mass, 1 where nothing says otherwise.
+
+    InputError where that is surely another one. Judged are motions `needed`, each by itself.
+    """
+    A, B = _own(six, needed)
+    share = damping_share(six.omega, A, B)
+    _require_power(six, share, needed, names)
+    off = np.abs(share.value - 1)
+    wrong = np.flatnonzero((off > ALIKE) & (off > SURE * share.doubt))
+    if len(wrong):
+        i = wrong[np.argmax(off[wrong] / share.doubt[wrong])]
+        text = f"damping of {word(names, needed[i])} is {_times(share.value[i])} what its added mass tells by causality"
+        if (more := len(wrong) - 1) and np.ptp(share.value[wrong]) < ALIKE * abs(share.value[i]):
+            text += f", as that of {more} other motion{'s' * (more > 1)}"
+        raise InputError(KEY, six.name, f"{text}: have both the same units, and are they of one run?")
+    due = np.ones(len(six.added_mass[0]))
+    due[needed] = np.where(off > share.doubt, np.maximum(share.value, 0.0), 1.0)
+    return due
+
+
+def _own(six: Given, needed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Added mass and damping of single motions (nw, nm)."""
+    A, B = (np.einsum("wii->wi", m)[:, needed] for m in (six.added_mass, six.radiation_damping))
+    return A, B
+
+
+def _times(share: float) -> str:
+    return f"{1 / share:.3g} times" if share > 0 else "of the opposite sign of"
+
+
+def _require_power(six: Given, share: Share, needed: np.ndarray, names: Sequence[str]) -> None:
+    """Refuse damping that is told times ω or over it, as which it goes with no added mass, and without with its own."""
+    A, B = _own(six, needed)
+    for power, how in POWERS.items():
+        other = damping_share(six.omega, A, B * six.omega[:, None] ** power)
+        clear = other.doubt < CERTAIN * other.value
+        clear &= CLEARER * other.doubt * np.abs(share.value) < share.doubt * other.value
+        if clear.any():
+            i = int(np.flatnonzero(clear)[np.argmin((other.doubt / other.value)[clear])])
+            text = f"damping of {word(names, needed[i])} goes with its added mass, by causality, as B {how} by ω"
+            if abs(other.value[i] - 1) > ALIKE:
+                text += f" and {1 / other.value[i]:.3g} times that"
+            raise InputError(KEY, six.name, f"{text}; needed is B itself, of WAMIT B/(ρω)")
+
+
+def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
+    """Refuse a damping of motions `needed` that does not go with the wave force, of a body by itself."""
+    hull, sea = floats.hulls[0], floats.sea
+    if len(floats.hulls) > 1:
+        return
+    k = sea.wavenumbers(six.omega)
+    some = np.ones(len(k), bool) if isinstance(hull, Revolution) else long_waves(k * hull.largest_radius)
+    each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
+    X, c, s = six.excitation[:, 0, :3], np.cos(sea.heading), np.sin(sea.heading)
+    for i, along, share in ((2, 1.0, 4), (0, c, 8), (1, s, 8)):
+        damping = six.radiation_damping[:, i, i]
+        judged = some & (damping > DAMPED * np.max(damping[some], initial=0.0))
+        if i not in needed or abs(along) < ACROSS or not judged.any() or not np.any(X[judged, i]):
+            continue
+        ratio = float(np.median(damping[judged] / (each * np.abs(X[:, i] / along) ** 2 / share)[judged]))
+        if not 1 / ENERGY < ratio < ENERGY:
+            text = f"damping in {DOFS[i]} is {ratio:.3g} times what the wave force tells of the power radiated"
+            raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
+
+
+def infinite(six: Given, size: np.ndarray, needed: np.ndarray, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """A∞ (n, n), the file's where it goes with A and B, else what follows from them; and how far it may be off.
+
+    size (n,): of a column's share of A. Judged are entries of motions `needed`.
+    """
+    follows = infinite_added_mass(six.omega, _symmetric(six.added_mass), _symmetric(six.radiation_damping))
+    both = np.zeros(follows.value.shape)
+    both[needed[:, None], needed] = 1 / np.multiply.outer(size[needed], size[needed])
+    scatter, doubt = follows.scatter * both, (follows.scatter + follows.beyond) * both
+    scatter = np.where(follows.scatter > follows.beyond, scatter, 0.0)
+    i, j = _worst(scatter)
+    if scatter[i, j] > TOGETHER:
+        text = f"added mass and damping of {word(names, i)} on {word(names, j)} do not go together (off causality by"
+        raise InputError(KEY, six.name, f"{text} {scatter[i, j]:.0%}); do their units agree?")
+    told = six.added_mass_inf
+    # Some programs put the highest frequency's in its place.
+    if told is None or np.abs(told - six.added_mass[-1]).max() <= SAME * np.abs(told).max():
+        i, j = _worst(doubt)
+        if doubt[i, j] > UNKNOWN:
+            text = "has no added mass at infinite frequency, and what follows from frequencies up to"
+            text += f" {six.omega[-1]:.4g} rad/s may be {doubt[i, j]:.0%} off for {word(names, i)} on {word(names, j)}"
+            raise InputError(KEY, six.name, text)
+        return follows.value, np.diag(np.diagonal(doubt) * size**2)
+    told = _symmetric(told)
+    off = np.abs(told - follows.value) * both - doubt
+    i, j = _worst(off)
+    if off[i, j] > CONTRARY:
+        text = f"added mass of {word(names, i)} on {word(names, j)} at infinite frequency is {told[i, j]:.4g},"
+        text += f" the rest up to {six.omega[-1]:.4g} rad/s implies {follows.value[i, j]:.4g}"
+        if np.any(six.radiation_damping[:, [i, j], [i, j]].argmax(axis=0) == len(six.omega) - 1):
+            text += "; damping still grows there, higher frequencies may tell otherwise"
+        raise InputError(KEY, six.name, text)
+    return told, np.zeros_like(told)
+
+
+def _worst(values: np.ndarray) -> tuple[int, int]:
+    i, j = np.unravel_index(values.argmax(), values.shape)
+    return int(i), int(j)
+
+
+def _symmetric(matrix: np.ndarray) -> np.ndarray:
+    symmetric: np.ndarray = (matrix + np.swapaxes(matrix, -1, -2)) / 2
+    return symmetric
+
+
+def word(names: Sequence[str], column: SupportsIndex) -> str:
+    """A motion of a body."""
+    column = int(column)
+    return f"{names[column // 6]} {DOFS[column % 6]}"
