@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pipeline.bridge.given.lines import lines, require_polar
+
 if TYPE_CHECKING:
     from pipeline.study.attachments import Attachment
     from solver.hydrodynamics.bem.given import Given
@@ -25,7 +27,7 @@ FORCES = (".3", ".2")  # by diffraction, by Haskind's relation
 class _Table(NamedTuple):
     """Rows of the numeric files: period, indices from 1, numbers."""
 
-    radiation: np.ndarray  # (nr, 5) PER I J A B, B = 0 where there is none
+    radiation: np.ndarray  # (nr, 5) PER I J A B, B = 0 in the limits
     force: np.ndarray  # (nf, 7) PER BETA I Mod Pha Re Im
     stiffness: np.ndarray  # (ns, 3) I J C
     incident: np.ndarray  # as force
@@ -34,34 +36,33 @@ class _Table(NamedTuple):
 def read(file: Attachment, density: float, gravity: float) -> Given:
     """The files that go with one of them by name."""
     texts: dict[str, str] = json.loads(file.data)
-    force = next((texts[kind] for kind in FORCES if kind in texts), None)
+    force = next((kind for kind in FORCES if kind in texts), None)
     if ".1" not in texts or force is None:
         raise ValueError(f"needs .1 and .3 (or .2) beside each other, has {', '.join(texts)}")
     table = _Table(
-        radiation=_rows(texts[".1"], 5, least=4),
-        force=_rows(force, 7),
-        stiffness=_rows(texts.get(".hst", ""), 3),
-        incident=_rows(texts.get(".3fk", ""), 7),
+        radiation=_radiation(texts[".1"]),
+        force=_forces(texts[force], force),
+        stiffness=lines(texts.get(".hst", ""), ".hst", width=3, keys=2).table,
+        incident=_forces(texts.get(".3fk", ""), ".3fk"),
     )
     return _given(file.name, table, density=density, gravity=gravity)
 
 
-def _rows(text: str, width: int, least: int = 0) -> np.ndarray:
-    """Lines of numbers, short ones filled with zeros; a heading is passed over."""
-    rows: list[list[float]] = []
-    for number, line in enumerate(text.splitlines(), 1):
-        words = line.replace("D", "E").split()
-        try:
-            values = [float(word) for word in words[:width]]
-        except ValueError:
-            if rows:
-                raise ValueError(f"line {number} is no row of numbers: {line.strip()[:40]}") from None
-            continue
-        if words and len(values) < (least or width):
-            raise ValueError(f"line {number} has {len(values)} numbers, {width} are needed")
-        if words:
-            rows.append(values + [0.0] * (width - len(values)))
-    return np.array(rows).reshape(-1, width)
+def _radiation(text: str) -> np.ndarray:
+    """Rows of .1, which have no damping in the limits alone."""
+    read = lines(text, ".1", width=5, keys=3, least=4)
+    lacks = np.flatnonzero(np.isnan(read.table[:, 4]) & (read.table[:, 0] > 0))
+    if len(lacks):
+        more = f", nor have {len(lacks) - 1} others" if len(lacks) > 1 else ""
+        read.refuse(lacks[0], f"has no damping, the fifth number at finite periods{more}")
+    whole: np.ndarray = np.nan_to_num(read.table)
+    return whole
+
+
+def _forces(text: str, kind: str) -> np.ndarray:
+    read = lines(text, kind, width=7, keys=3)
+    require_polar(read)
+    return read.table
 
 
 def _given(
@@ -185,7 +186,9 @@ def read_out(file: Attachment, density: float, _gravity: float) -> Given:
     for part in re.split(r"Wave period", text)[1:]:
         period = _period(part.splitlines()[0])
         if block := re.search(OUT_RADIATION, part, re.S):
-            radiation += [[period, *row] for row in _rows(block.group(1), 4, least=3).tolist()]
+            least = 4 if period > 0 else 3  # without damping in the limits
+            rows = lines(block.group(1), f"period {period:g} s,", width=4, keys=2, least=least).table
+            radiation += [[period, *row] for row in np.nan_to_num(rows).tolist()]
         force += _out_forces(part, period)
     table = _Table(np.array(radiation), np.array(force), np.zeros((0, 3)), np.zeros((0, 7)))
     if not len(table.radiation) or not len(table.force):

@@ -335,14 +335,14 @@ def polar(force):
     return np.stack([np.abs(force), np.angle(force)], -1)
 
 
-def nemoh(path):
+def run_of(path):
     return TypeAdapter(CoefficientFile).validate_python(path.name, context={"folder": path.parent})
 
 
 def test_nemohs_files_are_read_with_the_point_that_bodies_turn_about(ours, tmp_path):
     for wrapped in (False, True):
         nemoh_files(tmp_path, ours, wrapped=wrapped)
-        given = reading.read(nemoh(tmp_path / "Results" / "ExcitationForce.tec"), 1.0, 1.0)
+        given = reading.read(run_of(tmp_path / "Results" / "ExcitationForce.tec"), 1.0, 1.0)
         assert given.points == pytest.approx(CENTRES + np.array([0, 0, -2.0]))
         assert (given.depth, given.density, given.gravity) == (DEPTH, RHO, G)
         water = {"depth": DEPTH, "density": RHO, "gravity": G, "heading": 0.0, "planar": False}
@@ -368,7 +368,7 @@ def test_what_capytaine_exports_in_nemohs_form_is_read(ours, tmp_path):
         coords={"omega": ours.omega, "wave_direction": [0.0], "radiating_dof": motions, "influenced_dof": motions},
     )
     write_dataset_as_tecplot_files(tmp_path, data)
-    close(reading.read(nemoh(tmp_path / "RadiationCoefficients.tec"), RHO, G), ours, rel=1e-5)
+    close(reading.read(run_of(tmp_path / "RadiationCoefficients.tec"), RHO, G), ours, rel=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -386,7 +386,7 @@ def test_nemohs_files_that_say_something_else_are_refused(ours, tmp_path, file, 
     path = tmp_path / file
     path.write_text(path.read_text().replace(old, new, 1 if file != "Nemoh.cal" or "Number" in old else -1))
     with pytest.raises(InputError, match=message):
-        reading.read(nemoh(tmp_path / "Results" / "RadiationCoefficients.tec"), RHO, G)
+        reading.read(run_of(tmp_path / "Results" / "RadiationCoefficients.tec"), RHO, G)
 
 
 @pytest.mark.parametrize("method", ["time", "frequency"])
@@ -441,8 +441,14 @@ def judged(path):
 
 def test_misfits_are_said_before_anything_runs(ours, study, tmp_path):
     wamit_files(tmp_path, ours)
+
+    def turned(word):
+        return str(-float(word))
+
     lines = [line.split() for line in (tmp_path / "pair.3").read_text().splitlines()]
-    (tmp_path / "pair.3").write_text("\n".join(" ".join([*row[:6], str(-float(row[6]))]) for row in lines))
+    (tmp_path / "pair.3").write_text(
+        "\n".join(" ".join([*row[:4], turned(row[4]), row[5], turned(row[6])]) for row in lines)
+    )
     message = judged(study("pair.1"))
     assert "pair.toml: coefficients = pair.1: wave force is of the other sign of time" in message
     wamit_files(tmp_path, ours, L=2.0)
@@ -482,6 +488,62 @@ def test_a_force_that_a_file_lacks_is_not_taken_for_none(ours, study, tmp_path, 
     rows = [line.split() for line in (tmp_path / "pair.3").read_text().splitlines()]
     (tmp_path / "pair.3").write_text("\n".join(" ".join(row(words) if words[2] == "5" else words) for words in rows))
     assert message in judged(study("pair.1"))
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        (lambda rows: [row[:4] for row in rows], ".1 line 145 has no damping, the fifth number at finite periods, nor"),
+        (
+            lambda rows: [*rows[:147], rows[147][:4], *rows[148:]],
+            ".1 line 148 has no damping, the fifth number at finite",
+        ),
+        (lambda rows: [*rows[:147], rows[147][:3], *rows[148:]], ".1 line 148 has 3 numbers, 5 are needed"),
+        (lambda rows: [*rows, [*rows[144][:3], "0.3", "0.1"]], ".1 line 3601 tells of the same as line 145 with other"),
+        (lambda rows: [*rows, [*rows[0][:3], "0.3"]], ".1 line 3601 tells of the same as line 1 with other numbers"),
+        (lambda rows: [[*row[:4], *("0.0" for _ in row[4:])] for row in rows], "has no damping of front surge, "),
+    ],
+)
+def test_damping_that_a_file_lacks_or_tells_twice_is_not_taken_for_any(ours, study, tmp_path, rows, message):
+    wamit_files(tmp_path, ours)
+    right = [line.split() for line in (tmp_path / "pair.1").read_text().splitlines()]
+    (tmp_path / "pair.1").write_text("\n".join(map(" ".join, rows(right))))
+    assert message in judged(study("pair.1"))
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "message"),
+    [
+        (4, lambda x: -x, ".3 line 1 has a modulus and phase that are not those of its real and imaginary part, as"),
+        (5, lambda x: 1.05 * x, "of its real and imaginary part, as"),
+        (4, np.radians, ""),  # which some print
+        (4, np.round, ""),
+        (3, lambda x: 0.0, ""),  # left out
+    ],
+)
+def test_forces_that_contradict_themselves_are_refused(ours, study, tmp_path, column, value, message):
+    wamit_files(tmp_path, ours)
+    rows = [line.split() for line in (tmp_path / "pair.3").read_text().splitlines()]
+    for row in rows:
+        row[column] = str(float(value(float(row[column]))))
+    (tmp_path / "pair.3").write_text("\n".join(map(" ".join, rows)))
+    if message:
+        assert message in judged(study("pair.1"))
+    else:
+        reading.read(run_of(tmp_path / "pair.1"), RHO, G)
+
+
+def test_a_row_may_be_told_twice_but_not_otherwise(ours, study, tmp_path):
+    wamit_files(tmp_path, ours)
+    third = tmp_path / "pair.3"
+    rows = [line.split() for line in third.read_text().splitlines()]
+    again = [[*row[:3], *(f"{float(x):.5e}" for x in row[3:])] for row in rows]
+    third.write_text("\n".join(map(" ".join, rows + again)))
+    read = load(study("pair.1"))
+    judge(read, Tasks.of(read.content), Engine())
+    other = [[*row[:3], *(f"{1.01 * float(x):.5e}" for x in row[3:])] for row in rows]
+    third.write_text("\n".join(map(" ".join, rows + other)))
+    assert ".3 line 289 tells of the same as line 1 with other numbers" in judged(study("pair.1"))
 
 
 @pytest.mark.parametrize(
