@@ -15,6 +15,7 @@ from scipy.interpolate import make_interp_spline
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.bem import agreement
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
+from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths
@@ -59,7 +60,7 @@ def adopted(
     refuse(_radiation_problems(six, _scales(six, lengths), moved, names))
     omega = six.omega
     expected = froude_krylov(hulls, centres, DOFS, sea, omega)
-    floats = agreement.Floats(hulls, centres, tuple(names), sea)
+    floats = Floats(hulls, centres, tuple(names), sea)
     six, note = agreement.agreed(six, floats, expected)
     if waves:
         _require_covered(given, *waves)

@@ -11,8 +11,8 @@ from typing import SupportsIndex
 import numpy as np
 
 from solver.errors import InputError
-from solver.hydrodynamics.bem.agreement import Floats, long_waves
 from solver.hydrodynamics.bem.coefficients import DOFS
+from solver.hydrodynamics.bem.exerted import Floats, long_waves
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.infinite import Share, damping_share, infinite_added_mass

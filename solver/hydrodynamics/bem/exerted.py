@@ -1,0 +1,109 @@
+"""The force that waves long against hulls exert on them.
+
+The scattered wave's force is then that of the water passing a hull as if this moved the other way, (B - iωA)u with a
+file's own A and B: much more than the Froude-Krylov force on a heave plate, and against it. The whole is the sum of
+both, but for what goes with the square of hull over wavelength.
+"""
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.hydrodynamics.bem.coefficients import DOFS
+from solver.hydrodynamics.bem.given import Given
+from solver.hydrodynamics.bem.incident import Sea
+from solver.hydrodynamics.bem.mean_hull import froude_krylov, unit_motions
+from solver.hydrodynamics.hull.mesh import Hull
+
+LONG = 0.5  # ka of waves that are long; up to twice that where there are no longer ones
+FELT = 0.02  # of the largest force on a body: of less the phase is not judged
+NEAR = 0.1  # of the force of long waves: how far off that told may be,
+BESIDE = 0.5  # see _near
+NEARLY = 0.5  # and √n of it times (ka)², of n bodies
+STILL = 1e-6  # of the largest motion through the hull's surface: less is none
+
+
+class Floats(NamedTuple):
+    """What the coefficients are said to be of."""
+
+    hulls: tuple[Hull, ...]
+    centres: np.ndarray  # (nb, 3) [m]
+    names: tuple[str, ...]
+    sea: Sea
+
+
+class Long(NamedTuple):
+    """What a file tells in long waves, beside what these exert on the hulls."""
+
+    rows: np.ndarray  # (nw,) of which frequencies
+    told: np.ndarray  # (nr, 6 nb) force [N/m]
+    fits: np.ndarray  # the same as it should be
+    off: float  # how far it is from that, over how far it may be; 0 where no waves are long
+    where: tuple[int, int]  # and where most: row, column
+
+
+def in_long_waves(six: Given, floats: Floats, expected: np.ndarray | None = None) -> Long:
+    """Of six columns for each float, and one heading; expected (nw, 6 nb): Froude-Krylov force on the hulls."""
+    k = floats.sea.wavenumbers(six.omega)
+    rows = long_waves(k * max(h.largest_radius for h in floats.hulls))
+    if expected is None:
+        expected = froude_krylov(floats.hulls, floats.centres, DOFS, floats.sea, six.omega)
+    told, fits = six.excitation[rows, 0], (expected + passing(six, floats))[rows]
+    off, where = _off(told, fits, k[rows], floats) if rows.any() else (0.0, (0, 0))
+    return Long(rows, told, fits, off, where)
+
+
+def passing(six: Given, floats: Floats) -> np.ndarray:
+    """(B - iωA)u (nw, 6 nb), u the hulls' motions that go through their wetted surfaces most as the water does."""
+    u = np.zeros((len(six.omega), 6 * len(floats.hulls)), complex)
+    for b, (hull, centre) in enumerate(zip(floats.hulls, floats.centres, strict=True)):
+        points, areas = hull.surface_points()
+        normals = areas / np.sqrt(np.linalg.norm(areas, axis=1, keepdims=True))  # n √dS
+        motions = unit_motions(points, normals, np.zeros(len(points), int), np.zeros((1, 3)), DOFS)
+        flow = [np.sum(normals * floats.sea.wave(points + centre, w)[1], axis=1) for w in six.omega]
+        u[:, 6 * b : 6 * b + 6] = flow @ np.linalg.pinv(motions, rcond=STILL).T
+    Z = six.radiation_damping - 1j * six.omega[:, None, None] * six.added_mass
+    return np.einsum("wij,wj->wi", Z, u)
+
+
+def long_waves(ka: np.ndarray) -> np.ndarray:
+    """Which frequencies are judged: the three longest waves at most in number beyond LONG."""
+    some = ka <= LONG
+    if some.sum() < 3:
+        some = ka <= min(2 * LONG, np.sort(ka)[min(2, len(ka) - 1)])
+    return some
+
+
+def felt(expected: np.ndarray) -> np.ndarray:
+    """Translations (nc,) whose Froude-Krylov force counts on their body."""
+    size = np.abs(expected).max(axis=0).reshape(-1, 6)[:, :3]
+    b, d = np.nonzero(size > FELT * size.max(axis=1, keepdims=True))
+    return 6 * b + d
+
+
+def _off(told: np.ndarray, fits: np.ndarray, k: np.ndarray, floats: Floats) -> tuple[float, tuple[int, int]]:
+    """How far a force (nw, 6 nb) is from that of long waves, over how far it may be, and where most: row, column.
+
+    The largest body counts, and how many there are: what they scatter reaches the others, and of two that are near each
+    other each takes of the other's share. Forces that are small on their body are judged beside the others in plan, or
+    all: a turn makes one of another.
+    """
+    hulls, centres, _, _ = floats
+    ka = k * max(h.size for h in hulls)
+    away, size = (np.abs(x).reshape(len(k), -1, 6)[..., :3] for x in (told - fits, fits))
+    largest, level = size.max(axis=2, keepdims=True), np.linalg.norm(size[..., :2], axis=2, keepdims=True)
+    size = np.where(size > FELT * largest, size, np.concatenate([level, level, largest], axis=2))
+    judged = (size > FELT * largest) & (np.abs(told).max(axis=0).reshape(1, -1, 6)[..., :3] > 0)
+    may = (1 + _near(hulls, centres)) * (NEAR + NEARLY * np.sqrt(len(hulls)) * ka**2)
+    off = np.where(judged, away / np.where(judged, size, 1.0), 0.0) / may[:, None, None]
+    row, b, d = np.unravel_index(off.argmax(), off.shape)
+    return float(off[row, b, d]), (int(row), int(6 * b + d))
+
+
+def _near(hulls: tuple[Hull, ...], centres: np.ndarray) -> bool:
+    """Whether circles about two bodies, in plan, are nearer than BESIDE of the smaller one's radius, or cross."""
+    pairs = combinations(zip(hulls, centres, strict=True), 2)
+    apart = [np.linalg.norm((at - to)[:2]) - a.largest_radius - b.largest_radius for (a, at), (b, to) in pairs]
+    radii = [min(a.largest_radius, b.largest_radius) for a, b in combinations(hulls, 2)]
+    return any(gap < BESIDE * radius for gap, radius in zip(apart, radii, strict=True))
