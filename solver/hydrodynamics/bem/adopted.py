@@ -83,6 +83,9 @@ def adopted(
     other = replace(other, radiation_damping=six.radiation_damping * np.multiply.outer(due, due))
     perhaps = _curves(_about(other, centres), expected, index)
     error = {name: off + perhaps[name] - curves[name] for name, off in _between(h)._asdict().items()}
+    if six.froude_krylov is not None:  # what the file's mesh does to that force it does as much to the other
+        there = np.isin(np.arange(len(expected[0])), moved)
+        error["diffraction"] += (there * (six.froude_krylov[:, 0] - expected))[:, index]
     return replace(h, error=MeshError(**error))
 
 

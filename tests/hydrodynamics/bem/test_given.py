@@ -537,6 +537,22 @@ def test_where_moments_are_about_is_told_by_long_waves_or_is_in_the_error():
         assert np.all((-told_of / off).real > 0.5) and np.all((-told_of / off).real < 1.0)
 
 
+def test_what_a_files_mesh_does_to_the_froude_krylov_force_is_in_the_error():
+    """The whole force is as told; the diffraction's is what remains of it, and has the incident wave's error or not."""
+    h, there = boxy(), np.arange(6) != 1  # sway is left out
+    coarse = 1.03 * h.froude_krylov * there
+    whole = h.diffraction * there + coarse
+    seen = told(h, excitation=whole[:, None], froude_krylov=coarse[:, None])
+    moving = [tuple(np.array(DOFS)[there])]
+    part, right = (adopted(each, *BOX.values(), **SEA, planar=False, needed=moving) for each in (seen, told(h)))
+    assert part.diffraction == pytest.approx(h.diffraction * there)
+    off = part.error.diffraction - right.error.diffraction
+    assert off[:, 2] == pytest.approx(0.03 * h.froude_krylov[:, 2], abs=1e-3 * np.abs(h.froude_krylov[:, 2]).max())
+    assert (
+        not part.error.diffraction[:, 1].any() and np.abs(off[:, 0]).max() > 0.02 * np.abs(h.froude_krylov[:, 0]).max()
+    )
+
+
 DEEP = Sea(density=1025.0, gravity=9.81, depth=np.inf, heading=0.5)
 
 
