@@ -66,7 +66,7 @@ def adopted(
         _require_covered(given, *waves)
     six = _about(six, centres)
     doubt = agreement.require_moments(six, floats, expected)
-    due = np.sqrt(require_damping(six, moved, names))
+    damping = require_damping(six, moved, names)
     require_energy(six, floats, moved)
     added, unsure = infinite(six, _scales(six, lengths)["added_mass"], moved, names)
     six = replace(six, added_mass_inf=added)
@@ -79,8 +79,7 @@ def adopted(
         settings=MappingProxyType({"method": f"from {given.name}", "note": note}),
         **at_rest(hulls, centres, dofs, sea),
     )
-    other = replace(six, points=centres - doubt, added_mass_inf=added + unsure)
-    other = replace(other, radiation_damping=six.radiation_damping * np.multiply.outer(due, due))
+    other = replace(six, points=centres - doubt, added_mass_inf=added + unsure, radiation_damping=damping)
     perhaps = _curves(_about(other, centres), expected, index)
     error = {name: off + perhaps[name] - curves[name] for name, off in _between(h)._asdict().items()}
     if six.froude_krylov is not None:  # what the file's mesh does to that force it does as much to the other

@@ -33,9 +33,8 @@ POWERS = {-1: "multiplied", 1: "divided"}  # of ω that would set damping right,
 
 
 def require_damping(six: Given, needed: np.ndarray, names: Sequence[str]) -> np.ndarray:
-    """Share (n,) of each motion's damping that is due by its added mass, 1 where nothing says otherwise.
-
-    InputError where that is surely another one. Judged are motions `needed`, each by itself.
+    """Damping (nw, n, n) as the added mass would have it, that told where nothing says otherwise, and what of each
+    motion's neither explains; InputError where it is surely another one. Judged are motions `needed`, each by itself.
     """
     A, B = _own(six, needed)
     share = damping_share(six.omega, A, B)
@@ -49,8 +48,10 @@ def require_damping(six: Given, needed: np.ndarray, names: Sequence[str]) -> np.
             text += f", as that of {more} other motion{'s' * (more > 1)}"
         raise InputError(KEY, six.name, f"{text}: have both the same units, and are they of one run?")
     due = np.ones(len(six.added_mass[0]))
-    due[needed] = np.where(off > share.doubt, np.maximum(share.value, 0.0), 1.0)
-    return due
+    due[needed] = np.sqrt(np.where(off > share.doubt, np.maximum(share.value, 0.0), 1.0))
+    damping = six.radiation_damping * np.multiply.outer(due, due)
+    damping[:, needed, needed] += share.left
+    return damping
 
 
 def _own(six: Given, needed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -111,7 +112,9 @@ def infinite(six: Given, size: np.ndarray, needed: np.ndarray, names: Sequence[s
     i, j = _worst(scatter)
     if scatter[i, j] > TOGETHER:
         text = f"added mass and damping of {word(names, i)} on {word(names, j)} do not go together (off causality by"
-        raise InputError(KEY, six.name, f"{text} {scatter[i, j]:.0%}); do their units agree?")
+        raise InputError(
+            KEY, six.name, f"{text} {scatter[i, j]:.0%}); do their units agree, or are frequencies too far apart?"
+        )
     told = six.added_mass_inf
     # Some programs put the highest frequency's in its place.
     if told is None or np.abs(told - six.added_mass[-1]).max() <= SAME * np.abs(told).max():

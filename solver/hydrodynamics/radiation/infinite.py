@@ -30,10 +30,11 @@ class Infinite(NamedTuple):
 
 
 class Share(NamedTuple):
-    """Of each motion (n,): how many times its damping told its added mass asks for, and how unsure that is."""
+    """How many times its damping told a motion's added mass asks for, and what speaks against it, n motions."""
 
-    value: np.ndarray
-    doubt: np.ndarray  # ∞ where the damping is none
+    value: np.ndarray  # (n,)
+    doubt: np.ndarray  # (n,) ∞ where the damping is none
+    left: np.ndarray  # (nw, n) what of ωA no such share explains, as large as what of damping may be wrong there
 
 
 class _Band(NamedTuple):
@@ -89,23 +90,25 @@ def damping_share(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray
     """
     band = _band(omega, added_mass, damping)
     one, x = np.ones(len(band.at)), band.at[:, 0] ** 2
-    value, doubt = np.ones(damping.shape[1]), np.full(damping.shape[1], np.inf)
+    value, doubt, left = np.ones(damping.shape[1]), np.full(damping.shape[1], np.inf), np.zeros(damping.shape)
     for i in np.flatnonzero(damping.any(axis=0)):
         A, inner, whole = band.A[:, i], band.inner[:, i], (band.inner + band.falling)[:, i]
-        value[i], left = _fitted(A, whole, one, x)
+        value[i], rest, by = _fitted(A, whole, one, x)
         forms = ((whole, one), (inner, one, x), (inner, one, x, x**2), (whole, one, x, 1 / x))
-        doubt[i] = left + max(abs(_fitted(A, *form)[0] - value[i]) for form in forms)
-    return Share(value, doubt)
+        doubt[i] = by + max(abs(_fitted(A, *form)[0] - value[i]) for form in forms)
+        left[:, i] = omega * np.interp(omega / omega[-1], band.at[:, 0], np.abs(rest))
+    return Share(value, doubt, left)
 
 
-def _fitted(A: np.ndarray, by: np.ndarray, *others: np.ndarray) -> tuple[float, float]:
-    """How many times `by` is in A beside the others, in least squares; and how many what is left may be."""
+def _fitted(A: np.ndarray, by: np.ndarray, *others: np.ndarray) -> tuple[float, np.ndarray, float]:
+    """How many times `by` is in A beside the others, in least squares; what is left of A, and how many that may be."""
     rest = np.stack(others, axis=1)
     rest /= np.linalg.norm(rest, axis=0)
     alone, A = (y - rest @ np.linalg.lstsq(rest, y, rcond=None)[0] for y in (by, A))
     size = max(float(np.linalg.norm(alone)), 1e-300)
     share = float(alone @ A) / size**2
-    return share, float(np.linalg.norm(A - share * alone)) / size
+    left = A - share * alone
+    return share, left, float(np.linalg.norm(left)) / size
 
 
 def _band(omega: np.ndarray, A: np.ndarray, B: np.ndarray, above: float = 0.0, powers: tuple[float, ...] = ()) -> _Band:
