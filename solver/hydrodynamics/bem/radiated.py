@@ -20,7 +20,7 @@ from solver.sea.dispersion import group_velocity
 
 ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
 DAMPED = 0.1  # of the largest damping: of less energy is not judged
-ACROSS = 0.2  # of the wave's force along an axis where it comes across: of less that axis is not judged
+ALONG = 1e-6  # of a wave's direction: along an axis that has less of it is no force
 SAME = 1e-9  # A∞ that equals the highest frequency's by so much is that
 TOGETHER = 0.2  # of an added mass: what it may scatter at infinite frequency where A and B are of one body
 CONTRARY = 0.15  # of an added mass: what A∞ told may be from that of the rest, beyond doubt
@@ -80,22 +80,27 @@ def _require_power(six: Given, share: Share, needed: np.ndarray, names: Sequence
 
 
 def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
-    """Refuse a damping of motions `needed` that does not go with the wave force, of a body by itself."""
+    """Refuse a damping of motions `needed` that does not go with the wave force, of a body by itself.
+
+    Dipoles D of motions along x and y, symmetric, make X = De along e, and B of D² whatever the hull's own axes are.
+    """
     hull, sea = floats.hulls[0], floats.sea
     if len(floats.hulls) > 1:
         return
-    k = sea.wavenumbers(six.omega)
+    k, B, X = sea.wavenumbers(six.omega), six.radiation_damping, six.excitation[:, 0]
     some = np.ones(len(k), bool) if isinstance(hull, Revolution) else long_waves(k * hull.largest_radius)
     each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
-    X, c, s = six.excitation[:, 0, :3], np.cos(sea.heading), np.sin(sea.heading)
-    for i, along, share in ((2, 1.0, 4), (0, c, 8), (1, s, 8)):
-        damping = six.radiation_damping[:, i, i]
+    e = np.array([np.cos(sea.heading), np.sin(sea.heading)])
+    level = [i for i in (0, 1) if abs(e[i]) > ALONG]
+    tries = {"in heave": ([2], B[:, 2, 2], 4), "along the waves": (level, e @ B[:, :2, :2] @ e, 8)}
+    for way, (motions, damping, share) in tries.items():
         judged = some & (damping > DAMPED * np.max(damping[some], initial=0.0))
-        if i not in needed or abs(along) < ACROSS or not judged.any() or not np.any(X[judged, i]):
+        if not np.isin(motions, needed).all() or not judged.any():
             continue
-        ratio = float(np.median(damping[judged] / (each * np.abs(X[:, i] / along) ** 2 / share)[judged]))
+        force = np.sum(np.abs(X[:, motions]) ** 2, axis=1)
+        ratio = float(np.median(damping[judged] / np.maximum(each * force / share, 1e-300)[judged]))
         if not 1 / ENERGY < ratio < ENERGY:
-            text = f"damping in {DOFS[i]} is {ratio:.3g} times what the wave force tells of the power radiated"
+            text = f"damping {way} is {ratio:.3g} times what the wave force tells of the power radiated"
             raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
 
 

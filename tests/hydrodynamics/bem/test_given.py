@@ -307,7 +307,11 @@ def first(h, count):
         (2.0, 1.0, "force on front at .* is 2.* times"),
         (1.0, 2.0, "wave force goes with 0.5.* times the added mass that is told: have both the same units"),
         (1.25**2, 1.25**3, "force on front at .* is 1.[56].* times"),
-        (np.r_[[1.0] * 10, [1.4] * 11][:, None, None], 1.0, "damping in .* is 0.5.* times what the wave force tells"),
+        (
+            np.r_[[1.0] * 10, [1.4] * 11][:, None, None],
+            1.0,
+            "damping (in|along) .* is 0.5.* times what the wave force tells",
+        ),
     ],
 )
 def test_sizes_that_do_not_go_together_are_refused(force, radiation, match):
@@ -369,17 +373,22 @@ def test_damping_a_little_off_is_in_the_error():
         assert np.abs(right.error.radiation_damping[:, dof, dof]).max() < 0.01 * B.max()
 
 
-@pytest.mark.parametrize(("dof", "name"), [(0, "surge"), (2, "heave")])
-def test_the_force_of_long_waves_tells_of_damping(dof, name):
-    """As few frequencies as they are, of any hull."""
-    h, one = first(boxy(), 8), BOX["centres"]
-    floats = Floats(BOX["hulls"], one, BOX["names"], Sea(**SEA))
-    radiated.require_energy(told(h), floats, np.array([dof]))
+@pytest.mark.parametrize(("dofs", "way"), [([0, 1], "along the waves"), ([2], "in heave")])
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+def test_the_force_of_long_waves_tells_of_damping(dofs, way, angle):
+    """As few frequencies as they are, of any hull, turned in plan."""
+    h = first(boxy(), 8)
+    sea = Sea(**SEA | {"heading": SEA["heading"] + angle})
+    floats = Floats(BOX["hulls"], BOX["centres"], BOX["names"], sea)
+    given = turned(told(h), np.array([angle]))
+    radiated.require_energy(given, floats, np.array(dofs))
     for factor in (0.7, 1.4):
-        wrong = h.radiation_damping.copy()
-        wrong[:, dof, dof] *= factor
-        with pytest.raises(InputError, match=f"damping in {name} is {factor}.* times what the wave force tells"):
-            radiated.require_energy(told(h, radiation_damping=wrong), floats, np.array([dof]))
+        wrong = given.radiation_damping.copy()
+        wrong[:, dofs, dofs] *= factor
+        wrong[:, dofs, dofs[::-1]] *= factor if len(dofs) > 1 else 1.0
+        with pytest.raises(InputError, match=f"damping {way} is {factor}.* times what the wave force tells"):
+            radiated.require_energy(replace(given, radiation_damping=wrong), floats, np.array(dofs))
+        radiated.require_energy(replace(given, radiation_damping=wrong), floats, np.array([3]))
 
 
 def test_damping_of_another_shape_is_in_the_error():
