@@ -69,7 +69,7 @@ def _slips(six: Given, floats: Floats) -> Iterator[tuple[Given, Floats, str]]:
     towards = f"{np.degrees(-heading):.4g} degrees"
     yield six, clockwise, f"is of waves towards {towards}: headings are from x towards y, seen from above"
     crossed = np.add.outer(6 * np.arange(len(floats.names)), CROSSED).ravel()
-    yield _permuted(six, crossed), floats, "is as of surge and sway, and roll and pitch, one in the other's columns"
+    yield _permuted(six, crossed), floats, "is as of surge and sway, one in the other's column: are roll and pitch too?"
     for other, text in _orders(six, floats.names):
         yield other, floats, text
 

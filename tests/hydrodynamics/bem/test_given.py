@@ -268,7 +268,7 @@ def test_simple_slips_are_named_before_a_turn():
     h, sea = boxy(), SEA | {"heading": -SEA["heading"]}
     refused(told(h, headings=-told(h).headings), match="of waves towards 17.19 degrees: headings", **BOX, **sea)
     swapped = crossed(h, np.array([1, 0, 2, 4, 3, 5]))
-    refused(swapped, match="surge and sway, and roll and pitch, one in the other's columns", **BOX, **SEA)
+    refused(swapped, match="surge and sway, one in the other's column: are roll and pitch", **BOX, **SEA)
     swift = 2 * np.pi / h.omega
     over = (swift / h.omega)[:, None, None]
     frequencies = told(h, omega=swift, radiation_damping=over * h.radiation_damping)
