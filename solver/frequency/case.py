@@ -70,7 +70,7 @@ class Shifted(NamedTuple):
     impedance: np.ndarray  # (nl, na, na)
     force: np.ndarray  # (n, nl) without drag
     excitation: np.ndarray  # (nl, nb, 6)
-    unlike: bool  # whether the forces are off by much
+    unlike: float  # by how much forces are off, see audit.unlike
 
 
 @dataclass(frozen=True, eq=False)

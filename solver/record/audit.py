@@ -35,7 +35,6 @@ STATES = 48  # at which the pressure's quadrature is compared with a finer one
 FAR = 2e-5  # of what stations may leave out unseen
 UNSURE = 0.4  # of what the error of forces alone would do, that may be left where others cancel it
 UNTOLD = 1.0  # an error that no run tells
-UNLIKE = 0.01  # of a force: an error of less is not looked at by itself
 DECAY = 400  # frequencies at which a scene without waves is judged
 MOTIONS = ("rotation", "motion", "top_displacement", "node_displacement")
 POWERS = "absorbed_power", "electrical_power"
@@ -402,18 +401,19 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     return memory, cancelled(net, off, lambda: change(h.shifted, Y))
 
 
-def cancelled(effect: float, unlike_forces: bool, pushed: Callable[[], float]) -> float:
-    """What a mesh does, of its net effect, whether forces are off by much, and what those alone do.
+def cancelled(effect: float, unlike_forces: float, pushed: Callable[[], float]) -> float:
+    """What a mesh does, of its net effect, how much forces are off, and what those alone do.
 
     Errors of forces and of added mass may cancel each other in a response, and each is known within a factor alone.
+    Power goes by the square of forces: what could do no more is not asked for.
     """
-    return max(effect, UNSURE * pushed()) if unlike_forces else effect
+    return max(effect, UNSURE * pushed()) if effect < UNSURE * 2 * unlike_forces else effect
 
 
-def unlike(force: np.ndarray, other: np.ndarray) -> bool:
-    """Whether forces (n, nw) differ by much on any coordinate."""
+def unlike(force: np.ndarray, other: np.ndarray) -> float:
+    """By how much forces (n, nw) differ, of that on the coordinate where it is most."""
     size, off = (np.linalg.norm(x, axis=1) for x in (force, other - force))
-    return bool(np.any(off > UNLIKE * size))
+    return float(np.divide(off, size, out=np.zeros(size.shape), where=size > 0).max(initial=0.0))
 
 
 def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray) -> np.ndarray:

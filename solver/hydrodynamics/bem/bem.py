@@ -41,8 +41,8 @@ __all__ = [
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
 HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it, or coarser, and halved
 METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
-# Without the h² error the next power of h is left: even ones where the hull is smooth, all of them at edges.
-NEXT_SMOOTH, NEXT_EDGED = 4, 3
+NEXT = 3  # power of h that is left without the h² error: of edges, and of spheres, which have one in the waterplane
+LEAST = 0.25  # over the panels: of a coefficient, that three meshes may leave where their limits happen to agree
 TWO_MESHES = 0.5  # of the h² error, that is left of it at least: measured on a sphere of 216 and 864 triangles
 IRREGULAR = 1.5  # times what even panels leave, that a dense mesh made coarser does: 1.4 to 3.2 in A of five hulls
 NARROWED = 0.5  # of what even panels leave at edges, that narrower ones do: 0.2 to 0.5 of boxes 0.5 to 3 m deep
@@ -281,13 +281,11 @@ def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydr
 def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodynamics]:
     hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
-    edged, lengths = any(h.edged for h in hulls), motion_lengths(hulls, problem.dofs)
+    lengths = motion_lengths(hulls, problem.dofs)
     body = np.repeat(np.arange(len(hulls)), len(problem.dofs))
     plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
     share = TWO_MESHES if plates else _of_edges(problem.meshed, problem.base, narrow=problem.meshing.narrow)
-    (impedance, impedance_inf, diffraction, far), left = _extrapolated(
-        solutions, divisions, edged, (lengths, body), share
-    )
+    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, (lengths, body), share)
     if plates and len(solutions) <= len(HALVED):
         left = _of_plates(plates, left, (impedance, impedance_inf, diffraction, far))
     lid = solutions[0].lid
@@ -543,13 +541,12 @@ def _meshing(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, ..
 def _extrapolated(
     solutions: list[Solution],
     divisions: tuple[int, ...],
-    edged: bool,
     motions: tuple[np.ndarray, np.ndarray],
     share: float = TWO_MESHES,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
-    From three meshes: as h^q, by how much the limits of the finer and of the coarser two differ. One
+    From three meshes: as h^NEXT, by how much the limits of the finer and of the coarser two differ, LEAST at least. One
     solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
     at a frequency that goes with the mesh there is no such limit, and the finest mesh stands; with damping lids at
     all frequencies, for what is lost there is felt at others. motions: lengths and bodies, as of `least_damping`;
@@ -567,9 +564,17 @@ def _extrapolated(
         best[k][lost] = finest[k][lost]
     if len(solutions) == 2:
         return best, [share * (b - f) for b, f in zip(best, finest, strict=True)]
-    left = (divisions[1] / divisions[0]) ** (NEXT_EDGED if edged else NEXT_SMOOTH)
+    left = (divisions[1] / divisions[0]) ** NEXT
     coarser = _limits(solutions[1:], divisions[1:])
-    return best, [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
+    differ = (left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True))
+    return best, [_at_least(LEAST / count, b, off) for b, off in zip(best, differ, strict=True)]
+
+
+def _at_least(share: float, x: np.ndarray, off: np.ndarray) -> np.ndarray:
+    """What x is off by, and no less than its share; real and imaginary parts by themselves."""
+    if np.iscomplexobj(x):
+        return _at_least(share, x.real, off.real) + 1j * _at_least(share, x.imag, off.imag)
+    return np.where(np.abs(off) < share * np.abs(x), share * x, off)
 
 
 def _of_edges(hulls: tuple[Hull, ...], counts: tuple[int, ...], *, narrow: bool) -> float:

@@ -32,7 +32,6 @@ class PanelHull:
     notes: tuple[str, ...] = ()  # what was mended
     name: str = "mesh"  # of its file
     finer: np.ndarray | None = None  # (n, 4, 3) [m] wetted panels with sides half as long; None: by halving them
-    edged = True  # as far as the boundary elements' error goes: panels meet at angles
 
     @classmethod
     def read(cls, name: str, data: bytes) -> "PanelHull":

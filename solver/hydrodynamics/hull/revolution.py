@@ -151,13 +151,6 @@ class Revolution:
         if not self.meridian[0].start[1] < 0 < self.meridian[-1].end[1]:
             raise InputError("hull.meridian", self.meridian[0].start[1], "the poles must lie below and above z = 0 m")
 
-    @property
-    def edged(self) -> bool:
-        """Whether the wetted meridian has a corner of more than a degree."""
-        parts = self.wetted()
-        turns = (a.normal(1.0) @ b.normal(0.0) for a, b in zip(parts[:-1], parts[1:], strict=True))
-        return any(cosine < np.cos(np.pi / 180) for cosine in turns)
-
     @classmethod
     def sphere(cls, *, radius: float, draft: float) -> "Revolution":
         """A sphere whose lowest point is `draft` below still water."""

@@ -13,6 +13,9 @@ from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.run import simulate
+from solver.scene import Float, Scene, Settings, Water
+from solver.sea.realization import regular
 from tests.hydrodynamics.shapes import box, fine_box, graded_box, loose, meshed
 
 SPHERE = Revolution.sphere(radius=1.0, draft=1.0)
@@ -186,3 +189,24 @@ def test_panels_are_as_capytaine_finds_them_one_by_one():
     theirs = type(ours)(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
     for name in ("faces_areas", "faces_centers", "faces_normals", "faces_radiuses"):
         assert getattr(ours, name) == approx(getattr(theirs, name), abs=1e-13)
+
+
+def test_what_panels_do_to_a_hemisphere_s_power_is_told():
+    """Limits of three meshes agree at some frequencies, and errors of force and added mass cancel at others."""
+    k = np.geomspace(0.25, 2.0, 9)
+    usual, fine = (solve((SPHERE,), np.zeros((1, 3)), panels=panels, omega=np.sqrt(G * k)) for panels in (432, 2700))
+    item = Float(
+        name="sphere", hull=SPHERE, mass=RHO * SPHERE.volume, inertia=(9e2,) * 3, hinge=(0, 0, 0),
+        motion=("heave",), pto_damping=2e3,
+    )  # fmt: skip
+    true, told = [], []
+    for omega in np.sqrt(G * np.array([0.4, 0.5, 0.8, 1.2, 1.6])):
+        settings = Settings(duration=600.0, discard=100.0, method="frequency", froude_krylov="linear")
+        sea = regular(height=0.01, period=2 * np.pi / omega)
+        scene = Scene(water=Water(depth=np.inf, density=RHO, gravity=G), sea=sea, floats=(item,), settings=settings)
+        ours, exact = (simulate(scene, h) for h in (usual, fine))
+        power, best = (r.variables["absorbed_power"][1][0, 2] for r in (ours, exact))
+        true.append(abs(power / best - 1))
+        told.append(ours.attrs["mesh_effect"])
+    ratio = np.divide(true, told)
+    assert np.max(ratio) < 4 and np.max(true) > 5e-4 and 1 / 3 < np.max(true) / np.max(told) < 3, (true, told)
