@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pipeline import environment
-from pipeline.bridge.geometry import Geometry, bem_problem, geometry_of, given_hydrodynamics, require_solvable
+from pipeline.bridge.geometry import Geometry, bem_problem, geometry_of, given_hydrodynamics, require_solvable, waves_to
 from pipeline.bridge.scenes import hull
 from pipeline.results.packs import Made, Row, packed
 from pipeline.tasks.task import Parameters
@@ -84,14 +84,15 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     else:
         problem = bem_problem(geometries)
         each = dict(zip(problem.headings, bem.united(problem, shares), strict=True))
-        found = [each[geometry.heading] for geometry in geometries]
+        found = [replace(each[geometry.heading], waves_to=waves_to(geometry)) for geometry in geometries]
     if not first.memory:
         return found
     hulls = tuple(hull(body.hull) for body in first.bodies)
+    radiating = {one.waves_to: one for one in reversed(found)}  # headings share what radiates
     for one, geometry in zip(found, geometries, strict=True):
         ways = geometry.needed
-        try:  # headings share what radiates
-            memory = remembered(found[0], hulls, USUAL, ways)
+        try:
+            memory = remembered(radiating[one.waves_to], hulls, USUAL, ways)
         except SimulationFailed:  # said by the task that needs it
             whole.append(one)
         else:

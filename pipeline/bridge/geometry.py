@@ -77,8 +77,13 @@ class Geometry(Table):
 
     @property
     def radiating(self) -> Geometry:
-        """The same for waves along +x and all motions: geometries that share it share all that radiates."""
-        return self if self.coefficients else self.model_copy(update={"heading": 0.0, "needed": ()})
+        """The same for waves along +x, all motions and, if that is solved at the same frequencies, waves of any period:
+        geometries that share it share all that radiates."""
+        if self.coefficients:
+            return self
+        alike = self.model_copy(update={"heading": 0.0, "needed": ()})
+        usual = alike.model_copy(update={"band": None})
+        return usual if np.array_equal(_grid(alike), _grid(usual)) else alike
 
 
 def geometry_of(parameters: Parameters) -> Geometry | None:
@@ -149,29 +154,40 @@ def given_hydrodynamics(geometry: Geometry, waves: tuple[float, float] | None = 
 
 def bem_arguments(geometry: Geometry) -> dict[str, Any]:
     """Arguments of solver.hydrodynamics.bem.bem.solve."""
-    from solver.hydrodynamics.bem.bem import frequency_grid
-
-    water = geometry.water
-    hulls = tuple(hull(body.hull) for body in geometry.bodies)
-    centres = np.array([body.centre for body in geometry.bodies])
-    how: dict[str, Any] = {
-        "depth": water.depth,
-        "gravity": water.gravity,
-        "panels": geometry.panels,
-        "interaction": geometry.interaction,
-    }
     return {
-        "hulls": hulls,
-        "centres": centres,
-        "density": water.density,
+        **_solved(geometry),
+        "density": geometry.water.density,
         "heading": geometry.heading,
-        "omega": frequency_grid(hulls, centres, band=geometry.band, **how),
-        "waves_to": geometry.band[1] if geometry.band else np.inf,
+        "omega": _grid(geometry),
+        "waves_to": waves_to(geometry),
         "planar": geometry.planar,
         "far_field": geometry.far_field,
         "gap_damping": geometry.gap_damping,
         "gap_width": geometry.gap_width,
-        **how,
+    }
+
+
+def waves_to(geometry: Geometry) -> float:
+    """The highest frequency of the waves that its coefficients are for [rad/s]."""
+    return geometry.band[1] if geometry.band else np.inf
+
+
+def _grid(geometry: Geometry) -> np.ndarray:
+    """Frequencies that are solved [rad/s]."""
+    from solver.hydrodynamics.bem.bem import frequency_grid
+
+    return frequency_grid(**_solved(geometry), band=geometry.band)
+
+
+def _solved(geometry: Geometry) -> dict[str, Any]:
+    """What both ask for."""
+    return {
+        "hulls": tuple(hull(body.hull) for body in geometry.bodies),
+        "centres": np.array([body.centre for body in geometry.bodies]),
+        "depth": geometry.water.depth,
+        "gravity": geometry.water.gravity,
+        "panels": geometry.panels,
+        "interaction": geometry.interaction,
     }
 
 

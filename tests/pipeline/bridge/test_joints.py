@@ -1,5 +1,6 @@
 """Floats on joints of every kind, from a study file to the solver's scene."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -480,11 +481,6 @@ def test_the_frequency_domain_of_a_large_array_has_no_memory_fitted(study_with, 
 
 def test_the_memory_is_of_the_motions_that_a_float_can_have(study_with, monkeypatch):
     """Those are part of the file's name, unless they are all; what is solved for and what radiates is the same."""
-    from types import SimpleNamespace
-
-    from solver.coupled import system
-    from solver.hydrodynamics.bem import bem
-
     guided = geometry_of(task(study_with(FREE.replace('"surge", "heave", "pitch"', '"heave"'))).parameters)
     free = geometry_of(task(study_with(FREE)).parameters)
     hinged = geometry_of(task(study_with(HINGED)).parameters)
@@ -493,15 +489,44 @@ def test_the_memory_is_of_the_motions_that_a_float_can_have(study_with, monkeypa
     assert "needed" not in free.model_dump(exclude_defaults=True)
     still = geometry_of(task(study_with("hinge = [0.0, 0.0, 0.0]\nmotion = []\n")).parameters)
     assert still.needed == ((),)
-    fits = []
-    monkeypatch.setattr(bem, "part", lambda problem: [problem])
-    monkeypatch.setattr(bem, "united", lambda problem, _: [SimpleNamespace(heading=h) for h in problem.headings])
-    monkeypatch.setattr(system, "remembered", lambda *arguments: fits.append(arguments[3]) or len(fits))
-    monkeypatch.setattr(engine, "replace", lambda one, **fields: fields)
+    fits = unsolved(monkeypatch)
     turned = guided.model_copy(update={"heading": 0.5})
     known = engine._known([free, guided, turned], [None])
-    assert [k["memory"] for k in known] == [1, 2, 3] and fits == [(), (("heave",),), (("heave",),)]
-    assert known[1]["memory_motions"] == (("heave",),)
+    assert [k.memory for k in known] == [1, 2, 3] and [ways for _, ways in fits] == [(), (("heave",),), (("heave",),)]
+    assert known[1].memory_motions == (("heave",),)
+
+
+def test_waves_of_other_periods_share_what_radiates(study_with, monkeypatch):
+    """Solved at the same frequencies; the memory, which is sought up to the waves', is of each."""
+    free = geometry_of(task(study_with(FREE)).parameters)
+    slow, fast, faster = (free.model_copy(update={"band": band}) for band in ((1.0, 2.0), (2.0, 4.0), (4.0, 60.0)))
+    assert slow.key != fast.key and slow.radiating == fast.radiating != faster.radiating
+    fits = unsolved(monkeypatch)
+    known = engine._known([slow, fast, slow.model_copy(update={"heading": 0.5})], [None])
+    assert [k.waves_to for k in known] == [2.0, 4.0, 2.0]
+    assert [(h.waves_to, h.heading) for h, _ in fits] == [(2.0, slow.heading), (4.0, slow.heading), (2.0, slow.heading)]
+
+
+@dataclass
+class Unsolved:
+    """Coefficients of one heading that nobody asks for."""
+
+    heading: float
+    waves_to: float = np.inf
+    memory: int = 0
+    memory_tolerance: float = 0.0
+    memory_motions: tuple = ()
+
+
+def unsolved(monkeypatch):
+    """Coefficients and motions that memories are fitted to from now on, which nothing is solved for."""
+    from solver.coupled import system
+    from solver.hydrodynamics.bem import bem
+
+    fits = []
+    monkeypatch.setattr(bem, "united", lambda problem, _: list(map(Unsolved, problem.headings)))
+    monkeypatch.setattr(system, "remembered", lambda h, _hulls, _usual, ways: fits.append((h, ways)) or len(fits))
+    return fits
 
 
 def test_a_hull_with_a_plate_has_other_coefficients_than_before(study_with):
@@ -526,12 +551,10 @@ def test_a_hull_with_a_well_has_other_coefficients_than_before(study_with):
 
 
 def test_without_need_of_a_memory_none_is_fitted(study_with, monkeypatch):
-    from solver.coupled import system
     from solver.hydrodynamics.bem import bem
 
-    known, fitted = object(), []
     monkeypatch.setattr(bem, "part", lambda *arguments: [])
-    monkeypatch.setattr(bem, "united", lambda *arguments: [known])
-    monkeypatch.setattr(system, "remembered", lambda *arguments: fitted.append(arguments))
+    fits = unsolved(monkeypatch)
     geometry = geometry_of(task(study_with(FREE)).parameters)
-    assert engine.hydrodynamics(geometry.model_copy(update={"memory": False})) is known and not fitted
+    known = engine.hydrodynamics(geometry.model_copy(update={"memory": False}))
+    assert isinstance(known, Unsolved) and not fits
