@@ -200,8 +200,19 @@ BAD = [
         "[record]\nramp = 200.0\n[axes]",
         "record.ramp = 200.0: must be <= record.discard = 100 s",
     ),
+    (
+        "[axes]",
+        "[record]\ndiscard = 0\n[axes]",
+        "record.ramp = 50.0: must be <= record.discard = 0 s, as it is where none is given",
+    ),
     ("[axes]", "[record]\nduration = 0\n[axes]", "record.duration = 0: must be >= 1 s"),
 ]
+
+
+def test_the_frequency_domain_has_no_ramp(small):
+    text = small.read_text()
+    small.write_text(text.replace("[axes]", '[record]\ndiscard = 0\n[solver]\nmethod = "frequency"\n[axes]', 1))
+    assert load(small).content.record.ramp == 50.0
 
 
 @pytest.mark.parametrize(("old", "new", "message"), BAD, ids=[row[1][:40] for row in BAD])
