@@ -288,7 +288,7 @@ def _complementary(matrix: np.ndarray, lack: np.ndarray, active: np.ndarray) -> 
 
 
 def _least_distance(c: np.ndarray, d: np.ndarray) -> np.ndarray | None:
-    """The shortest z with c z >= d, by non-negative least squares on the dual; None if that does not end, or no z does."""
+    """The shortest z with c z >= d, by non-negative least squares on the dual; None if that ends not, or no z is."""
     size = np.linalg.norm(c, axis=1)
     c, d = c / size[:, None], d / size
     unit = max(np.abs(d).max(), 1e-300)
