@@ -8,8 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.coupled.support import Support
 from solver.coupled.system import System
-from solver.structure.ringing import lines, parabolas, sizes
+from solver.structure.load_history import LoadHistory
+from solver.structure.ringing import Sizes, lines, parabolas, sizes
 
 SWINGS = 0.01  # of all that moves the frame: what swings by more is followed
 
@@ -28,19 +30,23 @@ class Moved(NamedTuple):
         return self.omega[self.swings > SWINGS * self.whole]
 
 
-@lru_cache(maxsize=2)
 def moved(system: System) -> Moved:
     """Of a system with load histories, by these and by its waves."""
     support, sea = system.support, system.scene.sea.omega
     assert support is not None, "asked of a scene with loads on a platform"
-    omega = support.omega
-    told = sizes(lines(system.histories, _end(system)), omega, support.damping, support.applied)
+    omega, told = support.omega, _by_histories(support, system.histories, _end(system))
     histories = np.hypot(told.swings, told.pushed)
     in_waves = system.rows[system.layout.modal] / (
         omega[:, None] ** 2 - sea**2 - 2j * (support.damping * omega)[:, None] * sea
     )
     of_waves = np.linalg.norm(omega[:, None] * in_waves) / np.sqrt(2)
     return Moved(omega, told.swings, histories, float(np.hypot(np.linalg.norm(histories), of_waves)))
+
+
+@lru_cache(maxsize=2)
+def _by_histories(support: Support, histories: tuple[LoadHistory, ...], end: float) -> Sizes:
+    """By the loads alone, whatever the step."""
+    return sizes(lines(histories, end), support.omega, support.damping, support.applied)
 
 
 def missed(system: System, step: float) -> float:

@@ -256,7 +256,9 @@ def _with_swung(
     of_tops = np.abs(shapes[_tops(model, platform.legs)]) / omega
     share = np.concatenate([np.ones((1, omega.size)), of_tops])  # of strain energy, and of the legs' tops
     whole = np.linalg.norm(share * np.hypot(told.swings, told.pushed), axis=1)
-    judged = whole > FAR_LESS * np.append(0.0, np.full(len(of_tops), whole[1:].max(initial=0.0)))
+    least = np.zeros(whole.size)
+    least[1:] = FAR_LESS * whole[1:].max(initial=0.0)
+    judged = whole > least
     swings = share[judged] * told.swings / whole[judged, None]
     kept = (np.arange(omega.size) < lowest) | (swings.max(axis=0, initial=0.0) > SWUNG)
     left = np.linalg.norm(swings[:, ~kept], axis=1).max(initial=0.0)

@@ -13,7 +13,7 @@ from solver.frequency.response import Response, respond, respond_in
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import bent
 from solver.power_takeoff import PtoTable
-from solver.record.audit import left_out_effect, response_error, together, unmet, with_tables
+from solver.record.audit import knows_finer, left_out_effect, response_error, together, unmet, with_tables
 from solver.record.bound import above
 from solver.record.elements import elements_effect
 from solver.record.recorder import ELEVATION, Labelled, Record, bound
@@ -106,7 +106,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
 
 def _law_effect(case: Case, response: Response, scene: Scene) -> float:
     """Relative error of the response's std and power by tables of laws that are known by finer ones."""
-    if not any(f.pto_table and f.pto_table.finer for f in scene.floats):
+    if not knows_finer(scene):
         return 0.0
     waves = case.waves.size
     exact = respond(with_tables(scene, PtoTable.by_finer), case.hydrodynamics).X[:waves]

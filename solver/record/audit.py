@@ -260,13 +260,18 @@ def law_effect(probe: Probe, h: Hydrodynamics | None) -> float:
     Both runs have the lines of the finer tables: steps that are cut elsewhere would tell of the step.
     """
     scene = probe.system.scene
-    if probe.state is not None or not any(f.pto_table and f.pto_table.finer for f in scene.floats):
+    if probe.state is not None or not knows_finer(scene):
         return 0.0
     tables = (with_tables(scene, of) for of in (PtoTable.on_finer_lines, PtoTable.by_finer))
     try:
         return _apart(probe.system, *(_start(probe, other, h) for other in tables))
     except StepTooLong:  # for so many lines, though not for the run's own
         return UNTOLD
+
+
+def knows_finer(scene: Scene) -> bool:
+    """Whether a law of a power take-off is known by a finer table."""
+    return any(f.pto_table is not None and f.pto_table.finer is not None for f in scene.floats)
 
 
 def with_tables(scene: Scene, of: Callable[[PtoTable], PtoTable]) -> Scene:

@@ -28,15 +28,15 @@ def elements_effect(
 ) -> float:
     """Relative error of any std of the legs' tops, feet and of the whole's forces; of what is fine at most FINE.
 
-    support: of the scene; system: the scene's, where there is one that has its dampers.
+    support: of the scene; system: the scene's, where there is one that has its dampers, as with load histories.
     """
     waves = np.abs(scene.sea.amplitude) > 0
-    if scene.platform is None or support is None or not (waves.any() or scene.platform.load_histories):
+    swung = moved(system).swung if system is not None and system.histories else np.zeros(0)
+    fastest = max([*scene.sea.omega[waves], *swung], default=0.0)
+    if scene.platform is None or support is None or fastest == 0.0:
         return 0.0
-    system = system or (prepare(scene, h) if scene.platform.load_histories else None)
-    swung = moved(system).swung if system and system.histories else np.zeros(0)
     still, moving = support.within
-    rough = float(still + moving * max([*scene.sea.omega[waves], *swung], default=0.0) ** 2)
+    rough = float(still + moving * fastest**2)
     if rough < FINE:
         return rough
     system = prepare(scene, h) if system is None else system

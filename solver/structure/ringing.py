@@ -51,7 +51,7 @@ def lines(histories: Iterable[LoadHistory], end: float) -> Pieces:
 
 
 def parabolas(histories: Iterable[LoadHistory], step: float, end: float) -> Pieces:
-    """What a march takes for them, through start, middle and end of each step [s]; the last is whole in no record."""
+    """What a march takes for them, through start, middle and end of each step [s], the last until the end."""
     histories, count = tuple(histories), max(1, int(np.ceil(end / step - 1e-9)))
     time = step * np.arange(count + 1)
     first, middle, last = (_forces(histories, time[:-1] + share * step) for share in (0.0, 0.5, 1.0))

@@ -14,7 +14,7 @@ from scipy.interpolate import make_interp_spline
 
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.bem import agreement
-from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
+from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError, symmetric
 from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.incident import Sea
@@ -94,8 +94,8 @@ def _curves(six: Given, expected: np.ndarray, index: np.ndarray) -> dict[str, An
     assert infinite is not None
     scattered = six.excitation[:, 0] - (expected if incident is None else incident[:, 0])
     return {
-        "added_mass": _symmetric(six.added_mass)[:, index[:, None], index],
-        "radiation_damping": _symmetric(six.radiation_damping)[:, index[:, None], index],
+        "added_mass": symmetric(six.added_mass)[:, index[:, None], index],
+        "radiation_damping": symmetric(six.radiation_damping)[:, index[:, None], index],
         "added_mass_inf": infinite[np.ix_(index, index)],
         "diffraction": scattered[:, index],
     }
@@ -257,7 +257,7 @@ def _radiation_problems(
             text += f" way {values[w, j, i]:.4g} at {six.omega[w]:.4g} rad/s; are columns in another order or unit?"
             problems.append(_problem(six, text))
     size = scale["radiation_damping"][moved]
-    value, vector = np.linalg.eigh(_symmetric(six.radiation_damping[both]) / np.multiply.outer(size, size))
+    value, vector = np.linalg.eigh(symmetric(six.radiation_damping[both]) / np.multiply.outer(size, size))
     w = int(value[:, 0].argmin())
     if value[w, 0] < -ACTIVE:
         i = int(np.abs(vector[w, :, 0]).argmax())
@@ -275,7 +275,3 @@ def _irregular(six: Given, value: np.ndarray) -> str:
         return ""
     span = f"{first:.4g}" if first == last else f"{low.sum()} of them, {first:.4g} to {last:.4g}"
     return f", or are there irregular frequencies ({span} rad/s), which a lid inside the hull takes away"
-
-
-def _symmetric(matrix: np.ndarray) -> Any:
-    return (matrix + np.swapaxes(matrix, -1, -2)) / 2

@@ -15,7 +15,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem.alone import assembled
-from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError
+from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError, symmetric
 from solver.hydrodynamics.bem.far_field import FarField, PlaneWaves, modes, orders, plane_waves
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
@@ -484,7 +484,7 @@ def _coefficients(problem: Problem, omega: np.ndarray, refine: int, *, infinite:
     if infinite:  # no irregular frequency there, and no damping: φ = 0 on all still water
         bare = build(lids=False)
         potentials = bare.solve(bare.motions, np.inf, problem.seabed(np.inf))
-        limit = _symmetric(sea.density * bare.forces(potentials, n).real)
+        limit = symmetric(sea.density * bare.forces(potentials, n).real)
     impedance = np.empty((len(omega), n, n), complex)
     diffraction = np.empty((len(omega), len(seas), n), complex)
     far = np.empty((len(omega), (n + len(seas)) * problem.far_field, max(2 * problem.orders + 1, 0)), complex)
@@ -494,17 +494,12 @@ def _coefficients(problem: Problem, omega: np.ndarray, refine: int, *, infinite:
         k = sea.wavenumber(w)
         potentials = mesh.solve(sources, k, problem.seabed(k), loss)
         forces = sea.density * mesh.forces(potentials, sources.shape[2])
-        impedance[i], diffraction[i] = _symmetric(forces[:n]), 1j * w * forces[n:]
+        impedance[i], diffraction[i] = symmetric(forces[:n]), 1j * w * forces[n:]
         if problem.far_field:
             far[i] = mesh.far_field(potentials, sources, mesh.plane_waves(k, sea.depth, problem.orders), loss)
             far[i, n:] /= [s.pressure(mesh.origin[None], w) / (s.density * s.gravity) for s in seas]  # phase zero there
     lid = float(mesh.part.faces_areas[mesh.gap].sum()) * len(mesh.mirrors)
     return Solution(impedance, limit, diffraction, far, lid, int(mesh.wet.sum()) * len(mesh.mirrors))
-
-
-def _symmetric(matrix: np.ndarray) -> np.ndarray:
-    # Reciprocity holds for the exact potential; collocation misses it by a part of its error.
-    return (matrix + matrix.T) / 2
 
 
 def _counts(hulls: tuple[Hull, ...], panels: int, k: float) -> tuple[int, ...]:

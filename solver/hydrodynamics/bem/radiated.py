@@ -11,7 +11,7 @@ from typing import SupportsIndex
 import numpy as np
 
 from solver.errors import InputError
-from solver.hydrodynamics.bem.coefficients import DOFS
+from solver.hydrodynamics.bem.coefficients import DOFS, symmetric
 from solver.hydrodynamics.bem.exerted import Floats, long_waves
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -36,9 +36,9 @@ def require_damping(six: Given, needed: np.ndarray, names: Sequence[str]) -> np.
     """Damping (nw, n, n) as the added mass would have it, that told where nothing says otherwise, and what of each
     motion's neither explains; InputError where it is surely another one. Judged are motions `needed`, each by itself.
     """
-    A, B = _own(six, needed)
+    A, B = (np.einsum("wii->wi", m)[:, needed] for m in (six.added_mass, six.radiation_damping))
     share = damping_share(six.omega, A, B)
-    _require_power(six, share, needed, names)
+    _require_power(six, A, B, share, [word(names, column) for column in needed])
     off = np.abs(share.value - 1)
     wrong = np.flatnonzero((off > ALIKE) & (off > SURE * share.doubt))
     if len(wrong):
@@ -54,26 +54,22 @@ def require_damping(six: Given, needed: np.ndarray, names: Sequence[str]) -> np.
     return damping
 
 
-def _own(six: Given, needed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Added mass and damping of single motions (nw, nm)."""
-    A, B = (np.einsum("wii->wi", m)[:, needed] for m in (six.added_mass, six.radiation_damping))
-    return A, B
-
-
 def _times(share: float) -> str:
     return f"{1 / share:.3g} times" if share > 0 else "of the opposite sign of"
 
 
-def _require_power(six: Given, share: Share, needed: np.ndarray, names: Sequence[str]) -> None:
-    """Refuse damping that is told times ω or over it, as which it goes with no added mass, and without with its own."""
-    A, B = _own(six, needed)
+def _require_power(six: Given, A: np.ndarray, B: np.ndarray, share: Share, words: Sequence[str]) -> None:
+    """Refuse damping that is told times ω or over it, as which it goes with no added mass, and without with its own.
+
+    A, B (nw, nm) and words of single motions.
+    """
     for power, how in POWERS.items():
         other = damping_share(six.omega, A, B * six.omega[:, None] ** power)
         clear = other.doubt < CERTAIN * other.value
         clear &= CLEARER * other.doubt * np.abs(share.value) < share.doubt * other.value
         if clear.any():
             i = int(np.flatnonzero(clear)[np.argmin((other.doubt / other.value)[clear])])
-            text = f"damping of {word(names, needed[i])} goes with its added mass, by causality, as B {how} by ω"
+            text = f"damping of {words[i]} goes with its added mass, by causality, as B {how} by ω"
             if abs(other.value[i] - 1) > ALIKE:
                 text += f" and {1 / other.value[i]:.3g} times that"
             raise InputError(KEY, six.name, f"{text}; needed is B itself, of WAMIT B/(ρω)")
@@ -109,7 +105,7 @@ def infinite(six: Given, size: np.ndarray, needed: np.ndarray, names: Sequence[s
 
     size (n,): of a column's share of A. Judged are entries of motions `needed`.
     """
-    follows = infinite_added_mass(six.omega, _symmetric(six.added_mass), _symmetric(six.radiation_damping))
+    follows = infinite_added_mass(six.omega, symmetric(six.added_mass), symmetric(six.radiation_damping))
     both = np.zeros(follows.value.shape)
     both[needed[:, None], needed] = 1 / np.multiply.outer(size[needed], size[needed])
     scatter, doubt = follows.scatter * both, (follows.scatter + follows.beyond) * both
@@ -129,7 +125,7 @@ def infinite(six: Given, size: np.ndarray, needed: np.ndarray, names: Sequence[s
             text += f" {six.omega[-1]:.4g} rad/s may be {doubt[i, j]:.0%} off for {word(names, i)} on {word(names, j)}"
             raise InputError(KEY, six.name, text)
         return follows.value, np.diag(np.diagonal(doubt) * size**2)
-    told = _symmetric(told)
+    told = symmetric(told)
     off = np.abs(told - follows.value) * both - doubt
     i, j = _worst(off)
     if off[i, j] > CONTRARY:
@@ -144,11 +140,6 @@ def infinite(six: Given, size: np.ndarray, needed: np.ndarray, names: Sequence[s
 def _worst(values: np.ndarray) -> tuple[int, int]:
     i, j = np.unravel_index(values.argmax(), values.shape)
     return int(i), int(j)
-
-
-def _symmetric(matrix: np.ndarray) -> np.ndarray:
-    symmetric: np.ndarray = (matrix + np.swapaxes(matrix, -1, -2)) / 2
-    return symmetric
 
 
 def word(names: Sequence[str], column: SupportsIndex) -> str:
