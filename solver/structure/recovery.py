@@ -48,11 +48,6 @@ def fibre_stress(N: np.ndarray, My: np.ndarray, Mz: np.ndarray, properties: np.n
     return N / A - c * np.hypot(My / Iy, Mz / Iz)
 
 
-def compressive_stress(model: FrameModel, forces: np.ndarray) -> np.ndarray:
-    """Stress of the most compressive fibre [Pa] at every element end; forces are (..., 2 ne, 6)."""
-    return fibre_stress(forces[..., 0], forces[..., 4], forces[..., 5], section_properties(model))
-
-
 def section_properties(model: FrameModel) -> np.ndarray:
     """(A, Iy, Iz, c) at every element end, (2 ne, 4) [m2, m4, m4, m]."""
     return properties(model.section_at(end) for end in range(2 * len(model.elements)))

@@ -44,7 +44,7 @@ def foot_stress(model):
     load = statics.gravity_load(model, W) + statics.point_load(model) + water.buoyancy_load(model, RHO, W)
     spread = statics.self_weight(model, W) + water.buoyancy(model, RHO, W)
     forces = recovery.section_forces(model, statics.static(model, load), spread)
-    stress = recovery.compressive_stress(model, forces)
+    stress = recovery.fibre_stress(forces[:, 0], forces[:, 4], forces[:, 5], recovery.section_properties(model))
     return np.array([stress[2 * model.member_elements[leg][0]] for leg in LEGS])
 
 
