@@ -1,0 +1,52 @@
+"""A scene: everything that one simulation needs, as frozen, validated inputs.
+
+Frame: x along the waves for heading 0, z upwards from still water, rotations right-handed.
+"""
+
+from solver.scene.floats import DOFS, PER_AXIS, STARTS, EndStops, Float, is_planar, out_of_place, unlisted
+from solver.scene.platform import Platform, StructuralDamping
+from solver.scene.scene import MOST_STEPS, STEPS, Scene, require_waves, two_digits
+from solver.scene.settings import (
+    MOST_PANELS,
+    OF_FLOATS,
+    OF_STEEL,
+    OUTPUTS,
+    PANELS,
+    Fatigue,
+    Output,
+    Settings,
+    Utilisation,
+    needs_coefficients,
+    panels_for,
+)
+from solver.scene.water import Water
+
+__all__ = [
+    "DOFS",
+    "MOST_PANELS",
+    "MOST_STEPS",
+    "OF_FLOATS",
+    "OF_STEEL",
+    "OUTPUTS",
+    "PANELS",
+    "PER_AXIS",
+    "STARTS",
+    "STEPS",
+    "EndStops",
+    "Fatigue",
+    "Float",
+    "Output",
+    "Platform",
+    "Scene",
+    "Settings",
+    "StructuralDamping",
+    "Utilisation",
+    "Water",
+    "is_planar",
+    "needs_coefficients",
+    "out_of_place",
+    "panels_for",
+    "require_waves",
+    "two_digits",
+    "unlisted",
+]

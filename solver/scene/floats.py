@@ -1,0 +1,312 @@
+"""Floats, and the joints that hold them."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import MISSING, dataclass, fields
+from typing import Annotated, get_type_hints
+
+import numpy as np
+
+from solver.errors import InputError, refuse
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.standing import stands
+from solver.hydrodynamics.hull.swing import Hinged, Stroke
+from solver.mooring import SIX, AxisMooring, Line, Mooring, line_loads, none
+from solver.power_takeoff import PtoEfficiency, PtoTable
+from solver.quantities import Quantity, out_of_range
+from solver.scene.water import STILL_WATER, Water
+from solver.sea.current import Current
+
+DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+Vector = tuple[float, float, float]
+PerAxis = float | tuple[float, ...]  # of a joint: a number for its only axis, or one for each
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EndStops:
+    """Springs and dampers at the ends of a joint's stroke; they push and do not pull. A stop without both is none."""
+
+    lower: Annotated[PerAxis, Quantity("rad or m"), "Position of the axis, from rest, below which a stop pushes"]
+    upper: Annotated[PerAxis, Quantity("rad or m"), "Position above which a stop pushes"]
+    stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m", least=0), "Of the stops"]
+    damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Of the stops, while they push"] = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Float:
+    """A rigid float on a rigid, massless arm, joined to the support, or to another float, at the hinge point.
+
+    The reference point (hinge + arm at rest) lies at still water, on the axis of a hull of revolution; motion and
+    hydrodynamic loads refer to it. `motion` lists the axes that the joint leaves free, in order
+    from the support: "hinge" (rotation about `axis`) or rigid-body motions at the hinge point,
+    such as ("heave",) for a guided float or ("surge", "heave", "pitch") for one free in a plane; none for a body that
+    is fixed to what carries it, such as a caisson.
+    What belongs to the joint (PER_AXIS) is one number for a single axis, else one for each.
+    Units are those of the axis: N s/m and N/m, or N m s/rad and N m/rad.
+    """
+
+    name: str
+    hull: Revolution | PanelHull
+    mass: Annotated[float, Quantity("kg", above=0), "Mass of the float"]
+    inertia: Annotated[
+        Vector, Quantity("kg m2", above=0), "Moments of inertia about the body's axes through the c.o.g."
+    ]
+    cog: Annotated[Vector, Quantity("m"), "Centre of gravity, from the reference point at still water"] = (
+        0.0,
+        0.0,
+        0.0,
+    )
+    hinge: Annotated[Vector, Quantity("m"), "The joint's point, at rest"]
+    arm: Annotated[Vector, Quantity("m"), "From the hinge to the reference point, at rest"] = (0.0, 0.0, 0.0)
+    axis: Annotated[Vector, Quantity("-"), "Direction of the hinge's axis"] = (0.0, 1.0, 0.0)
+    motion: Annotated[tuple[str, ...], "What the joint leaves free, in order from the support"] = ("hinge",)
+    on: Annotated[str, 'The float, listed before, that carries the hinge; "" is the platform or the ground'] = ""
+    pto_damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Damping of the power take-off"] = 0.0
+    pto_stiffness: Annotated[
+        PerAxis,
+        Quantity("N m/rad or N/m"),
+        "Stiffness of the power take-off; < 0 for reactive control",
+    ] = 0.0
+    pto_table: Annotated[PtoTable | None, "Load of the power take-off by rate, in place of its damping"] = None
+    pto_efficiency: Annotated[PtoEfficiency | None, "Of the power take-off, for electrical_power"] = None
+    damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Linear damping besides the PTO"] = 0.0
+    critical_damping: Annotated[
+        PerAxis,
+        Quantity("-", least=0, most=10),
+        "More linear damping: as makes an axis alone, radiation included, damped by this share of critical",
+    ] = 0.0
+    quadratic_damping: Annotated[
+        PerAxis, Quantity("N m s2/rad2 or N s2/m2", least=0), "Damping by the square of the velocity"
+    ] = 0.0
+    stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m"), "Of a linear spring, at ease at rest"] = 0.0
+    preload: Annotated[PerAxis, Quantity("N m or N"), "A constant load along the axis"] = 0.0
+    # As hydraulics have at constant pressure.
+    coulomb: Annotated[
+        PerAxis,
+        Quantity("N m or N", least=0),
+        "Load of the power take-off whatever the rate, absorbed; it holds what is at rest",
+    ] = 0.0
+    force_limit: Annotated[
+        PerAxis, Quantity("N m or N", above=0, infinite=True), "That the power take-off's load does not exceed"
+    ] = np.inf
+    declutch_load: Annotated[
+        PerAxis,
+        Quantity("N m or N", above=0, infinite=True),
+        "Of the power take-off, beyond which it lets go of the axis until that turns round",
+    ] = np.inf
+    latch_load: Annotated[
+        PerAxis,
+        Quantity("N m or N", least=0),
+        "Up to which a latch holds an axis that has come to rest; beyond, it lets go until the next rest",
+    ] = 0.0
+    one_way: Annotated[
+        PerAxis,
+        Quantity("-", least=-1, most=1),
+        "Share that the power take-off's load lacks in motion in the negative sense; < 0: in the positive",
+    ] = 0.0
+    end_stops: Annotated[EndStops | None, "Springs and dampers at the ends of the stroke"] = None
+    lines: Annotated[tuple[Line, ...], "Catenary lines from the float to the seabed"] = ()
+    mooring: Annotated[Mooring | None, "Lines whose load along an axis depends on the other axes, too"] = None
+    mechanism_inertia: Annotated[
+        PerAxis, Quantity("kg m2 or kg", least=0), "Of what moves with the axis besides the float"
+    ] = 0.0
+    offset: Annotated[PerAxis, Quantity("rad or m"), "From equilibrium, where the float is let go at t = 0"] = 0.0
+
+    def __post_init__(self) -> None:
+        key = f"floats.{self.name}"
+        tables = [(name, getattr(self, name)) for name in ("end_stops", "pto_efficiency")]
+        within = [e for name, table in tables if table is not None for e in out_of_range(table, f"{key}.{name}")]
+        refuse([*out_of_range(self, key), *within, *self._joint_problems(key), *self._body_problems(key)])
+
+    def _joint_problems(self, key: str) -> Iterator[InputError]:
+        if "hinge" in self.motion and not any(self.axis):
+            yield InputError(f"{key}.axis", self.axis, "must not be zero")
+        if len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
+            yield InputError(f"{key}.motion", self.motion, f"must name each axis once, of hinge, {', '.join(DOFS)}")
+        elif "hinge" in self.motion and any(self.axis):
+            turns = [self.direction(name) for name in self.motion if name not in DOFS[:3]]
+            if len(turns) > 1 and np.linalg.matrix_rank(turns) < len(turns):
+                yield InputError(
+                    f"{key}.motion", self.motion, f"must turn about different axes; the hinge's {self.axis}"
+                )
+        given = {name: v for name, usual in STARTS.items() if (v := self._joint(name)) is not None and v is not usual}
+        unfit = [name for name, v in given.items() if not _fits(v, STARTS[name], len(self.motion))]
+        each = f"needs one number for each of {', '.join(self.motion)}"
+        for name in unfit:
+            limit = each if self.motion else "must be left out: a fixed body has no axis"
+            yield InputError(f"{key}.{name}", given[name], limit)
+        if not unfit:
+            yield from self._law_problems(key)
+        n = len(self.motion)
+        if self.mooring is not None and (not n or len(self.mooring.stiffness) not in (n, SIX)):
+            limit = f"must be {n} x {n}, for {', '.join(self.motion)}, or 6 x 6"
+            limit = limit if n else "must be left out: a fixed body has no axis"
+            yield InputError(f"{key}.mooring.stiffness", self.mooring.stiffness, limit)
+        if self.lines and not n:
+            yield InputError(f"{key}.lines", f"{len(self.lines)} lines", "must be left out: a fixed body has no axis")
+        for line in self.lines:
+            if not line.anchor[2] < self.centre[2] + line.fairlead[2]:
+                yield InputError(f"{key}.lines.anchor", line.anchor, f"must be below the fairlead, {line.fairlead} m")
+
+    def _law_problems(self, key: str) -> Iterator[InputError]:
+        if self.pto_table is not None:
+            yield from self._table_problems(f"{key}.pto_table", self.pto_table.axis)
+        limits = [name for name in ("force_limit", "declutch_load") if getattr(self, name) != STARTS[name]]
+        for name in limits:
+            if np.any(self.per_axis("coulomb") >= self.per_axis(name)):
+                yield InputError(f"{key}.coulomb", self.coulomb, f"must be < {name}")
+            if np.any((self.per_axis("pto_stiffness") != 0) & np.isfinite(self.per_axis(name))):
+                yield InputError(f"{key}.pto_stiffness", self.pto_stiffness, f"must be 0 beside a {name}")
+        if "declutch_load" in limits:
+            lets_go = np.isfinite(self.per_axis("declutch_load"))
+            if lets_go.any() and not np.any(lets_go & (self.per_axis("pto_damping") > 0)):
+                yield InputError(f"{key}.declutch_load", self.declutch_load, "needs pto_damping, which reaches it")
+            if np.any(lets_go & np.isfinite(self.per_axis("force_limit"))):
+                yield InputError(f"{key}.declutch_load", self.declutch_load, "must be left out beside a force_limit")
+        if self.end_stops is not None:
+            low, high = self.per_axis("end_stops.lower"), self.per_axis("end_stops.upper")
+            some = (self.per_axis("end_stops.stiffness") > 0) | (self.per_axis("end_stops.damping") > 0)
+            if np.any(some & ~(low < high)):
+                yield InputError(f"{key}.end_stops.lower", self.end_stops.lower, "must be < upper")
+
+    def _table_problems(self, key: str, axis: str) -> Iterator[InputError]:
+        if axis not in self.motion and (axis or len(self.motion) != 1):
+            yield InputError(f"{key}.axis", axis, f"must be one of {', '.join(self.motion) or 'no axis: it is fixed'}")
+            return
+        i = self.motion.index(axis) if axis else 0
+        for name in ("pto_damping", "coulomb", "force_limit", "declutch_load", "latch_load", "one_way"):
+            if self.per_axis(name)[i] != STARTS[name]:
+                yield InputError(key, "given", f"needs {name} to be left out on that axis: the table has it all")
+
+    def _body_problems(self, key: str) -> Iterator[InputError]:
+        moments = sorted(self.inertia)
+        if moments[2] > (moments[0] + moments[1]) * (1 + 1e-9):
+            limit = "must meet the triangle inequality: no moment above the sum of the others"
+            yield InputError(f"{key}.inertia", self.inertia, limit)
+        upright = self.motion == ("hinge",) and self.axis[0] == self.axis[1] == 0
+        if upright and np.linalg.norm(np.cross(self.arm, self.axis)) < 1e-9 * np.linalg.norm(self.axis):
+            yield InputError(f"{key}.arm", self.arm, "must not lie along the hinge axis: the float would only spin")
+
+    def per_axis(self, name: str) -> np.ndarray:
+        """A quantity of the joint for each axis (n,); those of end stops by "end_stops.lower" and so on."""
+        value = self._joint(name)
+        values = np.atleast_1d(np.asarray(STARTS[name] if value is None else value, float))
+        return values if values.size == len(self.motion) else np.full(len(self.motion), values[0])
+
+    def _joint(self, name: str) -> PerAxis | None:
+        """A quantity of the joint as it is given; None without its table."""
+        if "." not in name:
+            value: PerAxis = getattr(self, name)
+            return value
+        table, _, part = name.rpartition(".")
+        holder = getattr(self, table)
+        return getattr(holder, part) if holder is not None else None
+
+    def direction(self, name: str) -> np.ndarray:
+        """Of an axis of the joint, along which it slides or about which it turns (3,)."""
+        return np.divide(self.axis, np.linalg.norm(self.axis)) if name == "hinge" else np.eye(3)[DOFS.index(name) % 3]
+
+    @property
+    def hinged(self) -> Hinged:
+        """Its hull and hinge."""
+        return Hinged(self.hull, tuple(self.hinge), tuple(self.arm), tuple(self.direction("hinge").tolist()))
+
+    @property
+    def stroke(self) -> Stroke:
+        """Of a hinge between its end stops [rad]; none without."""
+        if self.motion != ("hinge",) or self.end_stops is None:
+            return 0.0, 0.0
+        low, high = (float(self.per_axis(f"end_stops.{end}")[0]) for end in ("lower", "upper"))
+        return low, high
+
+    @property
+    def moored(self) -> AxisMooring:
+        """The mooring along the joint's axes; zero without one."""
+        if self.mooring is None:
+            return none(len(self.motion))
+        J, n = self._jacobian, len(self.motion)
+        H = np.zeros((n, n, 3))  # as an axis turns about n, what later ones move it by turns, too: n × J
+        for i, j in zip(*np.triu_indices(n), strict=True):
+            H[i, j] = H[j, i] = np.cross(J[3:, i], J[:3, j])
+        return self.mooring.on_axes(J, H)
+
+    @property
+    def _jacobian(self) -> np.ndarray:
+        """Motion (6, n) of the reference point by the joint's axes, at rest."""
+        J = np.zeros((6, len(self.motion)))
+        for i, name in enumerate(self.motion):
+            d, slides = self.direction(name), name in DOFS[:3]
+            J[:, i] = (*d, 0, 0, 0) if slides else (*np.cross(d, self.arm), *d)
+        return J
+
+    @property
+    def pulls(self) -> np.ndarray:
+        """Constant loads along the joint's axes at rest (n,) [N or N m]: of preloads and of all lines."""
+        pulls = np.asarray(self.moored.pretension) + self.per_axis("preload")
+        return pulls + self._jacobian.T @ line_loads(self.lines, self.centre) if self.lines else pulls
+
+    @property
+    def pto_points(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray] | None]:
+        """Positions, rates and loads of the power take-off's table, for each axis; None where there is no table."""
+        points: list[tuple[np.ndarray, np.ndarray, np.ndarray] | None] = [None] * len(self.motion)
+        if self.pto_table is not None:
+            points[self.motion.index(self.pto_table.axis or self.motion[0])] = self.pto_table.points
+        return points
+
+    @property
+    def centre(self) -> np.ndarray:
+        """Reference point at rest (3,) [m]."""
+        return np.add(self.hinge, self.arm)
+
+
+def _fits(value: PerAxis, usual: float, axes: int) -> bool:
+    """Whether there is a number for each axis; one that says nothing does for all."""
+    if isinstance(value, (float, int)):
+        return axes == 1 or value == usual
+    return np.size(value) == axes or not np.any(np.asarray(value) != usual)
+
+
+def _of_joints(inputs: type, table: str = "") -> dict[str, float]:
+    """Of each quantity that joints have for each axis: its default; nothing where a table of them is left out."""
+    return {
+        f"{table}{f.name}": 0.0 if f.default is MISSING else f.default
+        for f in fields(inputs)
+        if get_type_hints(inputs)[f.name] == PerAxis
+    }
+
+
+STARTS = _of_joints(Float) | _of_joints(EndStops, "end_stops.")
+PER_AXIS = tuple(STARTS)
+
+
+def unlisted(floats: Sequence[Float]) -> Iterator[InputError]:
+    """Of floats that are on one that is not listed before them."""
+    names = [f.name for f in floats]
+    for i, f in enumerate(floats):
+        if f.on and f.on not in names[:i]:
+            yield InputError(f"floats.{f.name}.on", f.on, "must name a float that is listed before")
+
+
+def is_planar(floats: Iterable[Float], heading: float, current: Current | None = None) -> bool:
+    """Whether floats, waves of that heading [rad] and current are mirror images of themselves in y = 0."""
+    if current is not None and current.direction % np.pi != 0:
+        return False
+    return heading % np.pi == 0 and all(
+        f.hinge[1] == f.arm[1] == f.cog[1] == 0
+        and f.hull.symmetry[1]
+        and not set(f.motion) & {"sway", "roll", "yaw"}
+        and ("hinge" not in f.motion or f.axis[0] == f.axis[2] == 0)
+        for f in floats
+    )
+
+
+def out_of_place(item: Float, water: Water) -> Iterator[InputError]:
+    """A float that at rest reaches the seabed and does not stand on it, or whose reference point is not at z = 0."""
+    key, z = f"floats.{item.name}.arm", item.centre[2]
+    if not (z - item.hull.draft > -water.depth or (stands(item.hull, water.depth) and not item.motion)):
+        lowest = f"lowest point at z = {z - item.hull.draft:g} m, depth {water.depth:g} m"
+        limit = f"must stay above the seabed, or with motion = [] stand on it with a flat foot: {lowest}"
+        yield InputError(key, item.arm, limit)
+    elif abs(z) > STILL_WATER:
+        limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {z:g} m"
+        yield InputError(key, item.arm, limit)
