@@ -2,7 +2,10 @@
 
 from solver.coupled.energy import GAP, SCALE, open_by, stored
 from solver.coupled.modal import carry
-from solver.coupled.pieces import Fine, bends, in_contact, in_pieces, note, undisturbed
+from solver.coupled.pieces.fine import Fine
+from solver.coupled.pieces.kept import note
+from solver.coupled.pieces.leaving import undisturbed
+from solver.coupled.pieces.pieces import bends, in_contact, in_pieces
 from solver.coupled.stages import State
 from solver.coupled.step import (
     EXCURSION,

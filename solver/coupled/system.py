@@ -22,7 +22,9 @@ from solver.coupled.equilibrium import (
 from solver.coupled.march import GROSSLY, march
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure, WaterAbout, drag
-from solver.coupled.pieces import CHANGES, SWING, new_fine
+from solver.coupled.pieces.fine import new_fine
+from solver.coupled.pieces.pace import SWING
+from solver.coupled.pieces.pieces import CHANGES
 from solver.coupled.stages import State
 from solver.coupled.step import (
     EXCURSION,

@@ -16,7 +16,7 @@ from solver.coupled import system as system_module
 from solver.coupled.between import NODES, interpolate
 from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
-from solver.coupled.pieces import _fill_memory, _sample, new_fine
+from solver.coupled.pieces.fine import _fill_memory, new_fine, sample_drive
 from solver.coupled.step import (
     HITS,
     HOLDS,
@@ -380,7 +380,7 @@ def test_the_drive_between_samples_is_a_polynomial_through_them():
     drive = system.drive((at[:, None] / 10) ** power)
     fine = new_fine(system.problem(), drive)
     for where in (0.0, 0.3, 5.5, 7.0, 10.9):
-        _sample(drive, where, 1, fine)
+        sample_drive(drive, where, 1, fine)
         exact = system.drive(((where / 10) ** power)[None])
         for mine, theirs in zip(fine.drive, exact, strict=True):
             assert mine[1] == approx(theirs[0], abs=1e-12)
