@@ -18,8 +18,9 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_err
 from solver.hydrodynamics.radiation.memory import USUAL
 from solver.limits import field_error
 from solver.record.accuracy import ATTEMPTS, first_guess, improved
-from solver.record.audit import Probe, audit, sharpest_bend
+from solver.record.audit import audit
 from solver.record.bound import above
+from solver.record.probe import Probe, sharpest_bend
 from solver.record.recorder import Record, Recorder
 from solver.record.refit import prepared
 from solver.scene import Scene

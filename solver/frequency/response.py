@@ -14,7 +14,7 @@ from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import joint_law
 from solver.multibody.joint_law import JointLaw
-from solver.record.audit import cancelled, force_error, response_error
+from solver.record.effects import cancelled, force_error, response_error
 from solver.record.response import carried
 from solver.scene import Scene
 

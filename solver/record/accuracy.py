@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from solver.power_takeoff import PtoTable
-from solver.record.audit import UNTOLD, with_tables
+from solver.record.probe import UNTOLD, with_tables
 from solver.scene import Scene, Settings, two_digits
 
 ATTEMPTS = 6  # at most; each but the last costs the first audit.PROBE seconds of a run, and their audit

@@ -17,7 +17,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.radiation.memory import USUAL
 from solver.keys import Bits
 from solver.record.accuracy import MARGIN, SHARE
-from solver.record.audit import coefficient_effects, decay
+from solver.record.effects import coefficient_effects, decay
 from solver.record.response import excitation
 from solver.scene import Scene
 from solver.statistics import FAINT

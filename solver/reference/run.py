@@ -24,9 +24,11 @@ from solver.coupled.system import BALANCE, System, energy_residual, unbalanced
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import bent, joint_energy, stop_loads
-from solver.record.audit import PROBE, coefficient_effects, probed, shapes_effect, statistics_error, together, unmet
+from solver.record.audit import unmet
 from solver.record.bound import above
+from solver.record.effects import coefficient_effects, shapes_effect, together
 from solver.record.elements import elements_effect
+from solver.record.probe import PROBE, probed, statistics_error
 from solver.record.recorder import Record, Recorder
 from solver.record.refit import prepared
 from solver.record.sampling import expected_error

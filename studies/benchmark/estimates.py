@@ -14,7 +14,7 @@ import numpy as np
 from solver.coupled.system import prepare
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.motions import of_scene
-from solver.record.audit import together
+from solver.record.effects import together
 from solver.record.recorder import Record
 from solver.run import simulate
 from solver.scene import Scene

@@ -14,8 +14,8 @@ from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import prepare
 from solver.frequency import case
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.record import audit
-from solver.record.audit import coefficient_effects, shapes_effect
+from solver.record import effects
+from solver.record.effects import coefficient_effects, shapes_effect
 from solver.run import simulate
 from solver.scene import DOFS, Float
 from solver.sea.realization import regular
@@ -169,7 +169,7 @@ def test_mesh_effect_is_what_the_march_shows(name, monkeypatch):
 
     And by what two fits of the memory may differ in. Errors of forces that others cancel are not counted by themselves.
     """
-    monkeypatch.setattr(audit, "UNSURE", 0.0)
+    monkeypatch.setattr(effects, "UNSURE", 0.0)
     scene, h = SCENES[name]()
     linear = replace(
         scene, settings=replace(scene.settings, froude_krylov="linear", memory_tolerance=1e-3, duration=600.0)

@@ -12,7 +12,9 @@ from solver.errors import InputError, StepTooLong
 from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
-from solver.record.audit import UNSURE, against, cancelled, sharpest_bend, together, unlike, unmet
+from solver.record.audit import against, unmet
+from solver.record.effects import UNSURE, cancelled, together, unlike
+from solver.record.probe import sharpest_bend
 from solver.record.refit import prepared
 from solver.record.sampling import least_force
 from solver.run import simulate

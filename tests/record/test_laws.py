@@ -12,7 +12,7 @@ from pipeline.bridge.pto_law import table
 from pipeline.study.attachments import Attachment
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.power_takeoff import PtoTable
-from solver.record import audit
+from solver.record import probe
 from solver.record.accuracy import DEFAULT
 from solver.run import simulate
 from solver.scene import Float
@@ -130,7 +130,7 @@ def test_a_bilinear_law_costs_no_error_and_a_scene_without_one_no_run(monkeypatc
     waves = regular(height=HEIGHT, period=PERIOD)
     assert simulate(heaving(waves, straight, duration=20.0)).attrs["law_effect"] < 1e-12
     made = []
-    monkeypatch.setattr(audit, "prepare", lambda *given: made.append(given))
+    monkeypatch.setattr(probe, "prepare", lambda *given: made.append(given))
     plain = heaving(waves, replace(straight, finer=None), duration=20.0)
     assert simulate(plain).attrs["law_effect"] == 0 and not made
 

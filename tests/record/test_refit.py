@@ -10,7 +10,7 @@ from solver.coupled.linear import impedance, linear_model
 from solver.coupled.natural import system_modes
 from solver.coupled.system import prepare
 from solver.record import refit
-from solver.record.audit import coefficient_effects
+from solver.record.effects import coefficient_effects
 from solver.record.response import excitation
 from solver.sea.realization import components
 from tests.awkward import SCENES

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from solver.coupled.system import prepare
-from solver.record import audit
+from solver.record import probe
 from solver.run import simulate
 from solver.scene import Platform
 from solver.statistics import apart
@@ -48,9 +48,9 @@ def test_records_tell_what_their_stations_do(made, stretching):
 def test_near_stations_are_not_looked_at_again(monkeypatch):
     item = column()[0]
     true = [simulate(with_stations(item, n)).variables for n in (3, 10)]
-    assert max(apart(*(v[name][1] for v in true)) for name in JUDGED) < audit.FAR
+    assert max(apart(*(v[name][1] for v in true)) for name in JUDGED) < probe.FAR
     calls = []
-    monkeypatch.setattr(audit, "prepare", lambda scene, *_: calls.append(scene) or prepare(scene, None))
+    monkeypatch.setattr(probe, "prepare", lambda scene, *_: calls.append(scene) or prepare(scene, None))
     for count, told in ((1, True), (2, True), (3, False)):
         calls.clear()
         effect = simulate(with_stations(item, count)).attrs["stations_effect"]

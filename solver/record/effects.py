@@ -1,0 +1,146 @@
+"""What errors of coefficients, and shapes that are left out, do to the response of the scene's linear model."""
+
+from collections.abc import Callable, Iterable
+from functools import lru_cache
+
+import numpy as np
+
+from solver.coupled.driving import driven
+from solver.coupled.histories import unswung
+from solver.coupled.linear import LinearModel, impedance, linear_model
+from solver.coupled.support import KNOWN, Support, real_by_complex
+from solver.coupled.system import System
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.keys import shared
+from solver.multibody.joint_law import JointLaw, absorbing
+from solver.record.recorder import Channels
+from solver.record.response import excitation, force_of_waves, in_waves
+from solver.record.sampling import least_force
+from solver.statistics import FAINT
+
+UNSURE = 0.4  # of what the error of forces alone would do, that may be left where others cancel it
+DECAY = 400  # frequencies at which a scene without waves is judged
+
+
+def together(errors: Iterable[float]) -> float:
+    """Error to expect of independent ones: the root of the sum of their squares."""
+    return float(np.sqrt(sum(error**2 for error in errors)))
+
+
+def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float, float]:
+    """What the memory's misfit and the boundary elements' mesh do to the linear response's std and mean power.
+
+    And to the joints' forces. In this sea, or let go from the scene's offsets: with the fit's B - iω(A - A∞) in place
+    of the coefficients'; and with coefficients off by their estimated error, see `cancelled`.
+    """
+    if h is None:
+        return 0.0, 0.0
+    model, sea = linear_model(system), system.scene.sea
+    waves = bool(sea.amplitude.any())
+    omega = sea.omega if waves else np.linspace(h.omega[0], h.omega[-1], DECAY)
+
+    def response(force: np.ndarray, Y: np.ndarray) -> np.ndarray:
+        return model.response(omega, Y, force) if waves else decay(system, model, omega, Y)
+
+    def change(known: Hydrodynamics, y: np.ndarray) -> float:
+        X = response(force[known], y)
+        forces = joint_forces(system, omega, X, y, pushed[known])
+        return max(response_error(system, system.bodies.law, omega, X, exact), force_error(system, forces, borne))
+
+    size = sea.amplitude[:, None] if waves else 0.0
+    force = {known: force_of_waves(system, known) if waves else np.zeros((1, 1)) for known in (h, h.shifted)}
+    pushed = {known: excitation(system, known, omega) * size for known in force}
+    Y = impedance(system, h, omega)
+    exact = response(force[h], Y)
+    borne = joint_forces(system, omega, exact, Y, pushed[h])
+    memory = change(h, system.fit.frequency(omega)) if system.fit else 0.0
+    net, off = change(h.shifted, impedance(system, h.shifted, omega)), unlike(force[h].T, force[h.shifted].T)
+    return memory, cancelled(net, off, lambda: change(h.shifted, Y))
+
+
+def cancelled(effect: float, unlike_forces: float, pushed: Callable[[], float]) -> float:
+    """What a mesh does, of its net effect, how much forces are off, and what those alone do.
+
+    Errors of forces and of added mass may cancel each other in a response, and each is known within a factor alone.
+    Power goes by the square of forces: what could do no more is not asked for.
+    """
+    return max(effect, UNSURE * pushed()) if effect < UNSURE * 2 * unlike_forces else effect
+
+
+def unlike(force: np.ndarray, other: np.ndarray) -> float:
+    """By how much forces (n, nw) differ, of that on the coordinate where it is most."""
+    size, off = (np.linalg.norm(x, axis=1) for x in (force, other - force))
+    return float(np.divide(off, size, out=np.zeros(size.shape), where=size > 0).max(initial=0.0))
+
+
+def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray) -> np.ndarray:
+    """Of response X (nw, n), radiation impedance Y and the waves' force (nw, na): (nw, nb, 3) [N]."""
+    active, push = system.bodies.active, np.zeros((omega.size, system.bodies.axes.size, 6), complex)
+    push[..., active] = pushed.reshape(push[..., active].shape)
+    loads = linear_model(system).loads(omega, X, Y, push, active)
+    return Channels(system.scene, None).hinge_force(loads)
+
+
+def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:
+    """Largest relative change of the std of a joint's force (nw, nb, 3), but for those that count as zero."""
+    std, true = (np.sqrt(np.einsum("wbi,wbi->bi", F, F.conj()).real) for F in (forces, exact))
+    least = np.maximum(np.sqrt(2) * least_force(system.scene), FAINT * true.max())
+    return float(np.max(np.abs(std - true) / np.maximum(true, least), initial=0.0))
+
+
+def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
+    """What the shapes left out of a frame's motion change of the std of its legs' tops in the linear response.
+
+    In this sea, with drag linearised by the water's own velocity; and of what load histories move, if that is more.
+    """
+    support, sea = system.support, system.scene.sea
+    if support is None:
+        return 0.0
+    by_histories = unswung(system)
+    if not sea.amplitude.any():
+        return by_histories
+    X, drag = in_waves(system, h)
+    waves = np.abs(sea.amplitude) > 0
+    return max(by_histories, left_out_effect(system, X[waves], drag[waves] @ support.left_out.drag))
+
+
+def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
+    """The same of the response X (nw, n) to the waves that are not of zero height, and of drag on the rest (nw, nt)."""
+    support, sea = system.support, system.scene.sea
+    if support is None or not support.left_out.tops.size:
+        return 0.0
+    waves = np.abs(sea.amplitude) > 0
+    of_waves, p = driven(support, system.waves).left_out[:, waves], X.T[: len(support.omega)]
+    usual, inertia = real_by_complex(_tops_and_inertia(support), p).reshape(2, -1, p.shape[1])
+    exact = usual + of_waves + drag.T + sea.omega[waves] ** 2 * inertia
+    std, exact = (np.linalg.norm(lines.view(float), axis=1) for lines in (usual, exact))
+    used = std > FAINT * std.max()
+    return float(np.abs(exact[used] / std[used] - 1).max(initial=0.0))
+
+
+@lru_cache(maxsize=KNOWN)
+def _tops_and_inertia(support: Support) -> np.ndarray:
+    """(2 nt, nm) of the modes' amplitudes: their motion of the legs' tops, and what their inertia leaves out of it."""
+    rest = support.left_out
+    return shared(np.concatenate([support.shapes[rest.tops], rest.inertia.T]))
+
+
+def decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    """Spectrum X (nw, n) of what follows from offsets x₀, (1 - Z⁻¹C) x₀/(-iω)."""
+    start = np.zeros(len(model.mass))
+    start[system.structure.omega.size :] = np.concatenate([f.per_axis("offset") for f in system.scene.floats])
+    pushed = np.broadcast_to(model.stiffness @ start, (omega.size, start.size))
+    return (start - model.response(omega, Y, pushed)) / (-1j * omega[:, None])
+
+
+def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
+    """Largest relative change of a coordinate's std, or of its rate's square where that is power absorbed by a law."""
+    power, true = (x.real**2 + x.imag**2 for x in (X, exact))
+    size, true_size = (np.sqrt(squares.sum(axis=0)) for squares in (power, true))
+    largest = linear_model(system).length * true_size
+    used = largest > FAINT * largest.max(initial=0.0)
+    first, pto = system.structure.omega.size, absorbing(law)[system.structure.carrier.shape[0] :]
+    absorbs = used & np.concatenate([np.zeros(first, bool), pto])
+    rate, true_rate = (omega**2 @ squares[:, absorbs] for squares in (power, true))
+    changes = np.concatenate([size[used] / true_size[used], rate / true_rate])
+    return float(np.abs(changes - 1).max(initial=0.0))
