@@ -20,8 +20,9 @@ from solver.limits import field_error
 from solver.record.accuracy import ATTEMPTS, first_guess, improved
 from solver.record.audit import audit
 from solver.record.bound import above
+from solver.record.channels import Record
 from solver.record.probe import Probe, sharpest_bend
-from solver.record.recorder import Record, Recorder
+from solver.record.recorder import Recorder
 from solver.record.refit import prepared
 from solver.scene import Scene
 

@@ -24,7 +24,7 @@ from solver.errors import InputError, SimulationFailed
 if TYPE_CHECKING:
     from pipeline.results.records import Record
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-    from solver.record import recorder
+    from solver.record import channels
     from solver.scene import Scene
 
 Share = Any  # of what boundary elements solve, see solver.hydrodynamics.bem.bem.part; None for coefficients from a file
@@ -100,7 +100,7 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     return whole
 
 
-def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> recorder.Record:
+def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None) -> channels.Record:
     """Statistics of one simulation."""
     from solver.run import simulate
 
@@ -136,7 +136,7 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
         told = {"mass": (("float",), mass), "cog": (("float", "direction"), cog)}
         record = replace(record, variables={**record.variables, **told})
     if "hold" in sought:
-        from solver.record.recorder import Channels
+        from solver.record.channels import Channels
 
         channels, preload = Channels(scene, None), np.concatenate([f.per_axis("preload") for f in scene.floats])
         told = {"preload": (("float", "axis"), channels.by_axis(preload[None])[0])}

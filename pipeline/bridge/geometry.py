@@ -174,7 +174,7 @@ def waves_to(geometry: Geometry) -> float:
 
 def _grid(geometry: Geometry) -> np.ndarray:
     """Frequencies that are solved [rad/s]."""
-    from solver.hydrodynamics.bem.bem import frequency_grid
+    from solver.hydrodynamics.bem.grid import frequency_grid
 
     return frequency_grid(**_solved(geometry), band=geometry.band)
 

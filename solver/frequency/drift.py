@@ -20,7 +20,7 @@ from solver.frequency.response import Response
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.bem.far_field import Waves
 from solver.multibody.joint_law import JointLaw
-from solver.record.recorder import Channels, Labelled
+from solver.record.channels import Channels, Labelled
 from solver.record.spectra import bands
 from solver.scene import Scene
 

@@ -15,10 +15,10 @@ from solver.multibody.joint_law import bent
 from solver.power_takeoff import PtoTable
 from solver.record.audit import unmet
 from solver.record.bound import above
+from solver.record.channels import ELEVATION, Labelled, Record, bound
 from solver.record.effects import left_out_effect, response_error, together
 from solver.record.elements import elements_effect
 from solver.record.probe import knows_finer, with_tables
-from solver.record.recorder import ELEVATION, Labelled, Record, bound
 from solver.record.spectra import bands, cross_spectra, crossings, moments
 from solver.scene import Scene, require_waves
 from solver.statistics import STATISTICS

@@ -13,7 +13,7 @@ from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import shared
 from solver.multibody.joint_law import JointLaw, absorbing
-from solver.record.recorder import Channels
+from solver.record.channels import Channels
 from solver.record.response import excitation, force_of_waves, in_waves
 from solver.record.sampling import least_force
 from solver.statistics import FAINT

@@ -19,9 +19,10 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody.joint_law import taking
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
 from solver.power_takeoff import PtoTable
+from solver.record.channels import Channels
 from solver.record.effects import coefficient_effects, shapes_effect, together
 from solver.record.elements import elements_effect
-from solver.record.recorder import Channels, Recorder
+from solver.record.recorder import Recorder
 from solver.record.sampling import at_ends, between_samples, expected_error, from_start, least_force, of_every_other
 from solver.scene import Scene
 from solver.statistics import FAINT, apart, moments

@@ -26,10 +26,11 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coeffi
 from solver.multibody.joint_law import bent, joint_energy, stop_loads
 from solver.record.audit import unmet
 from solver.record.bound import above
+from solver.record.channels import Record
 from solver.record.effects import coefficient_effects, shapes_effect, together
 from solver.record.elements import elements_effect
 from solver.record.probe import PROBE, probed, statistics_error
-from solver.record.recorder import Record, Recorder
+from solver.record.recorder import Recorder
 from solver.record.refit import prepared
 from solver.record.sampling import expected_error
 from solver.reference import axes as joint_axes

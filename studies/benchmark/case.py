@@ -14,7 +14,7 @@ from pipeline.bridge.loading import load
 from pipeline.tasks.task import Task, expand
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.record.recorder import Record
+from solver.record.channels import Record
 from solver.record.sampling import least_force
 from solver.run import simulate
 from solver.scene import Scene

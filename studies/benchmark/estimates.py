@@ -14,8 +14,8 @@ import numpy as np
 from solver.coupled.system import prepare
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.motions import of_scene
+from solver.record.channels import Record
 from solver.record.effects import together
-from solver.record.recorder import Record
 from solver.run import simulate
 from solver.scene import Scene
 from solver.statistics import moments

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import ScalarFormatter
 
-from solver.record.recorder import Record
+from solver.record.channels import Record
 from studies.benchmark.case import OUT, RUNS, coefficients, errors, scene, timed, with_settings, worst
 
 SECONDS = 900.0  # analysed in each run

@@ -12,7 +12,7 @@ from solver.frequency.response import respond
 from solver.frequency.rotation import mean_shift
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.record.recorder import Record
+from solver.record.channels import Record
 from solver.run import simulate
 from solver.scene import Scene
 from solver.sea.realization import components, realize

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
-from solver.record.recorder import Record
+from solver.record.channels import Record
 from solver.record.spectra import transfer
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings

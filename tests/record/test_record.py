@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.record.recorder import Channels
+from solver.record.channels import Channels
 from solver.run import simulate
 from solver.sea.realization import CALM, components, ramp
 from solver.statistics import STATISTICS

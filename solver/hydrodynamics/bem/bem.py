@@ -4,35 +4,31 @@ The mirror planes, the systems and the forces are ours, so that every right-hand
 shares one factorization, and parts that a symmetry makes zero are never solved. Conventions: see `coefficients`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem.alone import assembled
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError, symmetric
-from solver.hydrodynamics.bem.far_field import FarField, PlaneWaves, modes, orders, plane_waves
-from solver.hydrodynamics.bem.green import green_function, joined
+from solver.hydrodynamics.bem.extrapolation import TWO_MESHES, Solution, extrapolated, of_edges, of_plates
+from solver.hydrodynamics.bem.far_field import FarField, orders
+from solver.hydrodynamics.bem.grid import RESOLVED, frequency_grid
 from solver.hydrodynamics.bem.incident import Sea
-from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths, unit_motions
-from solver.hydrodynamics.bem.table import clear
+from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths
+from solver.hydrodynamics.bem.mesh import Mesh
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
 from solver.hydrodynamics.hull.coarse import fewer
-from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.hull.plates import Plates
-from solver.hydrodynamics.hull.standing import stands, walls
-from solver.hydrodynamics.hull.surface import divided, mirrored
-from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
-from solver.sea.dispersion import SHALLOWEST, first_solved, longest
+from solver.hydrodynamics.hull.standing import stands
+from solver.sea.dispersion import SHALLOWEST, longest
 
 __all__ = [
     "DOFS", "PLANAR", "Hydrodynamics", "Problem", "frequency_grid", "part", "require_solvable", "solve", "united",
@@ -41,67 +37,8 @@ __all__ = [
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
 HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it, or coarser, and halved
 METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
-NEXT = 3  # power of h that is left without the h² error: of edges, and of spheres, which have one in the waterplane
-LEAST = 0.25  # over the panels: of a coefficient, that three meshes may leave where their limits happen to agree
-TWO_MESHES = 0.5  # of the h² error, that is left of it at least: measured on a sphere of 216 and 864 triangles
-IRREGULAR = 1.5  # times what even panels leave, that a dense mesh made coarser does: 1.4 to 3.2 in A of five hulls
-NARROWED = 0.5  # of what even panels leave at edges, that narrower ones do: 0.2 to 0.5 of boxes 0.5 to 3 m deep
-ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
-# Of the wavenumber times a panel's side: up to here coefficients err by 2 % of the added mass at most, at 2.5 by 80 %
-# (heave and surge of a hemisphere and of a cylinder, against eight times the panels).
-RESOLVED = 2.0
-# Parts thinner than panels are wide: times that error, where panels of the two faces are each other's images; where
-# they are not, of the coefficient, for each time that a panel is as wide as the part is thick. Measured on heave plates
-# of 1/20 to 1/150 of their radius, from the finest to the coarsest meshes.
-ALIKE_PLATES, UNLIKE_PLATES = 4.0, 0.02
 FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
-
-
-class Solution(NamedTuple):
-    """Of one mesh at nw frequencies, for nh headings."""
-
-    impedance: np.ndarray  # (nw, n, n) A + iB/ω
-    infinite: np.ndarray  # (n, n) A∞
-    diffraction: np.ndarray  # (nw, nh, n) force
-    far: np.ndarray  # (nw, n + nh, 2M + 1) modes of H, of each motion and heading; empty where not asked for
-    lid: float  # area of damping lids [m²]
-    panels: int  # on hulls
-
-
-def frequency_grid(
-    hulls: tuple[Hull, ...],
-    centres: np.ndarray,
-    *,
-    depth: float,
-    gravity: float = 9.81,
-    count: int = 40,
-    band: tuple[float, float] | None = None,
-    panels: int = 432,
-    interaction: bool = True,
-) -> np.ndarray:
-    """Frequencies [rad/s] from Ka = 0.02 (or kh = SHALLOWEST) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
-
-    None above that, not of the band, which meshes of about `panels` a body do not resolve: RESOLVED.
-    `count` even ones for a body alone. A wave reflected between bodies L apart turns the phase
-    of a force by 2kL: the spacing is then at most g/(4ωL), 1 rad, up to Ka = 2 and through the band. Without
-    interaction none is. Hulls with heave plates have some moved by 0.3 % at most: see `clear`.
-    """
-    radii = [h.largest_radius for h in hulls]
-    low = max(np.sqrt(0.02 * gravity / max(radii)), first_solved(depth, gravity))
-    high, resolved = np.sqrt(np.array([10, 2]) * gravity / min(h.scale for h in hulls))
-    high = min(high, np.sqrt(RESOLVED * gravity / max(np.sqrt(h.wetted_area / panels) for h in hulls)))
-    if band is not None:
-        low, high, resolved = min(low, band[0]), max(high, band[1]), max(resolved, band[1])
-    at = np.asarray(centres, float).reshape(-1, 3)
-    apart = np.linalg.norm(at[:, None] - at, axis=-1).max() if interaction else 0.0
-    # Grid points divide the integral of their density evenly, so that the spacing varies smoothly.
-    omega = np.linspace(low, high, 4001)
-    density = (count - 1) / (high - low) + 0.0 * omega
-    density = np.maximum(density, 4 * apart / gravity * omega / (1 + (omega / resolved) ** 16))
-    index = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(omega))])
-    grid = np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1] - 1e-6)) + 1), index, omega)
-    return clear(grid, hulls, depth, gravity)
 
 
 def solve(hulls: tuple[Hull, ...], centres: np.ndarray, *, heading: float = 0.0, **water: Any) -> Hydrodynamics:
@@ -131,7 +68,7 @@ class Problem:
     panels: int
     interaction: bool  # without, each body is alone in the water, and equal ones are solved for once
     far_field: bool  # whether the waves far off are wanted
-    # On still water where no circle of this diameter fits ∂φ/∂z = (1 + iε) ω²/g φ: see _Mesh.
+    # On still water where no circle of this diameter fits ∂φ/∂z = (1 + iε) ω²/g φ: see Mesh.
     gap_damping: float  # ε
     gap_width: float  # [m]
 
@@ -284,10 +221,10 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
     lengths = motion_lengths(hulls, problem.dofs)
     body = np.repeat(np.arange(len(hulls)), len(problem.dofs))
     plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
-    share = TWO_MESHES if plates else _of_edges(problem.meshed, problem.base, narrow=problem.meshing.narrow)
-    (impedance, impedance_inf, diffraction, far), left = _extrapolated(solutions, divisions, (lengths, body), share)
+    share = TWO_MESHES if plates else of_edges(problem.meshed, problem.base, narrow=problem.meshing.narrow)
+    (impedance, impedance_inf, diffraction, far), left = extrapolated(solutions, divisions, (lengths, body), share)
     if plates and len(solutions) <= len(HALVED):
-        left = _of_plates(plates, left, (impedance, impedance_inf, diffraction, far))
+        left = of_plates(plates, left, (impedance, impedance_inf, diffraction, far))
     lid = solutions[0].lid
     how = f"finest of {len(divisions)} meshes, damping lid" if lid > 0 else METHODS[len(divisions)]
     settings = {
@@ -329,155 +266,11 @@ def _interleaved(pieces: Sequence[Solution]) -> Solution:
     )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Mesh:
-    """The part of the wetted surface that `mirrors` complete, and all of it, as capytaine meshes about `origin`.
-
-    And of lids: inside the hulls against irregular frequencies; and damping ones, on water in gaps. There a pressure
-    ρμφ resists the water and takes ½ρμK|φ|² of power from each m²: with μ = εω, ∂φ/∂z = (1 + iε) Kφ, K = ω²/g
-    (Chen 2004, Hydrodynamics in offshore and naval applications; Orcina, OrcaWave's theory). As ∂G/∂z = KG, Green's
-    identity keeps of φ ∂G/∂z - G ∂φ/∂z only -iεKφ G, a layer of sources, and a point of still water is seen whole.
-    """
-
-    mirrors: np.ndarray  # (ng, 3) of signs, the identity first
-    origin: np.ndarray  # (3,) where the mirror planes cross [m]
-    part: Any  # nf panels
-    whole: Any  # ng nf panels, mirror by mirror
-    wet: np.ndarray  # (nf,) True on hulls, False on lids
-    gap: np.ndarray  # (nf,) True on damping lids
-    motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
-
-    @classmethod
-    def build(
-        cls,
-        hulls: tuple[Hull, ...],
-        centres: np.ndarray,
-        dofs: tuple[str, ...],
-        counts: tuple[int, ...],
-        refine: int,
-        depth: float,
-        *,
-        lids: bool,
-        gap_width: float = 0.0,
-        narrow: bool = True,
-    ) -> "_Mesh":
-        """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count of each, refine: see mesh.panels.
-
-        Hulls that stand on the seabed, in `depth` [m], have no panels there. gap_width: of gaps with damping lids [m];
-        narrow: see mesh.panels.
-        """
-        origin, mirrors = meshes.mirror_planes(hulls, centres)
-        # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
-        hull_panels: Callable[..., tuple[np.ndarray, np.ndarray]] = partial(meshes.panels, narrow=narrow)
-        makers = [(hull_panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
-        pieces, owners, hulled = [], [], []
-        for b, (hull, at, count) in enumerate(zip(hulls, centres - origin, counts, strict=True)):
-            share = meshes.quarters(at, len(mirrors))
-            for make, times in makers if share else ():
-                vertices, faces = make(hull, count, refine=times, quarters=share)
-                if make is hull_panels and stands(hull, depth):
-                    vertices, faces = walls(vertices, faces, depth)
-                pieces.append((vertices + at, faces))
-                owners.append(np.full(len(faces), b))
-                hulled.append(np.full(len(faces), make is hull_panels))
-        if gap_width > 0:
-            side = min(np.sqrt(2 * h.wetted_area / count) for h, count in zip(hulls, counts, strict=True))
-            lid = meshes.part_of(gaps(hulls, centres - origin, gap_width, side), 4 // len(mirrors))
-            even = np.linspace(0, 1, refine + 1)
-            pieces.append(meshes.indexed(divided(lid, even, even)))
-            owners.append(np.zeros(len(pieces[-1][1]), int))
-            hulled.append(np.zeros(len(pieces[-1][1]), bool))
-        part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])
-        wet, body = np.concatenate(hulled), np.concatenate(owners)
-        gap = np.arange(len(wet)) >= len(wet) - (len(hulled[-1]) if gap_width > 0 else 0)
-        bodies = np.concatenate([meshes.partner(hulls, centres - origin, m)[body] for m in mirrors])
-        motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
-        motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
-        return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, gap=gap, motions=motions)
-
-    def scattered(self, seas: Sequence[Sea], omega: float, loss: float) -> np.ndarray:
-        """Normal velocities (ng, nf, number of seas) that cancel those of the unit incident waves, 0 on lids;
-
-        on damping ones, of this `loss` [1/m], what the incident waves' φ adds to sources, see `solve`.
-        """
-        points, normals = self.whole.faces_centers + self.origin, self.whole.faces_normals
-        normal = np.stack([np.sum(sea.wave(points, omega)[1] * normals, axis=1) for sea in seas], axis=-1)
-        total = -(normal.reshape(len(self.mirrors), -1, len(seas)) * self.wet[:, None])
-        if loss:
-            total[:, self.gap] -= 1j * loss * self.incident(seas, omega)
-        return total
-
-    def incident(self, seas: Sequence[Sea], omega: float) -> np.ndarray:
-        """φ = p/(iρω) (ng, number of panels, number of seas) of the unit incident waves on damping lids."""
-        points = (self.whole.faces_centers + self.origin).reshape(len(self.mirrors), -1, 3)[:, self.gap]
-        waves = [sea.pressure(points.reshape(-1, 3), omega) / (1j * sea.density * omega) for sea in seas]
-        return np.stack(waves, axis=-1).reshape(*points.shape[:2], len(seas))
-
-    def solve(
-        self, normal_velocity: np.ndarray, k: float, seabed: float, loss: float = 0.0
-    ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """The outgoing potentials with ∂φ/∂n = normal_velocity (ng, nf, nc): of each class of symmetry that they have
-
-        its signs χ(g) (ng,) and φ (nf, nc) of the part; on the image g it is χ(g) φ. Green's identity
-        D φ = S ∂φ/∂n, class by class: its share of the motion, mean of χ(g) v_g over the images g, drives
-        D = sum of χ(g) D_g. On damping lids of loss εK [1/m] sources are normal_velocity - iεKφ.
-        """
-        ng, nf, _ = normal_velocity.shape
-        single, double = green_function().evaluate(
-            self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
-        )
-        # In a panel's plane its dipoles do not act, on its edge neither, where slips of a mesh bring another's middle.
-        double[~np.isfinite(double)] = 0.0
-        single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
-        if loss:
-            lid = np.flatnonzero(self.gap)
-            double[:, :, lid] = 1j * loss * single[:, :, lid]
-            double[0, lid, lid] += 1
-        potentials = []
-        for sign in meshes.symmetry_classes(self.mirrors):
-            source = np.tensordot(sign, normal_velocity, 1) / ng
-            if np.abs(source).max() > 1e-12 * np.abs(normal_velocity).max():
-                rhs = np.tensordot(sign, single, 1) @ source
-                potentials.append((sign, lu_solve(lu_factor(np.tensordot(sign, double, 1)), rhs)))
-        return potentials
-
-    def forces(self, potentials: list[tuple[np.ndarray, np.ndarray]], count: int) -> np.ndarray:
-        """-∫ φ n dS (nc, n) of `count` potentials."""
-        weight = (self.wet * self.part.faces_areas)[:, None]
-        total = np.zeros((count, self.motions.shape[-1]), complex)
-        for sign, potential in potentials:
-            total -= potential.T @ (weight * np.tensordot(sign, self.motions, 1))
-        return total
-
-    def plane_waves(self, k: float, depth: float, most: int) -> PlaneWaves:
-        """On the whole, about the origin: see far_field."""
-        return plane_waves(self.whole.faces_centers, self.whole.faces_normals, k, depth, most)
-
-    def far_field(
-        self,
-        potentials: list[tuple[np.ndarray, np.ndarray]],
-        normal_velocity: np.ndarray,
-        waves: PlaneWaves,
-        loss: float = 0.0,
-    ) -> np.ndarray:
-        """Modes (nc, 2M + 1) of H = ∫ (φ ∂ψ/∂n - ψ ∂φ/∂n) dS, on damping lids of -∫ ψ (normal_velocity - iεKφ) dS."""
-        ng, nf, _ = normal_velocity.shape
-        value, slope = (part.reshape(ng, nf, -1) for part in waves)
-        weight = (self.wet * self.part.faces_areas)[:, None]
-        lid = (self.gap * self.part.faces_areas)[:, None]
-        total = -np.tensordot(normal_velocity * (weight + lid), value, ([0, 1], [0, 1]))
-        for sign, potential in potentials:
-            total += potential.T @ (weight * np.tensordot(sign, slope, 1))
-            if loss:
-                total += potential.T @ (1j * loss * lid * np.tensordot(sign, value, 1))
-        return modes(total)
-
-
 def _coefficients(problem: Problem, omega: np.ndarray, refine: int, *, infinite: bool) -> Solution:
     """At frequencies (nw,), of one mesh; A(inf) is empty where it is not asked for."""
     hulls, centres, dofs, seas = problem.meshed, problem.centres, problem.dofs, problem.seas
     where = hulls, centres, dofs, problem.base, refine, problem.depth
-    build = partial(_Mesh.build, *where, narrow=problem.meshing.narrow)
+    build = partial(Mesh.build, *where, narrow=problem.meshing.narrow)
     mesh = build(lids=True, gap_width=problem.gap_width)
     n, sea = mesh.motions.shape[-1], seas[0]
     limit = np.zeros((0, 0))
@@ -531,76 +324,6 @@ def _meshing(hulls: tuple[Hull, ...], centres: np.ndarray, counts: tuple[int, ..
         if count**2 / len(mirrors) <= AFFORDABLE:
             return Meshing(HALVED, narrow)
     return Meshing(HALVED[1:], narrow=True)
-
-
-def _extrapolated(
-    solutions: list[Solution],
-    divisions: tuple[int, ...],
-    motions: tuple[np.ndarray, np.ndarray],
-    share: float = TWO_MESHES,
-) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
-
-    From three meshes: as h^NEXT, by how much the limits of the finer and of the coarser two differ, LEAST at least. One
-    solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
-    at a frequency that goes with the mesh there is no such limit, and the finest mesh stands; with damping lids at
-    all frequencies, for what is lost there is felt at others. motions: lengths and bodies, as of `least_damping`;
-    share: of the step from the finer of two meshes to their limit, that is left.
-    """
-    *finest, lid, count = solutions[0]
-    if len(solutions) == 1:
-        return finest, [ONE_MESH / np.sqrt(count) * x for x in finest]
-    best = _limits(solutions[:2], divisions[:2])
-    if lid > 0:
-        return finest, [b - f for b, f in zip(best, finest, strict=True)]
-    of_limit, of_finest = (least_damping(each[0], *motions) for each in (best, finest))
-    lost = (of_limit < -UNPASSIVE) & (of_limit < 2 * of_finest)
-    for k in (0, 2, 3):  # what has a frequency
-        best[k][lost] = finest[k][lost]
-    if len(solutions) == 2:
-        return best, [share * (b - f) for b, f in zip(best, finest, strict=True)]
-    left = (divisions[1] / divisions[0]) ** NEXT
-    coarser = _limits(solutions[1:], divisions[1:])
-    differ = (left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True))
-    return best, [_at_least(LEAST / count, b, off) for b, off in zip(best, differ, strict=True)]
-
-
-def _at_least(share: float, x: np.ndarray, off: np.ndarray) -> np.ndarray:
-    """What x is off by, and no less than its share; real and imaginary parts by themselves."""
-    if np.iscomplexobj(x):
-        return _at_least(share, x.real, off.real) + 1j * _at_least(share, x.imag, off.imag)
-    return np.where(np.abs(off) < share * np.abs(x), share * x, off)
-
-
-def _of_edges(hulls: tuple[Hull, ...], counts: tuple[int, ...], *, narrow: bool) -> float:
-    """What two meshes, the coarser of these counts, leave of the error, over the step from the finer to their limit.
-
-    At an edge that turns by α the error of even panels goes as h^p, see `edges`; of 2^p - 1 parts the limit for an
-    error ~ h² takes three. Of panels as wide as ours p is 1.0 to 1.2 of boxes, 1.3 to 1.5 where α is 50 degrees. To
-    take the limit by that order is no way out: added mass and damping would not be of one cause, nor damping of the
-    waves far off. Panels narrower at edges leave NARROWED as much; those of a dense mesh made coarser IRREGULAR.
-    """
-    shares = [TWO_MESHES]
-    for hull, count in zip(hulls, counts, strict=True):
-        if isinstance(hull, PanelHull):
-            left = 3 / (2 ** (2 * (np.pi / (np.pi + hull.sharpest)) ** 1.5) - 1) - 1
-            narrower = narrow and (hull.finer is not None or meshes.halving(hull, count).narrow)
-            share = max(TWO_MESHES, NARROWED * left if narrower else left)
-            shares.append(share if hull.finer is None else IRREGULAR * share)
-    return max(shares)
-
-
-def _of_plates(plates: list[Plates], left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """What is left of the error of meshes of two sizes or one, of hulls with plates."""
-    unlike = max(found.unlike for found in plates)
-    if unlike > 0:
-        return [error + UNLIKE_PLATES * unlike * x for error, x in zip(left, best, strict=True)]
-    return [ALIKE_PLATES * error for error in left]
-
-
-def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.ndarray]:
-    fine, coarse = (n**2 for n in divisions)
-    return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-2] for s in pair), strict=True)]
 
 
 def require_solvable(

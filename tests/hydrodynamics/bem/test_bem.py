@@ -92,8 +92,8 @@ def test_irregular_frequencies_are_removed_by_the_lid(monkeypatch):
         return np.abs(curves - lines).max()
 
     with_lid = roughness(run())
-    build = bem._Mesh.build
-    monkeypatch.setattr(bem._Mesh, "build", lambda *args, lids, **_: build(*args, lids=False))
+    build = bem.Mesh.build
+    monkeypatch.setattr(bem.Mesh, "build", lambda *args, lids, **_: build(*args, lids=False))
     assert with_lid < 2e-3
     assert roughness(run()) > 5 * with_lid
 
@@ -396,5 +396,5 @@ def test_where_no_limit_is_passive_the_finest_mesh_stands():
     """Water that resonates at a frequency of each mesh's own: the limit of 1 and 10 is -2, that of 1 and 1.3 is 0.9."""
     fine = bem.Solution(np.full((3, 1, 1), 2 + 1j), np.eye(1), np.ones((3, 1, 1)), np.ones((3, 0, 0)), 0.0, 400)
     coarse = fine._replace(impedance=2 + 1j * np.array([1.3, 10.0, 1.3])[:, None, None], panels=100)
-    (impedance, *_), _ = bem._extrapolated([fine, coarse], (2, 1), (np.ones(1), np.zeros(1, int)))
+    (impedance, *_), _ = bem.extrapolated([fine, coarse], (2, 1), (np.ones(1), np.zeros(1, int)))
     assert impedance[:, 0, 0] == pytest.approx([2 + 0.9j, 2 + 1j, 2 + 0.9j])

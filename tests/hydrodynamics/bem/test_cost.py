@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.hydrodynamics.bem import bem, cost
+from solver.hydrodynamics.bem import bem, cost, mesh
 from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -46,9 +46,9 @@ def test_foreseen_are_the_pairs_of_panels_that_are_solved(name, monkeypatch):
     hulls, centres, depth, how = SCENES[name]
     problem = bem.Problem.of(hulls, np.array(centres, float), depth=depth, omega=np.linspace(0.3, 2.0, 3), **how)
     counted = Counted()
-    monkeypatch.setattr(bem, "green_function", lambda: counted)
-    monkeypatch.setattr(bem, "lu_factor", lambda matrix: None)
-    monkeypatch.setattr(bem, "lu_solve", lambda factors, rhs: rhs)
+    monkeypatch.setattr(mesh, "green_function", lambda: counted)
+    monkeypatch.setattr(mesh, "lu_factor", lambda matrix: None)
+    monkeypatch.setattr(mesh, "lu_solve", lambda factors, rhs: rhs)
     monkeypatch.setattr(cost, "FACTORED", 0.0)
     bem.part(problem)
     # Lids are left out, a tenth of the panels or two; meshes have about as many as are asked for.

@@ -13,7 +13,7 @@ from pipeline.bridge.loading import load
 from pipeline.study.reading import StudyError
 from pipeline.study.schema import Profile, Ring
 from pipeline.tasks.task import dimensions, expand
-from solver.record.recorder import Record
+from solver.record.channels import Record
 from solver.scene import PER_AXIS
 
 TEXT = """

@@ -5,7 +5,7 @@ import numpy as np
 from pipeline.results.arrays import INNER, Arrays
 from pipeline.results.netcdf import Variable, content
 from pipeline.study.axes import TAKEN
-from solver.record.recorder import DIMS
+from solver.record.channels import DIMS
 
 
 def record(floats, values):

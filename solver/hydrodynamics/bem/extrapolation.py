@@ -1,0 +1,104 @@
+"""Limits of zero panel size from solutions of up to three meshes, and what is left of the error."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull.mesh import Hull
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.plates import Plates
+from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
+
+NEXT = 3  # power of h that is left without the h² error: of edges, and of spheres, which have one in the waterplane
+LEAST = 0.25  # over the panels: of a coefficient, that three meshes may leave where their limits happen to agree
+TWO_MESHES = 0.5  # of the h² error, that is left of it at least: measured on a sphere of 216 and 864 triangles
+IRREGULAR = 1.5  # times what even panels leave, that a dense mesh made coarser does: 1.4 to 3.2 in A of five hulls
+NARROWED = 0.5  # of what even panels leave at edges, that narrower ones do: 0.2 to 0.5 of boxes 0.5 to 3 m deep
+ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
+# Parts thinner than panels are wide: times that error, where panels of the two faces are each other's images; where
+# they are not, of the coefficient, for each time that a panel is as wide as the part is thick. Measured on heave plates
+# of 1/20 to 1/150 of their radius, from the finest to the coarsest meshes.
+ALIKE_PLATES, UNLIKE_PLATES = 4.0, 0.02
+
+
+class Solution(NamedTuple):
+    """Of one mesh at nw frequencies, for nh headings."""
+
+    impedance: np.ndarray  # (nw, n, n) A + iB/ω
+    infinite: np.ndarray  # (n, n) A∞
+    diffraction: np.ndarray  # (nw, nh, n) force
+    far: np.ndarray  # (nw, n + nh, 2M + 1) modes of H, of each motion and heading; empty where not asked for
+    lid: float  # area of damping lids [m²]
+    panels: int  # on hulls
+
+
+def extrapolated(
+    solutions: list[Solution],
+    divisions: tuple[int, ...],
+    motions: tuple[np.ndarray, np.ndarray],
+    share: float = TWO_MESHES,
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
+
+    From three meshes: as h^NEXT, by how much the limits of the finer and of the coarser two differ, LEAST at least. One
+    solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
+    at a frequency that goes with the mesh there is no such limit, and the finest mesh stands; with damping lids at
+    all frequencies, for what is lost there is felt at others. motions: lengths and bodies, as of `least_damping`;
+    share: of the step from the finer of two meshes to their limit, that is left.
+    """
+    *finest, lid, count = solutions[0]
+    if len(solutions) == 1:
+        return finest, [ONE_MESH / np.sqrt(count) * x for x in finest]
+    best = _limits(solutions[:2], divisions[:2])
+    if lid > 0:
+        return finest, [b - f for b, f in zip(best, finest, strict=True)]
+    of_limit, of_finest = (least_damping(each[0], *motions) for each in (best, finest))
+    lost = (of_limit < -UNPASSIVE) & (of_limit < 2 * of_finest)
+    for k in (0, 2, 3):  # what has a frequency
+        best[k][lost] = finest[k][lost]
+    if len(solutions) == 2:
+        return best, [share * (b - f) for b, f in zip(best, finest, strict=True)]
+    left = (divisions[1] / divisions[0]) ** NEXT
+    coarser = _limits(solutions[1:], divisions[1:])
+    differ = (left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True))
+    return best, [_at_least(LEAST / count, b, off) for b, off in zip(best, differ, strict=True)]
+
+
+def _at_least(share: float, x: np.ndarray, off: np.ndarray) -> np.ndarray:
+    """What x is off by, and no less than its share; real and imaginary parts by themselves."""
+    if np.iscomplexobj(x):
+        return _at_least(share, x.real, off.real) + 1j * _at_least(share, x.imag, off.imag)
+    return np.where(np.abs(off) < share * np.abs(x), share * x, off)
+
+
+def of_edges(hulls: tuple[Hull, ...], counts: tuple[int, ...], *, narrow: bool) -> float:
+    """What two meshes, the coarser of these counts, leave of the error, over the step from the finer to their limit.
+
+    At an edge that turns by α the error of even panels goes as h^p, see `edges`; of 2^p - 1 parts the limit for an
+    error ~ h² takes three. Of panels as wide as ours p is 1.0 to 1.2 of boxes, 1.3 to 1.5 where α is 50 degrees. To
+    take the limit by that order is no way out: added mass and damping would not be of one cause, nor damping of the
+    waves far off. Panels narrower at edges leave NARROWED as much; those of a dense mesh made coarser IRREGULAR.
+    """
+    shares = [TWO_MESHES]
+    for hull, count in zip(hulls, counts, strict=True):
+        if isinstance(hull, PanelHull):
+            left = 3 / (2 ** (2 * (np.pi / (np.pi + hull.sharpest)) ** 1.5) - 1) - 1
+            narrower = narrow and (hull.finer is not None or meshes.halving(hull, count).narrow)
+            share = max(TWO_MESHES, NARROWED * left if narrower else left)
+            shares.append(share if hull.finer is None else IRREGULAR * share)
+    return max(shares)
+
+
+def of_plates(plates: list[Plates], left: list[np.ndarray], best: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """What is left of the error of meshes of two sizes or one, of hulls with plates."""
+    unlike = max(found.unlike for found in plates)
+    if unlike > 0:
+        return [error + UNLIKE_PLATES * unlike * x for error, x in zip(left, best, strict=True)]
+    return [ALIKE_PLATES * error for error in left]
+
+
+def _limits(pair: Sequence[Solution], divisions: tuple[int, ...]) -> list[np.ndarray]:
+    fine, coarse = (n**2 for n in divisions)
+    return [f + (f - c) * (coarse / (fine - coarse)) for f, c in zip(*(s[:-2] for s in pair), strict=True)]

@@ -1,0 +1,163 @@
+"""Panels of the wetted surface at rest, and the boundary problem of one frequency on them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from solver.hydrodynamics.bem.far_field import PlaneWaves, modes, plane_waves
+from solver.hydrodynamics.bem.green import green_function, joined
+from solver.hydrodynamics.bem.incident import Sea
+from solver.hydrodynamics.bem.mean_hull import unit_motions
+from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull.gaps import gaps
+from solver.hydrodynamics.hull.mesh import Hull
+from solver.hydrodynamics.hull.standing import stands, walls
+from solver.hydrodynamics.hull.surface import divided, mirrored
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Mesh:
+    """The part of the wetted surface that `mirrors` complete, and all of it, as capytaine meshes about `origin`.
+
+    And of lids: inside the hulls against irregular frequencies; and damping ones, on water in gaps. There a pressure
+    ρμφ resists the water and takes ½ρμK|φ|² of power from each m²: with μ = εω, ∂φ/∂z = (1 + iε) Kφ, K = ω²/g
+    (Chen 2004, Hydrodynamics in offshore and naval applications; Orcina, OrcaWave's theory). As ∂G/∂z = KG, Green's
+    identity keeps of φ ∂G/∂z - G ∂φ/∂z only -iεKφ G, a layer of sources, and a point of still water is seen whole.
+    """
+
+    mirrors: np.ndarray  # (ng, 3) of signs, the identity first
+    origin: np.ndarray  # (3,) where the mirror planes cross [m]
+    part: Any  # nf panels
+    whole: Any  # ng nf panels, mirror by mirror
+    wet: np.ndarray  # (nf,) True on hulls, False on lids
+    gap: np.ndarray  # (nf,) True on damping lids
+    motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
+
+    @classmethod
+    def build(
+        cls,
+        hulls: tuple[Hull, ...],
+        centres: np.ndarray,
+        dofs: tuple[str, ...],
+        counts: tuple[int, ...],
+        refine: int,
+        depth: float,
+        *,
+        lids: bool,
+        gap_width: float = 0.0,
+        narrow: bool = True,
+    ) -> "Mesh":
+        """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count of each, refine: see mesh.panels.
+
+        Hulls that stand on the seabed, in `depth` [m], have no panels there. gap_width: of gaps with damping lids [m];
+        narrow: see mesh.panels.
+        """
+        origin, mirrors = meshes.mirror_planes(hulls, centres)
+        # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
+        hull_panels: Callable[..., tuple[np.ndarray, np.ndarray]] = partial(meshes.panels, narrow=narrow)
+        makers = [(hull_panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
+        pieces, owners, hulled = [], [], []
+        for b, (hull, at, count) in enumerate(zip(hulls, centres - origin, counts, strict=True)):
+            share = meshes.quarters(at, len(mirrors))
+            for make, times in makers if share else ():
+                vertices, faces = make(hull, count, refine=times, quarters=share)
+                if make is hull_panels and stands(hull, depth):
+                    vertices, faces = walls(vertices, faces, depth)
+                pieces.append((vertices + at, faces))
+                owners.append(np.full(len(faces), b))
+                hulled.append(np.full(len(faces), make is hull_panels))
+        if gap_width > 0:
+            side = min(np.sqrt(2 * h.wetted_area / count) for h, count in zip(hulls, counts, strict=True))
+            lid = meshes.part_of(gaps(hulls, centres - origin, gap_width, side), 4 // len(mirrors))
+            even = np.linspace(0, 1, refine + 1)
+            pieces.append(meshes.indexed(divided(lid, even, even)))
+            owners.append(np.zeros(len(pieces[-1][1]), int))
+            hulled.append(np.zeros(len(pieces[-1][1]), bool))
+        part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])
+        wet, body = np.concatenate(hulled), np.concatenate(owners)
+        gap = np.arange(len(wet)) >= len(wet) - (len(hulled[-1]) if gap_width > 0 else 0)
+        bodies = np.concatenate([meshes.partner(hulls, centres - origin, m)[body] for m in mirrors])
+        motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
+        motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
+        return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, gap=gap, motions=motions)
+
+    def scattered(self, seas: Sequence[Sea], omega: float, loss: float) -> np.ndarray:
+        """Normal velocities (ng, nf, number of seas) that cancel those of the unit incident waves, 0 on lids;
+
+        on damping ones, of this `loss` [1/m], what the incident waves' φ adds to sources, see `solve`.
+        """
+        points, normals = self.whole.faces_centers + self.origin, self.whole.faces_normals
+        normal = np.stack([np.sum(sea.wave(points, omega)[1] * normals, axis=1) for sea in seas], axis=-1)
+        total = -(normal.reshape(len(self.mirrors), -1, len(seas)) * self.wet[:, None])
+        if loss:
+            total[:, self.gap] -= 1j * loss * self.incident(seas, omega)
+        return total
+
+    def incident(self, seas: Sequence[Sea], omega: float) -> np.ndarray:
+        """φ = p/(iρω) (ng, number of panels, number of seas) of the unit incident waves on damping lids."""
+        points = (self.whole.faces_centers + self.origin).reshape(len(self.mirrors), -1, 3)[:, self.gap]
+        waves = [sea.pressure(points.reshape(-1, 3), omega) / (1j * sea.density * omega) for sea in seas]
+        return np.stack(waves, axis=-1).reshape(*points.shape[:2], len(seas))
+
+    def solve(
+        self, normal_velocity: np.ndarray, k: float, seabed: float, loss: float = 0.0
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The outgoing potentials with ∂φ/∂n = normal_velocity (ng, nf, nc): of each class of symmetry that they have
+
+        its signs χ(g) (ng,) and φ (nf, nc) of the part; on the image g it is χ(g) φ. Green's identity
+        D φ = S ∂φ/∂n, class by class: its share of the motion, mean of χ(g) v_g over the images g, drives
+        D = sum of χ(g) D_g. On damping lids of loss εK [1/m] sources are normal_velocity - iεKφ.
+        """
+        ng, nf, _ = normal_velocity.shape
+        single, double = green_function().evaluate(
+            self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
+        )
+        # In a panel's plane its dipoles do not act, on its edge neither, where slips of a mesh bring another's middle.
+        double[~np.isfinite(double)] = 0.0
+        single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
+        if loss:
+            lid = np.flatnonzero(self.gap)
+            double[:, :, lid] = 1j * loss * single[:, :, lid]
+            double[0, lid, lid] += 1
+        potentials = []
+        for sign in meshes.symmetry_classes(self.mirrors):
+            source = np.tensordot(sign, normal_velocity, 1) / ng
+            if np.abs(source).max() > 1e-12 * np.abs(normal_velocity).max():
+                rhs = np.tensordot(sign, single, 1) @ source
+                potentials.append((sign, lu_solve(lu_factor(np.tensordot(sign, double, 1)), rhs)))
+        return potentials
+
+    def forces(self, potentials: list[tuple[np.ndarray, np.ndarray]], count: int) -> np.ndarray:
+        """-∫ φ n dS (nc, n) of `count` potentials."""
+        weight = (self.wet * self.part.faces_areas)[:, None]
+        total = np.zeros((count, self.motions.shape[-1]), complex)
+        for sign, potential in potentials:
+            total -= potential.T @ (weight * np.tensordot(sign, self.motions, 1))
+        return total
+
+    def plane_waves(self, k: float, depth: float, most: int) -> PlaneWaves:
+        """On the whole, about the origin: see far_field."""
+        return plane_waves(self.whole.faces_centers, self.whole.faces_normals, k, depth, most)
+
+    def far_field(
+        self,
+        potentials: list[tuple[np.ndarray, np.ndarray]],
+        normal_velocity: np.ndarray,
+        waves: PlaneWaves,
+        loss: float = 0.0,
+    ) -> np.ndarray:
+        """Modes (nc, 2M + 1) of H = ∫ (φ ∂ψ/∂n - ψ ∂φ/∂n) dS, on damping lids of -∫ ψ (normal_velocity - iεKφ) dS."""
+        ng, nf, _ = normal_velocity.shape
+        value, slope = (part.reshape(ng, nf, -1) for part in waves)
+        weight = (self.wet * self.part.faces_areas)[:, None]
+        lid = (self.gap * self.part.faces_areas)[:, None]
+        total = -np.tensordot(normal_velocity * (weight + lid), value, ([0, 1], [0, 1]))
+        for sign, potential in potentials:
+            total += potential.T @ (weight * np.tensordot(sign, slope, 1))
+            if loss:
+                total += potential.T @ (1j * loss * lid * np.tensordot(sign, value, 1))
+        return modes(total)
