@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from solver.balance import beyond_tables, met, warnings
+from solver.coupled.blocks import blocks, energy_residual, unbalanced
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
 from solver.coupled.natural import require_stable, system_modes, with_critical_damping, with_usual_step
 from solver.coupled.stages import copied
-from solver.coupled.system import BALANCE, blocks, energy_residual, unbalanced
+from solver.coupled.system import BALANCE
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_errors
 from solver.hydrodynamics.radiation.memory import USUAL

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.bridge import cache
-from solver.coupled.system import blocks, prepare
+from solver.coupled.blocks import blocks
+from solver.coupled.preparation import prepare
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from tests.conftest import floats, scene
 

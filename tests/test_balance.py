@@ -211,7 +211,7 @@ def test_what_a_float_is_held_with_its_carrier_bears():
 )
 def test_the_solver_finds_what_was_balanced_at_rest(sought):
     """Its own statics, on another path: joints and platform stay where they are."""
-    from solver.coupled.system import prepare
+    from solver.coupled.preparation import prepare
     from solver.hydrodynamics.bem import bem
 
     floats = balanced(

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from pytest import approx
 
 from solver import statistics
-from solver.coupled.system import blocks, prepare
+from solver.coupled.blocks import blocks
+from solver.coupled.preparation import prepare
 from solver.record.sampling import least_force
 from solver.run import simulate
 from solver.scene import DOFS

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.motions import of_scene, possible
 from solver.multibody.minimal import move, new_motion
 from solver.scene import DOFS, Float

@@ -11,9 +11,11 @@ from pytest import approx
 
 from pipeline.bridge import cache
 from solver import limits
+from solver.coupled.blocks import blocks
 from solver.coupled.energy import WORKS, open_by
 from solver.coupled.march import WATCH
-from solver.coupled.system import BLOCK_STEPS, blocks, prepare
+from solver.coupled.preparation import prepare
+from solver.coupled.system import BLOCK_STEPS
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.multibody.minimal import move, new_motion

@@ -74,7 +74,7 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
 
     The fit is made here, once, and not by each task: fitting amplifies rounding, and other machines round otherwise.
     """
-    from solver.coupled.system import remembered
+    from solver.coupled.preparation import remembered
     from solver.hydrodynamics.bem import bem
     from solver.hydrodynamics.radiation.memory import USUAL
 
@@ -167,7 +167,7 @@ def judge(parameters: Parameters) -> Sequence[str]:
 def reduce(parameters: Parameters) -> None:
     """Reduce a task's platform as the solver will, but for its floats, which need coefficients; raises InputError."""
     from pipeline.bridge import scenes
-    from solver.coupled.system import prepare
+    from solver.coupled.preparation import prepare
 
     if parameters.platform:
         prepare(replace(scenes.scene(parameters), floats=()), None)

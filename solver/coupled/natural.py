@@ -12,8 +12,9 @@ from scipy.interpolate import CubicSpline
 
 from solver.coupled.histories import missed, moved
 from solver.coupled.linear import LinearModel, linear_model
+from solver.coupled.preparation import prepare
 from solver.coupled.support import Support
-from solver.coupled.system import System, prepare
+from solver.coupled.system import System
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits, shared

@@ -1,58 +1,26 @@
 """A scene as arrays: constants of a run, its initial state, and the march block by block."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 
-from solver import limits, motions
 from solver.coupled import assembly, stretching
-from solver.coupled import support as supports
-from solver.coupled.energy import AT_START, GAP, SCALE, WORKS, energy, open_by
-from solver.coupled.equilibrium import (
-    Differences,
-    balance,
-    differences,
-    equilibrium,
-    righting,
-    symmetric_stiffness,
-    weights,
-)
-from solver.coupled.march import GROSSLY, march
+from solver.coupled.energy import AT_START, WORKS, energy
+from solver.coupled.equilibrium import Differences, balance, differences, equilibrium, symmetric_stiffness, weights
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure, WaterAbout, drag
-from solver.coupled.pieces.fine import new_fine
 from solver.coupled.pieces.pace import SWING
-from solver.coupled.pieces.pieces import CHANGES
 from solver.coupled.stages import State
-from solver.coupled.step import (
-    EXCURSION,
-    NOT_CONVERGED,
-    OK,
-    TO_AND_FRO,
-    UNBALANCED,
-    Drive,
-    Output,
-    Problem,
-    new_output,
-    new_problem,
-    new_workspace,
-)
+from solver.coupled.step import Drive, Problem, new_problem
 from solver.coupled.support import Support
-from solver.errors import InputError, SimulationFailed, StepTooLong
-from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
-from solver.hydrodynamics.bem.mean_hull import motion_lengths
-from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.radiation import memory as radiation
 from solver.keys import Bits, Same, shared
-from solver.limits import slides
 from solver.multibody import joint_law
 from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
-from solver.scene import Float, Platform, Scene, Settings, Water
-from solver.sea.current import Current
-from solver.sea.field import WaveField, wave_field
-from solver.sea.realization import CALM, ramp
+from solver.scene import Scene
+from solver.sea.field import WaveField
+from solver.sea.realization import ramp
 from solver.sea.series import Factored, WaveSeries, factored
 from solver.structure.load_history import LoadHistory
 
@@ -63,7 +31,6 @@ ROUNDING = 1e-12  # of the weights' energy and work: 2e-16 a step, in some 1e6 s
 BALANCE = 1e-3  # every record's energy balance closes to so much of the energy exchanged
 KNOWN = 32  # scenes at rest that a process keeps
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
-
 Resting = Bits[tuple[Bodies, Structure, np.ndarray]]
 
 
@@ -344,174 +311,6 @@ def _equilibrium(
     return shared(z), shared(p)
 
 
-def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.RadiationMemory | None = None) -> System:
-    """The scene as arrays, with another radiation memory if given; InputError for coefficients of another scene."""
-    settings, water = scene.settings, scene.water
-    dt = scene.usual_step if settings.time_step is None else settings.time_step
-    if hydrodynamics is not None and scene.floats:
-        _check_same(scene, hydrodynamics)
-    waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
-    support = None
-    if scene.platform is not None:
-        platform = scene.platform.undamped()
-        if settings.method == "frequency" and platform.wave_stretching != "none":  # which is of second order
-            platform = replace(platform, wave_stretching="none")
-        reduced = supports.reduce_platform(
-            platform,
-            waves,
-            water,
-            tuple(scene.platform.hinge_nodes[f.name] for f in scene.floats),
-            planar=scene.planar,
-            modes=settings.modes,
-            stations=settings.stations_per_element,
-            outputs=settings.outputs,
-            damping=scene.platform.damping,
-        )
-        support = supports.damped(reduced, scene.platform.damping)
-    if fit is None and scene.floats and settings.radiation and settings.method == "time":
-        hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
-        fit = remembered(hydrodynamics, hulls, settings.memory_tolerance or radiation.USUAL, ways)
-    na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
-    added_mass = np.zeros((na, na))
-    if hydrodynamics is not None and settings.radiation:
-        added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
-    height = scene.sea.parameters()["Hm0"]
-    reaches = _reaches(scene, height) if any(scene.nonlinear) else [0.0] * len(scene.floats)
-    reach = max((r for r, nonlinear in zip(reaches, scene.nonlinear, strict=True) if nonlinear), default=0.0)
-    near = waves.near(reach, settings.field_tolerance)
-    if near != waves:
-        _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
-    terms = assembly.terms_of(scene, near, reaches)
-    felt = near if any(scene.nonlinear) else None
-    still = scene.water, scene.current, scene.sea.heading, scene.floats, scene.platform, scene.settings
-    body = _bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms)
-    rows, layout = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms)
-    return System(
-        scene=scene,
-        bodies=body,
-        support=support,
-        structure=assembly.structure(support),
-        fit=fit,
-        memory=assembly.memory(fit, dt, na),
-        rows=rows,
-        layout=layout,
-        waves=waves,
-        near=near,
-        dt=dt,
-    )
-
-
-@lru_cache(maxsize=KNOWN)
-def _bodies(
-    water: Water,
-    current: Current | None,
-    heading: float,
-    floats: tuple[Float, ...],
-    platform: Platform | None,
-    settings: Settings,
-    field: WaveField | None,
-    support: Support | None,
-    hydrodynamics: Hydrodynamics | None,
-    added_mass: Bits[np.ndarray],
-    terms: tuple[int, ...],
-) -> Bodies:
-    """Scenes that differ in their seas alone share them, unless they are pushed where they are."""
-    sea = replace(CALM, heading=heading) if field is None else field.sea
-    scene = Scene(water=water, sea=sea, current=current, floats=floats, platform=platform, settings=settings)
-    field = wave_field(sea, water.depth, water.gravity, current) if field is None else field
-    return assembly.bodies(scene, field, support, hydrodynamics, added_mass.value, terms)
-
-
-def _require_hardly_felt(
-    scene: Scene, h: Hydrodynamics | None, waves: WaveField, near: WaveField, reach: float
-) -> None:
-    """Refuse waves that no series around the floats carries, unless they push them little: see FELT."""
-    felt = 1.0
-    if h is not None:
-        nb, lengths = len(scene.floats), motion_lengths(tuple(f.hull for f in scene.floats), h.dofs)
-        short = waves.sea.omega[near.sea.amplitude != waves.sea.amplitude]
-        pushed, most = (
-            (np.abs(h.excitation(omega)) / lengths).reshape(omega.size, nb, -1).max(axis=(0, 2))
-            for omega in (short, h.omega)
-        )
-        felt = float(np.max((pushed / most)[np.array(scene.nonlinear)]))
-    if not felt <= FELT:
-        said = f"too short for a series {reach:.3g} m around a float that feels them by {felt:.0%} of the largest wave"
-        raise InputError("sea", waves.shortest, f"{said} force per amplitude, > {FELT:.0%}: end the band lower")
-
-
-def _check_same(scene: Scene, h: Hydrodynamics) -> None:
-    """Refuse coefficients of other floats, other water or other waves than the scene's."""
-    water, places = scene.water, np.array([f.centre for f in scene.floats])
-    pairs = {
-        "floats": (len(places), len(h.centres)),
-        "water.depth": (water.depth, h.depth),
-        "water.density": (water.density, h.density),
-        "water.gravity": (water.gravity, h.gravity),
-        "settings.gap_damping": (scene.settings.gap_damping, h.settings.get("gap_damping", 0.0)),
-        "settings.gap_width": (scene.settings.gap_width, h.settings.get("gap_width", 0.0)),
-    }
-    for key, (value, limit) in pairs.items():
-        if value != limit:
-            raise InputError(key, value, f"must be {limit:g}, that of the coefficients")
-    if not np.abs(places - h.centres).max(initial=0.0) <= 1e-6:
-        raise InputError("floats", places.tolist(), f"must be where the coefficients' floats are, {h.centres.tolist()}")
-    if len(places) > 1 and scene.settings.interaction != h.interacting:
-        said = f"must be {str(h.interacting).lower()}, as of the coefficients"
-        raise InputError("settings.interaction", scene.settings.interaction, said)
-    waves = scene.sea.amplitude.any() and (scene.settings.diffraction or scene.settings.froude_krylov == "linear")
-    if waves and abs(np.exp(1j * scene.sea.heading) - np.exp(1j * h.heading)) > 1e-6:
-        raise InputError("sea.heading", scene.sea.heading, f"must be {h.heading:g} rad, that of the coefficients")
-    if not scene.planar and len(h.dofs) < len(DOFS):
-        raise InputError("coefficients", " ".join(h.dofs), f"must have {', '.join(DOFS)}: the scene is not planar")
-
-
-@lru_cache(maxsize=8)
-def remembered(
-    h: Hydrodynamics,
-    hulls: tuple[Hull, ...],
-    tolerance: float,
-    ways: tuple[tuple[str, ...], ...],
-    importance: Bits[np.ndarray] | None = None,
-) -> radiation.RadiationMemory:
-    """The memory of a set of coefficients, of bodies with these motions: tasks that differ in sea, damping or support
-    share its fit.
-    """
-    moved = h.moved(ways)
-    usual = importance is None and h.memory_tolerance == tolerance
-    if h.memory is not None and usual and np.all(h.moved(h.memory_motions) == moved):
-        return h.memory
-    lengths = motion_lengths(hulls, h.dofs)
-    asked = None if importance is None else importance.value
-    known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
-    return radiation.fit(*known, tolerance, lengths, h.body, moved, asked, h.resolved)
-
-
-def _reaches(scene: Scene, height: float) -> list[float]:
-    """How far from rest each hull's wetted surface gets [m]: at ±0.8 rad of its arm and ±0.2 rad of what carries it."""
-    reaches, flat = limits.radii(scene), motions.in_plane(scene)
-    for b, item in enumerate(scene.floats):
-        seen, carrier, hinge = limits.sight(flat[b]), scene.carriers[b], np.array(item.hinge, float)
-        reaches[b] += _way(item, seen * (item.centre - hinge), 0.8, height)
-        while carrier >= 0:
-            by, point = scene.floats[carrier], hinge
-            hinge, carrier = np.array(by.hinge, float), scene.carriers[carrier]
-            reaches[b] += _way(by, seen * (point - hinge), 0.2, height)
-    return reaches
-
-
-def _way(item: Float, lever: np.ndarray, angle: float, height: float) -> float:
-    """How far the end of a lever gets: turned by an angle, or sliding from where it is let go, or where a preload
-    brings it that nothing but springs holds, by twice the wave height [m].
-    """
-    turned = 2 * np.sin(angle / 2) * float(np.linalg.norm(lever))
-    springs, pushed = item.per_axis("stiffness") + item.per_axis("pto_stiffness"), np.abs(item.per_axis("preload"))
-    held = (springs > 0) & np.array([name in DOFS[:2] for name in item.motion], bool)
-    start = np.maximum(np.abs(item.per_axis("offset")), np.divide(pushed, springs, out=0 * pushed, where=held))
-    ways = zip(item.motion, start.tolist(), strict=True)
-    return max((x + 2 * height if slides(name) else turned for name, x in ways), default=0.0)
-
-
 def _whole_mass(system: System, z: np.ndarray) -> np.ndarray:
     """Of modes and joints (nm + nj, nm + nj), with the floats at z (nz,)."""
     body, shape = system.bodies, system.structure.carrier
@@ -546,67 +345,3 @@ def _initial_acceleration(
     held[at_rest] = (load - whole @ acceleration)[rows]
     ddp, ddz = acceleration[:nm], acceleration[nm:]
     return ddp, ddz, ddp + frame.omega**2 * p - first.modal[0], held
-
-
-def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[tuple[np.ndarray, Output, np.ndarray]]:
-    """March from step `done` to step `steps`, yielding (wave samples, output, times) block by block.
-
-    `state` is that after `done` steps, and all that a run needs to go on: to the last bit where `done` is a
-    multiple of BLOCK_STEPS, elsewhere to Newton's tolerance.
-    """
-    h, series = system.dt / 2, system.series(system.dt)
-    problem, empty = system.problem(), system.drive(np.zeros((1, len(system.rows))))
-    room = new_workspace(system.bodies, system.structure)
-    fine = new_fine(problem, empty) if problem.bent.size else None
-    # Up to the longest wave's period after the start little has been exchanged, and that with a jolt.
-    quiet = int(2 * np.pi / system.scene.sea.omega.min() / system.dt)
-    for first in range(done, steps, BLOCK_STEPS):
-        count = min(BLOCK_STEPS, steps - first)
-        samples = series.block(2 * first, 2 * count + 1)
-        output = new_output(problem, 2 * count)
-        outcome, sample, _ = march(problem, system.drive(samples), state, room, fine, quiet - first, output)
-        if outcome != OK:
-            raise _failure(outcome, (2 * first + sample) * h, system, state)
-        yield samples[1:], output, (2 * first + 1 + np.arange(2 * count)) * h
-
-
-def _failure(outcome: int, t: float, system: System, state: State) -> SimulationFailed:
-    when = f"at t = {t:.1f} s"
-    if outcome == EXCURSION:
-        told = limits.explain(system.scene, state.z, system.bodies.limit, when)
-        return SimulationFailed(told + _stability(system, state.z))
-    if outcome == UNBALANCED:
-        stored = energy(system.bodies, system.structure, state)
-        return unbalanced(energy_residual(state.work, stored, state.energy, state.energy[GAP]), GROSSLY, t, system)
-    troubles = {
-        NOT_CONVERGED: f"no convergence in {ITERATIONS} iterations",
-        TO_AND_FRO: f"a joint's law changes over {CHANGES} times in a step",
-    }
-    return StepTooLong(f"{troubles.get(outcome, 'not finite')} {when}: reduce time_step = {system.dt:g} s")
-
-
-def _stability(system: System, joints: np.ndarray) -> str:
-    """How far from rest a hinge that is beyond its bounds rights itself, for the message that says so."""
-    bodies, first = system.bodies, system.bodies.mechanism.size - joints.size
-    low, high = bodies.limit[first:].T
-    beyond = np.flatnonzero((joints <= low) | (joints >= high))
-    names = [axis for f in system.scene.floats for axis in f.motion]
-    if not beyond.size or slides(names[beyond[0]]):
-        return ""
-    i = first + int(beyond[0])
-    back, forth = righting(bodies, system.equilibrium[0], i, limits.FALLEN_OVER)
-    return f"; in still water it rights itself between {back:+.2f} and {forth:+.2f} rad"
-
-
-def energy_residual(work: np.ndarray, stored: float, exchanged: np.ndarray, allowed: float = 0.0) -> float:
-    """Gap of the energy balance, but for `allowed` [J], over the largest exchanged so far; see energy.open_by."""
-    gap = open_by(work, stored, exchanged) - allowed
-    return float(abs(gap) / exchanged[SCALE]) if gap else 0.0
-
-
-def unbalanced(gap: float, limit: float, t: float, system: System) -> StepTooLong:
-    """The error of a run whose energy balance is open by too large a share of the energy exchanged."""
-    return StepTooLong(
-        f"energy balance at t = {t:.1f} s open by {gap:.1e} of the energy exchanged, > {limit:g}: reduce time_step ="
-        f" {system.dt:g} s and newton_tolerance = {system.scene.settings.newton_tolerance:g}"
-    )

@@ -10,8 +10,9 @@ from solver.balance import warnings
 from solver.coupled.driving import patterns, share_curve
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.natural import SystemModes, require_stable, system_modes
+from solver.coupled.preparation import prepare
 from solver.coupled.support import Support, real_by_complex
-from solver.coupled.system import System, loads_at_rest, prepare
+from solver.coupled.system import System, loads_at_rest
 from solver.frequency import beyond
 from solver.frequency.condensed import Condensed
 from solver.frequency.stations import Stations

@@ -11,8 +11,9 @@ import numpy as np
 
 from solver.coupled.forces import REACTIONS
 from solver.coupled.histories import moved
+from solver.coupled.preparation import prepare
 from solver.coupled.support import Support
-from solver.coupled.system import System, prepare
+from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.response import carried, in_waves
 from solver.record.steel import Steel

@@ -11,7 +11,8 @@ import numpy as np
 
 from solver import motions
 from solver.coupled.linear import impedance, linear_model
-from solver.coupled.system import System, prepare, remembered
+from solver.coupled.preparation import prepare, remembered
+from solver.coupled.system import System
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.radiation.memory import USUAL

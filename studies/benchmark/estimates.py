@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.motions import of_scene
 from solver.record.channels import Record

@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from solver.coupled.blocks import blocks
 from solver.coupled.memory import memory_history
 from solver.coupled.modal import WaterAbout, drag, flexibility
 from solver.coupled.newton import Zones, new_newton, newton_matrix
+from solver.coupled.preparation import prepare
 from solver.coupled.scheme import LOBATTO
-from solver.coupled.system import BLOCK_STEPS, blocks, prepare
+from solver.coupled.system import BLOCK_STEPS
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature_room
 from solver.hydrodynamics.radiation import memory as radiation
 from solver.kernels import fast_lean_kernel

@@ -16,8 +16,10 @@ from pipeline.bridge.geometry import Geometry, bem_arguments, geometry_of
 from pipeline.study.reading import describe
 from pipeline.study.schema import StudyFile
 from pipeline.tasks.task import expand
+from solver.coupled.blocks import blocks
+from solver.coupled.preparation import prepare
 from solver.coupled.stages import State
-from solver.coupled.system import BLOCK_STEPS, blocks, prepare
+from solver.coupled.system import BLOCK_STEPS
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics

@@ -12,7 +12,7 @@ from pipeline.bridge.loading import load
 from pipeline.tasks.task import expand
 from solver.coupled.linear import linear_model
 from solver.coupled.natural import with_critical_damping
-from solver.coupled.system import prepare, remembered
+from solver.coupled.preparation import prepare, remembered
 from solver.frequency.case import case_of
 from solver.frequency.drift import waves_of
 from solver.frequency.response import respond

@@ -8,7 +8,7 @@ import pytest
 
 from solver.coupled.boundary import coefficients
 from solver.coupled.linear import linear_model
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.revolution import Revolution

@@ -7,7 +7,8 @@ import pytest
 from pytest import approx
 
 from solver.coupled import linear_drag, support
-from solver.coupled.system import blocks, prepare
+from solver.coupled.blocks import blocks
+from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.record.steel import Steel
 from solver.run import simulate

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull import mesh as meshes

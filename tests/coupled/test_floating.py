@@ -7,7 +7,8 @@ import pytest
 from pytest import approx
 
 from solver.balance import warnings
-from solver.coupled.system import BALANCE, prepare
+from solver.coupled.preparation import prepare
+from solver.coupled.system import BALANCE
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate

@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 
 from solver.balance import warnings
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.radiation.memory import USUAL
 from solver.run import simulate

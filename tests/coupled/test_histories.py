@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 
 from solver.coupled.histories import missed, moved
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.run import simulate
 from solver.structure.load_history import LoadHistory
 from tests.awkward import raking, sea

@@ -7,11 +7,11 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
-from solver.coupled import driving, linear, natural, support
+from solver.coupled import driving, linear, natural, preparation, support
 from solver.coupled import system as systems
 from solver.coupled.equilibrium import balance, differences
 from solver.coupled.linear import impedance, linear_model
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.frequency import case
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.record import effects
@@ -143,16 +143,16 @@ def test_what_is_kept_of_another_sea_changes_no_bit(method):
     other = replace(scene, sea=replace(scene.sea, amplitude=1.2 * np.roll(scene.sea.amplitude, 1)))
     forget()
     simulate(scene, h)
-    before = [known.cache_info().misses for known in (support._reduced, systems._bodies)]
+    before = [known.cache_info().misses for known in (support._reduced, preparation._bodies)]
     after = simulate(other, h)
-    assert [known.cache_info().misses for known in (support._reduced, systems._bodies)] == before
+    assert [known.cache_info().misses for known in (support._reduced, preparation._bodies)] == before
     forget()
     same_bits(simulate(other, h), after)
 
 
 def forget():
     """All that a process keeps of other scenes."""
-    kept = (support._reduced, driving._curve, driving.driven, systems._bodies, systems._equilibrium)
+    kept = (support._reduced, driving._curve, driving.driven, preparation._bodies, systems._equilibrium)
     kept += (systems._at_rest, systems.known_differences, systems.loads_at_rest, linear._linear_model, linear_model)
     for cached in (*kept, case._case, natural._system_modes):
         cached.cache_clear()

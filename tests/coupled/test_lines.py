@@ -11,7 +11,7 @@ from scipy.integrate import quad, solve_ivp
 from solver.catenary import ends, tensions
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import linear_model
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.mooring import Line, line_loads, line_stiffness
 from solver.run import simulate

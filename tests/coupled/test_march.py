@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from solver.coupled.blocks import blocks
+from solver.coupled.preparation import prepare
 from solver.coupled.stages import State
 from solver.coupled.support import dynamic_model
-from solver.coupled.system import BLOCK_STEPS, blocks, prepare
+from solver.coupled.system import BLOCK_STEPS
 from solver.errors import InputError, SimulationFailed
 from solver.run import simulate
 from solver.scene import Scene

@@ -18,7 +18,7 @@ from solver.coupled.natural import (
     with_critical_damping,
     with_usual_step,
 )
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.power_takeoff import PtoTable

@@ -12,11 +12,13 @@ from pytest import approx
 from scipy.integrate import solve_ivp
 
 from solver.coupled import assembly
-from solver.coupled import system as system_module
+from solver.coupled import blocks as blocks_module
 from solver.coupled.between import NODES, interpolate
+from solver.coupled.blocks import blocks, energy_residual
 from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
 from solver.coupled.pieces.fine import _fill_memory, new_fine, sample_drive
+from solver.coupled.preparation import prepare
 from solver.coupled.step import (
     HITS,
     HOLDS,
@@ -29,7 +31,6 @@ from solver.coupled.step import (
     _halfway,
     new_workspace,
 )
-from solver.coupled.system import blocks, energy_residual, prepare
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring
@@ -439,14 +440,14 @@ def test_what_a_hit_sets_ringing_faster_than_it_swings_takes_no_pieces(buan, coe
 
     Followed to their end they take four times as many of Newton's iterations as a fixed platform.
     """
-    spent, march = [], system_module.march
+    spent, march = [], blocks_module.march
 
     def counted(*args):
         ended = march(*args)
         spent.append(ended[2])
         return ended
 
-    monkeypatch.setattr(system_module, "march", counted)
+    monkeypatch.setattr(blocks_module, "march", counted)
     stops = EndStops(lower=-0.9, upper=0.9, stiffness=2e7, damping=2e5)
     rough = {"floats": buan.floats(end_stops=stops), "sea": buan.sea(Hs=8.0, Tp=12.0), "duration": 100.0}
     used, loads = [], []
@@ -463,7 +464,7 @@ def test_what_a_hit_sets_ringing_faster_than_it_swings_takes_no_pieces(buan, coe
 def test_a_law_that_changes_without_end_is_what_a_run_ends_by():
     system = prepare(mass(0.1, 1.0, coulomb=5.0), None)
     told = [
-        str(system_module._failure(outcome, 1.0, system, system.start())) for outcome in (TO_AND_FRO, NOT_CONVERGED)
+        str(blocks_module._failure(outcome, 1.0, system, system.start())) for outcome in (TO_AND_FRO, NOT_CONVERGED)
     ]
     assert told[0].startswith("a joint's law changes over 200 times in a step at t = 1.0 s: reduce time_step")
     assert told[1].startswith("no convergence in 40 iterations at t = 1.0 s")

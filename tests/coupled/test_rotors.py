@@ -8,7 +8,7 @@ import pytest
 from pytest import approx
 
 from solver.balance import imbalance
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.frequency.response import respond
 from solver.hydrodynamics.hull.duck import duck
 from solver.scene import Float

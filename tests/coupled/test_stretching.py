@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 
 from solver.coupled import stretching
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.run import simulate
 from solver.scene import Settings, Water

@@ -8,7 +8,7 @@ from pytest import approx
 
 from solver import limits
 from solver.coupled.natural import require_stable
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.mooring import Mooring

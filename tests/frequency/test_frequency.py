@@ -9,7 +9,7 @@ from scipy.integrate import dblquad
 
 from solver.coupled import linear_drag as drag
 from solver.coupled.linear import impedance, linear_model
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.frequency import condensed, gaussian, response
 from solver.frequency.case import case_of

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solver.coupled.preparation import prepare
 from solver.coupled.support import _within
-from solver.coupled.system import prepare
 from solver.record import elements
 from solver.run import simulate
 from solver.statistics import STATISTICS

@@ -8,7 +8,7 @@ from pytest import approx
 
 from solver.coupled import forces as forces_module
 from solver.coupled import support
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.record import steel as steel_module
 from solver.record.recorder import Recorder

@@ -8,7 +8,7 @@ from pytest import approx
 
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.natural import system_modes
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.record import refit
 from solver.record.effects import coefficient_effects
 from solver.record.response import excitation

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.record import probe
 from solver.run import simulate
 from solver.scene import Platform

@@ -7,8 +7,9 @@ import pytest
 from pytest import approx
 
 from solver.coupled import support
+from solver.coupled.blocks import blocks
 from solver.coupled.forces import Places
-from solver.coupled.system import blocks, prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.record.steel import Steel
 from solver.record.utilisation import bending_utilisation, shear_utilisation

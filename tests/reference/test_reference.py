@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled.system import prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.memory import RadiationMemory

@@ -8,8 +8,9 @@ import pytest
 from pytest import approx
 
 from solver.coupled import forces, support
+from solver.coupled.blocks import blocks
 from solver.coupled.forces import Columns, Part, Places
-from solver.coupled.system import blocks, prepare
+from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.record.steel import Steel
 from solver.run import simulate

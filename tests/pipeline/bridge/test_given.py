@@ -103,7 +103,7 @@ def with_our_own(path, h):
     planar = {n: getattr(h, n)[both] for n in ("added_mass", "radiation_damping")}
     planar |= {n: getattr(h, n)[:, index] for n in ("diffraction", "froude_krylov")}
     planar |= {n: getattr(h, n)[np.ix_(index, index)] for n in ("added_mass_inf", "hydrostatic_stiffness")}
-    from solver.coupled.system import remembered
+    from solver.coupled.preparation import remembered
 
     parameters = only_task(path).parameters
     geometry = geometry_of(parameters)

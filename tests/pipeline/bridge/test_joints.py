@@ -520,12 +520,12 @@ class Unsolved:
 
 def unsolved(monkeypatch):
     """Coefficients and motions that memories are fitted to from now on, which nothing is solved for."""
-    from solver.coupled import system
+    from solver.coupled import preparation
     from solver.hydrodynamics.bem import bem
 
     fits = []
     monkeypatch.setattr(bem, "united", lambda problem, _: list(map(Unsolved, problem.headings)))
-    monkeypatch.setattr(system, "remembered", lambda h, _hulls, _usual, ways: fits.append((h, ways)) or len(fits))
+    monkeypatch.setattr(preparation, "remembered", lambda h, _hulls, _usual, ways: fits.append((h, ways)) or len(fits))
     return fits
 
 
