@@ -7,7 +7,6 @@ import numpy as np
 
 from solver.errors import SimulationFailed
 from solver.kernels import whole_lean_kernel
-from solver.multibody.joint_law import zones_at_rest
 from solver.multibody.minimal import (
     Bodies,
     Coordinates,
@@ -21,6 +20,7 @@ from solver.multibody.minimal import (
     pressure_room,
     pressures,
 )
+from solver.multibody.zones import zones_at_rest
 
 STEP = 1e-5  # of differences [m or rad]: what curvature and rounding leave is below 1e-8
 SLOW = 1e-6  # of differences by rates [m/s or rad/s]: quadratic damping is nothing there, rounding 1e-9

@@ -19,7 +19,7 @@ from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits, shared
 from solver.limits import slides
-from solver.multibody.joint_law import pto_stiffness_at_rest
+from solver.multibody.of_axes import pto_stiffness_at_rest
 from solver.scene import MOST_STEPS, STEPS, Scene, two_digits
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds

@@ -49,8 +49,9 @@ from solver.coupled.stages import (
     predict,
 )
 from solver.kernels import inner_kernel, kernel, lean_kernel, part_kernel
-from solver.multibody.joint_law import HELD, OPEN, PTO_ZONE, STOP_ZONE, off_stop
+from solver.multibody.joint_law import HELD, OPEN, PTO_ZONE, STOP_ZONE
 from solver.multibody.minimal import Bodies, PressureRoom, powers, pressure_room, pressures
+from solver.multibody.zones import off_stop
 
 # Pressure and drag are evaluated again where a stage has moved by so many tolerances since; nearer than that
 # the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance. A piece of

@@ -16,7 +16,7 @@ from solver.coupled.step import Drive, Problem, new_problem
 from solver.coupled.support import Support
 from solver.hydrodynamics.radiation import memory as radiation
 from solver.keys import Bits, Same, shared
-from solver.multibody import joint_law
+from solver.multibody import joint_law, of_axes, zones
 from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
 from solver.scene import Scene
 from solver.sea.field import WaveField
@@ -194,14 +194,14 @@ class System:
     @property
     def bent(self) -> np.ndarray:
         """Coordinates whose joint's law has several zones."""
-        return np.flatnonzero(joint_law.bent(self.bodies.law))
+        return np.flatnonzero(of_axes.bent(self.bodies.law))
 
     def zones_at(self, z: np.ndarray) -> np.ndarray:
         """(2, nz) of the joints' laws where the floats are let go at rest at z (nz,)."""
         zone = np.zeros((2, z.size), np.int64)
-        joint_law.zones_at_rest(self.bodies.law, z, zone)
-        for i in np.flatnonzero(joint_law.tabled(self.bodies.law) | joint_law.turning(self.bodies.law)):
-            zone[joint_law.PTO_ZONE, i] = joint_law.pto_zone(self.bodies.law, int(i), z[i], 0.0)
+        zones.zones_at_rest(self.bodies.law, z, zone)
+        for i in np.flatnonzero(of_axes.tabled(self.bodies.law) | of_axes.turning(self.bodies.law)):
+            zone[joint_law.PTO_ZONE, i] = zones.pto_zone(self.bodies.law, int(i), z[i], 0.0)
         return zone
 
     @property
@@ -216,18 +216,18 @@ class System:
 
     def _follows(self, first: int) -> np.ndarray:
         """(nz,) [s] of what swings on an end stop, of modes and joints from `first` on."""
-        if not joint_law.stopped(self.bodies.law).any():
+        if not of_axes.stopped(self.bodies.law).any():
             return np.full(self.bodies.mechanism.size, np.inf)
         (nc, nm), nz = self.structure.carrier.shape, self.bodies.mechanism.size
         compliance, mass = np.zeros(nz), _whole_mass(self, self.equilibrium[0])[first:, first:]
         compliance[nc:] = np.diag(np.linalg.inv(mass))[nm - first :]
-        rates = joint_law.stop_rates(self.bodies.law, compliance)
+        rates = of_axes.stop_rates(self.bodies.law, compliance)
         return np.divide(2 * np.pi / SWING, rates, out=np.full(nz, np.inf), where=rates > 0)
 
     def problem(self) -> Problem:
         """The arrays and tolerances of a march."""
         bent, zone = self.bent, np.zeros((2, self.bodies.mechanism.size), np.int64)
-        joint_law.zones_at_rest(self.bodies.law, self.equilibrium[0], zone)
+        zones.zones_at_rest(self.bodies.law, self.equilibrium[0], zone)
         on_stops = np.zeros(zone.shape[1])
         on_stops[bent] = [joint_law.tangent(self.bodies.law, i, *zone[:, i])[0] for i in bent]
         structure = self.structure
@@ -297,7 +297,7 @@ def _at_rest(
 ) -> tuple[Resting, np.ndarray, np.ndarray]:
     """What stands for a scene at rest, and its equilibrium; scenes that differ in their seas alone have one object."""
     frame = structure.value
-    still = bodies.value._replace(law=joint_law.at_rest(bodies.value.law))
+    still = bodies.value._replace(law=of_axes.at_rest(bodies.value.law))
     z, p = _equilibrium(Bits((still, frame.omega, frame.carrier, steady.value)), stride)
     return Bits((bodies.value, frame, z.copy())), z, p
 
@@ -337,7 +337,7 @@ def _initial_acceleration(
         load[:nm] += system.drag_at_rest(first.station[0])
     if first.push.size:
         load[:nm] += np.tensordot(frame.station, first.push[0], axes=2)
-    at_rest = np.flatnonzero(joint_law.holds(body.law))
+    at_rest = np.flatnonzero(of_axes.holds(body.law))
     rows, free, known = nm + at_rest - nc, whole.copy(), load.copy()
     free[rows], known[rows] = np.eye(len(whole))[rows], 0.0
     acceleration = np.linalg.solve(free, known)

@@ -18,7 +18,8 @@ from solver.frequency.condensed import Condensed
 from solver.frequency.stations import Stations
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits
-from solver.multibody.joint_law import DAMPERS, JointLaw, damped, dampers
+from solver.multibody.joint_law import JointLaw
+from solver.multibody.of_axes import DAMPERS, damped, dampers
 from solver.record.channels import Channels
 from solver.record.effects import unlike
 from solver.record.response import excitation

@@ -12,7 +12,7 @@ from solver.errors import SimulationFailed
 from solver.frequency.case import Case, case_of
 from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.multibody import joint_law
+from solver.multibody import linearised, of_axes
 from solver.multibody.joint_law import JointLaw
 from solver.record.effects import cancelled, force_error, response_error
 from solver.record.response import carried
@@ -122,9 +122,9 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
     model, omega, stations = case.model, case.omega, case.stations
     nm, nc = model.modes.shape[1], case.system.structure.carrier.shape[0]
     height = float(np.abs(case.system.scene.sea.amplitude).sum())
-    quadratic, bent = joint_law.drag(law), joint_law.bent(law).any()
+    quadratic, bent = of_axes.drag(law), of_axes.bent(law).any()
     linear, joints = case.linear_damping(law), np.arange(nm, len(model.mass))
-    at_rest = pto = joint_law.damping_at_rest(law)[nc:]
+    at_rest = pto = linearised.damping_at_rest(law)[nc:]
     rate, turning = np.zeros((len(model.mass), omega.size), complex), -1j * omega
     std, change, damping = np.zeros(len(model.mass)), np.inf, np.zeros(model.damping.shape)
     before = _Sizes(*np.zeros((2, len(joints))))
@@ -255,12 +255,12 @@ def _taking(law: JointLaw, nc: int, rate: np.ndarray) -> np.ndarray:
 
     nc: coordinates before the joints'.
     """
-    size = np.zeros(len(joint_law.dampers(law)))
+    size = np.zeros(len(of_axes.dampers(law)))
     if rate.shape[1] == 1:
         size[nc:] = np.abs(rate[:, 0])
-        return joint_law.damping_of_harmonic(law, size)[nc:]
+        return linearised.damping_of_harmonic(law, size)[nc:]
     size[nc:] = np.sqrt(0.5 * np.sum(np.abs(rate) ** 2, axis=1))
-    return joint_law.damping_of_gaussian(law, size)[nc:]
+    return linearised.damping_of_gaussian(law, size)[nc:]
 
 
 def _require_bounded(model: LinearModel, omega: np.ndarray, X: np.ndarray, height: float) -> None:

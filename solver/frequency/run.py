@@ -11,7 +11,7 @@ from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
 from solver.frequency.response import Response, respond, respond_in
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
-from solver.multibody.joint_law import bent
+from solver.multibody.of_axes import bent
 from solver.power_takeoff import PtoTable
 from solver.record.audit import unmet
 from solver.record.bound import above

@@ -12,7 +12,8 @@ from solver.coupled.support import KNOWN, Support, real_by_complex
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import shared
-from solver.multibody.joint_law import JointLaw, absorbing
+from solver.multibody.joint_law import JointLaw
+from solver.multibody.of_axes import absorbing
 from solver.record.channels import Channels
 from solver.record.response import excitation, force_of_waves, in_waves
 from solver.record.sampling import least_force

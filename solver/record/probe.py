@@ -18,8 +18,8 @@ from solver.coupled.step import HITS, Output
 from solver.coupled.system import System
 from solver.errors import StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.multibody.joint_law import taking
 from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
+from solver.multibody.of_axes import taking
 from solver.power_takeoff import PtoTable
 from solver.record.channels import Channels
 from solver.record.effects import coefficient_effects, shapes_effect, together

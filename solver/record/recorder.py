@@ -10,8 +10,8 @@ from solver.coupled.between import NODES, interpolate
 from solver.coupled.natural import SystemModes
 from solver.coupled.step import BEYOND, CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, Between, Output
 from solver.coupled.support import Support
-from solver.multibody.joint_law import bent, declutched, joint_loads, latched, pto_bounds, pto_loads, stopped
 from solver.multibody.minimal import Bodies
+from solver.multibody.of_axes import bent, declutched, joint_loads, latched, pto_bounds, pto_loads, stopped
 from solver.record.channels import ELEVATION, Channels, Labelled, Record, bound
 from solver.record.fatigue import crossing_rate
 from solver.record.sampling import Cuts

@@ -22,7 +22,7 @@ from solver.hydrodynamics.pressure.wetted_panels import (
     panels_room,
     wetted_panels,
 )
-from solver.multibody.joint_law import joint_loads
+from solver.multibody.of_axes import joint_loads
 from solver.reference import axes as joint_axes
 from solver.reference.augmented import MechanismState
 from solver.reference.axes import Axes, Node

@@ -24,7 +24,7 @@ from solver.coupled.step import BEYOND, CONTACT, Output, whole_output
 from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
-from solver.multibody.joint_law import bent, joint_energy, stop_loads
+from solver.multibody.of_axes import bent, joint_energy, stop_loads
 from solver.record.audit import unmet
 from solver.record.bound import above
 from solver.record.channels import Record

@@ -22,7 +22,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring
 from solver.multibody import load_table
-from solver.multibody.joint_law import damping_of_gaussian, damping_of_harmonic
+from solver.multibody.linearised import damping_of_gaussian, damping_of_harmonic
 from solver.multibody.load_table import Points, tables
 from solver.power_takeoff import PtoTable
 from solver.record.recorder import Recorder

@@ -11,18 +11,9 @@ from solver.coupled.assembly import joint_law
 from solver.coupled.energy import PTO
 from solver.errors import InputError
 from solver.mooring import Mooring
-from solver.multibody.joint_law import (
-    OPEN,
-    PTO_ZONE,
-    absorbing,
-    axis_damping,
-    axis_load,
-    bent,
-    leaving,
-    next_zone,
-    pto_zone,
-    tangent,
-)
+from solver.multibody.joint_law import OPEN, PTO_ZONE, axis_damping, axis_load, tangent
+from solver.multibody.of_axes import absorbing, bent
+from solver.multibody.zones import leaving, next_zone, pto_zone
 from solver.power_takeoff import PtoTable
 from solver.run import simulate
 from tests import awkward

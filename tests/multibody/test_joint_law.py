@@ -21,27 +21,17 @@ from solver.multibody.joint_law import (
     STOP_ZONE,
     Couplings,
     JointLaw,
-    absorbing,
     axis_damping,
     axis_energy,
     axis_load,
-    bent,
-    damping_of_gaussian,
-    damping_of_harmonic,
     end_stops,
-    joint_energy,
-    joint_loads,
-    leaving,
-    limited,
-    next_zone,
-    off_stop,
-    pto_zone,
     stop_load,
-    stops_zone,
     tangent,
-    within_stops,
 )
+from solver.multibody.linearised import damping_of_gaussian, damping_of_harmonic
 from solver.multibody.load_table import NO_POINTS, tables
+from solver.multibody.of_axes import absorbing, bent, joint_energy, joint_loads
+from solver.multibody.zones import leaving, limited, next_zone, off_stop, pto_zone, stops_zone, within_stops
 
 LAW = JointLaw(
     pto_damping=np.array([3e3, 0.0, 0.0, 2e3, 4e3]),
@@ -216,11 +206,12 @@ def test_an_axis_absorbs_where_its_load_does():
 
 
 def test_nobody_else_reads_the_laws_numbers():
-    """So that a further kind of law is one file, and the scene that has its inputs."""
+    """So that a further kind of law is in these files, and the scene's that have its inputs."""
     home = Path(solver.__file__).parent
     reading = re.compile(r"\blaw\.\w|pto_damping|quadratic_damping|force_limit")
     readers = {str(p.relative_to(home)) for p in home.rglob("*.py") if reading.search(p.read_text())}
-    assert readers == {"multibody/joint_law.py", "scene.py"}
+    law = {f"multibody/{name}.py" for name in ("joint_law", "zones", "of_axes", "linearised")}
+    assert readers == law | {"scene/floats.py", "scene/scene.py"}
 
 
 def test_what_has_neither_stiffness_nor_damping_has_no_stops():

@@ -21,10 +21,9 @@ from solver.multibody.joint_law import (
     axis_load,
     holding,
     jumps,
-    next_zone,
-    pto_zone,
 )
 from solver.multibody.minimal import mass_matrix, move
+from solver.multibody.zones import next_zone, pto_zone
 
 
 @inner_kernel

@@ -4,18 +4,8 @@ from solver.coupled.pieces.pace import SLIVER, smooths
 from solver.coupled.stages import State
 from solver.coupled.step import Problem, Workspace
 from solver.kernels import kernel, part_kernel
-from solver.multibody.joint_law import (
-    HELD,
-    LINEAR,
-    OPEN,
-    PTO_ZONE,
-    STOP_ZONE,
-    TABLE,
-    holding,
-    leaving,
-    limited,
-    within_stops,
-)
+from solver.multibody.joint_law import HELD, LINEAR, OPEN, PTO_ZONE, STOP_ZONE, TABLE, holding
+from solver.multibody.zones import leaving, limited, within_stops
 
 SCAN = 8  # points of a step at which its polynomial is looked at
 HALVINGS = 50  # of the interval in which it leaves a zone

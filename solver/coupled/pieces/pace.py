@@ -7,19 +7,8 @@ from solver.coupled.pieces.fine import ONE, Fine
 from solver.coupled.stages import State
 from solver.coupled.step import Problem, Workspace, gap, rings
 from solver.kernels import inner_kernel, part_kernel
-from solver.multibody.joint_law import (
-    HELD,
-    OPEN,
-    PRESSED,
-    PTO_ZONE,
-    STOP_ZONE,
-    JointLaw,
-    axis_load,
-    jumps,
-    leaving,
-    next_zone,
-    pto_zone,
-)
+from solver.multibody.joint_law import HELD, OPEN, PRESSED, PTO_ZONE, STOP_ZONE, JointLaw, axis_load, jumps
+from solver.multibody.zones import leaving, next_zone, pto_zone
 
 SWING = 16  # pieces in the period of what swings on a stop
 SMOOTH = 2  # pieces in the time of one of those, the first ones on an elastic platform

@@ -36,8 +36,9 @@ from solver.coupled.step import (
     refresh,
 )
 from solver.kernels import inner_kernel, part_kernel
-from solver.multibody.joint_law import OPEN, PRESSED, PTO_ZONE, STOP_ZONE, jumps, within_stops
+from solver.multibody.joint_law import OPEN, PRESSED, PTO_ZONE, STOP_ZONE, jumps
 from solver.multibody.minimal import move
+from solver.multibody.zones import within_stops
 
 PATIENCE = 2  # iterations of a piece, beyond which Newton's matrix is renewed
 SHARE = 8  # pieces that share one
