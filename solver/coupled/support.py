@@ -33,8 +33,8 @@ SWUNG = 3e-3  # of all that load histories move: modes that they set swinging by
 FAR_LESS = 0.1  # of the leg's top that moves most: what moves by less is not judged
 PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
 # Pieces of an element in which loads are integrated: of 1/k of the shortest wave for inertia, whose EXACT points are
-# then right to 2e-5 of it, and of the mean wave for drag.
-INERTIA, DRAG = 4.0, 1.0
+# then right to 2e-5 of it, and of the mean wave for drag; for shapes that bend along a member, of what of it is wet.
+INERTIA, DRAG, BENT = 4.0, 1.0, 0.25
 SAME = 1e-6  # distance to the plane y = 0 that counts as none [m]
 KNOWN = 8  # platforms that a process keeps, by themselves and in one sea
 PLANAR = np.array([0, 2, 4])
@@ -70,7 +70,8 @@ class Support:
     station_shape: np.ndarray  # (ns, nd, nm)
     flow: Callable[[WaveField], np.ndarray]  # rows (ns, nd, n) of the normal particle velocity there
     drag: np.ndarray  # (ns,) ½ρ C_D D w below still water [kg/m]
-    drag_length: float  # the most of a member's length that a station stands for [m]
+    drag_length: float  # the most of a member's length that a station stands for [m],
+    drag_share: float  # and of what of the member is wet
     stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
     stretched: Stretched | None  # where waves load them up to their surface
     applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
@@ -135,7 +136,7 @@ def reduce_platform(
     model = dynamic_model(platform, sea)[0]
     splash = water.DRY if platform.wave_stretching == "none" else stretching.splash(field)
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
-    drags = water.stations(model, stations, DRAG * field.mean_length, splash)
+    drags = water.stations(model, stations, DRAG * field.mean_length, splash, BENT)
     damping = damping if platform.load_histories else None  # or platforms that differ in it alone would not share
     asked = {"planar": planar, "modes": modes, "outputs": outputs, "reach": splash.reach, "damping": damping}
     return _reduced(platform, sea, hinge_nodes, at, drags, typical_waves(field, at), **asked)
@@ -216,6 +217,7 @@ def _reduced(
         flow=water_drag.flow,
         drag=water_drag.size,
         drag_length=float(drags.weight[drags.drag > 0].max(initial=0.0)),
+        drag_share=float((drags.weight / _whole(model, drags))[drags.drag > 0].max(initial=0.0)),
         stream=water_drag.stream,
         stretched=water_drag.stretched,
         applied=shapes[loaded],
@@ -305,6 +307,12 @@ def damped(support: Support, damping: StructuralDamping) -> Support:
 
 
 @lru_cache(maxsize=KNOWN)
+def _whole(model: FrameModel, at: water.Stations) -> np.ndarray:
+    """Length of all that is wet of each station's member (ns,) [m]."""
+    member = model.member[at.element]
+    return np.asarray(np.bincount(member, at.weight)[member])
+
+
 def _places(platform: Platform, sea: Water, outputs: tuple[str, ...]) -> Places:
     return forces.places(dynamic_model(platform, sea)[0], platform.legs, outputs)
 

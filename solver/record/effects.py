@@ -7,7 +7,7 @@ import numpy as np
 
 from solver.coupled.driving import driven
 from solver.coupled.histories import unswung
-from solver.coupled.linear import LinearModel, impedance, linear_model
+from solver.coupled.linear import impedance, linear_model
 from solver.coupled.support import KNOWN, Support, real_by_complex
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -15,12 +15,12 @@ from solver.keys import shared
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import absorbing
 from solver.record.channels import Channels
+from solver.record.decay import decay_effects
 from solver.record.response import excitation, force_of_waves, in_waves
 from solver.record.sampling import least_force
 from solver.statistics import FAINT
 
 UNSURE = 0.4  # of what the error of forces alone would do, that may be left where others cancel it
-DECAY = 400  # frequencies at which a scene without waves is judged
 
 
 def together(errors: Iterable[float]) -> float:
@@ -37,22 +37,19 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     if h is None:
         return 0.0, 0.0
     model, sea = linear_model(system), system.scene.sea
-    waves = bool(sea.amplitude.any())
-    omega = sea.omega if waves else np.linspace(h.omega[0], h.omega[-1], DECAY)
-
-    def response(force: np.ndarray, Y: np.ndarray) -> np.ndarray:
-        return model.response(omega, Y, force) if waves else decay(system, model, omega, Y)
+    omega = sea.omega
+    if not sea.amplitude.any():
+        return decay_effects(system, h)
 
     def change(known: Hydrodynamics, y: np.ndarray) -> float:
-        X = response(force[known], y)
+        X = model.response(omega, y, force[known])
         forces = joint_forces(system, omega, X, y, pushed[known])
         return max(response_error(system, system.bodies.law, omega, X, exact), force_error(system, forces, borne))
 
-    size = sea.amplitude[:, None] if waves else 0.0
-    force = {known: force_of_waves(system, known) if waves else np.zeros((1, 1)) for known in (h, h.shifted)}
-    pushed = {known: excitation(system, known, omega) * size for known in force}
+    force = {known: force_of_waves(system, known) for known in (h, h.shifted)}
+    pushed = {known: excitation(system, known, omega) * sea.amplitude[:, None] for known in force}
     Y = impedance(system, h, omega)
-    exact = response(force[h], Y)
+    exact = model.response(omega, Y, force[h])
     borne = joint_forces(system, omega, exact, Y, pushed[h])
     memory = change(h, system.fit.frequency(omega)) if system.fit else 0.0
     net, off = change(h.shifted, impedance(system, h.shifted, omega)), unlike(force[h].T, force[h.shifted].T)
@@ -124,14 +121,6 @@ def _tops_and_inertia(support: Support) -> np.ndarray:
     """(2 nt, nm) of the modes' amplitudes: their motion of the legs' tops, and what their inertia leaves out of it."""
     rest = support.left_out
     return shared(np.concatenate([support.shapes[rest.tops], rest.inertia.T]))
-
-
-def decay(system: System, model: LinearModel, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
-    """Spectrum X (nw, n) of what follows from offsets x₀, (1 - Z⁻¹C) x₀/(-iω)."""
-    start = np.zeros(len(model.mass))
-    start[system.structure.omega.size :] = np.concatenate([f.per_axis("offset") for f in system.scene.floats])
-    pushed = np.broadcast_to(model.stiffness @ start, (omega.size, start.size))
-    return (start - model.response(omega, Y, pushed)) / (-1j * omega[:, None])
 
 
 def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:

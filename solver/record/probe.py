@@ -169,13 +169,14 @@ def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:
     """Relative error of any mean, rms or std by the stations of a frame's drag: of the same run with twice as many.
 
     Gauss points that stand for a length l each, n to a piece, err by some (l/2λ)²ⁿ/20 of what waves do whose wave
-    number is 1/λ; none where that is no more than FAR, and waves stop at still water.
+    number is 1/λ, and of what a member's motion does, with the cube of its shape, 2λ the wet part of it; none where
+    that is no more than FAR, and waves stop at still water.
     """
     system, s = probe.system, probe.system.scene.settings
     support, points = system.support, s.stations_per_element
-    if support is None or support.drag_length == 0 or not system.scene.sea.amplitude.any() or probe.state is not None:
+    if support is None or support.drag_length == 0 or probe.state is not None:
         return 0.0
-    share = support.drag_length / (2 * system.waves.mean_length)
+    share = max(support.drag_length / (2 * system.waves.mean_length), support.drag_share)
     if support.stretched is None and share ** (2 * points) / 20 < FAR:
         return 0.0
     settings = replace(s, stations_per_element=2 * points, outputs=())

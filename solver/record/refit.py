@@ -18,7 +18,8 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.radiation.memory import USUAL
 from solver.keys import Bits
 from solver.record.accuracy import MARGIN, SHARE
-from solver.record.effects import coefficient_effects, decay
+from solver.record.decay import spectrum
+from solver.record.effects import coefficient_effects
 from solver.record.response import excitation
 from solver.scene import Scene
 from solver.statistics import FAINT
@@ -69,7 +70,7 @@ def _motions(system: System, h: Hydrodynamics, Y: np.ndarray) -> tuple[np.ndarra
     """
     model, omega, sea = linear_model(system), h.omega, system.scene.sea
     if not sea.amplitude.any():
-        return np.ones(omega.size, bool), decay(system, model, omega, Y)
+        return np.ones(omega.size, bool), spectrum(system, omega, Y)
     low, high = np.interp([sea.omega.min(), sea.omega.max()], omega, np.arange(omega.size))
     inside = (np.arange(omega.size) >= np.floor(low)) & (np.arange(omega.size) <= np.ceil(high))
     return inside, model.response(omega, Y, excitation(system, h, omega) @ model.active)

@@ -76,25 +76,31 @@ class Stations:
         return vector
 
 
-def stations(model: FrameModel, points: int, longest: float = np.inf, splash: Splash = DRY) -> Stations:
+def stations(
+    model: FrameModel, points: int, longest: float = np.inf, splash: Splash = DRY, share: float = np.inf
+) -> Stations:
     """Gauss points, `points` on each piece of an element that is or gets wet: exact to order 2 points - 1.
 
-    longest: of the equal pieces [m], for loads that vary along an element by more than its shape functions.
+    longest: of the equal pieces [m], for loads that vary along an element by more than its shape functions; share: at
+    most, of what of the member gets wet.
     """
     if points < 1:
         raise InputError("stations.points", points, "must be >= 1")
-    length, height = _wet_parts(model, splash)
+    length, height, whole = _wet_parts(model, splash)
     most = np.where(height < splash.height, min(longest, splash.longest), longest)
+    most = np.minimum(most, share * whole)
     pieces = np.ceil(length / most).astype(int).clip(min=1)
     return _pieces(model, points, tuple(pieces.tolist()), splash)
 
 
 @lru_cache(maxsize=8)
-def _wet_parts(model: FrameModel, splash: Splash) -> tuple[np.ndarray, np.ndarray]:
-    """Length of each part of an element with water coefficients, and its middle's distance to still water (n,) [m]."""
+def _wet_parts(model: FrameModel, splash: Splash) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Length of each part of an element with water coefficients, its middle's distance to still water, and the length
+    of all parts of its member (n,) [m]."""
     wet, span = _wet(model, np.array([member.in_water for member in model.frame.members]), splash)
     start, end = model.ends[wet, :, 2].T
-    return np.diff(span)[:, 0] * model.length[wet], np.abs(start + span.mean(axis=1) * (end - start))
+    length, member = np.diff(span)[:, 0] * model.length[wet], model.member[wet]
+    return length, np.abs(start + span.mean(axis=1) * (end - start)), np.bincount(member, length)[member]
 
 
 @lru_cache(maxsize=8)

@@ -1,0 +1,124 @@
+"""What floats that are let go from offsets do in still water, by the linear model; and what errors of coefficients do
+to that.
+
+With s = σ - iω the motions q = x - x₀ have the transform
+
+    Q(s) = -[s²M + s(D + EᵀY(ω + iσ)E) + C]⁻¹ C x₀/s,    q(t) = exp(σt)/π Re ∫₀^∞ Q exp(-iωt) dω.
+
+A small σ makes the resonances of what hardly dies wide enough to be summed, whatever its damping; Y(ω + iσ) is
+Y + iσ Y', for coefficients change slowly.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.coupled.linear import impedance, linear_model
+from solver.coupled.system import System
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.multibody.of_axes import absorbing
+from solver.record.channels import Channels
+from solver.record.sampling import least_force
+from solver.statistics import FAINT
+
+PERIODS = 50  # of the slowest motion that coefficients know, in the time for which spectra are told, at least
+LOST = 6.0  # σ times that time: exp(-LOST) of what is left of the motions at its end counts at its start
+BEYOND = 3  # times the highest frequency solved, up to which there are frequencies
+MOST = 2**15  # of them, and
+ENTRIES = 8_000_000  # numbers in their impedances; of longer records what that is enough for is judged
+
+
+def spectrum(system: System, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    """X (nw, n), (1 - Z⁻¹C) x₀/(-iω)."""
+    model, start = linear_model(system), offsets(system)
+    pushed = np.broadcast_to(model.stiffness @ start, (omega.size, start.size))
+    return (start - model.response(omega, Y, pushed)) / (-1j * omega[:, None])
+
+
+class _Decay(NamedTuple):
+    """Of n coordinates and nb floats, at nt times of the record."""
+
+    motions: np.ndarray  # (nt, n) from where they are let go
+    rates: np.ndarray  # (nt, n)
+    forces: np.ndarray  # (nt, nb, 3) that the joints bear
+
+
+class _Span(NamedTuple):
+    omega: np.ndarray  # (nw,) from 0 on, evenly
+    sigma: float
+    times: np.ndarray  # (nt,) of the record, as many as frequencies tell
+
+
+def offsets(system: System) -> np.ndarray:
+    """x₀ (n,), where the motions start."""
+    start = np.zeros(len(linear_model(system).mass))
+    start[system.structure.omega.size :] = np.concatenate([f.per_axis("offset") for f in system.scene.floats])
+    return start
+
+
+def decay_effects(system: System, h: Hydrodynamics) -> tuple[float, float]:
+    """What the memory's misfit, and coefficients off by their estimated error, change of any mean or std of a decay,
+    relative to that std, and of mean power."""
+    if not offsets(system).any():
+        return 0.0, 0.0
+    span = _span(system, h)
+    exact = _decay(system, span, _near(system, h, span.omega))
+    memory = _changed(system, exact, _decay(system, span, system.fit.frequency(span.omega))) if system.fit else 0.0
+    return memory, _changed(system, exact, _decay(system, span, _near(system, h.shifted, span.omega)))
+
+
+def _span(system: System, h: Hydrodynamics) -> _Span:
+    s, (low, high) = system.scene.settings, h.omega[[0, -1]] * [1, BEYOND]
+    end, most = s.discard + s.duration, min(MOST, ENTRIES // len(h.added_mass_inf) ** 2)
+    count = int(min(max(2 * end, PERIODS * 2 * np.pi / low) * high / (2 * np.pi), most)) + 1
+    whole = count * 2 * np.pi / high
+    times, end = whole / (2 * count) * np.arange(2 * count), min(end, whole / 2)
+    kept = (times > min(s.discard, end / 2)) & (times <= end)
+    return _Span(high / count * np.arange(count), LOST / whole, times[kept])
+
+
+def _near(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
+    """Y at ω from 0 on: below the lowest one solved added mass is as there, and damping goes with the square; above the
+    highest one both near their limits with that."""
+    low, high = h.omega[[0, -1]]
+    Y = impedance(system, h, omega.clip(low, high))
+    under, over = (np.minimum(omega / low, 1.0)[:, None, None], np.minimum(high / omega.clip(low), 1.0)[:, None, None])
+    return over**2 * (under**2 * Y.real + 1j * under * Y.imag)
+
+
+def _decay(system: System, span: _Span, Y: np.ndarray) -> _Decay:
+    model, step, (omega, sigma, times) = linear_model(system), span.omega[1], span
+    w, start = omega + 1j * sigma, offsets(system)
+    Y = Y + 1j * sigma * np.gradient(Y, step, axis=0)
+    rate = -1j * w[:, None]
+    Q = -model.response(w, Y, np.broadcast_to(model.stiffness @ start, (w.size, start.size))) / rate
+    held = model.wrench[0] @ start / rate[..., None]  # which those of Q at last take back
+    forces = Channels(system.scene, None).hinge_force(model.loads(w, Q, Y, held, system.bodies.active))
+    every = np.concatenate([Q, rate * Q, forces.reshape(w.size, -1)], axis=1)
+    every[0] /= 2
+    series = np.fft.fft(every, 2 * w.size, axis=0).real * (step / np.pi)
+    at = np.rint(times * step * w.size / np.pi).astype(int)
+    kept = np.exp(sigma * times)[:, None] * series[at]
+    motions, rates, borne = np.split(kept, [start.size, 2 * start.size], axis=1)
+    return _Decay(motions, rates, borne.reshape(times.size, -1, 3))
+
+
+def _changed(system: System, exact: _Decay, other: _Decay) -> float:
+    std = exact.motions.std(axis=0)
+    moved = linear_model(system).length * std
+    used = moved > FAINT * moved.max(initial=0.0)
+    force = exact.forces.std(axis=0)
+    least = np.maximum(least_force(system.scene), FAINT * force.max(initial=0.0))
+    first, pto = system.structure.omega.size, absorbing(system.bodies.law)[system.structure.carrier.shape[0] :]
+    absorbs = used & np.concatenate([np.zeros(first, bool), pto])
+    power, true = (np.mean(each.rates[:, absorbs] ** 2, axis=0) for each in (other, exact))
+    changes = [
+        _off(exact.motions[:, used], other.motions[:, used], std[used]),
+        _off(exact.forces, other.forces, np.maximum(force, least)),
+        np.abs(power / true - 1),
+    ]
+    return float(max(change.max(initial=0.0) for change in changes))
+
+
+def _off(x: np.ndarray, y: np.ndarray, size: np.ndarray) -> np.ndarray:
+    return np.asarray(np.maximum(np.abs(y.std(axis=0) - x.std(axis=0)), np.abs((y - x).mean(axis=0))) / size)
