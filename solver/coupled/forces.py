@@ -167,10 +167,12 @@ class Forces:
     at_rest: np.ndarray  # (ny,) of the frame alone: weight, constant loads, buoyancy
     first: np.ndarray  # (ny,) of each the first that is always as large, maybe itself
     sign: np.ndarray  # (ny,) 1 where it has that one's sign, -1 where it has not
+    straining: np.ndarray | None = None  # (nm, r) more of modal rates, for 1 s of the stiffness as damping
 
-    def damped(self, ratio: np.ndarray) -> "Forces":
-        """With the modes' damping ratios (nm,)."""
-        return replace(self, damping=ratio[:, None] * self.damping)
+    def damped(self, ratio: np.ndarray, beta: float) -> "Forces":
+        """With the modes' damping ratios (nm,), of which β [s] of the stiffness is a part."""
+        damping = ratio[:, None] * self.damping
+        return replace(self, damping=damping if self.straining is None else damping + beta * self.straining)
 
     def of(
         self, waves: np.ndarray, dp: np.ndarray, ddp: np.ndarray, carried: np.ndarray, drag: np.ndarray

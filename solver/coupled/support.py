@@ -137,8 +137,10 @@ def reduce_platform(
     splash = water.DRY if platform.wave_stretching == "none" else stretching.splash(field)
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
     drags = water.stations(model, stations, DRAG * field.mean_length, splash, BENT)
+    strained = damping is not None and damping.beta > 0
     damping = damping if platform.load_histories else None  # or platforms that differ in it alone would not share
     asked = {"planar": planar, "modes": modes, "outputs": outputs, "reach": splash.reach, "damping": damping}
+    asked |= {"strained": strained}
     return _reduced(platform, sea, hinge_nodes, at, drags, typical_waves(field, at), **asked)
 
 
@@ -156,8 +158,10 @@ def _reduced(
     outputs: tuple[str, ...],
     reach: float,
     damping: StructuralDamping | None,
+    strained: bool,
 ) -> Support:
-    """By stations of inertia and of drag, in typical waves; reach: of crests that wet those above still water [m]."""
+    """By stations of inertia and of drag, in typical waves; reach: of crests that wet those above still water [m];
+    strained: whether damping goes by the stiffness, too."""
     model, at_rest, factor = dynamic_model(platform, sea)
     dof = np.array([6 * model.node_index[n] for n in hinge_nodes], int)[:, None] + (PLANAR if planar else np.arange(6))
     loaded = _loaded(model, platform.load_histories)
@@ -187,12 +191,14 @@ def _reduced(
         of_points = asked.influence.of_points(at)
         inertia = asked.influence.of_inertia(M, sea.density, shapes)
         elastic = np.arange(len(asked.influence.element)) < asked.wanted.end.size  # the ground bears damping, too
+        more = {"straining": asked.influence.of_straining(asked.wanted, omega, shapes, inertia) * elastic}
         borne = forces.reduced(
             asked,
             _forces_at_rest(platform, sea, asked),
             waves=inertial.T @ of_points.reshape(inertial.shape[0], of_points.shape[2]),
             inertia=inertia,
             damping=2 * omega[:, None] * inertia * elastic,
+            **(more if strained else {}),
             carried=asked.influence.nodal[dof.ravel()],
             drag=water_drag.borne(asked),
             applied=asked.influence.nodal[loaded],
@@ -303,16 +309,16 @@ def _within(model: FrameModel, density: float) -> tuple[float, float]:
 def damped(support: Support, damping: StructuralDamping) -> Support:
     """With the modes' damping."""
     ratio = damping.of(support.omega, support.dry_share)
-    return replace(support, damping=ratio, forces=support.forces and support.forces.damped(ratio))
+    return replace(support, damping=ratio, forces=support.forces and support.forces.damped(ratio, damping.beta))
 
 
-@lru_cache(maxsize=KNOWN)
 def _whole(model: FrameModel, at: water.Stations) -> np.ndarray:
     """Length of all that is wet of each station's member (ns,) [m]."""
     member = model.member[at.element]
     return np.asarray(np.bincount(member, at.weight)[member])
 
 
+@lru_cache(maxsize=KNOWN)
 def _places(platform: Platform, sea: Water, outputs: tuple[str, ...]) -> Places:
     return forces.places(dynamic_model(platform, sea)[0], platform.legs, outputs)
 

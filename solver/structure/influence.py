@@ -63,6 +63,16 @@ class Influence:
         out[:, self.element >= 0] += np.einsum("ya,yam->my", self.within[self.element >= 0], own[place])
         return -out
 
+    def of_straining(self, wanted: Wanted, omega: np.ndarray, shapes: np.ndarray, inertia: np.ndarray) -> np.ndarray:
+        """Of unit rates along shapes (6n, nm) with damping K, less what `inertia` of ω² says of it, (nm, ny).
+
+        That of natural modes is the same, K φ = ω² M φ. Static shapes strain the frame elsewhere than their inertia.
+        """
+        ends = 6 * wanted.end + wanted.component
+        strained = np.zeros(inertia.shape)
+        strained[:, : ends.size] = (recovery.section_force_matrix(self.model)[ends] @ shapes).T
+        return -(omega[:, None] ** 2 * inertia + strained)
+
     def at_rest(
         self, wanted: Wanted, displacement: np.ndarray, load: np.ndarray, element_loads: np.ndarray
     ) -> np.ndarray:

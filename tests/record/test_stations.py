@@ -2,15 +2,18 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from solver.coupled.preparation import prepare
 from solver.record import probe
 from solver.run import simulate
 from solver.scene import Platform
+from solver.sea.realization import CALM
 from solver.statistics import apart
 from solver.structure.beam import tube
 from solver.structure.frame import Frame, Member, PointMass
+from solver.structure.load_history import LoadHistory
 from tests.awkward import STEEL, bare_legs, scene, sea, unequal_legs
 
 JUDGED = ("top_displacement", "bottom_stress")
@@ -43,6 +46,30 @@ def test_records_tell_what_their_stations_do(made, stretching):
     assert true > 3e-5
     assert 1 / 3 < true / told < 3
     assert few.attrs["estimated_error"] >= told > 5 * many.attrs["stations_effect"]
+
+
+LET_GO = np.array([0.0, 40.0, 40.1, 300.0])
+
+
+def released(count):
+    """A pile let go from a pull in still water, where drag alone takes from its sway; two elements."""
+    item, pull = (
+        column()[0],
+        LoadHistory(node="top", time=LET_GO, force=np.outer([1, 1, 0, 0], [2e4, 0, 0])),
+    )
+    member = replace(item.platform.frame.members[0], elements=2, drag_coefficient=200.0)
+    frame = replace(item.platform.frame, members=(member,))
+    platform = replace(item.platform, frame=frame, load_histories=(pull,), damping_ratio=0.0)
+    settings = replace(item.settings, stations_per_element=count, discard=45.0, duration=100.0, ramp=0.0)
+    return simulate(replace(item, sea=CALM, platform=platform, settings=settings), None)
+
+
+def test_what_sways_in_still_water_is_damped_by_the_cube_of_its_shape():
+    one, two, many = (released(count) for count in (1, 2, 10))
+    off = [apart(of.variables["top_displacement"][1], many.variables["top_displacement"][1]) for of in (one, two)]
+    assert off[1] < 3e-4 < off[0]
+    assert 1 / 3 < off[0] / one.attrs["stations_effect"] < 3
+    assert two.attrs["stations_effect"] == 0
 
 
 def test_near_stations_are_not_looked_at_again(monkeypatch):

@@ -237,6 +237,18 @@ def test_sections_bear_what_the_shapes_strain(made, rayleigh):
     assert bending > 0.05 * np.abs(sections[..., 4]).max()  # which two elements a leg would be off without
 
 
+@PLATFORMS
+def test_what_damps_by_the_stiffness_is_borne_alike_by_few_shapes_and_by_all(made):
+    """Static shapes strain the frame about the floats' hinges, where their inertia is not."""
+    rayleigh = {"rayleigh_mass": 0.0, "rayleigh_stiffness": 0.02}
+    few, every = (marched(made, 0.0, rayleigh, modes=modes) for modes in (3, "all"))
+    stds = [
+        y[:, steel.places.columns.sections].reshape(len(y), -1, 6).std(axis=0) for _, steel, _, _, y in (few, every)
+    ]
+    for kind in range(6):
+        assert stds[0][:, kind] == approx(stds[1][:, kind], rel=5e-3, abs=2e-3 * stds[1][:, kind].max()), kind
+
+
 def within_elements(system, steel, turn, output):
     """What acts inside the elements alone adds at their ends, (m, ny): consistent loads, reversed."""
     model, _, _ = support.dynamic_model(system.scene.platform, system.scene.water)
@@ -253,7 +265,8 @@ def within_elements(system, steel, turn, output):
     of_drag = support.forces.of_drag(
         replace(places, influence=alone), drags, drags.drag > 0, np.ones(3, bool), planar=False
     )
-    damping = 2 * system.structure.damping[:, None] * system.structure.omega[:, None] * moving.inertia
+    beta, omega = system.scene.platform.rayleigh_stiffness, system.structure.omega[:, None]
+    damping = (2 * system.structure.damping[:, None] * omega - beta * omega**2) * moving.inertia  # β strains, within
     none = np.zeros((len(steel.forces.carried), len(rows)))
     n, every = len(rows), slice(0, len(rows))
     all_kept = Part(every, every, slice(None), np.zeros((n, 0)), np.zeros(0, int), np.zeros((0, n)))
