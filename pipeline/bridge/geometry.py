@@ -68,6 +68,7 @@ class Geometry(Table):
     memory: bool = True  # whether the radiation memory, of these motions, is fitted along
     far_field: bool = False  # whether the waves far off are known
     plates: bool = False  # a hull is in part thinner than panels: their panels, and what is said of them, are others
+    flow: bool = True  # bodies radiate or diffract; without nothing is solved
     outlines: bool = False  # a waterplane has several outlines, round wells or apart: its lid and panels are others
 
     @property
@@ -90,7 +91,8 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     """What the boundary element method must solve for a task, or a file tells; None where nothing depends on it."""
     hulls = [hull(item.hull) for item in parameters.floats]
     given = parameters.coefficients is not None and bool(hulls)  # whether they fit is then judged
-    if not given and not needs_coefficients(scenes.settings(parameters), hulls, parameters.water.depth):
+    settings = scenes.settings(parameters)
+    if not given and not needs_coefficients(settings, hulls, parameters.water.depth):
         return None
     # Tasks that differ in their power take-offs alone share these floats.
     bare = tuple(f.model_copy(update=UNLOADED) for f in parameters.floats)
@@ -110,9 +112,10 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         names, needed = tuple(f.name for f in floats), tuple(tuple(sorted(each)) for each in ways)
         return Geometry(**place, coefficients=parameters.coefficients, names=names, needed=needed)
     panels = panels_for(parameters.solver.tolerance)
+    flow = settings.radiation or settings.diffraction
     all_motions, memory = len(PLANAR if planar else DOFS), parameters.solver.method == "time"
     # One file serves both methods, but for large arrays: the frequency domain has no use for a memory.
-    memory = memory or sum(map(len, ways)) <= MANY
+    memory = (memory or sum(map(len, ways)) <= MANY) and flow
     some = memory and any(len(each) < all_motions for each in ways)
     least = first_solved(parameters.water.depth, parameters.water.gravity)
     return Geometry(
@@ -124,6 +127,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         gap_width=parameters.solver.gap_width,
         needed=ways if some else (),
         memory=memory,
+        flow=flow,
         far_field="drift" in parameters.record.outputs,
         plates=any(plates(f.hull, panels) for f in floats),
         outlines=any(f.hull.waterplane_width < np.inf for f in floats),
@@ -164,6 +168,7 @@ def bem_arguments(geometry: Geometry) -> dict[str, Any]:
         "far_field": geometry.far_field,
         "gap_damping": geometry.gap_damping,
         "gap_width": geometry.gap_width,
+        "flow": geometry.flow,
     }
 
 

@@ -71,6 +71,7 @@ class Problem:
     # On still water where no circle of this diameter fits ∂φ/∂z = (1 + iε) ω²/g φ: see Mesh.
     gap_damping: float  # ε
     gap_width: float  # [m]
+    flow: bool  # whether bodies radiate or diffract; without nothing is solved, and waves' pressure alone is known
 
     @classmethod
     def of(
@@ -90,6 +91,7 @@ class Problem:
         far_field: bool = False,
         gap_damping: float = 0.0,
         gap_width: float = 0.0,
+        flow: bool = True,
     ) -> "Problem":
         """Checked, see require_solvable; frequencies as frequency_grid chooses them unless given."""
         at = np.asarray(centres, float).reshape(-1, 3)
@@ -112,6 +114,7 @@ class Problem:
             far_field=far_field,
             gap_damping=gap_damping,
             gap_width=gap_width,
+            flow=flow,
         )
 
     @cached_property
@@ -200,6 +203,8 @@ def part(problem: Problem, first: int = 0, step: int = 1) -> list[list[Solution]
 
 def _solutions(problem: Problem, first: int, step: int) -> list[Solution]:
     omega = problem.omega[first::step]
+    if not problem.flow:
+        return [_nothing(problem, omega.size)]
     return [_coefficients(problem, omega, n, infinite=first == 0) for n in problem.divisions]
 
 
@@ -216,27 +221,12 @@ def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydr
 
 
 def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodynamics]:
-    hulls, omega, divisions, seas = problem.hulls, problem.omega, problem.divisions, problem.seas
+    hulls, omega, seas = problem.hulls, problem.omega, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
-    lengths = motion_lengths(hulls, problem.dofs)
-    body = np.repeat(np.arange(len(hulls)), len(problem.dofs))
-    plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
-    share = TWO_MESHES if plates else of_edges(problem.meshed, problem.base, narrow=problem.meshing.narrow)
-    (impedance, impedance_inf, diffraction, far), left = extrapolated(solutions, divisions, (lengths, body), share)
-    if plates and len(solutions) <= len(HALVED):
-        left = of_plates(plates, left, (impedance, impedance_inf, diffraction, far))
-    lid = solutions[0].lid
-    how = f"finest of {len(divisions)} meshes, damping lid" if lid > 0 else METHODS[len(divisions)]
-    settings = {
-        "panels": solutions[0].panels,
-        "panels_coarse": solutions[-1].panels,
-        "method": f"direct, {how}, lid on the waterplane",
-        "green_function": "Delhommeau",
-        "seabed_error": 0.0 if problem.standing else seas[0].seabed_error(omega, problem.largest),
-        **({"coarser": problem.coarser} if problem.coarser else {}),
-    }
-    if problem.gap_damping > 0:
-        settings |= {"gap_damping": problem.gap_damping, "gap_width": problem.gap_width}
+    (impedance, impedance_inf, diffraction, far), left = _limits(problem, solutions)
+    settings, error = _settings(problem, solutions), None
+    if problem.flow:
+        error = MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2])
     origin, n = meshes.mirror_planes(hulls, problem.centres)[0][:2], len(impedance_inf)
     return [
         Hydrodynamics(
@@ -247,13 +237,50 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
             diffraction=diffraction[:, h],
             froude_krylov=froude_krylov(hulls, problem.centres, problem.dofs, sea, omega),
             settings=MappingProxyType(settings),
-            error=MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2][:, h]),
+            error=error and error._replace(diffraction=left[2][:, h]),
             far_field=FarField(origin, far[:, :n], far[:, n + h]) if problem.far_field else None,
             waves_to=problem.waves_to,
             **at_rest(hulls, problem.centres, problem.dofs, sea),
         )
         for h, sea in enumerate(seas)
     ]
+
+
+def _settings(problem: Problem, solutions: list[Solution]) -> dict[str, Any]:
+    """How it was solved, as files have it."""
+    settings: dict[str, Any] = {"panels": solutions[0].panels, "panels_coarse": solutions[-1].panels}
+    if problem.gap_damping > 0:
+        settings |= {"gap_damping": problem.gap_damping, "gap_width": problem.gap_width}
+    if not problem.flow:
+        return settings | {"method": "none: nothing radiates or diffracts"}
+    meshed = len(problem.divisions)
+    how = f"finest of {meshed} meshes, damping lid" if solutions[0].lid > 0 else METHODS[meshed]
+    seabed_error = 0.0 if problem.standing else problem.seas[0].seabed_error(problem.omega, problem.largest)
+    settings |= {"method": f"direct, {how}, lid on the waterplane", "green_function": "Delhommeau"}
+    settings |= {"seabed_error": seabed_error} | ({"coarser": problem.coarser} if problem.coarser else {})
+    return settings
+
+
+def _limits(problem: Problem, solutions: list[Solution]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Of zero panel size, and what is left of the error."""
+    if not problem.flow:
+        values = list(solutions[0][:4])
+        return values, [0 * x for x in values]
+    lengths = motion_lengths(problem.hulls, problem.dofs)
+    body = np.repeat(np.arange(len(problem.hulls)), len(problem.dofs))
+    plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
+    share = TWO_MESHES if plates else of_edges(problem.meshed, problem.base, narrow=problem.meshing.narrow)
+    best, left = extrapolated(solutions, problem.divisions, (lengths, body), share)
+    if plates and len(solutions) <= len(HALVED):
+        left = of_plates(plates, left, best)
+    return best, left
+
+
+def _nothing(problem: Problem, count: int) -> Solution:
+    """Where bodies neither radiate nor diffract."""
+    n = len(problem.hulls) * len(problem.dofs)
+    impedance, force = np.zeros((count, n, n), complex), np.zeros((count, len(problem.headings), n), complex)
+    return Solution(impedance, np.zeros((n, n)), force, np.zeros((count, 0, 0), complex), 0.0, 0)
 
 
 def _interleaved(pieces: Sequence[Solution]) -> Solution:

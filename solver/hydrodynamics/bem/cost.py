@@ -13,7 +13,7 @@ FACTORED = 1e-10  # a system's factorization, over the cube of its panels
 
 def seconds(problem: Problem) -> float:
     """Processor time [s] to solve a problem, to a factor of 3: Green function and factorizations, of hulls alone."""
-    return sum(_together(alone) for alone in problem.apart.values())
+    return sum(_together(alone) for alone in problem.apart.values()) if problem.flow else 0.0
 
 
 def _together(problem: Problem) -> float:

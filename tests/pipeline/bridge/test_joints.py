@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.bridge import engine, preflight, pto_law, scenes
 from pipeline.bridge.engine import Engine
-from pipeline.bridge.geometry import geometry_of
+from pipeline.bridge.geometry import bem_arguments, bem_time, geometry_of
 from pipeline.bridge.loading import load
 from pipeline.study.reading import StudyError
 from pipeline.study.schema import Profile, Ring
@@ -527,6 +527,26 @@ def unsolved(monkeypatch):
     monkeypatch.setattr(bem, "united", lambda problem, _: list(map(Unsolved, problem.headings)))
     monkeypatch.setattr(preparation, "remembered", lambda h, _hulls, _usual, ways: fits.append((h, ways)) or len(fits))
     return fits
+
+
+def test_what_neither_radiates_nor_diffracts_is_not_solved(study_with, monkeypatch):
+    """Waves' pressure and buoyancy are those of the whole solution; no memory is fitted, nothing is foreseen."""
+    from solver.hydrodynamics.bem import bem
+
+    whole = task(study_with(FREE)).parameters
+    off = 'radiation = false\ndiffraction = false\nfroude_krylov = "linear"\n'
+    bare = geometry_of(task(study_with(FREE, waves=f"[solver]\n{off}")).parameters)
+    assert bare.key != geometry_of(whole).key and bem_time(bare) == 0
+    solved = bem.solve(**bem_arguments(geometry_of(whole)) | {"omega": np.array([0.8, 1.2]), "panels": 108})
+    monkeypatch.setattr(bem, "_coefficients", lambda *_, **__: pytest.fail("solved"))
+    fits = []
+    monkeypatch.setattr("solver.coupled.preparation.remembered", lambda *given: fits.append(given))
+    known = engine.hydrodynamics(bare)
+    assert not fits and not known.added_mass.any() and not known.radiation_damping.any() and not known.diffraction.any()
+    assert known.hydrostatic_stiffness == pytest.approx(solved.hydrostatic_stiffness)
+    there = known.excitation(solved.omega, "froude_krylov")
+    assert there == pytest.approx(solved.froude_krylov, rel=1e-3, abs=1e-3 * np.abs(there).max())
+    assert known.mesh_error == 0
 
 
 def test_a_hull_with_a_plate_has_other_coefficients_than_before(study_with):
