@@ -6,6 +6,7 @@ meanwhile. A worker that dies costs the work in its hands, which dask gives to a
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import faulthandler
 import logging
@@ -17,7 +18,9 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
+from concurrent.futures import Future
 from dataclasses import dataclass
+from enum import Enum, auto
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any, Protocol
@@ -51,7 +54,9 @@ ADDRESS = r"(tcp|tls|ws|wss)://(\[[0-9A-Fa-f:.]+\]|[^\s:/\[\]]+):[0-9]{1,5}"
 SMALL = 2  # so few pieces of work are done sooner than a cluster starts
 START = "study-start"  # the topic on which workers tell that they begin a piece of work
 GRACE = 2.0  # so long after its timeout a worker that was not told to stop ends itself [s]
-FETCH = 1.0  # after so long without a result, see to the others first [s]
+TRANSFERS = 4  # results that come at once: one whose worker is silent stops no other, and few are in memory
+LOOK = 0.5  # so often the worker of a result that has not come is looked for [s]
+TRIES = 3  # so often may a result be lost on its way, before it counts as too large for workers or this process
 HEARTBEAT = 5.0  # how often the cluster is looked at while nothing comes back [s]
 
 Work = Callable[..., list[Any]]
@@ -145,7 +150,17 @@ class _Job:
     future: Any
     function: Work
     args: tuple[Any, ...]
-    deadline: float = math.inf  # by time.monotonic() [s]; none before it has begun
+    tries: int
+    deadline: float = math.inf  # by time.monotonic() [s]; none before it has begun, and none once it has ended
+    transfer: Future[list[Any] | None] | None = None  # of the result, if there is one
+
+
+class _Step(Enum):
+    """What happens to a piece of work, in this order."""
+
+    BEGUN = auto()
+    ENDED = auto()
+    HERE = auto()  # the transfer of its result is over
 
 
 class Dask:
@@ -154,12 +169,13 @@ class Dask:
     def __init__(self, client: Any, place: Place, say: Callable[[str], None]) -> None:
         self._client, self._place, self._say = client, place, say
         self._running: dict[str, _Job] = {}
-        self._events: SimpleQueue[tuple[str, bool]] = SimpleQueue()  # names of what has begun or ended
-        self._ended: deque[str] = deque()
+        self._events: SimpleQueue[tuple[str, _Step]] = SimpleQueue()
+        self._here: deque[str] = deque()  # names of what is over, with the result here if there is one
+        self._doors = asyncio.Semaphore(TRANSFERS)
         self._refused: set[str] = set()  # addresses of workers with other sources
         self.width = self._threads()
         if place.timeout:
-            client.subscribe_topic(START, lambda event: self._events.put((event[1]["key"], True)))
+            client.subscribe_topic(START, lambda event: self._events.put((event[1]["key"], _Step.BEGUN)))
 
     def _threads(self) -> int:
         # Idle clusters may yet grow, so at least one piece of work is always on offer.
@@ -167,32 +183,38 @@ class Dask:
 
     def submit(self, key: Hashable, function: Work, *args: Any) -> None:
         """Send function(*args) to a worker."""
+        self._send(key, function, args, TRIES)
+
+    def _send(self, key: Hashable, function: Work, args: tuple[Any, ...], tries: int) -> None:
         future = self._client.submit(_within, self._place.timeout, function, *args, pure=False, **self._where())
-        self._running[future.key] = _Job(key, future, function, args)
-        future.add_done_callback(lambda done: self._events.put((done.key, False)))
+        self._running[future.key] = _Job(key, future, function, args, tries)
+        future.add_done_callback(lambda done: self._events.put((done.key, _Step.ENDED)))
 
     def finished(self) -> Iterator[tuple[Hashable, list[Any] | Lost]]:
         """Results as they come; late work is cancelled, that of a worker with other sources is sent out again."""
         while self._running:
             name, late = self._next()
             job = self._running[name]
+            results: list[Any] | Lost | None
             if late:
                 job.future.cancel(force=True)
-                results: list[Any] | Lost | None = Lost(f"ran longer than --timeout = {self._place.timeout:g} s")
+                results = Lost(f"ran longer than --timeout = {self._place.timeout:g} s")
             else:
-                try:
-                    results = self._result(job.future)
-                except TimeoutError:  # the worker that has it is silent: it hangs in its next piece, or is dead
-                    self._ended.append(name)
-                    continue
+                results = self._result(job)
             if isinstance(results, list) and self._foreign(name, results):
                 results = None
             del self._running[name]
             job.future.release()
             if results is None:
-                self.submit(job.key, job.function, *job.args)
+                self._send(job.key, job.function, job.args, job.tries)
             else:
                 yield job.key, results
+
+    def give_up(self) -> None:
+        """What is on its way will not be waited for: asyncio would tell of transfers that its loop's end cuts off."""
+        for job in self._running.values():
+            if job.transfer:
+                job.transfer.cancel()
 
     def _foreign(self, name: str, results: list[Any]) -> bool:
         """Whether a worker with another solver has computed another study: another does it, and that one no more."""
@@ -217,46 +239,94 @@ class Dask:
         """The next piece of work that has come to an end, or is over its time; meanwhile, an eye on the cluster."""
         silent = False
         while True:
-            if not self._hear() and not self._ended:
+            if not self._hear() and not self._here:
                 self.width = self._threads()
                 if not self._client.nthreads() and not silent:
                     self._say("the cluster has no workers; waiting for some")
                     silent = True
-            if late := next((n for n in self._running if self._late(n) and n not in self._ended), ""):
+            if late := next((name for name in self._running if self._late(name)), ""):
                 return late, True
-            if self._ended:
-                return self._ended.popleft(), False
+            if self._here:
+                return self._here.popleft(), False
 
     def _hear(self) -> bool:
         """Take in all that has happened; wait for something, unless there is something to do already."""
         soonest = min((job.deadline for job in self._running.values()), default=math.inf) - time.monotonic()
-        wait, heard = 0.0 if self._ended else min(max(soonest, 0.0), HEARTBEAT), False
+        wait, heard = 0.0 if self._here else min(max(soonest, 0.0), HEARTBEAT), False
         with contextlib.suppress(Empty):
             while True:
-                name, begun = self._events.get(timeout=wait)
+                name, step = self._events.get(timeout=wait)
                 wait, heard = 0.0, True
-                job = self._running.get(name)
-                if job and not begun:
-                    self._ended.append(name)
-                elif job and not self._late(name):  # or else its worker left before the client cancelled it
-                    job.deadline = time.monotonic() + (self._place.timeout or math.inf)
+                if job := self._running.get(name):
+                    self._take_in(job, step)
         return heard
+
+    def _take_in(self, job: _Job, step: _Step) -> None:
+        """Its time runs from when it has begun until it has ended; a result is then sent for."""
+        name = job.future.key
+        if step is _Step.BEGUN:
+            # Late, its worker left before the client cancelled it; with a transfer, dask has it done again.
+            if not job.transfer and not self._late(name):
+                job.deadline = time.monotonic() + (self._place.timeout or math.inf)
+            return
+        job.deadline = math.inf
+        if step is _Step.ENDED and job.future.status == "finished":
+            job.transfer = asyncio.run_coroutine_threadsafe(self._transferred(name), self._client.loop.asyncio_loop)
+            job.transfer.add_done_callback(lambda _: self._events.put((name, _Step.HERE)))
+        else:
+            self._here.append(name)
+
+    async def _transferred(self, name: str) -> list[Any] | None:
+        """A result, however long it takes to come; None if its worker has left before.
+
+        Nothing waits for it, so it need not be given up for others: its worker may be silent for a while in its next
+        piece of work, or its record be large. dask's own gather would wait for a lost one to be computed again.
+        """
+        who_has = self._client.scheduler.who_has
+        async with self._doors:
+            holders = await who_has(keys=[name])
+            if not any(holders.values()):
+                return None
+            sending = asyncio.ensure_future(self._sent(name, holders))
+            try:
+                while not (await asyncio.wait([sending], timeout=LOOK))[0]:
+                    if await who_has(keys=[name]) != holders:
+                        return None
+                return sending.result()
+            finally:
+                sending.cancel()
+
+    async def _sent(self, name: str, holders: dict[Any, list[str]]) -> list[Any] | None:
+        """A result from a worker that is there, but may not answer at once; None if it cannot be taken in."""
+        from distributed.utils_comm import gather_from_workers
+
+        while True:
+            if self._client.cluster:  # its workers are within reach, and the scheduler need not hold it, too
+                data, _, failed, _ = await gather_from_workers(holders, self._client.rpc)
+            else:
+                data, failed = (await self._client.scheduler.gather(keys=[name])).get("data", {}), []
+            results: Any = data.get(name)
+            if results or failed:
+                return results or None
+            await asyncio.sleep(LOOK)
 
     def _late(self, name: str) -> bool:
         return self._running[name].deadline <= time.monotonic()
 
-    def _result(self, future: Any) -> list[Any] | Lost | None:
-        """What came of it; None if the worker died with the result, for dask may wait for that for ever."""
+    def _result(self, job: _Job) -> list[Any] | Lost | None:
+        """What came of it; None if the worker died with the result, so that it has to be done again."""
         from distributed import KilledWorker
 
-        if future.status == "finished":
-            with contextlib.suppress(KilledWorker):
-                return list(future.result(timeout=FETCH))
-        if future.status != "error":
-            if self._client.status == "running":
-                return None
-            raise _lost(self._client)
-        error = future.exception()
+        if job.transfer:
+            with contextlib.suppress(OSError):  # the scheduler is lost
+                if results := job.transfer.result():
+                    return results
+        if job.future.status != "error":
+            if self._client.status != "running":
+                raise _lost(self._client)
+            job.tries -= 1
+            return None if job.tries else Lost(f"its result was lost {TRIES} times: workers died, or memory is short")
+        error = job.future.exception()
         if isinstance(error, KilledWorker):
             late = f" or longer than --timeout = {self._place.timeout:g} s" if self._place.timeout else ""
             return Lost(f"every worker that had it died: killed, over its memory{late}")
@@ -333,13 +403,16 @@ def pool(work: int, place: Place, say: Callable[[str], None]) -> Iterator[Pool]:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     with contextlib.ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
-        cluster = None if place.scheduler else stack.enter_context(_cluster(min(place.workers, work), place.memory))
-        security = cluster.security if cluster else _security(place.tls)
-        client = stack.enter_context(Client(cluster or place.scheduler, timeout="10s", security=security))
+        own = None if place.scheduler else stack.enter_context(_cluster(min(place.workers, work), place.memory))
+        security = own.security if own else _security(place.tls)
+        client = stack.enter_context(Client(own or place.scheduler, timeout="10s", security=security))
+        cluster = Dask(client, place, say)
         try:
-            yield Dask(client, place, say)
+            yield cluster
         except CommClosedError:
             raise _lost(client) from None
+        finally:
+            cluster.give_up()
 
 
 def _lost(client: Any) -> ConnectionError:

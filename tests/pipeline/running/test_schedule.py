@@ -1,0 +1,125 @@
+"""Results come whatever their size, and however silent or short-lived the workers that have them."""
+
+import os
+import signal
+import time
+
+import psutil
+import pytest
+
+from pipeline import environment
+from pipeline.bridge.engine import Outcome
+from pipeline.running import schedule
+from pipeline.running.schedule import Dask, Lost, Place
+
+SILENT = 2.5  # [s]
+
+
+def piece(size, pause=0.0):
+    """So many bytes after so long [s]; first of all, which process made them."""
+    time.sleep(pause)
+    return [Outcome(result=str(os.getpid()).encode().ljust(size), provenance=environment.provenance())]
+
+
+def listening(address):
+    port = int(address.rpartition(":")[2])
+    (pid,) = {c.pid for c in psutil.net_connections("tcp") if c.laddr.port == port and c.status == "LISTEN"}
+    return psutil.Process(pid)
+
+
+@pytest.fixture
+def meddling(monkeypatch):
+    """A pool of two workers; meddle(process) of a worker before it sends a result."""
+    meddled, transferred = [], Dask._transferred
+
+    async def sent(self, name):
+        for address in (await self._client.scheduler.who_has(keys=[name]))[name]:
+            for meddle in meddled:
+                meddle(listening(address))
+        return await transferred(self, name)
+
+    monkeypatch.setattr(Dask, "_transferred", sent)
+    with schedule.pool(3, Place(), print) as pool:
+        yield pool, meddled.append
+
+
+def test_a_result_takes_as_long_as_it_takes():
+    """300 MB that two processes encrypt and a third deciphers: some seconds, while others come."""
+    with schedule.pool(3, Place(), print) as pool:
+        for size in (150_000_000, 10, 150_000_001):
+            pool.submit(size, piece, size)
+        assert {size: len(results[0].result) for size, results in pool.finished()} == {
+            size: size for size in (150_000_000, 10, 150_000_001)
+        }
+
+
+def test_a_worker_that_is_silent_stops_no_other(meddling):
+    """Its result comes when it speaks again; neither is anything computed twice."""
+    pool, meddle = meddling
+    silent = []
+
+    def suspend(process):
+        if not silent:
+            silent.append(process)
+            process.suspend()
+            pool._client.loop.call_later(SILENT, process.resume)
+
+    meddle(suspend)
+    start, arrived = time.monotonic(), {}
+    for n in range(4):
+        pool.submit(n, piece, 1_000_000, 0.2)
+    for n, results in pool.finished():
+        arrived[n] = time.monotonic() - start, int(results[0].result)
+    late = [when for when, pid in arrived.values() if pid == silent[0].pid]
+    early = [when for when, pid in arrived.values() if pid != silent[0].pid]
+    assert max(early) < SILENT < max(late)
+
+
+def test_what_a_worker_died_with_is_done_again(meddling):
+    pool, meddle = meddling
+    dead = []
+
+    def kill(process):
+        if not dead:
+            dead.append(process.pid)
+            process.kill()
+
+    meddle(kill)
+    pool.submit("it", piece, 10_000_000)
+    ((name, results),) = pool.finished()
+    assert name == "it" and int(results[0].result) != dead[0]
+
+
+def test_what_no_worker_survives_to_send_is_lost(meddling):
+    """A result that is too large for their memory would otherwise be made for ever."""
+    pool, meddle = meddling
+    dead = []
+
+    def kill(process):
+        dead.append(process.pid)
+        process.kill()
+
+    meddle(kill)
+    pool.submit("it", piece, 10)
+    ((_, lost),) = pool.finished()
+    assert isinstance(lost, Lost) and str(lost).startswith("its result was lost 3 times")
+    assert len(dead) == 3
+
+
+def test_an_interruption_waits_for_no_transfer(meddling, capfd):
+    pool, meddle = meddling
+    interrupted = []
+
+    def interrupt():
+        interrupted.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    meddle(lambda *_: pool._client.loop.call_later(0.2, interrupt))
+    pool.submit("it", piece, 300_000_000)
+    with pytest.raises(KeyboardInterrupt):
+        list(pool.finished())
+    assert time.monotonic() - interrupted[0] < 0.5
+    pool.give_up()
+    pool._client.close()
+    assert time.monotonic() - interrupted[0] < 5.0
+    assert capfd.readouterr() == ("", "")
