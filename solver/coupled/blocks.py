@@ -33,6 +33,7 @@ def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[
         count = min(BLOCK_STEPS, steps - first)
         samples = series.block(2 * first, 2 * count + 1)
         output = new_output(problem, 2 * count)
+        state.energy[SCALE] = max(state.energy[SCALE], system.least_energy(first + count))
         outcome, sample, _ = march(problem, system.drive(samples), state, room, fine, quiet - first, output)
         if outcome != OK:
             raise _failure(outcome, (2 * first + sample) * h, system, state)

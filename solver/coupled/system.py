@@ -28,6 +28,7 @@ FELT = 0.1  # of a float's largest force per wave amplitude: by no more do waves
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
 LEAST = 1e-13  # of Newton's tolerances [m or rad]
 ROUNDING = 1e-12  # of the weights' energy and work: 2e-16 a step, in some 1e6 steps of either sign
+LAST_BIT = np.finfo(float).eps
 BALANCE = 1e-3  # every record's energy balance closes to so much of the energy exchanged
 KNOWN = 32  # scenes at rest that a process keeps
 ITERATIONS = 40  # of Newton's method; two or three suffice where a step is sane
@@ -148,16 +149,17 @@ class System:
         """Number of terms of the local wave field around each float; none where its pressure is linear."""
         return tuple(np.diff(self.bodies.first_term).tolist())
 
-    @property
-    def least_energy(self) -> float:
-        """Least scale of the energy balance [J]: rounding and Newton's tolerance open it by BALANCE of that.
+    def least_energy(self, steps: int = 0) -> float:
+        """Least scale of the energy balance [J] then: rounding and Newton's tolerance open it by BALANCE of that.
 
         Newton's tolerance τ leaves open τ² Σ|Kᵢᵢ| (the signs: what rests on springs alone may be unstable beside),
         and rounding a share of the weights' energy, which buoyancy's work cancels, and of what a current has bent.
+        The latter drifts: a last bit of a load leaves a bent mode p a velocity for good. It moves p by less than half a
+        last bit a step, ε p/2, which is none, while the flow's load ω²p works on it: ε of what is bent, each step.
         """
         newton = self.newton_tolerance**2 * np.abs(np.diag(self.stiffness)).sum()
         bent = 0.0 if self.still else 0.5 * float(np.sum((self.structure.omega * self.equilibrium[1]) ** 2))
-        return float(newton + ROUNDING * (weights(self.bodies) + bent)) / BALANCE
+        return float(newton + ROUNDING * (weights(self.bodies) + bent) + LAST_BIT * steps * bent) / BALANCE
 
     def start(self) -> State:
         """Let go at rest from still-water equilibrium plus the floats' offsets, accelerations consistent."""
@@ -180,7 +182,7 @@ class System:
             memory=np.zeros((self.memory.residue.shape[0], self.memory.direct.shape[2]), complex),
             power=np.zeros(len(WORKS)),
             work=np.zeros(len(WORKS)),
-            energy=np.array([0.0, self.least_energy, 0.0]),
+            energy=np.array([0.0, self.least_energy(), 0.0]),
             zone=zone,
             held=held,
             pace=self.pace,

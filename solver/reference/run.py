@@ -106,7 +106,7 @@ def simulate_reference(
         errors = np.maximum(errors, gaps)
         progress(times[-1] / (case.steps * case.system.dt))
     work, stored = _works(case), _stored(case, frames)
-    residual = energy_residual(work, stored, np.array([before, case.system.least_energy]))
+    residual = energy_residual(work, stored, np.array([before, case.system.least_energy(case.steps)]))
     if not residual <= BALANCE:
         raise unbalanced(residual, BALANCE, times[-1], case.system)
     marched = time.perf_counter()

@@ -134,7 +134,7 @@ def test_rounding_of_the_stored_energy_is_never_an_open_balance(coefficients):
     for depth in (0.0, -1.0, -1e3):
         deep = prepare(scene(replace(base(), cog=(0, 0, depth)), arm(), sea=CALM), coefficients)
         stored = abs(deep.start().energy[0])
-        assert BALANCE * deep.least_energy > 100 * np.finfo(float).eps * stored
+        assert BALANCE * deep.least_energy() > 100 * np.finfo(float).eps * stored
 
 
 def test_mooring_is_in_newtons_matrix_without_coefficients_too():
