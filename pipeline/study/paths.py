@@ -112,7 +112,7 @@ def _changed(node: Any, path: str, put: Put, above: str) -> Any:
     names = [_name(item) for item in node]
     chosen, rest = _named(names, path, above)
     return tuple(
-        _below(item, rest, put, f"{above}{name}.") if name in chosen else item
+        _below(item, rest, put, f"{above}{name or ALL}.") if name in chosen else item
         for name, item in zip(names, node, strict=True)
     )
 
@@ -120,7 +120,7 @@ def _changed(node: Any, path: str, put: Put, above: str) -> Any:
 def _below(item: Any, rest: str, put: Put, above: str) -> Any:
     if isinstance(item, Table):
         if not rest:
-            raise PathError(f"leads to a table; go on with one of its keys: {', '.join(type(item).model_fields)}")
+            raise PathError(_inside(item, above[:-1]))
         return _changed(item, rest, put, above)
     if rest:
         raise PathError(f"leads nowhere: {above[:-1]} is no table; give its whole value")
@@ -143,7 +143,7 @@ def _table(node: Table, path: str, put: Put, above: str) -> Table:
     if rest and not _is_container(child):
         raise PathError(f"leads nowhere: {above}{key} is no table; give its whole value")
     if not rest and _is_container(child):
-        raise PathError("leads to a table; go on with one of its keys or names")
+        raise PathError(_inside(child, f"{above}{key}"))
     new = _changed(child, rest, put, f"{above}{key}.") if rest else put.value
     given = {name: getattr(node, name) for name in node.model_fields_set}
     try:
@@ -191,12 +191,27 @@ def _is_container(value: Any) -> bool:
     return isinstance(value, Table | Mapping)
 
 
+def _inside(node: Any, path: str) -> str:
+    """What goes on from a path that ends at a table, or at several."""
+    if isinstance(node, Table):
+        return f"leads to a table; go on with one of its keys: {', '.join(type(node).model_fields)}"
+    if isinstance(node, Mapping):
+        return f"leads to several; go on with one of the names or {ALL} for all: {', '.join(node)}"
+    first, names = node[0], list(filter(None, map(_name, node)))
+    if names:
+        return f"leads to tables; go on with one of their names or {ALL} for all, and a key: {', '.join(names)}"
+    keys = ", ".join(f"{path}.{ALL}.{key}" for key in type(first).model_fields)
+    return f"leads to tables without names; go on with {ALL} for all of them, and a key: {keys}"
+
+
 def _named(names: list[str], path: str, above: str) -> tuple[list[str], str]:
     """The names that a path begins with, and its rest; names may have dots in them."""
     head, _, rest = path.partition(".")
     if ALL in head and (head == ALL or any(fnmatchcase(name, head) for name in names)):
         return [name for name in names if fnmatchcase(name, head)], rest
     fitting = [name for name in names if path == name or path.startswith(f"{name}.")]
+    if not fitting and names and not any(names):
+        raise PathError(f"leads nowhere: {above[:-1]} are tables without names; {ALL} stands for all of them")
     if not fitting:
         raise PathError(_nowhere(head, rest, names, above))
     longest = max(fitting, key=len)

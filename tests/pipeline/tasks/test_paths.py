@@ -122,7 +122,12 @@ def test_above_a_height_other_values_hold_and_calm_seas_keep_their_tasks(small):
     assert lifted == {"calm": ["front"], "rough": []}
 
 
+NAMELESS = "[[platform.marine_growth]]\ndepth = 0.0\nthickness = 0.05\ndensity = 1300.0\n[variants.a]\n[variants.b]\n"
 WRONG = [
+    (f"{NAMELESS}'platform.marine_growth' = 0.1", ("without names; go on with * for all of them, and a key: platform."
+     "marine_growth.*.depth, platform.marine_growth.*.thickness")),
+    (f"{NAMELESS}'platform.marine_growth.0.depth' = 0.1", "platform.marine_growth are tables without names; * stands"),
+    (f"{NAMELESS}'platform.marine_growth.*.thick' = 0.1", "did you mean platform.marine_growth.*.thickness?"),
     ("[survival]\n'floats.*.coulomb' = 1e9", "survival.Hs: is missing"),
     ("[survival]\nHs = 50.0\n'floats.*.coulomb' = 1e9", "survival.Hs = 50.0: no irregular sea of the study is above"),
     ("[survival]\nHs = 0.5", "survival = {}: needs keys that change"),
@@ -136,7 +141,9 @@ WRONG = [
     ('"floats.front.mas" = [1.0]', "did you mean floats.front.mass?"),
     ('"float.front.mass" = [1.0]', "did you mean floats.front.mass?"),
     ('"floats.front" = [1.0]', "leads to a table; go on with one of its keys: name, hull, "),
-    ('"floats.front.hull" = [1.0]', "leads to a table"),
+    ('"floats.front.hull" = [1.0]', "leads to a table; go on with one of its keys: shape, "),
+    ('"platform.members" = [1.0]', "leads to tables; go on with one of their names or * for all, and a key: "),
+    ('"platform.nodes" = [1.0]', "leads to several; go on with one of the names or * for all: "),
     ('"floats.front.mass.kg" = [1.0]', "leads nowhere: floats.front.mass is no table; give its whole value"),
     ('"floats.front.hinge.0" = [1.0]', "floats.front.hinge is no table; give its whole value"),
     ('"floats.front.hull.height" = ["tall"]', 'axes."floats.front.hull.height" = tall: must be a number [m]'),
