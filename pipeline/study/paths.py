@@ -144,7 +144,10 @@ def _table(node: Table, path: str, put: Put, above: str) -> Table:
         raise PathError(f"leads nowhere: {above}{key} is no table; give its whole value")
     if not rest and _is_container(child):
         raise PathError(_inside(child, f"{above}{key}"))
-    new = _changed(child, rest, put, f"{above}{key}.") if rest else put.value
+    if rest and isinstance(child, Mapping) and not child:  # names that the study lacks, with what is given of each
+        _, new = put.table(rest)
+    else:
+        new = _changed(child, rest, put, f"{above}{key}.") if rest else put.value
     given = {name: getattr(node, name) for name in node.model_fields_set}
     try:
         return type(node).model_validate(given | {key: new}, context=put.context)

@@ -1,5 +1,6 @@
 """Axes over any key: what a path reaches, what each task becomes, and what is wrong with a path or its values."""
 
+import re
 from pathlib import Path
 from typing import get_args
 
@@ -533,6 +534,24 @@ def test_a_table_that_the_study_lacks_is_brought_in_whole(small, given):
     study = load(small) if given.startswith("[axes]") else tables_under(small, given)
     ids = {task.id for task in study.tasks}
     assert ids == (plain | with_stops if "variants" in given else with_stops) and with_stops != plain
+
+
+def test_names_that_the_study_lacks_are_brought_in(small):
+    """Springs at feet in place of clamps, each with its own; and where they are of no node, that is said."""
+    text = small.read_text()
+    clamped = next(line for line in text.splitlines() if line.startswith("clamped"))
+    foot = re.findall(r'"(.*?)"', clamped)[0]
+    springs = f"{foot} = [2e7, 3e7, 1e8, 5e7, 6e7, 4e7]"
+    small.write_text(text.replace(clamped, f"clamped = []\nfoundation = {{ {springs} }}", 1))
+    on_springs = {task.id for task in load(small).tasks}
+    small.write_text(text)
+    for given in (f"'platform.foundation' = {{ {springs} }}", f"platform.foundation.{springs}"):
+        small.write_text(text)
+        study = tables_under(small, f"[variants.b]\n'platform.clamped' = []\n{given}")
+        assert {task.id for task in study.tasks} & on_springs
+    small.write_text(text)
+    with pytest.raises(StudyError, match="nowhere"):
+        tables_under(small, "[variants.b]\n'platform.foundation' = { nowhere = [2e7, 3e7, 1e8, 5e7, 6e7, 4e7] }")
 
 
 HULL = '{ shape = "hemisphere-cylinder", radius = 1.0, height = 0.6 }'
