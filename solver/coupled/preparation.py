@@ -152,19 +152,16 @@ def remembered(
     hulls: tuple[Hull, ...],
     tolerance: float,
     ways: tuple[tuple[str, ...], ...],
-    importance: Bits[np.ndarray] | None = None,
 ) -> radiation.RadiationMemory:
     """The memory of a set of coefficients, of bodies with these motions: tasks that differ in sea, damping or support
     share its fit.
     """
     moved = h.moved(ways)
-    usual = importance is None and h.memory_tolerance == tolerance
+    usual = h.memory_tolerance == tolerance
     if h.memory is not None and usual and np.all(h.moved(h.memory_motions) == moved):
         return h.memory
-    lengths = motion_lengths(hulls, h.dofs)
-    asked = None if importance is None else importance.value
     known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
-    return radiation.fit(*known, tolerance, lengths, h.body, moved, asked, h.resolved)
+    return radiation.fit(*known, tolerance, motion_lengths(hulls, h.dofs), h.body, moved, h.resolved)
 
 
 def _reaches(scene: Scene, height: float) -> list[float]:

@@ -5,18 +5,25 @@ where it resonates, and is damped by little else, would swing by it. There the f
 Z the linear model's dynamic stiffness and E x what radiates, a change δY of the impedance changes them by
 
     δX_k = Σ_ij (Z⁻¹Eᵀ)_ki iω δY_ij (E X)_j.
+
+Poles are the coefficients' and not the sea's: those of the usual fit stay, or somewhat more are sought as it sought
+them, once for all seas. What they weigh is found again, in a tenth of a second.
 """
+
+from functools import lru_cache
+from itertools import product
 
 import numpy as np
 
 from solver import motions
 from solver.coupled.linear import impedance, linear_model
-from solver.coupled.preparation import prepare, remembered
-from solver.coupled.system import System
-from solver.errors import SimulationFailed
+from solver.coupled.preparation import prepare
+from solver.coupled.system import KNOWN, System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.hydrodynamics.radiation.memory import USUAL
-from solver.keys import Bits
+from solver.hydrodynamics.bem.mean_hull import motion_lengths
+from solver.hydrodynamics.hull.mesh import Hull
+from solver.hydrodynamics.radiation.memory import HOPELESS, USUAL, RadiationMemory, Samples, samples
+from solver.keys import Bits, shared
 from solver.record.accuracy import MARGIN, SHARE
 from solver.record.decay import spectrum
 from solver.record.effects import coefficient_effects
@@ -26,9 +33,12 @@ from solver.statistics import FAINT
 
 SWAYED = 3e-3  # what the fit may change a motion's RAO, its std or its power by, relative, where no tolerance is given
 TIMES = (2, 4, 8, 16)  # that what misfits do to the motions counts, one after another until it is little enough
+MORE = (1.25, 1.5)  # times as many poles as the usual fit has, one after another, where with those it is not
 FEW = 12  # motions that there are: their fits take seconds
 MANY = 24  # whose fits take ten, where one has met its tolerance; else they end as it did, after a minute
 LEAST = 0.1  # of a motion's largest response: changes of less are relative to that
+
+Ways = tuple[tuple[str, ...], ...]  # motions that each float can have
 
 
 def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
@@ -40,19 +50,57 @@ def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
     if h.moved(ways).sum() > (MANY if best.fit.error <= USUAL else FEW):
         return best
     allowed = SWAYED if asked.tolerance is None else SHARE["memory_effect"] ** 0.5 * asked.tolerance / MARGIN
-    effect = _swayed(best, h)
-    counts = importance(best, h) if effect > allowed else np.zeros(0)
-    for times in TIMES:
-        if effect <= allowed:
-            break
-        try:
-            fitted = prepare(scene, h, remembered(h, hulls, USUAL, ways, Bits(times * counts)))
-        except SimulationFailed:  # nothing comes as close as that; `memory_effect` says what is left
+    usual, effect, moving = best.fit, _swayed(best, h), (h, hulls, ways)
+    if effect <= allowed or (sampled := _sampled(*moving)) is None:
+        return best
+    counts = importance(best, h)
+    for pairs, times in product(_numbers(usual, sampled), TIMES):
+        poles = _poles(*moving, pairs) if pairs else usual.beta
+        fit = _weighed(*moving, Bits(poles), Bits(times * counts))
+        if fit is None:  # `memory_effect` says what is left
             continue
+        fitted = prepare(scene, h, fit)
         less = _swayed(fitted, h)
         if less < effect:
             best, effect = fitted, less
+        if effect <= allowed:
+            break
     return best
+
+
+def _numbers(usual: RadiationMemory, sampled: Samples) -> list[int]:
+    """Of pairs of poles, one after another; 0 for those of the usual fit.
+
+    Where it ended too far away with as many as there may be, a few more than it has come no nearer.
+    """
+    shares = MORE if usual.error <= HOPELESS * USUAL else ()
+    more = [min(int(np.ceil(share * usual.beta.size)), sampled.most) for share in shares]
+    return sorted({0, *more})
+
+
+@lru_cache(maxsize=KNOWN)
+def _sampled(h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways) -> Samples | None:
+    """What memories of these coefficients are fitted to."""
+    known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
+    return samples(*known, motion_lengths(hulls, h.dofs), h.body, h.moved(ways), h.resolved)
+
+
+@lru_cache(maxsize=KNOWN)
+def _poles(h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways, pairs: int) -> np.ndarray:
+    """So many pairs, as the usual fit seeks them: whatever the sea."""
+    sampled = _sampled(h, hulls, ways)
+    assert sampled is not None, "asked where something radiates"
+    return shared(sampled.unconstrained(pairs, USUAL).poles)
+
+
+@lru_cache(maxsize=KNOWN)
+def _weighed(
+    h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways, poles: Bits[np.ndarray], counts: Bits[np.ndarray]
+) -> RadiationMemory | None:
+    """The memory with these poles, by what misfits count."""
+    sampled = _sampled(h, hulls, ways)
+    assert sampled is not None, "asked where something radiates"
+    return sampled.counting(counts.value).with_poles(poles.value)
 
 
 def _swayed(system: System, h: Hydrodynamics) -> float:

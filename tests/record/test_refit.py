@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from solver import motions
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.natural import system_modes
 from solver.coupled.preparation import prepare
@@ -64,6 +65,39 @@ def test_where_no_fit_comes_as_close_as_is_asked_the_best_there_is_stays(monkeyp
     assert refit.SWAYED < after < 0.5 * before
     monkeypatch.setattr(refit, "TIMES", (1e4,))
     assert refit.prepared(item, h).fit is usual.fit
+
+
+def test_poles_are_the_coefficients_and_shares_the_seas_whatever_came_before():
+    """Other seas, and their order, leave a fit as it is to the bit."""
+    (one, h), (other, _) = undamped("big_beside_small", 1), undamped("big_beside_small", 1)
+    wave = components(
+        amplitude=np.array([1e-3]), omega=1.05 * one.sea.omega, phase=np.zeros(1), heading=one.sea.heading
+    )
+    other = replace(other, sea=wave)
+
+    def fits(*items):
+        for kept in (refit._sampled, refit._poles, refit._weighed):
+            kept.cache_clear()
+        return [refit.prepared(item, h).fit for item in items]
+
+    (first, second), (late, early) = fits(one, other), fits(other, one)
+    assert np.array_equal(first.residue, early.residue) and np.array_equal(second.residue, late.residue)
+    assert first is not second
+    usual, sampled = prepare(one, h).fit, refit._sampled(h, tuple(f.hull for f in one.floats), motions.of_scene(one))
+    numbers = refit._numbers(usual, sampled)
+    assert numbers == [0, *sorted({int(np.ceil(share * usual.beta.size)) for share in refit.MORE})]
+    found = [refit._poles(h, tuple(f.hull for f in one.floats), motions.of_scene(one), n) for n in numbers[1:]]
+    for fit in (first, second):
+        assert any(np.array_equal(fit.beta, poles) for poles in (usual.beta, *found))
+
+
+def test_more_poles_are_not_sought_where_those_there_may_be_come_not_near():
+    item, h = undamped("big_beside_small", 1)
+    usual, sampled = prepare(item, h).fit, refit._sampled(h, tuple(f.hull for f in item.floats), motions.of_scene(item))
+    assert len(refit._numbers(usual, sampled)) > 1
+    assert refit._numbers(replace(usual, error=1.01 * refit.HOPELESS * refit.USUAL), sampled) == [0]
+    most = replace(usual, beta=np.full(sampled.most, usual.beta[0]))
+    assert refit._numbers(most, sampled) == [0, sampled.most]
 
 
 @pytest.mark.parametrize("name", ["big_beside_small", "soft_mooring"])

@@ -5,7 +5,7 @@ transfer from velocity to -force is Y(ω) = ∫ K exp(iωt) dt = B(ω) - iω(A(�
 a positive semidefinite real part at every ω, or the fit would pump energy into the bodies.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -55,7 +55,6 @@ def fit(
     lengths: np.ndarray | None = None,
     body: np.ndarray | None = None,
     moved: np.ndarray | None = None,
-    importance: np.ndarray | None = None,
     resolved: np.ndarray | None = None,
 ) -> RadiationMemory:
     """The passive memory of least order whose misfit of B - iωA is at most `tolerance`, else one of nearly the best.
@@ -73,23 +72,47 @@ def fit(
     that there are; by default one has them all. `moved` (n,) are the motions that there are, all by default: the
     damping of these must be passive. What they do to the others is load on joints, without work, and fitted beside; the
     rest is zero, and all of it where none that there is radiates more than mesh error.
-    importance: (nw, n, n) what a unit of an entry changes at each ω of what it is for; where its misfit does more to
-    that than its share of the largest it counts as that much.
     resolved: (nw,) whether frequencies are close enough to each other to tell what goes on between them, all by
     default: elsewhere no poles are sought, and misfits count UNRESOLVED of that.
     """
     if not tolerance > 0:
         raise InputError("memory_tolerance", tolerance, "must be > 0")
+    found = samples(omega, added_mass, radiation_damping, added_mass_inf, lengths, body, moved, resolved)
+    if found is None:  # as a cylinder in yaw
+        none = np.zeros((0, *added_mass_inf.shape), complex)
+        return RadiationMemory(beta=np.zeros(0, complex), residue=none, added_mass_inf=added_mass_inf, error=0.0)
+    looser, known = tolerance, dict[int, float]()
+    while looser < LOST:
+        memory = found.simplest(tolerance, looser, known)
+        if memory is not None:
+            return memory
+        looser *= LOOSER
+    raise SimulationFailed(
+        "radiation memory: no passive fit comes closer to the coefficients than their own size; where water resonates"
+        " in a gap between bodies they are too sharp: interaction = false leaves that out, and"
+        ' method = "frequency" needs no memory'
+    )
+
+
+def samples(
+    omega: np.ndarray,
+    added_mass: np.ndarray,
+    radiation_damping: np.ndarray,
+    added_mass_inf: np.ndarray,
+    lengths: np.ndarray | None = None,
+    body: np.ndarray | None = None,
+    moved: np.ndarray | None = None,
+    resolved: np.ndarray | None = None,
+) -> "Samples | None":
+    """What `fit` fits, of its arguments; None where nothing that moves radiates more than mesh error."""
     n = len(added_mass_inf)
     lengths = np.ones(n) if lengths is None else np.asarray(lengths, float)
     body = np.zeros(n, int) if body is None else body
     moved = np.ones(n, bool) if moved is None else np.asarray(moved, bool)
     size = _diagonal(omega, added_mass, radiation_damping, added_mass_inf).max(axis=0)
     heard = radiates(size, lengths, body)
-    if not np.any(moved & heard):  # as a cylinder in yaw
-        return RadiationMemory(
-            beta=np.zeros(0, complex), residue=np.zeros((0, n, n), complex), added_mass_inf=added_mass_inf, error=0.0
-        )
+    if not np.any(moved & heard):
+        return None
     heard |= radiates(size, lengths, body, moved)
     impedance = added_mass + 1j * radiation_damping / omega[:, None, None]
     least = least_damping(impedance[:, moved][:, :, moved], lengths[moved], body[moved])
@@ -100,30 +123,9 @@ def fit(
             f"radiation memory: the damping takes power from the waves it radiates at {(~sound).sum()} of {omega.size}"
             f" frequencies, most at {worst:.4g} rad/s: these are no coefficients of passive bodies"
         )
-    asked = np.zeros(impedance.shape) if importance is None else importance
     told = sound if resolved is None else sound & resolved
-    data = _Data.of(
-        omega[sound],
-        added_mass[sound],
-        radiation_damping[sound],
-        added_mass_inf,
-        lengths,
-        heard,
-        moved,
-        asked[sound],
-        told[sound],
-    )
-    looser, known = tolerance, dict[int, float]()
-    while looser < LOST:
-        memory = data.simplest(tolerance, looser, known)
-        if memory is not None:
-            return memory
-        looser *= LOOSER
-    raise SimulationFailed(
-        "radiation memory: no passive fit comes closer to the coefficients than their own size; where water resonates"
-        " in a gap between bodies they are too sharp: interaction = false leaves that out, and"
-        ' method = "frequency" needs no memory'
-    )
+    known = added_mass[sound], radiation_damping[sound], added_mass_inf
+    return Samples.of(omega[sound], *known, lengths, heard, moved, told[sound], sound)
 
 
 def _diagonal(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray, infinite: np.ndarray) -> np.ndarray:
@@ -146,7 +148,7 @@ class _Candidate:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Data:
+class Samples:
     """Samples of conj(Y) + iωA∞ = B + iωA at s = iω, scaled to 1, of m entries.
 
     Only of those motions that radiate: first the upper triangle of the n that there are, then rows of others in them.
@@ -157,6 +159,8 @@ class _Data:
     samples: np.ndarray  # (nw, m) complex
     weight: np.ndarray  # (nw,) of the least squares
     counts: np.ndarray  # (nw, m) what a misfit counts, of that
+    usual: np.ndarray  # (nw, m) the same where nothing is more important than its share of the largest
+    sound: np.ndarray  # bool, which of all frequencies these are
     infinite: np.ndarray  # (m,) scaled A∞
     n: int
     peak: float  # ω_p [rad/s]
@@ -174,9 +178,9 @@ class _Data:
         lengths: np.ndarray,
         heard: np.ndarray,
         moved: np.ndarray,
-        importance: np.ndarray,
         resolved: np.ndarray,
-    ) -> "_Data":
+        sound: np.ndarray,
+    ) -> "Samples":
         """Samples of the motions that radiate, which are `heard` (n,); arguments as of `fit`."""
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
         diagonal = _diagonal(omega, added_mass, damping, infinite)
@@ -188,8 +192,8 @@ class _Data:
         whole_infinite, scale = (infinite + infinite.T) / 2, root[i] * root[j]
         total = transfer + 1j * omega[:, None, None] * infinite
         counts = 1 / (1 + (omega[:, None] / peak) ** FALL)
-        counts = np.maximum(counts, np.maximum(importance[:, i, j], importance[:, j, i]) * scale)
         counts = counts * np.where(resolved, 1.0, UNRESOLVED)[:, None]
+        counts = np.repeat(counts, i.size, axis=1)
         weight = counts.max(axis=1)
         return cls(
             omega=omega,
@@ -197,6 +201,8 @@ class _Data:
             samples=(total[:, i, j] / scale + total[:, j, i] / scale) / 2,
             weight=weight,
             counts=counts / weight[:, None],
+            usual=counts / weight[:, None],
+            sound=sound,
             infinite=whole_infinite[i, j] / scale,
             n=len(own),
             peak=float(peak),
@@ -205,13 +211,40 @@ class _Data:
             whole_infinite=whole_infinite,
         )
 
+    @property
+    def most(self) -> int:
+        """Pairs of poles that can be told."""
+        return min(PAIRS, len(self.omega) // 2, 2 * int(self.resolved.sum()) // 3)
+
+    def counting(self, importance: np.ndarray) -> "Samples":
+        """With misfits that count as much as they change of what the memory is for, where that is more.
+
+        importance: of a unit of each entry at all frequencies, (nw', n', n') of all motions.
+        """
+        i, j = self.entries
+        asked = np.maximum(importance[self.sound][:, i, j], importance[self.sound][:, j, i]) * self.scale
+        usual = self.usual * self.weight[:, None]
+        counts = np.maximum(usual, asked * np.where(self.resolved, 1.0, UNRESOLVED)[:, None])
+        weight = counts.max(axis=1)
+        return replace(self, weight=weight, counts=counts / weight[:, None], usual=usual / weight[:, None])
+
+    def with_poles(self, poles: np.ndarray) -> RadiationMemory | None:
+        """The passive fit of residues to these poles (p,) that leaves the least of what counts; None if all is lost."""
+        best, misfit = self._solved(poles, even := np.ones(self.omega.size))
+        for _ in range(1, EQUALIZE):
+            even = _evened(even, misfit)
+            candidate, misfit = self._solved(poles, even)
+            if candidate.error < best.error:
+                best = candidate
+        return self.passive(best, LOST)
+
     def simplest(self, asked: float, looser: float, known: dict[int, float]) -> RadiationMemory | None:
         """The passive fit of least order with the misfit asked for; else the best that is within the looser one.
 
         known: misfits that no fit with so many pairs falls below; they are added to.
         """
         best, tolerance = None, looser
-        for pairs in range(2, min(PAIRS, len(self.omega) // 2, 2 * int(self.resolved.sum()) // 3) + 1):
+        for pairs in range(2, self.most + 1):
             if known.get(pairs, 0.0) > tolerance:
                 continue
             candidate = self.unconstrained(pairs, tolerance)
@@ -243,8 +276,7 @@ class _Data:
                 best = candidate
             if best.error > HOPELESS * tolerance:
                 break
-            even = even * np.sqrt(np.maximum(misfit / misfit.max(), 1e-2))
-            even /= np.sqrt(np.mean(even**2))
+            even = _evened(even, misfit)
         assert best is not None  # EQUALIZE > 0
         return best
 
@@ -282,12 +314,18 @@ class _Data:
         for i, j in (self.entries, self.entries[::-1]):
             residue[:, i, j] = complex_residues(poles, span @ solution[:-1]) * self.scale
             infinite[i, j] = solution[-1] * self.scale
-        error = float(self._misfit(candidate.columns @ solution - candidate.target, self.counts, candidate.even).max())
+        error = float(self._misfit(candidate.columns @ solution - candidate.target, self.usual, candidate.even).max())
         return RadiationMemory(beta=poles, residue=residue, added_mass_inf=infinite, error=error)
 
     def _misfit(self, residual: np.ndarray, counts: np.ndarray, even: np.ndarray) -> np.ndarray:
         real, imag = residual[:-1].reshape(2, len(self.omega), -1)
         return np.asarray((counts * np.hypot(real, imag)).max(axis=1) / even)
+
+
+def _evened(even: np.ndarray, misfit: np.ndarray) -> np.ndarray:
+    """Weights (nw,) that lower the largest misfit (nw,) of these."""
+    more = even * np.sqrt(np.maximum(misfit / misfit.max(), 1e-2))
+    return np.asarray(more / np.sqrt(np.mean(more**2)))
 
 
 def retardation(omega: np.ndarray, radiation_damping: np.ndarray, t: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from scipy.integrate import quad_vec
 
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation import passivity
-from solver.hydrodynamics.radiation.memory import RadiationMemory, fit, retardation
+from solver.hydrodynamics.radiation.memory import RadiationMemory, fit, retardation, samples
 from solver.hydrodynamics.radiation.passivity import Constraint, enforce
 from solver.hydrodynamics.radiation.rational import (
     basis,
@@ -427,9 +427,24 @@ def test_misfits_count_by_their_importance():
         return np.max(np.abs(fitted - B + 1j * omega[:, None, None] * A) / B, where=low, initial=0.0)
 
     plain = fit(omega, A, B, infinite, 0.02)
-    asked = fit(omega, A, B, infinite, 0.02, importance=np.where(low, 1 / B, 0.0))
-    assert is_passive(asked)
-    assert relative(plain) > 0.04 and relative(asked) <= 0.02 * (1 + 1e-9)
+    counting = samples(omega, A, B, infinite).counting(np.where(low, 10 / B, 0.0))
+    asked = counting.with_poles(plain.beta)
+    assert is_passive(asked) and asked.beta is plain.beta
+    assert relative(plain) > 0.04 and relative(asked) < 0.5 * relative(plain)
+    off = asked.frequency(omega) - 1j * omega[:, None, None] * asked.added_mass_inf - B + 1j * omega[:, None, None] * A
+    size = np.abs(B - 1j * omega[:, None, None] * (A - infinite))
+    falls = 1 / (1 + (omega / omega[size[:, 0, 0].argmax()]) ** 6)
+    assert asked.error == pytest.approx((falls * np.abs(off)[:, 0, 0]).max() / size.max())  # its share, as before
+    assert 10 * np.abs(off / B).max(where=low, initial=0.0) > 1.2 * asked.error
+
+
+def test_where_misfits_count_the_same_as_ever_so_do_fits():
+    omega, A, B, infinite = hulme()
+    plain, known = fit(omega, A, B, infinite, 0.02), samples(omega, A, B, infinite)
+    again, little = known.with_poles(plain.beta), known.counting(np.full(A.shape, 1e-12)).with_poles(plain.beta)
+    assert again.error <= plain.error * (1 + 1e-9)
+    assert np.array_equal(little.residue, again.residue)
+    assert samples(omega, A, 0 * B, 0 * infinite, moved=np.zeros(1, bool)) is None
 
 
 def test_no_poles_are_sought_where_frequencies_are_too_far_apart():
