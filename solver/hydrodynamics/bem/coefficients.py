@@ -111,10 +111,14 @@ class Hydrodynamics:
         All up to `waves_to`; beyond, as long as a wave to the farthest body and back turns by π at most from one to
         the next. Then what bodies reflect to each other is aliased.
         """
-        apart = np.linalg.norm(self.centres[:, None] - self.centres, axis=-1).max() if self.interacting else 0.0
-        k = wavenumbers(self.omega, self.depth, self.gravity)
-        turned = 2 * apart * np.diff(k, prepend=k[0])
+        turned = np.diff(self.turned, prepend=self.turned[0])
         return np.logical_and.accumulate((self.omega <= self.waves_to) | (turned <= np.pi))
+
+    @cached_property
+    def turned(self) -> np.ndarray:
+        """Phase by which a wave to the farthest body and back is late, (nw,) [rad]; 0 without others that feel it."""
+        apart = np.linalg.norm(self.centres[:, None] - self.centres, axis=-1).max() if self.interacting else 0.0
+        return np.asarray(2 * apart * wavenumbers(self.omega, self.depth, self.gravity))
 
     @cached_property
     def ringing(self) -> np.ndarray:
@@ -128,7 +132,8 @@ class Hydrodynamics:
         scaled = transfer[self.resolved][:, heard[:, None], heard] / np.outer(size[heard], size[heard])
         # Fewer than there are differences to tell how much of each a curve has.
         most = 2 * (omega.size - ROUGH) // 3 if heard.size else 0
-        beta = fewest_poles(omega, scaled.reshape(omega.size, -1), CLOSE, most)
+        turns = np.ptp(self.turned[self.resolved]) / (2 * np.pi)
+        beta = fewest_poles(omega, scaled.reshape(omega.size, -1), CLOSE, most, turns)
         return beta[beta.imag > 0]
 
     @property

@@ -8,8 +8,10 @@ import numpy as np
 
 FASTEST = 10  # largest modulus of a pole, in units of the highest frequency
 FEWEST = 2  # pairs of poles that are tried
+SMOOTH = 8  # pairs up to which a curve may be smooth that has turned more often
 RELOCATED = 8  # times
 FELT = 1e-2  # of a misfit
+ALIKE = 1e-13  # of the largest mixture: what columns that are the others' mixtures leave by rounding
 
 
 def starting_poles(omega: np.ndarray, pairs: int) -> np.ndarray:
@@ -51,13 +53,13 @@ def mixed(samples: np.ndarray, goal: float) -> np.ndarray:
     """As few columns (nw, at most 2 nw) as vector fitting to a misfit cannot tell from `samples` (nw, m).
 
     It sees sums of squares over the columns, which a real orthogonal mixture of them leaves as they are. Of mixtures
-    those are left out that cannot make FELT of the misfit.
+    those are left out that are nothing, as of pairs of bodies alike, and where there are more columns than that those
+    that cannot make FELT of the misfit.
     """
     parts = _stacked(samples)
-    if parts.shape[1] <= parts.shape[0]:
-        return samples
     u, size, _ = np.linalg.svd(parts, full_matrices=False)
-    heard = size > FELT * goal * np.sqrt(len(samples))
+    least = ALIKE * size.max(initial=0.0)
+    heard = size > (max(least, FELT * goal * np.sqrt(len(samples))) if parts.shape[1] > parts.shape[0] else least)
     real, imag = np.split(u[:, heard] * size[heard], 2)
     return real + 1j * imag
 
@@ -68,12 +70,13 @@ def relocated(poles: np.ndarray, omega: np.ndarray, samples: np.ndarray, weight:
     samples: (nw, m) complex at s = iω, weight (nw,). Unstable zeros are mirrored into the left half plane.
     """
     columns = basis(poles, omega)
-    # What multiplies (σ samples) is alike for all samples, and eliminated once: their rows beside it are left.
-    left = _stacked(weight[:, None] * np.column_stack([columns, 1j * omega]))
-    beside = np.linalg.qr(left, mode="complete")[0][:, left.shape[1] :]
+    # What multiplies (σ samples) is alike for all samples, and eliminated once: what is at right angles to it is left,
+    # of each column a triangle.
+    along = np.linalg.qr(_stacked(weight[:, None] * np.column_stack([columns, 1j * omega])))[0]
     right = np.column_stack([columns, np.ones(omega.size)])
     rows = (weight[:, None] * samples).T[:, :, None] * right
-    reduced = beside.T @ np.concatenate([rows.real, rows.imag], axis=1)
+    rows = np.concatenate([rows.real, rows.imag], axis=1)
+    reduced = np.asarray(np.linalg.qr(rows - along @ (along.T @ rows), mode="r"))
     # σ = 1 on average: keeps the trivial solution away without fixing σ at infinity.
     size = np.linalg.norm(weight[:, None] * samples) / omega.size
     matrix = np.vstack([reduced.reshape(-1, right.shape[1]), size * right.real.sum(axis=0)])
@@ -87,10 +90,11 @@ def relocated(poles: np.ndarray, omega: np.ndarray, samples: np.ndarray, weight:
     return _stable(_zeros(poles, solution[:-1], constant), omega)
 
 
-def fewest_poles(omega: np.ndarray, samples: np.ndarray, goal: float, most: int) -> np.ndarray:
+def fewest_poles(omega: np.ndarray, samples: np.ndarray, goal: float, most: int, turns: float = 0.0) -> np.ndarray:
     """Poles, `most` pairs at most, with which samples (nw, m) at s = iω are met within the goal, but for a share of iω.
 
-    As few as that takes, by steps of a quarter more, or those that come nearest.
+    As few as that takes, by steps of a quarter more, or those that come nearest. What turns so often from the first
+    frequency to the last takes a pole for each turn; fewer are tried, up to SMOOTH, for it may be too small to count.
     """
     fewer, target, nearest = mixed(samples, goal), _stacked(samples), np.inf
     best, pairs = np.zeros(0, complex), FEWEST
@@ -103,6 +107,8 @@ def fewest_poles(omega: np.ndarray, samples: np.ndarray, goal: float, most: int)
         if misfit < nearest:
             best, nearest = poles, misfit
         pairs += max(1, pairs // 4)
+        while SMOOTH < pairs < turns:
+            pairs += pairs // 4
     return best
 
 

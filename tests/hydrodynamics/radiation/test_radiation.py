@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad_vec
 
 from solver.errors import InputError, SimulationFailed
-from solver.hydrodynamics.radiation import passivity
+from solver.hydrodynamics.radiation import passivity, rational
 from solver.hydrodynamics.radiation.memory import RadiationMemory, fit, retardation, samples
 from solver.hydrodynamics.radiation.passivity import Constraint, enforce
 from solver.hydrodynamics.radiation.rational import (
@@ -396,7 +396,10 @@ def test_mixed_entries_give_the_same_poles():
     i, j = np.triu_indices(20)
     samples = (B + 1j * OMEGA[:, None, None] * (A - np.eye(20)))[:, i, j]
     few, fewer, start = mixed(samples, 0.0), mixed(samples, 1e-3), starting_poles(OMEGA, 6)
-    assert few.shape == (50, 100) and mixed(few[:, :99], 1.0).shape == (50, 99)
+    rank = np.linalg.matrix_rank(np.vstack([samples.real, samples.imag]))
+    assert few.shape == (50, rank) and rank < 60 and mixed(few[:, 1:], 1.0).shape == (50, rank - 1)
+    twice = mixed(np.hstack([few[:, :20], 0 * few[:, :2], few[:, :20] @ np.ones((20, 3))]), 1.0)
+    assert twice.shape == (50, 20)
     assert 2 < fewer.shape[1] < 60
     weight = 1 / (1 + OMEGA)
     one, other, near = (np.sort_complex(relocated(start, OMEGA, x, weight)) for x in (samples, few, fewer))
@@ -476,3 +479,22 @@ def test_as_few_poles_are_found_as_there_are():
     assert np.sort_complex(found) == pytest.approx(np.sort_complex(beta), rel=1e-4)
     assert fewest_poles(OMEGA, spoiled, 1e-3, 2).size <= 4
     assert fewest_poles(OMEGA, spoiled, 1e-3, 0).size == 0
+    assert fewest_poles(OMEGA, samples[:, :0], 1e-3, 0).size == 0
+
+
+def test_what_turns_often_is_not_tried_with_fewer_poles_than_turns(monkeypatch):
+    """A wave that comes back late, of a share that counts; or of one that does not."""
+    tried, relocate = [], rational.relocated
+    monkeypatch.setattr(rational, "relocated", lambda poles, *a: tried.append(poles.size) or relocate(poles, *a))
+    omega, turns = np.linspace(0.5, 2.0, 120), 18.0
+    late = turns * 2 * np.pi / 1.5
+    for share, most in ((0.1, 80), (1e-9, 10)):
+        tried.clear()
+        samples = (1 + share * np.exp(-1j * omega * late))[:, None] / (1j * omega + 0.5)[:, None]
+        found = fewest_poles(omega, samples, 1e-3, most, turns)
+        columns = np.column_stack([basis(found, omega), 1j * omega])
+        both = np.vstack([columns.real, columns.imag])
+        target = np.vstack([samples.real, samples.imag])
+        assert np.abs(both @ np.linalg.lstsq(both, target)[0] - target).max() <= 1e-3
+        assert not any(rational.SMOOTH < size < turns / 2 for size in tried)
+        assert (found.size >= turns) == (share > 1e-3)
