@@ -63,6 +63,10 @@ MEMORY = {
     "residue": ("memory_residue", (*POLES, *DOF, "complex"), "N m-1", "Residues of the radiation memory"),
     "added_mass_inf": ("memory_added_mass_inf", DOF, "kg", "Added mass at infinite frequency that goes with it"),
 }
+RINGS = (
+    ("ringing_exponent", "ringing_pole", "Exponents of what rings between bodies"),
+    ("ringing_exponent_shifted", "ringing_pole_shifted", "The same of coefficients plus their estimated errors"),
+)
 ERRORS = {
     field: (f"{name}_error", dims, unit, f"{meaning}: estimated error of the panels")
     for field, (name, dims, unit, meaning) in ARRAYS.items()
@@ -89,6 +93,10 @@ def encode(hydrodynamics: Hydrodynamics, key: str = "") -> bytes:
         variables |= _variables(memory, MEMORY)
     if hydrodynamics.far_field is not None:
         variables |= _variables(hydrodynamics.far_field, FAR)
+    for (name, pole, long_name), beta in zip(RINGS, hydrodynamics.rings or (), strict=False):
+        if beta.size:
+            values, told = np.stack([beta.real, beta.imag], axis=-1), {"units": "rad s-1", "long_name": long_name}
+            variables[name] = Variable((pole, "complex"), values, told)
     bodies = range(len(hydrodynamics.centres))
     labels = np.array([f"body{b}__{dof}" for b in bodies for dof in hydrodynamics.dofs])
     variables |= {dof: Variable((dof,), labels, {"long_name": "Body and degree of freedom"}) for dof in DOF}
@@ -101,6 +109,8 @@ def encode(hydrodynamics: Hydrodynamics, key: str = "") -> bytes:
     attrs |= {name: float(getattr(hydrodynamics, name)) for name in SCALARS}
     attrs |= {f"setting_{key}": value for key, value in hydrodynamics.settings.items()}
     attrs |= {"dofs": " ".join(hydrodynamics.dofs), "mesh_error": hydrodynamics.mesh_error}
+    if hydrodynamics.rings is not None:
+        attrs["ringing"] = "found"
     if memory is not None:
         attrs |= {"memory_tolerance": hydrodynamics.memory_tolerance, "memory_error": memory.error}
         if motions := hydrodynamics.memory_motions:
@@ -140,6 +150,9 @@ def decode(data: bytes) -> Hydrodynamics:
         fields["error"] = MeshError(**_fields(variables, ERRORS))
     if "far_field_origin" in variables:
         fields["far_field"] = FarField(**_fields(variables, FAR))
+    if "ringing" in attrs:  # which files of earlier versions leave to those who read them
+        own, shifted = (variables[name].values if name in variables else np.zeros((0, 2)) for name, *_ in RINGS)
+        fields["rings"] = tuple(np.ascontiguousarray(beta).view(complex)[..., 0] for beta in (own, shifted))
     if "memory_error" in attrs:
         error, fields["memory_tolerance"] = float(attrs["memory_error"]), float(attrs["memory_tolerance"])
         fields["memory"] = RadiationMemory(**_fields(variables, MEMORY), error=error)

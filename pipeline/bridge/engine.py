@@ -72,7 +72,8 @@ def share(geometries: Sequence[Geometry], first: int = 0, step: int = 1) -> Shar
 def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydrodynamics]:
     """Coefficients by boundary elements or from a file, and their memory as scenes use it.
 
-    The fit is made here, once, and not by each task: fitting amplifies rounding, and other machines round otherwise.
+    That, and what rings between the floats, is found here, once, and not by each task: fitting amplifies rounding, and
+    other machines round otherwise.
     """
     from solver.coupled.preparation import remembered
     from solver.hydrodynamics.bem import bem
@@ -85,10 +86,12 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
         problem = bem_problem(geometries)
         each = dict(zip(problem.headings, bem.united(problem, shares), strict=True))
         found = [replace(each[geometry.heading], waves_to=waves_to(geometry)) for geometry in geometries]
+    radiating = {one.waves_to: one for one in reversed(found)}  # headings share what radiates
+    rings = {to: (one.ringing, one.shifted.ringing) for to, one in radiating.items()}
+    found = [replace(one, rings=rings[one.waves_to]) for one in found]
     if not first.memory:
         return found
     hulls = tuple(hull(body.hull) for body in first.bodies)
-    radiating = {one.waves_to: one for one in reversed(found)}  # headings share what radiates
     for one, geometry in zip(found, geometries, strict=True):
         ways = geometry.needed
         try:

@@ -72,6 +72,7 @@ class Hydrodynamics:
     memory: RadiationMemory | None = None  # fitted to these, for scenes that ask for
     memory_tolerance: float = np.nan  # this tolerance, and
     memory_motions: tuple[tuple[str, ...], ...] = ()  # floats that have these motions; all of them where empty
+    rings: tuple[np.ndarray, np.ndarray] | None = None  # `ringing` of these and of `shifted`, where found before
 
     def moved(self, motions: Sequence[Sequence[str]]) -> np.ndarray:
         """Which degrees of freedom bodies with these motions have (n,); all where none are said."""
@@ -88,7 +89,10 @@ class Hydrodynamics:
         """The same coefficients plus their estimated errors."""
         if self.error is None:
             return self
-        return replace(self, **{name: getattr(self, name) + off for name, off in self.error._asdict().items()})
+        known = None if self.rings is None else (self.rings[1], self.rings[1])
+        return replace(
+            self, rings=known, **{name: getattr(self, name) + off for name, off in self.error._asdict().items()}
+        )
 
     @cached_property
     def mesh_error(self) -> float:
@@ -123,6 +127,8 @@ class Hydrodynamics:
     @cached_property
     def ringing(self) -> np.ndarray:
         """Exponents β (p,) [rad/s], Im β > 0, of water that rings, by vector fitting of the impedance."""
+        if self.rings is not None:
+            return self.rings[0]
         omega = self.omega[self.resolved]
         transfer = self.radiation_damping + 1j * self.omega[:, None, None] * (self.added_mass - self.added_mass_inf)
         lengths = np.repeat(np.cbrt(self.displaced_mass / self.density), len(self.dofs))

@@ -484,8 +484,8 @@ def test_as_few_poles_are_found_as_there_are():
 
 def test_what_turns_often_is_not_tried_with_fewer_poles_than_turns(monkeypatch):
     """A wave that comes back late, of a share that counts; or of one that does not."""
-    tried, relocate = [], rational.relocated
-    monkeypatch.setattr(rational, "relocated", lambda poles, *a: tried.append(poles.size) or relocate(poles, *a))
+    tried, start = [], rational.starting_poles
+    monkeypatch.setattr(rational, "starting_poles", lambda omega, pairs: tried.append(pairs) or start(omega, pairs))
     omega, turns = np.linspace(0.5, 2.0, 120), 18.0
     late = turns * 2 * np.pi / 1.5
     for share, most in ((0.1, 80), (1e-9, 10)):
@@ -496,5 +496,5 @@ def test_what_turns_often_is_not_tried_with_fewer_poles_than_turns(monkeypatch):
         both = np.vstack([columns.real, columns.imag])
         target = np.vstack([samples.real, samples.imag])
         assert np.abs(both @ np.linalg.lstsq(both, target)[0] - target).max() <= 1e-3
-        assert not any(rational.SMOOTH < size < turns / 2 for size in tried)
+        assert tried[0] == rational.FEWEST and not any(rational.SMOOTH < pairs < turns for pairs in tried)
         assert (found.size >= turns) == (share > 1e-3)

@@ -72,6 +72,18 @@ def test_the_motions_that_the_memory_is_of_are_kept(coefficients, motions):
     assert cache.decode(cache.encode(known)).memory_motions == motions
 
 
+@pytest.mark.parametrize("sizes", [(2, 4), (3, 0), (0, 0)])
+def test_what_rings_is_kept_and_not_sought_again(coefficients, sizes):
+    """A classic file has no arrays of no poles; one of an earlier version leaves them to whoever reads it."""
+    rng = np.random.default_rng(3)
+    rings = tuple(-rng.random(size) + 1j * rng.random(size) for size in sizes)
+    again = cache.decode(cache.encode(replace(coefficients, rings=rings)))
+    assert [(x.dtype, x.tobytes()) for x in again.rings] == [(x.dtype, x.tobytes()) for x in rings]
+    assert again.ringing is again.rings[0] and again.shifted.ringing is again.rings[1]
+    assert again.shifted.shifted.ringing is again.rings[1]
+    assert cache.decode(cache.encode(coefficients)).rings is None
+
+
 def test_coefficients_without_memory_have_none(coefficients):
     assert cache.decode(cache.encode(replace(coefficients, memory=None))).memory is None
 

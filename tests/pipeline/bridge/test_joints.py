@@ -1,6 +1,6 @@
 """Floats on joints of every kind, from a study file to the solver's scene."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -504,6 +504,7 @@ def test_waves_of_other_periods_share_what_radiates(study_with, monkeypatch):
     fits = unsolved(monkeypatch)
     known = engine._known([slow, fast, slow.model_copy(update={"heading": 0.5})], [None])
     assert [k.waves_to for k in known] == [2.0, 4.0, 2.0]
+    assert [k.rings for k in known] == [("2", "shifted 2"), ("4", "shifted 4"), ("2", "shifted 2")]
     assert [(h.waves_to, h.heading) for h, _ in fits] == [(2.0, slow.heading), (4.0, slow.heading), (2.0, slow.heading)]
 
 
@@ -516,6 +517,16 @@ class Unsolved:
     memory: int = 0
     memory_tolerance: float = 0.0
     memory_motions: tuple = ()
+    rings: tuple = ()
+    added: str = ""
+
+    @property
+    def ringing(self):
+        return f"{self.added}{self.waves_to:g}"
+
+    @property
+    def shifted(self):
+        return replace(self, added="shifted ")
 
 
 def unsolved(monkeypatch):
@@ -577,4 +588,4 @@ def test_without_need_of_a_memory_none_is_fitted(study_with, monkeypatch):
     fits = unsolved(monkeypatch)
     geometry = geometry_of(task(study_with(FREE)).parameters)
     known = engine.hydrodynamics(geometry.model_copy(update={"memory": False}))
-    assert isinstance(known, Unsolved) and not fits
+    assert isinstance(known, Unsolved) and not fits and known.rings
