@@ -34,8 +34,8 @@ from solver.statistics import FAINT
 SWAYED = 3e-3  # what the fit may change a motion's RAO, its std or its power by, relative, where no tolerance is given
 TIMES = (2, 4, 8, 16)  # that what misfits do to the motions counts, one after another until it is little enough
 MORE = (1.25, 1.5)  # times as many poles as the usual fit has, one after another, where with those it is not
-FEW = 12  # motions that there are: their fits take seconds
-MANY = 24  # whose fits take ten, where one has met its tolerance; else they end as it did, after a minute
+FEW = 12  # motions that there are and are fitted again, wherever the usual fit ended
+MANY = 24  # and where it met its tolerance: to find passive residues for more takes long
 LEAST = 0.1  # of a motion's largest response: changes of less are relative to that
 
 Ways = tuple[tuple[str, ...], ...]  # motions that each float can have
