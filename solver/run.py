@@ -16,7 +16,7 @@ from solver.coupled.stages import copied
 from solver.coupled.system import BALANCE
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_errors
-from solver.hydrodynamics.radiation.memory import USUAL
+from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.limits import field_error
 from solver.record.accuracy import ATTEMPTS, first_guess, improved
 from solver.record.audit import audit

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from solver.hydrodynamics.radiation.memory import fit
+from solver.hydrodynamics.radiation.fitting import fit
 from solver.reference.run import simulate_reference
 from solver.run import simulate
 from studies.benchmark.case import coefficients, scene

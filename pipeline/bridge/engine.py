@@ -77,7 +77,7 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     """
     from solver.coupled.preparation import remembered
     from solver.hydrodynamics.bem import bem
-    from solver.hydrodynamics.radiation.memory import USUAL
+    from solver.hydrodynamics.radiation.fitting import USUAL
 
     first, whole = geometries[0], []
     if first.coefficients:

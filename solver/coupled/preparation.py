@@ -14,7 +14,8 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.bem.mean_hull import motion_lengths
 from solver.hydrodynamics.hull.mesh import Hull
-from solver.hydrodynamics.radiation import memory as radiation
+from solver.hydrodynamics.radiation import fitting
+from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import Bits
 from solver.limits import slides
 from solver.multibody.minimal import Bodies
@@ -24,7 +25,7 @@ from solver.sea.field import WaveField, wave_field
 from solver.sea.realization import CALM
 
 
-def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.RadiationMemory | None = None) -> System:
+def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMemory | None = None) -> System:
     """The scene as arrays, with another radiation memory if given; InputError for coefficients of another scene."""
     settings, water = scene.settings, scene.water
     dt = scene.usual_step if settings.time_step is None else settings.time_step
@@ -50,7 +51,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: radiation.Ra
         support = supports.damped(reduced, scene.platform.damping)
     if fit is None and scene.floats and settings.radiation and settings.method == "time":
         hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
-        fit = remembered(hydrodynamics, hulls, settings.memory_tolerance or radiation.USUAL, ways)
+        fit = remembered(hydrodynamics, hulls, settings.memory_tolerance or fitting.USUAL, ways)
     na = len(scene.floats) * len(hydrodynamics.dofs) if hydrodynamics else 0
     added_mass = np.zeros((na, na))
     if hydrodynamics is not None and settings.radiation:
@@ -152,7 +153,7 @@ def remembered(
     hulls: tuple[Hull, ...],
     tolerance: float,
     ways: tuple[tuple[str, ...], ...],
-) -> radiation.RadiationMemory:
+) -> RadiationMemory:
     """The memory of a set of coefficients, of bodies with these motions: tasks that differ in sea, damping or support
     share its fit.
     """
@@ -161,7 +162,7 @@ def remembered(
     if h.memory is not None and usual and np.all(h.moved(h.memory_motions) == moved):
         return h.memory
     known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
-    return radiation.fit(*known, tolerance, motion_lengths(hulls, h.dofs), h.body, moved, h.resolved)
+    return fitting.fit(*known, tolerance, motion_lengths(hulls, h.dofs), h.body, moved, h.resolved)
 
 
 def _reaches(scene: Scene, height: float) -> list[float]:

@@ -8,7 +8,8 @@ from solver.coupled import assembly
 from solver.coupled.stages import State
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
-from solver.hydrodynamics.radiation.memory import USUAL, RadiationMemory
+from solver.hydrodynamics.radiation.fitting import USUAL
+from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.multibody.minimal import move, new_motion
 from solver.record.effects import together
 from solver.record.probe import Probe

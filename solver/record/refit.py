@@ -22,7 +22,8 @@ from solver.coupled.system import KNOWN, System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.bem.mean_hull import motion_lengths
 from solver.hydrodynamics.hull.mesh import Hull
-from solver.hydrodynamics.radiation.memory import HOPELESS, USUAL, RadiationMemory, Samples, samples
+from solver.hydrodynamics.radiation.fitting import HOPELESS, USUAL, Samples, samples
+from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import Bits, shared
 from solver.record.accuracy import MARGIN, SHARE
 from solver.record.decay import spectrum

@@ -15,7 +15,7 @@ from solver.coupled.preparation import prepare
 from solver.coupled.scheme import LOBATTO
 from solver.coupled.system import BLOCK_STEPS
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature_room
-from solver.hydrodynamics.radiation import memory as radiation
+from solver.hydrodynamics.radiation import fitting
 from solver.kernels import fast_lean_kernel
 from solver.multibody.minimal import Coordinates, Loads, WaterLoads, loads, move, new_motion, pressure_room, pressures
 from solver.reference.panels import panel_load, revolution_mesh, waves_at
@@ -142,4 +142,4 @@ def frequency_task() -> tuple[float, float]:
 def memory_fit() -> float:
     """Time [s] to fit the pair's radiation memory at the default tolerance."""
     h, _ = coefficients()
-    return median(lambda: radiation.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf))
+    return median(lambda: fitting.fit(h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf))

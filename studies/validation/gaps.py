@@ -9,7 +9,7 @@ from solver.coupled.boundary import coefficients
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
-from solver.hydrodynamics.radiation.memory import USUAL
+from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import components

@@ -20,7 +20,7 @@ from solver.hydrodynamics.bem import bem, far_field
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.hydrodynamics.radiation.memory import USUAL
+from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.motions import of_scene
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.dispersion import wavenumber

@@ -9,7 +9,7 @@ from pytest import approx
 from solver.balance import warnings
 from solver.coupled.preparation import prepare
 from solver.errors import InputError
-from solver.hydrodynamics.radiation.memory import USUAL
+from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.run import simulate
 from solver.scene import Settings
 from studies.validation import gaps

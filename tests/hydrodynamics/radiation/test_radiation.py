@@ -10,7 +10,8 @@ from scipy.integrate import quad_vec
 
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation import passivity, rational
-from solver.hydrodynamics.radiation.memory import RadiationMemory, fit, retardation, samples
+from solver.hydrodynamics.radiation.fitting import fit, samples
+from solver.hydrodynamics.radiation.memory import RadiationMemory, retardation
 from solver.hydrodynamics.radiation.passivity import Constraint, enforce
 from solver.hydrodynamics.radiation.rational import (
     basis,
@@ -126,7 +127,7 @@ def test_data_that_no_passive_body_has_are_refused(monkeypatch):
     A, B = coefficients(memory, OMEGA)
     with pytest.raises(SimulationFailed, match=rf"takes power .* at {OMEGA.size} of {OMEGA.size} frequencies"):
         fit(OMEGA, A, B - 9 * OMEGA[:, None, None] * np.eye(2), memory.added_mass_inf, 1e-3)
-    monkeypatch.setattr("solver.hydrodynamics.radiation.memory.LOST", 1e-12)
+    monkeypatch.setattr("solver.hydrodynamics.radiation.fitting.LOST", 1e-12)
     with pytest.raises(SimulationFailed, match="no passive fit comes closer to the coefficients than"):
         fit(*hulme(), 1e-13)
 

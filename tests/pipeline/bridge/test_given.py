@@ -28,7 +28,7 @@ from pipeline.tasks.tasklist import Tasks
 from solver.errors import InputError
 from solver.hydrodynamics.bem.adopted import adopted
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.hydrodynamics.radiation.memory import USUAL
+from solver.hydrodynamics.radiation.fitting import USUAL
 from tests.once import solve
 
 RHO, G, DEPTH = 1025.0, 9.81, 30.0
