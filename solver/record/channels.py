@@ -201,8 +201,9 @@ class Channels:
     def _rao(self, amplitudes: np.ndarray) -> dict[str, Labelled]:
         """Motion per wave amplitude, wave by wave; NaN where a wave is too small to divide by."""
         wave = self.scene.sea.amplitude
-        wave = np.where(np.abs(wave) > FAINT * np.abs(wave).max(), wave, np.nan)
-        rao = np.moveaxis(self.by_axis(amplitudes / wave[:, None]), 0, -1)
+        tells, none = np.abs(wave) > FAINT * np.abs(wave).max(), np.full(amplitudes.shape, np.nan, complex)
+        each = np.divide(amplitudes, wave[:, None], out=none, where=tells[:, None])
+        rao = np.moveaxis(self.by_axis(each), 0, -1)
         dims = ("float", "axis", "component")
         return {
             "rao": (dims, np.abs(rao)),
