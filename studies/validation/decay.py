@@ -2,6 +2,7 @@
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.signal import find_peaks
 
 from solver.run import simulate
 from solver.scene import Scene
@@ -15,6 +16,7 @@ MASS = RHO * 2 / 3 * np.pi * RADIUS**3  # [kg], the displacement exactly
 AT_ZERO, AT_INFINITY = 0.8310, 0.5  # A' in heave, Hulme 1982
 # Exact linear solution from 1 m by multipoles: (t [s], z [m]).
 EXTREMA = [(2.2125, -0.86713), (4.4179, 0.63502), (6.5972, -0.46497), (8.7702, 0.34671)]
+RIPPLE = 1e-3
 OFFSETS = (1.0, 3.0, 5.0)  # [m], those of the set; the last one lifts the sphere out of the water
 
 
@@ -28,9 +30,13 @@ def run(offset: float, froude_krylov: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def extrema(t: np.ndarray, z: np.ndarray) -> list[tuple[float, float]]:
-    """(t, z) where the velocity is zero after the release."""
+    """(t, z) where the velocity is zero after the release; there and back by less than RIPPLE of it all is no turn."""
     path = CubicSpline(t, z)
-    return [(float(x), float(path(x))) for x in path.derivative().roots(extrapolate=False) if x > 1.0]
+    turns = path.derivative().roots(extrapolate=False)
+    whole = np.concatenate([[z[0]], path(turns), [z[-1]]])
+    far = RIPPLE * np.ptp(z)
+    kept = sorted(i - 1 for side in (whole, -whole) for i in find_peaks(side, prominence=far)[0])
+    return [(float(x), float(path(x))) for x in turns[kept] if x > 1.0]
 
 
 def exact(t: np.ndarray) -> np.ndarray:
