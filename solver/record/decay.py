@@ -24,7 +24,8 @@ from solver.statistics import FAINT
 PERIODS = 50  # of the slowest motion that coefficients know, in the time for which spectra are told, at least
 LOST = 6.0  # σ times that time: exp(-LOST) of what is left of the motions at its end counts at its start
 BEYOND = 3  # times the highest frequency solved, up to which there are frequencies
-MOST = 2**15  # of them, and
+SHORTEST = 4  # periods of the shortest wave: of shorter records so much is judged
+MOST = 2**15  # frequencies, and
 ENTRIES = 8_000_000  # numbers in their impedances; of longer records what that is enough for is judged
 
 
@@ -68,8 +69,12 @@ def decay_effects(system: System, h: Hydrodynamics) -> tuple[float, float]:
 
 
 def _span(system: System, h: Hydrodynamics) -> _Span:
-    s, (low, high) = system.scene.settings, h.omega[[0, -1]] * [1, BEYOND]
-    end, most = s.discard + s.duration, min(MOST, ENTRIES // len(h.added_mass_inf) ** 2)
+    s, low = system.scene.settings, h.omega[0]
+    high = BEYOND * h.omega[-1]
+    end, most = (
+        s.discard + max(s.duration, SHORTEST * 2 * np.pi / h.omega[-1]),
+        min(MOST, ENTRIES // len(h.added_mass_inf) ** 2),
+    )
     count = int(min(max(2 * end, PERIODS * 2 * np.pi / low) * high / (2 * np.pi), most)) + 1
     whole = count * 2 * np.pi / high
     times, end = whole / (2 * count) * np.arange(2 * count), min(end, whole / 2)

@@ -105,6 +105,14 @@ def test_what_is_not_let_go_has_no_decay():
     assert coefficient_effects(prepare(calm, h), h) == (0.0, 0.0)
 
 
+def test_of_a_short_record_more_is_judged():
+    """Far shorter than any wave that coefficients are known for."""
+    item, h = SCENES["soft_mooring"]()
+    brief, longer = (coefficient_effects(prepare(let_go(item, duration=each), h), h) for each in (0.01, 1.0))
+    assert brief == approx(longer)
+    assert all(0 < effect < 0.1 for effect in brief)
+
+
 def test_of_a_long_record_what_frequencies_do_for_is_judged(monkeypatch):
     item, h = SCENES["soft_mooring"]()
     item = let_go(item, duration=4000.0)
