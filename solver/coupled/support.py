@@ -137,11 +137,20 @@ def reduce_platform(
     splash = water.DRY if platform.wave_stretching == "none" else stretching.splash(field)
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
     drags = water.stations(model, stations, DRAG * field.mean_length, splash, BENT)
-    strained = damping is not None and damping.beta > 0
-    damping = damping if platform.load_histories else None  # or platforms that differ in it alone would not share
-    asked = {"planar": planar, "modes": modes, "outputs": outputs, "reach": splash.reach, "damping": damping}
-    asked |= {"strained": strained}
-    return _reduced(platform, sea, hinge_nodes, at, drags, typical_waves(field, at), **asked)
+    return _reduced(
+        platform,
+        sea,
+        hinge_nodes,
+        at,
+        drags,
+        typical_waves(field, at),
+        planar=planar,
+        modes=modes,
+        outputs=outputs,
+        reach=splash.reach,
+        damping=damping if platform.load_histories else None,  # or platforms that differ in it alone would not share
+        strained=damping is not None and damping.beta > 0,
+    )
 
 
 @lru_cache(maxsize=KNOWN)
@@ -191,14 +200,16 @@ def _reduced(
         of_points = asked.influence.of_points(at)
         inertia = asked.influence.of_inertia(M, sea.density, shapes)
         elastic = np.arange(len(asked.influence.element)) < asked.wanted.end.size  # the ground bears damping, too
-        more = {"straining": asked.influence.of_straining(asked.wanted, omega, shapes, inertia) * elastic}
+        more = {}
+        if strained:
+            more["straining"] = asked.influence.of_straining(asked.wanted, omega, shapes, inertia) * elastic
         borne = forces.reduced(
             asked,
             _forces_at_rest(platform, sea, asked),
             waves=inertial.T @ of_points.reshape(inertial.shape[0], of_points.shape[2]),
             inertia=inertia,
             damping=2 * omega[:, None] * inertia * elastic,
-            **(more if strained else {}),
+            **more,
             carried=asked.influence.nodal[dof.ravel()],
             drag=water_drag.borne(asked),
             applied=asked.influence.nodal[loaded],
@@ -209,6 +220,7 @@ def _reduced(
     numbers = [model.node_index[name] for name in accelerated]
     free = [] if platform.legs else [model.node_index[n] for n in platform.frame.nodes if n not in model.frame.clamped]
     moved = shapes.reshape(-1, 6, omega.size)[:, :3]
+    along = water.of_members(model, drags.element, drags.weight)
     return Support(
         dry_omega=_dry_frequencies(model),
         omega=omega,
@@ -223,7 +235,7 @@ def _reduced(
         flow=water_drag.flow,
         drag=water_drag.size,
         drag_length=float(drags.weight[drags.drag > 0].max(initial=0.0)),
-        drag_share=float((drags.weight / _whole(model, drags))[drags.drag > 0].max(initial=0.0)),
+        drag_share=float((drags.weight / along)[drags.drag > 0].max(initial=0.0)),
         stream=water_drag.stream,
         stretched=water_drag.stretched,
         applied=shapes[loaded],
@@ -310,12 +322,6 @@ def damped(support: Support, damping: StructuralDamping) -> Support:
     """With the modes' damping."""
     ratio = damping.of(support.omega, support.dry_share)
     return replace(support, damping=ratio, forces=support.forces and support.forces.damped(ratio, damping.beta))
-
-
-def _whole(model: FrameModel, at: water.Stations) -> np.ndarray:
-    """Length of all that is wet of each station's member (ns,) [m]."""
-    member = model.member[at.element]
-    return np.asarray(np.bincount(member, at.weight)[member])
 
 
 @lru_cache(maxsize=KNOWN)

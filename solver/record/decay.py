@@ -16,8 +16,8 @@ import numpy as np
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.multibody.of_axes import absorbing
 from solver.record.channels import Channels
+from solver.record.response import absorbs
 from solver.record.sampling import least_force
 from solver.statistics import FAINT
 
@@ -30,7 +30,7 @@ ENTRIES = 8_000_000  # numbers in their impedances; of longer records what that 
 
 
 def spectrum(system: System, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
-    """X (nw, n), (1 - Z⁻¹C) x₀/(-iω)."""
+    """X (nw, n), (1 - Z⁻¹C) x₀/(-iω), at any complex ω."""
     model, start = linear_model(system), offsets(system)
     pushed = np.broadcast_to(model.stiffness @ start, (omega.size, start.size))
     return (start - model.response(omega, Y, pushed)) / (-1j * omega[:, None])
@@ -47,7 +47,13 @@ class _Decay(NamedTuple):
 class _Span(NamedTuple):
     omega: np.ndarray  # (nw,) from 0 on, evenly
     sigma: float
-    times: np.ndarray  # (nt,) of the record, as many as frequencies tell
+    time_step: float  # of the series that they tell
+    at: np.ndarray  # (nt,) which of it are of the record
+
+    @property
+    def times(self) -> np.ndarray:
+        """(nt,) [s]."""
+        return self.time_step * self.at
 
 
 def offsets(system: System) -> np.ndarray:
@@ -71,15 +77,14 @@ def decay_effects(system: System, h: Hydrodynamics) -> tuple[float, float]:
 def _span(system: System, h: Hydrodynamics) -> _Span:
     s, low = system.scene.settings, h.omega[0]
     high = BEYOND * h.omega[-1]
-    end, most = (
-        s.discard + max(s.duration, SHORTEST * 2 * np.pi / h.omega[-1]),
-        min(MOST, ENTRIES // len(h.added_mass_inf) ** 2),
-    )
+    end = s.discard + max(s.duration, SHORTEST * 2 * np.pi / h.omega[-1])
+    most = min(MOST, ENTRIES // len(h.added_mass_inf) ** 2)
     count = int(min(max(2 * end, PERIODS * 2 * np.pi / low) * high / (2 * np.pi), most)) + 1
     whole = count * 2 * np.pi / high
-    times, end = whole / (2 * count) * np.arange(2 * count), min(end, whole / 2)
-    kept = (times > min(s.discard, end / 2)) & (times <= end)
-    return _Span(high / count * np.arange(count), LOST / whole, times[kept])
+    step, end = whole / (2 * count), min(end, whole / 2)
+    times = step * np.arange(2 * count)
+    of_record = np.flatnonzero((times > min(s.discard, end / 2)) & (times <= end))
+    return _Span(high / count * np.arange(count), LOST / whole, step, of_record)
 
 
 def _near(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
@@ -87,25 +92,24 @@ def _near(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
     highest one both near their limits with that."""
     low, high = h.omega[[0, -1]]
     Y = impedance(system, h, omega.clip(low, high))
-    under, over = (np.minimum(omega / low, 1.0)[:, None, None], np.minimum(high / omega.clip(low), 1.0)[:, None, None])
+    under, over = np.minimum(omega / low, 1.0)[:, None, None], np.minimum(high / omega.clip(low), 1.0)[:, None, None]
     return over**2 * (under**2 * Y.real + 1j * under * Y.imag)
 
 
 def _decay(system: System, span: _Span, Y: np.ndarray) -> _Decay:
-    model, step, (omega, sigma, times) = linear_model(system), span.omega[1], span
-    w, start = omega + 1j * sigma, offsets(system)
-    Y = Y + 1j * sigma * np.gradient(Y, step, axis=0)
+    model, step, start = linear_model(system), span.omega[1], offsets(system)
+    w = span.omega + 1j * span.sigma
+    Y = Y + 1j * span.sigma * np.gradient(Y, step, axis=0)
     rate = -1j * w[:, None]
-    Q = -model.response(w, Y, np.broadcast_to(model.stiffness @ start, (w.size, start.size))) / rate
+    Q = spectrum(system, w, Y) - start / rate
     held = model.wrench[0] @ start / rate[..., None]  # which those of Q at last take back
     forces = Channels(system.scene, None).hinge_force(model.loads(w, Q, Y, held, system.bodies.active))
     every = np.concatenate([Q, rate * Q, forces.reshape(w.size, -1)], axis=1)
     every[0] /= 2
     series = np.fft.fft(every, 2 * w.size, axis=0).real * (step / np.pi)
-    at = np.rint(times * step * w.size / np.pi).astype(int)
-    kept = np.exp(sigma * times)[:, None] * series[at]
+    kept = np.exp(span.sigma * span.times)[:, None] * series[span.at]
     motions, rates, borne = np.split(kept, [start.size, 2 * start.size], axis=1)
-    return _Decay(motions, rates, borne.reshape(times.size, -1, 3))
+    return _Decay(motions, rates, borne.reshape(span.at.size, -1, 3))
 
 
 def _changed(system: System, exact: _Decay, other: _Decay) -> float:
@@ -114,9 +118,8 @@ def _changed(system: System, exact: _Decay, other: _Decay) -> float:
     used = moved > FAINT * moved.max(initial=0.0)
     force = exact.forces.std(axis=0)
     least = np.maximum(least_force(system.scene), FAINT * force.max(initial=0.0))
-    first, pto = system.structure.omega.size, absorbing(system.bodies.law)[system.structure.carrier.shape[0] :]
-    absorbs = used & np.concatenate([np.zeros(first, bool), pto])
-    power, true = (np.mean(each.rates[:, absorbs] ** 2, axis=0) for each in (other, exact))
+    takes = used & absorbs(system, system.bodies.law)
+    power, true = (np.mean(each.rates[:, takes] ** 2, axis=0) for each in (other, exact))
     changes = [
         _off(exact.motions[:, used], other.motions[:, used], std[used]),
         _off(exact.forces, other.forces, np.maximum(force, least)),

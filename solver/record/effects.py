@@ -13,10 +13,9 @@ from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import shared
 from solver.multibody.joint_law import JointLaw
-from solver.multibody.of_axes import absorbing
 from solver.record.channels import Channels
 from solver.record.decay import decay_effects
-from solver.record.response import excitation, force_of_waves, in_waves
+from solver.record.response import absorbs, excitation, force_of_waves, in_waves
 from solver.record.sampling import least_force
 from solver.statistics import FAINT
 
@@ -37,9 +36,9 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     if h is None:
         return 0.0, 0.0
     model, sea = linear_model(system), system.scene.sea
-    omega = sea.omega
     if not sea.amplitude.any():
         return decay_effects(system, h)
+    omega = sea.omega
 
     def change(known: Hydrodynamics, y: np.ndarray) -> float:
         X = model.response(omega, y, force[known])
@@ -129,8 +128,7 @@ def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarr
     size, true_size = (np.sqrt(squares.sum(axis=0)) for squares in (power, true))
     largest = linear_model(system).length * true_size
     used = largest > FAINT * largest.max(initial=0.0)
-    first, pto = system.structure.omega.size, absorbing(law)[system.structure.carrier.shape[0] :]
-    absorbs = used & np.concatenate([np.zeros(first, bool), pto])
-    rate, true_rate = (omega**2 @ squares[:, absorbs] for squares in (power, true))
+    takes = used & absorbs(system, law)
+    rate, true_rate = (omega**2 @ squares[:, takes] for squares in (power, true))
     changes = np.concatenate([size[used] / true_size[used], rate / true_rate])
     return float(np.abs(changes - 1).max(initial=0.0))

@@ -7,7 +7,7 @@ Z the linear model's dynamic stiffness and E x what radiates, a change δY of th
     δX_k = Σ_ij (Z⁻¹Eᵀ)_ki iω δY_ij (E X)_j.
 
 Poles are the coefficients' and not the sea's: those of the usual fit stay, or somewhat more are sought as it sought
-them, once for all seas. What they weigh is found again, in a tenth of a second.
+them, once for all seas. What they weigh is found again, which is soon done.
 """
 
 from functools import lru_cache

@@ -8,6 +8,14 @@ from solver.coupled.modal import Structure
 from solver.coupled.support import real_by_complex
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.multibody.joint_law import JointLaw
+from solver.multibody.of_axes import absorbing
+
+
+def absorbs(system: System, law: JointLaw) -> np.ndarray:
+    """Of which coordinates (n,) the law takes power: of joints alone."""
+    modes, carriers = system.structure.omega.size, system.structure.carrier.shape[0]
+    return np.concatenate([np.zeros(modes, bool), absorbing(law)[carriers:]])
 
 
 def in_waves(system: System, h: Hydrodynamics | None) -> tuple[np.ndarray, np.ndarray]:

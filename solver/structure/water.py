@@ -99,8 +99,14 @@ def _wet_parts(model: FrameModel, splash: Splash) -> tuple[np.ndarray, np.ndarra
     of all parts of its member (n,) [m]."""
     wet, span = _wet(model, np.array([member.in_water for member in model.frame.members]), splash)
     start, end = model.ends[wet, :, 2].T
-    length, member = np.diff(span)[:, 0] * model.length[wet], model.member[wet]
-    return length, np.abs(start + span.mean(axis=1) * (end - start)), np.bincount(member, length)[member]
+    length = np.diff(span)[:, 0] * model.length[wet]
+    return length, np.abs(start + span.mean(axis=1) * (end - start)), of_members(model, wet, length)
+
+
+def of_members(model: FrameModel, element: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """Of lengths (n,) along some elements: the sum of all along the same member (n,) [m]."""
+    member = model.member[element]
+    return np.asarray(np.bincount(member, length)[member])
 
 
 @lru_cache(maxsize=8)

@@ -223,10 +223,12 @@ def united(problem: Problem, parts: Sequence[list[list[Solution]]]) -> list[Hydr
 def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodynamics]:
     hulls, omega, seas = problem.hulls, problem.omega, problem.seas
     solutions = [_interleaved(pieces) for pieces in zip(*parts, strict=True)]
-    (impedance, impedance_inf, diffraction, far), left = _limits(problem, solutions)
-    settings, error = _settings(problem, solutions), None
+    best, error = list(solutions[0][:4]), None
     if problem.flow:
+        best, left = _limits(problem, solutions)
         error = MeshError(left[0].real, left[0].imag * omega[:, None, None], left[1], left[2])
+    impedance, impedance_inf, diffraction, far = best
+    settings = _settings(problem, solutions)
     origin, n = meshes.mirror_planes(hulls, problem.centres)[0][:2], len(impedance_inf)
     return [
         Hydrodynamics(
@@ -237,7 +239,7 @@ def _united(problem: Problem, parts: Sequence[list[Solution]]) -> list[Hydrodyna
             diffraction=diffraction[:, h],
             froude_krylov=froude_krylov(hulls, problem.centres, problem.dofs, sea, omega),
             settings=MappingProxyType(settings),
-            error=error and error._replace(diffraction=left[2][:, h]),
+            error=error and error._replace(diffraction=error.diffraction[:, h]),
             far_field=FarField(origin, far[:, :n], far[:, n + h]) if problem.far_field else None,
             waves_to=problem.waves_to,
             **at_rest(hulls, problem.centres, problem.dofs, sea),
@@ -263,9 +265,6 @@ def _settings(problem: Problem, solutions: list[Solution]) -> dict[str, Any]:
 
 def _limits(problem: Problem, solutions: list[Solution]) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Of zero panel size, and what is left of the error."""
-    if not problem.flow:
-        values = list(solutions[0][:4])
-        return values, [0 * x for x in values]
     lengths = motion_lengths(problem.hulls, problem.dofs)
     body = np.repeat(np.arange(len(problem.hulls)), len(problem.dofs))
     plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
