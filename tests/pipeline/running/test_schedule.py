@@ -106,6 +106,15 @@ def test_what_no_worker_survives_to_send_is_lost(meddling):
     assert len(dead) == 3
 
 
+@pytest.fixture
+def interruptible():
+    """Whoever runs the tests: what a shell starts in the background ignores Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_an_interruption_waits_for_no_transfer(meddling, capfd):
     """Nor for a worker that is silent for longer."""
     pool, meddle = meddling
