@@ -79,12 +79,13 @@ class LinearModel:
 
         active: which of the six motions of a float radiate.
         """
-        (_, nb, _, n), rate, total = self.wrench.shape, -1j * omega, pushed.copy()
+        (_, nb, _, n), rate = self.wrench.shape, -1j * omega
         parts = real_by_complex(np.concatenate([self.wrench.reshape(18 * nb, n), self.active]), X.T)
         held, damped, pulled = parts[: 18 * nb].reshape(3, nb, 6, omega.size)
-        radiated = Y @ (rate * parts[18 * nb :]).T[..., None]
-        total[..., active] -= radiated.reshape(total[..., active].shape)
-        return total + np.moveaxis(held + rate * (damped + rate * pulled), -1, 0)
+        total = held + rate * (damped + rate * pulled)
+        radiated = (Y @ (rate * parts[18 * nb :]).T[..., None])[..., 0].T
+        total[:, active] -= radiated.reshape(nb, active.size, omega.size)
+        return pushed + np.moveaxis(total, -1, 0)
 
     def of_modes(self, omega: np.ndarray) -> np.ndarray:
         """ω_m² - 2iζω_mω - ω² (nw, nm)."""

@@ -70,7 +70,7 @@ class Shifted(NamedTuple):
 
     equation: Condensed
     impedance: np.ndarray  # (nl, na, na)
-    force: np.ndarray  # (n, nl) without drag
+    more: np.ndarray  # (n, nl) force beyond the usual one
     excitation: np.ndarray  # (nl, nb, 6)
     unlike: float  # by how much forces are off, see audit.unlike
 
@@ -281,7 +281,8 @@ class Case:
         impedance = self._impedance(h.shifted)
         on_bodies = np.zeros_like(self.excitation)
         on_bodies[..., system.bodies.active] = pushed.reshape(len(pushed), system.bodies.axes.size, -1)
-        return Shifted(self.equation.radiating(impedance), impedance, force, on_bodies, unlike(self.force, force))
+        equation, more = self.equation.radiating(impedance), force - self.force
+        return Shifted(equation, impedance, more, on_bodies, unlike(self.force, force))
 
     @property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:

@@ -110,6 +110,7 @@ class _Round:
 
     X: np.ndarray  # (n, nw)
     rate: np.ndarray  # (n, nw)
+    push: np.ndarray  # (n, nw) waves' force and what drag adds to it
     damping: np.ndarray  # (n, n) of drag and dampers
     K: np.ndarray  # (ns, nd, nd) of the drag: see Stations
     of_water: np.ndarray  # (nm, nw) what it does to the modes where they do not move
@@ -150,7 +151,7 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
         held[:nm] = False  # no brake holds a mode
         last, change = change, _change(last_std[~held], std[~held]) if rounds > 1 else np.inf
         if not (stations.size or quadratic.any() or bent) or _ahead(last, change) <= AGREED:
-            return _Round(X=X, rate=rate, damping=damping, K=K, of_water=of_water, pto=pto, rounds=rounds)
+            return _Round(X=X, rate=rate, push=push, damping=damping, K=K, of_water=of_water, pto=pto, rounds=rounds)
     what = "drag or power take-off" if bent else "drag"
     raise SimulationFailed(f"linearised {what} does not agree with its own result after {ROUNDS} rounds")
 
@@ -173,10 +174,10 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) ->
     if case.shifted is None:
         return 0.0
     other, model, active = case.shifted, case.model, case.system.bodies.active
-    borne = case.channels.hinge_force(wrench)
+    borne, push = case.channels.hinge_force(wrench), last.push + other.more
 
     def change(equation: Condensed, Y: np.ndarray) -> float:
-        X = equation.response(_pushed(other.force, equation, last.damping, last.of_water, last.rate), last.damping).T
+        X = equation.response(push, last.damping).T
         forces = case.channels.hinge_force(model.loads(case.omega, X, Y, other.excitation, active))
         motions = response_error(case.system, law, case.omega, X, last.X.T)
         return max(motions, force_error(case.system, forces, borne))

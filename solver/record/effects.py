@@ -80,7 +80,8 @@ def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray
 
 def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:
     """Largest relative change of the std of a joint's force (nw, nb, 3), but for those that count as zero."""
-    std, true = (np.sqrt(np.einsum("wbi,wbi->bi", F, F.conj()).real) for F in (forces, exact))
+    lines = (_real(F.reshape(len(F), -1)) for F in (forces, exact))
+    std, true = (np.sqrt(np.einsum("nw,nw->n", x, x)) for x in lines)
     least = np.maximum(np.sqrt(2) * least_force(system.scene), FAINT * true.max())
     return float(np.max(np.abs(std - true) / np.maximum(true, least), initial=0.0))
 
@@ -110,7 +111,7 @@ def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
     of_waves, p = driven(support, system.waves).left_out[:, waves], X.T[: len(support.omega)]
     usual, inertia = real_by_complex(_tops_and_inertia(support), p).reshape(2, -1, p.shape[1])
     exact = usual + of_waves + drag.T + sea.omega[waves] ** 2 * inertia
-    std, exact = (np.linalg.norm(lines.view(float), axis=1) for lines in (usual, exact))
+    std, exact = (np.sqrt(np.einsum("nw,nw->n", x, x)) for x in (usual.view(float), exact.view(float)))
     used = std > FAINT * std.max()
     return float(np.abs(exact[used] / std[used] - 1).max(initial=0.0))
 
@@ -124,11 +125,17 @@ def _tops_and_inertia(support: Support) -> np.ndarray:
 
 def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
     """Largest relative change of a coordinate's std, or of its rate's square where that is power absorbed by a law."""
-    power, true = (x.real**2 + x.imag**2 for x in (X, exact))
-    size, true_size = (np.sqrt(squares.sum(axis=0)) for squares in (power, true))
-    largest = linear_model(system).length * true_size
+    lines = [_real(x) for x in (X, exact)]
+    power, true = (np.einsum("nw,nw->n", x, x) for x in lines)
+    largest = linear_model(system).length * np.sqrt(true)
     used = largest > FAINT * largest.max(initial=0.0)
     takes = used & absorbs(system, law)
-    rate, true_rate = (omega**2 @ squares[:, takes] for squares in (power, true))
-    changes = np.concatenate([size[used] / true_size[used], rate / true_rate])
+    squared = np.repeat(omega**2, 2)
+    rate, true_rate = (x[takes] ** 2 @ squared for x in lines)
+    changes = np.concatenate([np.sqrt(power[used] / true[used]), rate / true_rate])
     return float(np.abs(changes - 1).max(initial=0.0))
+
+
+def _real(X: np.ndarray) -> np.ndarray:
+    """Lines (nw, n) as twice as many real numbers each (n, 2 nw)."""
+    return np.ascontiguousarray(X.T).view(float)
