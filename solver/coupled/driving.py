@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.support import KNOWN, Support, real_by_complex
+from solver.coupled.support import KNOWN, Support
 from solver.coupled.typical import of_one_speed
 from solver.keys import shared
+from solver.lines import real_by_complex
 from solver.sea.field import WaveField
 
 NODES = 16, 32, 48, 64  # of curves over wavenumbers

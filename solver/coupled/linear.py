@@ -21,9 +21,9 @@ from functools import lru_cache
 import numpy as np
 
 from solver.coupled.equilibrium import symmetric_stiffness
-from solver.coupled.support import real_by_complex
 from solver.coupled.system import Resting, System, known_differences
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.lines import real_by_complex
 from solver.multibody.minimal import Bodies, move, new_motion
 
 KNOWN = 8  # models that a process keeps

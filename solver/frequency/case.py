@@ -11,13 +11,14 @@ from solver.coupled.driving import patterns, share_curve
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.natural import SystemModes, require_stable, system_modes
 from solver.coupled.preparation import prepare
-from solver.coupled.support import Support, real_by_complex
+from solver.coupled.support import Support
 from solver.coupled.system import System, loads_at_rest
 from solver.frequency import beyond
 from solver.frequency.condensed import Condensed
 from solver.frequency.stations import Stations
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits
+from solver.lines import real_by_complex
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import DAMPERS, damped, dampers
 from solver.record.channels import Channels

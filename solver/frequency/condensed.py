@@ -5,8 +5,8 @@ from copy import copy
 import numpy as np
 
 from solver.coupled.linear import LinearModel
-from solver.coupled.support import real_by_complex
 from solver.kernels import FAST, kernel, whole_kernel
+from solver.lines import real_by_complex
 
 STIFF = 2.0  # times the fastest wave's frequency: modes above may follow
 WEAK = 0.05  # share that drag has, at most, in what holds all of them together

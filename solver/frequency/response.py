@@ -7,11 +7,11 @@ import numpy as np
 
 from solver.coupled import linear_drag
 from solver.coupled.linear import LinearModel
-from solver.coupled.support import real_by_complex
 from solver.errors import SimulationFailed
 from solver.frequency.case import Case, case_of
 from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.lines import lengths, real_by_complex
 from solver.multibody import linearised, of_axes
 from solver.multibody.joint_law import JointLaw
 from solver.record.effects import cancelled, force_error, response_error
@@ -135,7 +135,7 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
         push = _pushed(case.force, case.equation, damping, of_water, rate) if rounds > 1 else case.force_at_rest
         dampers = linear
         if quadratic.any() or bent:
-            now = _Sizes(taken, _length(rate[nm:]))
+            now = _Sizes(taken, lengths(rate[nm:]))
             taken, before = _next(now, before), now
             rates = rate[nm:] * np.divide(taken, now.given, out=np.ones(taken.size), where=now.given > 0)[:, None]
             dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rates.T[:, None])[:, 0, 0]
@@ -144,7 +144,7 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
             dampers = dampers + (pto - at_rest)
         damping[joints, joints] = dampers
         X = case.equation.response(push, damping)
-        rate, last_std, std = turning * X, std, _length(X)
+        rate, last_std, std = turning * X, std, lengths(X)
         if not np.max(std * model.length, initial=0.0) < UNBOUNDED * height:  # each wave's part is less
             _require_bounded(model, omega, X, height)
         held = np.maximum(last_std, std) * model.length < HELD * height
@@ -206,12 +206,6 @@ def _parts(case: Case, modes: np.ndarray, others: np.ndarray) -> Drag:
     support = case.system.support
     r = support.forces.drag.shape[1] if support and support.forces is not None else 0
     return Drag(modes, others[:, :r], others[:, r:])
-
-
-def _length(X: np.ndarray) -> np.ndarray:
-    """(n,) of lines (n, nw): √2 of their std."""
-    parts = X.view(float)
-    return np.sqrt(np.einsum("nw,nw->n", parts, parts))
 
 
 def _change(before: np.ndarray, std: np.ndarray) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from solver.coupled.linear_drag import covariance, in_stream, of_gaussian, of_parts, of_parts_in
 from solver.coupled.modal import Structure
 from solver.kernels import whole_lean_kernel
+from solver.lines import real_parts
 
 
 class Stations:
@@ -24,7 +25,7 @@ class Stations:
         self.stream = stream if stream is not None and stream.any() else None
         nm, nd, ns = frame.station.shape
         self.on, self.shape = (nd, ns), frame.station.reshape(nm, nd * ns)
-        self.water = np.ascontiguousarray(water).view(float)
+        self.water = real_parts(water)
         self.factors = [self.water] if patterns is None else [patterns, patterns.T @ self.water]
         self._of = np.concatenate([self.shape.T, self.factors[0]], axis=1)  # of frame and water, in one product
 
@@ -34,7 +35,7 @@ class Stations:
         """
         flow = self.water
         if rate is not None:
-            flow = (-self.shape).T @ np.ascontiguousarray(rate).view(float)
+            flow = (-self.shape).T @ real_parts(rate)
             flow[:, : self.water.shape[1]] += self.water
         return flow.reshape(*self.on, flow.shape[1])
 
@@ -42,7 +43,7 @@ class Stations:
         """Of that flow (ns, nd, nd): ⟨ww⟩ + φe + eφ, e = ½⟨vv⟩φ - ⟨vw⟩, of the water's velocity w less φv."""
         if rate is None:
             return self._at_rest
-        v = np.ascontiguousarray(rate).view(float)
+        v = real_parts(rate)
         along = reduce(np.matmul, [part.T for part in self.factors[:0:-1]], v[:, : self.water.shape[1]])
         e = np.concatenate([0.25 * v @ v.T, -0.5 * along], axis=1) @ self._of.T
         S = self._at_rest.copy()

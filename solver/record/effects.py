@@ -8,10 +8,11 @@ import numpy as np
 from solver.coupled.driving import driven
 from solver.coupled.histories import unswung
 from solver.coupled.linear import impedance, linear_model
-from solver.coupled.support import KNOWN, Support, real_by_complex
+from solver.coupled.support import KNOWN, Support
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import shared
+from solver.lines import lengths, real_by_complex, real_parts
 from solver.multibody.joint_law import JointLaw
 from solver.record.channels import Channels
 from solver.record.decay import decay_effects
@@ -80,8 +81,7 @@ def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray
 
 def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:
     """Largest relative change of the std of a joint's force (nw, nb, 3), but for those that count as zero."""
-    lines = (_real(F.reshape(len(F), -1)) for F in (forces, exact))
-    std, true = (np.sqrt(np.einsum("nw,nw->n", x, x)) for x in lines)
+    std, true = (lengths(F.reshape(len(F), -1).T) for F in (forces, exact))
     least = np.maximum(np.sqrt(2) * least_force(system.scene), FAINT * true.max())
     return float(np.max(np.abs(std - true) / np.maximum(true, least), initial=0.0))
 
@@ -111,9 +111,9 @@ def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
     of_waves, p = driven(support, system.waves).left_out[:, waves], X.T[: len(support.omega)]
     usual, inertia = real_by_complex(_tops_and_inertia(support), p).reshape(2, -1, p.shape[1])
     exact = usual + of_waves + drag.T + sea.omega[waves] ** 2 * inertia
-    std, exact = (np.sqrt(np.einsum("nw,nw->n", x, x)) for x in (usual.view(float), exact.view(float)))
+    std, true = lengths(usual), lengths(exact)
     used = std > FAINT * std.max()
-    return float(np.abs(exact[used] / std[used] - 1).max(initial=0.0))
+    return float(np.abs(true[used] / std[used] - 1).max(initial=0.0))
 
 
 @lru_cache(maxsize=KNOWN)
@@ -125,17 +125,10 @@ def _tops_and_inertia(support: Support) -> np.ndarray:
 
 def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
     """Largest relative change of a coordinate's std, or of its rate's square where that is power absorbed by a law."""
-    lines = [_real(x) for x in (X, exact)]
-    power, true = (np.einsum("nw,nw->n", x, x) for x in lines)
-    largest = linear_model(system).length * np.sqrt(true)
+    size, true_size = lengths(X.T), lengths(exact.T)
+    largest = linear_model(system).length * true_size
     used = largest > FAINT * largest.max(initial=0.0)
-    takes = used & absorbs(system, law)
-    squared = np.repeat(omega**2, 2)
-    rate, true_rate = (x[takes] ** 2 @ squared for x in lines)
-    changes = np.concatenate([np.sqrt(power[used] / true[used]), rate / true_rate])
+    takes, squared = used & absorbs(system, law), np.repeat(omega**2, 2)
+    rate, true_rate = (real_parts(x.T)[takes] ** 2 @ squared for x in (X, exact))
+    changes = np.concatenate([size[used] / true_size[used], rate / true_rate])
     return float(np.abs(changes - 1).max(initial=0.0))
-
-
-def _real(X: np.ndarray) -> np.ndarray:
-    """Lines (nw, n) as twice as many real numbers each (n, 2 nw)."""
-    return np.ascontiguousarray(X.T).view(float)

@@ -5,9 +5,9 @@ import numpy as np
 from solver.coupled import linear_drag
 from solver.coupled.linear import impedance, linear_model, wave_force
 from solver.coupled.modal import Structure
-from solver.coupled.support import real_by_complex
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.lines import real_by_complex
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import absorbing
 

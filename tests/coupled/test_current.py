@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled import linear_drag, support
+from solver.coupled import linear_drag, support, surroundings
 from solver.coupled.blocks import blocks, energy_residual
 from solver.coupled.energy import AT_START, WORKS, energy
 from solver.coupled.preparation import prepare
@@ -140,8 +140,8 @@ def test_reactions_balance_all_that_acts():
     model, _, _ = support.dynamic_model(platform, ocean)
     at = water.stations(model, water.EXACT, support.INERTIA / system.waves.k.max())
     turn = np.exp(-1j * np.outer(times, system.scene.sea.omega)) * ramp(times, system.scene.settings.ramp)[:, None]
-    size = support._inertia_size(platform, at, ocean)
-    pushed = size[:, None, None] * -1j * system.scene.sea.omega * support._flow(at, system.waves) @ turn.T
+    size = surroundings.inertia_size(platform, at, ocean)
+    pushed = size[:, None, None] * -1j * system.scene.sea.omega * surroundings.normal_flow(at, system.waves) @ turn.T
     total = about_origin(at.position, pushed.real.transpose(2, 0, 1))
     drags = water.stations(model, 2, support.DRAG * system.waves.mean_length)
     total += about_origin(drags.position, output.drag.transpose(0, 2, 1))
@@ -161,9 +161,11 @@ def test_reactions_balance_all_that_acts():
     total[:, 3:] += reactions[..., 3:].sum(axis=1)
     assert np.abs(total / np.abs(of_feet).max(axis=0)).max() < 1e-9
     # What the drag is: of water past the moving stations.
-    u = (support._flow(drags, system.waves) @ turn.T).real + support._stream(drags, system.waves)[..., None]
+    u = (surroundings.normal_flow(drags, system.waves) @ turn.T).real + surroundings.normal_stream(drags, system.waves)[
+        ..., None
+    ]
     v = np.einsum("skm,tm->skt", system.support.station_shape, output.dp)
-    drag = support._drag_size(drags, ocean)[:, None, None] * np.linalg.norm(u - v, axis=1, keepdims=True) * (u - v)
+    drag = surroundings.drag_size(drags, ocean)[:, None, None] * np.linalg.norm(u - v, axis=1, keepdims=True) * (u - v)
     assert output.drag == approx(drag.transpose(2, 1, 0), abs=1e-3 * np.abs(drag).max())
 
 

@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
-from solver.coupled import driving, linear, natural, preparation, support
+from solver.coupled import driving, linear, natural, preparation, ritz, support
 from solver.coupled import system as systems
 from solver.coupled.equilibrium import balance, differences
 from solver.coupled.linear import impedance, linear_model
@@ -88,7 +88,7 @@ def test_modes_eliminated_answer_as_all_together(name):
 @pytest.mark.parametrize("name", ["unequal_legs", "bare_legs"])
 def test_shapes_effect_is_what_all_shapes_show(name, monkeypatch):
     """With few of the static shapes, for all of them leave out less than the drag's rounds do."""
-    monkeypatch.setattr(support, "PATTERN", 0.3)
+    monkeypatch.setattr(ritz, "PATTERN", 0.3)
     support._reduced.cache_clear()
     scene, h = SCENES[name]()
     linear = replace(scene, settings=replace(scene.settings, froude_krylov="linear", method="frequency"))

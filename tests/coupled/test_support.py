@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled import driving, support, typical
+from solver.coupled import driving, ritz, support, surroundings, typical
 from solver.coupled.modal import Structure, WaterAbout, drag, flexibility
 from solver.coupled.scheme import LOBATTO
 from solver.errors import InputError
@@ -41,7 +41,7 @@ def waves():
 
 
 def inertia(waves, at, **changes):
-    size = support._inertia_size(Platform(frame=pile(), **changes), at, OCEAN)
+    size = surroundings.inertia_size(Platform(frame=pile(), **changes), at, OCEAN)
     return (size[:, None] * waves.acceleration(at.position)[:, 0])[:, 0]
 
 
@@ -60,11 +60,11 @@ def test_water_moves_past_the_members_as_the_field_says(heading):
     velocity = field.velocity(at.position)
     along = np.einsum("si,sin->sn", at.tangent, velocity)
     across = velocity - at.tangent[:, :, None] * along[:, None]
-    assert support._flow(at, field) == approx(across, abs=1e-13)
-    around, size = support._surroundings(at, heading), np.linspace(1.0, 2.0, len(at.weight))
+    assert surroundings.normal_flow(at, field) == approx(across, abs=1e-13)
+    around, size = surroundings.surroundings(at, heading), np.linspace(1.0, 2.0, len(at.weight))
     swing = np.concatenate(field.swing(around.places))
     assert around.std(swing) == approx(np.sqrt(0.5 * np.sum(np.abs(across) ** 2, axis=(1, 2))), rel=1e-12)
-    nodal = support._nodal_load(model, at, around.by_swing(size), swing)
+    nodal = surroundings.nodal_loads(model, at, around.by_swing(size), swing)
     assert nodal == approx(at.total(across * (size / at.weight)[:, None, None], len(nodal)), abs=1e-12)
 
 
@@ -76,7 +76,7 @@ def test_legs_in_the_same_wave_share_places():
     members = [replace(one.members[0], name=f"leg{y}", start=f"foot{y}", end=f"top{y}") for y in (-3.0, 3.0)]
     pair = Frame(nodes=nodes, members=tuple(members), clamped=("foot-3.0", "foot3.0"))
     at = water.stations(assemble(pair), 3)
-    assert [len(support._surroundings(at, heading).places) for heading in (0.0, 0.7)] == [120, 240]
+    assert [len(surroundings.surroundings(at, heading).places) for heading in (0.0, 0.7)] == [120, 240]
 
 
 @pytest.mark.parametrize("loads", [4, 30])
@@ -86,7 +86,7 @@ def test_principal_loads_are_the_singular_vectors_of_many_and_of_few(loads):
     patterns[[1, 2, 5, 9, 10, 11, 17]] = random.normal(size=(7, 3)) @ random.normal(size=(3, loads))
     patterns[[1, 2, 5, 9, 10, 11, 17]] += 1e-5 * random.normal(size=(7, loads))
     left = np.linalg.svd(patterns)[0][:, :3]
-    shapes = support._principal(patterns)
+    shapes = ritz._principal(patterns)
     assert shapes.shape == (18, 3)
     assert shapes @ shapes.T == approx(left @ left.T, abs=1e-8)
 

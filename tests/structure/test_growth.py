@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled import support
+from solver.coupled import support, surroundings
 from solver.errors import InputError
 from solver.scene import Platform, Water
 from solver.structure import beam, recovery, statics, water
@@ -165,7 +165,7 @@ def test_wave_loads_on_growth_are_those_of_its_diameter():
     grown = replace(bare, growth=(MarineGrowth(depth=0.0, thickness=0.15, density=1325.0),))
     for frame in (bare, grown):
         at = water.stations(assemble(frame), 3)
-        loads.append((support._inertia_size(Platform(frame=frame), at, ocean), support._drag_size(at, ocean)))
+        loads.append((surroundings.inertia_size(Platform(frame=frame), at, ocean), surroundings.drag_size(at, ocean)))
     (inertia, drag), (more_inertia, more_drag) = loads
     assert more_inertia == approx(inertia * 1.5**2) and more_drag == approx(drag * 1.5)
 

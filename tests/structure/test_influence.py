@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled import forces, support
+from solver.coupled import forces, support, surroundings
 from solver.coupled.blocks import blocks
 from solver.coupled.forces import Columns, Part, Places
 from solver.coupled.preparation import prepare
@@ -255,8 +255,8 @@ def within_elements(system, steel, turn, output):
     places, density = steel.places, system.scene.water.density
     alone = replace(places.influence, nodal=np.zeros_like(places.influence.nodal))
     at = water.stations(model, water.EXACT, support.INERTIA / system.waves.k.max())
-    size = support._inertia_size(system.scene.platform, at, system.scene.water)
-    loads = size[:, None, None] * -1j * system.scene.sea.omega * support._flow(at, system.waves)
+    size = surroundings.inertia_size(system.scene.platform, at, system.scene.water)
+    loads = size[:, None, None] * -1j * system.scene.sea.omega * surroundings.normal_flow(at, system.waves)
     rows = np.tensordot(alone.of_points(at), loads, axes=([0, 1], [0, 1]))
     waves = (turn @ rows.T).real
     M = model.M + water.added_mass(model, density)
