@@ -33,6 +33,8 @@ KNOBS = (
     "stations_per_element", "newton_tolerance",
 )  # fmt: skip
 
+REPEATS = "second", "third", "fourth"  # attempts with shorter steps, each of a quarter of the last
+
 Better = Callable[[Scene, Mapping[str, float]], Scene | None]  # a finer one for a run that tells its errors
 
 
@@ -40,7 +42,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     """Run `scene` to its end; raises SimulationFailed with time, quantity and advice.
 
     hydrodynamics: coefficients of the scene's floats at rest; without them the boundary elements come
-    first. Where a smaller step may help the run is repeated with a quarter of it; `repeated` says why.
+    first. Where a smaller step may help the run is repeated with a quarter of it, and of that; `repeated` says why.
     """
     clock = time.perf_counter()
     if hydrodynamics is None and needed(scene):
@@ -58,7 +60,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
             record = _run(scene, hydrodynamics, better)
         except StepTooLong as error:
             repeated = str(error)
-            record = _again(scene, hydrodynamics, repeated, better)
+            record = _again(scene, hydrodynamics, error, better)
         if isinstance(record, Record):
             break
         scene = record
@@ -72,15 +74,24 @@ def _content(_scene: Scene, _told: Mapping[str, float]) -> None:
     """No other scene, whatever the estimated errors are."""
 
 
-def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: str, better: Better) -> Record | Scene:
-    """As `_run` with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone."""
+def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: StepTooLong, better: Better) -> Record | Scene:
+    """As `_run` with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone.
+
+    And so on as long as that closes the energy balance: waves that begin at once set all of a frame's modes swinging.
+    """
     s, system = scene.settings, prepared(scene, hydrodynamics)
-    dt = with_usual_step(system, system_modes(system, hydrodynamics)).dt
-    finer = replace(s, time_step=dt / 4, newton_tolerance=s.newton_tolerance / 4**2)
-    try:
-        return _run(replace(scene, settings=finer), hydrodynamics, better)
-    except SimulationFailed as second:
-        raise SimulationFailed(f"{second} (second attempt; the first: {first})") from None
+    dt, last = with_usual_step(system, system_modes(system, hydrodynamics)).dt, first
+    told = ""
+    for n, attempt in enumerate(REPEATS, 1):
+        finer = replace(s, time_step=dt / 4**n, newton_tolerance=s.newton_tolerance / 4 ** (2 * n))
+        try:
+            return _run(replace(scene, settings=finer), hydrodynamics, better)
+        except SimulationFailed as error:
+            told = f"{error} ({attempt} attempt; the first: {first})"
+            if not (isinstance(error, StepTooLong) and error.nearer(last)):
+                break
+            last = error
+    raise SimulationFailed(told) from None
 
 
 def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _content) -> Record | Scene:

@@ -1,6 +1,7 @@
 """Where the solver stops, what it says then, and that what goes on is sane."""
 
 import os
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -20,10 +21,13 @@ from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.multibody.minimal import move, new_motion
 from solver.run import simulate
-from solver.scene import DOFS, Float
+from solver.scene import DOFS, Float, Platform
 from solver.sea.field import WaveField
-from solver.sea.realization import CALM, Realization
-from tests.awkward import RHO, known
+from solver.sea.realization import CALM, Realization, regular
+from solver.statistics import STATISTICS
+from solver.structure.beam import tube
+from solver.structure.frame import Frame, Member, PointMass
+from tests.awkward import RHO, STEEL, known
 from tests.awkward import scene as awkward_scene
 from tests.interpreted import motions
 
@@ -220,11 +224,39 @@ def test_what_a_finer_step_helps_is_repeated_once_and_the_record_says_so(buan, c
     assert attrs["time_step"] == scene.settings.time_step / 4 and attrs["energy_residual"] < 3e-7
 
 
-def test_what_a_finer_step_does_not_help_fails_with_both_messages(buan, coefficients, monkeypatch):
+@pytest.mark.parametrize(("helped", "step", "attempt"), [(0.0, 0.05, "second"), (0.5, 0.003125, "fourth")])
+def test_what_a_finer_step_does_not_help_fails_with_both_messages(
+    buan, coefficients, monkeypatch, helped, step, attempt
+):
+    """After the first that comes no nearer to a balance, or the last that may be tried."""
     monkeypatch.setattr(sys.modules["solver.run"], "BALANCE", 0.0)
-    with pytest.raises(SimulationFailed, match=r"time_step = 0\.05 s.*second attempt; the first: .*0\.2 s") as error:
+    monkeypatch.setattr(sys.modules["solver.errors"], "HELPED", helped)
+    with pytest.raises(
+        SimulationFailed, match=rf"time_step = {step} s.*{attempt} attempt; the first: .*0\.2 s"
+    ) as error:
         simulate(buan.scene("fixed", time_step=0.2), coefficients)
     assert not isinstance(error.value, StepTooLong)
+
+
+def test_waves_that_begin_at_once_set_a_pile_swinging():
+    """Shorter steps until the balance closes, as long as each comes nearer to it; the same numbers as by short ones."""
+    pile = Member(
+        name="pile", start="foot", end="top", elements=4, section=tube(1.2, 0.025), material=STEEL,
+        inertia_coefficient=2.0,
+    )  # fmt: skip
+    frame = Frame(
+        nodes={"foot": (0.0, 0.0, -20.0), "top": (0.0, 0.0, 5.0)}, members=(pile,), clamped=("foot",),
+        masses=(PointMass(node="top", mass=1.2e4),),
+    )  # fmt: skip
+    platform = Platform(frame=frame, legs=("pile",), damping_ratio=0.02)
+    waves = regular(height=1.0, period=12.0, phase=np.pi / 2)
+    scene = awkward_scene((), depth=20.0, waves=waves, platform=platform, ramp=0.0, duration=600.0, discard=100.0)
+    usual, fine = (simulate(replace(scene, settings=replace(scene.settings, time_step=dt))) for dt in (None, 0.01))
+    first = float(re.search(r"time_step = (\S+) s", usual.attrs["repeated"])[1])
+    assert first / usual.attrs["time_step"] == approx(64) and usual.attrs["energy_residual"] < 1e-3
+    assert fine.attrs["repeated"] == ""
+    std = [record.variables["top_displacement"][1][0, 0, STATISTICS.index("std")] for record in (usual, fine)]
+    assert std[0] == approx(std[1], rel=1e-3)
 
 
 @pytest.mark.parametrize("Hs", [1.28, 0.01, 1e-4])

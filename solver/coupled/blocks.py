@@ -78,5 +78,7 @@ def unbalanced(gap: float, limit: float, t: float, system: System) -> StepTooLon
     """The error of a run whose energy balance is open by too large a share of the energy exchanged."""
     return StepTooLong(
         f"energy balance at t = {t:.1f} s open by {gap:.1e} of the energy exchanged, > {limit:g}: reduce time_step ="
-        f" {system.dt:g} s and newton_tolerance = {system.scene.settings.newton_tolerance:g}"
+        f" {system.dt:g} s and newton_tolerance = {system.scene.settings.newton_tolerance:g}",
+        gap,
+        t,
     )
