@@ -20,23 +20,30 @@ from solver.scene import Scene
 from solver.statistics import STATISTICS, Statistics
 from solver.structure.legs import Largest, compressive
 
-END = 1 / 12  # see _ends
+END = 1 / 12, 1 / 24  # of first and second differences, see _ends
 INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that others are made of
 # Though loads jump; at a hard stop a rate does so between samples, too, and a parabola would go beyond either side.
 CONTINUOUS = "wave_elevation", "rotation", "motion", "line_tension", "top_displacement", STROKES
 
 
 def _ends(cut: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of m samples, those at the ends of what is left uncut where steps up to samples `cut` are, and their neighbours.
+    """Samples (k,) at and near the ends of what is left uncut of `count` where steps up to samples `cut` are, and their
+    weights.
 
     A mean by samples is that by trapezoids, whose errors cancel between neighbours. Where pieces take the place of
-    some, what is left errs at its ends by h²/12 of the slopes there: Gregory's rule takes END of a difference back.
+    some, what is left errs at its ends by h²/12 of the slopes there, and more: Gregory's rule takes parts of the first
+    difference there back, and of the second one where the run is that long.
     """
-    is_cut = np.zeros(count + 1, bool)  # up to each sample, and one after the last
+    is_cut = np.ones(count + 2, bool)  # up to each sample, and beyond
+    is_cut[1:count] = False
     is_cut[cut] = True
-    before, after = cut[~is_cut[cut - 1]] - 1, cut[~is_cut[cut + 1]]
-    before, after = before[before > 0], after[after < count - 1]
-    return np.concatenate([before, after]), np.concatenate([before - 1, after + 1])
+    end, way = np.concatenate([cut - 1, cut]), np.repeat([-1, 1], cut.size)
+    step = end + (way > 0)  # the first of the run that ends there
+    some = np.flatnonzero(~is_cut[step])
+    end, way, longer = end[some], way[some], ~is_cut[step + way][some]
+    samples = np.stack([end, end + way, np.where(longer, end + 2 * way, end)])
+    weights = -END[0] * np.array([[1], [-1], [0]]) - END[1] * np.outer([1, -2, 1], longer)
+    return samples.ravel(), weights.ravel()
 
 
 class Recorder:
@@ -146,14 +153,14 @@ class Recorder:
         of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
         more = int(bool(self.last))  # sample of the block before
         here = cut - first + more
-        inner, outer = _ends(here, len(output.lead[kept]) + more)
-        weights = np.concatenate([weight, np.full(inner.size, -END), np.full(inner.size, END)])
+        ends, of_ends = _ends(here, len(output.lead[kept]) + more)
+        weights = np.concatenate([weight, of_ends])
         for name, values in channels.items():
             if name != "latched":  # which is a mean over that time already
                 flat, new = values.reshape(len(values), -1), told[name].reshape(count, -1)
                 flat = np.concatenate([self.last[name], flat]) if more else flat
                 own = np.concatenate([new, flat[here - 1], flat[here]])
-                self.statistics[name].amend(np.concatenate([own, flat[inner], flat[outer]]), weights)
+                self.statistics[name].amend(np.concatenate([own, flat[ends]]), weights)
                 if self.scene.settings.keep_series and name not in INNER:
                     sums = np.zeros((2, cut.size, own.shape[1]))
                     for total, power in zip(sums, (own, own**2), strict=True):
