@@ -14,7 +14,7 @@ import xarray as xr
 
 from pipeline.bridge import scenes
 from pipeline.bridge.loading import load
-from pipeline.study.schema import Duck
+from pipeline.study.hulls import Duck
 from pipeline.tasks.task import expand
 
 mpl.use("Agg")

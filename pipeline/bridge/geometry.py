@@ -12,7 +12,9 @@ from pipeline.bridge import scenes
 from pipeline.bridge.scenes import hull
 from pipeline.study import seas
 from pipeline.study.attachments import CoefficientFile
-from pipeline.study.schema import Hull, Solver, StudyFile, Water
+from pipeline.study.hulls import Hull
+from pipeline.study.schema import StudyFile, Water
+from pipeline.study.settings import Solver
 from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.tasks.task import Parameters, canonical, digest
 from solver import scene as physics

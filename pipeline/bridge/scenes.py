@@ -14,29 +14,23 @@ from typing import TYPE_CHECKING, Any, assert_never
 from pipeline.bridge import realizations
 from pipeline.study import columns
 from pipeline.study.attachments import Attachment
-from pipeline.study.layout import HINGE
-from pipeline.study.schema import (
+from pipeline.study.floats import Float
+from pipeline.study.hulls import (
     BoxHull,
-    Current,
     Duck,
-    Float,
     HemisphereCylinder,
     Hull,
-    LoadHistory,
-    Member,
     PanelMesh,
-    Platform,
     Profile,
-    Recording,
     Ring,
-    Section,
-    Solver,
     Sphere,
-    Tube,
     VerticalCylinder,
-    Water,
 )
+from pipeline.study.layout import HINGE
+from pipeline.study.platform import LoadHistory, Member, Platform, Section, Tube
+from pipeline.study.schema import Current, Water
 from pipeline.study.seas import SeaState, Waves
+from pipeline.study.settings import Recording, Solver
 from pipeline.study.tables import Same, Vector
 from pipeline.tasks.task import Parameters, wave_seed
 from solver.errors import InputError, refuse

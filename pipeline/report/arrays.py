@@ -12,8 +12,9 @@ from pipeline.report.along import VARIANT
 from pipeline.report.drawing import COLOURS, FAINT, INK, STEEL, canvas, colour
 from pipeline.report.figures import Results
 from pipeline.report.report import first_platform
+from pipeline.study.floats import Float
 from pipeline.study.layout import hinge_nodes
-from pipeline.study.schema import Float, StudyFile
+from pipeline.study.schema import StudyFile
 from pipeline.tasks.task import at_labels, first_labels
 
 if TYPE_CHECKING:

@@ -7,8 +7,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline.report.drawing import INK, SAND, STEEL, WATER, canvas, colour
+from pipeline.study.floats import Float
 from pipeline.study.layout import hinge_nodes
-from pipeline.study.schema import Float, General, Section, StudyFile, Tube
+from pipeline.study.platform import General, Section, Tube
+from pipeline.study.schema import StudyFile
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

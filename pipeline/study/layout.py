@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from pipeline.study.schema import Float
+from pipeline.study.floats import Float
 
 HINGE = "hinge:"
 

@@ -13,10 +13,13 @@ from typing import Any
 
 from pipeline.study import seas
 from pipeline.study.attachments import Attachment, CoefficientFile
+from pipeline.study.floats import Float
 from pipeline.study.layout import hinge_nodes, spaced
 from pipeline.study.paths import with_values
-from pipeline.study.schema import Current, Float, Platform, Recording, Solver, StudyFile, Water
+from pipeline.study.platform import Platform
+from pipeline.study.schema import Current, StudyFile, Water
 from pipeline.study.seas import SeaState, Waves
+from pipeline.study.settings import Recording, Solver
 from pipeline.study.tables import Same, Seed, Table, Vector
 
 # Raise it when the physics or a default changes: older results then count as stale, not as done.

@@ -10,8 +10,8 @@ from pipeline.bridge import engine, preflight, pto_law, scenes
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import bem_arguments, bem_time, geometry_of
 from pipeline.bridge.loading import load
+from pipeline.study.hulls import Profile, Ring
 from pipeline.study.reading import StudyError
-from pipeline.study.schema import Profile, Ring
 from pipeline.tasks.task import dimensions, expand
 from solver.record.channels import Record
 from solver.scene import PER_AXIS

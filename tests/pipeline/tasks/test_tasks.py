@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.bridge.geometry import geometry_of
-from pipeline.study import schema, seas
-from pipeline.study.schema import Solver, StudyFile
-from pipeline.study.tables import Unit
+from pipeline.study import seas, settings
+from pipeline.study.schema import StudyFile
+from pipeline.study.settings import Solver
+from pipeline.study.tables import Unit, tables
 from pipeline.tasks.task import Parameters, Task, canonical, dimensions, expand, wave_seed
 from solver import scene as physics
 from solver.quantities import quantities
@@ -198,7 +199,7 @@ def test_canonical_text_is_lossless(data):
 def test_a_tables_fields_are_the_solvers(name):
     """An id leaves out what is at its default, and a number without range or unit would pass."""
     inputs = getattr(frame, name, None) or getattr(physics, name)
-    table = getattr(schema, name)
+    table = next(table for table in tables() if table.__name__ == name)
     theirs = {f.name: f.default for f in dataclasses.fields(inputs) if f.default is not dataclasses.MISSING}
     ours = {key: f.default for key, f in table.model_fields.items() if not f.is_required()}
     more = {"Member": {"elements": None}, "Float": {"pto_law": None, "hold": False}}.get(name, {})
@@ -209,8 +210,8 @@ def test_a_tables_fields_are_the_solvers(name):
 
 
 def test_knobs_of_the_solver_are_its_own():
-    ours = schema.Recording().model_dump(exclude={"series"}) | schema.Solver().model_dump()
-    assert schema.Recording().series == "none"  # becomes Settings.keep_series
+    ours = settings.Recording().model_dump(exclude={"series"}) | Solver().model_dump()
+    assert settings.Recording().series == "none"  # becomes Settings.keep_series
     theirs = dataclasses.asdict(physics.Settings())
     assert ours == {name: value for name, value in theirs.items() if name != "keep_series"}
 
@@ -218,8 +219,6 @@ def test_knobs_of_the_solver_are_its_own():
 @pytest.mark.parametrize("value", ["a", -1, float("nan"), [1]])
 def test_knobs_are_strict(buan_tables, value):
     from pydantic import ValidationError
-
-    from pipeline.study.schema import Solver
 
     for knob in Solver.model_fields:
         buan_tables["solver"] = {knob: value}
