@@ -199,7 +199,7 @@ def test_canonical_text_is_lossless(data):
 def test_a_tables_fields_are_the_solvers(name):
     """An id leaves out what is at its default, and a number without range or unit would pass."""
     inputs = getattr(frame, name, None) or getattr(physics, name)
-    table = next(table for table in tables() if table.__name__ == name)
+    table = {table.__name__: table for table in tables()}[name]
     theirs = {f.name: f.default for f in dataclasses.fields(inputs) if f.default is not dataclasses.MISSING}
     ours = {key: f.default for key, f in table.model_fields.items() if not f.is_required()}
     more = {"Member": {"elements": None}, "Float": {"pto_law": None, "hold": False}}.get(name, {})
