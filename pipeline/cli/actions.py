@@ -11,7 +11,7 @@ from pipeline.cli.console import DONE, FAILED, Tally, compare, finish, looked, s
 from pipeline.results.netcdf import Variable
 from pipeline.results.status import read_json
 from pipeline.results.store import UNFINISHED, Store, sha256, write_json
-from pipeline.running.schedule import Place
+from pipeline.running.place import Place
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Task
 from pipeline.tasks.tasklist import Tasks

@@ -125,7 +125,7 @@ def run(
 ) -> None:
     """Run what is missing, collect, print the table, and write the report of up to 1,000 tasks."""
     from pipeline.running.campaign import broken, unfinished
-    from pipeline.running.schedule import Place, require_place
+    from pipeline.running.place import Place, require_place
 
     place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
     require_place(place)
@@ -216,7 +216,7 @@ def rerun(
     tls: Tls = None,
 ) -> None:
     """Run tasks again, and compare with the old records bit for bit."""
-    from pipeline.running.schedule import Place, require_place
+    from pipeline.running.place import Place, require_place
 
     place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
     require_place(place)
@@ -309,7 +309,7 @@ def verify(
 
     from pipeline.bridge.cache import Cache
     from pipeline.running.campaign import broken
-    from pipeline.running.schedule import Place
+    from pipeline.running.place import Place
 
     study, tasks, store = _open(study_file, results)
     by_state = tasks.split(lambda task: store.look(task, checksums=True).state)

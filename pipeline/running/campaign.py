@@ -18,7 +18,8 @@ from pipeline.results.packs import Row
 from pipeline.results.store import UNFINISHED, Store
 from pipeline.running import schedule
 from pipeline.running.batches import AHEAD, Batch, Batches
-from pipeline.running.schedule import Lost, Place
+from pipeline.running.place import Place
+from pipeline.running.schedule import Lost
 from pipeline.tasks.task import Task, axes
 from pipeline.tasks.tasklist import Tasks
 

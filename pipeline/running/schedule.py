@@ -1,7 +1,7 @@
 """Where work runs: in this process, on workers started here, or on somebody's dask cluster.
 
-The only import of dask. Both pools take work, hand back what is finished, and take more
-meanwhile. A worker that dies costs the work in its hands, which dask gives to another.
+Both pools take work, hand back what is finished, and take more meanwhile. A worker that dies costs the work in its
+hands, which dask gives to another.
 """
 
 from __future__ import annotations
@@ -12,8 +12,6 @@ import faulthandler
 import logging
 import math
 import os
-import re
-import signal
 import threading
 import time
 from collections import deque
@@ -21,12 +19,12 @@ from collections.abc import Callable, Hashable, Iterator
 from concurrent.futures import Future
 from dataclasses import dataclass
 from enum import Enum, auto
-from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any, Protocol
 
 from pipeline import environment
-from solver.errors import InputError
+from pipeline.running.cluster import own_cluster, start_fork_server
+from pipeline.running.place import Place, security_of
 
 SETTINGS = {
     # Coefficients ride with the tasks, so that none depends on what another worker may lose; that is meant.
@@ -43,14 +41,6 @@ SETTINGS = {
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
 }
-# A block of a record takes a few arrays of half a megabyte. glibc would hand each back to the system and ask for it
-# anew, page by page, once dask has set a threshold of 64 kB: a quarter of a worker's time, and more beside another.
-MALLOC = {"MALLOC_MMAP_THRESHOLD_": "33554432", "MALLOC_TRIM_THRESHOLD_": "67108864"}
-# What cleans up after a killed run need not tell.
-QUIET = {"PYTHONWARNINGS": "ignore:resource_tracker:UserWarning"}
-IMPORTED = "pipeline.running.imported"  # what workers need before their first step
-LEAST_MEMORY = 100e6  # less than what a worker imports [bytes]
-ADDRESS = r"(tcp|tls|ws|wss)://(\[[0-9A-Fa-f:.]+\]|[^\s:/\[\]]+):[0-9]{1,5}"
 SMALL = 2  # so few pieces of work are done sooner than a cluster starts
 START = "study-start"  # the topic on which workers tell that they begin a piece of work
 GRACE = 2.0  # so long after its timeout a worker that was not told to stop ends itself [s]
@@ -58,53 +48,7 @@ TRANSFERS = 4  # results that come at once: one whose worker is silent stops no 
 LOOK = 0.5  # so often the worker of a result that has not come is looked for [s]
 TRIES = 3  # so often may a result be lost on its way, before it counts as too large for workers or this process
 HEARTBEAT = 5.0  # how often the cluster is looked at while nothing comes back [s]
-
 Work = Callable[..., list[Any]]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Place:
-    """Where tasks run, and within which bounds."""
-
-    workers: int = 2
-    scheduler: str | None = None  # address of a dask scheduler
-    timeout: float | None = None  # of one task [s]
-    memory: str = "auto"  # of one embedded worker; auto: an equal share of the machine's
-    tls: tuple[Path, Path, Path] | None = None  # authority, certificate and key, for a tls:// scheduler
-
-
-def require_place(place: Place) -> None:
-    """Refuse, with InputError, a place that cannot be: bounds, address, certificates."""
-    if place.memory != "auto":
-        from dask.utils import parse_bytes
-
-        try:
-            size = parse_bytes(place.memory)
-        except (ValueError, OverflowError):
-            size = 0
-        if size < LEAST_MEMORY:
-            limit = f"must be a size such as 2GB, at least {LEAST_MEMORY / 1e6:g}MB, or auto"
-            raise InputError("--memory", place.memory, limit)
-    for path in place.tls or ():
-        if not path.is_file():
-            raise InputError("--tls", str(path), "must be three PEM files: authority, certificate, key")
-    if place.scheduler is None:
-        if place.tls:
-            raise InputError("--tls", " ".join(map(str, place.tls)), "goes with --scheduler tls://HOST:PORT")
-        return
-    if not re.fullmatch(ADDRESS, place.scheduler):
-        raise InputError("--scheduler", place.scheduler, "must be an address such as tls://10.0.0.1:8786")
-    if place.scheduler.startswith("tls:") and not _context(place.tls):
-        raise InputError("--scheduler", place.scheduler, "needs --tls CA CERT KEY, or dask's own tls settings")
-
-
-def _context(tls: tuple[Path, Path, Path] | None) -> Any:
-    """OpenSSL's context of the certificates, None without any; raises InputError."""
-    try:
-        return _security(tls).get_connection_args("client")["ssl_context"]
-    except OSError as error:
-        files = " ".join(map(str, tls)) if tls else "dask's own settings"
-        raise InputError("--tls", files, f"must be PEM files that belong together: {error}") from None
 
 
 class Lost(Exception):
@@ -362,23 +306,7 @@ def _announce() -> None:
 def warm_up(work: int, place: Place) -> None:
     """Start the process that workers are forked from, so that it imports while this one still checks the study."""
     if place.scheduler is None and not _small(work, place):
-        _start_fork_server()
-
-
-def _start_fork_server() -> None:
-    """If it is not running. It blocks Ctrl-C, and so do the workers: that is for this process, which closes them."""
-    from multiprocessing import forkserver, resource_tracker, set_forkserver_preload
-
-    environment.prepare()
-    for name, value in {**MALLOC, **QUIET}.items():
-        os.environ.setdefault(name, value)
-    set_forkserver_preload([IMPORTED])
-    resource_tracker.ensure_running()  # or else the fork server starts it, and it ends by unblocking
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        forkserver.ensure_running()
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        start_fork_server()
 
 
 def _small(work: int, place: Place) -> bool:
@@ -403,8 +331,8 @@ def pool(work: int, place: Place, say: Callable[[str], None]) -> Iterator[Pool]:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     with contextlib.ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
-        own = None if place.scheduler else stack.enter_context(_cluster(min(place.workers, work), place.memory))
-        security = own.security if own else _security(place.tls)
+        own = None if place.scheduler else stack.enter_context(own_cluster(min(place.workers, work), place.memory))
+        security = own.security if own else security_of(place.tls)
         client = stack.enter_context(Client(own or place.scheduler, timeout="10s", security=security))
         cluster = Dask(client, place, say)
         try:
@@ -417,43 +345,3 @@ def pool(work: int, place: Place, say: Callable[[str], None]) -> Iterator[Pool]:
 
 def _lost(client: Any) -> ConnectionError:
     return ConnectionError(f"lost the scheduler at {client.scheduler.address}")
-
-
-@contextlib.contextmanager
-def _cluster(workers: int, memory: str) -> Iterator[Any]:
-    """Workers started here: processes of one thread, on loopback alone, no dashboard.
-
-    Whoever may connect runs code as the owner, and every user of the machine reaches loopback: all ports ask for a
-    certificate made now and kept in memory. Workers import and unpickle from their scratch folder: it is private, too.
-    """
-    import dask
-    from distributed import LocalCluster, Security
-
-    _start_fork_server()
-    with dask.config.set({"temporary-directory": str(environment.scratch())}):
-        try:
-            cluster = LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                processes=True,
-                host="127.0.0.1",
-                security=Security.temporary(),
-                dashboard_address="127.0.0.1:0",  # dask insists on some port, where it then shows nothing
-                scheduler_kwargs={"dashboard": False},
-                memory_limit=memory,
-                silence_logs="CRITICAL",
-            )
-        except RuntimeError:
-            raise ChildProcessError("workers do not start: they are killed, or this machine refuses them") from None
-        with cluster:
-            yield cluster
-
-
-def _security(tls: tuple[Path, Path, Path] | None) -> Any:
-    """From PEM files; without them, as dask is configured."""
-    from distributed import Security
-
-    if tls is None:
-        return Security()
-    authority, certificate, key = map(str, tls)
-    return Security(tls_ca_file=authority, tls_client_cert=certificate, tls_client_key=key, require_encryption=True)

@@ -17,7 +17,7 @@ from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.results.store import Store
 from pipeline.results.variables import COORDINATES, KNOBS, OF_OUTPUTS, SERIES, VARIABLES
 from pipeline.running.campaign import Campaign
-from pipeline.running.schedule import Place
+from pipeline.running.place import Place
 from pipeline.study.settings import Recording
 from pipeline.tasks.task import wave_seed
 from tests.once import made

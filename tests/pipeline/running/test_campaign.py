@@ -23,7 +23,7 @@ from pipeline.report.report import COLUMNS
 from pipeline.results import dataset
 from pipeline.results.store import Store, remove
 from pipeline.running.campaign import Campaign, unfinished
-from pipeline.running.schedule import Place
+from pipeline.running.place import Place
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import expand
 from solver.errors import InputError

@@ -16,7 +16,7 @@ import psutil
 import pytest
 
 from pipeline.interrupt import KEPT
-from pipeline.running.schedule import IMPORTED
+from pipeline.running.cluster import IMPORTED
 
 SHORT = "[record]\nduration = 20.0\ndiscard = 5.0\nramp = 5.0\n"
 

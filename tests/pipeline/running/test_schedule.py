@@ -10,7 +10,8 @@ import pytest
 from pipeline import environment
 from pipeline.bridge.engine import Outcome
 from pipeline.running import schedule
-from pipeline.running.schedule import Dask, Lost, Place
+from pipeline.running.place import Place
+from pipeline.running.schedule import Dask, Lost
 
 SILENT = 4.0  # [s]
 
