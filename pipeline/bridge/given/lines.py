@@ -27,7 +27,8 @@ class Lines(NamedTuple):
 def lines(text: str, kind: str, *, width: int, keys: int, least: int = 0) -> Lines:
     """Those of numbers, `least` to `width` of them; a heading is passed over.
 
-    ValueError where other text follows, or two tell otherwise of the same, which their first `keys` numbers say.
+    ValueError where other text follows, a number that must be there is not finite, or two rows tell otherwise of the
+    same, which their first `keys` numbers say.
     """
     numbers: list[int] = []
     rows: list[list[float]] = []
@@ -41,6 +42,8 @@ def lines(text: str, kind: str, *, width: int, keys: int, least: int = 0) -> Lin
             continue
         if words and len(values) < (least or width):
             raise ValueError(f"{kind} line {number} has {len(values)} numbers, {width} are needed")
+        if not np.isfinite(values[: least or width]).all():
+            raise ValueError(f"{kind} line {number} has a number that is not finite: {line.strip()[:40]}")
         if words:
             numbers.append(number)
             rows.append(values + [np.nan] * (width - len(values)))

@@ -9,6 +9,8 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pipeline.bridge.given import bemio, capytaine, nemoh, wamit
 from pipeline.study.attachments import WAMIT, Attachment
 from solver.errors import InputError
@@ -28,6 +30,7 @@ def read(file: Attachment, density: float, gravity: float) -> Given:
     if kind not in READERS:
         raise InputError("coefficients", file.name, f"must end in one of {', '.join(READERS)}")
     try:
-        return READERS[kind](file, density, gravity)
+        with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused afterwards, in words
+            return READERS[kind](file, density, gravity)
     except (ValueError, KeyError, IndexError, OSError, RuntimeError, TypeError, struct.error) as error:
         raise InputError("coefficients", file.name, f"is not readable as {kind}: {error}") from None

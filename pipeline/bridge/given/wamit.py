@@ -51,10 +51,10 @@ def read(file: Attachment, density: float, gravity: float) -> Given:
 def _radiation(text: str) -> np.ndarray:
     """Rows of .1, which have no damping in the limits alone."""
     read = lines(text, ".1", width=5, keys=3, least=4)
-    lacks = np.flatnonzero(np.isnan(read.table[:, 4]) & (read.table[:, 0] > 0))
+    lacks = np.flatnonzero(~np.isfinite(read.table[:, 4]) & (read.table[:, 0] > 0))
     if len(lacks):
         more = f", nor have {len(lacks) - 1} others" if len(lacks) > 1 else ""
-        read.refuse(lacks[0], f"has no damping, the fifth number at finite periods{more}")
+        read.refuse(lacks[0], f"has no damping that is finite, the fifth number at finite periods{more}")
     whole: np.ndarray = np.nan_to_num(read.table)
     return whole
 
@@ -225,6 +225,8 @@ def _out_forces(part: str, period: float) -> list[list[float]]:
                 if len(words) == 3 and words[0].lstrip("-").isdigit():
                     size, phase = float(words[1]), float(words[2])
                     i = abs(int(words[0]))
+                    if not np.isfinite([size, phase]).all():
+                        raise ValueError(f"period {period:g} s, force of motion {i} is not finite: {line.strip()}")
                     at = size * np.exp(1j * np.radians(phase))
                     rows.append([period, beta, i, size, phase, at.real, at.imag])
                 elif rows and line.strip().isupper():

@@ -479,7 +479,7 @@ def test_misfits_are_said_before_anything_runs(ours, study, tmp_path):
     ("row", "message"),
     [
         (lambda row: [], "lacks pitch of front"),
-        (lambda row: [*row[:5], "nan", "nan"], "has numbers that are not finite"),
+        (lambda row: [*row[:5], "nan", "nan"], ".3 line 5 has a number that is not finite"),
     ],
 )
 def test_a_force_that_a_file_lacks_is_not_taken_for_none(ours, study, tmp_path, row, message):
@@ -493,10 +493,13 @@ def test_a_force_that_a_file_lacks_is_not_taken_for_none(ours, study, tmp_path, 
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        (lambda rows: [row[:4] for row in rows], ".1 line 145 has no damping, the fifth number at finite periods, nor"),
+        (
+            lambda rows: [row[:4] for row in rows],
+            ".1 line 145 has no damping that is finite, the fifth number at finite periods, nor",
+        ),
         (
             lambda rows: [*rows[:147], rows[147][:4], *rows[148:]],
-            ".1 line 148 has no damping, the fifth number at finite",
+            ".1 line 148 has no damping that is finite, the fifth",
         ),
         (lambda rows: [*rows[:147], rows[147][:3], *rows[148:]], ".1 line 148 has 3 numbers, 5 are needed"),
         (lambda rows: [*rows, [*rows[144][:3], "0.3", "0.1"]], ".1 line 3601 tells of the same as line 145 with other"),
@@ -509,6 +512,68 @@ def test_damping_that_a_file_lacks_or_tells_twice_is_not_taken_for_any(ours, stu
     right = [line.split() for line in (tmp_path / "pair.1").read_text().splitlines()]
     (tmp_path / "pair.1").write_text("\n".join(map(" ".join, rows(right))))
     assert message in judged(study("pair.1"))
+
+
+@pytest.mark.parametrize("number", ["nan", "inf", "-Infinity"])
+@pytest.mark.parametrize(
+    ("kind", "row", "column", "message"),
+    [
+        (".1", 146, 3, ".1 line 147 has a number that is not finite"),
+        (".1", 146, 4, ".1 line 147 has no damping that is finite, the fifth number at finite periods"),
+        (".1", 146, 0, ".1 line 147 has a number that is not finite"),
+        (".1", 14, 3, ".1 line 15 has a number that is not finite"),
+        (".3", 2, 3, ".3 line 3 has a number that is not finite"),
+        (".3fk", 2, 6, ".3fk line 3 has a number that is not finite"),
+        (".hst", 26, 2, ".hst line 27 has a number that is not finite"),
+    ],
+)
+def test_numbers_that_are_not_finite_are_refused_by_their_line(
+    ours, study, tmp_path, number, kind, row, column, message
+):
+    wamit_files(tmp_path, ours)
+    (tmp_path / "pair.3fk").write_text((tmp_path / "pair.3").read_text())
+    path = tmp_path / f"pair{kind}"
+    rows = [line.split() for line in path.read_text().splitlines()]
+    rows[row][column] = number
+    path.write_text("\n".join(map(" ".join, rows)))
+    assert message in judged(study("pair.1"))
+
+
+def test_limits_alone_may_have_a_damping_that_is_no_number(ours, tmp_path):
+    wamit_files(tmp_path, ours)
+    path = tmp_path / "pair.1"
+    rows = [line.split() for line in path.read_text().splitlines()]
+    path.write_text("\n".join(" ".join(row if len(row) > 4 else [*row, "NaN"]) for row in rows))
+    close(reading.read(run_of(path), RHO, G), ours, rel=1e-6)
+
+
+@pytest.mark.parametrize("number", ["nan", "inf"])
+@pytest.mark.parametrize(
+    ("start", "column", "message"),
+    [
+        ("3  3", 2, r"period \S+ s, line 28 has a number that is not finite"),
+        ("3  3", 3, r"period \S+ s, line 28 has a number that is not finite"),
+        ("3", 1, r"period \S+ s, force of motion 3 is not finite"),
+    ],
+)
+def test_numbers_of_an_out_that_are_not_finite_are_refused(ours, tmp_path, number, start, column, message):
+    path = tmp_path / "pair.out"
+    wamit_out(path, ours)
+    rows = [line.split() for line in path.read_text().splitlines()]
+    at = [i for i, row in enumerate(rows) if row[:-2] == start.split() and len(row) == len(start.split()) + 2][-1]
+    rows[at][column] = number
+    path.write_text("\n".join(map(" ".join, rows)))
+    with pytest.raises(InputError, match=message):
+        reading.read(attached(path), RHO, G)
+
+
+def test_numbers_too_large_for_their_unit_are_refused_without_a_word_of_numpy(ours, study, tmp_path):
+    wamit_files(tmp_path, ours)
+    path = tmp_path / "pair.1"
+    rows = [line.split() for line in path.read_text().splitlines()]
+    rows[146][3] = "1e308"
+    path.write_text("\n".join(map(" ".join, rows)))
+    assert "has numbers that are not finite" in judged(study("pair.1"))
 
 
 @pytest.mark.parametrize(
