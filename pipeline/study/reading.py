@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 import stat
 import tomllib
@@ -47,6 +48,7 @@ COEFFICIENTS = "hydrodynamics"  # the folder beside those of the studies, which 
 LARGEST = 10e6  # bytes of a study file
 DEEPEST = 20  # levels of tables in tables
 MOST_BASES = 20  # that stand on each other
+NEIGHBOURS = 3  # of a file that is none, that are named
 
 
 class StudyError(Exception):
@@ -147,10 +149,12 @@ def _depth(tables: Any) -> int:
 
 
 def missing_file(path: Path) -> str:
-    """No such file, and which ones there are."""
+    """No such file, and those that there are with the nearest names."""
     folder = path.parent
-    others = sorted(p.name for p in folder.glob("*.toml")) if folder.is_dir() else []
-    return "no such file" + (f"; {folder} has {', '.join(others)}" if others else "")
+    there = sorted(p.name for p in folder.glob("*.toml")) if folder.is_dir() else []
+    near = difflib.get_close_matches(path.name, there, n=NEIGHBOURS, cutoff=0.0)
+    more = f" and {len(there) - len(near)} others" if len(there) > len(near) else ""
+    return "no such file" + (f"; {folder} has {', '.join(near)}{more}" if near else "")
 
 
 def describe(error: ErrorDetails) -> str:

@@ -263,6 +263,10 @@ def test_each_place_of_the_hinges_is_judged(tmp_path):
 def test_missing_file_names_its_neighbours(small):
     with pytest.raises(StudyError, match=re.escape(f"no such file; {small.parent} has small.toml")):
         load(small.with_name("smal.toml"))
+    for name in ("small-2", "big", "dim", "deep", "other"):
+        small.with_name(f"{name}.toml").touch()
+    with pytest.raises(StudyError, match=r"has deep\.toml, \w+\.toml, \S+\.toml and 3 others$"):
+        load(small.with_name("dep.toml"))
 
 
 def test_a_folder_is_no_study(tmp_path):
