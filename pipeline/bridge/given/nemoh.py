@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 RADIATION, EXCITATION, INCIDENT, CASE = NEMOH
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 TRANSLATION, ROTATION = 1, 2
+_Rows = list[tuple[int, list[str]]]  # of Nemoh.cal: number of the line, words before an exclamation mark
 
 
 class _Case(NamedTuple):
@@ -43,7 +44,7 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
     if missing := {RADIATION, EXCITATION} - texts.keys():
         raise ValueError(f"needs {' and '.join(sorted(missing))} beside it")
     case = _case(texts[CASE]) if CASE in texts else None
-    radiation = [rows for _, rows in _zones(texts[RADIATION])]
+    radiation = [rows for _, rows in _zones(texts[RADIATION], RADIATION)]
     n = len(radiation)
     omega = radiation[0][:, 0]
     columns = case.columns if case else tuple((k // 6, DOFS[k % 6]) for k in range(n))
@@ -75,16 +76,21 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
     )
 
 
-def _zones(text: str) -> Iterator[tuple[str, np.ndarray]]:
+def _zones(text: str, name: str) -> Iterator[tuple[str, np.ndarray]]:
     """Titles of the blocks and their numbers (nw, 1 + 2n); long rows may be broken over lines."""
-    head, *blocks = (part for part in re.split(r"^(?=[A-Za-z])", text, flags=re.M) if part.strip())
+    head, *blocks = [part for part in re.split(r"^(?=[A-Za-z])", text, flags=re.M) if part.strip()] or [""]
+    if not blocks:
+        raise ValueError(f"{name} has no blocks of numbers")
     named = head.count('"') // 2  # the frequency and two numbers of each motion; capytaine writes dots
     if named and "rad/s" not in head:
         raise ValueError(f"must be over w (rad/s), is over {head.splitlines()[0].partition('=')[2].strip()}")
     for block in blocks:
-        title, body = block.split("\n", 1)
-        width = named or len(body.splitlines()[0].split())
-        yield title, np.array(body.split(), float).reshape(-1, width)
+        title, _, body = block.partition("\n")
+        width = named or len(body.partition("\n")[0].split())
+        try:
+            yield title, np.array(body.split(), float).reshape(-1, width)
+        except ValueError:
+            raise ValueError(f"{name}: below {title!r} are no whole rows of {width} numbers") from None
 
 
 def _pairs(rows: np.ndarray, omega: np.ndarray, n: int, name: str) -> np.ndarray:
@@ -97,7 +103,7 @@ def _pairs(rows: np.ndarray, omega: np.ndarray, n: int, name: str) -> np.ndarray
 def _forces(text: str, omega: np.ndarray, n: int, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Directions (nh,) [rad] and forces (nw, nh, n)."""
     headings, forces = [], []
-    for title, rows in _zones(text):
+    for title, rows in _zones(text, name):
         told = re.search(r"(beta|angle)\s*=\s*([-+.\dEe]+)", title)
         if told is None:
             raise ValueError(f"{name}: no direction in {title!r}")
@@ -108,19 +114,20 @@ def _forces(text: str, omega: np.ndarray, n: int, name: str) -> tuple[np.ndarray
 
 
 def _case(text: str) -> _Case:
-    lines = [line.partition("!")[0].split() for line in text.splitlines() if not line.startswith("---")]
-    density, gravity, depth = (float(lines.pop(0)[0]) for _ in range(3))
-    if any(float(word) for word in lines.pop(0)[:2]):
+    numbered = enumerate(text.splitlines(), 1)
+    rows = [(at, line.partition("!")[0].split()) for at, line in numbered if not line.startswith("---")]
+    density, gravity, depth = (_numbers(rows, 1)[0] for _ in range(3))
+    if any(_numbers(rows, 2)):
         raise ValueError(f"{CASE}: waves must be measured at the origin, XEFF YEFF = 0 0")
     columns: list[tuple[int, str]] = []
     points: list[tuple[float, ...] | None] = []
-    for body in range(int(lines.pop(0)[0])):
-        del lines[:2]  # mesh file, its size
-        motions = [_motion(lines.pop(0)) for _ in range(int(lines.pop(0)[0]))]
-        forces = [_motion(lines.pop(0)) for _ in range(int(lines.pop(0)[0]))]
+    for body in range(_count(rows)):
+        del rows[:2]  # mesh file, its size
+        motions = [_motion(_numbers(rows, 7)) for _ in range(_count(rows))]
+        forces = [_motion(_numbers(rows, 7)) for _ in range(_count(rows))]
         if motions != forces:
             raise ValueError(f"{CASE}: body {body + 1} must have a force for each of its motions, about the same point")
-        del lines[: int(lines.pop(0)[0])]
+        del rows[: _count(rows)]
         columns += [(body, name) for name, _ in motions]
         about = {point for _, point in motions if point is not None}
         if len(about) > 1:
@@ -130,13 +137,33 @@ def _case(text: str) -> _Case:
     return _Case(tuple(columns), known, density, gravity, depth if depth > 0 else math.inf)
 
 
-def _motion(words: list[str]) -> tuple[str, tuple[float, ...] | None]:
+def _numbers(rows: _Rows, count: int) -> list[float]:
+    """The first ones of the next row, which is taken; refused where they are none, or the file ends before."""
+    if not rows:
+        raise ValueError(f"{CASE} ends before all bodies, motions and forces that it announces are told")
+    line, words = rows.pop(0)
+    try:
+        numbers = [float(word) for word in words[:count]]
+    except ValueError:
+        numbers = []
+    if len(numbers) < count or not all(map(math.isfinite, numbers)):
+        raise ValueError(
+            f"{CASE} line {line} must begin with {count} number{'s' * (count > 1)}, is {' '.join(words)!r}"
+        )
+    return numbers
+
+
+def _count(rows: _Rows) -> int:
+    return int(_numbers(rows, 1)[0])
+
+
+def _motion(numbers: list[float]) -> tuple[str, tuple[float, ...] | None]:
     """Name of a motion, and the point of a rotation."""
     from solver.scene import DOFS
 
-    kind, *numbers = map(float, words)
-    axis, point = tuple(numbers[:3]), tuple(numbers[3:6])
+    kind, axis, point = numbers[0], tuple(numbers[1:4]), tuple(numbers[4:])
     if kind not in (TRANSLATION, ROTATION) or axis not in AXES:
-        raise ValueError(f"{CASE}: motions must be along or about x, y or z, not {' '.join(words)}")
+        told = " ".join(f"{number:g}" for number in numbers)
+        raise ValueError(f"{CASE}: motions must be along or about x, y or z, not {told}")
     name = DOFS[AXES.index(axis) + (3 if kind == ROTATION else 0)]
     return name, point if kind == ROTATION else None

@@ -32,5 +32,8 @@ def read(file: Attachment, density: float, gravity: float) -> Given:
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused afterwards, in words
             return READERS[kind](file, density, gravity)
-    except (ValueError, KeyError, IndexError, OSError, RuntimeError, TypeError, struct.error) as error:
+    except OSError:  # from netCDF's library alone, in its own words
+        text = f"is not readable as {kind}: is neither netCDF nor HDF5, or not the whole of it"
+        raise InputError("coefficients", file.name, text) from None
+    except (ValueError, KeyError, IndexError, RuntimeError, TypeError, struct.error) as error:
         raise InputError("coefficients", file.name, f"is not readable as {kind}: {error}") from None

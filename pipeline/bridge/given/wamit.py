@@ -45,6 +45,9 @@ def read(file: Attachment, density: float, gravity: float) -> Given:
         stiffness=lines(texts.get(".hst", ""), ".hst", width=3, keys=2).table,
         incident=_forces(texts.get(".3fk", ""), ".3fk"),
     )
+    for kind, rows in {".1": table.radiation, force: table.force}.items():
+        if not len(rows):
+            raise ValueError(f"{kind} has no rows of numbers")
     return _given(file.name, table, density=density, gravity=gravity)
 
 
@@ -105,12 +108,12 @@ def _given(
         stiffness *= density * gravity * length ** (2.0 + turns[:, None] + turns)
     forced = _force(table.force, periods, headings, turns, length)
     forces = (_motions(rows[:, 2]) for rows in (table.force, table.incident) if len(rows))
-    present = sorted(_motions(table.radiation[real, 1]).intersection(*forces))
+    present = np.array(sorted(_motions(table.radiation[real, 1]).intersection(*forces)), int)
     return Given(
         name=name,
         omega=omega,
-        added_mass=(added[0] * unit)[:, np.array(present)[:, None], present],
-        radiation_damping=damping[:, np.array(present)[:, None], present],
+        added_mass=(added[0] * unit)[:, present[:, None], present],
+        radiation_damping=damping[:, present[:, None], present],
         added_mass_inf=None if infinite is None else infinite[np.ix_(present, present)],
         headings=np.radians(headings),
         excitation=density * gravity * forced[..., present],

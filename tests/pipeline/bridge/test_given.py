@@ -379,12 +379,35 @@ def test_what_capytaine_exports_in_nemohs_form_is_read(ours, tmp_path):
         ("Nemoh.cal", "2 ! Number", "1 ! Number", "has 12 motions, Nemoh.cal has 6"),
         ("Results/ExcitationForce.tec", "w (rad/s)", "T (s)", r"must be over w \(rad/s\)"),
         ("Results/FKForce.tec", "beta = 0.000", "beta = 9.000", "has other directions"),
+        ("Nemoh.cal", "9.81 !", "!", r"Nemoh\.cal line 3 must begin with 1 number, is ''"),
+        ("Nemoh.cal", "1 1. 0. 0.", "1 x 0. 0.", r"Nemoh\.cal line 12 must begin with 7 numbers, is '1 x 0\. "),
+        ("Nemoh.cal", "30.0 ! DEPTH", "nan ! DEPTH", r"Nemoh\.cal line 4 must begin with 1 number, is 'nan'"),
+        ("Results/FKForce.tec", "beta = 0.000", "\n1.0", r"FKForce\.tec: below .* are no whole rows of 25 numbers"),
     ],
 )
 def test_nemohs_files_that_say_something_else_are_refused(ours, tmp_path, file, old, new, message):
     nemoh_files(tmp_path, ours)
     path = tmp_path / file
     path.write_text(path.read_text().replace(old, new, 1 if file != "Nemoh.cal" or "Number" in old else -1))
+    with pytest.raises(InputError, match=message):
+        reading.read(run_of(tmp_path / "Results" / "RadiationCoefficients.tec"), RHO, G)
+
+
+@pytest.mark.parametrize(
+    ("file", "lines", "message"),
+    [
+        ("Nemoh.cal", 12, r"Nemoh\.cal ends before all bodies, motions and forces"),
+        ("Nemoh.cal", 0, r"Nemoh\.cal ends before"),
+        ("Results/RadiationCoefficients.tec", 0, r"RadiationCoefficients\.tec has no blocks of numbers"),
+        ("Results/ExcitationForce.tec", 13, r"ExcitationForce\.tec has no blocks of numbers"),
+        ("Results/FKForce.tec", 14, r"FKForce\.tec must have the frequencies and 12 motions of Radiation"),
+        ("Results/FKForce.tec", 15, r"FKForce\.tec: below 'Zone .* are no whole rows of 25 numbers"),
+    ],
+)
+def test_nemohs_files_that_are_cut_off_are_named(ours, tmp_path, file, lines, message):
+    nemoh_files(tmp_path, ours, wrapped=True)
+    path = tmp_path / file
+    path.write_text("\n".join(path.read_text().splitlines()[:lines]))
     with pytest.raises(InputError, match=message):
         reading.read(run_of(tmp_path / "Results" / "RadiationCoefficients.tec"), RHO, G)
 
@@ -642,15 +665,21 @@ def test_rows_that_added_mass_lacks_are_not_taken_for_none(ours, study, tmp_path
 
 @pytest.mark.parametrize(
     ("name", "content", "message"),
-    [("a.nc", b"no netCDF", "is not readable as .nc"), ("a.txt", b"1 2 3", "must end in one of .nc, .h5, "),
+    [("a.nc", b"no netCDF", "is not readable as .nc: is neither netCDF nor HDF5, or not the whole of it"),
+     ("a.1", b"PER I J A B\n", "is not readable as .1: .1 has no rows of numbers"),
+     ("a.1", b"0.0 1 1 2.0", "has 0 different frequencies, needs 8 at least"),
+     ("a.3", b"", "is not readable as .3: .3 has no rows of numbers"),
+     ("a.txt", b"1 2 3", "must end in one of .nc, .h5, "),
      ("a.out", b"Gravity: 9.81", "has no line with"),
      ("a.1", b"1.0 1 1 2.0 3.0\n1.0 2 x", "line 2 is no row of numbers"),
-     ("a.h5", b"\x89HDF", "is not readable as .h5")],
+     ("a.h5", b"\x89HDF", "is not readable as .h5: is neither netCDF nor HDF5, or not the whole of it")],
 )  # fmt: skip
 def test_what_is_no_coefficient_file_is_refused(study, tmp_path, name, content, message):
     (tmp_path / name).write_bytes(content)
-    if name == "a.1":
-        (tmp_path / "a.3").write_text("1.0 0 1 1 0 1 0")
+    others = {"a.1": ("a.3", "1.0 0 1 1 0 1 0"), "a.3": ("a.1", "1.0 1 1 2.0 3.0")}
+    if name in others:
+        other, rows = others[name]
+        (tmp_path / other).write_text(rows)
     assert message in judged(study(name))
 
 
