@@ -69,9 +69,9 @@ def adopted(
     damping = require_damping(six, moved, names)
     require_energy(six, floats, moved)
     added, unsure = infinite(six, _scales(six, lengths)["added_mass"], moved, names)
-    six = replace(six, added_mass_inf=added)
+    A, B = symmetric(six.added_mass), symmetric(six.radiation_damping)
     index = np.array([6 * b + DOFS.index(d) for b in range(len(hulls)) for d in dofs])
-    curves = _curves(six, expected, index)
+    curves = _curves(replace(six, added_mass=A, radiation_damping=B, added_mass_inf=added), expected, index)
     h = Hydrodynamics(
         omega=omega,
         **curves,
@@ -79,12 +79,14 @@ def adopted(
         settings=MappingProxyType({"method": f"from {given.name}", "note": note}),
         **at_rest(hulls, centres, dofs, sea),
     )
+    # With A and B as lopsided as they are told: half of what is between their halves.
     other = replace(six, points=centres - doubt, added_mass_inf=added + unsure, radiation_damping=damping)
     perhaps = _curves(_about(other, centres), expected, index)
-    error = {name: off + perhaps[name] - curves[name] for name, off in _between(h)._asdict().items()}
+    there = np.isin(index, moved)
+    judged = {name: np.outer(there, there) for name in curves} | {"diffraction": there}
+    error = {n: off + judged[n] * (perhaps[n] - curves[n]) for n, off in _between(h)._asdict().items()}
     if six.froude_krylov is not None:  # what the file's mesh does to that force it does as much to the other
-        there = np.isin(np.arange(len(expected[0])), moved)
-        error["diffraction"] += (there * (six.froude_krylov[:, 0] - expected))[:, index]
+        error["diffraction"] += there * (six.froude_krylov[:, 0] - expected)[:, index]
     return replace(h, error=MeshError(**error))
 
 
@@ -94,8 +96,8 @@ def _curves(six: Given, expected: np.ndarray, index: np.ndarray) -> dict[str, An
     assert infinite is not None
     scattered = six.excitation[:, 0] - (expected if incident is None else incident[:, 0])
     return {
-        "added_mass": symmetric(six.added_mass)[:, index[:, None], index],
-        "radiation_damping": symmetric(six.radiation_damping)[:, index[:, None], index],
+        "added_mass": six.added_mass[:, index[:, None], index],
+        "radiation_damping": six.radiation_damping[:, index[:, None], index],
         "added_mass_inf": infinite[np.ix_(index, index)],
         "diffraction": scattered[:, index],
     }

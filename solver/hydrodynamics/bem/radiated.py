@@ -125,16 +125,16 @@ def infinite(six: Given, size: np.ndarray, needed: np.ndarray, names: Sequence[s
             text += f" {six.omega[-1]:.4g} rad/s may be {doubt[i, j]:.0%} off for {word(names, i)} on {word(names, j)}"
             raise InputError(KEY, six.name, text)
         return follows.value, np.diag(np.diagonal(doubt) * size**2)
-    told = symmetric(told)
-    off = np.abs(told - follows.value) * both - doubt
+    even = symmetric(told)
+    off = np.abs(even - follows.value) * both - doubt
     i, j = _worst(off)
     if off[i, j] > CONTRARY:
-        text = f"added mass of {word(names, i)} on {word(names, j)} at infinite frequency is {told[i, j]:.4g},"
+        text = f"added mass of {word(names, i)} on {word(names, j)} at infinite frequency is {even[i, j]:.4g},"
         text += f" the rest up to {six.omega[-1]:.4g} rad/s implies {follows.value[i, j]:.4g}"
         if np.any(six.radiation_damping[:, [i, j], [i, j]].argmax(axis=0) == len(six.omega) - 1):
             text += "; damping still grows there, higher frequencies may tell otherwise"
         raise InputError(KEY, six.name, text)
-    return told, np.zeros_like(told)
+    return even, told - even
 
 
 def _worst(values: np.ndarray) -> tuple[int, int]:

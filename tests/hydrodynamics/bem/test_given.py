@@ -402,6 +402,40 @@ def test_damping_of_another_shape_is_in_the_error():
         assert in_error[0] < 0.01 * largest and 0.05 * largest < in_error[1] < 0.5 * largest
 
 
+def test_half_of_what_is_between_lopsided_halves_is_in_the_error():
+    """Of added mass, also at infinite frequency, and damping, of motions that the float has; of even ones none."""
+    h = boxy()
+    names, apart = ("added_mass", "radiation_damping", "added_mass_inf"), np.zeros((6, 6))
+    apart[0, 4], apart[4, 0], apart[1, 2] = 0.1, -0.06, 0.03
+    size = {name: np.sqrt(np.abs(np.einsum("...ii->...i", getattr(h, name)))) for name in names}
+    off = {name: apart * x[..., :, None] * x[..., None, :] for name, x in size.items()}
+    swapped = {name: np.swapaxes(x, -1, -2) for name, x in off.items()}
+    sure = told(h, froude_krylov=h.froude_krylov[:, None])  # what moments are about
+    lopsided = replace(sure, **{name: getattr(h, name) + off[name] for name in names})
+    even = replace(sure, **{name: getattr(h, name) + (off[name] + swapped[name]) / 2 for name in names})
+    moving = [tuple(dof for dof in DOFS if dof != "sway")]
+    one, other = (adopted(each, *BOX.values(), **SEA, planar=False, needed=moving) for each in (lopsided, even))
+    same(one, other)
+    there = np.outer(*[np.arange(6) != 1] * 2)
+    for name in names:
+        half, kept = there * (off[name] - swapped[name]) / 2, getattr(other.error, name)
+        more = getattr(one.error, name) - kept
+        assert more == pytest.approx(half, rel=1e-6, abs=1e-9 * np.abs(half).max()), name
+        assert kept == pytest.approx(np.swapaxes(kept, -1, -2), rel=0, abs=1e-12 * np.abs(half).max()), name
+
+
+def test_what_moments_about_a_doubtful_point_may_be_off_is_of_motions_that_there_are():
+    """By long waves, of added mass that is a little off; a Froude-Krylov force tells that the point is right."""
+    h, moving = boxy(), [tuple(dof for dof in DOFS if dof != "roll")]
+    heavier = h.added_mass.copy()
+    heavier[:, [0, 4], [4, 0]] += 0.06 * np.sqrt(heavier[:, 0, 0] * heavier[:, 4, 4])[:, None]
+    unsure = told(h, added_mass=heavier)
+    sure = replace(unsure, froude_krylov=h.froude_krylov[:, None])
+    one, other = (adopted(each, *BOX.values(), **SEA, planar=False, needed=moving).error for each in (unsure, sure))
+    assert one.diffraction[:, 3] == pytest.approx(other.diffraction[:, 3], rel=1e-9)
+    assert np.abs(one.diffraction[:, 4] - other.diffraction[:, 4]).max() > 1.0
+
+
 def test_damping_that_is_none_is_refused():
     h = boxy()
     refused(
