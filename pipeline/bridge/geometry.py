@@ -110,12 +110,13 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         "heading": parameters.waves.heading,
         "planar": planar,
     }
-    if given:
+    memory = parameters.solver.method == "time"
+    if given:  # a memory asks more of a file
         names, needed = tuple(f.name for f in floats), tuple(tuple(sorted(each)) for each in ways)
-        return Geometry(**place, coefficients=parameters.coefficients, names=names, needed=needed)
+        return Geometry(**place, coefficients=parameters.coefficients, names=names, needed=needed, memory=memory)
     panels = panels_for(parameters.solver.tolerance)
     flow = settings.radiation or settings.diffraction
-    all_motions, memory = len(PLANAR if planar else DOFS), parameters.solver.method == "time"
+    all_motions = len(PLANAR if planar else DOFS)
     # One file serves both methods, but for large arrays: the frequency domain has no use for a memory.
     memory = (memory or sum(map(len, ways)) <= MANY) and flow
     some = memory and any(len(each) < all_motions for each in ways)
@@ -155,6 +156,7 @@ def given_hydrodynamics(geometry: Geometry, waves: tuple[float, float] | None = 
         planar=geometry.planar,
         needed=geometry.needed,
         waves=waves,
+        memory=geometry.memory,
     )
 
 

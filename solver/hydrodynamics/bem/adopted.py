@@ -43,11 +43,13 @@ def adopted(
     planar: bool,
     needed: Sequence[Sequence[str]] | None = None,
     waves: tuple[float, float] | None = None,
+    memory: bool = True,
 ) -> Hydrodynamics:
     """The coefficients of `hulls` with `names` at `centres` (nb, 3) [m], from a file; InputError where they cannot be.
 
     needed: motions that each float has, so that the file must; others that it lacks are without load. All by default.
     waves: lowest and highest [rad/s] that the file must reach.
+    memory: whether one will be fitted to these, for which added mass at infinite frequency must be known.
     """
     centres = np.asarray(centres, float).reshape(-1, 3)
     refuse([*_water_problems(given, depth, density, gravity), *_form_problems(given, len(hulls), heading)])
@@ -68,7 +70,7 @@ def adopted(
     doubt = agreement.require_moments(six, floats, expected)
     damping = require_damping(six, moved, names)
     require_energy(six, floats, moved)
-    added, unsure = infinite(six, _scales(six, lengths)["added_mass"], moved, names)
+    added, unsure = infinite(six, _scales(six, lengths)["added_mass"], moved, names, memory=memory)
     A, B = symmetric(six.added_mass), symmetric(six.radiation_damping)
     index = np.array([6 * b + DOFS.index(d) for b in range(len(hulls)) for d in dofs])
     curves = _curves(replace(six, added_mass=A, radiation_damping=B, added_mass_inf=added), expected, index)

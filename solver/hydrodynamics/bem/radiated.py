@@ -100,10 +100,13 @@ def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
             raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
 
 
-def infinite(six: Given, size: np.ndarray, needed: np.ndarray, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+def infinite(
+    six: Given, size: np.ndarray, needed: np.ndarray, names: Sequence[str], *, memory: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
     """A∞ (n, n), the file's where it goes with A and B, else what follows from them; and how far it may be off.
 
-    size (n,): of a column's share of A. Judged are entries of motions `needed`.
+    size (n,): of a column's share of A. Judged are entries of motions `needed`. Without a memory no response depends on
+    A∞, and one that follows counts as exact however little is known of it.
     """
     follows = infinite_added_mass(six.omega, symmetric(six.added_mass), symmetric(six.radiation_damping))
     both = np.zeros(follows.value.shape)
@@ -120,11 +123,11 @@ def infinite(six: Given, size: np.ndarray, needed: np.ndarray, names: Sequence[s
     # Some programs put the highest frequency's in its place.
     if told is None or np.abs(told - six.added_mass[-1]).max() <= SAME * np.abs(told).max():
         i, j = _worst(doubt)
-        if doubt[i, j] > UNKNOWN:
+        if memory and doubt[i, j] > UNKNOWN:
             text = "has no added mass at infinite frequency, and what follows from frequencies up to"
             text += f" {six.omega[-1]:.4g} rad/s may be {doubt[i, j]:.0%} off for {word(names, i)} on {word(names, j)}"
-            raise InputError(KEY, six.name, text)
-        return follows.value, np.diag(np.diagonal(doubt) * size**2)
+            raise InputError(KEY, six.name, f"{text}; the frequency domain does without")
+        return follows.value, memory * np.diag(np.diagonal(doubt) * size**2)
     even = symmetric(told)
     off = np.abs(even - follows.value) * both - doubt
     i, j = _worst(off)

@@ -457,6 +457,26 @@ def test_motions_that_a_float_does_not_have_are_not_judged():
     assert not np.delete(np.delete(doubt, 2, axis=0), 2, axis=1).any()
 
 
+def test_without_a_memory_added_mass_at_infinite_frequency_need_not_be_known():
+    """Neither curves between the frequencies nor their errors go with it."""
+    h = first(boxy(), 10)
+    without = told(h, added_mass_inf=None)
+    refused(
+        without, match="at infinite frequency, and what .* off for .*; the frequency domain does without", **BOX, **SEA
+    )
+    wave = {"memory": False, "planar": False, **SEA}
+    known, unknown = (adopted(given, *BOX.values(), **wave) for given in (told(h), without))
+    assert not unknown.error.added_mass_inf.any()
+    between = np.linspace(h.omega[0], h.omega[-1], 40)
+    for one, other in ((known, unknown), (known.shifted, unknown.shifted)):
+        Z = one.impedance(between)
+        size = np.sqrt(np.abs(np.einsum("wii->wi", Z)).max(axis=0))
+        assert np.abs((other.impedance(between) - Z) / np.outer(size, size)).max() < 2e-3
+    told_wrong = told(h, added_mass_inf=1.5 * h.added_mass_inf)
+    with pytest.raises(InputError, match=r"at infinite frequency is .* implies"):
+        adopted(told_wrong, *BOX.values(), **wave)
+
+
 def test_a_body_that_is_elsewhere_is_refused_or_brought_there():
     h = alone()
     same(taken(told(h), **ALONE, **SEA), h)

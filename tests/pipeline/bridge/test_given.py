@@ -26,6 +26,7 @@ from pipeline.study.attachments import Attachment, CoefficientFile
 from pipeline.study.reading import StudyError
 from pipeline.tasks.tasklist import Tasks
 from solver.errors import InputError
+from solver.hydrodynamics.bem import radiated
 from solver.hydrodynamics.bem.adopted import adopted
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.fitting import USUAL
@@ -690,6 +691,21 @@ def test_a_missing_file_is_refused_with_status_2(study, tmp_path):
     )
     assert run.returncode == 2 and "coefficients = 'nowhere.nc': no such file: " in run.stderr + run.stdout
     assert "Traceback" not in run.stderr
+
+
+def test_the_frequency_domain_does_without_added_mass_at_infinite_frequency(ours, study, tmp_path, monkeypatch):
+    """The time domain's memory needs it, here as if it bore no doubt."""
+    wamit_files(tmp_path, ours)
+    expected, first = answer(study("pair.1", "frequency")), tmp_path / "pair.1"
+    first.write_text("\n".join(line for line in first.read_text().splitlines() if not line.startswith(" 0.0 ")))
+    monkeypatch.setattr(radiated, "UNKNOWN", 0.0)
+    assert "has no added mass at infinite frequency" in judged(study("pair.1"))
+    read = load(study("pair.1", "frequency"))
+    judge(read, Tasks.of(read.content), Engine())
+    record = answer(study("pair.1", "frequency"))
+    for variable in ("rotation", "absorbed_power", "hinge_force"):
+        theirs, value = record.variables[variable][1], expected.variables[variable][1]
+        assert np.abs(theirs - value).max() <= 1e-3 * np.abs(value).max(), variable
 
 
 def test_a_plan_counts_no_boundary_elements_where_a_file_has_the_coefficients(ours, study, tmp_path):
