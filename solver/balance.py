@@ -1,6 +1,6 @@
 """Weight against buoyancy of floats at rest: what balances them, and warnings about a scene that is odd.
 
-Mended hulls and records cut short are told here, too.
+Mended hulls and records cut short are told here, too, and members that are thick beside waves.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -14,7 +14,9 @@ from solver.hydrodynamics.hull.clearance import openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_loads
-from solver.scene import DOFS, Float, Scene, Water, unlisted
+from solver.scene import DOFS, Float, Platform, Scene, Water, unlisted
+from solver.sea.dispersion import frequency
+from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
 
 KNOWN = 64  # floats that a process keeps
@@ -22,6 +24,7 @@ LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 LEVEL_AXES = DOFS[:2]  # along which neither weight nor buoyancy acts
 TURNED = 0.2  # [rad] that a float may rest from where it is given
+OVERLOADED = 0.05  # share of the std of a member's inertia load by which diffraction may make it less
 
 
 def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
@@ -38,8 +41,29 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
         for group in scene.sharing
     ):
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
+    if scene.platform is not None:
+        sentences += _thick(scene, scene.platform)
     rest = () if joints is None else _turned(scene, joints)
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
+
+
+def _thick(scene: Scene, platform: Platform) -> Iterator[str]:
+    """A sentence for the member whose inertia load diffraction would make the most less."""
+    from solver.structure import fineness, in_water, slenderness  # with scipy's parts, for scenes with a platform alone
+
+    water = scene.water
+    frame = platform.frame, water.density, water.gravity
+    model = in_water.dynamic_model(*frame, softened=platform.geometric_stiffness)[0]
+    waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
+    worst = slenderness.overloaded(model, waves, lacking=1.0 if platform.wave_inertia == "relative" else 0.0)
+    if worst is not None and worst.excess > OVERLOADED:
+        shortest = fineness.SHORTEST * worst.diameter
+        period = 2 * np.pi / frequency(2 * np.pi / shortest, water.depth, water.gravity)
+        yield (
+            f"platform.members.{worst.name}, {worst.diameter:.3g} m thick with any marine growth: Morison's equation"
+            f" does not hold in waves shorter than {fineness.SHORTEST:g} diameters, {shortest:.3g} m or {period:.3g} s,"
+            f" and in this sea the std of its inertia load is {worst.excess:.0%} too large (MacCamy and Fuchs 1954)"
+        )
 
 
 def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:

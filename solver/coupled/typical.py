@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from solver.sea.current import Current
+from solver.sea.dispersion import frequency
 from solver.sea.field import WaveField
 from solver.sea.realization import Realization
 from solver.structure import water
@@ -40,6 +41,6 @@ def of_one_speed(
     k: np.ndarray, heading: float, depth: float, gravity: float, current: Current | None = None
 ) -> WaveField:
     """Waves of wavenumbers k whose velocity at the surface of deep water is 1 m/s."""
-    omega = np.sqrt(gravity * k * np.tanh(k * depth))  # infinite depth is deep
+    omega = frequency(k, depth, gravity)
     sea = Realization(omega=omega, amplitude=(1 / omega).astype(complex), heading=heading)
     return WaveField(sea, depth, gravity, current)

@@ -29,6 +29,12 @@ def wavenumber(omega: ArrayLike, depth: float, gravity: float = 9.81) -> np.ndar
     return y / depth
 
 
+def frequency(k: ArrayLike, depth: float, gravity: float) -> np.ndarray:
+    """Frequency ω [rad/s] of wavenumbers k [1/m], √(gk tanh kh)."""
+    k = np.asarray(k, float)
+    return np.asarray(np.sqrt(gravity * k * np.tanh(k * depth)))  # infinite depth is deep
+
+
 def wavenumbers(omega: np.ndarray, depth: float, gravity: float) -> np.ndarray:
     """The same of a sea, whose parts share them."""
     return _wavenumbers(Bits(omega), depth, gravity)

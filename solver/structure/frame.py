@@ -64,7 +64,9 @@ class Member:
     end_section: Section | None = None
     material: Material
     drag_coefficient: Annotated[float, Quantity("-", least=0), "Morison's C_D"] = 0.0
-    inertia_coefficient: Annotated[float, Quantity("-", least=1), "Morison's C_M = 1 + C_a"] = 1.0
+    inertia_coefficient: Annotated[
+        float, Quantity("-", least=1), "Morison's C_M = 1 + C_a, for waves longer than five diameters"
+    ] = 1.0
     # True: water inside below still water, which moves with the member across its axis. False: sealed, with the
     # buoyancy of its outer volume. None: neither, as Heo et al. (2022) have it.
     flooded: Annotated[bool | None, "Whether a tube is full of water or sealed; left out, neither"] = None
