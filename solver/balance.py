@@ -1,6 +1,6 @@
 """Weight against buoyancy of floats at rest: what balances them, and warnings about a scene that is odd.
 
-Mended hulls and records cut short are told here, too, and members that are thick beside waves.
+Mended hulls and records cut short are told here, too, frames too soft for what they bear, and thick ones beside waves.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -15,7 +15,6 @@ from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_loads
 from solver.scene import DOFS, Float, Platform, Scene, Water, unlisted
-from solver.sea.dispersion import frequency
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
 
@@ -24,7 +23,6 @@ LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 LEVEL_AXES = DOFS[:2]  # along which neither weight nor buoyancy acts
 TURNED = 0.2  # [rad] that a float may rest from where it is given
-OVERLOADED = 0.05  # share of the std of a member's inertia load by which diffraction may make it less
 
 
 def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
@@ -42,28 +40,20 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     ):
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     if scene.platform is not None:
-        sentences += _thick(scene, scene.platform)
+        sentences += _of_platform(scene, scene.platform)
     rest = () if joints is None else _turned(scene, joints)
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
 
-def _thick(scene: Scene, platform: Platform) -> Iterator[str]:
-    """A sentence for the member whose inertia load diffraction would make the most less."""
-    from solver.structure import fineness, in_water, slenderness  # with scipy's parts, for scenes with a platform alone
+def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
+    """Sentences for a frame that buckles or bends too far at rest, and for its member that is thickest beside waves."""
+    from solver.structure import in_water, slenderness  # with scipy's parts, for scenes with a platform alone
 
     water = scene.water
-    frame = platform.frame, water.density, water.gravity
-    model = in_water.dynamic_model(*frame, softened=platform.geometric_stiffness)[0]
+    still = in_water.dynamic_model(platform.frame, water.density, water.gravity, softened=platform.geometric_stiffness)
+    yield from in_water.too_soft(*still)
     waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
-    worst = slenderness.overloaded(model, waves, lacking=1.0 if platform.wave_inertia == "relative" else 0.0)
-    if worst is not None and worst.excess > OVERLOADED:
-        shortest = fineness.SHORTEST * worst.diameter
-        period = 2 * np.pi / frequency(2 * np.pi / shortest, water.depth, water.gravity)
-        yield (
-            f"platform.members.{worst.name}, {worst.diameter:.3g} m thick with any marine growth: Morison's equation"
-            f" does not hold in waves shorter than {fineness.SHORTEST:g} diameters, {shortest:.3g} m or {period:.3g} s,"
-            f" and in this sea the std of its inertia load is {worst.excess:.0%} too large (MacCamy and Fuchs 1954)"
-        )
+    yield from slenderness.too_thick(still[0], waves, lacking=1.0 if platform.wave_inertia == "relative" else 0.0)
 
 
 def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:

@@ -1,5 +1,6 @@
 """A frame at rest in still water: what moves along with it, where it stands, and whether it mirrors itself."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
 
@@ -11,6 +12,7 @@ from solver.structure.frame import Frame
 from solver.structure.frame_model import FrameModel, assemble
 
 KNOWN = 8  # frames that a process keeps
+BENT = 0.03  # share of its size by which a frame at rest may be off the drawing, of which stiffness and loads are
 
 
 @lru_cache(maxsize=KNOWN)
@@ -42,3 +44,21 @@ def symmetric(frame: Frame, density: float, gravity: float, *, softened: bool) -
     except InputError:
         return True
     return modes.mirror(model, water.added_mass(model, density), water.drag_matrix(model)) is not None
+
+
+def too_soft(model: FrameModel, at_rest: np.ndarray, factor: float) -> Iterator[str]:
+    """Sentences for a frame that buckles, or is bent too far, by what it bears at rest; as `dynamic_model` tells."""
+    if factor <= 1:
+        yield (
+            f"platform: its buckling_factor is {factor:.3g}, so {factor:.3g} times its weight and constant loads buckle"
+            " it; it stands here because without geometric_stiffness they do not soften it"
+        )
+    moved = np.linalg.norm(at_rest.reshape(-1, 6)[:, :3], axis=1)
+    worst, size = int(moved.argmax()), float(np.ptp(model.xyz, axis=0).max())
+    if moved[worst] > BENT * size:
+        x, y, z = model.xyz[worst]
+        yield (
+            f"platform: weight, buoyancy and constant loads move it by {moved[worst]:.3g} m at ({x:g}, {y:g}, {z:g}),"
+            f" {moved[worst] / size:.2g} of its size, {size:.3g} m, where displacements are taken for small: most"
+            " likely a slip of units in stiffness, mass or load"
+        )

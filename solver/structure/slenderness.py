@@ -4,17 +4,20 @@ On a vertical circular cylinder of radius a on the seabed waves of amplitude A a
 4ρgA/k cosh k(z+h)/cosh kh / |H₁'(ka)|, where Morison's equation with C_M = 2 has 2ρπa² gkA cosh k(z+h)/cosh kh.
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import h1vp
 
+from solver.sea.dispersion import frequency
 from solver.sea.field import WaveField
 from solver.structure import water
 from solver.structure.fineness import SHORTEST
 from solver.structure.frame_model import FrameModel
 
 THIN = 2.0  # C_M of a thin cylinder; more of it has another shape, of which no wave's length tells
+LET_PASS = 0.05  # share of the load's std by which it may be too large
 
 
 class Overloaded(NamedTuple):
@@ -49,3 +52,16 @@ def overloaded(model: FrameModel, field: WaveField, lacking: float = 0.0) -> Ove
     worst = int(excess.argmax())
     diameter = float(at.diameter[member == worst].max(initial=0.0))
     return Overloaded(model.frame.members[worst].name, diameter, float(excess[worst]))
+
+
+def too_thick(model: FrameModel, field: WaveField, lacking: float = 0.0) -> Iterator[str]:
+    """A sentence for that member, where it is more than LET_PASS."""
+    worst = overloaded(model, field, lacking)
+    if worst is not None and worst.excess > LET_PASS:
+        shortest = SHORTEST * worst.diameter
+        period = 2 * np.pi / frequency(2 * np.pi / shortest, field.depth, field.gravity)
+        yield (
+            f"platform.members.{worst.name}, {worst.diameter:.3g} m thick with any marine growth: Morison's equation"
+            f" does not hold in waves shorter than {SHORTEST:g} diameters, {shortest:.3g} m or {period:.3g} s,"
+            f" and in this sea the std of its inertia load is {worst.excess:.0%} too large (MacCamy and Fuchs 1954)"
+        )
