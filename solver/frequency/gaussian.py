@@ -179,13 +179,13 @@ def compression_table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, durati
     """(n, 5) of σ = a - |v|, v = (b, c), the most compressive fibre, for means (n, 3) and lines (nw, n, 3) of a, b, c.
 
     σ is the least of all fibres a - v·e(φ): the least σ is the least that any of them is expected to see, and
-    the largest is not above any one's largest.
+    the largest is not above any one's largest, nor above a's.
     """
     if len(X) == 1:
         a, b, c = np.moveaxis(mean + _sampled(X.reshape(1, -1)).reshape(PHASES, *mean.shape), -1, 0)
         return moments(a - np.hypot(b, c))
     out = np.empty((len(mean), 5))
-    _compressed(mean, X, omega**2, duration, _directions(PHASES)[: PHASES // 2], _directions(FIBRES), out)
+    _compressed(mean, X, omega**2, duration, _directions(PHASES)[: PHASES // 2], _fibres(), out)
     return out
 
 
@@ -199,7 +199,7 @@ def _compressed(
     fibres: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """The same, ω² (nw,); half and fibres: unit vectors (…, 2) of half a circle and of a whole one.
+    """The same, ω² (nw,); half and fibres: unit vectors (…, 2) of half a circle, and what v·e is of.
 
     Where v is far from zero, |v| = |m| + v∥ + v⊥²/2|m|. Elsewhere cov(a, |v|) = cov(a, v)·⟨v/|v|⟩ (Stein's lemma), and
     |v| = ¼∮|v·e| dφ, so that the means are those of folded normal distributions, alike in opposite directions.
@@ -244,6 +244,12 @@ def _compressed(
             top, stress = _largest(m0, m2, most, duration), level if count == 1 else a - b * p - c * q
             high, low = min(high, stress + top), min(low, stress - top)
         out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4] = high, low, level, np.hypot(level, std), std
+
+
+@lru_cache
+def _fibres() -> np.ndarray:
+    """(FIBRES + 1, 2), all round, and the axis."""
+    return shared(np.append(_directions(FIBRES), np.zeros((1, 2)), axis=0))
 
 
 @lru_cache

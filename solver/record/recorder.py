@@ -22,6 +22,8 @@ from solver.structure.legs import Largest, compressive
 
 END = 1 / 12, 1 / 24  # of first and second differences, see _ends
 INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that others are made of
+# By the size of moments and shear, which have a corner where these pass zero: the least are those of samples.
+CORNERED = "utilisation", "shear_utilisation"
 # Though loads jump; at a hard stop a rate does so between samples, too, and a parabola would go beyond either side.
 CONTINUOUS = "wave_elevation", "rotation", "motion", "line_tension", "top_displacement", STROKES
 
@@ -66,6 +68,7 @@ class Recorder:
         self.spread = steel.spread if steel is not None else {}  # of channels that are taken in where they differ
         self.statistics: dict[str, Statistics] = {}  # of each channel
         self.shapes: dict[str, tuple[int, ...]] = {}
+        self.least: dict[str, np.ndarray] = {}  # of CORNERED
         legs = self.channels.legs
         self.largest = legs.nothing() if legs is not None else None
         self.contact = np.zeros((int(bent(self.law).sum()), len(CONTACT)))  # of the axes that may have stops
@@ -113,6 +116,7 @@ class Recorder:
             self.shapes[name] = values.shape[1:]
             everywhere = None if name in CONTINUOUS else smooth
             self.statistics.setdefault(name, Statistics()).add(values.reshape(len(values), -1), everywhere)
+        self._lower(channels)
         if output.between.number[0]:
             self._amend(kept, channels, output, samples)
         self.taken += len(times[kept])
@@ -148,6 +152,7 @@ class Recorder:
         waves[:, known] = there
         forces = self._forces(slice(None), pieces, waves)
         told = dict(self._channels(slice(None), pieces, waves, forces))
+        self._lower(told)
         self._enlarge(pieces.p[1::2], forces[1::2] if forces is not None else None)  # by ends, which are near enough
         weight = np.concatenate([pieces.weight, output.lead[cut] - 0.5, np.full(cut.size, -0.5)])
         of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
@@ -176,12 +181,17 @@ class Recorder:
         y += forces.at_rest
         return y
 
+    def _lower(self, channels: Mapping[str, np.ndarray]) -> None:
+        """The least of CORNERED, by samples or pieces (m, k)."""
+        for name in channels.keys() & set(CORNERED):
+            self.least[name] = np.minimum(self.least.get(name, np.inf), channels[name].min(axis=0))
+
     def _enlarge(self, p: np.ndarray, forces: np.ndarray | None, smooth: np.ndarray | None = None) -> None:
         """The legs' largest values; of pieces, which no parabola goes through, where nothing is told of that."""
         legs, steel = self.channels.legs, self.channels.steel
         if legs is None or steel is None or self.largest is None or forces is None:
             return
-        largest = self.largest if smooth is not None else Largest(*self.largest[:2], *legs.nothing()[2:])
+        largest = self.largest if smooth is not None else Largest(*self.largest[:3], *legs.nothing()[3:])
         legs.enlarge(largest, p, steel.compression(forces), np.zeros(len(p), bool) if smooth is None else smooth)
 
     def _channels(
@@ -256,10 +266,14 @@ class Recorder:
     def tables(self) -> dict[str, np.ndarray]:
         """Statistics (…, 5) of each channel."""
         tables = {name: each.table() for name, each in self.statistics.items() if name not in INNER}
+        for name, least in self.least.items():
+            tables[name][:, 1] = least
         known = {
             name: self.spread[name].table(table) if name in self.spread else table.reshape(*self.shapes[name], -1)
             for name, table in tables.items()
         }
+        if self.largest is not None and self.channels.legs is not None:
+            known["bottom_stress"][:, 0] = self.largest.relieved[self.channels.legs.twin]
         if "hinge_force" in known:  # a hit is shorter than the time between samples
             force = known["hinge_force"]
             force[..., 0] = np.maximum(force[..., 0], self.struck[0])

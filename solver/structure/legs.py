@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.errors import InputError
-from solver.kernels import fast_lean_kernel
+from solver.kernels import fast_lean_kernel, lean_kernel, whole_lean_kernel
 from solver.keys import firsts
 from solver.statistics import vertex
 from solver.structure import recovery, water
@@ -18,6 +18,7 @@ from solver.structure.frame_model import FrameModel
 
 BENDING = [0, 4, 5]  # N, My, Mz among the section forces
 MIRROR = np.array([1.0, -1.0, 1.0])  # a displacement seen in the plane y = 0
+HALVINGS = 20  # of the time between three samples, in which a fibre is relieved the most
 SAME, SAME_STRESS = 1e-9, 1e-6  # of the largest value: rounding of shapes, and of what their differences strain
 
 
@@ -26,8 +27,10 @@ class Largest(NamedTuple):
 
     square: np.ndarray  # (nn,) of the displacement [m²]
     stress: np.ndarray  # (ne 2,) magnitude [Pa]
+    relieved: np.ndarray  # (no,) the most compressive fibres' stress at the feet [Pa]
     last_square: np.ndarray  # (2, nn) the last two samples
-    last_stress: np.ndarray
+    last_stress: np.ndarray  # (2, ne 2) of compression
+    last_feet: np.ndarray  # (2, no, 3)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -74,8 +77,9 @@ class Legs:
 
     def nothing(self) -> Largest:
         """The largest values before the first sample."""
-        nd, nf = self.displacement.shape[2], self.fibre.shape[2]
-        return Largest(np.zeros(nd), np.zeros(nf), np.full((2, nd), np.nan), np.full((2, nf), np.nan))
+        nd, nf, no = self.displacement.shape[2], self.fibre.shape[2], self.ends.size
+        last = (np.full((2, *shape), np.nan) for shape in ((nd,), (nf,), (no, 3)))
+        return Largest(np.zeros(nd), np.zeros(nf), np.full(no, -np.inf), *last)
 
     def top_displacement(self, p: np.ndarray) -> np.ndarray:
         """(m, nl, 3) [m] of modal amplitudes (m, nm)."""
@@ -87,9 +91,13 @@ class Legs:
         At the feet that is of N/A, c My/Iy, c Mz/Iz (m, nl, 3) there; elsewhere of the nodes' displacements.
         smooth (m,): see Statistics.add.
         """
-        u, fibre = _map(p, self.displacement), _map(p, self.fibre)
-        fibre[:, :, self._feet] = feet[:, self.first].swapaxes(1, 2) - self.static_fibre[:, self._feet]
-        _respond(u, fibre, self.static_fibre, smooth, *largest)
+        u, fibre, feet = _map(p, self.displacement), _map(p, self.fibre), feet[:, self.first]
+        fibre[:, :, self._feet] = feet.swapaxes(1, 2) - self.static_fibre[:, self._feet]
+        square, stress, relieved, last_square, last_stress, last_feet = largest
+        _respond(u, fibre, self.static_fibre, smooth, square, stress, last_square, last_stress)
+        feet = np.concatenate([last_feet, feet])
+        _relieve(feet, smooth, relieved)
+        last_feet[:] = feet[-2:]
 
     def envelopes(self, largest: Largest) -> tuple[np.ndarray, np.ndarray]:
         """Displacement (nl, nh) [m] and stress (nl, nh) [Pa], NaN at heights where a leg has no node."""
@@ -118,20 +126,68 @@ def _respond(
         axial, about_y, about_z = fibre[i, 0], fibre[i, 1], fibre[i, 2]
         for j in range(stress.size):
             bending = np.sqrt((about_y[j] + static[1, j]) ** 2 + (about_z[j] + static[2, j]) ** 2)
-            _take(abs(axial[j] + static[0, j] - bending), j, smooth[i], stress, last_stress)
+            _take(bending - axial[j] - static[0, j], j, smooth[i], stress, last_stress)
 
 
 @fast_lean_kernel(inline="always")
 def _take(new: float, j: int, smooth: bool, largest: np.ndarray, last: np.ndarray) -> None:
-    """Raise largest[j] to a sample >= 0, or, where smooth, to the vertex of the parabola through it and the two before.
+    """Raise largest[j] to a sample's size, or, where smooth, to the vertex of the parabola through it and two before.
 
-    The vertex lies above the middle sample by an eighth at most.
+    The vertex lies above the middle sample by an eighth at most. Where that is negative, stress in tension, there is no
+    such: its size has a corner where the moment passes zero.
     """
     older, old = last[0, j], last[1, j]
     last[0, j], last[1, j] = old, new
-    largest[j] = max(largest[j], new)
+    largest[j] = max(largest[j], abs(new))
     if smooth and 1.125 * old > largest[j]:
         largest[j] = max(largest[j], vertex(older, old, new))
+
+
+@whole_lean_kernel
+def _relieve(fibre: np.ndarray, smooth: np.ndarray, relieved: np.ndarray) -> None:
+    """Raise the largest stress of the most compressive fibres (n,) by samples of N/A, c My/Iy, c Mz/Iz (2 + m, n, 3).
+
+    It has a corner where the moment passes zero, and parabolas through samples of it go beyond: these, where smooth, go
+    through each of the parts.
+    """
+    for i in range(smooth.size):
+        for c in range(relieved.size):
+            older, old, new = fibre[i, c], fibre[i + 1, c], fibre[i + 2, c]
+            relieved[c] = max(relieved[c], _stress(new))
+            bend = abs(older[0] - 2 * old[0] + new[0])
+            if not smooth[i] or not max(older[0], old[0], new[0]) + bend / 8 > relieved[c]:  # N/A is the most it can be
+                continue
+            if _stress(old) > max(_stress(older), _stress(new)):
+                relieved[c] = max(relieved[c], _crest(older, old, new))
+
+
+@lean_kernel(inline="always")
+def _stress(fibre: np.ndarray) -> float:
+    """`compressive` (3,)."""
+    return fibre[0] - np.sqrt(fibre[1] ** 2 + fibre[2] ** 2)
+
+
+@lean_kernel(inline="always")
+def _crest(older: np.ndarray, old: np.ndarray, new: np.ndarray) -> float:
+    """Largest stress between three samples, of which the middle one is the largest, by halves."""
+    at, most, step = 0.0, _stress(old), 0.5
+    for _ in range(HALVINGS):
+        for s in (at - step, at + step):
+            stress = _between(older, old, new, s)
+            if stress > most:
+                most, at = stress, s
+                break
+        step /= 2
+    return most
+
+
+@lean_kernel(inline="always")
+def _between(older: np.ndarray, old: np.ndarray, new: np.ndarray, s: float) -> float:
+    """Stress by the parabolas through three samples (3,) at s = -1, 0 and 1."""
+    before, now, after = s * (s - 1) / 2, 1 - s * s, s * (s + 1) / 2
+    about_y = before * older[1] + now * old[1] + after * new[1]
+    about_z = before * older[2] + now * old[2] + after * new[2]
+    return before * older[0] + now * old[0] + after * new[0] - np.sqrt(about_y**2 + about_z**2)
 
 
 def at_nodes(ends: np.ndarray) -> np.ndarray:

@@ -111,6 +111,14 @@ def test_stress_of_the_most_compressive_fibre(mean, flat):
     assert table[0] >= high - 0.1 * std
 
 
+def test_no_fibre_is_relieved_of_more_than_the_axial_force():
+    """Of a moment that goes round, too: every fibre's own largest stress is far above that."""
+    random, omega = np.random.default_rng(5), np.linspace(0.7, 2.0, 40)
+    X = random.normal(size=(40, 1, 3)) + 1j * random.normal(size=(40, 1, 3))
+    X[..., 0] = 0.0
+    assert gaussian.compression_table(np.array([[-5.0, 0.0, 0.0]]), X, omega, 3600.0)[0, 0] == approx(-5.0)
+
+
 def test_statistics_of_several_lines():
     """Std and largest of each by sums over its lines; none is larger than the sum of them, and what is not a number
     stays so."""

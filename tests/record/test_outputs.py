@@ -19,7 +19,9 @@ from solver.run import simulate
 from solver.statistics import STATISTICS
 from solver.structure import water
 from solver.structure.frame_model import assemble
+from solver.structure.legs import compressive
 from tests.awkward import bare_legs, duck, on_piles, raking, soft_ground, unequal_legs
+from tests.structure.test_in_water import scene as pile
 
 STD, MEAN = STATISTICS.index("std"), STATISTICS.index("mean")
 
@@ -159,3 +161,25 @@ def test_what_is_left_uncut_is_integrated_to_its_ends(degree, cut):
         sum(of(k) for k in whole) for of in (lambda k: f[k - 1 : k + 1].mean(), lambda k: integral(k) - integral(k - 1))
     )
     assert trapezoids + weights @ f[samples] == approx(exact, rel=1e-12) and weights.sum() == approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("method", ["time", "frequency"])
+def test_a_column_is_relieved_of_its_axial_force_at_most(method):
+    """Which nothing changes but weight: where the moment passes zero N/A - |M|c/I is that, and not more."""
+    item = pile(method=method)
+    settings = replace(item.settings, outputs=("static_part",), duration=300.0)
+    record = simulate(replace(item, settings=settings))
+    still, (high, *_) = record.variables["bottom_stress_static"][1][0], record.variables["bottom_stress"][1][0]
+    std = record.variables["bottom_stress"][1][0, -1]
+    assert still - {"time": 1e-6, "frequency": 0.02}[method] * std < high <= still + 1e-9 * abs(still)
+
+
+def test_pieces_count_among_what_relieves_a_leg():
+    """Each by itself: nothing is told of what lies between."""
+    item = pile()
+    system = prepare(item, None)
+    recorder = Recorder(item, system.support, layout=system.layout)
+    p = np.zeros((3, system.support.omega.size))
+    forces = np.random.default_rng(0).normal(size=(3, system.support.forces.at_rest.size)) * 1e6
+    recorder._enlarge(p, forces)
+    assert recorder.largest.relieved == approx(compressive(recorder.channels.steel.compression(forces)).max(axis=0))

@@ -171,6 +171,19 @@ def test_a_pile_at_rest_is_utilised_at_its_foot():
     assert values[0, [0, 1, 2]] == approx(np.full(3, expected), rel=1e-6)
 
 
+def test_the_least_utilisation_is_that_of_a_sample():
+    """A moment that passes zero has a corner there, below which parabolas would go."""
+    item, _ = bare_legs()
+    members = tuple(replace(m, material=replace(STEEL, G=8.33e10)) for m in item.platform.frame.members)
+    frame = replace(item.platform.frame, members=members)
+    settings = replace(item.settings, outputs=("utilisation",), keep_series=True, duration=100.0, discard=20.0)
+    record = simulate(replace(item, platform=replace(item.platform, frame=frame), settings=settings))
+    for name in ("utilisation", "shear_utilisation"):
+        table, samples = record.variables[name][1], record.series[name][1]
+        assert np.array_equal(table[:, 1], samples.min(axis=0))
+        assert np.all(table[:, 0] >= samples.max(axis=0)) and np.any(table[:, 0] > samples.max(axis=0))
+
+
 def test_tubes_are_utilised_by_their_section_forces():
     """Of legs with one element each, at every sample: the largest at both ends, of bending, of shear, of torsion."""
     item, _ = bare_legs()
