@@ -239,6 +239,14 @@ def floating(item: Float) -> physics.Float:
         return physics.Float(**{**given, **parts})
 
 
+def bent(item: Float) -> bool:
+    """Whether power take-off or end stops of a float have more than one zone, so that its motion is not linear."""
+    from solver.coupled.assembly import joint_law
+    from solver.multibody import of_axes
+
+    return bool(of_axes.bent(joint_law((floating(item),))).any())
+
+
 def floats(parameters: Parameters) -> tuple[physics.Float, ...]:
     """The solver's floats of a task, with what is found from weight and buoyancy."""
     given, sought = tuple(map(floating, parameters.floats)), tuple(map(found, parameters.floats))

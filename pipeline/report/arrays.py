@@ -187,12 +187,10 @@ def _linear(item: Float, rao: xr.DataArray) -> np.ndarray | None:
     """Σ c|rao|² (nc,) over a float's axes; None where its power take-off is not linear."""
     from pipeline.bridge import scenes
 
-    solver = scenes.floating(item)
-    if np.any(solver.per_axis("coulomb")) or solver.pto_table is not None or np.any(solver.per_axis("one_way")):
+    if scenes.bent(item):
         return None
-    damping = solver.per_axis("pto_damping")
     total = np.zeros(rao.sizes["component"])
-    for axis, c in zip(item.motion, damping, strict=True):
+    for axis, c in zip(item.motion, scenes.floating(item).per_axis("pto_damping"), strict=True):
         if c > 0:
             total = total + c * rao.sel(float=item.name, axis=axis).values ** 2
     return total

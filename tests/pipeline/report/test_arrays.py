@@ -108,8 +108,9 @@ def test_there_is_no_gain_without_one_alone(results):
     assert arrays.gain(figures.Results(study=results.study, data=data.isel(variant=0))) is None
 
 
-def test_power_take_offs_that_are_not_linear_have_no_gain_by_period(results, small):
-    small.write_text(small.read_text().replace("pto_damping = 3e5", "pto_damping = 3e5\ncoulomb = 100.0"))
+@pytest.mark.parametrize("law", ["coulomb = 100.0", "force_limit = 9e3", "declutch_load = 9e3", "latch_load = 9e3"])
+def test_power_take_offs_that_are_not_linear_have_no_gain_by_period(results, small, law):
+    small.write_text(small.read_text().replace("pto_damping = 3e5", f"pto_damping = 3e5\n{law}"))
     bent = figures.Results(study=load(small), data=results.data)
     with plain():
         names = [axes.get_xlabel() for axes in arrays.gain(bent).axes]
