@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from solver.errors import InputError, refuse
-from solver.hydrodynamics.hull.clearance import openings
+from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_loads
@@ -32,7 +32,10 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
     for group in scene.sharing:
         if len(edges := openings([f.hull for f in group], [f.centre for f in group])):
-            sentences.append(f"floats: meshes leave {len(edges)} edges open below still water, a slip that is let pass")
+            names = ", ".join(f"floats.{f.name}" for f in group if borders(f.hull, f.centre, edges))
+            sentences.append(
+                f"{names}: meshes leave {len(edges)} edges open below still water, a slip that is let pass"
+            )
     width = scene.settings.gap_width
     if width > 0 and not any(
         len(gaps([f.hull for f in group], np.array([f.centre for f in group]), width, width / 4))

@@ -8,11 +8,13 @@ import pytest
 from solver.balance import balanced, held, imbalance, warnings
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.duck import duck
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Line, Mooring
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import CALM, measured
+from tests.hydrodynamics.shapes import fine_box
 
 DEEP = Water(depth=np.inf, density=1000.0)
 SPHERE = Revolution.sphere(radius=5.0, draft=5.0)
@@ -258,3 +260,19 @@ def test_a_float_that_rests_on_its_side_is_told_or_refused():
     assert "warnings" not in simulate(capsizing(stiffness=40e3), None).attrs
     with pytest.raises(SimulationFailed, match=r"can roll rests at -1\.57 in still water, beyond -1\.57 to \+1\.57"):
         simulate(capsizing(aside=0.3), None)
+
+
+def test_a_slip_of_a_mesh_is_told_of_its_float():
+    """One small face is missing of the second of two boxes."""
+    whole = fine_box((4.0, 4.0, 2.0), (0, 0, 0), 0.25)
+    lowest = np.argmin(whole.vertices[whole.faces].mean(axis=1)[:, 2])
+    hulls = {"whole": whole, "torn": PanelHull.of(whole.vertices, np.delete(whole.faces, lowest, axis=0))}
+    floats = [
+        Float(
+            name=name, hull=hull, mass=1000 * hull.volume, inertia=(4e4,) * 3, hinge=(9.0 * b, 0, 0), motion=("heave",)
+        )
+        for b, (name, hull) in enumerate(hulls.items())
+    ]  # fmt: skip
+    told = warnings(Scene(water=DEEP, sea=CALM, floats=tuple(floats), settings=Settings(froude_krylov="linear")))
+    slips = [text for text in told if "slip" in text]
+    assert slips == ["floats.torn: meshes leave 4 edges open below still water, a slip that is let pass"]

@@ -274,6 +274,9 @@ def _left_out(study: StudyFile) -> Iterator[InputError]:
             yield InputError("left_out", name, f"must be one of the floats: {', '.join(names[:MOST_NAMED])}")
     if study.left_out and not set(names) - set(study.left_out) and not study.platform:
         yield InputError("left_out", list(study.left_out), "leaves nothing to simulate")
+    for f in study.floats:
+        if f.on in study.left_out and f.name not in study.left_out:
+            yield InputError("left_out", f.on, f"must not carry a float that stays: floats.{f.name}.on = {f.on}")
 
 
 def _parts(study: StudyFile) -> Iterator[InputError]:

@@ -71,7 +71,8 @@ class Clock:
         """One outcome in words."""
         result = outcome.result
         if isinstance(what, Geometry):
-            how = f"failed: {result.message}" if isinstance(result, Failure) else f"{outcome.wall_time:.1f} s"
+            seconds = f"{outcome.wall_time:.1f} s, summed over workers"
+            how = f"failed: {result.message}" if isinstance(result, Failure) else seconds
             return f"hydrodynamic coefficients of {len(what.bodies)} floats: {how}"
         how = (
             f"failed: {result.kind}: {result.message}" if isinstance(result, Failure) else f"{outcome.wall_time:.1f} s"

@@ -99,4 +99,5 @@ class Float(Table):
     pto_law: Annotated[PtoLaw | None, "Load of the power take-off by a function of your own"] = None
     if TYPE_CHECKING:
         hinge: Vector
+        on: str
         pto_damping: float | tuple[float, ...]

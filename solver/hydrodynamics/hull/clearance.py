@@ -95,6 +95,15 @@ def openings(hulls: Sequence[Hull], places: Sequence[np.ndarray]) -> np.ndarray:
     return surface.unmatched(np.concatenate([np.zeros((0, 2, 3)), *opened]))
 
 
+def borders(hull: Hull, place: np.ndarray, edges: np.ndarray) -> bool:
+    """Whether any of the edges (n, 2, 3) that `openings` found lies on a hole of the hull at this point."""
+    if not isinstance(hull, PanelHull):
+        return False
+    both = np.concatenate([hull.holes + place, edges])
+    left, whole = (np.linalg.norm(x[:, 1] - x[:, 0], axis=1).sum() for x in (surface.unmatched(both), both))
+    return bool(left < whole - SAME)
+
+
 def slips(hulls: Sequence[Hull], edges: np.ndarray) -> bool:
     """Whether openings enclose next to nothing of the hulls' surfaces, as slips of a mesh do."""
     return surface.enclosed(edges) <= SLIP * min(h.wetted_area for h in hulls)

@@ -6,7 +6,7 @@ from pytest import approx
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
-from solver.hydrodynamics.hull.clearance import openings, slips, touching
+from solver.hydrodynamics.hull.clearance import borders, openings, slips, touching
 from solver.hydrodynamics.hull.panel_hull import MeshWarning, PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
@@ -128,6 +128,17 @@ def test_bodies_that_adjoin_close_each_others_openings():
     apart, alone = openings(halves, [origin, np.array([0.1, 0, 0])]), openings(halves[:1], [origin])
     assert len(alone) == 3 and not slips(halves, alone) and len(apart) and not slips(halves, apart)
     assert slips(halves, alone / 100)
+
+
+def test_open_edges_are_told_of_the_bodies_that_have_them():
+    """Halves that close each other, a body without the half that would close it, and one that is closed."""
+    halves = [PanelHull.of(*loose(surface.below(box((2.0, 2.0, 1.0))[0][FACES], 0, sign=s))) for s in (1, -1)]
+    hulls = [*halves, halves[0], PanelHull.of(*box((1.0, 1.0, 1.0))), Revolution.sphere(radius=1.0, draft=1.0)]
+    places = [np.array([x, 0.0, 0.0]) for x in (0, 0, 9, 20, 30)]
+    edges = openings(hulls, places)
+    assert [borders(h, at, edges) for h, at in zip(hulls, places, strict=True)] == [False, False, True, False, False]
+    parts = np.concatenate([edges, edges.mean(axis=1, keepdims=True)], axis=1)[0, [0, 2]][None]
+    assert borders(halves[0], places[2], parts) and not borders(halves[0], places[0], parts)
 
 
 SECTION = ((3.0, -1.0), (3.0, 1.0), (2.0, 1.0), (2.0, -1.0))

@@ -97,6 +97,16 @@ def test_a_float_left_out_is_as_one_never_named(small):
     assert {task.id for task in tasks if task.labels["variant"] == "alone"} == alone and len(tasks) == 2 * len(alone)
 
 
+def test_what_is_left_out_carries_nothing_that_stays(small):
+    text = with_more(small, ("second", 9.5)).replace('name = "second"', 'name = "second"\non = "front"')
+    left = "[variants.both]\n[variants.none]\nleft_out = ['front']\n[sea_states]"
+    small.write_text(text.replace("[sea_states]", left))
+    with pytest.raises(StudyError) as caught:
+        load(small)
+    told = "variant = none: left_out = front: must not carry a float that stays: floats.second.on = front"
+    assert [text.partition("small.toml: ")[2] for text in caught.value.problems] == [told]
+
+
 def test_above_a_height_other_values_hold_and_calm_seas_keep_their_tasks(small):
     """A brake, or floats lifted out; the task is that of a study that says so of its floats in all seas."""
     plain = small.read_text()
