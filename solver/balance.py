@@ -100,6 +100,20 @@ def beyond_tables(floats: Sequence[Float], low: np.ndarray, high: np.ndarray) ->
                 )
 
 
+def stopped(floats: Sequence[Float], friction: np.ndarray, load: np.ndarray) -> Iterator[str]:
+    """A sentence for each axis that friction (nj,) holds in a linear model, though not against the largest load that
+    waves put on it, of statistics (nj, 5)."""
+    axes = [(f.name, axis) for f in floats for axis in f.motion]
+    for (name, axis), holding, of in zip(axes, friction, load, strict=True):
+        most, std = of[STATISTICS.index("max")], of[STATISTICS.index("std")]
+        if most > holding:
+            yield (
+                f"floats.{name}: friction holds {axis} in the linear model, {holding:.4g} {_unit(axis)} against"
+                f" {std:.4g} (std) and {most:.4g} at most by waves: it moves now and then, and only a run in time tells"
+                " how far"
+            )
+
+
 @lru_cache(maxsize=KNOWN)
 def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tuple[str, ...]:
     """Axes of the joint along which weight and buoyancy at rest, with those of what it carries, differ by over ALLOWED.

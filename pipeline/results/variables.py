@@ -135,6 +135,9 @@ VARIABLES = {
     "mesh_effect": Meaning("1", "Relative error that the boundary elements' mesh makes in the linear response"),
     "stations_effect": Meaning("1", "Relative error by the stations of the frame's drag, of a run with twice as many"),
     "law_effect": Meaning("1", "Relative error by the tables of power take-offs' laws, of runs with finer ones"),
+    "linearisation_effect": Meaning(
+        "1", "Relative error by what linear damping leaves of the joints' loads, in the frequency domain"
+    ),
     "shapes_effect": Meaning("1", "Relative error that the frame's left-out shapes make in the linear response"),
     "elements_effect": Meaning("1", "Relative error that the frame's elements make in the linear response"),
     "memory_error": Meaning("1", "Largest relative misfit of the radiation memory"),

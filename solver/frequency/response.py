@@ -20,6 +20,7 @@ from solver.scene import Scene
 
 AGREED = 1e-5  # error of any coordinate's std, relative to itself, at which the drag is that of its own result
 HELD = 1e-6  # of the waves' amplitudes: an axis that moves less is held
+LEAST = 1e-12  # of them in a second: the rate that friction is linearised by where it holds an axis
 FARTHEST = 0.98  # slope of a secant
 ROUNDING = 1e-12  # change of a std that tells no more of how the next will be
 ROUNDS = 300
@@ -57,6 +58,8 @@ class Response:
     rounds: int  # until the drag agreed with its own result
     mean: Mean
     mesh_effect: float  # see audit.coefficient_effects
+    linearisation_effect: float  # see _linearisation_effect
+    stuck: np.ndarray  # (nj,) which axes friction holds
 
 
 def respond(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Response:
@@ -82,6 +85,8 @@ def respond_in(case: Case, law: JointLaw) -> Response:
         rounds=last.rounds,
         mean=_mean(case, last.rate[:nm]),
         mesh_effect=_mesh_effect(case, law, last, wrench),
+        linearisation_effect=_linearisation_effect(case, law, last),
+        stuck=last.stuck,
     )
 
 
@@ -115,6 +120,7 @@ class _Round:
     K: np.ndarray  # (ns, nd, nd) of the drag: see Stations
     of_water: np.ndarray  # (nm, nw) what it does to the modes where they do not move
     pto: np.ndarray  # (nj,) damping of the power take-offs
+    stuck: np.ndarray  # (nj,) which axes friction holds
     rounds: int
 
 
@@ -129,14 +135,14 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
     rate, turning = np.zeros((len(model.mass), omega.size), complex), -1j * omega
     std, change, damping = np.zeros(len(model.mass)), np.inf, np.zeros(model.damping.shape)
     before = _Sizes(*np.zeros((2, len(joints))))
-    taken = before.taken
+    taken, held, least = before.taken, np.zeros(len(model.mass), bool), LEAST * height / model.length[nm:]
     for rounds in range(1, ROUNDS + 1):
         K, damping[:nm, :nm], of_water = case.drag(rate[:nm]) if rounds > 1 else case.drag_at_rest
         push = _pushed(case.force, case.equation, damping, of_water, rate) if rounds > 1 else case.force_at_rest
         dampers = linear
         if quadratic.any() or bent:
             now = _Sizes(taken, lengths(rate[nm:]))
-            taken, before = _next(now, before), now
+            taken, before = np.where(held[nm:], least, np.maximum(_next(now, before), least)), now
             rates = rate[nm:] * np.divide(taken, now.given, out=np.ones(taken.size), where=now.given > 0)[:, None]
             dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rates.T[:, None])[:, 0, 0]
         if bent:
@@ -147,11 +153,14 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
         rate, last_std, std = turning * X, std, lengths(X)
         if not np.max(std * model.length, initial=0.0) < UNBOUNDED * height:  # each wave's part is less
             _require_bounded(model, omega, X, height)
-        held = np.maximum(last_std, std) * model.length < HELD * height
+        was, held = held, np.maximum(last_std, std) * model.length < HELD * height
         held[:nm] = False  # no brake holds a mode
-        last, change = change, _change(last_std[~held], std[~held]) if rounds > 1 else np.inf
+        held[nm:] &= pto * lengths(rate[nm:]) <= of_axes.limits(law)[nc:]  # and none that lets go
+        alike = rounds > 1 and np.array_equal(was, held)
+        last, change = change, _change(last_std[~held], std[~held]) if alike else np.inf
         if not (stations.size or quadratic.any() or bent) or _ahead(last, change) <= AGREED:
-            return _Round(X=X, rate=rate, push=push, damping=damping, K=K, of_water=of_water, pto=pto, rounds=rounds)
+            found = {"X": X, "rate": rate, "push": push, "damping": damping, "K": K, "of_water": of_water}
+            return _Round(**found, pto=pto, stuck=held[nm:] & of_axes.holds(law)[nc:], rounds=rounds)
     what = "drag or power take-off" if bent else "drag"
     raise SimulationFailed(f"linearised {what} does not agree with its own result after {ROUNDS} rounds")
 
@@ -185,6 +194,27 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) ->
     return cancelled(
         change(other.equation, other.impedance), other.unlike, lambda: change(case.equation, case.impedance)
     )
+
+
+def _linearisation_effect(case: Case, law: JointLaw, last: _Round) -> float:
+    """Relative error of the response's std and power by what linear damping leaves of the joints' loads by rate.
+
+    That goes with no rate in the mean, moves the axis as a force of its own spectrum about the rate's, and adds to the
+    variance of the motions. Of one wave it keeps the phase, and does twice as much: so marches tell, and they agree
+    with both within a factor of 3. See response_error.
+    """
+    nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
+    if not (of_axes.drag(law).any() or of_axes.bent(law).any()):
+        return 0.0
+    one, rate = last.rate.shape[1] == 1, last.rate[nm:]
+    rms = np.concatenate([np.zeros(nc), lengths(rate) / np.sqrt(2)])
+    rest = linearised.rest(law, rms, linearised.HARMONIC if one else linearised.GAUSSIAN)
+    share = np.divide(rest, rms, out=np.zeros(rms.size), where=rms > 0)[nc:]
+    force = np.zeros(last.X.shape, complex)
+    force[nm:] = np.where(last.stuck, 0.0, share * np.sqrt(1 + one))[:, None] * rate
+    size, more = (lengths(X)[:, None] for X in (last.X, case.equation.response(force, last.damping)))
+    grown = np.hypot(1, np.divide(more, size, out=np.zeros(size.shape), where=size > 0))
+    return response_error(case.system, law, case.omega, (grown * last.X).T, last.X.T)
 
 
 def _no_drag(case: Case) -> Drag:

@@ -5,20 +5,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.balance import beyond_tables, met
+from solver.balance import beyond_tables, met, stopped
 from solver.coupled.assembly import joint_law
 from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
 from solver.frequency.response import Response, respond, respond_in
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
-from solver.multibody.of_axes import bent
+from solver.multibody.joint_law import JointLaw
+from solver.multibody.of_axes import bent, friction
 from solver.power_takeoff import PtoTable
 from solver.record.audit import unmet
 from solver.record.bound import above
 from solver.record.channels import ELEVATION, Labelled, Record, bound
 from solver.record.effects import left_out_effect, response_error, together
 from solver.record.elements import elements_effect
-from solver.record.probe import knows_finer, with_tables
+from solver.record.probe import UNTOLD, knows_finer, with_tables
 from solver.record.spectra import bands, cross_spectra, crossings, moments
 from solver.scene import Scene, require_waves
 from solver.statistics import STATISTICS
@@ -53,11 +54,13 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         beyond = beyond_tables(scene.floats, -ways, ways)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
     elements = elements_effect(scene, hydrodynamics, support)
+    slipping = _stopped(case, law, response)
     errors = {
         "mesh_effect": mesh,
         "shapes_effect": shapes,
         "elements_effect": elements,
         "law_effect": _law_effect(case, response, scene),
+        "linearisation_effect": UNTOLD if slipping else response.linearisation_effect,
     }
     errors["estimated_error"] = together(errors.values())
     attrs: dict[str, float | str] = {
@@ -76,7 +79,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         **case.sea_parameters,
     }
     power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
-    if notes := (*case.warnings, *met(scene, tables), *beyond, *above(scene, power)):
+    if notes := (*case.warnings, *met(scene, tables), *beyond, *slipping, *above(scene, power)):
         attrs["warnings"] = "; ".join(notes)
     rao = None
     if scene.settings.rao and channels.axes:
@@ -113,6 +116,14 @@ def _law_effect(case: Case, response: Response, scene: Scene) -> float:
     waves = case.waves.size
     exact = respond(with_tables(scene, PtoTable.by_finer), case.hydrodynamics).X[:waves]
     return response_error(case.system, case.law(scene.floats), case.waves, response.X[:waves], exact)
+
+
+def _stopped(case: Case, law: JointLaw, response: Response) -> list[str]:
+    """See balance.stopped."""
+    borne, joints = response.pto * _rates(case, response), slice(case.system.structure.carrier.shape[0], None)
+    table = gaussian.table(np.zeros(borne.shape[1]), borne, response.omega, case.duration)
+    holding = np.where(response.stuck, friction(law)[joints], np.inf)
+    return list(stopped(case.system.scene.floats, holding, table))
 
 
 def _strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:

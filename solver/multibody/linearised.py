@@ -1,12 +1,15 @@
 """Linear damping that absorbs the same on average, of harmonic and Gaussian rates."""
 
 import numpy as np
-from scipy.special import erf
+from scipy.special import erf, ndtri
 
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.load_table import equivalent_damping
+from solver.multibody.of_axes import joint_loads
 
 FAR = 40.0  # standard deviations
+EVEN = (np.arange(720) + 0.5) / 720  # of the range of a probability
+GAUSSIAN, HARMONIC = ndtri(EVEN), np.sqrt(2) * np.sin(2 * np.pi * EVEN)  # samples of rates of rms 1
 
 
 def damping_of_gaussian(law: JointLaw, std: np.ndarray) -> np.ndarray:
@@ -41,6 +44,18 @@ def damping_of_harmonic(law: JointLaw, amplitude: np.ndarray) -> np.ndarray:
     total = 4 / np.pi * (linear + (constant * (1 - beyond) + _limit(law, beyond)) / rate)
     whole = np.where(amplitude > 0, total, law.pto_damping)
     return whole + equivalent_damping(law.tables, amplitude, _share_of_harmonic)
+
+
+def rest(law: JointLaw, rms: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    """⟨(f - cẏ)²⟩^½ (n,): what the linear damping that takes as much power leaves of the loads f by rate.
+
+    Of rates with rms (n,), as they are distributed: samples (m,) of rms 1.
+    """
+    rates = samples[:, None] * rms
+    loads = joint_loads(law, np.zeros(rates.shape), rates)
+    f, square = loads.pto + loads.loss, np.sum(rates**2, axis=0)
+    c = np.divide(np.sum(f * rates, axis=0), square, out=np.zeros(rms.size), where=square > 0)
+    return np.sqrt(np.mean((f - c * rates) ** 2, axis=0))
 
 
 def _share_of_harmonic(x: np.ndarray) -> np.ndarray:

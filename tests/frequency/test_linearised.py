@@ -1,0 +1,175 @@
+"""How far a linearised power take-off is from the march, as each record tells, and where friction holds an axis."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.coupled.assembly import joint_law
+from solver.frequency.response import respond
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.multibody.linearised import GAUSSIAN, HARMONIC, rest
+from solver.record.probe import UNTOLD
+from solver.run import simulate
+from solver.scene import Float
+from solver.sea.realization import regular
+from tests.awkward import RHO, SCENES, known, scene, sea
+
+LONG = {"duration": 1800.0, "discard": 100.0, "froude_krylov": "linear"}
+JUDGED = (("motion", 4), ("rotation", 4), ("absorbed_power", 2))
+
+
+def heaving(name, radius, x=0.0, **law):
+    hull = Revolution.sphere(radius=radius, draft=radius)
+    fields = {"mass": RHO * hull.volume, "inertia": (1e5,) * 3, "hinge": (x, 0, 0), "motion": ("heave",)}
+    return Float(name=name, hull=hull, **fields, **law)
+
+
+@cache
+def hemisphere():
+    """Alone, in a sea and a wave that load it by 40 kN (std), and 33 kN."""
+    whole = scene([heaving("a", 3.0)], depth=np.inf, waves=sea(Tp=6.0, band=(0.5, 2.6)), **LONG)
+    return whole, known(whole, 0.3, 5.0, 30)
+
+
+@cache
+def pair():
+    """The same with a smaller one behind it, which has a damper."""
+    whole = hemisphere()[0]
+    both = replace(whole, floats=(*whole.floats, heaving("b", 2.0, 9.0, pto_damping=2e4)))
+    return both, known(both, 0.3, 5.0, 30)
+
+
+@cache
+def hinged():
+    """Loaded by 12 kN m."""
+    whole, h = SCENES["duck"]()
+    return replace(whole, settings=replace(whole.settings, **LONG)), h
+
+
+def given(build, law, *, one):
+    whole, h = build()
+    item = replace(whole, floats=(replace(whole.floats[0], pto_damping=0.0, **law), *whole.floats[1:]))
+    if one:
+        settings = replace(whole.settings, duration=100.0, discard=200.0)
+        item = replace(item, sea=regular(height=0.4 if build is hinged else 0.6, period=5.0), settings=settings)
+    return item, h
+
+
+def by_lines(item, h, **settings):
+    return simulate(replace(item, settings=replace(item.settings, method="frequency", **settings)), h)
+
+
+def damped(damping, **law):
+    """With as much linear damping about the law's."""
+    return law | {"damping": damping}
+
+
+CASES = [
+    (hemisphere, {"coulomb": 1e4}), (hemisphere, damped(3e4, coulomb=1e4)), (hemisphere, damped(3e4, coulomb=3e4)),
+    (pair, damped(2e4, coulomb=2e4)), (hinged, damped(4e4, coulomb=6e3)), (hinged, damped(4e4, coulomb=1.2e4)),
+]  # fmt: skip
+LIMITED = [(hemisphere, 1e5, 1.5e4), (hinged, 2e5, 3e3), (hinged, 2e5, 1e4)]
+
+
+@pytest.mark.parametrize("one", [False, True], ids=["sea", "wave"])
+@pytest.mark.parametrize(("build", "law"), CASES)
+def test_what_linear_damping_leaves_is_told(build, law, one):
+    """Std and power against the march, within a factor of 3; which is most of the error."""
+    compare(*given(build, law, one=one))
+
+
+@pytest.mark.parametrize("one", [False, True], ids=["sea", "wave"])
+@pytest.mark.parametrize(("build", "damping", "limit"), LIMITED)
+def test_what_a_limit_leaves_is_told(build, damping, limit, one):
+    whole, h = given(build, {}, one=one)
+    body = replace(whole.floats[0], pto_damping=damping, force_limit=limit)
+    compare(replace(whole, floats=(body, *whole.floats[1:])), h)
+
+
+def compare(item, h):
+    march, lines = simulate(item, h), by_lines(item, h)
+    true = max(
+        np.nanmax(np.abs(lines.variables[name][1][..., k] / march.variables[name][1][..., k] - 1))
+        for name, k in JUDGED
+        if name in march.variables
+    )
+    told = lines.attrs["linearisation_effect"]
+    assert true > 1e-2 and 1 / 3 < true / told < 3, (true, told)
+    assert lines.attrs["estimated_error"] >= told
+
+
+def test_linear_dampers_leave_nothing():
+    assert by_lines(*given(hemisphere, {"damping": 3e4}, one=False)).attrs["linearisation_effect"] == 0.0
+    stiff = damped(3e4, force_limit=1e9)  # without a pto_damping that it would limit
+    assert by_lines(*given(hemisphere, stiff, one=False)).attrs["linearisation_effect"] == 0.0
+
+
+def test_the_rest_of_a_load_is_what_no_damping_takes():
+    """Of friction F (1 - 2/π)^½ and F (1 - 8/π²)^½; of d|v|v, √(3 - 8/π) d σ²; of linear damping none."""
+    item, _ = pair()
+    a, b = item.floats
+    law = joint_law((replace(a, coulomb=1e4, damping=5e3), b, replace(a, name="c", quadratic_damping=7e3)))
+    std = np.array([0.3, 0.2, 0.5])
+    friction, none, drag = rest(law, std, GAUSSIAN)
+    assert friction == approx(1e4 * np.sqrt(1 - 2 / np.pi), rel=2e-3) and none < 1e-9 * 2e4
+    assert drag == approx(7e3 * np.sqrt(3 - 8 / np.pi) * 0.25, rel=3e-2)  # tails
+    assert rest(law, std, HARMONIC)[0] == approx(1e4 * np.sqrt(1 - 8 / np.pi**2), rel=2e-3)
+    assert rest(law, np.zeros(3), GAUSSIAN) == approx(np.zeros(3))
+
+
+@pytest.mark.parametrize(("one", "coulomb", "slips"), [
+    (False, 3.5e4, None), (False, 8e4, True), (False, 1.6e5, False),
+    (True, 3e4, None), (True, 4.5e4, True), (True, 8e4, False),
+])  # fmt: skip
+def test_a_float_that_friction_holds_is_no_result_unless_it_never_moves(one, coulomb, slips):
+    """It moves where √(2/π) F_c is less than 40 kN (std), 142 kN the largest; in one wave 4/π F_c less than 47 kN."""
+    item, h = given(hemisphere, damped(3e4, coulomb=coulomb), one=one)
+    told, march = by_lines(item, h, outputs=("pto_force",)), simulate(item, h)
+    notes, moves = told.attrs.get("warnings", ""), march.variables["motion"][1][0, 0, 4] > 1e-9
+    assert moves == (slips is not False)
+    assert ("friction holds heave in the linear model" in notes) == bool(slips)
+    assert (told.attrs["linearisation_effect"] == UNTOLD) == bool(slips)
+    if slips is None:
+        return
+    assert told.variables["motion"][1][0, 0, 4] < 1e-12 and told.variables["absorbed_power"][1][0, 2] < 1e-6
+    if not slips:
+        assert told.attrs["linearisation_effect"] == 0.0
+    held, _ = given(hemisphere, {"damping": 1e15}, one=one)
+    force = (x.variables["hinge_force"][1] for x in (told, by_lines(held, h)))
+    bound = np.abs(told.variables["pto_force"][1]).max()
+    assert bound <= coulomb and next(force) == approx(next(force), rel=1e-6, abs=1.0)
+
+
+def test_others_move_beside_one_that_friction_holds():
+    item, h = given(pair, {"coulomb": 6e4}, one=False)
+    (a, b), lines = item.floats, by_lines(item, h)
+    alone = by_lines(replace(item, floats=(replace(a, coulomb=0.0, damping=1e15), b)), h)
+    assert lines.variables["motion"][1][1] == approx(alone.variables["motion"][1][1], rel=1e-6)
+    assert "floats.a: friction holds heave" in lines.attrs["warnings"]
+    assert respond(replace(item, settings=replace(item.settings, method="frequency")), h).stuck.tolist() == [
+        True,
+        False,
+    ]
+
+
+def test_a_brake_stays_held_while_another_axis_takes_many_rounds():
+    """The less an axis moves the more friction damps it, round by round, down to rates whose squares are zero."""
+    item, h = given(pair, {"coulomb": 1e9}, one=False)
+    a, b = item.floats
+    lines = by_lines(replace(item, floats=(a, replace(b, pto_damping=0.0, coulomb=2.399e4))), h)
+    assert lines.attrs["drag_rounds"] > 15
+    assert lines.variables["motion"][1][0, 0, 4] < 1e-12 and lines.variables["motion"][1][1, 0, 4] > 1e-3
+
+
+@pytest.mark.parametrize("one", [False, True], ids=["sea", "wave"])
+def test_a_stiff_damper_that_a_limit_lets_go_holds_nothing(one):
+    item, h = given(hemisphere, {}, one=one)
+    stiff, stiffer = (
+        by_lines(replace(item, floats=(replace(item.floats[0], pto_damping=c, force_limit=3e3),)), h)
+        for c in (1e9, 1e12)
+    )
+    assert stiff.variables["motion"][1][0, 0, 4] > 0.2
+    assert stiffer.variables["motion"][1] == approx(stiff.variables["motion"][1], rel=1e-4)
