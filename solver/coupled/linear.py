@@ -15,7 +15,7 @@ and all loads on the floats, whose negative their joints bear, are by the same d
     W = Σ (-iω)ᵏ Wₖ X, k = 0, 1, 2,   plus the excitation, and iω Y E X on what radiates.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -71,6 +71,13 @@ class LinearModel:
         z = np.linalg.solve(system, known[..., None])
         p = (force[:, :nm] - (L[:, :nc] @ z)[..., 0] @ S) / d
         return np.concatenate([p, z[:, nc:, 0]], axis=1)
+
+    def damped(self, more: np.ndarray) -> "LinearModel":
+        """With further dampers (nj,) of the joints."""
+        floats, nj = self.floats.copy(), more.size
+        floats[1, -nj:, -nj:] += np.diag(more)
+        none = np.zeros(len(self.mass) - nj)
+        return replace(self, floats=floats, damping=self.damping + np.diag(np.concatenate([none, more])))
 
     def loads(
         self, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray, active: np.ndarray

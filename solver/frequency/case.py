@@ -302,9 +302,7 @@ class Case:
 
     def damped_model(self, law: JointLaw) -> LinearModel:
         """With the law's dampers."""
-        modes = np.zeros(self.system.structure.omega.size)
-        added = np.diag(np.concatenate([modes, self.linear_damping(law)]))
-        return replace(self.model, damping=self.model.damping + added)
+        return self.model.damped(self.linear_damping(law))
 
 
 @lru_cache(maxsize=KNOWN)

@@ -5,7 +5,7 @@ from scipy.special import erf, ndtri
 
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.load_table import equivalent_damping
-from solver.multibody.of_axes import joint_loads
+from solver.multibody.of_axes import joint_loads, positioned
 
 FAR = 40.0  # standard deviations
 EVEN = (np.arange(720) + 0.5) / 720  # of the range of a probability
@@ -30,6 +30,14 @@ def damping_of_gaussian(law: JointLaw, std: np.ndarray) -> np.ndarray:
 def damping_at_rest(law: JointLaw) -> np.ndarray:
     """The same (n,) of rates that are next to nothing."""
     return law.pto_damping + law.tables.slope
+
+
+def beyond_rest(law: JointLaw, whole: np.ndarray) -> np.ndarray:
+    """What a `whole` damping (n,), by one of these, is beyond that at rest, by how much there is of it in either sense.
+
+    Of tables by position, too, only that at rest is known.
+    """
+    return ~positioned(law) * (1 - np.abs(law.one_way) / 2) * (whole - damping_at_rest(law))
 
 
 def damping_of_harmonic(law: JointLaw, amplitude: np.ndarray) -> np.ndarray:

@@ -138,6 +138,11 @@ def tabled(law: JointLaw) -> np.ndarray:
     return law.tables.first[1:] > law.tables.first[:-1]
 
 
+def positioned(law: JointLaw) -> np.ndarray:
+    """Which axes have a table that goes by position, too (n,)."""
+    return law.tables.first_position[1:] > law.tables.first_position[:-1]
+
+
 def stopped(law: JointLaw) -> np.ndarray:
     """Which axes have end stops (n,)."""
     return np.isfinite(law.end_stops.upper)

@@ -16,7 +16,7 @@ from solver.lines import lengths, real_by_complex, real_parts
 from solver.multibody.joint_law import JointLaw
 from solver.record.channels import Channels
 from solver.record.decay import decay_effects
-from solver.record.response import absorbs, excitation, force_of_waves, in_waves
+from solver.record.response import absorbs, excitation, force_of_waves, in_waves, moving_model
 from solver.record.sampling import least_force
 from solver.statistics import FAINT
 
@@ -36,7 +36,7 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     """
     if h is None:
         return 0.0, 0.0
-    model, sea = linear_model(system), system.scene.sea
+    model, sea = moving_model(system, h), system.scene.sea
     if not sea.amplitude.any():
         return decay_effects(system, h)
     omega = sea.omega

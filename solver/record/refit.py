@@ -28,7 +28,7 @@ from solver.keys import Bits, shared
 from solver.record.accuracy import MARGIN, SHARE
 from solver.record.decay import spectrum
 from solver.record.effects import coefficient_effects
-from solver.record.response import excitation
+from solver.record.response import excitation, moving_model
 from solver.scene import Scene
 from solver.statistics import FAINT
 
@@ -117,7 +117,7 @@ def _motions(system: System, h: Hydrodynamics, Y: np.ndarray) -> tuple[np.ndarra
     """Which of the frequencies solved (nw,) the scene's waves have, and X (nw, n) in waves of one height at all of
     them; in still water what follows from the offsets.
     """
-    model, omega, sea = linear_model(system), h.omega, system.scene.sea
+    model, omega, sea = moving_model(system, h), h.omega, system.scene.sea
     if not sea.amplitude.any():
         return np.ones(omega.size, bool), spectrum(system, omega, Y)
     low, high = np.interp([sea.omega.min(), sea.omega.max()], omega, np.arange(omega.size))
@@ -133,7 +133,7 @@ def _used(system: System, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def importance(system: System, h: Hydrodynamics) -> np.ndarray:
     """max_k ω |(Z⁻¹Eᵀ)_ki| |(E X)_j| / |X_k| (nw, na, na) at the frequencies solved, zero beyond the scene's waves."""
-    model, omega, Y = linear_model(system), h.omega, impedance(system, h, h.omega)
+    model, omega, Y = moving_model(system, h), h.omega, impedance(system, h, h.omega)
     inside, X = _motions(system, h, Y)
     size, (used, largest) = np.abs(X), _used(system, X[inside])
     receptance = np.linalg.solve(

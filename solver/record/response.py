@@ -1,21 +1,52 @@
 """The linear response of a scene in its own sea, drag linearised by the water's own velocity."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from solver.coupled import linear_drag
-from solver.coupled.linear import impedance, linear_model, wave_force
+from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.modal import Structure
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.lines import real_by_complex
+from solver.lines import lengths, real_by_complex
 from solver.multibody.joint_law import JointLaw
-from solver.multibody.of_axes import absorbing
+from solver.multibody.linearised import beyond_rest, damping_at_rest, damping_of_gaussian, damping_of_harmonic
+from solver.multibody.of_axes import absorbing, bent
+
+KNOWN = 8  # models that a process keeps
+AGREED = 1e-2  # of a damping that errors are estimated with
+ROUNDS = 40  # an axis that friction just stops is nearly held by then
+HELD = 1e-4  # of the largest rate that an axis had: friction does not let it move
 
 
 def absorbs(system: System, law: JointLaw) -> np.ndarray:
     """Of which coordinates (n,) the law takes power: of joints alone."""
     modes, carriers = system.structure.omega.size, system.structure.carrier.shape[0]
     return np.concatenate([np.zeros(modes, bool), absorbing(law)[carriers:]])
+
+
+@lru_cache(maxsize=KNOWN)
+def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
+    """The linear model with the damping by which bent laws of its joints take as much power from the rates that it has
+    in the scene's sea: friction may hold an axis that the tangent at rest leaves free, and a limit let one go."""
+    model, law, sea = linear_model(system), system.bodies.law, system.scene.sea
+    if not bent(law).any() or not sea.amplitude.any():
+        return model
+    nm, nc = system.structure.omega.size, system.structure.carrier.shape[0]
+    one = np.count_nonzero(sea.amplitude) == 1
+    equivalent, share = (damping_of_harmonic, 1.0) if one else (damping_of_gaussian, np.sqrt(0.5))
+    Y, force, rest = impedance(system, h, sea.omega), force_of_waves(system, h), damping_at_rest(law)
+    moving, more, size, least = model, *np.zeros((3, nc + len(model.mass) - nm))
+    for _ in range(ROUNDS):
+        X = moving.response(sea.omega, Y, force)
+        size[nc:] = share * lengths((sea.omega[:, None] * X).T)[nm:]
+        least = np.maximum(least, HELD * size)
+        before, more = more, beyond_rest(law, equivalent(law, np.maximum(size, least)))
+        if np.all(np.abs(more - before) <= AGREED * np.abs(rest + more)):
+            break
+        moving = model.damped(more[nc:])
+    return moving
 
 
 def in_waves(system: System, h: Hydrodynamics | None) -> tuple[np.ndarray, np.ndarray]:

@@ -51,7 +51,7 @@ def hinged():
 
 def given(build, law, *, one):
     whole, h = build()
-    item = replace(whole, floats=(replace(whole.floats[0], pto_damping=0.0, **law), *whole.floats[1:]))
+    item = replace(whole, floats=(replace(whole.floats[0], **{"pto_damping": 0.0} | law), *whole.floats[1:]))
     if one:
         settings = replace(whole.settings, duration=100.0, discard=200.0)
         item = replace(item, sea=regular(height=0.4 if build is hinged else 0.6, period=5.0), settings=settings)
@@ -103,8 +103,9 @@ def compare(item, h):
 
 def test_linear_dampers_leave_nothing():
     assert by_lines(*given(hemisphere, {"damping": 3e4}, one=False)).attrs["linearisation_effect"] == 0.0
-    stiff = damped(3e4, force_limit=1e9)  # without a pto_damping that it would limit
-    assert by_lines(*given(hemisphere, stiff, one=False)).attrs["linearisation_effect"] == 0.0
+    unreached = {"pto_damping": 1e5, "force_limit": 4e4}
+    assert by_lines(*given(hemisphere, unreached, one=True)).attrs["linearisation_effect"] < 1e-9
+    assert by_lines(*given(hemisphere, unreached, one=False)).attrs["linearisation_effect"] > 1e-4
 
 
 def test_the_rest_of_a_load_is_what_no_damping_takes():
@@ -121,7 +122,7 @@ def test_the_rest_of_a_load_is_what_no_damping_takes():
 
 
 @pytest.mark.parametrize(("one", "coulomb", "slips"), [
-    (False, 3.5e4, None), (False, 8e4, True), (False, 1.6e5, False),
+    (False, 3.5e4, None), (False, 5.2e4, True), (False, 8e4, True), (False, 1.6e5, False),
     (True, 3e4, None), (True, 4.5e4, True), (True, 8e4, False),
 ])  # fmt: skip
 def test_a_float_that_friction_holds_is_no_result_unless_it_never_moves(one, coulomb, slips):
@@ -134,7 +135,7 @@ def test_a_float_that_friction_holds_is_no_result_unless_it_never_moves(one, cou
     assert (told.attrs["linearisation_effect"] == UNTOLD) == bool(slips)
     if slips is None:
         return
-    assert told.variables["motion"][1][0, 0, 4] < 1e-12 and told.variables["absorbed_power"][1][0, 2] < 1e-6
+    assert told.variables["motion"][1][0, 0, 4] < 1e-11 and told.variables["absorbed_power"][1][0, 2] < 1e-6
     if not slips:
         assert told.attrs["linearisation_effect"] == 0.0
     held, _ = given(hemisphere, {"damping": 1e15}, one=one)

@@ -1,0 +1,98 @@
+"""What errors of coefficients do is asked of a model whose joints move as their bent laws let them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.coupled.linear import linear_model
+from solver.coupled.preparation import prepare
+from solver.frequency.response import respond
+from solver.power_takeoff import PtoTable
+from solver.record import refit
+from solver.record.effects import coefficient_effects
+from solver.record.response import moving_model
+from solver.scene import EndStops
+from solver.sea.realization import CALM
+from tests.awkward import SCENES
+from tests.frequency.test_linearised import given, hemisphere, hinged, pair
+from tests.record.test_refit import undamped
+
+
+def effects(build, law, *, one=False):
+    item, h = given(build, law, one=one)
+    return coefficient_effects(prepare(item, h), h)
+
+
+def added(build, law, *, one=False):
+    """Damping (nj,) that joints have beyond that at rest."""
+    item, h = given(build, law, one=one)
+    system = prepare(item, h)
+    return np.diag(moving_model(system, h).damping - linear_model(system).damping)
+
+
+@pytest.mark.parametrize("one", [False, True], ids=["sea", "wave"])
+@pytest.mark.parametrize("build", [pair, hemisphere])
+def test_a_joint_that_friction_locks_is_as_good_as_held(build, one):
+    stuck, held, free = (effects(build, law, one=one) for law in ({"coulomb": 1e9}, {"pto_damping": 1e14}, {}))
+    assert stuck == approx(held, rel=1e-2, abs=1e-9)
+    assert build is hemisphere or abs(free[1] / held[1] - 1) > 0.1
+
+
+@pytest.mark.parametrize("one", [False, True], ids=["sea", "wave"])
+def test_a_damper_that_a_limit_lets_go_is_as_good_as_none(one):
+    let_go, free = (
+        effects(hemisphere, law, one=one) for law in ({"pto_damping": 1e9, "force_limit": 1.0}, {"pto_damping": 1.0})
+    )
+    assert let_go == approx(free, rel=1e-2)
+
+
+@pytest.mark.parametrize("one", [False, True], ids=["sea", "wave"])
+@pytest.mark.parametrize(("build", "law"), [
+    (hemisphere, {"coulomb": 1e4}), (pair, {"coulomb": 2e4}), (hinged, {"pto_damping": 2e5, "force_limit": 3e3}),
+])  # fmt: skip
+def test_joints_are_damped_as_in_the_frequency_domain(build, law, one):
+    item, h = given(build, law, one=one)
+    lines = respond(replace(item, settings=replace(item.settings, method="frequency")), h)
+    usual = np.array([f.per_axis("pto_damping")[0] for f in item.floats])
+    assert added(build, law, one=one) == approx(lines.pto - usual, rel=2e-2, abs=1.0)
+
+
+def test_of_a_law_for_one_sense_half_is_left():
+    assert added(hemisphere, {"coulomb": 2e4, "one_way": 1.0}) == approx(added(hemisphere, {"coulomb": 1e4}), rel=1e-2)
+
+
+@pytest.mark.parametrize("law", [
+    {"damping": 1e4, "quadratic_damping": 1e4}, {"end_stops": EndStops(lower=-1.0, upper=1.0, stiffness=1e6)},
+    {"pto_table": PtoTable(position=(-1.0, 1.0), velocity=(-1.0, 0.0, 1.0), force=(-1e4, 0, 2e4, -3e4, 0, 1e4))},
+    {"latch_load": 1e4},
+])  # fmt: skip
+def test_other_laws_have_the_model_of_before(law):
+    item, h = given(hemisphere, law, one=False)
+    system = prepare(item, h)
+    assert moving_model(system, h) is linear_model(system)
+
+
+def test_still_water_moves_nothing():
+    item, h = given(hemisphere, {"coulomb": 1e4}, one=False)
+    system = prepare(replace(item, sea=CALM), h)
+    assert moving_model(system, h) is linear_model(system)
+
+
+def test_friction_holds_a_platforms_float():
+    """The modes are solved for apart, and keep their own damping."""
+    whole, h = SCENES["unequal_legs"]()
+    law = {"pto_damping": 0.0, "coulomb": 1e9}
+    system = prepare(replace(whole, floats=(replace(whole.floats[0], **law),)), h)
+    model, usual = moving_model(system, h), linear_model(system)
+    assert np.array_equal(model.modes, usual.modes) and np.array_equal(model.floats[::2], usual.floats[::2])
+    more = model.damping - usual.damping
+    assert more[-1, -1] > 1e9 and np.all(np.delete(more.ravel(), -1) == 0)
+
+
+def test_a_memory_is_not_fitted_again_to_what_friction_holds():
+    item, h = undamped("flap")
+    braked = replace(item, floats=(replace(item.floats[0], coulomb=1e9),))
+    usual = prepare(item, h).fit
+    assert refit.prepared(item, h).fit is not usual and refit.prepared(braked, h).fit is usual
