@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from statistics import median
 
 from pipeline.bridge.cache import Cache
 from pipeline.bridge.geometry import Geometry, bem_time, geometry_of
@@ -16,6 +17,7 @@ from pipeline.tasks.task import Label, Task
 from pipeline.terminal import about
 
 SAMPLE = 200  # tasks of other studies looked at
+KEPT = 10_000  # tasks of a kind whose times are known, the last ones
 SOLUTIONS = 20  # whose times are reckoned; others take as long in the mean
 # Of Buan on one idle core, where nothing is known of this machine and study.
 REAL_TIME = 3600  # simulated seconds in a second, elastic platform
@@ -25,21 +27,9 @@ A_TASK = 0.01  # s in the frequency domain, however long the record
 Kind = tuple[str, Label]  # method and platform
 
 
-@dataclass
-class Rate:
-    """Wall time of a simulated second [-], or of a task in the frequency domain [s]."""
-
-    total: float = 0.0
-    tasks: int = 0
-
-    def add(self, rate: float) -> None:
-        """Take in the rate of one task."""
-        self.total, self.tasks = self.total + rate, self.tasks + 1
-
-    @property
-    def mean(self) -> float:
-        """Mean over the tasks; 0 without any."""
-        return self.total / self.tasks if self.tasks else 0.0
+def _rates() -> deque[float]:
+    """Wall times of a simulated second [-], or of a task in the frequency domain [s]."""
+    return deque(maxlen=KEPT)
 
 
 @dataclass
@@ -50,7 +40,7 @@ class Estimate:
     work: defaultdict[Kind, float] = field(default_factory=lambda: defaultdict(float))  # see _work
     usual: defaultdict[Kind, float] = field(default_factory=lambda: defaultdict(float))  # time at the rates above [s]
     geometries: set[Geometry] = field(default_factory=set)
-    past: defaultdict[Kind, Rate] = field(default_factory=lambda: defaultdict(Rate))
+    past: defaultdict[Kind, deque[float]] = field(default_factory=lambda: defaultdict(_rates))
 
     def see(self, task: Task, entry: Entry) -> None:
         """One more task of the study."""
@@ -77,7 +67,7 @@ class Estimate:
             for status in itertools.islice(_others(results), SAMPLE):
                 self._ran(status)
         methods = {method for method, _ in self.work}
-        count = sum(rate.tasks for (method, _), rate in self.past.items() if method in methods)
+        count = sum(len(rates) for (method, _), rates in self.past.items() if method in methods)
         usual = f"{REAL_TIME} times real time" if "time" in methods else f"{1e3 * A_TASK:g} ms a task"
         origin = f"from {count} {source}" if count else f"at {usual}, for there is no past run"
         time = f"{about(self._seconds() / workers)} on {workers} workers, {origin}"
@@ -87,15 +77,18 @@ class Estimate:
 
     def _ran(self, status: Status) -> None:
         method, length = status.parameters.solver.method, status.parameters.record.total
-        self.past[method, status.labels.get("platform", "")].add(status.wall_time / _work(method, length))
+        self.past[method, status.labels.get("platform", "")].append(status.wall_time / _work(method, length))
 
     def _seconds(self) -> float:
-        """By tasks of the same method and platform, or else by all of that method, or else as usual."""
+        """By tasks of the same method and platform, or else by all of that method, or else as usual.
+
+        Their median: what compiled first took a hundred times as long as others.
+        """
         time = 0.0
         for kind, work in self.work.items():
-            alike = [r for known, r in self.past.items() if known[0] == kind[0]]
-            rate = self.past.get(kind, Rate(sum(r.total for r in alike), sum(r.tasks for r in alike)))
-            time += work * rate.mean if rate.tasks else self.usual[kind]
+            alike = itertools.chain(*(rates for known, rates in self.past.items() if known[0] == kind[0]))
+            rates = self.past.get(kind) or list(alike)
+            time += work * median(rates) if rates else self.usual[kind]
         return time
 
 

@@ -820,6 +820,18 @@ def test_a_plans_time_is_shared_by_its_workers(small, tmp_path, engine, workers,
     assert f"; {time} on {workers} workers, from 6 tasks done" in estimate.words(tmp_path / "r", workers)
 
 
+def test_a_plan_does_not_go_by_the_tasks_that_compiled(small, tmp_path, engine):
+    """Of eight tasks on each platform two waited for a compiler; four are left, of 10.4 s."""
+    small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 1, 2, 3, 4, 5]"))
+    study, store, estimate = load(small), Store(tmp_path / "r", "small"), Estimate()
+    for task in study.tasks:
+        if (seed := task.labels["seed"]) < 4:
+            seconds = 10.4 if seed else 1000.0
+            store.done(task, b"record", {"wall_time": seconds, "labels": dict(task.labels)})
+        estimate.see(task, store.look(task))
+    assert "; about 2 min on 1 workers, from 24 tasks done" in estimate.words(tmp_path / "r", 1)
+
+
 def test_a_plan_goes_by_tasks_of_the_same_method(small, tmp_path, engine):
     """Runs of the march that took days say nothing of tasks in the frequency domain."""
     other = small.with_name("linear.toml")
