@@ -17,7 +17,6 @@ from solver.scene import EndStops
 from solver.sea.realization import CALM
 from tests.awkward import SCENES
 from tests.frequency.test_linearised import given, hemisphere, hinged, pair
-from tests.record.test_refit import undamped
 
 
 def effects(build, law, *, one=False):
@@ -92,7 +91,8 @@ def test_friction_holds_a_platforms_float():
 
 
 def test_a_memory_is_not_fitted_again_to_what_friction_holds():
-    item, h = undamped("flap")
-    braked = replace(item, floats=(replace(item.floats[0], coulomb=1e9),))
-    usual = prepare(item, h).fit
+    item, h = SCENES["flap"]()
+    body, settings = replace(item.floats[0], pto_damping=0.0), replace(item.settings, froude_krylov="linear")
+    item = replace(item, floats=(body,), settings=settings)
+    braked, usual = replace(item, floats=(replace(body, coulomb=1e9),)), prepare(item, h).fit
     assert refit.prepared(item, h).fit is not usual and refit.prepared(braked, h).fit is usual
