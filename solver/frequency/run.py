@@ -54,7 +54,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         beyond = beyond_tables(scene.floats, -ways, ways)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
     elements = elements_effect(scene, hydrodynamics, support)
-    slipping = _stopped(case, law, response)
+    slipping = _stopped(case, law, response) if response.stuck.any() else []
     errors = {
         "mesh_effect": mesh,
         "shapes_effect": shapes,
