@@ -95,4 +95,5 @@ def test_a_memory_is_not_fitted_again_to_what_friction_holds():
     body, settings = replace(item.floats[0], pto_damping=0.0), replace(item.settings, froude_krylov="linear")
     item = replace(item, floats=(body,), settings=settings)
     braked, usual = replace(item, floats=(replace(body, coulomb=1e9),)), prepare(item, h).fit
+    assert refit._swayed(prepare(item, h), h) > refit.SWAYED and refit._swayed(prepare(braked, h), h) < 1e-6
     assert refit.prepared(item, h).fit is not usual and refit.prepared(braked, h).fit is usual

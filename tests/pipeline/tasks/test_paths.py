@@ -98,13 +98,16 @@ def test_a_float_left_out_is_as_one_never_named(small):
 
 
 def test_what_is_left_out_carries_nothing_that_stays(small):
-    text = with_more(small, ("second", 9.5)).replace('name = "second"', 'name = "second"\non = "front"')
+    text = with_more(small, ("second", 9.5), ("third", 19.0))
+    text = text.replace('name = "second"', 'name = "second"\non = "front"')
     left = "[variants.both]\n[variants.none]\nleft_out = ['front']\n[sea_states]"
     small.write_text(text.replace("[sea_states]", left))
     with pytest.raises(StudyError) as caught:
         load(small)
     told = "variant = none: left_out = front: must not carry a float that stays: floats.second.on = front"
     assert [text.partition("small.toml: ")[2] for text in caught.value.problems] == [told]
+    small.write_text(text.replace("[sea_states]", left.replace("['front']", "['front', 'second']")))
+    assert [f.name for f in list(load(small).tasks)[-1].parameters.floats] == ["third"]
 
 
 def test_above_a_height_other_values_hold_and_calm_seas_keep_their_tasks(small):
