@@ -333,7 +333,10 @@ def pool(work: int, place: Place, say: Callable[[str], None]) -> Iterator[Pool]:
         stack.enter_context(dask.config.set(SETTINGS))
         own = None if place.scheduler else stack.enter_context(own_cluster(min(place.workers, work), place.memory))
         security = own.security if own else security_of(place.tls)
-        client = stack.enter_context(Client(own or place.scheduler, timeout="10s", security=security))
+        # Not the default for all that uses dask in this process: one that is lost would stay that.
+        client = stack.enter_context(
+            Client(own or place.scheduler, timeout="10s", security=security, set_as_default=False)
+        )
         cluster = Dask(client, place, say)
         try:
             yield cluster

@@ -4,6 +4,7 @@ import os
 import signal
 import time
 
+import dask
 import psutil
 import pytest
 
@@ -52,6 +53,14 @@ def test_a_result_takes_as_long_as_it_takes():
         assert {size: len(results[0].result) for size, results in pool.finished()} == {
             size: size for size in (150_000_000, 10, 150_000_001)
         }
+
+
+def test_a_cluster_is_nobody_elses_default():
+    """What else in this process uses dask does so as before, while the pool is there and when it is lost."""
+    with schedule.pool(3, Place(), print) as pool:
+        assert dask.config.get("scheduler", None) is None
+        pool.submit("one", piece, 10)
+        assert [size for size, _ in pool.finished()] == ["one"]
 
 
 def test_a_worker_that_is_silent_stops_no_other(meddling):
