@@ -61,7 +61,7 @@ def too_thick(model: FrameModel, field: WaveField, lacking: float = 0.0) -> Iter
         shortest = SHORTEST * worst.diameter
         period = 2 * np.pi / frequency(2 * np.pi / shortest, field.depth, field.gravity)
         yield (
-            f"platform.members.{worst.name}, {worst.diameter:.3g} m in diameter with any marine growth: Morison's equation"
+            f"platform.members.{worst.name}, {worst.diameter:.3g} m in diameter with marine growth: Morison's equation"
             f" does not hold in waves shorter than {SHORTEST:g} diameters, {shortest:.3g} m or {period:.3g} s,"
             f" and in this sea the std of its inertia load is {worst.excess:.0%} too large (MacCamy and Fuchs 1954)"
         )

@@ -98,7 +98,7 @@ def test_the_worst_member_is_named_with_its_growth():
     assert worst.excess > excess(4.0).excess
     (text,) = [t for t in warnings(scene(sea(4.0), grown)) if "Morison" in t]
     assert text == (
-        "platform.members.pile, 8.2 m in diameter with any marine growth: Morison's equation does not hold in waves shorter"
+        "platform.members.pile, 8.2 m in diameter with marine growth: Morison's equation does not hold in waves shorter"
         f" than 5 diameters, 41 m or 5.14 s, and in this sea the std of its inertia load is {worst.excess:.0%} too"
         " large (MacCamy and Fuchs 1954)"
     )
