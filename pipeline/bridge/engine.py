@@ -52,6 +52,7 @@ class Outcome:
     result: bytes | Row | Failure
     content: str = ""  # digest of the record's values
     unmet: str = ""  # what was asked of the record and not met
+    warnings: str = ""  # what is odd about it
     wall_time: float = 0.0  # [s]
     log: tuple[str, ...] = ()  # warnings on the way
     provenance: dict[str, str]
@@ -188,11 +189,12 @@ class Engine:
 
 
 class _Made(NamedTuple):
-    """What a piece of work returns: a file, the digest of its content, what was asked and not met."""
+    """What a piece of work returns: a file, the digest of its content, what was asked and not met, what is odd."""
 
     result: bytes | Row | Failure
     content: str = ""
     unmet: str = ""
+    warnings: str = ""
 
 
 def attempt_share(engine: Engine, geometries: Sequence[Geometry], first: int, step: int) -> list[Outcome]:
@@ -233,11 +235,11 @@ def _record(
     provenance = environment.provenance() | {"task": task_id}
     record = engine.compute(parameters, coefficients)
     made, content = records.made(record, parameters, provenance)
-    unmet = str(record.attrs.get("unmet", ""))
+    notes = [str(record.attrs.get(name, "")) for name in ("unmet", "warnings")]
     if together is None or parameters.solver.method != "frequency":
-        return _Made(to_bytes(*made), content, unmet)
+        return _Made(to_bytes(*made), content, *notes)
     together.append(made)
-    return _Made(Row("", len(together) - 1, b""), content, unmet)
+    return _Made(Row("", len(together) - 1, b""), content, *notes)
 
 
 def _attempt(work: Callable[[], _Made]) -> Outcome:

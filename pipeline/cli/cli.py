@@ -48,7 +48,7 @@ Words = Annotated[list[str] | None, typer.Argument(metavar="TASK...", help="Ids,
 BAD_INPUT = 2
 STATUSES = "Exit status: 0 all done, 1 a task failed or the machine did, 2 bad input, "
 RESULTS = Path("results")
-SHOWN = ("finished", "wall_time", "command", "sha256", "provenance", "unmet")  # of a task's status
+SHOWN = ("finished", "wall_time", "command", "sha256", "provenance", "unmet", "warnings")  # of a task's status
 
 
 def main() -> None:
@@ -168,7 +168,8 @@ def _status(study: Study, tasks: Tasks, store: Store, *, as_json: bool) -> tuple
     for task, entry in looked(tasks, store):
         tally.see(task, entry)
         if as_json:
-            row = {"id": task.id, "state": entry.state, "labels": task.written_labels, "unmet": entry.unmet}
+            notes = {"unmet": entry.unmet, "warnings": entry.warnings}
+            row = {"id": task.id, "state": entry.state, "labels": task.written_labels, **notes}
             rows.append(json.dumps(row))
     holder = store.at_work()
     if as_json:

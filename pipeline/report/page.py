@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Set
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -60,7 +61,7 @@ def html(results: Results) -> str:
     return page.from_string(PAGE).render(
         title=results.data.attrs.get("title", results.study.name),
         facts=facts(results),
-        troubles={"Not done": troubles(results), "Asked and not met": unmet(results)},
+        troubles={"Not done": troubles(results), "Asked and not met": unmet(results), "Warnings": warnings(results)},
         tables=published_tables(results),
         verdicts=report.verdicts(results.data, results.published),
         summary=[] if report.speaks(results.data, results.published) else list(report.summary_rows(results.data)),
@@ -124,6 +125,16 @@ def troubles(results: Results) -> list[str]:
 def unmet(results: Results) -> list[str]:
     """Tasks that did not meet what was asked, the first of them by name."""
     return _named(results, "unmet", "")
+
+
+def warnings(results: Results) -> list[str]:
+    """What is odd about tasks, alike ones together, and how many these are."""
+    if "warnings" not in results.data:
+        return []
+    words = results.data["warnings"].values.astype(str)[dataset.once(results.data["task"].values)]
+    counts = Counter(text for text in words.tolist() if text)
+    lines = [f"{text} ({count} of {len(words)} tasks)" for text, count in counts.most_common(MANY)]
+    return lines + ([f"and {len(counts) - MANY} more"] if len(counts) > MANY else [])
 
 
 def _named(results: Results, name: str, usual: str) -> list[str]:

@@ -57,7 +57,8 @@ def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int
     shape = tuple(len(values) for values in table.values())
     store.root.mkdir(parents=True, exist_ok=True)
     arrays = Arrays(shape, store.root)
-    words = {name: np.full(shape, "", dtype=kind) for name, kind in (("status", "U8"), ("task", "U16"), ("unmet", "O"))}
+    kinds = {"status": "U8", "task": "U16", "unmet": "O", "warnings": "O"}
+    words = {name: np.full(shape, "", dtype=kind) for name, kind in kinds.items()}
     words["status"][...] = NO_TASK
     words["task"].ravel()[study.tasks.cells] = [f"{number:016x}" for number in study.tasks.ids.tolist()]
     tasks = study.tasks.ordered(store.packs.row)  # a pack is opened once for all that it has
@@ -66,7 +67,7 @@ def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int
     for _, beside in groupby(looked, lambda one: one[1].record if one[1].place else one[0]):
         places, entries = zip(*beside, strict=True)
         for cell, entry, state in zip(places, entries, _fill(arrays, places, entries), strict=True):
-            words["status"][cell], words["unmet"][cell] = state, entry.unmet
+            words["status"][cell], words["unmet"][cell], words["warnings"][cell] = state, entry.unmet, entry.warnings
     with appearing(path) as part:
         to_file(part, *_dataset(study, table, arrays, words))
     states, numbers = np.unique(words["status"][once(words["task"])], return_counts=True)

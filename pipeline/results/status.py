@@ -66,6 +66,7 @@ class Status(_Shape):
     command: str = ""
     log: tuple[str, ...] = ()
     unmet: str = ""  # what was asked for and not met, in a sentence
+    warnings: str = ""  # what is odd about it, in sentences
     parameters: KeptParameters = KeptParameters()
     error: Error | None = None
 

@@ -63,6 +63,11 @@ class Entry:
         """What was asked of its record and not met, in a sentence; empty if there is none."""
         return self.status.unmet if self.state in ("done", "stale") else ""
 
+    @property
+    def warnings(self) -> str:
+        """What is odd about its record, in sentences; empty if nothing is."""
+        return self.status.warnings if self.state in ("done", "stale") else ""
+
 
 def together(entries: Sequence[Entry]) -> Mapping[str, Variable]:
     """Variables of the records of one file, with the dimension `task` where several differ; raises as `made` does."""

@@ -147,6 +147,7 @@ VARIABLES = {
     "status": Meaning(None, "Outcome of the task: done, failed, missing, stale (older model), damaged; or no task"),
     "task": Meaning(None, "Identity of the task"),
     "unmet": Meaning(None, "What was asked of the task and not met, empty if all was"),
+    "warnings": Meaning(None, "What is odd about the task, empty if nothing is"),
 }
 
 # One number each for a record.

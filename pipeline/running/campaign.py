@@ -68,7 +68,8 @@ class Campaign:
             if isinstance(outcome.result, Failure):
                 kept.append((task, None, status | {"error": asdict(outcome.result)}))
             else:
-                kept.append((task, outcome.result, status | {"content": outcome.content, "unmet": outcome.unmet}))
+                told = {"content": outcome.content, "unmet": outcome.unmet, "warnings": outcome.warnings}
+                kept.append((task, outcome.result, status | told))
         self.store.keep(kept)
 
     def command(self, task: Task) -> str:

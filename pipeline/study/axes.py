@@ -35,7 +35,7 @@ TAKEN = frozenset((
     "sea_state", "platform", "seed", "float", "axis", "line", "leg", "direction", "height", "statistic", "mode",
     "system_mode", "component", "variant", "variant_title", "sample", "status", "task", "unmet", "axis_unit",
     "elapsed_time", "wall_time", "foot", "node", "member", "tube", "end", "force", "moment", "fibre", "member_fibre",
-    "motion", "rotation", "rao", "utilisation",
+    "motion", "rotation", "rao", "utilisation", "warnings",
 ))  # fmt: skip
 UNCHANGED = object()
 WORD = re.compile(r"([A-Za-z_]\w*)(?: \[([^\[\]]+)\])?")  # length [m]

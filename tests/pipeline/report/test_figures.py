@@ -159,6 +159,19 @@ def test_the_page_names_what_was_asked_and_not_met(results):
     )
 
 
+@pytest.mark.usefixtures("undrawn")
+def test_the_page_tells_warnings_once_and_of_how_many_tasks(results):
+    words = results.data["status"].astype(object).copy()
+    words[...] = "it buckles; it stands here"
+    words[0, 0, 0] = ""
+    bare = results.data[["status", "task"]].assign(warnings=words)
+    marked = figures.Results(study=results.study, data=bare)
+    (line,) = page.warnings(marked)
+    assert line == f"it buckles; it stands here ({words.size - 1} of {words.size} tasks)"
+    assert f"<h2>Warnings</h2>\n<ul>\n<li>{line}</li>" in page.html(marked)
+    assert "<h2>Warnings" not in page.html(replace(marked, data=bare.drop_vars("warnings")))
+
+
 def test_an_axis_of_numbers_has_its_own_figure(results):
     data = xr.concat([dataset().assign_coords(pto_damping=b) for b in (1e5, 2e5, 4e5)], "pto_damping")
     data["pto_damping"].attrs["units"] = "N m s rad-1"

@@ -783,7 +783,8 @@ def test_what_was_asked_and_not_met_is_told(small, cli, engine, monkeypatch, tmp
     def short(parameters, coefficients):
         record = engine.compute(parameters, coefficients)
         missed = "tolerance 1e-3 asked, 2.1e-3 estimated" if parameters.platform and parameters.floats else ""
-        return replace(record, attrs={**record.attrs, "unmet": missed})
+        odd = "" if parameters.platform else "a float rests elsewhere"
+        return replace(record, attrs={**record.attrs, "unmet": missed, "warnings": odd})
 
     monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: replace(engine, compute=short))
     output = cli("run", "--workers", "1")
@@ -796,10 +797,14 @@ def test_what_was_asked_and_not_met_is_told(small, cli, engine, monkeypatch, tmp
     assert [row["id"] for row in rows if row["unmet"]] == [
         task.id for task in load(small).tasks if task.labels["platform"] == "elastic"
     ]
+    assert {row["warnings"] for row in rows if row["labels"]["platform"] == "fixed"} == {"a float rests elsewhere"}
     assert "unmet: tolerance 1e-3 asked" in cli("show", "sea_state=calm,platform=elastic,seed=0")
+    assert "warnings: a float rests elsewhere" in cli("show", "sea_state=calm,platform=fixed,seed=0")
     with xr.open_dataset(tmp_path / "r" / "small" / "statistics.nc") as data:
         assert (data.unmet.sel(platform="elastic") == "tolerance 1e-3 asked, 2.1e-3 estimated").all()
         assert (data.unmet.sel(platform=["fixed", "elastic-no-floats"]) == "").all()
+        assert (data.warnings.sel(platform="fixed") == "a float rests elsewhere").all()
+        assert (data.warnings.sel(platform="elastic") == "").all()
     tasks = {task.labels["platform"]: tmp_path / "r" / "small" / "tasks" / task.id for task in load(small).tasks}
     shutil.copytree(tasks["elastic"], tasks["fixed"], dirs_exist_ok=True)  # says nothing of the other
     assert told.replace("12 done", "11 done, 1 damaged") in cli("status", code=2)
