@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable
 
-HELPED = 0.5  # of a gap in the energy balance, which a shorter step leaves at most
-
 
 class InputError(ValueError):
     """A value that physics or numerics cannot accept; names key, value and limit.
@@ -38,7 +36,3 @@ class StepTooLong(SimulationFailed):
     def __init__(self, message: str, gap: float = 0.0, t: float = 0.0) -> None:
         super().__init__(message)
         self.gap, self.t = gap, t
-
-    def nearer(self, last: "StepTooLong") -> bool:
-        """Whether it came nearer to a balance than the last attempt, or further."""
-        return self.gap < HELPED * last.gap or 0.0 < last.t < self.t

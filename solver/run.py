@@ -34,6 +34,7 @@ KNOBS = (
 )  # fmt: skip
 
 REPEATS = "second", "third", "fourth"  # attempts with shorter steps, each of a quarter of the last
+HELPED = 0.5  # of a gap in the energy balance, which a shorter step leaves at most
 
 Better = Callable[[Scene, Mapping[str, float]], Scene | None]  # a finer one for a run that tells its errors
 
@@ -88,10 +89,15 @@ def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: StepTooLong
             return _run(replace(scene, settings=finer), hydrodynamics, better)
         except SimulationFailed as error:
             told = f"{error} ({attempt} attempt; the first: {first})"
-            if not (isinstance(error, StepTooLong) and error.nearer(last)):
+            if not (isinstance(error, StepTooLong) and _nearer(error, last)):
                 break
             last = error
     raise SimulationFailed(told) from None
+
+
+def _nearer(error: StepTooLong, last: StepTooLong) -> bool:
+    """Whether an attempt came nearer to a balance than the last one, or further."""
+    return error.gap < HELPED * last.gap or 0.0 < last.t < error.t
 
 
 def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _content) -> Record | Scene:

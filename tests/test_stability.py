@@ -230,7 +230,7 @@ def test_what_a_finer_step_does_not_help_fails_with_both_messages(
 ):
     """After the first that comes no nearer to a balance, or the last that may be tried."""
     monkeypatch.setattr(sys.modules["solver.run"], "BALANCE", 0.0)
-    monkeypatch.setattr(sys.modules["solver.errors"], "HELPED", helped)
+    monkeypatch.setattr(sys.modules["solver.run"], "HELPED", helped)
     with pytest.raises(
         SimulationFailed, match=rf"time_step = {step} s.*{attempt} attempt; the first: .*0\.2 s"
     ) as error:

@@ -48,6 +48,7 @@ TRANSFERS = 4  # results that come at once: one whose worker is silent stops no 
 LOOK = 0.5  # so often the worker of a result that has not come is looked for [s]
 TRIES = 3  # so often may a result be lost on its way, before it counts as too large for workers or this process
 HEARTBEAT = 5.0  # how often the cluster is looked at while nothing comes back [s]
+
 Work = Callable[..., list[Any]]
 
 

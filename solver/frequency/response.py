@@ -146,7 +146,8 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
             rates = rate[nm:] * np.divide(taken, now.given, out=np.ones(taken.size), where=now.given > 0)[:, None]
             dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rates.T[:, None])[:, 0, 0]
         if bent:
-            pto = _taking(law, nc, rates)
+            length = np.concatenate([np.zeros(nc), lengths(rates)])
+            pto = linearised.damping_of_lines(law, length, single=omega.size == 1)[nc:]
             dampers = dampers + (pto - at_rest)
         damping[joints, joints] = dampers
         X = case.equation.response(push, damping)
@@ -273,19 +274,6 @@ def _next(now: _Sizes, before: _Sizes) -> np.ndarray:
     )
     slope = np.clip(np.divide(rise, step, out=np.zeros(known.size), where=known), -1.0, FARTHEST)
     return np.where(known, now.taken * np.exp(away / (1 - slope)), now.given)
-
-
-def _taking(law: JointLaw, nc: int, rate: np.ndarray) -> np.ndarray:
-    """Damping (nj,) of the power take-offs at rates (nj, nw): of one harmonic, or of a Gaussian process.
-
-    nc: coordinates before the joints'.
-    """
-    size = np.zeros(len(of_axes.dampers(law)))
-    if rate.shape[1] == 1:
-        size[nc:] = np.abs(rate[:, 0])
-        return linearised.damping_of_harmonic(law, size)[nc:]
-    size[nc:] = np.sqrt(0.5 * np.sum(np.abs(rate) ** 2, axis=1))
-    return linearised.damping_of_gaussian(law, size)[nc:]
 
 
 def _require_bounded(model: LinearModel, omega: np.ndarray, X: np.ndarray, height: float) -> None:

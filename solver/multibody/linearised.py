@@ -54,6 +54,11 @@ def damping_of_harmonic(law: JointLaw, amplitude: np.ndarray) -> np.ndarray:
     return whole + equivalent_damping(law.tables, amplitude, _share_of_harmonic)
 
 
+def damping_of_lines(law: JointLaw, length: np.ndarray, *, single: bool) -> np.ndarray:
+    """The same (n,) of rates that are lines with √Σ|X|² (n,): a single harmonic, or several, which are Gaussian."""
+    return damping_of_harmonic(law, length) if single else damping_of_gaussian(law, length / np.sqrt(2))
+
+
 def rest(law: JointLaw, rms: np.ndarray, samples: np.ndarray) -> np.ndarray:
     """⟨(f - cẏ)²⟩^½ (n,): what the linear damping that takes as much power leaves of the loads f by rate.
 

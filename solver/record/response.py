@@ -11,7 +11,7 @@ from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.lines import lengths, real_by_complex
 from solver.multibody.joint_law import JointLaw
-from solver.multibody.linearised import beyond_rest, damping_at_rest, damping_of_gaussian, damping_of_harmonic
+from solver.multibody.linearised import beyond_rest, damping_at_rest, damping_of_lines
 from solver.multibody.of_axes import absorbing, bent
 
 KNOWN = 8  # models that a process keeps
@@ -35,14 +35,13 @@ def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
         return model
     nm, nc = system.structure.omega.size, system.structure.carrier.shape[0]
     one = np.count_nonzero(sea.amplitude) == 1
-    equivalent, share = (damping_of_harmonic, 1.0) if one else (damping_of_gaussian, np.sqrt(0.5))
     Y, force, rest = impedance(system, h, sea.omega), force_of_waves(system, h), damping_at_rest(law)
     moving, more, size, least = model, *np.zeros((3, nc + len(model.mass) - nm))
     for _ in range(ROUNDS):
         X = moving.response(sea.omega, Y, force)
-        size[nc:] = share * lengths((sea.omega[:, None] * X).T)[nm:]
+        size[nc:] = lengths((sea.omega[:, None] * X).T)[nm:]
         least = np.maximum(least, HELD * size)
-        before, more = more, beyond_rest(law, equivalent(law, np.maximum(size, least)))
+        before, more = more, beyond_rest(law, damping_of_lines(law, np.maximum(size, least), single=one))
         if np.all(np.abs(more - before) <= AGREED * np.abs(rest + more)):
             break
         moving = model.damped(more[nc:])
