@@ -1,8 +1,11 @@
 """Capytaine's Green function of a source under waves, and its meshes; imported when first used, being slow to."""
 
+import os
+import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,10 +19,23 @@ FITTED = 1e-8, 1e-6, 1e-4
 
 @cache
 def _capytaine() -> Any:
+    _find_room()
     import capytaine
 
     capytaine.set_logging("ERROR")  # panels of a sphere are not plane: nothing to warn of
     return capytaine
+
+
+def _find_room() -> None:
+    """Where capytaine keeps its table: it cannot be imported if the user's folder for that cannot be made."""
+    usual = Path(os.path.expanduser(os.environ.get("XDG_CACHE_HOME", "").strip() or "~/.cache"), "capytaine")
+    try:
+        usual.mkdir(parents=True, exist_ok=True)
+        writable = os.access(usual, os.W_OK)
+    except OSError:
+        writable = False
+    if not writable:
+        os.environ.setdefault("CAPYTAINE_CACHE_DIR", os.path.join(tempfile.gettempdir(), f"capytaine-{os.getuid()}"))
 
 
 @cache

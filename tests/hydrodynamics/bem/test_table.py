@@ -1,5 +1,8 @@
-"""Frequencies at which faces of heave plates lie in the same cells of the Green function's table."""
+"""The Green function's table: where it is kept, and frequencies at which faces of plates lie in the same cells."""
 
+import os
+import subprocess
+import sys
 from math import inf
 
 import numpy as np
@@ -18,6 +21,15 @@ AT = np.zeros((1, 3))
 def test_cells_are_those_of_the_table():
     z = -green_function().tabulated_z_range
     assert z == pytest.approx(FIRST * RATIO ** np.arange(1, len(z) + 1), rel=1e-9)
+
+
+@pytest.mark.parametrize("home", [{"HOME": os.devnull}, {"XDG_CACHE_HOME": os.devnull}])
+def test_it_is_kept_with_what_is_temporary_where_the_user_has_no_room_for_it(home, tmp_path):
+    """As in a container whose user has no home: capytaine makes its folder as it is imported."""
+    code = "from solver.hydrodynamics.bem import green; green._capytaine()"
+    elsewhere = {name: value for name, value in os.environ.items() if name != "CAPYTAINE_CACHE_DIR"}
+    subprocess.run([sys.executable, "-c", code], env=elsewhere | home | {"TMPDIR": str(tmp_path)}, check=True)
+    assert (tmp_path / f"capytaine-{os.getuid()}").is_dir()
 
 
 def test_plates_are_found_whatever_the_hull():
