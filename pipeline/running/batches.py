@@ -36,7 +36,7 @@ class _Group:
 
 
 class Batches:
-    """A queue; short tasks leave it many at a time, for a message to a worker costs 1 ms and more."""
+    """A queue; short tasks leave it many at a time: a message to a worker, or a record's own file, costs milliseconds."""
 
     def __init__(self) -> None:
         self._ready: deque[_Group] = deque()
@@ -63,7 +63,7 @@ class Batches:
         self._mean = seconds if self._mean is None else self._mean + SHARE * (seconds - self._mean)
 
     def take(self, width: int) -> Batch:
-        """The next batch for a pool that runs so many at once."""
+        """The next batch for a pool that runs so many at once; 0: for this process."""
         if self._alone:
             return self._alone.popleft()
         group = self._ready[0]
@@ -77,7 +77,7 @@ class Batches:
         return Batch(tasks, group.coefficients)
 
     def _size(self, width: int) -> int:
-        if not width or self._mean is None:
+        if self._mean is None:
             return 1
-        fair = self._left() // (AHEAD * width)
+        fair = self._left() // (AHEAD * width) if width else MOST
         return max(1, min(MOST, fair, int(BUSY / max(self._mean, BUSY / MOST))))

@@ -61,7 +61,7 @@ class Pool(Protocol):
 
     @property
     def width(self) -> int:
-        """How many pieces of work run at once; 0: this process, where nothing is gained by batches."""
+        """How many pieces of work run at once; 0: one after another, in this process."""
 
     def submit(self, key: Hashable, function: Work, *args: Any) -> None:
         """Have function(*args) run."""

@@ -5,14 +5,14 @@ from types import SimpleNamespace
 from pipeline.running.batches import Batches
 
 
-def sizes(left, block, seconds):
+def sizes(left, block, seconds, width=2):
     """Of the batches that so many tasks leave in, on two workers."""
     batches = Batches()
     batches.heard(seconds)
     batches.add([SimpleNamespace(number=n) for n in range(left)], None, block)
     taken = []
     while batches:
-        taken.append(batches.take(2).tasks)
+        taken.append(batches.take(width).tasks)
     assert [task.number for tasks in taken for task in tasks] == list(range(left))
     return [len(tasks) for tasks in taken]
 
@@ -21,6 +21,11 @@ def test_short_tasks_leave_many_at_a_time():
     assert sizes(1000, 1, 0.001)[:3] == [100, 100, 100]
     assert sizes(1000, 1, 0.02)[0] == 25
     assert sizes(5, 1, 1.0) == [1] * 5
+
+
+def test_so_they_do_in_this_process():
+    """Records of many tasks go to one file, which is a third of what such a task takes."""
+    assert sizes(250, 1, 0.001, width=0) == [100, 100, 50] and sizes(5, 1, 1.0, width=0) == [1] * 5
 
 
 def test_what_shares_more_stays_together():
