@@ -16,6 +16,7 @@ from numba import float64
 from numba.core.codegen import ll
 
 from solver import kernels
+from solver.hydrodynamics import library
 from solver.hydrodynamics.bem import bem, green
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.kernels import (
@@ -167,7 +168,7 @@ def test_a_kernel_is_compiled_where_nothing_can_be_locked(monkeypatch):
 @pytest.fixture
 def afresh():
     """A Green function without what others have fitted, before and after; capytaine itself imported before."""
-    green._capytaine()
+    library.capytaine()
     green.green_function.cache_clear()
     yield
     green.green_function.cache_clear()

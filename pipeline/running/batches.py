@@ -36,7 +36,10 @@ class _Group:
 
 
 class Batches:
-    """A queue; short tasks leave it many at a time: a message to a worker, or a record's own file, costs milliseconds."""
+    """A queue; short tasks leave it many at a time: a message to a worker or a record's own file costs 1 ms and more.
+
+    In this process that is so as long as there are MOST.
+    """
 
     def __init__(self) -> None:
         self._ready: deque[_Group] = deque()
@@ -79,5 +82,5 @@ class Batches:
     def _size(self, width: int) -> int:
         if self._mean is None:
             return 1
-        fair = self._left() // (AHEAD * width) if width else MOST
+        fair = self._left() // (AHEAD * width) if width else self._left() // MOST * MOST
         return max(1, min(MOST, fair, int(BUSY / max(self._mean, BUSY / MOST))))

@@ -1,16 +1,14 @@
-"""Capytaine's Green function of a source under waves, and its meshes; imported when first used, being slow to."""
+"""Capytaine's Green function of a source under waves, and its meshes."""
 
-import os
-import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from solver.hydrodynamics.hull.surface import merged
+from solver.hydrodynamics.library import capytaine
 
 # Mean square of what the exponentials in the finite-depth function may miss, the least that they meet: capytaine's
 # 1e-4 is noise of 1 % and more in the coefficients of bodies a few radii above the seabed.
@@ -18,30 +16,9 @@ FITTED = 1e-8, 1e-6, 1e-4
 
 
 @cache
-def _capytaine() -> Any:
-    _find_room()
-    import capytaine
-
-    capytaine.set_logging("ERROR")  # panels of a sphere are not plane: nothing to warn of
-    return capytaine
-
-
-def _find_room() -> None:
-    """Where capytaine keeps its table: it cannot be imported if the user's folder for that cannot be made."""
-    usual = Path(os.path.expanduser(os.environ.get("XDG_CACHE_HOME", "").strip() or "~/.cache"), "capytaine")
-    try:
-        usual.mkdir(parents=True, exist_ok=True)
-        writable = os.access(usual, os.W_OK)
-    except OSError:
-        writable = False
-    if not writable:
-        os.environ.setdefault("CAPYTAINE_CACHE_DIR", os.path.join(tempfile.gettempdir(), f"capytaine-{os.getuid()}"))
-
-
-@cache
 def green_function() -> Any:
     """Delhommeau's, with the finite-depth function as close as exponentials get to it."""
-    module = _capytaine().green_functions.delhommeau
+    module = capytaine().green_functions.delhommeau
     module.find_best_exponential_decomposition = _exponentials
     return module.Delhommeau()
 
@@ -52,7 +29,7 @@ def _exponentials(
     """In place of capytaine's: amplitudes and growth rates for the first of FITTED that is met;
     tol: capytaine's, not used.
     """
-    prony = _capytaine().tools.prony_decomposition
+    prony = capytaine().tools.prony_decomposition
     for closest in FITTED:
         # It draws the points of its fit at random: the same numbers for each fit, on every machine.
         prony.RNG = np.random.default_rng(0)
@@ -65,7 +42,7 @@ def joined(pieces: list[tuple[np.ndarray, np.ndarray]]) -> Any:
     """Pieces of vertices and faces as one capytaine mesh."""
     vertices, faces = merged(pieces)
     # Cleaning would take panels away that we count on; nor is there anything to clean.
-    mesh = _capytaine().Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
+    mesh = capytaine().Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
     mesh.__dict__ |= _cached(vertices[faces])
     return mesh
 

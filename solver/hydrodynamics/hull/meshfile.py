@@ -12,6 +12,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull.surface import merged, mirrored
+from solver.hydrodynamics.library import capytaine
 
 FOOT = 0.3048  # [m]
 FEET = (31.0, 33.0)  # gravity [ft/s²] of a GDF file whose lengths are feet
@@ -88,11 +89,9 @@ def _nemoh(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
 
 def _by_capytaine(data: bytes, kind: str) -> tuple[np.ndarray, np.ndarray]:
     """HydroStar's and HAMS's files; with meshio or trimesh installed also theirs."""
-    from capytaine import load_mesh
-
     stream = io.StringIO(_text(data)) if kind in WORDS else io.BytesIO(data)
     try:
-        mesh = load_mesh(stream, file_format=kind).merged()
+        mesh = capytaine().load_mesh(stream, file_format=kind).merged()
     except ValueError as error:
         if "nsupported mesh format" not in str(error):
             raise
