@@ -83,18 +83,21 @@ def line_stiffness(lines: Sequence[Line], centre: np.ndarray) -> np.ndarray:
 class Mooring:
     """Lines between a float and what carries its joint; nothing else of their own, and no power but what C takes.
 
-    x are the n positions of the joint's axes; or, in matrices 6 x 6, the motion of the float's reference point, surge
-    to yaw, as these axes move it about rest: x = J y, and the lines' load on the axes is Jᵀ F. Pretension keeps its
-    direction as the joint carries the point round, along y H y/2: -F₀·H more of stiffness.
+    x are the n positions of the joint's axes; or, in matrices 6 x 6, the motion of a point of the float, surge to yaw,
+    as these axes move it about rest: x = J y, and the lines' load on the axes is Jᵀ F. Pretension keeps its direction
+    as the joint carries the point round, along y H y/2: -F₀·H more of stiffness.
     """
 
     stiffness: Annotated[
-        Matrix, Quantity("N m/rad or N/m"), "K, symmetric, of the joint's axes; or 6 x 6, of the reference point"
+        Matrix, Quantity("N m/rad or N/m"), "K, symmetric, of the joint's axes; or 6 x 6, of `point`"
     ]
     damping: Annotated[Matrix | None, Quantity("N m s/rad or N s/m"), "C, symmetric and passive, as large as K"] = None
     pretension: Annotated[
         tuple[float, ...] | None, Quantity("N m or N"), "F₀, load of the lines on the float at rest, as long as K"
     ] = None
+    point: Annotated[
+        tuple[float, float, float], Quantity("m"), "That matrices 6 x 6 are of, from the float's reference point"
+    ] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         refuse(self._shapes())
@@ -118,7 +121,7 @@ class Mooring:
             yield InputError("mooring.damping", self.damping, "must be passive: without a negative eigenvalue")
 
     def on_axes(self, J: np.ndarray, H: np.ndarray) -> "AxisMooring":
-        """As the axes of a joint feel it, which move the reference point by J (6, n), and by H (n, n, 3) of y²/2."""
+        """As the axes of a joint feel it, which move the point by J (6, n), and by H (n, n, 3) of y²/2."""
         K = np.array(self.stiffness, float)
         C = np.zeros(K.shape) if self.damping is None else np.array(self.damping, float)
         F = np.zeros(len(K)) if self.pretension is None else np.array(self.pretension, float)

@@ -137,6 +137,7 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
     sought = {name for item in parameters.floats for name in scenes.found(item)}
     if sought - {"hold"}:
         mass, cog = (np.array([getattr(f, name) for f in scene.floats]) for name in ("mass", "cog"))
+        cog = cog + [scenes.offset(item.hull) for item in parameters.floats]  # from the study's reference points
         told = {"mass": (("float",), mass), "cog": (("float", "direction"), cog)}
         record = replace(record, variables={**record.variables, **told})
     if "hold" in sought:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.bridge import scenes
-from pipeline.bridge.scenes import hull
+from pipeline.bridge.scenes import hull, offset
 from pipeline.study import seas
 from pipeline.study.attachments import CoefficientFile
 from pipeline.study.hulls import Hull
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 # What a joint's loads are where nothing is said: coefficients do not depend on them.
 UNLOADED = {name: value for name, value in STARTS.items() if "." not in name}
 MANY = 24  # motions that there are, beyond which the memory's fit takes longer than the boundary elements
-BEM_VERSION = 13  # of coefficients, and of the form of their file: raise it when either changes
+BEM_VERSION = 14  # of coefficients, and of the form of their file: raise it when either changes
 
 
 def of_joints(study: StudyFile) -> set[str]:
@@ -149,6 +149,7 @@ def given_hydrodynamics(geometry: Geometry, waves: tuple[float, float] | None = 
         tuple(hull(body.hull) for body in geometry.bodies),
         np.array([body.centre for body in geometry.bodies]),
         geometry.names,
+        points=np.array([np.subtract(body.centre, offset(body.hull)) for body in geometry.bodies]),
         depth=water.depth,
         density=water.density,
         gravity=water.gravity,

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
 
 FORCES = ("Fx", "Fy", "Fz")
 FOUND = "balance"  # in place of a number: found from weight and buoyancy
+CENTRED = 1e-4  # of a hull's size: as near its reference point its centre of buoyancy counts as above each other
 # First word of a key of the solver's -> where a study file has it.
 PLACES = {"band": "waves.band", "components": "waves.components"}
 
@@ -138,7 +139,35 @@ def _sea(sea_state: SeaState, waves: Waves, seed: tuple[int, ...]) -> Realizatio
 
 @lru_cache(maxsize=64)
 def hull(shape: Hull) -> Revolution | PanelHull:
-    """The solver's hull for a hull table."""
+    """The solver's hull for a hull table, about its own reference point: see `offset`."""
+    from solver.hydrodynamics.hull.panel_hull import PanelHull
+
+    made = _as_described(shape)
+    return made.moved(-offset(shape)) if isinstance(made, PanelHull) and offset(shape).any() else made
+
+
+@lru_cache(maxsize=64)
+def offset(shape: Hull) -> np.ndarray:
+    """From the reference point of a hull table to the solver's (3,) [m], at still water above the centre of buoyancy.
+
+    Diffraction, radiation and linear buoyancy are loads there, which keep their directions as a float turns: at the
+    table's, answers of large motions would go with where a file of the same hull has its origin.
+    """
+    import numpy as np
+
+    from solver.hydrodynamics.hull.panel_hull import PanelHull
+    from solver.keys import shared
+
+    made, at = _as_described(shape), np.zeros(3)
+    if isinstance(made, PanelHull):
+        at[:2] = made.buoyancy_point[:2]
+        at[np.abs(at) < CENTRED * np.ptp(made.vertices, axis=0).max()] = 0.0
+    return shared(at)
+
+
+@lru_cache(maxsize=64)
+def _as_described(shape: Hull) -> Revolution | PanelHull:
+    """About the reference point of its table."""
     from solver.hydrodynamics.hull.box import box
     from solver.hydrodynamics.hull.duck import duck
     from solver.hydrodynamics.hull.revolution import Revolution
@@ -232,11 +261,23 @@ def floating(item: Float) -> physics.Float:
             raise InputError(f"floats.{item.name}.pto_law", "given", "must be left out beside pto_table")
         parts["pto_table"] = law
     x, y, z = (0.0 if place == FOUND else place for place in item.cog)
-    parts |= {"mass": 1.0 if item.mass == FOUND else item.mass, "cog": (x, y, z)}
+    parts |= {"mass": 1.0 if item.mass == FOUND else item.mass, "cog": (x, y, z), "arm": item.arm}
+    if (away := offset(item.hull)).any():
+        parts |= _from(away, parts)
     given = {name: value for name, value in item if name not in ("pto_law", "hold")}
     # A table is what the solver knows of a law, too.
     with _renamed(lambda key: key.replace(".pto_table", ".pto_law") if law else key):
         return physics.Float(**{**given, **parts})
+
+
+def _from(away: np.ndarray, parts: dict[str, Any]) -> dict[str, Any]:
+    """Those parts of a float that say where something is, of a reference point that is so far `away` (3,) [m]."""
+    moved = {"arm": tuple((parts["arm"] + away).tolist()), "cog": tuple((parts["cog"] - away).tolist())}
+    lines = (replace(line, fairlead=tuple((line.fairlead - away).tolist())) for line in parts["lines"])
+    moved["lines"] = tuple(lines)
+    if mooring := parts.get("mooring"):
+        moved["mooring"] = replace(mooring, point=tuple((mooring.point - away).tolist()))
+    return moved
 
 
 def bent(item: Float) -> bool:

@@ -224,26 +224,25 @@ class Float:
         """The mooring along the joint's axes; zero without one."""
         if self.mooring is None:
             return none(len(self.motion))
-        J, n = self._jacobian, len(self.motion)
+        J, n = self._jacobian(np.add(self.arm, self.mooring.point)), len(self.motion)
         H = np.zeros((n, n, 3))  # as an axis turns about n, what later ones move it by turns, too: n × J
         for i, j in zip(*np.triu_indices(n), strict=True):
             H[i, j] = H[j, i] = np.cross(J[3:, i], J[:3, j])
         return self.mooring.on_axes(J, H)
 
-    @property
-    def _jacobian(self) -> np.ndarray:
-        """Motion (6, n) of the reference point by the joint's axes, at rest."""
+    def _jacobian(self, lever: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Motion (6, n) of a point, from the hinge on (3,), by the joint's axes, at rest."""
         J = np.zeros((6, len(self.motion)))
         for i, name in enumerate(self.motion):
             d, slides = self.direction(name), name in DOFS[:3]
-            J[:, i] = (*d, 0, 0, 0) if slides else (*np.cross(d, self.arm), *d)
+            J[:, i] = (*d, 0, 0, 0) if slides else (*np.cross(d, lever), *d)
         return J
 
     @property
     def pulls(self) -> np.ndarray:
         """Constant loads along the joint's axes at rest (n,) [N or N m]: of preloads and of all lines."""
         pulls = np.asarray(self.moored.pretension) + self.per_axis("preload")
-        return pulls + self._jacobian.T @ line_loads(self.lines, self.centre) if self.lines else pulls
+        return pulls + self._jacobian(self.arm).T @ line_loads(self.lines, self.centre) if self.lines else pulls
 
     @property
     def pto_points(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray] | None]:

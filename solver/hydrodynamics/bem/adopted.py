@@ -36,6 +36,7 @@ def adopted(
     centres: np.ndarray,
     names: Sequence[str],
     *,
+    points: np.ndarray | None = None,
     depth: float,
     density: float,
     gravity: float,
@@ -47,6 +48,7 @@ def adopted(
 ) -> Hydrodynamics:
     """The coefficients of `hulls` with `names` at `centres` (nb, 3) [m], from a file; InputError where they cannot be.
 
+    points: (nb, 3) [m] of rotations and moments where the file does not tell; the centres by default.
     needed: motions that each float has, so that the file must; others that it lacks are without load. All by default.
     waves: lowest and highest [rad/s] that the file must reach.
     memory: whether one will be fitted to these, for which added mass at infinite frequency must be known.
@@ -58,6 +60,8 @@ def adopted(
     lengths = motion_lengths(hulls, DOFS)
     each = needed or [dofs] * len(hulls)
     six = _complete(given, names, each, heading)
+    if six.points is None and points is not None:  # as far from the centres wherever the file's body is
+        six = replace(_about(replace(six, points=points), centres), points=None)
     moved = np.array([6 * b + k for b, those in enumerate(each) for k, dof in enumerate(DOFS) if dof in those], int)
     refuse(_radiation_problems(six, _scales(six, lengths), moved, names))
     omega = six.omega

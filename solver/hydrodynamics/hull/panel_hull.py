@@ -4,7 +4,7 @@ Body coordinates as in `hull`: z = 0 the still-water plane at rest, x and y from
 """
 
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -63,6 +63,11 @@ class PanelHull:
         if not hull.volume > 0:
             raise InputError(key, f"{name}, displaced volume {hull.volume:g} m3", "must be > 0")
         return hull
+
+    def moved(self, by: np.ndarray) -> "PanelHull":
+        """Shifted by (3,) [m]."""
+        finer = None if self.finer is None else self.finer + by
+        return replace(self, vertices=self.vertices + by, holes=self.holes + by, finer=finer)
 
     def __eq__(self, other: object) -> bool:
         return (

@@ -75,6 +75,13 @@ def test_what_goes_out_comes_back():
     same(taken(told()), ours())
 
 
+def test_moments_may_be_about_points_that_only_the_floats_know():
+    """As those of a file without points about the origins of their meshes, from which the hulls have been moved."""
+    points = CENTRES + np.array([0.4, -0.2, 0.0])
+    given = replace(about(ours(), points), points=None)
+    same(adopted(given, HULLS, CENTRES, NAMES, **WATER, planar=False, points=points), ours())
+
+
 def test_what_lies_between_a_files_frequencies_is_in_its_error():
     """Of every other frequency; the others tell what its curves miss there."""
     h, rows = alone(), np.arange(0, 21, 2)
@@ -540,6 +547,9 @@ def test_one_float_alone_is_moved_to_its_place():
     moved = taken(given, (hull,), at, ("rear",))
     same(moved, there)
     assert "moved to (4.5, 1)" in moved.settings["note"]
+    off = np.array([[0.3, 0.0, 0.0]])
+    given = replace(about(here, off), points=None, bodies=("",))
+    same(adopted(given, (hull,), at, ("rear",), **WATER, planar=False, points=at + off), there)
 
 
 def test_what_cannot_be_used_is_refused():

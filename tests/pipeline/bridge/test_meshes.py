@@ -2,11 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from pipeline.bridge import scenes
 from pipeline.bridge.engine import Engine
-from pipeline.bridge.geometry import geometry_of
+from pipeline.bridge.geometry import geometry_of, given_hydrodynamics
 from pipeline.bridge.loading import load
 from pipeline.bridge.preflight import judge
 from pipeline.study.reading import StudyError
@@ -45,6 +46,47 @@ def test_the_examples_mesh_is_the_barge():
     (item,) = scenes.scene(task.parameters).floats
     assert item.hull.volume == pytest.approx(4 * 3 * 0.6) and item.hull.closed and not item.hull.notes
     assert item.mass == pytest.approx(1025 * item.hull.volume) and geometry_of(task.parameters).planar
+
+
+PLACES = """cog = ["balance", {2}, 0.1]
+mooring = {{ stiffness = {3}, pretension = [900.0, -40.0, 0.0, 0.0, 0.0, 300.0], point = [{4}, {5}, 0.3] }}
+hull = {{ shape = "mesh", file = "barge.gdf", origin = [{6}, {7}, 0.0] }}
+arm = [{8}, {9}, -1.5]
+lines = [{{ anchor = [-40.0, 3.0, -30.0], fairlead = [{0}, {1}, -0.2], length = 48.0, weight = 90.0, EA = 4e6 }}]"""
+K = [[9e3 * (i == j) + 400.0 * (i + j == 4) for j in range(6)] for i in range(6)]
+
+
+@pytest.mark.parametrize("away", [(0.7, 0.0), (-2.0, 0.4)])
+def test_answers_do_not_go_with_the_origin_of_a_file(barge, away):
+    """Loads that keep their directions act above the centre of buoyancy, not where a file has its origin."""
+    text, floats = barge.read_text(), []
+    old = [line for line in text.splitlines() if line.startswith(("hull =", "arm ="))]
+    for x, y in ((0.0, 0.0), away):
+        numbers = 1.2 - x, 0.3 - y, 0.2 - y, K, 0.5 - x, -y, x, y, x - 5.0, y
+        barge.write_text(text.replace(old[0], PLACES.format(*numbers)).replace(old[1], ""))
+        (task, *_) = Tasks.of(load(barge).content)
+        (item,) = scenes.floats(task.parameters)
+        told = np.add(item.cog, scenes.offset(task.parameters.floats[0].hull))  # from the study's reference point
+        assert told[1:] == pytest.approx([0.2 - y, 0.1])
+        floats.append((item, geometry_of(task.parameters)))
+    (one, geometry), (other, same) = floats
+    assert other.hull.vertices == pytest.approx(one.hull.vertices, abs=1e-12)
+    for name in ("arm", "cog"):
+        assert getattr(other, name) == pytest.approx(getattr(one, name), abs=1e-9)
+    assert other.lines[0].fairlead == pytest.approx(one.lines[0].fairlead)
+    assert other.pulls == pytest.approx(one.pulls)
+    assert other.moored.stiffness == pytest.approx(one.moored.stiffness)
+    assert same.bodies[0].centre == pytest.approx(geometry.bodies[0].centre, abs=1e-12)
+
+
+def test_a_file_of_coefficients_is_about_the_reference_point_of_the_study(barge, monkeypatch):
+    asked = {}
+    monkeypatch.setattr("pipeline.bridge.given.reading.read", lambda *_: None)
+    monkeypatch.setattr("solver.hydrodynamics.bem.adopted.adopted", lambda *_, **words: asked.update(words))
+    barge.write_text(barge.read_text().replace('"barge.gdf"', '"barge.gdf", origin = [0.7, 0.0, 0.0]'))
+    (task, *_) = Tasks.of(load(barge).content)
+    given_hydrodynamics(geometry_of(task.parameters).model_copy(update={"coefficients": True}))
+    assert asked["points"] == pytest.approx(np.array([[-5.0, 0.0, 0.0]]))
 
 
 def edited(study, change):
