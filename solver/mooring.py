@@ -88,9 +88,7 @@ class Mooring:
     as the joint carries the point round, along y H y/2: -F₀·H more of stiffness.
     """
 
-    stiffness: Annotated[
-        Matrix, Quantity("N m/rad or N/m"), "K, symmetric, of the joint's axes; or 6 x 6, of `point`"
-    ]
+    stiffness: Annotated[Matrix, Quantity("N m/rad or N/m"), "K, symmetric, of the joint's axes; or 6 x 6, of `point`"]
     damping: Annotated[Matrix | None, Quantity("N m s/rad or N s/m"), "C, symmetric and passive, as large as K"] = None
     pretension: Annotated[
         tuple[float, ...] | None, Quantity("N m or N"), "F₀, load of the lines on the float at rest, as long as K"
