@@ -261,13 +261,13 @@ def floating(item: Float) -> physics.Float:
             raise InputError(f"floats.{item.name}.pto_law", "given", "must be left out beside pto_table")
         parts["pto_table"] = law
     x, y, z = (0.0 if place == FOUND else place for place in item.cog)
-    parts |= {"mass": 1.0 if item.mass == FOUND else item.mass, "cog": (x, y, z), "arm": item.arm}
+    parts |= {"mass": 1.0 if item.mass == FOUND else item.mass, "cog": (x, y, z)}
+    parts = {name: value for name, value in item if name not in ("pto_law", "hold")} | parts
     if (away := offset(item.hull)).any():
         parts |= _from(away, parts)
-    given = {name: value for name, value in item if name not in ("pto_law", "hold")}
     # A table is what the solver knows of a law, too.
     with _renamed(lambda key: key.replace(".pto_table", ".pto_law") if law else key):
-        return physics.Float(**{**given, **parts})
+        return physics.Float(**parts)
 
 
 def _from(away: np.ndarray, parts: dict[str, Any]) -> dict[str, Any]:
@@ -275,7 +275,7 @@ def _from(away: np.ndarray, parts: dict[str, Any]) -> dict[str, Any]:
     moved = {"arm": tuple((parts["arm"] + away).tolist()), "cog": tuple((parts["cog"] - away).tolist())}
     lines = (replace(line, fairlead=tuple((line.fairlead - away).tolist())) for line in parts["lines"])
     moved["lines"] = tuple(lines)
-    if mooring := parts.get("mooring"):
+    if mooring := parts["mooring"]:
         moved["mooring"] = replace(mooring, point=tuple((mooring.point - away).tolist()))
     return moved
 
