@@ -262,12 +262,13 @@ def floating(item: Float) -> physics.Float:
         parts["pto_table"] = law
     x, y, z = (0.0 if place == FOUND else place for place in item.cog)
     parts |= {"mass": 1.0 if item.mass == FOUND else item.mass, "cog": (x, y, z)}
-    parts = {name: value for name, value in item if name not in ("pto_law", "hold")} | parts
+    given: dict[str, Any] = {name: value for name, value in item if name not in ("pto_law", "hold")}
+    given |= parts
     if (away := offset(item.hull)).any():
-        parts |= _from(away, parts)
+        given |= _from(away, given)
     # A table is what the solver knows of a law, too.
     with _renamed(lambda key: key.replace(".pto_table", ".pto_law") if law else key):
-        return physics.Float(**parts)
+        return physics.Float(**given)
 
 
 def _from(away: np.ndarray, parts: dict[str, Any]) -> dict[str, Any]:
