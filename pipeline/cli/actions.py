@@ -111,7 +111,8 @@ def print_table(study: Study, path: Path) -> None:
 
 
 def _table(study: Study, path: Path) -> str:
-    from pipeline.report import life, report
+    from pipeline.report import energy, life, report
+    from pipeline.report.yearly import show
     from pipeline.results import dataset
 
     with dataset.opened(path) as data, out.capture() as drawn:
@@ -120,7 +121,8 @@ def _table(study: Study, path: Path) -> str:
             report.print_tables(data, rows, out)
         if not report.speaks(data, rows):
             report.print_summary(data, out)
-        life.print_lives(data, out)
+        for table in (energy.table(data), life.table(data)):
+            show(table, out)
     return drawn.get()
 
 

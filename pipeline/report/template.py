@@ -77,16 +77,16 @@ below each table.{{ named }}{% if verdicts %} {{ verdicts }}{% endif %}</p>
 {% endif %}
 {% endfor %}
 {% endif %}
-{% if lives[1] %}
-<h2>Fatigue</h2>
-<p class="note">{{ lives[2] }}</p>
+{% for table in yearly if table.lines %}
+<h2>{{ table.title }}</h2>
+<p class="note">{{ table.note }}</p>
 <div class="wide"><table>
-<tr>{% for name in lives[0] %}<th{% if loop.index < 3 %} class="word"{% endif %}>{{ name }}</th>{% endfor %}</tr>
-{% for row in lives[1] %}
+<tr>{% for name in table.header %}<th{% if loop.index < 3 %} class="word"{% endif %}>{{ name }}</th>{% endfor %}</tr>
+{% for row in table.lines %}
 <tr>{% for cell in row %}<td{% if loop.index < 3 %} class="word"{% endif %}>{{ cell }}</td>{% endfor %}</tr>
 {% endfor %}
 </table></div>
-{% endif %}
+{% endfor %}
 {% if periods %}
 <h2>Natural periods of the whole system in water</h2>
 <p class="note">Undamped, each with the added mass of its own frequency, and what moves in it: first the

@@ -7,7 +7,8 @@ from pytest import approx
 from rich.console import Console
 from scipy import stats
 
-from pipeline.report.life import LEVEL, lives, print_lives, rows
+from pipeline.report.life import lives, rows, table
+from pipeline.report.yearly import LEVEL, show
 
 YEAR = 365.25 * 24
 
@@ -74,7 +75,7 @@ def test_what_is_not_known_is_not_told():
 def test_rows_are_of_each_label_whatever_its_axis_is_called():
     """Numbers, and names that the reckoning or xarray might have for itself."""
     data = dataset([[1e-6, 3e-6]]).expand_dims(cell=[0.5, 1.5], method=["time"], estimate=[1])
-    assert [line[0] for line in rows(data)] == ["0.5, time, 1, all seas", "1.5, time, 1, all seas"]
+    assert [line[0] for line in rows(data)] == [f"cell {x}, time, estimate 1, all seas" for x in (0.5, 1.5)]
 
 
 @pytest.mark.parametrize("held", [True, False])
@@ -88,10 +89,10 @@ def test_rows_name_the_worst_fibre(held):
     assert float(lines[0][2]) == approx((2e-6 if held else 4e-6) * YEAR, rel=5e-3)
     console = Console(width=200)
     with console.capture() as drawn:
-        print_lives(data, console)
+        show(table(data), console)
     assert "Student's t" in drawn.get() and "foot of leg 1, fibre 1" in drawn.get()
     with console.capture() as drawn:
-        print_lives(data.drop_vars("damage"), console)
+        show(table(data.drop_vars("damage")), console)
     assert drawn.get() == ""
 
 

@@ -1,0 +1,63 @@
+"""Energy that a year takes from the sea, of each float and of all, with its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from pipeline.report.yearly import LEVEL, YEAR, Table, cells, counted, over_seas, realized, texts
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+HOUR = 3600.0  # [s]
+OF = {"absorbed_power": "absorbed", "electrical_power": "electrical"}  # by variable
+ALL = "all floats"
+HEADER = ("", "", "mean power [kW]", "low", "high", "energy a year [MWh]", "low", "high", "realizations")
+NOTE = (
+    "Mean over realizations and sea states, these by their occurrence, as if there were no others in the year; low and"
+    f" high: {LEVEL:.0%} by Student's t of the realizations' power. With one realization there are none."
+)
+
+
+def energies(data: xr.Dataset, variable: str = "absorbed_power", weights: Any = None) -> xr.Dataset:
+    """`power` [W] and `energy` of a year [J] over all sea states, dimensions `estimate` and `float`: see `over_seas`.
+
+    variable: "absorbed_power" or "electrical_power" of a collected dataset; weights (sea_state,): its `occurrence`,
+    else equal ones. Of several floats the last is `all floats`, whose interval is that of their sum.
+    """
+    power = over_seas(_powers(data, variable), data if weights is None else weights)
+    energy = power * YEAR * HOUR
+    power.attrs, energy.attrs = {"units": "W"}, {"units": "J"}
+    return power.to_dataset(name="power").assign(energy=energy)
+
+
+def _powers(data: xr.Dataset, variable: str) -> xr.DataArray:
+    """Mean power in each task, of the floats and of all."""
+    import xarray as xr
+
+    each = realized(data, data[variable].sel(statistic="mean", drop=True))
+    if each.sizes["float"] == 1:
+        return each
+    total = each.sum("float", min_count=1).assign_coords(float=ALL)
+    return xr.concat([each, total], dim="float", coords="minimal", compat="override")
+
+
+def table(data: xr.Dataset) -> Table:
+    """Of a study that says how often its sea states come."""
+    return Table("Energy", HEADER, list(rows(data)) if "occurrence" in data.coords else [], NOTE)
+
+
+def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
+    """Of every platform and other label, each float and all of them, as text."""
+    for variable, word in OF.items():
+        if variable not in data:
+            continue
+        values = _powers(data, variable).compute()
+        for labels, part in cells(values, variable, ("float",)):
+            found = over_seas(part[variable], part)
+            for name in part["float"].values.tolist():
+                each, power = (of.sel({"float": name}) for of in (part[variable], found))
+                if each.notnull().any():
+                    figures = texts(power.values / 1e3), texts(power.values * YEAR / 1e6)
+                    yield ", ".join([*labels, name]), word, *figures[0], *figures[1], counted(each)

@@ -1,0 +1,132 @@
+"""Means over realizations and sea states, these by their occurrence, each with its interval; and tables of them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Hashable, Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from pipeline.results.dataset import once
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from rich.console import Console
+
+LEVEL = 0.95  # of the intervals
+YEAR = 365.25 * 24.0  # [h]
+ESTIMATES = ("value", "low", "high")
+WORDS = 2  # columns of a table that are words
+
+
+class _Mean(NamedTuple):
+    """Over realizations: mean, its variance and their number, in each sea state."""
+
+    mean: xr.DataArray
+    variance: xr.DataArray  # of the mean; NaN where one realization tells nothing of it
+    number: xr.DataArray
+
+
+def over_seas(each: xr.DataArray, weights: Any) -> xr.DataArray:
+    """Mean over realizations and sea states of what tasks have; along `estimate`, first, value, low and high at 95 %.
+
+    m = Σ wⱼ m̄ⱼ/Σ wⱼ of the means m̄ⱼ over the nⱼ realizations of each sea state j, by weights w (sea_state,) or a
+    dataset's `occurrence`, else equal ones. The interval is m ± t s, s² = Σ (wⱼ/Σw)² sⱼ²/nⱼ of independent
+    realizations, with Student's t at the degrees of freedom of Welch and Satterthwaite, (Σ vⱼ)²/Σ vⱼ²/(nⱼ - 1). NaN:
+    value where a sea state has no number, interval where one has a single realization.
+    """
+    import xarray as xr
+    from scipy import stats
+
+    mean, error, freedom = _weighted(_means(each), weights)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        # Where no realization differs there is no scatter, and no degree of freedom either.
+        half = (stats.t.ppf((1 + LEVEL) / 2, freedom) * error).where(error != 0, 0.0)
+    ends: xr.DataArray = xr.concat([mean, mean - half, mean + half], dim="estimate")
+    return ends.assign_coords(estimate=list(ESTIMATES))
+
+
+def realized(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
+    """Values where a realization has a task of its own: a regular or still sea has one, whatever the seed."""
+    import xarray as xr
+
+    if "task" not in data or "seed" not in data["task"].dims:
+        return values
+    along: dict[str, Any] = {"input_core_dims": [["seed"]], "output_core_dims": [["seed"]], "vectorize": True}
+    return values.where(xr.apply_ufunc(once, data["task"].compute(), **along))
+
+
+def _means(each: xr.DataArray) -> _Mean:
+    """Over realizations, those that have a number."""
+    each = each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
+    number = each.notnull().sum("seed")
+    return _Mean(each.mean("seed"), each.var("seed", ddof=1) / number.where(number > 1), number)
+
+
+def _weighted(of: _Mean, weights: Any) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
+    """Mean over sea states, its standard error, and degrees of freedom."""
+    w = occurrence(weights, of.mean)
+    parts = w**2 * of.variance
+    variance = parts.sum("sea_state", skipna=False)
+    freedom = variance**2 / (parts**2 / (of.number - 1).where(of.number > 1)).sum("sea_state", skipna=False)
+    return (w * of.mean).sum("sea_state", skipna=False), variance**0.5, freedom
+
+
+def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
+    """Shares of the sea states (sea_state,) that add up to one, from a dataset's `occurrence` or numbers."""
+    import xarray as xr
+
+    known = weights.coords.get("occurrence") if isinstance(weights, xr.Dataset) else weights
+    if known is None:
+        known = np.ones(values.sizes["sea_state"])
+    w = xr.DataArray(np.broadcast_to(np.asarray(known, float), values.sizes["sea_state"]), dims="sea_state")
+    return w / w.sum(skipna=False)
+
+
+class Table(NamedTuple):
+    """Lines of text under a header, the first WORDS of each in words; and how to read them."""
+
+    title: str
+    header: tuple[str, ...]
+    lines: list[tuple[str, ...]]
+    note: str
+
+
+def cells(values: xr.DataArray, name: str, inner: Collection[str]) -> Iterator[tuple[list[str], xr.Dataset]]:
+    """Labels along all dimensions but the inner ones, realizations and sea states, and the part that has numbers."""
+    outer = [dim for dim in values.dims if dim not in ("seed", "sea_state", *inner)]
+    for labels in itertools.product(*(values[dim].values for dim in outer)):
+        part = values.to_dataset(name=name).sel(dict(zip(outer, labels, strict=True)))
+        if part[name].notnull().any():
+            yield [_named(*pair) for pair in zip(outer, labels, strict=True)], part
+
+
+def _named(dim: Hashable, label: Any) -> str:
+    """A word speaks for itself, a number is of something."""
+    return f"{dim} {label:g}" if np.issubdtype(type(label), np.number) else str(label)
+
+
+def counted(values: xr.DataArray) -> str:
+    """Numbers of realizations, of all sea states."""
+    some = values.notnull()
+    count = some.sum("seed").values if "seed" in some.dims else some.values
+    return "/".join(map(str, np.unique(np.asarray(count, int))))
+
+
+def texts(numbers: np.ndarray) -> list[str]:
+    """Three digits of each."""
+    return ["-" if np.isnan(number) else f"{number:.3g}" for number in numbers]
+
+
+def show(table: Table, console: Console) -> None:
+    """The table, if it has lines; a narrow terminal wraps them."""
+    if not table.lines:
+        return
+    widths = [max(map(len, column)) for column in zip(table.header, *table.lines, strict=True)]
+    console.print(table.title, style="bold")
+    for line in (table.header, *table.lines):
+        columns = enumerate(zip(line, widths, strict=True))
+        row = [word.ljust(n) if i < WORDS else word.rjust(n) for i, (word, n) in columns]
+        console.print("  ".join(row), soft_wrap=True, highlight=False, markup=False)
+    console.print(f"  {table.note}", soft_wrap=True, highlight=False, markup=False)

@@ -1,0 +1,80 @@
+"""Energy a year over sea states, of each float and of all, with intervals over realizations."""
+
+import numpy as np
+import xarray as xr
+from pytest import approx
+from rich.console import Console
+from scipy import stats
+
+from pipeline.report.energy import ALL, energies, rows, table
+from pipeline.report.yearly import show
+
+HOURS = 365.25 * 24
+STATISTICS = ["max", "min", "mean", "rms", "std"]
+
+
+def dataset(power, occurrence=(3.0, 1.0), **coords):
+    """Mean power (sea_state, seed, float) beside other statistics, which do not count."""
+    power = np.asarray(power, float)
+    each = np.stack([power if name == "mean" else 9e9 + 0 * power for name in STATISTICS], axis=-1)
+    known = {"float": ["front", "rear"][: power.shape[2]], "sea_state": [f"s{i}" for i in range(len(power))]}
+    data = xr.Dataset(
+        {"absorbed_power": (("sea_state", "seed", "float", "statistic"), each)},
+        coords={"statistic": STATISTICS, **known, **coords},
+    )
+    return data if occurrence is None else data.assign_coords(occurrence=("sea_state", list(occurrence)))
+
+
+MIRRORED = [[[2e3, 1e3], [1e3, 2e3]], [[8e3, 4e3], [6e3, 6e3]]]  # what one float has less the other has more
+
+
+def test_all_floats_have_the_interval_of_their_sum():
+    """Not that of floats that know nothing of each other: here the sum is the same in every realization."""
+    found = energies(dataset(MIRRORED))
+    assert found["float"].values.tolist() == ["front", "rear", ALL]
+    mean = 0.75 * 1.5e3 + 0.25 * 7e3
+    parts = np.array([0.75**2 * 0.5e6 / 2, 0.25**2 * 2e6 / 2])
+    half = stats.t.ppf(0.975, parts.sum() ** 2 / (parts**2).sum()) * np.sqrt(parts.sum())
+    assert found.power.sel({"float": "front"}).values == approx([mean, mean - half, mean + half])
+    total = 0.75 * 3e3 + 0.25 * 12e3
+    assert found.power.sel({"float": ALL}).values == approx([total] * 3)
+    assert found.energy.sel({"float": ALL}).values == approx([total * HOURS * 3600] * 3)
+    assert energies(dataset(MIRRORED), weights=[1, 1]).power.values[0, 2] == approx(7.5e3)
+
+
+def test_a_line_for_each_float_and_label():
+    """Of every power that there is; of a float that a variant does without none, and all are the others."""
+    data = dataset(MIRRORED).expand_dims(pto_damping=[1e5, 2e5]).copy(deep=True)
+    data["electrical_power"] = 0.8 * data.absorbed_power
+    data.absorbed_power[1, ..., 1, :] = np.nan
+    lines = list(rows(data))
+    assert [line[:2] for line in lines[:5]] == [
+        ("pto_damping 100000, front", "absorbed"),
+        ("pto_damping 100000, rear", "absorbed"),
+        (f"pto_damping 100000, {ALL}", "absorbed"),
+        ("pto_damping 200000, front", "absorbed"),
+        (f"pto_damping 200000, {ALL}", "absorbed"),
+    ]
+    assert {line[1] for line in lines[5:]} == {"electrical"} and len(lines) == 11
+    total = 0.75 * 3 + 0.25 * 12
+    assert lines[2][2:] == ("5.25", "5.25", "5.25", *3 * [f"{total * HOURS / 1e3:.3g}"], "2")
+    assert lines[4][2:] == lines[3][2:]
+
+
+def test_a_single_float_and_a_single_realization():
+    (line,) = rows(dataset([[[2e3]], [[6e3]]]))
+    assert line == ("front", "absorbed", "3", "-", "-", f"{3 * HOURS / 1e3:.3g}", "-", "-", "1")
+
+
+def test_a_sea_state_without_a_number_leaves_none():
+    assert [line[2:] for line in rows(dataset([[[np.nan] * 2], [[1e3] * 2]]))] == [(*6 * ["-"], "0/1")] * 3
+
+
+def test_nothing_is_told_where_nobody_said_how_often_seas_come():
+    console = Console(width=200)
+    with console.capture() as drawn:
+        show(table(dataset(MIRRORED, occurrence=None)), console)
+    assert drawn.get() == ""
+    with console.capture() as drawn:
+        show(table(dataset(MIRRORED)), console)
+    assert "energy a year [MWh]" in drawn.get() and ALL in drawn.get()
