@@ -284,7 +284,8 @@ def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: W
             return NOT_FINITE, spent
         if spent == 1:
             newton.first[0] = update
-            if problem.part and update < problem.near and update * newton.rate[0] < SURELY * tolerance:
+            known = problem.part and newton.rate[0] < np.inf
+            if known and update < problem.near and update * newton.rate[0] < SURELY * tolerance:
                 return OK, spent
         elif spent == 2:
             newton.rate[0] = update / before if before > 0 else np.inf
