@@ -175,13 +175,16 @@ class Channels:
             attrs = {**attrs, "system_shapes": "; ".join(modes.names)}
         if rao is not None:
             variables |= self._rao(rao)
-            coords["component"] = np.arange(1, self.scene.sea.omega.size + 1)
         if spectra is not None:
             variables |= spectra
             coords["frequency_band"] = np.arange(1, len(variables["band_frequency"][1]) + 1)
         variables |= further or {}
-        if any("axis" in dims for dims, _ in variables.values()):
+        used = {dim for dims, _ in variables.values() for dim in dims}
+        if "axis" in used:
             coords["axis"] = np.array(self.axes)
+        if "component" in used:  # of drift too, which fixed bodies have
+            coords["component"] = np.arange(1, self.scene.sea.omega.size + 1)
+            variables["wave_frequency"] = ("component",), self.scene.sea.omega
         kept = {name: (("time", *DIMS.get(name, ())), values) for name, values in (series or {}).items()}
         return Record(variables=variables, coords=coords, attrs=attrs, series=kept)
 
@@ -205,11 +208,7 @@ class Channels:
         each = np.divide(amplitudes, wave[:, None], out=none, where=tells[:, None])
         rao = np.moveaxis(self.by_axis(each), 0, -1)
         dims = ("float", "axis", "component")
-        return {
-            "rao": (dims, np.abs(rao)),
-            "rao_phase": (dims, np.angle(rao)),
-            "wave_frequency": (("component",), self.scene.sea.omega),
-        }
+        return {"rao": (dims, np.abs(rao)), "rao_phase": (dims, np.angle(rao))}
 
 
 def bound(tables: dict[str, np.ndarray], scene: Scene, channels: Channels, law: JointLaw, fastest: np.ndarray) -> None:

@@ -13,10 +13,12 @@ from solver.frequency import drift
 from solver.frequency.case import case_of
 from solver.frequency.response import respond
 from solver.hydrodynamics.bem import bem, far_field
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate
+from solver.scene import Float
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
-from tests.awkward import duck, rotors, sea
+from tests.awkward import duck, rotors, scene, sea
 
 HEADING = 0.5
 ALL = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -95,6 +97,29 @@ def test_offset_is_that_of_the_mooring():
     assert offset[0, at] == approx(loads / [4e4, 5e4, 3e6])
     assert np.all(std[0, at] > 0.2 * np.abs(offset[0, at])) and record.attrs["unmet"] == ""
     assert np.isnan(np.delete(offset[0], at)).all() and np.isnan(offset[1:]).all()
+
+
+def test_the_force_of_each_wave_is_told_of_bodies_that_are_fixed():
+    """Two that differ, waves aslant, one of them without height: the parts are those of the sum, by their frequency."""
+    pillar = Revolution.vertical_cylinder(radius=2.0, draft=3.0, freeboard=2.0)
+    first = Float(name="pillar", hull=pillar, mass=4e4, inertia=(9e3,) * 3, hinge=(-6.0, 1.0, 0), motion=())
+    floats = (first, replace(duck()[0].floats[0], motion=(), pto_damping=0.0))
+    waves = sea(band=(0.8, 2.0), heading=HEADING)
+    waves = replace(waves, amplitude=np.where(np.arange(60) == 7, 0.0, waves.amplitude))
+    item = scene(
+        floats, depth=np.inf, waves=waves, method="frequency", froude_krylov="linear", rao=True, outputs=("drift",)
+    )
+    h = bem.solve(
+        tuple(f.hull for f in floats), np.array([f.centre for f in floats]), depth=np.inf, heading=HEADING,
+        omega=np.linspace(0.7, 2.1, 5), planar=False, panels=108, far_field=True,
+    )  # fmt: skip
+    record = simulate(item, h)
+    told, dims = record.variables["drift_force_per_wave"][1], record.variables["drift_force_per_wave"][0]
+    assert record.variables["wave_frequency"][1] == approx(waves.omega) and dims == ("direction", "component")
+    assert list(record.coords["component"]) == list(range(1, 61)) and "rao" not in record.variables
+    assert np.flatnonzero(np.isnan(told[0])).tolist() == [7]
+    force = np.nansum(told * np.abs(waves.amplitude) ** 2, axis=1)[:2]
+    assert force == approx(record.variables["drift_force"][1][:2]) and np.all(force > 0)
 
 
 def test_a_tolerance_not_met_is_said_beside_the_drift():
