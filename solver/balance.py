@@ -13,7 +13,7 @@ from solver.errors import InputError, refuse
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
-from solver.mooring import line_loads
+from solver.mooring import line_pulls, odd_lines
 from solver.scene import DOFS, Float, Platform, Scene, Water, unlisted
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
@@ -29,6 +29,7 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     """Sentences for the user, the key first; joints (nj,): at rest, where that is known."""
     sentences = [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
+    sentences += [f"floats.{f.name}.lines: {text}" for f in scene.floats for text in odd_lines(f.lines, f.centre)]
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
     for group in scene.sharing:
         if len(edges := openings([f.hull for f in group], [f.centre for f in group])):
@@ -238,7 +239,7 @@ def _least(item: Float, name: str, buoyancy: float) -> float:
     if name not in LEVEL_AXES:
         return 0.0 if name == "heave" else buoyancy * item.hull.scale
     i = item.motion.index(name)
-    lines = sum(float(np.linalg.norm(line_loads((line,), item.centre)[:3])) for line in item.lines)
+    lines = float(np.linalg.norm(line_pulls(item.lines, item.centre), axis=1).sum())
     return lines + float(abs(item.moored.pretension[i]) + abs(item.per_axis("preload")[i]))
 
 
@@ -262,11 +263,12 @@ def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[
 
 
 def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collection[str]) -> Float:
-    displaced = water.density * item.hull.volume
-    force, moment = _with(item, _pulls(item), *_carried(item, water, floats))
+    displaced, (carried, turning) = water.density * item.hull.volume, _carried(item, water, floats)
+    force, moment = _with(item, _pulls(item), carried, turning)
     mass = displaced + force / water.gravity if "mass" in sought else item.mass
     if not mass > 0:
-        limit = f"leaves nothing: {displaced:.6g} kg displaced do not bear what the float carries"
+        lift = f"{displaced:.6g} kg displaced, {displaced * water.gravity:.4g} N"
+        limit = f"leaves nothing: {lift}, do not bear {_borne(item, carried)}"
         raise InputError(f"floats.{item.name}.mass", "balance", limit)
     places = [axis for axis in "xy" if axis in sought]
     if not places:
@@ -288,3 +290,11 @@ def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collec
     found[np.abs(found) < LEVEL * item.hull.size] = 0.0  # rounding, which would be no mirror image
     x, y = (float(found[k]) if axis in places else item.cog[k] for k, axis in enumerate("xy"))
     return replace(item, mass=mass, cog=(x, y, item.cog[2]))
+
+
+def _borne(item: Float, carried: float) -> str:
+    """What the buoyancy bears beside the weight, that of the floats carried [N] first, and which lines are odd."""
+    axes = zip(item.motion, item.per_axis("preload"), _pulls(item), strict=True)
+    along = (_pulled(name, preload, pull - preload) for name, preload, pull in axes if name == "heave")
+    borne = [f"what the float carries, {carried:.4g} N"] * bool(carried) + [text for texts in along for text in texts]
+    return "; ".join([" and ".join(borne), *odd_lines(item.lines, item.centre)])

@@ -17,6 +17,7 @@ STEP, TURN = 1e-5, 1e-4  # of a line's length [m], and angle [rad], of the diffe
 SIX = 6  # rows of matrices of the reference point's motion
 SYMMETRIC = 1e-6  # relative difference of two entries that count as one
 PASSIVE = 1e-9  # of a damping matrix scaled to a diagonal of 1: a lower eigenvalue than minus this is not rounding
+STRAINED = 0.05  # of a line at rest: chain and wire break before, and fibre is moored with less
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,6 +49,22 @@ def lines_of(each: Sequence[Sequence[Line]]) -> "Lines":
 def line_loads(lines: Sequence[Line], centre: np.ndarray) -> np.ndarray:
     """Load (6,) [N, N m] at rest of a float's lines about its reference point, at `centre` (3,) [m]."""
     return _loads(lines_of([lines]), np.asarray(centre, float), np.eye(3))
+
+
+def line_pulls(lines: Sequence[Line], centre: np.ndarray) -> np.ndarray:
+    """Pull (n, 3) [N] at rest of each of these lines."""
+    return np.array([line_loads((line,), centre)[:3] for line in lines]).reshape(-1, 3)
+
+
+def odd_lines(lines: Sequence[Line], centre: np.ndarray) -> Iterator[str]:
+    """A sentence for each of a float's lines that is strained by STRAINED or more at rest, T/EA at its fairlead."""
+    for number, (line, pull) in enumerate(zip(lines, line_pulls(lines, centre), strict=True), 1):
+        tension, apart = np.linalg.norm(pull), np.linalg.norm(np.subtract(line.anchor, centre + line.fairlead))
+        if tension >= STRAINED * line.EA:
+            yield (
+                f"line {number} is strained by {tension / line.EA:.2g} at rest, {tension:.4g} N: {line.length:g} m long"
+                f" without tension, it spans {apart:.4g} m from anchor to fairlead"
+            )
 
 
 def _loads(rows: "Lines", position: np.ndarray, rotation: np.ndarray) -> np.ndarray:

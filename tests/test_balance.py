@@ -74,6 +74,46 @@ def test_a_line_that_pulls_by_more_than_the_others_is_told():
     assert text == f"floats.ball is out of equilibrium: {pull}. It settles before the run begins"
 
 
+def tied(strain, scale=1.0, EA=1e6, **changes):
+    """Off the middle on an arm, two lines nearly without weight: one at ease, one that its straight way strains."""
+    centre, way = np.array([4.0, 1.0, 0.0]), np.array([-30.0, 12.0, -40.0])
+    L, lines = np.linalg.norm(way), []
+    for fairlead, length in (((2.0, 0, -1), 1.02 * L), ((-1.0, 2, 0), L / (1 + strain))):
+        anchor = tuple(scale * (centre + fairlead + way))
+        at = {"anchor": anchor, "fairlead": tuple(scale * np.array(fairlead)), "length": scale * length}
+        lines.append(Line(**at, weight=1e-3 * scale**2, EA=EA * scale**3))
+    joint = {"hinge": tuple(scale * np.array([-3.0, 0, 2])), "arm": tuple(scale * np.array([7.0, 1, -2]))}
+    hull = Revolution.sphere(radius=5 * scale, draft=5 * scale)
+    fields = {"mass": 1000 * hull.volume, "motion": ("pitch", "heave"), "lines": tuple(lines)} | joint | changes
+    return Float(name="ball", hull=hull, inertia=(2.6e6 * scale**5,) * 3, **fields)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1 / 30])
+def test_a_line_that_is_strained_at_rest_is_told(scale):
+    """By 5 % or more, of its length without tension, however light the line and whatever the scale."""
+    told = [warnings(Scene(water=DEEP, sea=CALM, floats=(tied(strain, scale),))) for strain in (0.0495, 0.0505)]
+    slack, taut = ([text for text in texts if text.startswith("floats.ball.lines: ")] for texts in told)
+    L = scale * np.sqrt(30**2 + 12**2 + 40**2)
+    number, apart = f"line 2 is strained by 0.051 at rest, {0.0505e6 * scale**3:.4g} N", f"it spans {L:.4g} m"
+    assert slack == [] and len(taut) == 1 and number in taut[0] and apart in taut[0]
+
+
+@pytest.mark.parametrize("scale", [1.0, 1 / 30])
+@pytest.mark.parametrize("preload", [0.0, -1e5])
+def test_lines_that_pull_a_float_under_are_named(scale, preload):
+    """In place of what it carries, which is nothing; beside a preload, if there is one."""
+    item = tied(0.6, scale, EA=1e7, preload=(0.0, preload * scale**3))
+    with pytest.raises(InputError) as caught:
+        balanced([item], DEEP, [("mass",)])
+    down = (
+        f"a pull of mooring or lines of {item.pulls[1] - preload * scale**3:.4g} N; line 2 is strained by 0.6 at rest"
+    )
+    held = f"a preload of {preload * scale**3:.4g} N and " if preload else ""
+    assert caught.value.key == "floats.ball.mass" and "carries" not in caught.value.limit
+    assert f" N, do not bear along heave {held}{down}" in caught.value.limit
+    assert item.pulls[1] < -DISPLACED * scale**3 * DEEP.gravity
+
+
 @pytest.mark.parametrize(("motion", "arm"), [("surge", 0), ("pitch", 0), ("yaw surge", 0), ("hinge", 20)])
 def test_what_cannot_move_up_and_down_is_not_weighed(motion, arm):
     """A vertical hinge axis carries any weight, and so does a pitch axis below it."""
@@ -234,7 +274,12 @@ def test_the_solver_finds_what_was_balanced_at_rest(sought):
     ("floats", "sought", "key", "words"),
     [
         ([rotor(axis=(1, 0, 0))], ["x"], "floats.rotor.cog", "does not turn the float about its hinge's axis"),
-        ([raft(), replace(rotor(mass=2e6), on="raft")], [("mass",), ()], "floats.raft.mass", "do not bear what"),
+        (
+            [raft(), replace(rotor(mass=2e6), on="raft")],
+            [("mass",), ()],
+            "floats.raft.mass",
+            r"do not bear what the float carries, -[\d.e+]+ N$",
+        ),
     ],
 )
 def test_what_no_weight_balances_is_refused(floats, sought, key, words):
