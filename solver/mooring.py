@@ -57,13 +57,19 @@ def line_pulls(lines: Sequence[Line], centre: np.ndarray) -> np.ndarray:
 
 
 def odd_lines(lines: Sequence[Line], centre: np.ndarray) -> Iterator[str]:
-    """A sentence for each of a float's lines that is strained by STRAINED or more at rest, T/EA at its fairlead."""
+    """A sentence for each of a float's lines that is strained by STRAINED or more at rest, T/EA at its fairlead, or
+    that is slack, and pulls by the weight of what hangs straight down alone."""
     for number, (line, pull) in enumerate(zip(lines, line_pulls(lines, centre), strict=True), 1):
         tension, apart = np.linalg.norm(pull), np.linalg.norm(np.subtract(line.anchor, centre + line.fairlead))
         if tension >= STRAINED * line.EA:
             yield (
                 f"line {number} is strained by {tension / line.EA:.2g} at rest, {tension:.4g} N: {line.length:g} m long"
                 f" without tension, it spans {apart:.4g} m from anchor to fairlead"
+            )
+        elif not pull[:2].any() and -pull[2] < line.weight * line.length:  # as no taut tether straight down is
+            yield (
+                f"line {number} is slack at rest: {line.length:g} m long, {apart:.4g} m from anchor to fairlead, it"
+                " hangs straight down, the rest lies on the seabed, and it holds nothing along the horizontal"
             )
 
 

@@ -99,6 +99,21 @@ def test_a_line_that_is_strained_at_rest_is_told(scale):
 
 
 @pytest.mark.parametrize("scale", [1.0, 1 / 30])
+def test_a_line_that_is_slack_at_rest_is_told(scale):
+    """Longer than the water is deep and the anchor far, or on a heap; not a tether upright."""
+    item = tied(0.0, scale)
+    upright = replace(item.lines[0], anchor=(*(item.centre + item.lines[0].fairlead)[:2], -40.0 * scale))
+    lines = {share: replace(item.lines[1], length=share * scale * (40 + np.hypot(30, 12))) for share in (0.999, 1.001)}
+    lines |= {"tether": replace(upright, length=38.9 * scale), "heap": replace(upright, length=39.1 * scale)}
+    told = {}
+    for name, line in lines.items():
+        scene = Scene(water=DEEP, sea=CALM, floats=(replace(item, lines=(item.lines[0], line)),))
+        told[name] = [text for text in warnings(scene) if text.startswith("floats.ball.lines: ")]
+    assert told[0.999] == told["tether"] == []
+    assert all(len(told[name]) == 1 and "line 2 is slack at rest" in told[name][0] for name in (1.001, "heap"))
+
+
+@pytest.mark.parametrize("scale", [1.0, 1 / 30])
 @pytest.mark.parametrize("preload", [0.0, -1e5])
 def test_lines_that_pull_a_float_under_are_named(scale, preload):
     """In place of what it carries, which is nothing; beside a preload, if there is one."""
