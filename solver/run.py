@@ -22,6 +22,7 @@ from solver.record.accuracy import ATTEMPTS, first_guess, improved
 from solver.record.audit import audit
 from solver.record.bound import above
 from solver.record.channels import Record
+from solver.record.decay import died
 from solver.record.probe import Probe, sharpest_bend
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
@@ -161,6 +162,8 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     }
     told = warnings(scene, system.joints_at_rest)
     beyond = beyond_tables(scene.floats, low, high)
-    if odd := (*told, *met(scene, recorder.tables()), *beyond, *above(scene, recorder.mean_power)):
+    tables = recorder.tables()
+    late = died(recorder.channels, tables)
+    if odd := (*told, *met(scene, tables), *beyond, *late, *above(scene, recorder.mean_power)):
         attrs["warnings"] = "; ".join(odd)
     return recorder.record(attrs, modes)

@@ -9,6 +9,7 @@ A small σ makes the resonances of what hardly dies wide enough to be summed, wh
 Y + iσ Y', for coefficients change slowly.
 """
 
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,8 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.channels import Channels
 from solver.record.response import absorbs
 from solver.record.sampling import least_force
-from solver.statistics import FAINT
+from solver.scene import DOFS
+from solver.statistics import FAINT, STATISTICS
 
 PERIODS = 50  # of the slowest motion that coefficients know, in the time for which spectra are told, at least
 LOST = 6.0  # σ times that time: exp(-LOST) of what is left of the motions at its end counts at its start
@@ -27,6 +29,7 @@ BEYOND = 3  # times the highest frequency solved, up to which there are frequenc
 SHORTEST = 4  # periods of the shortest wave: of shorter records so much is judged
 MOST = 2**15  # frequencies, and
 ENTRIES = 8_000_000  # numbers in their impedances; of longer records what that is enough for is judged
+LEFT = 0.01  # of an offset, still swinging: errors of coefficients make as much of it
 
 
 def spectrum(system: System, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
@@ -72,6 +75,26 @@ def decay_effects(system: System, h: Hydrodynamics) -> tuple[float, float]:
     exact = _decay(system, span, _near(system, h, span.omega))
     memory = _changed(system, exact, _decay(system, span, system.fit.frequency(span.omega))) if system.fit else 0.0
     return memory, _changed(system, exact, _decay(system, span, _near(system, h.shifted, span.omega)))
+
+
+def died(channels: Channels, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence where of a decay less than LEFT of every offset swings in the record of statistics (…, 5)."""
+    floats = channels.scene.floats
+    start = channels.by_axis(np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in floats)])[None])[0]
+    if channels.scene.sea.amplitude.any() or not np.nan_to_num(start).any():
+        return
+    moved = tables["motion"] if "motion" in tables else tables["rotation"][:, None]
+    high, low = (moved[..., STATISTICS.index(name)] for name in ("max", "min"))
+    swing, size = (high - low) / 2, np.abs(start)
+    share = np.divide(swing, size, out=np.zeros(size.shape), where=size > 0)
+    b, i = np.unravel_index(share.argmax(), share.shape)
+    if share[b, i] < LEFT:
+        unit = "m" if channels.axes[i] in DOFS[:3] else "rad"
+        yield (
+            f"floats.{floats[b].name}.offset: let go from {start[b, i]:+.3g} {unit} of {channels.axes[i]}, it swings by"
+            f" {swing[b, i]:.2g} {unit} in the record, no float by a larger share: errors, told relative to what is"
+            " left, are not those of the decay"
+        )
 
 
 def _span(system: System, h: Hydrodynamics) -> _Span:

@@ -28,6 +28,7 @@ from solver.multibody.of_axes import bent, joint_energy, stop_loads
 from solver.record.audit import unmet
 from solver.record.bound import above
 from solver.record.channels import Record
+from solver.record.decay import died
 from solver.record.effects import coefficient_effects, shapes_effect, together
 from solver.record.elements import elements_effect
 from solver.record.probe import PROBE, probed, statistics_error
@@ -128,7 +129,9 @@ def simulate_reference(
         **scene.sea.parameters(),
     }
     told = warnings(scene, case.system.joints_at_rest)
-    if odd := (*told, *met(scene, recorder.tables()), *above(scene, recorder.mean_power)):
+    tables = recorder.tables()
+    late = died(recorder.channels, tables)
+    if odd := (*told, *met(scene, tables), *late, *above(scene, recorder.mean_power)):
         attrs["warnings"] = "; ".join(odd)
     attrs["wall_time"] = time.perf_counter() - clock
     return recorder.record(attrs, system_modes(case.system, hydrodynamics))

@@ -121,3 +121,25 @@ def test_of_a_long_record_what_frequencies_do_for_is_judged(monkeypatch):
     span = decay._span(prepare(item, h), h)
     assert span.omega.size == 2001 and 50 < span.times[-1] < 4000.0
     assert coefficient_effects(prepare(item, h), h) == approx(whole, rel=0.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "start"), [("model_scale", "+0.02 rad of hinge"), ("soft_mooring", "+0.01 rad of pitch")]
+)
+def test_a_record_that_begins_when_a_decay_is_over_says_so(name, start):
+    """At 1:20; and of a barge let go in heave and pitch alone, whose surge has no offset. In waves, none is."""
+    item, h = SCENES[name]()
+    floats = tuple(replace(f, offset=0.02 if len(f.motion) == 1 else (0.0, 0.02, 0.01)) for f in item.floats)
+    whole, ripples = 2 * item.settings.duration, replace(item.sea, amplitude=1e-5 * item.sea.amplitude)
+    told, left = [], []
+    for share, sea in ((0.0, CALM), (0.6, CALM), (0.6, ripples)):
+        span = {"discard": share * whole, "duration": (1 - share) * whole, "ramp": 0.0}
+        settings = replace(item.settings, froude_krylov="linear", **span)
+        record = simulate(replace(item, sea=sea, floats=floats, settings=settings), h)
+        motion = record.variables["rotation" if name == "model_scale" else "motion"][1].reshape(-1, 5)
+        size = np.ravel(floats[0].offset)
+        left.append(max((motion[:, 0] - motion[:, 1])[size > 0] / 2 / size[size > 0]))
+        told.append([text for text in record.attrs.get("warnings", "").split("; ") if ".offset: " in text])
+    early, late, waves = told
+    assert early == waves == [] and len(late) == 1
+    assert f"let go from {start}, it swings by" in late[0] and left[1] < decay.LEFT < left[0]
