@@ -45,6 +45,7 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     if scene.platform is not None:
         sentences += _of_platform(scene, scene.platform)
+    sentences += _pushed(scene, joints)
     rest = () if joints is None else _turned(scene, joints)
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
@@ -69,6 +70,22 @@ def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
                 f"floats.{name} rests at {at:+.2f} rad of {axis} from where it is given, which diffraction, radiation"
                 " and linear buoyancy are of"
             )
+
+
+def _pushed(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
+    """A sentence for each axis that is beyond an end stop at rest, where floats are given, and so is pushed off it."""
+    lower, upper, works = (
+        np.concatenate([np.zeros(0), *(f.per_axis(f"end_stops.{name}") for f in scene.floats)])
+        for name in ("lower", "upper", "stiffness")
+    )
+    names = [(f.name, axis) for f in scene.floats for axis in f.motion]
+    for j in np.flatnonzero((works > 0) & ((lower > 0) | (upper < 0))):
+        (name, axis), to = names[j], "" if joints is None else f" to {joints[j]:+.3g}"
+        unit = "m" if axis in DOFS[:3] else "rad"
+        yield (
+            f"floats.{name}.end_stops: {lower[j]:+g} to {upper[j]:+g} {unit} of {axis} leave out its rest, 0: a stop"
+            f" pushes it away{to} before the run begins"
+        )
 
 
 def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:

@@ -12,7 +12,7 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Line, Mooring
 from solver.run import simulate
-from solver.scene import Float, Scene, Settings, Water
+from solver.scene import EndStops, Float, Scene, Settings, Water
 from solver.sea.realization import CALM, measured
 from tests.hydrodynamics.shapes import fine_box
 
@@ -320,6 +320,34 @@ def test_a_float_that_rests_on_its_side_is_told_or_refused():
     assert "warnings" not in simulate(capsizing(stiffness=40e3), None).attrs
     with pytest.raises(SimulationFailed, match=r"can roll rests at -1\.57 in still water, beyond -1\.57 to \+1\.57"):
         simulate(capsizing(aside=0.3), None)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1 / 30])
+@pytest.mark.parametrize(
+    ("low", "high", "way"), [(0.02, 0.5, 1), (-0.3, -0.01, -1), (0.0, 0.5, 0), (-0.1, 0.5, 0), (0.02, 0.5, 0)]
+)
+def test_end_stops_that_leave_out_the_rest_are_told(low, high, way, scale):
+    """Before a run and of its record, of the axis that has them; not where they begin at it, nor of a damper alone."""
+    damper = way == 0 and low > 0
+    stops = EndStops(
+        lower=(-scale, low), upper=(scale, high), damping=(scale**2.5, scale**4.5),
+        stiffness=(1e4 * scale**2, 0.0 if damper else 1e6 * scale**4),
+    )  # fmt: skip
+    axes = {"motion": ("heave", "hinge"), "damping": (1e4 * scale**2.5, 1e6 * scale**4.5)}
+    item = tied(0.0, scale, cog=(0, 0, -scale), end_stops=stops, lines=(), **axes)
+    settings = Settings(duration=1.0, discard=0.0, ramp=0.0, radiation=False, diffraction=False)
+    scene = Scene(water=DEEP, floats=balanced([item], DEEP, [("mass", "x")]), settings=settings)
+    record = simulate(scene, None)
+    rest, told = record.variables["rotation"][1][0, 2], record.attrs.get("warnings", "")
+    if way:
+        (before,), words = (
+            warnings(scene),
+            f"{low:+g} to {high:+g} rad of hinge leave out its rest, 0: a stop pushes it",
+        )
+        assert before == f"floats.ball.end_stops: {words} away before the run begins"
+        assert told == f"floats.ball.end_stops: {words} away to {rest:+.3g} before the run begins" and way * rest > 1e-3
+    else:
+        assert warnings(scene) == () and told == "" and abs(rest) < 1e-9
 
 
 def test_a_slip_of_a_mesh_is_told_of_its_float():
