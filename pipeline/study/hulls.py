@@ -102,9 +102,11 @@ class PanelMesh(Table):
 
     shape: Annotated[Literal["mesh"], "Kind of hull"]
     file: Annotated[File, "Panels, in a file beside the study; z = 0 is still water"]
-    origin: Annotated[Vector, Unit("m"), "Point of the file, in its units, that is the float's reference point"] = (
-        0.0, 0.0, 0.0,
-    )  # fmt: skip
+    origin: Annotated[
+        Vector,
+        Unit("m"),
+        "Point of the file, in its units, that is the float's reference point; its z must be that of still water",
+    ] = (0.0, 0.0, 0.0)
     rotation: Annotated[Vector, Unit("rad"), "Turns about x, then y, then z, through that point"] = (0.0, 0.0, 0.0)
     scale: Annotated[Positive, Field(ge=1e-6, le=1e6), Unit("-"), "Metres in the file's unit, 0.001 for mm"] = 1.0
 

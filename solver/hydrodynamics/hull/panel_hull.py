@@ -50,7 +50,8 @@ class PanelHull:
             raise InputError(key, name, "has no panel with an area")
         lowest = vertices[faces.ravel(), 2].min()
         if not lowest < 0:
-            raise InputError(key, f"{name}, lowest point at z = {lowest:g} m", "must reach below still water, z = 0 m")
+            limit = "must reach below still water, z = 0 m: hull.origin is the file's point that comes to lie there"
+            raise InputError(key, f"{name}, lowest point at z = {lowest:g} m", limit)
         faces, rim, turned = surface.oriented(vertices, faces, key, name)
         sunk = vertices[rim, 2].min(axis=1) < -surface.WELD * np.ptp(vertices, axis=0).max()
         holes = vertices[rim[sunk]]

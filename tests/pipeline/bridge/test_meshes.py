@@ -10,6 +10,7 @@ from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of, given_hydrodynamics
 from pipeline.bridge.loading import load
 from pipeline.bridge.preflight import judge
+from pipeline.study import reference
 from pipeline.study.reading import StudyError
 from pipeline.tasks.tasklist import Tasks
 
@@ -120,3 +121,17 @@ def test_what_is_no_hull_is_refused_under_the_files_key(barge, change, message):
     with pytest.raises(StudyError) as caught:
         judged(barge)
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("placing", ["", ", rotation = [0, 0, 1.2], scale = 0.5"])
+@pytest.mark.parametrize(("deepest", "refused"), [(-0.59, False), (-0.6, True), (-7.0, True)])
+def test_an_origin_off_still_water_that_lifts_a_mesh_out_of_it_is_named(barge, placing, deepest, refused):
+    """Its z is where still water is, of a barge of 0.6 m draft."""
+    barge.write_text(barge.read_text().replace('"barge.gdf"', f'"barge.gdf", origin = [0.3, 0, {deepest}]{placing}'))
+    try:
+        told = "; ".join(judged(barge))
+    except StudyError as error:
+        told = str(error)
+    assert ("must reach below still water, z = 0 m: hull.origin is the file's point" in told) == refused
+    (key,) = (key for key in reference.find("origin") if key.path == "floats.*.hull.origin")
+    assert "its z must be that of still water" in key.meaning
