@@ -17,7 +17,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem.far_field import FarField, Waves
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.hydrodynamics.radiation.passivity import radiates
-from solver.hydrodynamics.radiation.rational import fewest_poles
+from solver.hydrodynamics.radiation.rational import fewest_poles, fitted, mixed
 from solver.keys import Bits, shared
 from solver.sea.dispersion import wavenumbers
 
@@ -89,10 +89,14 @@ class Hydrodynamics:
         """The same coefficients plus their estimated errors."""
         if self.error is None:
             return self
-        known = None if self.rings is None else (self.rings[1], self.rings[1])
-        return replace(
-            self, rings=known, **{name: getattr(self, name) + off for name, off in self.error._asdict().items()}
-        )
+        moved = {name: getattr(self, name) + off for name, off in self.error._asdict().items()}
+        if self.rings is not None:
+            return replace(self, rings=(self.rings[1], self.rings[1]), **moved)
+        # With as many poles: rough errors would be met by ever more of them, and rounding choose how many.
+        shifted, pairs = replace(self, **moved), int(np.where(self._poles.imag > 0, 2, 1).sum()) // 2
+        omega, samples = shifted._heard
+        beta = fitted(omega, mixed(samples, CLOSE), pairs) if pairs else self._poles
+        return replace(shifted, rings=(beta[beta.imag > 0],) * 2)
 
     @cached_property
     def mesh_error(self) -> float:
@@ -129,18 +133,27 @@ class Hydrodynamics:
         """Exponents β (p,) [rad/s], Im β > 0, of water that rings, by vector fitting of the impedance."""
         if self.rings is not None:
             return self.rings[0]
-        omega = self.omega[self.resolved]
+        return self._poles[self._poles.imag > 0]
+
+    @cached_property
+    def _poles(self) -> np.ndarray:
+        """Those, and real ones beside them."""
+        omega, samples = self._heard
+        # Fewer than there are differences to tell how much of each a curve has.
+        most = 2 * (omega.size - ROUGH) // 3 if samples.size else 0
+        turns = np.ptp(self.turned[self.resolved]) / (2 * np.pi)
+        return fewest_poles(omega, samples, CLOSE, most, turns)
+
+    @property
+    def _heard(self) -> tuple[np.ndarray, np.ndarray]:
+        """ω (nw',) that are resolved, and the impedance (nw', m) of what radiates there, 1 on the diagonal at most."""
         transfer = self.radiation_damping + 1j * self.omega[:, None, None] * (self.added_mass - self.added_mass_inf)
         lengths = np.repeat(np.cbrt(self.displaced_mass / self.density), len(self.dofs))
         lengths[np.tile([DOFS.index(dof) < 3 for dof in self.dofs], len(self.centres))] = 1.0
         size = np.sqrt(np.abs(np.einsum("wii->wi", transfer)).max(axis=0))
         heard = np.flatnonzero(radiates(size**2, lengths, self.body))
         scaled = transfer[self.resolved][:, heard[:, None], heard] / np.outer(size[heard], size[heard])
-        # Fewer than there are differences to tell how much of each a curve has.
-        most = 2 * (omega.size - ROUGH) // 3 if heard.size else 0
-        turns = np.ptp(self.turned[self.resolved]) / (2 * np.pi)
-        beta = fewest_poles(omega, scaled.reshape(omega.size, -1), CLOSE, most, turns)
-        return beta[beta.imag > 0]
+        return self.omega[self.resolved], scaled.reshape(len(scaled), -1)
 
     @property
     def interacting(self) -> bool:

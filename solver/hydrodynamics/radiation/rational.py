@@ -90,6 +90,14 @@ def relocated(poles: np.ndarray, omega: np.ndarray, samples: np.ndarray, weight:
     return _stable(_zeros(poles, solution[:-1], constant), omega)
 
 
+def fitted(omega: np.ndarray, samples: np.ndarray, pairs: int) -> np.ndarray:
+    """Poles of so many pairs, of which a real one is half, that meet samples (nw, m) at s = iω."""
+    poles = starting_poles(omega, pairs)
+    for _ in range(RELOCATED):
+        poles = relocated(poles, omega, samples, np.ones(omega.size))
+    return poles
+
+
 def fewest_poles(omega: np.ndarray, samples: np.ndarray, goal: float, most: int, turns: float = 0.0) -> np.ndarray:
     """Poles, `most` pairs at most, with which samples (nw, m) at s = iω are met within the goal, but for a share of iω.
 
@@ -99,9 +107,7 @@ def fewest_poles(omega: np.ndarray, samples: np.ndarray, goal: float, most: int,
     fewer, target, nearest = mixed(samples, goal), _stacked(samples), np.inf
     best, pairs = np.zeros(0, complex), FEWEST
     while pairs <= most and nearest > goal:
-        poles = starting_poles(omega, pairs)
-        for _ in range(RELOCATED):
-            poles = relocated(poles, omega, fewer, np.ones(omega.size))
+        poles = fitted(omega, fewer, pairs)
         columns = _stacked(np.column_stack([basis(poles, omega), 1j * omega]))
         misfit = float(np.abs(columns @ np.linalg.lstsq(columns, target, rcond=None)[0] - target).max())
         if misfit < nearest:

@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem, incident
+from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
@@ -275,6 +276,40 @@ def test_water_that_rings_between_bodies_rings_between_the_frequencies_solved_fo
     assert more == pytest.approx(size * ringing(omega)[:, None, None] * np.ones((n, n)), abs=2e-3 * size)
     assert rings.impedance(alone.omega[5:6])[0].real == pytest.approx(rings.radiation_damping[5], abs=1e-9 * size)
     assert np.abs(CubicSpline(alone.omega, rung)(omega) - ringing(omega)).max() > 0.1
+
+
+@pytest.mark.parametrize("spread", [5e-3, 2e-2])
+def test_what_errors_of_coefficients_do_between_frequencies_is_no_matter_of_rounding(spread):
+    """Rough errors, of coefficients that differ by a millionth, as those of a model's do from its own."""
+    alone, rng = hemisphere(), np.random.default_rng(4)
+    A, B = alone.added_mass, alone.radiation_damping
+    rough = [spread * np.abs(x).max(axis=0) * rng.normal(size=(len(x), 1, 1)) for x in (A, B)]
+    error = MeshError(*rough, alone.added_mass_inf * 1e-3, alone.diffraction * 1e-3)
+    off, middle = [], (alone.omega[1:] + alone.omega[:-1]) / 2
+    for _ in range(4):
+        same = replace(alone, added_mass=A * (1 + 1e-6 * rng.normal(size=A.shape)), error=error)
+        off.append(same.shifted.impedance(middle) - same.impedance(middle))
+    assert np.abs(np.array(off) - off[0]).max() < 0.02 * np.abs(off[0]).max()
+
+
+@pytest.mark.parametrize("moved", [0.02, -0.01 + 0.03j])
+def test_a_resonance_that_errors_move_is_followed(moved):
+    """A narrow one of the water's, as of a mesh that makes a gap wider, and of what damps it."""
+    alone, beta = hemisphere(), -0.04 + 2.41j
+    size, n = np.abs(alone.radiation_damping).max(), len(alone.added_mass_inf)
+
+    def parts(at):
+        ring = size * -0.04 / (-1j * alone.omega - at.conjugate())[:, None, None] * np.ones((n, n))
+        return -ring.imag / alone.omega[:, None, None], ring.real
+
+    (A, B), (A_moved, B_moved) = parts(beta), parts(beta + 1j * moved)
+    none = np.zeros_like(alone.added_mass_inf), np.zeros_like(alone.diffraction)
+    error = MeshError(A_moved - A, B_moved - B, *none)
+    rings = replace(alone, added_mass=alone.added_mass + A, radiation_damping=alone.radiation_damping + B, error=error)
+    omega = np.linspace(2.2, 2.6, 21)
+    more = rings.shifted.impedance(omega) - alone.impedance(omega)
+    exact = size * -0.04 / (-1j * omega - (beta + 1j * moved).conjugate())
+    assert more == pytest.approx(exact[:, None, None] * np.ones((n, n)), abs=3e-3 * size)
 
 
 def test_frequencies_that_alias_what_bodies_reflect_are_told_from_others():
