@@ -19,7 +19,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_err
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.limits import field_error
 from solver.record.accuracy import ATTEMPTS, first_guess, improved
-from solver.record.audit import audit
+from solver.record.audit import audit, doubts
 from solver.record.bound import above
 from solver.record.channels import Record
 from solver.record.decay import died
@@ -163,7 +163,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     told = warnings(scene, system.joints_at_rest)
     beyond = beyond_tables(scene.floats, low, high)
     tables = recorder.tables()
-    late = died(recorder.channels, tables)
-    if odd := (*told, *met(scene, tables), *beyond, *late, *above(scene, recorder.mean_power)):
+    late, doubted = died(recorder.channels, tables), doubts(s, probe.errors(hydrodynamics))
+    if odd := (*told, *met(scene, tables), *beyond, *late, *above(scene, recorder.mean_power), *doubted):
         attrs["warnings"] = "; ".join(odd)
     return recorder.record(attrs, modes)

@@ -121,6 +121,9 @@ def _table(study: Study, path: Path) -> str:
             report.print_tables(data, rows, out)
         if not report.speaks(data, rows):
             report.print_summary(data, out)
+        if error := report.estimated(data):
+            text = f"Estimated error of any mean, rms or std: {error}"
+            out.print(text, soft_wrap=True, highlight=False, markup=False)
         for table in (energy.table(data), life.table(data)):
             show(table, out)
     return drawn.get()

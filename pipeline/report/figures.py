@@ -39,7 +39,7 @@ POWER = Measure("absorbed_power", "mean", "mean absorbed power [kW]", 1e3)
 ROTATION = Measure("rotation", "rms", "RMS rotation [rad]", 1.0)
 AUDIT = (
     ("energy_residual", "energy residual [share of wave work]"),
-    ("discretization_error", "discretization error [relative]"),
+    ("estimated_error", "estimated error of any mean, rms or std [relative]"),
     ("wall_time", "wall time of a task [s]"),
 )
 

@@ -86,6 +86,7 @@ def facts(results: Results) -> list[tuple[str, str]]:
         ("Study", results.study.path.name),
         ("Tasks", f"{_states(results)} of {count}" + (f" = {product}" if varied and count == cells else "")),
         ("Record", f"{_range(duration)} s analysed after {_range(discard)} s{every}"),
+        ("Estimated error", report.estimated(results.data)),
         ("Source", attributes.get("source", "")),
         ("Signs", attributes.get("sign_conventions", "")),
     ]

@@ -209,6 +209,17 @@ def sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
         yield f"{'; '.join(names)}: {note}"
 
 
+def estimated(data: xr.Dataset) -> str:
+    """What records say of the error of any mean, rms or std: the range over tasks, and whose the largest is."""
+    each = data["estimated_error"].compute() if "estimated_error" in data else None
+    if each is None or each.isnull().all():
+        return ""
+    worst = each.isel(each.argmax(...))
+    at = ", ".join(f"{dim}={worst[dim].values}" for dim in each.dims if each.sizes[dim] > 1)
+    least, largest = (f"{float(end):.1e}" for end in (each.min(), worst))
+    return largest if not at else f"{least} to {largest}, the largest of {at}"
+
+
 def print_summary(data: xr.Dataset, console: Console) -> None:
     """Where published numbers do not say it: mean and range of every variable that has statistics."""
     table = Table(box=None, pad_edge=False)

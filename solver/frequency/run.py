@@ -14,7 +14,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coeffi
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import bent, friction
 from solver.power_takeoff import PtoTable
-from solver.record.audit import unmet
+from solver.record.audit import doubts, unmet
 from solver.record.bound import above
 from solver.record.channels import ELEVATION, Labelled, Record, bound
 from solver.record.effects import left_out_effect, response_error, together
@@ -79,7 +79,8 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         **case.sea_parameters,
     }
     power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
-    if notes := (*case.warnings, *met(scene, tables), *beyond, *slipping, *above(scene, power)):
+    doubted = () if slipping else doubts(scene.settings, errors)  # which says why by itself
+    if notes := (*case.warnings, *met(scene, tables), *beyond, *slipping, *above(scene, power), *doubted):
         attrs["warnings"] = "; ".join(notes)
     rao = None
     if scene.settings.rao and channels.axes:

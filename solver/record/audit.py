@@ -1,6 +1,6 @@
 """What a record says about itself: energy balance, constraint drift, estimated errors, and what was skipped."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from solver.multibody.minimal import move, new_motion
 from solver.record.effects import together
 from solver.record.probe import Probe
 from solver.scene import MOST_PANELS, Settings, panels_for
+
+DOUBT = 0.05  # estimated error beyond which a record warns of it
 
 
 def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
@@ -45,8 +47,16 @@ def unmet(s: Settings, fit: RadiationMemory | None, errors: Mapping[str, float])
         notes.append(note)
     asked = s.memory_tolerance or USUAL
     if fit is not None and s.memory == "state-space" and not fit.error <= asked:
-        notes.append(f"memory_tolerance = {asked:g}: the radiation memory's fit ended at {fit.error:.2g}")
+        does = f", which changes what moves by {errors['memory_effect']:.2g}"
+        notes.append(f"memory_tolerance = {asked:g}: the radiation memory's fit ended at {fit.error:.2g}{does}")
     return notes
+
+
+def doubts(s: Settings, errors: Mapping[str, float]) -> Iterator[str]:
+    """A sentence where a record may be further off than anyone expects, and nobody asked for an error."""
+    if s.tolerance is None and not errors["estimated_error"] <= DOUBT:
+        parts = ", ".join(f"{name} {errors[name]:.2g}" for name in against(DOUBT, errors))
+        yield f"estimated_error is {errors['estimated_error']:.2g}, of any mean, rms or std, by {parts}"
 
 
 def against(tolerance: float, errors: Mapping[str, float]) -> list[str]:

@@ -25,7 +25,7 @@ from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.of_axes import bent, joint_energy, stop_loads
-from solver.record.audit import unmet
+from solver.record.audit import doubts, unmet
 from solver.record.bound import above
 from solver.record.channels import Record
 from solver.record.decay import died
@@ -111,6 +111,7 @@ def simulate_reference(
     if not residual <= BALANCE:
         raise unbalanced(residual, BALANCE, times[-1], case.system)
     marched = time.perf_counter()
+    audited = _errors(case, hydrodynamics, probe, options, tolerance)
     attrs = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, work, strict=True)},
@@ -118,9 +119,9 @@ def simulate_reference(
         "constraint_drift": float(errors[0]),
         "constraint_drift_velocity": float(errors[1]),
         "constraint_drift_acceleration": float(errors[2]),
-        **_errors(case, hydrodynamics, probe, options, tolerance),
+        **audited,
         **coefficient_errors(hydrodynamics),
-        "unmet": "; ".join(unmet(case.scene.settings, case.system.fit, {})),  # no tolerance is asked of this path
+        "unmet": "; ".join(unmet(case.scene.settings, case.system.fit, audited)),
         "skipped": "; ".join(coarser(hydrodynamics)),
         **_told(case.scene),
         "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,
@@ -130,8 +131,8 @@ def simulate_reference(
     }
     told = warnings(scene, case.system.joints_at_rest)
     tables = recorder.tables()
-    late = died(recorder.channels, tables)
-    if odd := (*told, *met(scene, tables), *late, *above(scene, recorder.mean_power)):
+    late, doubted = died(recorder.channels, tables), doubts(case.scene.settings, audited)
+    if odd := (*told, *met(scene, tables), *late, *above(scene, recorder.mean_power), *doubted):
         attrs["warnings"] = "; ".join(odd)
     attrs["wall_time"] = time.perf_counter() - clock
     return recorder.record(attrs, system_modes(case.system, hydrodynamics))

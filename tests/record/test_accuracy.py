@@ -12,7 +12,7 @@ from solver.errors import InputError, StepTooLong
 from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.record.accuracy import DEFAULT, MARGIN, SHARE, first_guess, refined, shortened
-from solver.record.audit import against, unmet
+from solver.record.audit import DOUBT, against, unmet
 from solver.record.effects import UNSURE, cancelled, together, unlike
 from solver.record.probe import sharpest_bend
 from solver.record.refit import prepared
@@ -79,6 +79,20 @@ def test_what_cannot_be_met_is_said(buan, coefficients):
     assert unmet(Settings(tolerance=1e-3), None, other) == [
         "tolerance = 0.001: the estimated error is 0.0015, by memory_effect 0.0012"
     ]
+
+
+@pytest.mark.parametrize("method", ["time", "frequency"])
+def test_a_record_that_may_be_far_off_warns_of_it(buan, coefficients, method):
+    """Where nobody asked for an error; where somebody did, `unmet` says it."""
+    rough = replace(coefficients, error=MeshError(*(3000 * x for x in coefficients.error)))
+    settings = {"duration": 60.0, "method": method, "froude_krylov": "linear"}
+    attrs = simulate(buan.scene("fixed", **settings), rough).attrs
+    error, mesh = attrs["estimated_error"], attrs["mesh_effect"]
+    told = f"estimated_error is {error:.2g}, of any mean, rms or std, by mesh_effect {mesh:.2g}"
+    assert error > DOUBT and attrs["warnings"].endswith(told)
+    for sure in ({"tolerance": 1e-2}, {}):
+        attrs = simulate(buan.scene("fixed", **settings, **sure), rough if sure else coefficients).attrs
+        assert "estimated_error" not in attrs.get("warnings", "")
 
 
 def test_what_cannot_be_met_is_the_fewest_largest_parts():

@@ -86,6 +86,16 @@ def test_a_number_far_off_gets_its_sentence(data, tmp_path):
     assert "0.25 *" in text
 
 
+def test_the_largest_error_is_told_with_its_task():
+    each = xr.DataArray(
+        [[1e-3, np.nan], [4e-3, 2e-3]], dims=("sea_state", "seed"), coords={"sea_state": ["mild", "rough"]}
+    )
+    data = xr.Dataset({"estimated_error": each}).assign_coords(seed=[0, 7])
+    assert report.estimated(data) == "1.0e-03 to 4.0e-03, the largest of sea_state=rough, seed=0"
+    assert report.estimated(data.isel(sea_state=1, seed=0)) == "4.0e-03"
+    assert report.estimated(data.isel(sea_state=0, seed=[1])) == report.estimated(xr.Dataset()) == ""
+
+
 def test_tables_without_a_number_of_ours_are_left_out(data, tmp_path):
     """A study made from another has its published numbers, and other seas."""
     known = row(tmp_path / "a.csv", "Known,power,absorbed_power,float=front,,2.1,kW,")
