@@ -175,7 +175,8 @@ def reduce(parameters: Parameters) -> None:
     from solver.coupled.preparation import prepare
 
     if parameters.platform:
-        prepare(replace(scenes.scene(parameters), floats=()), None)
+        scene = scenes.scene(parameters)
+        prepare(replace(scene, floats=(), settings=scene.settings.paths), None)
 
 
 @dataclass(frozen=True, kw_only=True)

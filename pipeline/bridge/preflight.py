@@ -19,7 +19,7 @@ CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
 
 
 def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
-    """Raise StudyError in the solver's words, under the study file's keys; or what is odd and yet no error."""
+    """Raise StudyError in the solver's words, under the study file's keys; what is odd and yet no error."""
     distinct: dict[tuple[object, ...], Task] = {}
     seas: dict[object, Task] = {}
     still = {label for label, sea in study.content.seas.items() if isinstance(sea, Still)}
@@ -34,14 +34,15 @@ def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
             met |= fresh
         sea = task.labels["sea_state"]
         seas[sea, *(labels if sea in still else ())] = task  # which some methods are not for
-    platforms = {task.labels["platform"]: task for task in distinct.values()}
+    platforms = {(task.labels["platform"], task.parameters.solver): task for task in distinct.values()}
     odd: list[str] = []
     every = {task.id: task for task in (*distinct.values(), *seas.values())}
     problems = [problem for task in every.values() for problem in _problems(_Listener(engine, task, odd), task)]
-    # A frame takes 0.4 s to reduce, so one stands for all hinge spacings.
+    # A frame takes 0.4 s to reduce, so with the same settings one stands for all hinge spacings.
     problems = problems or [problem for task in platforms.values() for problem in _problems(engine.reduce, task)]
     if problems:
-        raise StudyError(study.path, dict.fromkeys(problems))
+        told = [*problems, *(f"warning: {text}" for text in odd)]  # which may be why
+        raise StudyError(study.path, dict.fromkeys(told))
     return list(dict.fromkeys(odd))
 
 

@@ -30,6 +30,7 @@ from solver.coupled.surroundings import (
     surroundings,
 )
 from solver.coupled.typical import typical_waves
+from solver.errors import InputError
 from solver.keys import shared
 from solver.lines import real_parts
 from solver.scene import Platform, StructuralDamping, Water
@@ -63,7 +64,7 @@ class LeftOut(NamedTuple):
 class Support:
     """Arrays of a platform in seas that are alike; nm modes, nc carrier coordinates, ns drag stations."""
 
-    dry_omega: np.ndarray  # natural frequencies without added mass, all modes [rad/s]
+    dry_omega: np.ndarray  # natural frequencies without added mass, of all modes or a large frame's lowest [rad/s]
     omega: np.ndarray  # (nm,) of the basis, with added mass [rad/s]
     dry_share: np.ndarray  # (nm,) of their mass that is not added mass
     damping: np.ndarray  # (nm,) ratios; 0 until they are known: see damped
@@ -119,8 +120,11 @@ def reduce_platform(
     hinge_nodes: names of nodes in the order of the floats; modes: lowest ones kept, or "all"; stations: Gauss points
     of the drag on each wetted element; outputs: what is asked for besides the legs; damping: of modes that load
     histories may set swinging, to be known where there are some. InputError for a planar scene on a frame that is not
-    symmetric.
+    symmetric, or one too large for all its modes.
     """
+    if modes == "all" and (count := platform.frame.freedoms) > natural.MOST:
+        limit = f"needs a frame of at most {natural.MOST} degrees of freedom: this one has {count}"
+        raise InputError("settings.modes", modes, f"{limit}, by the elements of its members")
     model = dynamic_model(platform, sea)[0]
     splash = water.DRY if platform.wave_stretching == "none" else stretching.splash(field)
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
@@ -168,7 +172,8 @@ def _reduced(
     unswung = 0.0
     if modes != "all":
         if damping is not None:
-            every = kept_modes(model, sea.density, planar, None)[1]
+            large = platform.frame.freedoms > natural.MOST
+            every = kept_modes(model, sea.density, planar, natural.MANY if large else None)[1]
             kept, unswung = with_swung(every, modes, platform, every.shapes[loaded], model, damping)
         unit = unit_loads(len(kept.shapes), np.concatenate([dof.ravel(), loaded]))
         if field.current is not None:

@@ -100,9 +100,9 @@ def skipped(system: System) -> list[str]:
     elif scene.planar:
         kept = ", ".join(DOFS[d] for d in system.bodies.active)
         notes.append(f"motions other than {kept}, half of each hull: mirror symmetry in y = 0 (exact)")
-    if system.support is not None:
+    if system.support is not None and scene.platform is not None:
         notes.append(
-            f"modes: {system.structure.omega.size} shapes for {system.support.dry_omega.size},"
+            f"modes: {system.structure.omega.size} shapes for {scene.platform.frame.freedoms},"
             " the rest as static load shapes (see `shapes_effect`)"
         )
     if scene.floats and s.froude_krylov == "linear":

@@ -18,6 +18,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.response import carried, in_waves
 from solver.record.steel import Steel
 from solver.scene import Scene, Settings
+from solver.structure import modes as natural
 
 FINE = 1e-5  # elements that leave out less of a mode's energy are not looked at again
 SMALL = 0.1  # of the largest std of its kind: what is less is not judged
@@ -42,8 +43,11 @@ def elements_effect(
         return rough
     system = prepare(scene, h) if system is None else system
     asked = tuple(name for name in scene.settings.outputs if name == REACTIONS)
-    settings = replace(scene.settings, time_step=system.dt, outputs=asked)
-    finer = prepare(replace(scene, platform=scene.platform.cut(2), settings=settings), h, system.fit)
+    cut, modes = scene.platform.cut(2), scene.settings.modes
+    if modes == "all" and cut.frame.freedoms > natural.MOST:
+        modes = natural.MANY
+    settings = replace(scene.settings, time_step=system.dt, outputs=asked, modes=modes)
+    finer = prepare(replace(scene, platform=cut, settings=settings), h, system.fit)
     usual, exact = (np.array([*_of_modes(item), *_stds(item, h, settings)]) for item in (system, finer))
     used = (usual > 0) & (exact > 0)
     return float(np.abs(usual[used] / exact[used] - 1).max(initial=0.0)) * 16 / 15

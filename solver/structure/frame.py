@@ -265,6 +265,11 @@ class Frame:
         return (*self.clamped, *self.foundation)
 
     @property
+    def freedoms(self) -> int:
+        """How many degrees of freedom of its nodes, those within members too, are not clamped."""
+        return 6 * (len(self.nodes) - len(self.clamped) + sum(member.elements - 1 for member in self.members))
+
+    @property
     def seabed(self) -> float:
         """z [m] below which there is soil in place of water."""
         return -np.inf if self.soil is None else self.soil.seabed

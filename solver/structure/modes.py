@@ -5,14 +5,19 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy import linalg, sparse
+from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
 from solver.errors import InputError
+from solver.structure import lanczos
 from solver.structure.frame_model import FrameModel
 
 MIRROR_Y = np.array([1, -1, 1, -1, 1, -1])  # a displacement and an axial vector seen in the plane y = 0
 SAME_PLACE = 1e-6  # share of the frame's size within which a node and a mirror image are the same
 UNRESOLVED = 1e-10  # of the slowest mode's 1/ω²: what rounding leaves of those below is not exact
+MOST = 3000  # degrees of freedom of which all modes are made: a minute and 1 GB, rising as their third power and square
+MANY = 300  # of a larger one in place of all, where static shapes have what the rest would add
+TOLD = 12  # lowest frequencies of a large frame, of which the dataset has six
 SAME_VALUE = 1e-9  # rounding of K and M, relative to their largest entry
 
 
@@ -32,8 +37,11 @@ def modes(K: sparse.csr_array, M: sparse.csr_array, free: np.ndarray, count: int
 
 
 def frequencies(K: sparse.csr_array, M: sparse.csr_array, free: np.ndarray) -> np.ndarray:
-    """Of all modes [rad/s], rising; without their shapes they take a third of the time. See lowest."""
-    stiffness, mass = (A[free][:, free].toarray() for A in (K, M))
+    """Of all modes [rad/s], rising, or of a large frame's lowest; without shapes they take a third of the time."""
+    stiffness, mass = (A[free][:, free] for A in (K, M))
+    if free.size > lanczos.DENSE:
+        return _lowest_few(stiffness, mass, TOLD)[0]
+    stiffness, mass = stiffness.toarray(), mass.toarray()
     try:
         inverse = linalg.eigh(mass, stiffness, eigvals_only=True)[::-1]
     except linalg.LinAlgError:
@@ -46,11 +54,24 @@ def frequencies(K: sparse.csr_array, M: sparse.csr_array, free: np.ndarray) -> n
 def modes_in(basis: sparse.csr_array, K: sparse.csr_array, M: sparse.csr_array, count: int | None = None) -> Modes:
     """The lowest modes within the span of an orthonormal basis, sparse (6n, nb).
 
-    Dense LAPACK: 0.2 s for all 708 modes of a platform. InputError where the lowest ω² is not above zero: under its
-    weight the frame buckles.
+    Dense LAPACK: 0.2 s for all 708 modes of a platform, and as its third power for others; few of a large frame cost
+    as their number. InputError where the lowest ω² is not above zero: under its weight the frame buckles.
     """
-    omega, vectors = lowest((basis.T @ K @ basis).toarray(), (basis.T @ M @ basis).toarray(), count)
+    K, M = (basis.T @ A @ basis for A in (K, M))
+    if count is not None and basis.shape[1] > max(lanczos.DENSE, lanczos.FEW * count):
+        omega, vectors = _lowest_few(K, M, count)
+    else:
+        omega, vectors = lowest(K.toarray(), M.toarray(), count)
     return Modes(omega, _signed(basis @ vectors))
+
+
+def _lowest_few(K: sparse.csr_array, M: sparse.csr_array, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """As `lowest`, of sparse K and M: of K⁻¹M x = x/ω²."""
+    factors = splu(K.tocsc())
+    inverse, vectors, least = lanczos.largest(lambda x: factors.solve(M @ x), M, count)
+    if least < -UNRESOLVED * abs(inverse[0]):
+        raise _buckles(1 / least)
+    return 1 / np.sqrt(inverse), vectors
 
 
 def lowest(K: np.ndarray, M: np.ndarray, count: int | None = None) -> tuple[np.ndarray, np.ndarray]:
@@ -87,7 +108,10 @@ def _inverted(K: np.ndarray, M: np.ndarray, count: int) -> tuple[np.ndarray, np.
 
 def _buckled(K: np.ndarray, M: np.ndarray) -> InputError:
     """K is not positive definite: softened beyond its Euler load, with modes that cannot be marched."""
-    squared = linalg.eigh(K, M, eigvals_only=True, subset_by_index=[0, 0])[0]
+    return _buckles(linalg.eigh(K, M, eigvals_only=True, subset_by_index=[0, 0])[0])
+
+
+def _buckles(squared: float) -> InputError:
     return InputError("frame: lowest omega^2", f"{squared:.3g} (rad/s)^2", "must be > 0: the frame buckles")
 
 

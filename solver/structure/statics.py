@@ -8,10 +8,11 @@ from numpy.typing import ArrayLike
 from scipy import linalg, sparse
 from scipy.sparse.linalg import SuperLU, splu
 
-from solver.structure import beam
+from solver.structure import beam, lanczos
 from solver.structure.frame_model import FrameModel, on_nodes, scatter
 
 ROUNDING = 1e-10  # a share of the largest |1/λ| that rounding alone can make positive
+PULLED = 1e-8  # and of it that is left where most of a large frame is pulled: of few that are pushed, 1e-3 at 1e-5
 
 
 @lru_cache(maxsize=8)
@@ -124,8 +125,20 @@ def buckling_factor(model: FrameModel, load: np.ndarray, g: float) -> float:
     """
     free = model.free
     displacement = static(model, load)
-    Kg = _geometric(model, displacement, _element_geometric(model, displacement), g)[free][:, free].toarray()
-    K = model.K[free][:, free].toarray()
-    inverse = linalg.eigh(-Kg, K, eigvals_only=True)
-    compressed = inverse[-1] > ROUNDING * np.abs(inverse).max()
-    return 1 / inverse[-1] if compressed else np.inf
+    if _pulled(model, axial_force(model, displacement)):
+        return np.inf
+    Kg = _geometric(model, displacement, _element_geometric(model, displacement), g)[free][:, free]
+    K = model.K[free][:, free]
+    if free.size > lanczos.DENSE:
+        found = lanczos.largest(lambda x: -_factors(model).solve(Kg @ x), K, 1, PULLED)
+        other, largest = found.least, found.value[0]
+    else:
+        other, *_, largest = linalg.eigh(-Kg.toarray(), K.toarray(), eigvals_only=True)
+    compressed = largest > ROUNDING * max(abs(other), abs(largest))
+    return 1 / largest if compressed else np.inf
+
+
+def _pulled(model: FrameModel, N: np.ndarray) -> bool:
+    """Whether axial forces N (ne,) leave nothing compressed but by rounding, and no lever can tilt."""
+    arms = bool(model.levers) or any(any(m.cog) for m in model.frame.masses)
+    return not arms and bool(N.min() >= -ROUNDING * np.abs(N).max())

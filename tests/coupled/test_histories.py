@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from solver.coupled import support
 from solver.coupled.histories import missed, moved
 from solver.coupled.preparation import prepare
 from solver.run import simulate
+from solver.structure import modes
 from solver.structure.load_history import LoadHistory
 from tests.awkward import raking, sea
 
@@ -93,3 +95,14 @@ def test_elements_that_shift_a_resonance_are_told(cut):
     coarse, fine = (simulate(ringing(omega, cut=n)) for n in (cut, 8))
     error = apart(stds(coarse), stds(fine))
     assert error > 1e-3 and 1 / 3 < error / coarse.attrs["elements_effect"] < 3
+
+
+def test_histories_choose_among_the_lowest_modes_of_a_large_frame(monkeypatch):
+    scene = blow(30.11, cut=4, modes=2)
+    usual = prepare(scene, None).support
+    monkeypatch.setattr(modes, "MOST", scene.platform.frame.freedoms - 1)
+    for many, close in ((30, True), (2, False)):
+        monkeypatch.setattr(modes, "MANY", many)
+        support._reduced.cache_clear()
+        few = prepare(scene, None).support
+        assert (few.omega.size == usual.omega.size and few.omega == approx(usual.omega, rel=1e-6)) == close

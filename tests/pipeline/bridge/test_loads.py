@@ -5,10 +5,13 @@ import pytest
 from pytest import approx
 
 from pipeline.bridge import scenes
+from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
+from pipeline.bridge.preflight import judge
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import expand
+from solver.structure import modes
 from solver.structure.frame import MarineGrowth
 from tests.pipeline.conftest import SMALL
 
@@ -137,3 +140,20 @@ def test_a_current_needs_a_platform(study_with):
     text = SMALL[: SMALL.index("[platform]")] + "[sea_states]\ncalm = { Hs = 0.5, Tp = 5.0 }\n"
     with pytest.raises(StudyError, match=r"current = given: acts on the members of an elastic platform"):
         study_with("[current]\nspeed = 1.0\n", text=text)
+
+
+@pytest.mark.parametrize("asked", ['modes = "all"', 'accuracy = "reference"', "axis"])
+def test_all_modes_of_a_large_frame_are_refused_before_anything_runs(study_with, monkeypatch, asked):
+    """With what is odd about it: elements that nobody gave are many where a stiffness is too small by a slip."""
+    monkeypatch.setattr(modes, "MOST", 20)
+    text = SMALL.replace("E = 2.1e11", "E = 2.1e5").replace('"elastic", "fixed", ', "")
+    axis = '[axes]\n"solver.modes" = ["all", 6]'
+    text = text.replace("[axes]", axis) if asked == "axis" else text + f"[solver]\n{asked}\n"
+    study = study_with(text=text)
+    with pytest.raises(StudyError) as caught:
+        judge(study, study.tasks, Engine())
+    refused, *told = caught.value.problems
+    assert "solver.modes = all: needs a frame of at most 20 degrees of freedom: this one has 24" in refused
+    assert "warning: platform: its buckling_factor is " in told[0] and "a slip of units" in told[1]
+    monkeypatch.setattr(modes, "MOST", 24)
+    assert len(judge(study, study.tasks, Engine())) == len(told)
