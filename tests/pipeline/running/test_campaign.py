@@ -198,6 +198,13 @@ def test_select_runs_a_part(cli):
     assert "4 tasks: 4 done" in cli("run", "--select", "platform=fixed", "--workers", "1")
 
 
+def test_the_table_above_a_selections_count_is_of_all_that_is_done(cli):
+    first, rest = ["run", "--workers", "1", "--select", "sea_state=calm"], ["run", "--workers", "1"]
+    assert "6 tasks: 6 done; 6 run now; table of all 6 that are done of the study's 12; " in cli(*first)
+    assert "table of" not in cli(*rest)
+    assert "6 tasks: 6 done; nothing to run; table of all 12 that are done of the study's 12; " in cli(*first)
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
