@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from pipeline.report.yearly import LEVEL, YEAR, Table, cells, counted, over_seas, realized, texts
+from pipeline.report.yearly import LEVEL, YEAR, Table, cells, counted, of_part, over_seas, realized, texts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -15,8 +15,8 @@ OF = {"absorbed_power": "absorbed", "electrical_power": "electrical"}  # by vari
 ALL = "all floats"
 HEADER = ("", "", "mean power [kW]", "low", "high", "energy a year [MWh]", "low", "high", "realizations")
 NOTE = (
-    "Mean over realizations and sea states, these by their occurrence, as if there were no others in the year; low and"
-    f" high: {LEVEL:.0%} by Student's t of the realizations' power. With one realization there are none."
+    f"Mean over realizations and sea states, these by their occurrence; low and high: {LEVEL:.0%} by Student's t"
+    " of the realizations' power. With one realization there are none."
 )
 
 
@@ -45,7 +45,7 @@ def _powers(data: xr.Dataset, variable: str) -> xr.DataArray:
 
 def table(data: xr.Dataset) -> Table:
     """Of a study that says how often its sea states come."""
-    return Table("Energy", HEADER, list(rows(data)) if "occurrence" in data.coords else [], NOTE)
+    return Table("Energy", HEADER, list(rows(data)) if "occurrence" in data.coords else [], NOTE + of_part(data))
 
 
 def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:

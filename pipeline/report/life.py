@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report.yearly import ESTIMATES, LEVEL, YEAR, Table, cells, counted, over_seas, realized, texts
+from pipeline.report.yearly import ESTIMATES, LEVEL, YEAR, Table, cells, counted, of_part, over_seas, realized, texts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,7 +39,7 @@ def lives(data: xr.Dataset, variable: str = "damage", weights: Any = None) -> xr
 
 def table(data: xr.Dataset) -> Table:
     """Of a study that reckons damage."""
-    return Table("Fatigue", HEADER, list(rows(data)), NOTE)
+    return Table("Fatigue", HEADER, list(rows(data)), NOTE + of_part(data))
 
 
 def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:

@@ -18,6 +18,8 @@ LEVEL = 0.95  # of the intervals
 YEAR = 365.25 * 24.0  # [h]
 ESTIMATES = ("value", "low", "high")
 WORDS = 2  # columns of a table that are words
+DAY, FULL = 24.0, 8700.0  # sums of occurrences that look like hours of a part of a year lie between [h]
+SHARES = (100.0, 1000.0)  # and sums that do not: percent and per mille
 
 
 class _Mean(NamedTuple):
@@ -82,6 +84,17 @@ def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
         known = np.ones(values.sizes["sea_state"])
     w = xr.DataArray(np.broadcast_to(np.asarray(known, float), values.sizes["sea_state"]), dims="sea_state")
     return w / w.sum(skipna=False)
+
+
+def of_part(data: xr.Dataset) -> str:
+    """A sentence where occurrences look like hours that do not fill a year."""
+    total = float(data["occurrence"].sum()) if "occurrence" in data.coords else 0.0
+    if not DAY < total < FULL or np.isclose(total, SHARES, rtol=1e-2).any():
+        return ""
+    return (
+        f" The occurrences add up to {total:g}: if these are hours, they are {total / YEAR:.0%} of a year, and the rest"
+        " counts as if the same seas went on; with nothing in the rest a year has that share of it."
+    )
 
 
 class Table(NamedTuple):

@@ -78,3 +78,4 @@ def test_nothing_is_told_where_nobody_said_how_often_seas_come():
     with console.capture() as drawn:
         show(table(dataset(MIRRORED)), console)
     assert "energy a year [MWh]" in drawn.get() and ALL in drawn.get()
+    assert "of a year" in table(dataset(MIRRORED, occurrence=[4000.0, 1000.0])).note

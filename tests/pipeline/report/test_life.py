@@ -7,8 +7,8 @@ from pytest import approx
 from rich.console import Console
 from scipy import stats
 
-from pipeline.report.life import lives, rows, table
-from pipeline.report.yearly import LEVEL, show
+from pipeline.report.life import NOTE, lives, rows, table
+from pipeline.report.yearly import LEVEL, of_part, show
 
 YEAR = 365.25 * 24
 
@@ -105,3 +105,26 @@ def test_a_regular_sea_has_one_realization_whatever_the_seeds():
     every, regular, irregular = rows(data)
     assert (every[-1], regular[-1], irregular[-1]) == ("1/3", "1", "3")
     assert regular[3:5] == every[3:5] == ("-", "-") and "-" not in irregular
+
+
+@pytest.mark.parametrize(
+    ("hours", "share"),
+    [
+        ([3000.0, 2000.0, 500.0], "63% of a year"),
+        ([20.0, 4.5], "0% of a year"),
+        ([8760.0], ""),
+        ([0.5, 0.3, 0.2], ""),
+        ([62.0, 30.2, 7.7], ""),
+        ([999.0, 1.5], ""),
+        (None, ""),
+    ],
+)
+def test_hours_of_a_part_of_a_year_are_told(hours, share):
+    """Shares, percent and whole years are not; nor is a study that gives none."""
+    data = dataset([[1e-6, 3e-6]] * len(hours or [1]))
+    data = data if hours is None else data.assign_coords(occurrence=("sea_state", hours))
+    console = Console(width=200)
+    with console.capture() as drawn:
+        show(table(data), console)
+    assert ("if these are hours" in drawn.get()) == bool(share) and share in drawn.get()
+    assert bool(of_part(data)) == bool(share) and table(data.isel(sea_state=0)).note.startswith(NOTE)  # one sea's
