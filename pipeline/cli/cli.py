@@ -71,7 +71,7 @@ def main() -> None:
         sys.exit(FAILED)
     except OSError as error:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-        say(f"{what}; {KEPT}", err)
+        say(f"{what}; {KEPT} once that is mended", err)
         sys.exit(FAILED)
 
 

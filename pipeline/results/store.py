@@ -26,6 +26,7 @@ from pipeline.results import packs
 from pipeline.results.netcdf import Variable, from_bytes
 from pipeline.results.packs import Made, Packs, Place, Row
 from pipeline.results.status import Status, read_json, read_status
+from pipeline.study.reading import StudyError
 from pipeline.tasks.task import Task
 
 MANY = 4  # files from which on one flush of the file system is sooner done than one for each
@@ -288,7 +289,10 @@ class Store:
     @contextlib.contextmanager
     def lock(self, waiting: Callable[[str], None]) -> Iterator[None]:
         """One writer for a study. The lock dies with its process, so a killed run leaves none behind."""
-        self.root.mkdir(parents=True, exist_ok=True)
+        try:
+            self.root.mkdir(parents=True, exist_ok=True)
+        except (FileNotFoundError, NotADirectoryError, PermissionError) as error:  # which no second call mends
+            raise StudyError(self.root, [f"no folder can be made there: {error.strerror}"]) from None
         if (self.root / ".lock").is_dir():
             remove(self.root / ".lock")
         lock = FileLock(self.root / ".lock")

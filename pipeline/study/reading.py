@@ -40,7 +40,7 @@ LIMITS = {
     "no_such_word": "must be a number{of_unit}, or {expected}",
     "union_tag_invalid": "must be one of {expected_tags}",
     "unknown_key": "{limit}",
-    "string_pattern_mismatch": "must be letters, digits, '_', '-', '.' or ':', not starting with a sign",
+    "string_pattern_mismatch": "must be ASCII letters, digits, '_', '-', '.' or ':', not starting with a sign",
 }
 
 

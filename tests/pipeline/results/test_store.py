@@ -11,6 +11,7 @@ import pytest
 from pipeline.bridge.loading import load
 from pipeline.results import store as module
 from pipeline.results.store import Store, sha256, write_atomic
+from pipeline.study.reading import StudyError
 from pipeline.tasks.task import Task, expand
 
 ERROR = {"error": {"kind": "ValueError", "message": "too much", "traceback": ""}}
@@ -133,6 +134,17 @@ def test_a_second_user_waits_and_is_told(store):
     assert f"in use by process {os.getpid()}" in words[0]
     with store.lock(waiting):
         assert len(words) == 1
+
+
+@pytest.mark.parametrize("place", ["/proc/x", "file/x"])
+def test_results_where_no_folder_can_be_are_refused(tmp_path, place):
+    """By the place alone: nothing is there that was kept, and the same command would not go on."""
+    (tmp_path / "file").touch()
+    store = Store(tmp_path / place, "small")
+    with pytest.raises(StudyError) as caught, store.lock(print):
+        pass
+    (problem,) = caught.value.problems
+    assert problem.startswith(f"{store.root}: no folder can be made there: ") and "kept" not in problem
 
 
 def test_a_killed_process_works_on_nothing(store):

@@ -160,7 +160,7 @@ def test_a_scheduler_that_is_killed_is_one_line(tmp_path):
     # On a loaded machine the workers come after the client.
     assert (
         told.removeprefix("the cluster has no workers; waiting for some\n")
-        == f"lost the scheduler at {address}; {KEPT}\n"
+        == f"lost the scheduler at {address}; {KEPT} once that is mended\n"
     )
 
 

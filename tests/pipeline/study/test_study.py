@@ -71,6 +71,7 @@ BAD = [
         "radius = -1.0, height",
         "floats[0].hull.radius = -1.0: must be > 0 m",
     ),
+    ('name = "front"', 'name = "frönt"', "floats[0].name = 'frönt': must be ASCII letters, digits, '_'"),
     ("mass = 2147.0", "mass = 0", "floats[0].mass = 0: must be > 0 kg"),
     (
         "[859.0, 859.0, 859.0]",
