@@ -134,27 +134,48 @@ def stopped(floats: Sequence[Float], friction: np.ndarray, load: np.ndarray) -> 
 
 @lru_cache(maxsize=KNOWN)
 def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tuple[str, ...]:
-    """Axes of the joint along which weight and buoyancy at rest, with those of what it carries, differ by over ALLOWED.
+    """A sentence for a float of whose joint weight and buoyancy at rest, with those of what it carries, differ by over
+    ALLOWED along an axis, with the reasons along each such axis.
 
     A float so held moves to its equilibrium before the run; that is rarely what was meant.
     """
-    displaced = water.density * item.hull.volume
-    told = f"mass {item.mass:g} kg, displaced {displaced:g} kg ({item.mass / displaced - 1:+.2%})"
-    sentences = []
+    displaced, hung = water.density * item.hull.volume, list(_hung(item, floats))
+    pressed = -sum(f.per_axis("preload")[f.motion.index("heave")] for f in hung if "heave" in f.motion)
+    weighed, reasons = False, []
     preloads = item.per_axis("preload")
     for (name, weight, buoyancy, pull), preload in zip(_along(item, water, floats), preloads, strict=True):
         excess = abs(weight + buoyancy + pull)
         if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
-            moments = f"{name}: moment of weight {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m"
-            which = [told] * (name not in LEVEL_AXES) + [moments] * (name not in DOFS[:3])
-            reasons = "; ".join([*which, *_pulled(name, preload, pull - preload)])
-            sentences.append(f"floats.{item.name} is out of equilibrium: {reasons}. It settles before the run begins")
-    return tuple(sentences)
+            weighed |= name not in LEVEL_AXES
+            if name not in DOFS[:3]:
+                what = "weight and of what it carries" if hung else "weight"
+                reasons.append(f"{name}: moment of {what} {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m")
+            reasons += _pulled(name, preload, pull - preload, pressed * (name == "heave"))
+    told = "; ".join([*([_weighed(item, hung, water)] if weighed else []), *reasons])
+    return (f"floats.{item.name} is out of equilibrium: {told}. It settles before the run begins",) if told else ()
 
 
-def _pulled(name: str, preload: float, lines: float) -> Iterator[str]:
+def _hung(item: Float, floats: Sequence[Float]) -> Iterator[Float]:
+    """Floats whose vertical loads a float bears: their weight and buoyancy, or of one that heaves on it the preload."""
+    for f in [f for f in floats if f.on == item.name]:
+        yield f
+        if "heave" not in f.motion:
+            yield from _hung(f, floats)
+
+
+def _weighed(item: Float, hung: Sequence[Float], water: Water) -> str:
+    """Mass and displacement [kg] of a float, and those summed with the floats that do not heave on it."""
+    borne = [f for f in hung if "heave" not in f.motion]
+    told = []
+    for group, words in (([item], ""), ([item, *borne], f"with {', '.join(f.name for f in borne)}: ")):
+        mass, displaced = sum(f.mass for f in group), water.density * sum(f.hull.volume for f in group)
+        told.append(f"{words}mass {mass:g} kg, displaced {displaced:g} kg ({mass / displaced - 1:+.2%})")
+    return "; ".join(told if borne else told[:1])
+
+
+def _pulled(name: str, preload: float, lines: float, pressed: float = 0.0) -> Iterator[str]:
     """Constant loads of a joint along an axis, beside weight and buoyancy; nothing where there are none."""
-    loads = {"a preload": preload, "a pull of mooring or lines": lines}
+    loads = {"a preload": preload, "a pull of mooring or lines": lines, "preloads of what it carries": pressed}
     if told := [f"{word} of {load:.4g} {_unit(name)}" for word, load in loads.items() if load]:
         yield f"along {name} {' and '.join(told)}"
 

@@ -129,6 +129,34 @@ def test_lines_that_pull_a_float_under_are_named(scale, preload):
     assert item.pulls[1] < -DISPLACED * scale**3 * DEEP.gravity
 
 
+def test_what_a_float_carries_is_told_where_that_is_out_of_balance():
+    """A raft that balances under a rotor on another, both too light; one sentence of heave, roll and pitch together."""
+    (base,) = balanced([raft()], DEEP, [("mass", "x", "y")])
+    first, second = rotor("first", (-20.0, 4.0)), rotor("second", (15.0, -3.0), AFT, on="first")
+    floats = (base, replace(first, on="raft"), second)
+    (text,) = imbalance(base, DEEP, floats)
+    mass, displaced = sum(f.mass for f in floats), 1000 * sum(f.hull.volume for f in floats)
+    own = f"mass {base.mass:g} kg, displaced {base.mass:g} kg (+0.00%)"
+    both = f"with first, second: mass {mass:g} kg, displaced {displaced:g} kg ({mass / displaced - 1:+.2%})"
+    assert text.startswith(f"floats.raft is out of equilibrium: {own}; {both}; roll: moment of weight and of what it")
+    assert "; pitch: moment of weight and of what it carries" in text and text.count("kg (") == 2
+    (text,) = imbalance(second, DEEP, floats)
+    assert "with" not in text and "carries" not in text
+
+
+def test_what_heaves_on_a_float_presses_on_it_by_its_preload_alone():
+    """A ball in a guide on a rotor on the raft: its weight and load are its own affair, 3e6 N that keep it up are the
+    raft's."""
+    joint = {"on": "rotor", "cog": (0, 0, -2.0), "hinge": (-20.0, 4.0, 0)}
+    light = ball(mass=0.5 * DISPLACED, preload=3e6, **joint)
+    (base,) = balanced([raft()], DEEP, [("mass", "x", "y")])
+    arm = rotor(at=(-20.0, 4.0), on="raft", mass=1000 * ROTOR.volume, motion=())
+    load = rotor("load", (-20.0, 4.0), on="ball", motion=())
+    (text,) = imbalance(base, DEEP, (base, arm, light, load))
+    assert "with rotor: mass" in text and "; along heave preloads of what it carries of -3e+06 N" in text
+    assert "preloads" not in "".join(imbalance(base, DEEP, (base, arm, replace(light, preload=0.0))))
+
+
 @pytest.mark.parametrize(("motion", "arm"), [("surge", 0), ("pitch", 0), ("yaw surge", 0), ("hinge", 20)])
 def test_what_cannot_move_up_and_down_is_not_weighed(motion, arm):
     """A vertical hinge axis carries any weight, and so does a pitch axis below it."""
