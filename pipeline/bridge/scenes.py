@@ -364,6 +364,7 @@ def load_history(table: LoadHistory) -> History:
         there = [name for name in columns.among(table.file, ("time", *FORCES)) if name in FORCES]
         if not there:
             raise InputError("file", table.file, f"needs a column of {', '.join(FORCES)} in its header")
+        columns.require_rising(table.file, "time")
         read = columns.read(table.file, ("time", *dict.fromkeys(there)))
         time = read["time"]
         force = np.stack([read.get(name, np.zeros(time.size)) for name in FORCES], axis=-1)
