@@ -7,7 +7,7 @@ import numpy as np
 from solver.coupled import assembly
 from solver.coupled.stages import State
 from solver.coupled.system import System
-from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics, coarser
+from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.multibody.minimal import move, new_motion
@@ -98,8 +98,8 @@ def skipped(system: System) -> list[str]:
     if not scene.floats:
         notes.append("boundary elements, pressure and memory: no floats (exact)")
     elif scene.planar:
-        kept = ", ".join(DOFS[d] for d in system.bodies.active)
-        notes.append(f"motions other than {kept}, half of each hull: mirror symmetry in y = 0 (exact)")
+        kept = [DOFS[d] for d in system.bodies.active] or PLANAR  # none are active where none radiates
+        notes.append(f"motions other than {', '.join(kept)}, half of each hull: mirror symmetry in y = 0 (exact)")
     if system.support is not None and scene.platform is not None:
         notes.append(
             f"modes: {system.structure.omega.size} shapes for {scene.platform.frame.freedoms},"

@@ -340,6 +340,15 @@ def test_record_says_what_it_skipped(buan, coefficients):
     fixed = simulate(buan.scene("fixed", duration=20.0, discard=0.0), coefficients).attrs["skipped"]
     assert "mirror symmetry" in whole and "708" in whole and "support is fixed" not in whole
     assert "support is fixed" in fixed and "708" not in fixed
+    assert all("motions other than surge, heave, pitch, half of each hull" in told for told in (whole, fixed))
+
+
+def test_record_names_the_motions_kept_where_nothing_radiates():
+    """Of a float on another, at 1:20; nothing of mirror images where one stands aside."""
+    item = held_on_a_cylinder(1 / 20)
+    aside = replace(item, floats=(item.floats[0], replace(item.floats[1], hinge=(0.25, 0.1, 0.1))))
+    told = [simulate(replace(a, settings=replace(a.settings, duration=1.0))).attrs["skipped"] for a in (item, aside)]
+    assert "motions other than surge, heave, pitch, half of each hull" in told[0] and "motions" not in told[1]
 
 
 @pytest.mark.parametrize("method", ["time", "frequency"])
