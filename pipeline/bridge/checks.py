@@ -253,7 +253,8 @@ def _repeated(key: str, values: Iterable[object]) -> Iterator[InputError]:
 
 def _recording(study: StudyFile) -> Iterator[InputError]:
     record = study.record
-    if record.ramp > record.discard and study.solver.method == "time":
+    waves = any(not isinstance(sea, seas.Still) for sea in study.seas.values())
+    if waves and record.ramp > record.discard and study.solver.method == "time":
         usual = "" if "ramp" in record.model_fields_set else ", as it is where none is given"
         yield InputError("record.ramp", record.ramp, f"must be <= record.discard = {record.discard:g} s{usual}")
     if (steel := [name for name in record.outputs if name in OF_STEEL]) and not study.platform:

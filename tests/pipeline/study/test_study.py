@@ -216,6 +216,26 @@ def test_the_frequency_domain_has_no_ramp(small):
     assert load(small).content.record.ramp == 50.0
 
 
+@pytest.mark.parametrize(
+    ("axis", "more", "refused"),
+    [
+        ('"still"', "", False),
+        ('"still", "calm"', "", True),
+        ('"still"', '[variants.waves]\n"sea_states.still" = { kind = "regular", height = 1, period = 8 }\n', True),
+        ('"still"', '[variants.stiller]\n"floats.front.pto_damping" = 2e5\n', False),
+    ],
+)
+def test_still_water_has_no_ramp(small, axis, more, refused):
+    """Of the seas that there are tasks in, as variants have them."""
+    text = small.read_text().replace('"calm", "rough"', axis).replace("[axes]", "[record]\ndiscard = 0\n[axes]")
+    small.write_text(text.replace("[sea_states]", '[sea_states]\nstill = { kind = "still" }') + more)
+    if refused:
+        with pytest.raises(StudyError, match=r"record\.ramp = 50\.0: must be <= record\.discard = 0 s"):
+            load(small)
+    else:
+        assert load(small).content.record.discard == 0
+
+
 @pytest.mark.parametrize(("old", "new", "message"), BAD, ids=[row[1][:40] for row in BAD])
 def test_bad_study_is_refused_in_one_line(small, old, new, message):
     text = small.read_text()
