@@ -20,7 +20,6 @@ ENVELOPES = (
     ("displacement_envelope", "largest |displacement| [m]", 1.0, "right"),
     ("stress_envelope", "largest |stress| [MPa]", 1e6, "left"),
 )
-WORDS = {"elastic": "with floats", "elastic-no-floats": "no floats"}
 TAGS = (0.3, 0.8)  # of the height: where the platforms' names stand clear of each other
 
 
@@ -75,7 +74,7 @@ def draw(panels: Sequence[Axes], results: Results) -> None:
                     axes.fill_betweenx(heights, rows.min(axis=1), rows.max(axis=1), **band)
                     axes.plot(rows.mean(axis=1), heights, "--" if j else "-", color=colour(i), linewidth=1.4)
                 if rows.size and i == 0 and axes is panels[0]:
-                    _tag(axes, rows.mean(axis=1), heights, j, WORDS.get(platform, platform))
+                    _tag(axes, rows.mean(axis=1), heights, j, results.carrying.get(platform, platform))
         axes.set_ylim(float(every.min()), float(every.max()))
         axes.set_xlim(left=0.0)
         axes.set_xlabel(words)

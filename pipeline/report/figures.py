@@ -103,6 +103,12 @@ class Results:
                 per_sea = np.where(np.isfinite(values), values, per_sea)
         return per_sea
 
+    @property
+    def carrying(self) -> dict[str, str]:
+        """What elastic platforms are told apart by; nothing in a study without floats."""
+        words = {"elastic": "with floats", "elastic-no-floats": "no floats"}
+        return words if self.labels("float") else dict.fromkeys(words, "")
+
     def supports(self, name: str) -> list[str]:
         """The platforms for which a variable has numbers."""
         values = self.values(name)

@@ -117,7 +117,7 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
 def response(series: Series) -> list[Row]:
     """Fig. 13: displacement at the top and stress at the bottom of the first leg, with and without floats."""
     leg = str((series.results.labels("leg") or [""])[0])
-    names = {"elastic": "with floats", "elastic-no-floats": "no floats"}
+    names = series.results.carrying
 
     def both(variable: str, scale: float, **labels: object) -> list[Line]:
         groups = (series.line(names[p], p, variable, scale, leg=leg, **labels) for p in names)

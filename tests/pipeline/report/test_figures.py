@@ -302,6 +302,16 @@ def test_envelopes_average_what_is_there(results):
     np.testing.assert_array_equal(rows, expected.values[:, None])
 
 
+def test_a_platform_without_floats_is_not_said_to_have_some(small):
+    """Alone there is nothing to tell it from; beside one with floats it has its name."""
+    bare = dataset().drop_vars(["absorbed_power", "rotation", "hinge_force"])
+    told = [
+        [text.get_text() for text in envelopes.envelopes(figures.Results(study=load(small), data=data)).axes[0].texts]
+        for data in (bare.drop_vars("float").sel(platform=["elastic"]), bare.drop_vars("float"), bare)
+    ]
+    assert told[:2] == [[""], ["", ""]] and told[2][:2] == ["with floats", "no floats"]
+
+
 def test_a_leg_is_drawn_at_its_own_heights(results):
     """Another leg has its nodes at other heights, and no numbers at these."""
     other = results.data[["stress_envelope"]].assign_coords(leg=[2], height=[0.0, 16.3, 32.6])

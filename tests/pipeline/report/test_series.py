@@ -1,5 +1,7 @@
 """Figures of time series, from records made up here."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -82,6 +84,8 @@ def test_lines_are_the_series_in_the_units_shown(results):
     (top, stress) = series.response(series.Series(results))
     assert [line.name for line in top.lines] == ["with floats", "no floats"]
     np.testing.assert_allclose(stress.lines[0].values, np.sin(1.1 * TIME), rtol=1e-12)
+    bare = dataclasses.replace(results, data=results.data.drop_vars(["hinge_force", "float"]))
+    assert [line.name for line in series.response(series.Series(bare))[0].lines] == ["", ""]
     (x,) = series.forces(series.Series(results))  # y and z are zero
     assert x.words == "x force on the float [kN]"
     assert x.lines[0].values.max() == pytest.approx(50.0, abs=1.0)  # the spike on a wave of 1 kN
