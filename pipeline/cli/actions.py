@@ -111,7 +111,7 @@ def print_table(study: Study, path: Path) -> None:
 
 
 def _table(study: Study, path: Path) -> str:
-    from pipeline.report import energy, life, report
+    from pipeline.report import best, energy, life, report
     from pipeline.report.yearly import show
     from pipeline.results import dataset
 
@@ -124,8 +124,8 @@ def _table(study: Study, path: Path) -> str:
         if error := report.estimated(data):
             text = f"Estimated error of any mean, rms or std: {error}"
             out.print(text, soft_wrap=True, highlight=False, markup=False)
-        for table in (energy.table(data), life.table(data)):
-            show(table, out)
+        for of in (best, energy, life):
+            show(of.table(data), out)
     return drawn.get()
 
 

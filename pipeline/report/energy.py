@@ -26,14 +26,14 @@ def energies(data: xr.Dataset, variable: str = "absorbed_power", weights: Any = 
     variable: "absorbed_power" or "electrical_power" of a collected dataset; weights (sea_state,): its `occurrence`,
     else equal ones. Of several floats the last is `all floats`, whose interval is that of their sum.
     """
-    power = over_seas(_powers(data, variable), data if weights is None else weights)
+    power = over_seas(powers(data, variable), data if weights is None else weights)
     energy = power * YEAR * HOUR
     power.attrs, energy.attrs = {"units": "W"}, {"units": "J"}
     return power.to_dataset(name="power").assign(energy=energy)
 
 
-def _powers(data: xr.Dataset, variable: str) -> xr.DataArray:
-    """Mean power in each task, of the floats and of all."""
+def powers(data: xr.Dataset, variable: str) -> xr.DataArray:
+    """Mean power in each task [W], of the floats and, last, of all."""
     import xarray as xr
 
     each = realized(data, data[variable].sel(statistic="mean", drop=True))
@@ -53,7 +53,7 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
     for variable, word in OF.items():
         if variable not in data:
             continue
-        values = _powers(data, variable).compute()
+        values = powers(data, variable).compute()
         for labels, part in cells(values, variable, ("float",)):
             found = over_seas(part[variable], part)
             for name in part["float"].values.tolist():

@@ -7,7 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report.yearly import ESTIMATES, LEVEL, YEAR, Table, cells, counted, of_part, over_seas, realized, texts
+from pipeline.report.yearly import (
+    ESTIMATES,
+    LEVEL,
+    YEAR,
+    Table,
+    by_sea,
+    cells,
+    counted,
+    of_part,
+    over_seas,
+    realized,
+    texts,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,12 +64,10 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
 
 
 def _of_cell(part: xr.Dataset, variable: str, words: list[str], end: str) -> Iterator[tuple[str, ...]]:
-    seas = np.atleast_1d(part["sea_state"].values).tolist() if "sea_state" in part[variable].dims else []
-    chosen = [("all seas", part), *((str(sea), part.sel(sea_state=[sea])) for sea in seas if len(seas) > 1)]
-    for name, some in chosen:
+    for name, some in by_sea(part, variable):
         found = lives(some, variable)
         first = found.damage.sel(estimate="value", drop=True)
-        label = ", ".join([*words, *([name] if seas else [])])
+        label = ", ".join(filter(None, [*words, name]))
         if first.isnull().all():
             yield (label, end, *["-"] * (len(HEADER) - 2))
             continue

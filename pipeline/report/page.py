@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report import arrays, energy, figures, life, report, series, sketch, strips
+from pipeline.report import arrays, best, energy, figures, life, report, series, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, png, svg
 from pipeline.report.envelopes import envelopes
@@ -69,7 +69,7 @@ def html(results: Results) -> str:
         periods=list(natural_periods(results)),
         held=_held(results),
         named=_held(results, *(dim for row in results.published for dim in row.selection)),
-        yearly=[energy.table(results.data), life.table(results.data)],
+        yearly=[of.table(results.data) for of in (best, energy, life)],
     )
 
 

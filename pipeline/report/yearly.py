@@ -106,16 +106,24 @@ class Table(NamedTuple):
     note: str
 
 
-def cells(values: xr.DataArray, name: str, inner: Collection[str]) -> Iterator[tuple[list[str], xr.Dataset]]:
+def cells(values: xr.DataArray, name: str, inner: Collection[Hashable]) -> Iterator[tuple[list[str], xr.Dataset]]:
     """Labels along all dimensions but the inner ones, realizations and sea states, and the part that has numbers."""
     outer = [dim for dim in values.dims if dim not in ("seed", "sea_state", *inner)]
     for labels in itertools.product(*(values[dim].values for dim in outer)):
         part = values.to_dataset(name=name).sel(dict(zip(outer, labels, strict=True)))
         if part[name].notnull().any():
-            yield [_named(*pair) for pair in zip(outer, labels, strict=True)], part
+            yield [named(*pair) for pair in zip(outer, labels, strict=True)], part
 
 
-def _named(dim: Hashable, label: Any) -> str:
+def by_sea(part: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset]]:
+    """All sea states of a part together, and each of several by itself; one that is no dimension has no name."""
+    seas = np.atleast_1d(part["sea_state"].values).tolist() if "sea_state" in part[name].dims else []
+    yield "all seas" if seas else "", part
+    if len(seas) > 1:
+        yield from ((str(sea), part.sel(sea_state=[sea])) for sea in seas)
+
+
+def named(dim: Hashable, label: Any) -> str:
     """A word speaks for itself, a number is of something."""
     return f"{dim} {label:g}" if np.issubdtype(type(label), np.number) else str(label)
 

@@ -1,0 +1,54 @@
+"""Which of a study's designs takes the most power from each sea state, and from a year."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.report.energy import powers
+from pipeline.report.yearly import LEVEL, Table, by_sea, cells, counted, named, over_seas, texts
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+VARIABLE = "absorbed_power"
+CHOSEN = ("pto_damping", "hinge_spacing")  # and any axis of the floats' keys
+HEADER = ("", "most power with", "mean power [kW]", "low", "high", "realizations")
+NOTE = (
+    f"Of all floats, mean over realizations; low and high: {LEVEL:.0%} by Student's t. All seas: by their occurrence."
+    " A number at an end of its axis may be exceeded beyond."
+)
+
+
+def table(data: xr.Dataset) -> Table:
+    """Of a study with several designs."""
+    return Table("Best in each sea state", HEADER, list(rows(data)) if VARIABLE in data else [], NOTE)
+
+
+def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
+    """Of every platform, of all seas together, if somebody said how often they come, and of each."""
+    total = powers(data, VARIABLE).isel(float=-1, drop=True).compute()
+    designs = [dim for dim in total.dims if total.sizes[dim] > 1 and _is_design(data[dim])]
+    for labels, part in cells(total, VARIABLE, designs) if designs else ():
+        for sea, some in by_sea(part, VARIABLE):
+            found = over_seas(some[VARIABLE], some)
+            first = found.sel(estimate="value", drop=True)
+            mixed = some[VARIABLE].sizes.get("sea_state", 1) > 1 and "occurrence" not in some.coords
+            if mixed or first.isnull().all():
+                continue
+            at = first.argmax(designs)
+            chosen = ", ".join(_told(first[dim], int(at[dim])) for dim in designs)
+            label, power = ", ".join(filter(None, [*labels, sea])), found.isel(at).values
+            yield label, chosen, *texts(power / 1e3), counted(some[VARIABLE].isel(at))
+
+
+def _is_design(axis: xr.DataArray) -> bool:
+    return axis.name in CHOSEN or "floats." in axis.attrs.get("long_name", "")
+
+
+def _told(axis: xr.DataArray, number: int) -> str:
+    """One of an axis's values, and whether it is the last of some numbers to either side."""
+    ends = np.issubdtype(axis.dtype, np.number) and axis.values[number] in (axis.values.min(), axis.values.max())
+    return named(axis.name, axis.values[number]) + " (an end)" * bool(ends)

@@ -1,0 +1,57 @@
+"""The design that takes the most power, in each sea state and over a year."""
+
+import numpy as np
+import xarray as xr
+
+from pipeline.report.best import rows, table
+
+DAMPINGS = [1e5, 2e5, 4e5]
+
+
+def dataset(mild, rough, **coords):
+    """Mean power [kW] of one float by damping, two realizations that differ by 2 kW, on two platforms."""
+    power = 1e3 * np.array([mild, rough], float)[:, :, None, None, None, None] + [[[[[-1e3]], [[1e3]]]]]
+    each = np.concatenate([power, 2 * power], axis=2) * np.ones((2, 3, 2, 2, 1, 1))
+    dims = ("sea_state", "pto_damping", "platform", "seed", "float", "statistic")
+    known = {"pto_damping": DAMPINGS, "platform": ["elastic", "fixed"], "float": ["only"], "statistic": ["mean"]}
+    return xr.Dataset({"absorbed_power": (dims, each)}, coords=known | {"sea_state": ["mild", "rough"]} | coords)
+
+
+def test_each_sea_has_its_best_and_a_year_another():
+    """Of a year the middle damping is best, which is best in neither sea; one at an end of the axis is told so."""
+    often = {"occurrence": ("sea_state", [3.0, 1.0])}
+    lines = list(rows(dataset([4, 3.9, 1], [1, 9, 9.5], **often)))
+    assert [line[:3] for line in lines[:3]] == [
+        ("elastic, all seas", "pto_damping 200000", "5.17"),
+        ("elastic, mild", "pto_damping 100000 (an end)", "4"),
+        ("elastic, rough", "pto_damping 400000 (an end)", "9.5"),
+    ]
+    assert [line[0] for line in lines[3:]] == ["fixed, all seas", "fixed, mild", "fixed, rough"]
+    assert all(line[-1] == "2" and float(line[3]) < float(line[2]) < float(line[4]) for line in lines)
+
+
+def test_of_seas_that_nobody_said_the_occurrence_of_each_stands_by_itself():
+    data = dataset([4, 3.9, np.nan], [np.nan] * 3)
+    assert [line[:3] for line in rows(data.sel(platform="elastic"))] == [("mild", "pto_damping 100000 (an end)", "4")]
+    assert not table(data.sel(pto_damping=[1e5])).lines and not table(xr.Dataset()).lines
+    assert [line[:2] for line in rows(data.isel(sea_state=0, platform=0))] == [("", "pto_damping 100000 (an end)")]
+
+
+def test_several_axes_are_one_design():
+    data = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(platform=0).drop_vars("platform").expand_dims(hull=["box", "duck"])
+    data = data.assign(absorbed_power=data.absorbed_power * xr.DataArray([1.0, 1.5], dims="hull"))
+    assert [line[0] for line in rows(data)][:3:2] == ["box, mild", "duck, mild"]  # of what nobody chooses each
+    data.hull.attrs["long_name"] = "hull (floats.only.hull)"
+    assert [line[:2] for line in rows(data)] == [
+        ("mild", "duck, pto_damping 100000 (an end)"),
+        ("rough", "duck, pto_damping 400000 (an end)"),
+    ]
+
+
+def test_power_is_that_of_all_floats():
+    one = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(platform=0, drop=True)
+    other = (one * xr.DataArray([1.0, 2.0, 1.0], dims="pto_damping")).assign_coords({"float": ["other"]})
+    assert [line[1:3] for line in rows(xr.concat([one, other], dim="float"))] == [
+        ("pto_damping 200000", "11.7"),
+        ("pto_damping 200000", "27"),
+    ]
