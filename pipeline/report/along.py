@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 VARIANT = "variant"
 MOST = 6  # quantities that change together which have a row of panels each
+DECADE = 10.0  # largest over smallest number, from which equal ratios have a logarithmic scale
+EVEN = 0.25  # of their mean, by which steps of the logarithm may differ from it: 1, 2, 5, 10, 20 are even
 
 
 def along(results: Results, dim: str) -> Figure | None:
@@ -45,6 +47,15 @@ def abscissae(results: Results, dim: str) -> list[str]:
     return varied[:MOST] or [dim]
 
 
+def in_ratios(places: np.ndarray) -> bool:
+    """Whether numbers are even in the logarithm, over a decade or more; two alone are even on any scale."""
+    known = np.unique(places)
+    if known.size < 3 or not 0 < DECADE * known[0] <= known[-1]:
+        return False
+    steps = np.diff(np.log(known))
+    return bool((abs(steps - steps.mean()) <= EVEN * steps.mean()).all())
+
+
 def _values(results: Results, quantity: Measure, dim: str) -> xr.DataArray:
     others = {name: label for name, label in results.first.items() if name != dim}
     return results.values(quantity.variable, statistic=quantity.statistic, sea_state=results.sea, **others)
@@ -71,7 +82,8 @@ def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> No
 def _draw_numbers(axes: Axes, results: Results, quantity: Measure, dim: str, name: str) -> None:
     """Means over the numbers called `name`, joined by lines unless they are samples.
 
-    If one is infinite, which no scale has a place for, they stand one after another.
+    If one is infinite, which no scale has a place for, they stand one after another; on a logarithmic scale if they are
+    spaced so.
     """
     values, places = _values(results, quantity, dim), results.data[name].values
     if not np.isfinite(places).all():
@@ -83,6 +95,8 @@ def _draw_numbers(axes: Axes, results: Results, quantity: Measure, dim: str, nam
         kept = sorted((place, numbers.mean()) for place, numbers in zip(places, means, strict=True) if numbers.size)
         style: dict[str, Any] = {"linestyle": "" if dim == "sample" else "-", "linewidth": 1.0}
         axes.plot(*np.array(kept).reshape(-1, 2).T, "o", **style, **look)
+    if in_ratios(places):
+        axes.set_xscale("log")
     axes.set_ylabel(quantity.words)
     unit = results.data[name].attrs.get("units", "1")
     axes.set_xlabel(name.replace("_", " ") + (f" [{unit}]" if unit != "1" else ""))

@@ -184,6 +184,29 @@ def test_an_axis_of_numbers_has_its_own_figure(results):
     np.testing.assert_allclose(axes.lines[0].get_xydata(), np.column_stack([data.pto_damping, mean / 1e3]))
 
 
+@pytest.mark.parametrize(
+    ("values", "scale"),
+    [
+        ((5e4, 7.937e4, 1.26e5, 2e5, 3.175e5, 5.04e5, 8e5), "log"),
+        ((8e5, 5e4, 2e5), "log"),
+        ((1.0, 2.0, 5.0, 10.0, 20.0), "log"),
+        ((0.1, 0.316, 1.0), "log"),
+        ((1e5, 3e5, 9e5), "linear"),  # a decade is not reached
+        ((1.0, 6.0, 11.0), "linear"),
+        ((1.0, 2.0, 30.0), "linear"),
+        ((1.0, 100.0), "linear"),
+        ((0.0, 1.0, 10.0, 100.0), "linear"),
+        ((-100.0, -10.0, -1.0), "linear"),
+        ((1.0, 10.0, 100.0, np.inf), "linear"),
+    ],
+)
+def test_numbers_in_equal_ratios_stand_on_a_logarithmic_scale(results, values, scale):
+    data = xr.concat([dataset().assign_coords(pto_damping=b) for b in values], "pto_damping")
+    with plain():
+        panels = along(figures.Results(study=results.study, data=data), "pto_damping").axes
+    assert {axes.get_xscale() for axes in panels} == {scale} and {axes.get_yscale() for axes in panels} == {"linear"}
+
+
 def test_a_task_of_several_cells_is_counted_named_and_drawn_once(results):
     """The calm sea is a regular one: both seeds have its one task; one platform has none for it."""
     data = results.data.copy(deep=True)
