@@ -36,7 +36,7 @@ def along(results: Results, dim: str) -> Figure | None:
                 _draw_words(axes, results, quantity, dim)
             else:
                 _draw_numbers(axes, results, quantity, dim, name)
-    key(figure, results, shown[-1].variable)
+    key(figure, results, shown[-1].variable, {} if words else results.marked)
     return figure
 
 
@@ -56,15 +56,15 @@ def in_ratios(places: np.ndarray) -> bool:
     return bool((abs(steps - steps.mean()) <= EVEN * steps.mean()).all())
 
 
-def _values(results: Results, quantity: Measure, dim: str) -> xr.DataArray:
+def _values(results: Results, quantity: Measure, dim: str, sea: str) -> xr.DataArray:
     others = {name: label for name, label in results.first.items() if name != dim}
-    return results.values(quantity.variable, statistic=quantity.statistic, sea_state=results.sea, **others)
+    return results.values(quantity.variable, statistic=quantity.statistic, sea_state=sea, **others)
 
 
 def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> None:
     """A row for each word; published numbers stand beside the first variant's."""
     labels = results.labels(dim)[:ROOM]
-    values, every = _values(results, quantity, dim), list(series(results, quantity.variable))
+    values, every = _values(results, quantity, dim, results.sea), list(series(results, quantity.variable))
     categories(axes, labels)
     for (item, support, look), lane in zip(every, lanes(len(every)), strict=True):
         for row, label in enumerate(labels):
@@ -80,21 +80,23 @@ def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> No
 
 
 def _draw_numbers(axes: Axes, results: Results, quantity: Measure, dim: str, name: str) -> None:
-    """Means over the numbers called `name`, joined by lines unless they are samples.
+    """Means over the numbers called `name`, joined by lines unless they are samples, of each sea state if they are few.
 
     If one is infinite, which no scale has a place for, they stand one after another; on a logarithmic scale if they are
     spaced so.
     """
-    values, places = _values(results, quantity, dim), results.data[name].values
+    places = results.data[name].values
     if not np.isfinite(places).all():
         known, places = np.unique(places, return_inverse=True)
         axes.set_xticks(range(len(known)), [f"{number:g}" for number in known])
-    for item, support, look in series(results, quantity.variable):
-        part = values.sel({"platform": support, "float": item})
-        means = [finite(part.isel({dim: i})) / quantity.scale for i in range(len(places))]
-        kept = sorted((place, numbers.mean()) for place, numbers in zip(places, means, strict=True) if numbers.size)
-        style: dict[str, Any] = {"linestyle": "" if dim == "sample" else "-", "linewidth": 1.0}
-        axes.plot(*np.array(kept).reshape(-1, 2).T, "o", **style, **look)
+    style: dict[str, Any] = {"linestyle": "" if dim == "sample" else "-", "linewidth": 1.0}
+    for sea, marker in results.marked.items():
+        values = _values(results, quantity, dim, sea)
+        for item, support, look in series(results, quantity.variable):
+            part = values.sel({"platform": support, "float": item})
+            means = [finite(part.isel({dim: i})) / quantity.scale for i in range(len(places))]
+            kept = sorted((place, numbers.mean()) for place, numbers in zip(places, means, strict=True) if numbers.size)
+            axes.plot(*np.array(kept).reshape(-1, 2).T, marker=marker, **style, **look)
     if in_ratios(places):
         axes.set_xscale("log")
     axes.set_ylabel(quantity.words)

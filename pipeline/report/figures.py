@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pipeline.report.drawing import PAPER, canvas, categories, colour, lanes
+from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, lanes
 from pipeline.report.report import Published
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import axes as axes_of
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 SHOWN = ("sea_state", "platform", "seed")  # axes that every figure goes along, or over
 SUPPORT = {"elastic": "elastic", "fixed": "fixed", "elastic-no-floats": "no floats"}
 ROOM = 24  # sea states in one figure
+LINES = 12  # of floats in sea states on one platform that can be told apart
+COLUMNS = 6  # of marks in a row above a figure
+MARKERS = ("o", "s", "^", "D", "v", "P")  # of sea states that have a line each
 CROSS = "x"  # marks a published number
 
 
@@ -85,6 +88,13 @@ class Results:
     def seas(self) -> list[str]:
         """The sea states that a figure has room for."""
         return [str(label) for label in self.labels("sea_state")[:ROOM]]
+
+    @property
+    def marked(self) -> dict[str, str]:
+        """Markers of sea states along an axis of numbers: of all if these and floats are few, else of the one shown."""
+        every = [str(label) for label in self.labels("sea_state")]
+        few = len(every) <= len(MARKERS) and len(every) * len(self.labels("float")) <= LINES
+        return dict(zip(every if few else [self.sea], MARKERS, strict=False))
 
     @cached_property
     def sea(self) -> str:
@@ -173,18 +183,20 @@ def crossed(figure: Figure) -> bool:
     return any(line.get_marker() == CROSS for axes in figure.axes for line in axes.lines)
 
 
-def key(figure: Figure, results: Results, name: str) -> None:
-    """What the marks of a drawn figure mean, above it."""
+def key(figure: Figure, results: Results, name: str, markers: Mapping[str, str] | None = None) -> None:
+    """What the marks of a drawn figure mean, above it; of sea states, if there are several, their markers."""
     from matplotlib.lines import Line2D
 
     marks = [
         Line2D([], [], marker="o", linestyle="", label=f"{item}, {SUPPORT[support]}", **look)
         for item, support, look in series(results, name)
     ]
+    if markers and len(markers) > 1:
+        marks += [Line2D([], [], marker=marker, linestyle="", color=INK, label=sea) for sea, marker in markers.items()]
     if crossed(figure):
         marks.append(Line2D([], [], marker=CROSS, linestyle="", color=PAPER, label="published"))
     style = {"handletextpad": 0.2, "columnspacing": 1.2, "frameon": False}
-    figure.legend(handles=marks, loc="outside upper right", ncols=len(marks), **style)
+    figure.legend(handles=marks, loc="outside upper right", ncols=min(len(marks), COLUMNS), **style)
 
 
 def sea_states(results: Results) -> Figure | None:

@@ -194,11 +194,15 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
             f"Sea state {results.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{held}",
             envelopes,
         ),
-        ("Power and rotation in each sea state", f"{spread} Sea states with Hs, Tp.{held}", figures.sea_states),
+        (
+            f"Power and rotation in each sea state{_at(results)}",
+            f"{spread} Sea states with Hs, Tp.{held}",
+            figures.sea_states,
+        ),
         *[
             (
-                f"Along {dim.replace('_', ' ')}",
-                f"Sea state {results.sea}, mean over realizations. {fixed}{_held(results, dim)}",
+                f"Along {dim.replace('_', ' ')}{_at(results, dim)}",
+                f"{_of_seas(results, dim)}, mean over realizations. {fixed}{_held(results, dim)}",
                 _along(dim),
             )
             for dim in results.varied
@@ -229,6 +233,18 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
     ]
+
+
+def _of_seas(results: Results, dim: str) -> str:
+    """Which sea states a figure along an axis is of: where words stand in rows there is room for one."""
+    several = len(results.marked) > 1 and not isinstance(results.labels(dim)[0], str)
+    return "Each sea state" if several else f"Sea state {results.sea}"
+
+
+def _at(results: Results, *about: str) -> str:
+    """At which labels of varied axes a figure is that is about these axes alone, for its title."""
+    words = [f"{dim.replace('_', ' ')} {_short(results.first[dim])}" for dim in results.varied if dim not in about]
+    return f" at {', '.join(words)}" if words else ""
 
 
 def _held(results: Results, *about: str) -> str:

@@ -180,8 +180,38 @@ def test_an_axis_of_numbers_has_its_own_figure(results):
     with plain():
         axes = along(varied, "pto_damping").axes[0]
     assert axes.get_xlabel() == "pto damping [N m s rad-1]"
-    mean = data.absorbed_power.sel(sea_state="rough", platform="elastic", statistic="mean", float="front").mean("seed")
-    np.testing.assert_allclose(axes.lines[0].get_xydata(), np.column_stack([data.pto_damping, mean / 1e3]))
+    for line, (sea, platform) in zip(
+        axes.lines, [(sea, p) for sea in ("calm", "rough") for p in ("elastic", "fixed")], strict=True
+    ):
+        mean = data.absorbed_power.sel(sea_state=sea, platform=platform, statistic="mean", float="front").mean("seed")
+        np.testing.assert_allclose(line.get_xydata(), np.column_stack([data.pto_damping, mean / 1e3]))
+        assert line.get_marker() == {"calm": "o", "rough": "s"}[sea]
+
+
+@pytest.mark.parametrize(("count", "told"), [(1, "Sea state sea-1"), (6, "Each sea state"), (7, "Sea state sea-2")])
+def test_few_sea_states_have_a_line_each_along_an_axis(results, count, told):
+    """More than there are markers leave the highest, the third here; the key names those that have one."""
+    one = dataset()[["absorbed_power", "rotation"]].isel(sea_state=[1])
+    seas = [f"sea-{i}" for i in range(count)] if count > 1 else ["sea-1"]
+    data = xr.concat([i * one.assign_coords(sea_state=[sea]) for i, sea in enumerate(seas, 1)], "sea_state")
+    data = data.assign_coords(Hs=("sea_state", np.where(np.array(seas) == "sea-2", 3.0, 1.0)))
+    data = xr.concat([data.assign_coords(pto_damping=b) for b in (1e5, 2e5)], "pto_damping")
+    varied = figures.Results(study=results.study, data=data)
+    with plain():
+        figure = along(varied, "pto_damping")
+    (key,) = figure.legends
+    names = [text.get_text() for text in key.get_texts()]
+    shown = seas if 1 < count < 7 else []
+    assert names == ["front, elastic", "front, fixed", *shown]
+    assert len(figure.axes[0].lines) == 2 * max(1, len(shown))
+    power = 3 if count == 7 else 1
+    mean = one.absorbed_power.sel(platform="elastic", float="front", statistic="mean").mean("seed").item() / 1e3
+    assert figure.axes[0].lines[0].get_ydata() == pytest.approx(power * mean)
+    (caption,) = (caption for title, caption, _ in page._list(varied) if title == "Along pto damping")
+    assert caption.startswith(f"{told}, mean over realizations.")
+    for floats, lines in ((2, len(shown)), (3, 0)):
+        fleet = xr.concat([data.assign_coords(float=[f"float-{i}"]) for i in range(floats)], "float")
+        assert len(replace(varied, data=fleet).marked) == max(1, lines)
 
 
 @pytest.mark.parametrize(
@@ -299,9 +329,13 @@ def test_it_is_said_at_what_the_other_axes_are_held(small, tmp_path):
     data = xr.concat([varied.data] * 2, "variant").assign_coords(variant=["usual", "deep"], pto_damping=1e5)
     both = replace(varied, data=data)
     captions = {title: caption.partition("Shown at ")[2] for title, caption, _ in page._list(both)}
-    assert captions["Along depth"] == "pto damping 100000; variant usual."
-    assert captions["Along variant"] == "pto damping 100000; depth inf."
+    assert "Power and rotation in each sea state at variant usual, depth inf" in captions
+    assert captions["Along depth at variant usual"] == "pto damping 100000; variant usual."
+    assert captions["Along variant at depth inf"] == "pto damping 100000; depth inf."
     (tmp_path / "p.csv").write_text(PUBLISHED.replace(",sea_state", ",depth=60.0;sea_state"))
+    whole = {title: caption for title, caption, _ in page._list(both)}
+    assert whole["Along depth at variant usual"].startswith("Each sea state, mean")
+    assert whole["Along variant at depth inf"].startswith("Sea state rough, mean")
     text = page.html(replace(both, published=published(tmp_path / "p.csv")))
     assert "below each table. Shown at pto damping 100000; variant usual.</p>" in text
 
@@ -309,6 +343,7 @@ def test_it_is_said_at_what_the_other_axes_are_held(small, tmp_path):
 def test_infinity_has_its_place_along_an_axis(small):
     """Beside the largest number, with its tick: a scale would leave it out."""
     varied = along_of(small, "depth", "[axes.water]\ndepth = [inf, 60.0, 50.0]", depth=[np.inf, 60.0, 50.0])
+    varied = replace(varied, data=varied.data.sel(sea_state=["rough"]))
     with plain():
         (axes,) = along(varied, "depth").axes
     mean = varied.data.absorbed_power.sel(sea_state="rough", platform="elastic", statistic="mean", float="front")
