@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.report.drawing import PAPER, canvas, categories, lanes
-from pipeline.report.figures import CROSS, POWER, ROOM, ROTATION, Measure, Results, draw_spread, finite, key, series
+from pipeline.report.figures import CROSS, ROOM, Measure, Results, draw_spread, finite, key, series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,8 +22,7 @@ EVEN = 0.25  # of their mean, by which steps of the logarithm may differ from it
 
 def along(results: Results, dim: str) -> Figure | None:
     """A panel for each quantity; words stand in rows, numbers that change together have a row of panels each."""
-    shown = [quantity for quantity in (POWER, ROTATION) if results.has(quantity.variable)]
-    labels = results.labels(dim)
+    shown, labels = results.measures, results.labels(dim)
     if not shown or len(labels) < 2:
         return None
     words = isinstance(labels[0], str)

@@ -30,16 +30,17 @@ CROSS = "x"  # marks a published number
 
 
 class Measure(NamedTuple):
-    """What an axis shows: a variable's statistic in a unit that is so many SI units."""
+    """What an axis shows: a variable's statistic in a unit that is so many SI units; its name in titles."""
 
+    name: str
     variable: str
     statistic: str
     words: str
     scale: float
 
 
-POWER = Measure("absorbed_power", "mean", "mean absorbed power [kW]", 1e3)
-ROTATION = Measure("rotation", "rms", "RMS rotation [rad]", 1.0)
+POWER = Measure("power", "absorbed_power", "mean", "mean absorbed power [kW]", 1e3)
+ROTATION = Measure("rotation", "rotation", "rms", "RMS rotation [rad]", 1.0)
 AUDIT = (
     ("energy_residual", "energy residual [share of wave work]"),
     ("estimated_error", "estimated error of any mean, rms or std [relative]"),
@@ -114,6 +115,11 @@ class Results:
         return per_sea
 
     @property
+    def measures(self) -> list[Measure]:
+        """Power and rotation, as far as they are there."""
+        return [quantity for quantity in (POWER, ROTATION) if self.has(quantity.variable)]
+
+    @property
     def carrying(self) -> dict[str, str]:
         """What elastic platforms are told apart by; nothing in a study without floats."""
         words = {"elastic": "with floats", "elastic-no-floats": "no floats"}
@@ -161,7 +167,7 @@ def draw_spread(axes: Axes, numbers: np.ndarray, place: float, look: dict[str, A
 
 def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
     """Mean over realizations with least and largest, and the published number, for each sea state."""
-    name, statistic, words, scale = quantity
+    _, name, statistic, words, scale = quantity
     values = results.values(name, statistic=statistic, **results.first)
     every = list(series(results, name))
     categories(axes, results.sea_names)
@@ -201,7 +207,7 @@ def key(figure: Figure, results: Results, name: str, markers: Mapping[str, str] 
 
 def sea_states(results: Results) -> Figure | None:
     """Power and rotation of every float in every sea state."""
-    shown = [q for q in (POWER, ROTATION) if results.has(q.variable)]
+    shown = results.measures
     if not shown:
         return None
     figure = canvas(9.0, 1.2 + min(0.62 * len(results.sea_names), 15.0))

@@ -177,6 +177,7 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
     count = len(results.labels("sea_state"))
     held += f" The first {len(results.seas)} of {count} sea states." if count > len(results.seas) else ""
     fixed = "Filled: elastic platform; open: fixed." if len(results.labels("platform")) > 1 else ""
+    measures = " and ".join(quantity.name for quantity in results.measures).capitalize()
     spread = f"Dots: mean over realizations; bars: least and largest. {fixed}"
     return [
         (
@@ -195,7 +196,7 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
             envelopes,
         ),
         (
-            f"Power and rotation in each sea state{_at(results)}",
+            f"{measures} in each sea state{_at(results)}",
             f"{spread} Sea states with Hs, Tp.{held}",
             figures.sea_states,
         ),

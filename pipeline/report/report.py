@@ -193,8 +193,8 @@ def cells(row: Published, number: Ours | None) -> list[str]:
     """Ours, its range, the ratio with a star if it is far off, and the verdict, as text."""
     if number is None:
         return ["-", "", "", ""]
-    ratio = f"{number.mean / row.value:.2f}" if row.value and math.isfinite(number.mean) else ""
-    spread = "" if number.low == number.high else f"[{number.low:.4g}, {number.high:.4g}]"
+    ratio = f"{number.mean / row.value:z.2f}" if row.value and math.isfinite(number.mean) else ""
+    spread = "" if number.low == number.high else f"[{number.low:z.4g}, {number.high:z.4g}]"
     return [f"{number.mean:.4g}", spread, ratio + (" *" if number.off(row) else ""), number.verdict(row)]
 
 
@@ -240,5 +240,5 @@ def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
             values = values.expand_dims(statistic=[""])
         for statistic in values.statistic.values:
             part = values.sel(statistic=statistic)
-            figures = (f"{float(f()):.4g}" for f in (part.mean, part.min, part.max))
+            figures = (f"{float(f()):z.4g}" for f in (part.mean, part.min, part.max))
             yield (str(label), str(statistic), *figures, values.attrs.get("units", ""))

@@ -137,7 +137,7 @@ def counted(values: xr.DataArray) -> str:
 
 def texts(numbers: np.ndarray) -> list[str]:
     """Three digits of each."""
-    return ["-" if np.isnan(number) else f"{number:.3g}" for number in numbers]
+    return ["-" if np.isnan(number) else f"{number:z.3g}" for number in numbers]
 
 
 def show(table: Table, console: Console) -> None:

@@ -329,7 +329,7 @@ def test_it_is_said_at_what_the_other_axes_are_held(small, tmp_path):
     data = xr.concat([varied.data] * 2, "variant").assign_coords(variant=["usual", "deep"], pto_damping=1e5)
     both = replace(varied, data=data)
     captions = {title: caption.partition("Shown at ")[2] for title, caption, _ in page._list(both)}
-    assert "Power and rotation in each sea state at variant usual, depth inf" in captions
+    assert "Power in each sea state at variant usual, depth inf" in captions
     assert captions["Along depth at variant usual"] == "pto damping 100000; variant usual."
     assert captions["Along variant at depth inf"] == "pto damping 100000; depth inf."
     (tmp_path / "p.csv").write_text(PUBLISHED.replace(",sea_state", ",depth=60.0;sea_state"))
@@ -338,6 +338,18 @@ def test_it_is_said_at_what_the_other_axes_are_held(small, tmp_path):
     assert whole["Along variant at depth inf"].startswith("Sea state rough, mean")
     text = page.html(replace(both, published=published(tmp_path / "p.csv")))
     assert "below each table. Shown at pto damping 100000; variant usual.</p>" in text
+
+
+@pytest.mark.parametrize(
+    ("kept", "title"),
+    [
+        (["absorbed_power"], "Power in each sea state"),
+        (["rotation"], "Rotation in each sea state"),
+        (["absorbed_power", "rotation"], "Power and rotation in each sea state"),
+    ],
+)
+def test_titles_name_what_is_drawn(results, kept, title):
+    assert title in titles(replace(results, data=results.data[kept]))
 
 
 def test_infinity_has_its_place_along_an_axis(small):

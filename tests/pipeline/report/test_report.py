@@ -9,6 +9,7 @@ import xarray as xr
 from rich.console import Console
 
 from pipeline.report import report
+from pipeline.report.yearly import texts
 from pipeline.results.variables import VARIABLES
 from pipeline.study.reading import StudyError
 
@@ -156,3 +157,16 @@ def test_the_range_of_39_holds_one_more_with_95_percent(tmp_path):
     theirs = row(tmp_path / "p.csv", "T,r,rotation,,,99,rad,")
     assert "0 of 1 published" in report.verdicts(data, [theirs])
     assert "95.0% of 39" in report.verdicts(data, [theirs])
+
+
+def test_no_table_says_minus_nothing(data, tmp_path):
+    """What is small is told as small as it is, and a range that begins at minus nothing begins at nothing."""
+    theirs = row(tmp_path / "p.csv", "T,power,absorbed_power,float=front,,2.0,kW,")
+    for factor, told in ((-0.0, ["0", "", "0.00 *"]), (-1e-9, ["-2e-09", "[-3e-09, -1e-09]", "0.00 *"])):
+        assert report.cells(theirs, report.ours(factor * data, theirs))[:3] == told
+    for factors, told in (((-0.0, -1.0, -2.0), "[-6, 0]"), ((-0.0, 1.0, 1.0), "[0, 3]")):
+        mine = report.ours(xr.DataArray([*factors], dims="seed") * data, theirs)
+        assert report.cells(theirs, mine)[1] == told
+    (line,) = report.summary_rows((-0.0 * data).expand_dims(statistic=["min"]))
+    assert line[2:5] == ("0", "0", "0")
+    assert texts(np.array([-0.0, np.nan, -2e-5])) == ["0", "-", "-2e-05"]
