@@ -13,7 +13,7 @@ from typing import Any
 from pipeline import environment
 from pipeline.bridge.cache import Cache
 from pipeline.bridge.engine import Engine, Failure, Outcome, attempt_coefficients, attempt_share, attempt_tasks
-from pipeline.bridge.geometry import Geometry, geometry_of, of_joints
+from pipeline.bridge.geometry import Geometry, bem_time, geometry_of, of_joints
 from pipeline.results.packs import Row
 from pipeline.results.store import UNFINISHED, Store
 from pipeline.running import schedule
@@ -25,6 +25,7 @@ from pipeline.tasks.tasklist import Tasks
 
 Watch = Callable[[Task | Geometry, Outcome], None]
 TOGETHER = 1000  # outcomes written at once, at most
+SHARED = 15.0  # boundary elements that take longer are worth the start of workers [s]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,13 +47,22 @@ class Campaign:
         """
         tasks = tasks.unique
         failed: list[Task] = []
-        with schedule.pool(len(tasks) + len(broken), self.place, self.say) as pool:
+        with schedule.pool(self._work(tasks, broken), self.place, self.say) as pool:
             for task, outcome in _Run(self, pool, watch).outcomes(tasks, broken):
                 if isinstance(outcome.result, Failure):
                     failed.append(task)
                     if not self.keep_going:
                         break
         return failed
+
+    def _work(self, tasks: Tasks, broken: Sequence[Geometry]) -> int:
+        """How many pieces it is: of few tasks boundary elements may be worth a share for each worker."""
+        count = len(tasks) + len(broken)
+        if count > schedule.SMALL:
+            return count
+        cache, needed = Cache(self.results), {*broken, *(geometry_of(task.parameters) for task in tasks)} - {None}
+        unknown = [g for g in needed if g and not g.coefficients and (g in broken or cache.get(g.key) is None)]
+        return count if sum(map(bem_time, unknown)) < SHARED else max(count, schedule.SMALL + 1)
 
     def keep(self, outcomes: Sequence[tuple[Task, Outcome]]) -> None:
         """Write what came of tasks."""

@@ -14,6 +14,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from pipeline.bridge import preflight
+from pipeline.bridge.cache import Cache
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.loading import load
 from pipeline.cli import actions
@@ -23,6 +24,7 @@ from pipeline.report.page import facts, html, results_of
 from pipeline.report.report import COLUMNS
 from pipeline.results import dataset
 from pipeline.results.store import Store, remove
+from pipeline.running import schedule
 from pipeline.running.campaign import Campaign, unfinished
 from pipeline.running.place import Place
 from pipeline.study.reading import StudyError
@@ -271,6 +273,21 @@ def test_orphans_are_listed_and_removed_on_request(small, cli, tmp_path):
     assert "removed" in cli("clean", "--orphans")
     assert "0 orphans" in cli("clean")
     assert len(list((tmp_path / "r").rglob("record.nc"))) == 6
+
+
+@pytest.mark.parametrize(("seconds", "pieces"), [(2.0, 1), (40.0, schedule.SMALL + 1)])
+def test_boundary_elements_that_take_long_are_shared_by_workers_of_few_tasks(
+    small, tmp_path, engine, monkeypatch, seconds, pieces
+):
+    """One task alone runs here, and so would they, on one core of all; not once they are known."""
+    monkeypatch.setattr("pipeline.running.campaign.bem_time", lambda _: seconds)
+    tasks = load(small).tasks
+    one = tasks.where(lambda task: task.id == next(iter(tasks)).id)
+    runs = campaign(small, tmp_path / "r", engine)
+    assert runs._work(one, ()) == pieces
+    monkeypatch.setattr(Cache, "get", lambda *_: b"known")
+    assert runs._work(one, ()) == 1
+    assert runs._work(tasks, ()) == len(tasks)
 
 
 @pytest.mark.usefixtures("undrawn")
