@@ -14,7 +14,7 @@ from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_pulls, odd_lines
-from solver.scene import DOFS, Float, Platform, Scene, Water, unlisted
+from solver.scene import DOFS, Float, Platform, Scene, Water, unit_along, unlisted
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
 
@@ -81,10 +81,9 @@ def _pushed(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
     names = [(f.name, axis) for f in scene.floats for axis in f.motion]
     for j in np.flatnonzero((works > 0) & ((lower > 0) | (upper < 0))):
         (name, axis), to = names[j], "" if joints is None else f" to {joints[j]:+.3g}"
-        unit = "m" if axis in DOFS[:3] else "rad"
         yield (
-            f"floats.{name}.end_stops: {lower[j]:+g} to {upper[j]:+g} {unit} of {axis} leave out its rest, 0: a stop"
-            f" pushes it away{to} before the run begins"
+            f"floats.{name}.end_stops: {lower[j]:+g} to {upper[j]:+g} {unit_along(axis)} of {axis} leave out its"
+            f" rest, 0: a stop pushes it away{to} before the run begins"
         )
 
 
@@ -110,7 +109,7 @@ def beyond_tables(floats: Sequence[Float], low: np.ndarray, high: np.ndarray) ->
                 (low[k, j] < given[0] and np.any(lines[0] != lines[1]))
                 or (high[k, j] > given[-1] and np.any(lines[-1] != lines[-2]))
             ):
-                unit = ("m" if axis in DOFS[:3] else "rad") + "/s" * k
+                unit = unit_along(axis) + "/s" * k
                 yield (
                     f"floats.{item.name}: the {what} of {axis} was {low[k, j]:+.3g} to {high[k, j]:+.3g} {unit}, beyond"
                     f" {given[0]:+.3g} to {given[-1]:+.3g} {unit}, in which the load of its power take-off is given:"

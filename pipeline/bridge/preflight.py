@@ -19,7 +19,7 @@ CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
 
 
 def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
-    """Raise StudyError in the solver's words, under the study file's keys; what is odd and yet no error."""
+    """Raise StudyError in the solver's words, under the study file's keys; else tell what is odd and yet no error."""
     distinct: dict[tuple[object, ...], Task] = {}
     seas: dict[object, Task] = {}
     still = {label for label, sea in study.content.seas.items() if isinstance(sea, Still)}

@@ -142,8 +142,8 @@ def hull(shape: Hull) -> Revolution | PanelHull:
     """The solver's hull for a hull table, about its own reference point: see `offset`."""
     from solver.hydrodynamics.hull.panel_hull import PanelHull
 
-    made = _as_described(shape)
-    return made.moved(-offset(shape)) if isinstance(made, PanelHull) and offset(shape).any() else made
+    made, away = _as_described(shape), offset(shape)
+    return made.moved(-away) if isinstance(made, PanelHull) and away.any() else made
 
 
 @lru_cache(maxsize=64)
@@ -273,9 +273,11 @@ def floating(item: Float) -> physics.Float:
 
 def _from(away: np.ndarray, parts: dict[str, Any]) -> dict[str, Any]:
     """Those parts of a float that say where something is, of a reference point that is so far `away` (3,) [m]."""
-    moved = {"arm": tuple((parts["arm"] + away).tolist()), "cog": tuple((parts["cog"] - away).tolist())}
-    lines = (replace(line, fairlead=tuple((line.fairlead - away).tolist())) for line in parts["lines"])
-    moved["lines"] = tuple(lines)
+    moved = {
+        "arm": tuple((parts["arm"] + away).tolist()),
+        "cog": tuple((parts["cog"] - away).tolist()),
+        "lines": tuple(replace(line, fairlead=tuple((line.fairlead - away).tolist())) for line in parts["lines"]),
+    }
     if mooring := parts["mooring"]:
         moved["mooring"] = replace(mooring, point=tuple((mooring.point - away).tolist()))
     return moved
@@ -364,9 +366,9 @@ def load_history(table: LoadHistory) -> History:
         there = [name for name in columns.among(table.file, ("time", *FORCES)) if name in FORCES]
         if not there:
             raise InputError("file", table.file, f"needs a column of {', '.join(FORCES)} in its header")
-        columns.require_rising(table.file, "time")
         read = columns.read(table.file, ("time", *dict.fromkeys(there)))
         time = read["time"]
+        columns.require_rising(table.file, "time", time)
         force = np.stack([read.get(name, np.zeros(time.size)) for name in FORCES], axis=-1)
         return History(node=table.node, time=time, force=force)
 

@@ -33,10 +33,11 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
     designs = [dim for dim in total.dims if total.sizes[dim] > 1 and _is_design(data[dim])]
     for labels, part in cells(total, VARIABLE, designs) if designs else ():
         for sea, some in by_sea(part, VARIABLE):
+            if some[VARIABLE].sizes.get("sea_state", 1) > 1 and "occurrence" not in some.coords:
+                continue
             found = over_seas(some[VARIABLE], some)
             first = found.sel(estimate="value", drop=True)
-            mixed = some[VARIABLE].sizes.get("sea_state", 1) > 1 and "occurrence" not in some.coords
-            if mixed or first.isnull().all():
+            if first.isnull().all():
                 continue
             at = first.argmax(designs)
             chosen = ", ".join(_told(first[dim], int(at[dim])) for dim in designs)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from pipeline.report.yearly import LEVEL, YEAR, Table, cells, counted, of_part, over_seas, realized, texts
+from pipeline.report.yearly import HOUR, LEVEL, YEAR, Table, cells, counted, of_part, over_seas, realized, texts
 
 if TYPE_CHECKING:
     import xarray as xr
 
-HOUR = 3600.0  # [s]
 OF = {"absorbed_power": "absorbed", "electrical_power": "electrical"}  # by variable
 ALL = "all floats"
 HEADER = ("", "", "mean power [kW]", "low", "high", "energy a year [MWh]", "low", "high", "realizations")

@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeline.report.yearly import (
     ESTIMATES,
+    HOUR,
     LEVEL,
     YEAR,
     Table,
@@ -24,7 +25,6 @@ from pipeline.report.yearly import (
 if TYPE_CHECKING:
     import xarray as xr
 
-HOUR = 3600.0  # [s]
 AT = {"damage": "foot", "damage_top": "top"}  # of the legs, by variable
 HEADER = ("", "where", "damage a year", "low", "high", "life [years]", "low", "high", "realizations")
 NOTE = (

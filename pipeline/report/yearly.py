@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 LEVEL = 0.95  # of the intervals
-YEAR = 365.25 * 24.0  # [h]
+HOUR, YEAR = 3600.0, 365.25 * 24.0  # [s], [h]
 ESTIMATES = ("value", "low", "high")
 WORDS = 2  # columns of a table that are words
 DAY, FULL = 24.0, 8700.0  # sums of occurrences that look like hours of a part of a year lie between [h]

@@ -60,8 +60,9 @@ class Campaign:
         count = len(tasks) + len(broken)
         if count > schedule.SMALL:
             return count
-        cache, needed = Cache(self.results), {*broken, *(geometry_of(task.parameters) for task in tasks)} - {None}
-        unknown = [g for g in needed if g and not g.coefficients and (g in broken or cache.get(g.key) is None)]
+        cache, needed = Cache(self.results), {geometry_of(task.parameters) for task in tasks}
+        solved = (g for g in {*broken, *filter(None, needed)} if not g.coefficients)
+        unknown = (g for g in solved if g in broken or cache.get(g.key) is None)
         return count if sum(map(bem_time, unknown)) < SHARED else max(count, schedule.SMALL + 1)
 
     def keep(self, outcomes: Sequence[tuple[Task, Outcome]]) -> None:

@@ -67,15 +67,14 @@ def read(file: Attachment, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
     return {name: np.array(values) for name, values in numbers.items()}
 
 
-def require_rising(file: Attachment, name: str) -> None:
-    """Refuse a line whose number is not above that of the one before; raises InputError."""
-    values, lines = read(file, (name,))[name].tolist(), [line for line, _ in _rows(file)][1:]
-    unit = next(iter(QUANTITIES[name].units))
-    for line, before, value in zip(lines[1:], values, values[1:], strict=False):
-        if not value > before:
-            raise InputError(
-                "file", file, f"line {line}, column {name}: {value} must be > {before} {unit}, the one before"
-            )
+def require_rising(file: Attachment, name: str, values: np.ndarray) -> None:
+    """Refuse a line whose number, of those read, is not above that of the one before; raises InputError."""
+    falls = np.flatnonzero(~(np.diff(values) > 0))
+    if falls.size:
+        before, value = values[falls[0] : falls[0] + 2].tolist()
+        line, unit = [line for line, _ in _rows(file)][falls[0] + 2], next(iter(QUANTITIES[name].units))
+        limit = f"line {line}, column {name}: {value} must be > {before} {unit}, the one before"
+        raise InputError("file", file, limit)
 
 
 def among(file: Attachment, known: tuple[str, ...]) -> list[str]:

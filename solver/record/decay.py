@@ -20,7 +20,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.channels import Channels
 from solver.record.response import absorbs
 from solver.record.sampling import least_force
-from solver.scene import DOFS
+from solver.scene import unit_along
 from solver.statistics import FAINT, STATISTICS
 
 PERIODS = 50  # of the slowest motion that coefficients know, in the time for which spectra are told, at least
@@ -89,7 +89,7 @@ def died(channels: Channels, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
     share = np.divide(swing, size, out=np.zeros(size.shape), where=size > 0)
     b, i = np.unravel_index(share.argmax(), share.shape)
     if share[b, i] < LEFT:
-        unit = "m" if channels.axes[i] in DOFS[:3] else "rad"
+        unit = unit_along(channels.axes[i])
         yield (
             f"floats.{floats[b].name}.offset: let go from {start[b, i]:+.3g} {unit} of {channels.axes[i]}, it swings by"
             f" {swing[b, i]:.2g} {unit} in the record, no float by a larger share: errors, told relative to what is"

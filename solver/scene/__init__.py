@@ -3,7 +3,7 @@
 Frame: x along the waves for heading 0, z upwards from still water, rotations right-handed.
 """
 
-from solver.scene.floats import DOFS, PER_AXIS, STARTS, EndStops, Float, is_planar, out_of_place, unlisted
+from solver.scene.floats import DOFS, PER_AXIS, STARTS, EndStops, Float, is_planar, out_of_place, unit_along, unlisted
 from solver.scene.platform import Platform, StructuralDamping
 from solver.scene.scene import MOST_STEPS, STEPS, Scene, require_waves, two_digits
 from solver.scene.settings import (
@@ -48,5 +48,6 @@ __all__ = [
     "panels_for",
     "require_waves",
     "two_digits",
+    "unit_along",
     "unlisted",
 ]

@@ -278,6 +278,11 @@ STARTS = _of_joints(Float) | _of_joints(EndStops, "end_stops.")
 PER_AXIS = tuple(STARTS)
 
 
+def unit_along(axis: str) -> str:
+    """Of the position along an axis of a joint."""
+    return "m" if axis in DOFS[:3] else "rad"
+
+
 def unlisted(floats: Sequence[Float]) -> Iterator[InputError]:
     """Of floats that are on one that is not listed before them."""
     names = [f.name for f in floats]
