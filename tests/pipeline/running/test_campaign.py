@@ -287,6 +287,7 @@ def test_boundary_elements_that_take_long_are_shared_by_workers_of_few_tasks(
     assert runs._work(one, ()) == pieces
     monkeypatch.setattr(Cache, "get", lambda *_: b"known")
     assert runs._work(one, ()) == 1
+    monkeypatch.setattr("pipeline.running.campaign.geometry_of", None)  # of many nobody asks
     assert runs._work(tasks, ()) == len(tasks)
 
 
