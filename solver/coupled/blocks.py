@@ -10,8 +10,17 @@ from solver.coupled.equilibrium import righting
 from solver.coupled.march import GROSSLY, march
 from solver.coupled.pieces.fine import new_fine
 from solver.coupled.pieces.pieces import CHANGES
+from solver.coupled.problem import (
+    EXCURSION,
+    NOT_CONVERGED,
+    OK,
+    TO_AND_FRO,
+    UNBALANCED,
+    Output,
+    new_output,
+    new_workspace,
+)
 from solver.coupled.stages import State
-from solver.coupled.step import EXCURSION, NOT_CONVERGED, OK, TO_AND_FRO, UNBALANCED, Output, new_output, new_workspace
 from solver.coupled.system import BLOCK_STEPS, ITERATIONS, System
 from solver.errors import SimulationFailed, StepTooLong
 from solver.limits import slides

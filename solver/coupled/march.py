@@ -6,25 +6,9 @@ from solver.coupled.pieces.fine import Fine
 from solver.coupled.pieces.kept import note
 from solver.coupled.pieces.leaving import undisturbed
 from solver.coupled.pieces.pieces import bends, in_contact, in_pieces
+from solver.coupled.problem import EXCURSION, NOT_FINITE, OK, UNBALANCED, Drive, Output, Problem, Workspace
 from solver.coupled.stages import State
-from solver.coupled.step import (
-    EXCURSION,
-    NOT_FINITE,
-    OK,
-    UNBALANCED,
-    Drive,
-    Output,
-    Problem,
-    Workspace,
-    account_work,
-    advance,
-    attempt,
-    copy,
-    put_out,
-    refresh,
-    rings,
-    within,
-)
+from solver.coupled.step import account_work, advance, attempt, copy, put_out, refresh, rings, within
 from solver.kernels import kernel, whole_lean_kernel
 from solver.multibody.minimal import move
 

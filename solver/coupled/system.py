@@ -11,8 +11,8 @@ from solver.coupled.equilibrium import Differences, balance, differences, equili
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure, WaterAbout, drag
 from solver.coupled.pieces.pace import SWING
+from solver.coupled.problem import Drive, Problem, new_problem
 from solver.coupled.stages import State
-from solver.coupled.step import Drive, Problem, new_problem
 from solver.coupled.support import Support
 from solver.hydrodynamics.radiation import memory as radiation
 from solver.keys import Bits, Same, shared

@@ -13,8 +13,8 @@ from solver.coupled.blocks import blocks
 from solver.coupled.histories import missed
 from solver.coupled.linear import linear_model
 from solver.coupled.preparation import prepare
+from solver.coupled.problem import HITS, Output
 from solver.coupled.stages import State, copied
-from solver.coupled.step import HITS, Output
 from solver.coupled.system import System
 from solver.errors import StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics

@@ -8,7 +8,7 @@ import numpy as np
 from solver.coupled.assembly import Layout, joint_law
 from solver.coupled.between import NODES, interpolate
 from solver.coupled.natural import SystemModes
-from solver.coupled.step import BEYOND, CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, Between, Output
+from solver.coupled.problem import BEYOND, CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, Between, Output
 from solver.coupled.support import Support
 from solver.multibody.minimal import Bodies
 from solver.multibody.of_axes import bent, declutched, joint_loads, latched, pto_bounds, pto_loads, stopped

@@ -20,7 +20,7 @@ from solver.coupled.blocks import energy_residual, unbalanced
 from solver.coupled.driving import driven
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.natural import require_stable, system_modes, with_usual_step
-from solver.coupled.step import BEYOND, CONTACT, Output, whole_output
+from solver.coupled.problem import BEYOND, CONTACT, Output, whole_output
 from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors

@@ -17,7 +17,7 @@ from solver.coupled.assembly import joint_law
 from solver.coupled.energy import PTO
 from solver.coupled.linear import linear_model
 from solver.coupled.preparation import prepare
-from solver.coupled.step import HOLDS
+from solver.coupled.problem import HOLDS
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring

@@ -15,7 +15,7 @@ from solver.coupled.assembly import joint_law
 from solver.coupled.linear import linear_model
 from solver.coupled.natural import require_stable, system_modes
 from solver.coupled.preparation import prepare
-from solver.coupled.step import new_output, new_workspace
+from solver.coupled.problem import new_output, new_workspace
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring

@@ -19,18 +19,8 @@ from solver.coupled.energy import AT_START, JOINT_DAMPING, PTO, WORKS, energy
 from solver.coupled.memory import Memory
 from solver.coupled.pieces.fine import _fill_memory, new_fine, sample_drive
 from solver.coupled.preparation import prepare
-from solver.coupled.step import (
-    HITS,
-    HOLDS,
-    LOAD,
-    NOT_CONVERGED,
-    RATE,
-    TO_AND_FRO,
-    UNTOLD,
-    Drive,
-    _halfway,
-    new_workspace,
-)
+from solver.coupled.problem import HITS, HOLDS, LOAD, NOT_CONVERGED, RATE, TO_AND_FRO, UNTOLD, Drive, new_workspace
+from solver.coupled.step import _halfway
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring

@@ -7,8 +7,9 @@ from solver.coupled.newton import factorize, substitute
 from solver.coupled.pieces.leaving import SCAN, way
 from solver.coupled.pieces.pace import begin_swing
 from solver.coupled.pieces.parabolas import forget
+from solver.coupled.problem import HITS, RATE, Problem, Workspace
 from solver.coupled.stages import State
-from solver.coupled.step import HITS, RATE, Problem, Workspace, rings
+from solver.coupled.step import rings
 from solver.kernels import inner_kernel, kernel
 from solver.multibody.joint_law import (
     HELD,

@@ -8,8 +8,8 @@ from solver.coupled.between import NODES, nearest
 from solver.coupled.memory import Memory
 from solver.coupled.modal import fill_flexibility
 from solver.coupled.newton import shorter_part
+from solver.coupled.problem import Drive, Problem
 from solver.coupled.scheme import SMOOTHING, Scheme
-from solver.coupled.step import Drive, Problem
 from solver.kernels import inner_kernel, lean_kernel, part_kernel
 
 SHORT = 0.25  # of a step: in such pieces pressure and drag are evaluated at their ends alone

@@ -2,8 +2,9 @@
 
 from solver.coupled.pieces.fine import Fine
 from solver.coupled.pieces.pace import smooths
+from solver.coupled.problem import BEYOND, HOLDS, LET_GO, LOAD, UNTOLD, Output, Problem, Workspace
 from solver.coupled.stages import State
-from solver.coupled.step import BEYOND, HOLDS, LET_GO, LOAD, UNTOLD, Output, Problem, Workspace, copy, put_stage
+from solver.coupled.step import copy, put_stage
 from solver.kernels import kernel, lean_kernel, part_kernel
 from solver.multibody.joint_law import GONE, HELD, PTO_ZONE, STOP_ZONE, stop_load
 from solver.multibody.zones import beyond_law

@@ -1,8 +1,8 @@
 """Where in a step an axis leaves the zone of its joint's law."""
 
 from solver.coupled.pieces.pace import SLIVER, smooths
+from solver.coupled.problem import Problem, Workspace
 from solver.coupled.stages import State
-from solver.coupled.step import Problem, Workspace
 from solver.kernels import kernel, part_kernel
 from solver.multibody.joint_law import HELD, LINEAR, OPEN, PTO_ZONE, STOP_ZONE, TABLE, holding
 from solver.multibody.zones import leaving, limited, within_stops

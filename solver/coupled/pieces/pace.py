@@ -4,8 +4,9 @@ import numpy as np
 
 from solver.coupled.energy import stored
 from solver.coupled.pieces.fine import ONE, Fine
+from solver.coupled.problem import Problem, Workspace
 from solver.coupled.stages import State
-from solver.coupled.step import Problem, Workspace, gap, rings
+from solver.coupled.step import gap, rings
 from solver.kernels import inner_kernel, part_kernel
 from solver.multibody.joint_law import HELD, OPEN, PRESSED, PTO_ZONE, STOP_ZONE, JointLaw, axis_load, jumps
 from solver.multibody.zones import leaving, next_zone, pto_zone

@@ -3,8 +3,9 @@
 import numpy as np
 
 from solver.coupled.pieces.fine import Fine
+from solver.coupled.problem import Workspace
 from solver.coupled.stages import State
-from solver.coupled.step import Workspace, copy
+from solver.coupled.step import copy
 from solver.kernels import inner_kernel, lean_kernel
 
 LONGER = 2.0  # times the last one may be what goes on with its parabolas

@@ -20,21 +20,9 @@ from solver.coupled.pieces.pace import (
     too_long,
 )
 from solver.coupled.pieces.parabolas import again, forget, go_on
+from solver.coupled.problem import NOT_FINITE, OK, TO_AND_FRO, Drive, Output, Problem, Workspace
 from solver.coupled.stages import State
-from solver.coupled.step import (
-    NOT_FINITE,
-    OK,
-    TO_AND_FRO,
-    Drive,
-    Output,
-    Problem,
-    Workspace,
-    account_work,
-    advance,
-    attempt,
-    put_stage,
-    refresh,
-)
+from solver.coupled.step import account_work, advance, attempt, put_stage, refresh
 from solver.kernels import inner_kernel, part_kernel
 from solver.multibody.joint_law import OPEN, PRESSED, PTO_ZONE, STOP_ZONE, jumps
 from solver.multibody.minimal import move
