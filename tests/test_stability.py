@@ -26,7 +26,8 @@ from solver.sea.field import WaveField
 from solver.sea.realization import CALM, Realization, regular
 from solver.statistics import STATISTICS
 from solver.structure.beam import tube
-from solver.structure.frame import Frame, Member, PointMass
+from solver.structure.frame import Frame
+from solver.structure.members import Member, PointMass
 from tests.awkward import RHO, STEEL, known
 from tests.awkward import scene as awkward_scene
 from tests.interpreted import motions

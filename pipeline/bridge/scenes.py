@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from solver.power_takeoff import PtoTable
     from solver.sea.current import Current as Stream
     from solver.sea.realization import Realization
-    from solver.structure import beam, frame
+    from solver.structure import beam, members
     from solver.structure.load_history import LoadHistory as History
 
 
@@ -394,7 +394,8 @@ def platform(parameters: Parameters) -> physics.Platform | None:
 def _platform(same: Same[Platform], floats: tuple[str, ...], sea: physics.Water) -> physics.Platform:
     from solver import scene as physics
     from solver.structure.fineness import divided
-    from solver.structure.frame import Frame, MarineGrowth, PointLoad, PointMass
+    from solver.structure.frame import Frame
+    from solver.structure.members import MarineGrowth, PointLoad, PointMass
     from solver.structure.soil import Soil, SoilSpring
 
     table = same.table
@@ -428,19 +429,19 @@ def _platform(same: Same[Platform], floats: tuple[str, ...], sea: physics.Water)
     )
 
 
-def member(item: Member, table: Platform) -> frame.Member:
+def member(item: Member, table: Platform) -> members.Member:
     """The solver's member for a table of [[platform.members]], in one piece where it does not say."""
-    from solver.structure import frame
+    from solver.structure import members
 
     key = f"platform.members.{item.name}"
-    material = frame.Material(**dict(table.materials[_known(f"{key}.material", item.material, table.materials)]))
+    material = members.Material(**dict(table.materials[_known(f"{key}.material", item.material, table.materials)]))
     parts: dict[str, Any] = {"material": material, "elements": item.elements or 1}
     for name, given in (("section", item.section), ("end_section", item.end_section)):
         if given is not None:
             shape = table.sections[_known(f"{key}.{name}", given, table.sections)]
             parts[name] = replace(section(given, table), shear_factor=_shear_factor(shape, material))
     with _part("platform."):
-        return frame.Member(**{**dict(item), **parts})
+        return members.Member(**{**dict(item), **parts})
 
 
 def _known(key: str, name: str, table: Collection[str]) -> str:
@@ -449,7 +450,7 @@ def _known(key: str, name: str, table: Collection[str]) -> str:
     return name
 
 
-def _shear_factor(shape: Section, material: frame.Material) -> float | None:
+def _shear_factor(shape: Section, material: members.Material) -> float | None:
     """Timoshenko's κ of a section's table; Cowper's goes by the material's Poisson's ratio."""
     from solver.structure import beam
 

@@ -9,10 +9,10 @@ from pydantic import AfterValidator, Discriminator, Field, Tag
 from pipeline.study.attachments import File
 from pipeline.study.tables import Count, Name, NotNegative, Number, Positive, Table, Unit, Vector, fields_of
 from solver import scene as physics
-from solver.structure import frame, soil
+from solver.structure import members, soil
 
 
-@fields_of(frame.Material)
+@fields_of(members.Material)
 class Material(Table):
     """Linear elastic."""
 
@@ -92,12 +92,12 @@ class General(Table):
 Section = Annotated[Tube | SolidRectangle | Box | IBeam | General, Field(discriminator="shape")]
 
 
-def _in_order(forces: tuple[frame.Force, ...]) -> tuple[frame.Force, ...]:
+def _in_order(forces: tuple[members.Force, ...]) -> tuple[members.Force, ...]:
     """Each once: one meaning, one identity."""
-    return tuple(name for name in frame.FORCES if name in forces)
+    return tuple(name for name in members.FORCES if name in forces)
 
 
-@fields_of(frame.Member)
+@fields_of(members.Member)
 class Member(Table):
     """A straight beam between two nodes, cut into equal elements; it takes wave loads if C_D > 0 or C_M > 1."""
 
@@ -114,21 +114,21 @@ class Member(Table):
         Name | None, "Section at its end, of the same shape, to which its sides go straight; left out, the same"
     ] = None
     material: Annotated[Name, "One of [platform.materials]"]
-    start_release: Annotated[tuple[frame.Force, ...], AfterValidator(_in_order)] = ()
-    end_release: Annotated[tuple[frame.Force, ...], AfterValidator(_in_order)] = ()
+    start_release: Annotated[tuple[members.Force, ...], AfterValidator(_in_order)] = ()
+    end_release: Annotated[tuple[members.Force, ...], AfterValidator(_in_order)] = ()
     if TYPE_CHECKING:
         start_offset: Vector
         end_offset: Vector
 
 
-@fields_of(frame.PointMass)
+@fields_of(members.PointMass)
 class PointMass(Table):
     """A mass on a node: without extent, or a rigid body with a lever and moments of inertia."""
 
     node: Annotated[Name, "Node that carries it"]
 
 
-@fields_of(frame.PointLoad)
+@fields_of(members.PointLoad)
 class PointLoad(Table):
     """A constant force on a node."""
 
@@ -146,7 +146,7 @@ Foundation = Annotated[
 ]
 
 
-@fields_of(frame.MarineGrowth)
+@fields_of(members.MarineGrowth)
 class MarineGrowth(Table):
     """Marine growth at a depth; straight between the lines of the table, level beyond. Two at one depth are a step."""
 

@@ -13,10 +13,10 @@ from scipy.spatial import cKDTree
 from solver.keys import firsts
 from solver.sea.series import ROUNDING, factors, independent
 from solver.structure import recovery, water
-from solver.structure.frame import Member
 from solver.structure.frame_model import FrameModel
 from solver.structure.influence import Influence, Wanted, influence
 from solver.structure.legs import BENDING
+from solver.structure.members import Member
 from solver.structure.tubular import may_be_utilised
 
 REACTIONS, SECTIONS, FIBRES, FATIGUE = "reactions", "section_forces", "fibre_stress", "fatigue"

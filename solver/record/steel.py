@@ -11,8 +11,8 @@ from solver.record import fatigue
 from solver.record.spectra import crossings, moments
 from solver.record.utilisation import bending_utilisation, shear_utilisation
 from solver.scene import Fatigue, Settings
-from solver.structure.frame import FORCES
 from solver.structure.legs import BENDING
+from solver.structure.members import FORCES
 from solver.structure.tubular import Resistance, resistance
 
 Labelled = tuple[tuple[str, ...], np.ndarray]

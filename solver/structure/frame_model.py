@@ -8,7 +8,8 @@ import scipy
 
 from solver.structure import beam
 from solver.structure.beam import Section
-from solver.structure.frame import Frame, Member
+from solver.structure.frame import Frame
+from solver.structure.members import Member
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

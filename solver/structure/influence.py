@@ -16,8 +16,8 @@ from scipy import sparse
 
 from solver.keys import shared
 from solver.structure import beam, recovery, statics, water
-from solver.structure.frame import Member
 from solver.structure.frame_model import FrameModel, scatter
+from solver.structure.members import Member
 
 SLAB = 2**22  # numbers of an array made on the way
 
@@ -27,7 +27,7 @@ class Wanted:
     """Which section forces and which reactions are asked for: ny = k + nr + 6 nb."""
 
     end: np.ndarray  # (k,) numbered 2 e (start) and 2 e + 1 (end of element e)
-    component: np.ndarray  # (k,) which of frame.FORCES, on the face whose outward normal is local +x
+    component: np.ndarray  # (k,) which of members.FORCES, on the face whose outward normal is local +x
     grounded: np.ndarray  # (nr,) degrees of freedom, clamped or on springs
     buried: tuple[Member, ...] = ()  # nb that soil holds by three forces and three moments
 

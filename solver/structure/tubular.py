@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.errors import InputError
-from solver.structure.frame import Member
+from solver.structure.members import Member
 
 LOCAL = 0.3  # C_e of elastic local buckling
 SLENDER = 0.25  # f_y/f_cle, whose root is λ_s = 0.5: beyond it γ_M may be larger than 1.15

@@ -7,8 +7,9 @@ from solver.errors import InputError
 from solver.structure import fineness
 from solver.structure.beam import tube
 from solver.structure.fineness import FEWEST, LEFT_OUT, MOST, by_inertia, divided
-from solver.structure.frame import Frame, Member
+from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
+from solver.structure.members import Member
 from solver.structure.modes import modes
 from tests.structure.test_soil import bent, even, pile
 

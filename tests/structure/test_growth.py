@@ -10,8 +10,9 @@ from solver.coupled import support, surroundings
 from solver.errors import InputError
 from solver.scene import Platform, Water
 from solver.structure import beam, recovery, statics, water
-from solver.structure.frame import Frame, MarineGrowth
+from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
+from solver.structure.members import MarineGrowth
 from tests.awkward import on_piles, soft_ground, tripod
 
 RHO, W = 1025.0, 9.81

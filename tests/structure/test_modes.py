@@ -11,8 +11,9 @@ from scipy.sparse import csr_array
 from solver.errors import InputError
 from solver.structure import statics
 from solver.structure.beam import tube, tube_shear_factor
-from solver.structure.frame import Frame, Member, PointLoad, PointMass
+from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
+from solver.structure.members import Member, PointLoad, PointMass
 from solver.structure.modes import frequencies, mirror, modes, modes_in, static_remainder, symmetric_basis
 
 LENGTH = 12.0

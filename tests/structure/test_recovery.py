@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from solver.structure import recovery, statics
 from solver.structure.beam import solid_rectangle
-from solver.structure.frame import PointLoad, PointMass
+from solver.structure.members import PointLoad, PointMass
 
 W = 9.81
 

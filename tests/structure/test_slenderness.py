@@ -14,8 +14,9 @@ from solver.sea.field import WaveField
 from solver.sea.realization import CALM, components, regular
 from solver.structure import slenderness
 from solver.structure.beam import tube
-from solver.structure.frame import Frame, MarineGrowth, Material, Member
+from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
+from solver.structure.members import MarineGrowth, Material, Member
 from solver.structure.slenderness import diffracted, overloaded
 
 DEPTH = 20.0

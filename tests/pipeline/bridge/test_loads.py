@@ -12,7 +12,7 @@ from pipeline.bridge.preflight import judge
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import expand
 from solver.structure import modes
-from solver.structure.frame import MarineGrowth
+from solver.structure.members import MarineGrowth
 from tests.pipeline.conftest import SMALL
 
 WIND = "# gusts\ntime [s], Fz [N], Fx [N]\n0, -10, 100\n2000, 10, 300\n5000, 0, 0\n"
