@@ -12,7 +12,7 @@ import matplotlib as mpl
 import numpy as np
 import xarray as xr
 
-from pipeline.bridge import scenes
+from pipeline.bridge import hulls, scenes
 from pipeline.bridge.loading import load
 from pipeline.study.hulls import Duck
 from pipeline.tasks.task import expand
@@ -104,7 +104,7 @@ def draw_layout(axes: Axes) -> None:
     floats = next(iter(expand(load(STUDY).content))).parameters.floats
     for item in floats:
         x, y, _ = scenes.floating(item).centre
-        hull = scenes.hull(item.hull)
+        hull = hulls.hull(item.hull)
         if isinstance(item.hull, Duck):
             low, width = hull.vertices[:, 0].min(), np.ptp(hull.vertices[:, 0])
             axes.add_patch(

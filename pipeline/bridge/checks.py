@@ -13,7 +13,8 @@ from functools import partial
 
 import numpy as np
 
-from pipeline.bridge import scenes, sea_checks
+from pipeline.bridge import platforms, scenes, sea_checks
+from pipeline.bridge.objections import objections
 from pipeline.results.variables import COORDINATES, VARIABLES
 from pipeline.study import seas
 from pipeline.study.axes import TAKEN, Axes, Axis
@@ -286,7 +287,7 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
         yield InputError("floats", f"{len(study.floats)} floats", f"must be <= {MOST_FLOATS}")
         return
     for item in study.floats:
-        yield from scenes.objections(partial(scenes.in_place, item, study.water))
+        yield from objections(partial(scenes.in_place, item, study.water))
     if table := study.platform:
         yield from _repeated("platform.legs", table.legs)
         written = table.damping_ratio if "damping_ratio" in table.model_fields_set else 0.0
@@ -297,9 +298,9 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
             if node.startswith(HINGE):
                 yield InputError(f"platform.nodes.{node}", list(place), "comes with its float; leave it out")
         for name in table.sections:
-            yield from scenes.objections(partial(scenes.section, name, table))
+            yield from objections(partial(platforms.section, name, table))
         for member in table.members:
-            yield from scenes.objections(partial(scenes.member, member, table))
+            yield from objections(partial(platforms.member, member, table))
 
 
 def _scenes(study: StudyFile) -> Iterator[InputError]:
@@ -310,7 +311,7 @@ def _scenes(study: StudyFile) -> Iterator[InputError]:
     shortest = Realization(omega=omega, amplitude=np.array([1e-9 + 0j]))
     fixed = _as_it_is(study)
     for labels in _configurations(fixed):
-        yield from scenes.objections(partial(scenes.scene, cell(fixed, labels, ()).parameters, shortest))
+        yield from objections(partial(scenes.scene, cell(fixed, labels, ()).parameters, shortest))
 
 
 def _as_it_is(study: StudyFile) -> StudyFile:

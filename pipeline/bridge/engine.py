@@ -16,7 +16,7 @@ import numpy as np
 
 from pipeline import environment
 from pipeline.bridge.geometry import Geometry, bem_problem, geometry_of, given_hydrodynamics, require_solvable, waves_to
-from pipeline.bridge.scenes import hull
+from pipeline.bridge.hulls import hull, offset
 from pipeline.results.packs import Made, Row, packed
 from pipeline.tasks.task import Parameters
 from solver.errors import InputError, SimulationFailed
@@ -137,7 +137,7 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
     sought = {name for item in parameters.floats for name in scenes.found(item)}
     if sought - {"hold"}:
         mass, cog = (np.array([getattr(f, name) for f in scene.floats]) for name in ("mass", "cog"))
-        cog = cog + [scenes.offset(item.hull) for item in parameters.floats]  # from the study's reference points
+        cog = cog + [offset(item.hull) for item in parameters.floats]  # from the study's reference points
         told = {"mass": (("float",), mass), "cog": (("float", "direction"), cog)}
         record = replace(record, variables={**record.variables, **told})
     if "hold" in sought:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.bridge import scenes
-from pipeline.bridge.scenes import hull, offset
+from pipeline.bridge import platforms, scenes
+from pipeline.bridge.hulls import hull, offset
 from pipeline.study import seas
 from pipeline.study.attachments import CoefficientFile
 from pipeline.study.hulls import Hull
@@ -101,7 +101,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     floats = scenes.floats(parameters.model_copy(update={"floats": bare}))
     centres = [tuple(map(float, item.centre)) for item in floats]
     flat = is_planar(floats, parameters.waves.heading, scenes.current(parameters.current))
-    platform = scenes.platform(parameters) if flat else None
+    platform = platforms.platform(parameters) if flat else None
     planar = flat and (platform is None or platform.symmetric(physics.Water(**dict(parameters.water))))
     ways = possible(floats, planar=planar, elastic=parameters.platform is not None)
     place = {

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from pipeline.bridge.engine import Engine
-from pipeline.bridge.scenes import objections
+from pipeline.bridge.objections import objections
 from pipeline.bridge.sea_checks import of_sea
 from pipeline.study.reading import StudyError
 from pipeline.study.seas import Components, Regular, Still

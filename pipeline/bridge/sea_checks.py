@@ -9,7 +9,7 @@ from functools import partial
 from typing import get_args
 
 from pipeline.bridge import realizations
-from pipeline.bridge.scenes import objections
+from pipeline.bridge.objections import objections
 from pipeline.study import seas
 from pipeline.study.schema import StudyFile
 from pipeline.study.seas import Components, Elevation, Irregular, Regular, SeaState, Shape, Still, Waves, WhiteNoise

@@ -58,9 +58,9 @@ def _draw_float(axes: Axes, item: Float, fill: str) -> None:
     """Below still water, the waterline, a hinge's axis across the hull, and the name."""
     from matplotlib.collections import LineCollection, PolyCollection
 
-    from pipeline.bridge import scenes
+    from pipeline.bridge import hulls, scenes
 
-    (wet, waterline), placed = scenes.plan(item.hull), scenes.floating(item)
+    (wet, waterline), placed = hulls.plan(item.hull), scenes.floating(item)
     at = np.asarray(placed.centre[:2])
     axes.add_collection(PolyCollection(list(wet + at), facecolors=fill, edgecolors=fill, linewidths=0.2, alpha=0.35))
     axes.add_collection(LineCollection(list(waterline + at), colors=fill, linewidths=1.4, zorder=3))

@@ -67,10 +67,10 @@ def _bar(start: Point, end: Point, widths: list[float]) -> list[Point]:
 
 def float_outline(item: Float) -> list[Point]:
     """The float's hull at rest, seen along y."""
-    from pipeline.bridge import scenes
+    from pipeline.bridge import hulls
 
     x, _, z = centre(item)
-    return [(x + r, z + h) for r, h in scenes.outline(item.hull)]
+    return [(x + r, z + h) for r, h in hulls.outline(item.hull)]
 
 
 def centre(item: Float) -> tuple[float, float, float]:

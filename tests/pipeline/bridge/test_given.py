@@ -18,9 +18,9 @@ from pipeline.bridge.engine import Engine, compute, share
 from pipeline.bridge.engine import coefficients as file_of
 from pipeline.bridge.geometry import geometry_of
 from pipeline.bridge.given import capytaine, reading
+from pipeline.bridge.hulls import hull
 from pipeline.bridge.loading import load
 from pipeline.bridge.preflight import judge
-from pipeline.bridge.scenes import hull
 from pipeline.cli.cli import app
 from pipeline.study.attachments import Attachment, CoefficientFile
 from pipeline.study.reading import StudyError

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.bridge import engine, preflight, pto_law, scenes
+from pipeline.bridge import engine, hulls, preflight, pto_law, scenes
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import bem_arguments, bem_time, geometry_of
 from pipeline.bridge.loading import load
@@ -396,7 +396,7 @@ def test_mass_and_place_are_found_and_told(study_with, monkeypatch):
     path.write_text(path.read_text().replace("mass = 2147.0", 'mass = "balance"\ncog = ["balance", "balance", -0.1]'))
     parameters = task(load(path)).parameters
     carrier, rotor = scenes.scene(parameters).floats
-    lift, away = 1025 * rotor.hull.volume - 5e3, scenes.offset(parameters.floats[1].hull)  # of what the study gives
+    lift, away = 1025 * rotor.hull.volume - 5e3, hulls.offset(parameters.floats[1].hull)  # of what the study gives
     assert rotor.mass == 5e3 and away[0] + rotor.cog[0] == pytest.approx(1025 * rotor.hull.volume * away[0] / 5e3)
     assert carrier.mass == pytest.approx(1025 * carrier.hull.volume + lift)
     assert carrier.cog == pytest.approx((-5.0 * lift / carrier.mass, 0.0, -0.1)) and carrier.cog[1] == 0.0
@@ -418,7 +418,7 @@ def test_a_float_that_is_held_has_its_preload_told(study_with, monkeypatch):
     held = task(load(study.path))
     assert held.id != before.id
     carrier, rotor = scenes.scene(held.parameters).floats
-    lever = 1025 * rotor.hull.volume * scenes.offset(held.parameters.floats[1].hull)[0] - 5e3 * 0.4
+    lever = 1025 * rotor.hull.volume * hulls.offset(held.parameters.floats[1].hull)[0] - 5e3 * 0.4
     assert rotor.preload == pytest.approx((9.81 * lever,))  # up at a lever along x turns towards -y
     assert np.all(carrier.per_axis("preload") == 0)
     monkeypatch.setattr(engine, "simulate", lambda scene, known: Record(variables={}, coords={}, attrs={}))

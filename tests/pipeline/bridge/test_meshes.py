@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.bridge import scenes
+from pipeline.bridge import hulls, scenes
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.geometry import geometry_of, given_hydrodynamics
 from pipeline.bridge.loading import load
@@ -67,7 +67,7 @@ def test_answers_do_not_go_with_the_origin_of_a_file(barge, away):
         barge.write_text(text.replace(old[0], PLACES.format(*numbers)).replace(old[1], ""))
         (task, *_) = Tasks.of(load(barge).content)
         (item,) = scenes.floats(task.parameters)
-        told = np.add(item.cog, scenes.offset(task.parameters.floats[0].hull))  # from the study's reference point
+        told = np.add(item.cog, hulls.offset(task.parameters.floats[0].hull))  # from the study's reference point
         assert told[1:] == pytest.approx([0.2 - y, 0.1])
         floats.append((item, geometry_of(task.parameters)))
     (one, geometry), (other, same) = floats

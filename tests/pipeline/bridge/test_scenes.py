@@ -9,6 +9,7 @@ from pytest import approx
 
 from pipeline.bridge import scenes
 from pipeline.bridge.geometry import bem_arguments, geometry_of
+from pipeline.bridge.objections import objections
 from pipeline.report import sketch
 from pipeline.tasks.task import expand
 from solver.errors import InputError, refuse
@@ -232,5 +233,5 @@ def test_scenes_whose_drift_is_asked_for_have_coefficients_with_a_far_field(buan
 
 def test_all_that_the_solver_has_against_a_part_is_told():
     keys = [f"floats.buoy.{name}" for name in ("mass", "inertia", "cog")]
-    told = scenes.objections(lambda: refuse(InputError(key, -1.0, "must be > 0") for key in keys))
+    told = objections(lambda: refuse(InputError(key, -1.0, "must be > 0") for key in keys))
     assert [error.key for error in told] == keys
