@@ -16,9 +16,9 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
-from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame
 from solver.structure.members import Material, Member, PointLoad, PointMass
+from solver.structure.sections import solid_rectangle, tube
 from solver.structure.soil import Soil, SoilSpring
 from tests.once import solve
 

@@ -20,9 +20,9 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import Realization, realize
 from solver.sea.spectrum import PiersonMoskowitz
-from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame
 from solver.structure.members import Material, Member, PointLoad, PointMass
+from solver.structure.sections import solid_rectangle, tube
 from tests.once import FOLDER, solve
 
 # How long an example takes is the machine's affair, and a run can be repeated; "random" goes by --hypothesis-seed.

@@ -25,9 +25,9 @@ from solver.scene import DOFS, Float, Platform
 from solver.sea.field import WaveField
 from solver.sea.realization import CALM, Realization, regular
 from solver.statistics import STATISTICS
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.members import Member, PointMass
+from solver.structure.sections import tube
 from tests.awkward import RHO, STEEL, known
 from tests.awkward import scene as awkward_scene
 from tests.interpreted import motions

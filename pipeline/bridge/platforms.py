@@ -17,7 +17,7 @@ from solver.errors import InputError
 
 if TYPE_CHECKING:
     from solver import scene as physics
-    from solver.structure import beam, members
+    from solver.structure import members, sections
     from solver.structure.load_history import LoadHistory as History
 
 FORCES = ("Fx", "Fy", "Fz")
@@ -113,19 +113,19 @@ def _known(key: str, name: str, table: Collection[str]) -> str:
 
 def _shear_factor(shape: Section, material: members.Material) -> float | None:
     """Timoshenko's κ of a section's table; Cowper's goes by the material's Poisson's ratio."""
-    from solver.structure import beam
+    from solver.structure import sections
 
     if shape.shear_factor != "cowper":
         return shape.shear_factor
     if isinstance(shape, Tube):
-        return beam.tube_shear_factor(shape.diameter, shape.thickness, material.poisson)
-    return beam.rectangle_shear_factor(material.poisson)
+        return sections.tube_shear_factor(shape.diameter, shape.thickness, material.poisson)
+    return sections.rectangle_shear_factor(material.poisson)
 
 
-def section(name: str, table: Platform) -> beam.Section:
+def section(name: str, table: Platform) -> sections.Section:
     """The solver's cross section for a table of [platform.sections], which shears by its member's material."""
-    from solver.structure import beam
+    from solver.structure import sections
 
     numbers = {key: value for key, value in table.sections[name] if key not in ("shape", "shear_factor")}
     with under(f"platform.sections.{name}.", "section."):
-        return beam.MAKERS[table.sections[name].shape](**numbers)
+        return sections.MAKERS[table.sections[name].shape](**numbers)

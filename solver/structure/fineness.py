@@ -12,9 +12,9 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.structure import beam
-from solver.structure.beam import Section
 from solver.structure.frame import Frame
 from solver.structure.members import Member
+from solver.structure.sections import Section
 
 LEFT_OUT = 1e-4  # of a motion's energy at most
 SHORTEST = 5.0  # diameters of the shortest wave for which Morison's equation stands (DNV-RP-C205, 6.1)

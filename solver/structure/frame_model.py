@@ -7,9 +7,9 @@ import numpy as np
 import scipy
 
 from solver.structure import beam
-from solver.structure.beam import Section
 from solver.structure.frame import Frame
 from solver.structure.members import Member
+from solver.structure.sections import Section
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 from solver.errors import InputError, refuse
 from solver.quantities import Quantity, out_of_range, require_ranges
 from solver.structure import beam
-from solver.structure.beam import Section
+from solver.structure.sections import Section, between
 
 ROUNDING = 1e-9  # of a matrix's size, by which it may fall short of being symmetric and positive
 Force = Literal["N", "Vy", "Vz", "T", "My", "Mz"]  # on a section, along and about the local axes
@@ -125,7 +125,7 @@ class Member:
 
     def section_at(self, share: float) -> Section:
         """At a share of the way from its start to its end."""
-        return self.section if self.end_section is None else beam.between(self.section, self.end_section, share)
+        return self.section if self.end_section is None else between(self.section, self.end_section, share)
 
     @property
     def sections(self) -> list[Section]:

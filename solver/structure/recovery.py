@@ -10,8 +10,8 @@ from functools import lru_cache
 import numpy as np
 from scipy import sparse
 
-from solver.structure.beam import Section
 from solver.structure.frame_model import FrameModel, sparse_sum
+from solver.structure.sections import Section
 
 FACE = np.repeat([-1.0, 1.0], 6)  # nodal forces at the start act on the face -x
 

@@ -3,11 +3,11 @@
 import numpy as np
 
 from solver.structure import recovery, statics
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.frame_model import FrameModel, assemble
 from solver.structure.members import Material, Member, PointLoad, PointMass
 from solver.structure.modes import modes
+from solver.structure.sections import tube
 from solver.structure.soil import Soil, SoilSpring
 from studies.validation import drawing
 from studies.validation.cases import buan

@@ -9,10 +9,10 @@ from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.field import WaveField
 from solver.sea.realization import regular
 from solver.structure import water
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import Material, Member
+from solver.structure.sections import tube
 from studies.validation import drawing
 from studies.validation.checks import Check
 from studies.validation.drawing import BLUE, GREY, ORANGE

@@ -29,9 +29,9 @@ from solver.record.recorder import Recorder
 from solver.run import simulate
 from solver.scene import EndStops, Float, Platform, Water
 from solver.statistics import STATISTICS, Statistics
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.members import Member, PointMass
+from solver.structure.sections import tube
 from tests import awkward
 from tests.coupled.test_pieces import M, Run, mass
 

@@ -17,10 +17,10 @@ from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.current import Current, CurrentSpeed
 from solver.sea.realization import CALM, components, ramp
 from solver.structure import water
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.load_history import LoadHistory
 from solver.structure.members import MarineGrowth, Material, Member, PointLoad, PointMass
+from solver.structure.sections import tube
 from tests.awkward import bare_legs, sea, unequal_legs
 
 STEEL = Material(E=2.1e11, G=8e10, density=7850.0)

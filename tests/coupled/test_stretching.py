@@ -16,8 +16,8 @@ from solver.sea.field import WaveField
 from solver.sea.realization import components, regular
 from solver.statistics import STATISTICS
 from solver.structure import water
-from solver.structure.beam import tube
 from solver.structure.frame_model import assemble
+from solver.structure.sections import tube
 from tests.awkward import bare_legs, on_piles, sea, soft_ground, unequal_legs
 from tests.coupled.test_current import marched, pile
 

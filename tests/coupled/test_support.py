@@ -16,10 +16,10 @@ from solver.sea.field import WaveField
 from solver.sea.realization import Realization, components
 from solver.statistics import STATISTICS
 from solver.structure import water
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import Material, Member, PointLoad, PointMass
+from solver.structure.sections import tube
 from tests.awkward import tripod
 
 OCEAN = Water(depth=30.0)

@@ -11,10 +11,10 @@ from solver.run import simulate
 from solver.scene import Platform
 from solver.sea.realization import CALM
 from solver.statistics import apart
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.load_history import LoadHistory
 from solver.structure.members import Member, PointMass
+from solver.structure.sections import tube
 from tests.awkward import STEEL, bare_legs, scene, sea, unequal_legs
 
 JUDGED = ("top_displacement", "bottom_stress")

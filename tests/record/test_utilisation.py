@@ -16,9 +16,9 @@ from solver.record.utilisation import bending_utilisation, shear_utilisation
 from solver.run import simulate
 from solver.scene import Platform, Scene, Settings, Utilisation, Water
 from solver.structure import tubular
-from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame
 from solver.structure.members import Material, Member, PointLoad
+from solver.structure.sections import solid_rectangle, tube
 from tests.awkward import bare_legs, raking, scene, sea
 
 FY, E = 355e6, 2.1e11

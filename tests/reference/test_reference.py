@@ -17,9 +17,9 @@ from solver.run import simulate
 from solver.scene import EndStops, Float, Platform, Scene, Settings, Water
 from solver.sea.realization import CALM, realize
 from solver.sea.spectrum import PiersonMoskowitz
-from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame
 from solver.structure.members import Material, Member, PointMass
+from solver.structure.sections import solid_rectangle, tube
 from tests.once import solve
 
 HULL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)

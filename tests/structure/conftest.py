@@ -4,10 +4,10 @@ import dataclasses
 
 import pytest
 
-from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import Material, Member, PointLoad, PointMass
+from solver.structure.sections import solid_rectangle, tube
 
 G_ACC = 9.81
 DECK_WEIGHT = 980e3  # [N], a quarter on each leg top

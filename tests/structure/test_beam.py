@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solver.errors import InputError
-from solver.structure import beam
+from solver.structure import beam, sections
 
 L, E, G, RHO = 3.7, 2.1e11, 8.33e10, 7850.0
-PIPE = beam.tube(diameter=0.45, thickness=0.012)
-PLANK = beam.solid_rectangle(width=0.3, height=0.1)
+PIPE = sections.tube(diameter=0.45, thickness=0.012)
+PLANK = sections.solid_rectangle(width=0.3, height=0.1)
 SHEARING = replace(PLANK, shear_factor=0.02)  # far from Euler-Bernoulli, and not alike in both planes
 PHI = beam.shear_parameters(E, G, SHEARING, L)
 ROUNDING = 1e-12  # relative to the largest entry; sums of 12 terms lose 1-2 digits of 16
@@ -126,9 +126,9 @@ def test_an_unyielding_section_is_euler_bernoullis_with_rotary_inertia():
     [(0.0, 0.857, 0.500, 0.833), (0.3, 0.886, 0.531, 0.850), (0.5, 0.900, 0.545, 0.857)],
 )
 def test_shear_factors_are_cowpers(poisson, circle, thin, rectangle):
-    assert beam.tube_shear_factor(2.0, 1.0, poisson) == pytest.approx(circle, abs=6e-4)
-    assert beam.tube_shear_factor(2.0, 1e-5, poisson) == pytest.approx(thin, abs=6e-4)
-    assert beam.rectangle_shear_factor(poisson) == pytest.approx(rectangle, abs=6e-4)
+    assert sections.tube_shear_factor(2.0, 1.0, poisson) == pytest.approx(circle, abs=6e-4)
+    assert sections.tube_shear_factor(2.0, 1e-5, poisson) == pytest.approx(thin, abs=6e-4)
+    assert sections.rectangle_shear_factor(poisson) == pytest.approx(rectangle, abs=6e-4)
 
 
 def test_rotations_are_the_derivatives_of_displacements():
@@ -191,7 +191,7 @@ def test_load_on_parts_adds_up_to_the_load_on_the_whole(s0, s1):
 
 
 def test_tube_is_the_difference_of_two_rods():
-    outer, inner = (beam.tube(diameter=d, thickness=d / 2) for d in (0.45, 0.426))
+    outer, inner = (sections.tube(diameter=d, thickness=d / 2) for d in (0.45, 0.426))
     for name in ("area", "Iy", "Iz", "J", "Ip"):
         assert getattr(PIPE, name) == pytest.approx(getattr(outer, name) - getattr(inner, name))
     assert (PIPE.fibre, PIPE.diameter) == (0.225, 0.45)
@@ -200,8 +200,8 @@ def test_tube_is_the_difference_of_two_rods():
 @pytest.mark.parametrize(
     "section, solid, holes",
     [
-        (beam.box(0.4, 0.6, 0.05), (0.4, 0.6), [(0.3, 0.5, 0.0)]),
-        (beam.i_beam(0.4, 0.6, 0.05, 0.03), (0.4, 0.6), [(0.185, 0.5, 0.1075), (0.185, 0.5, -0.1075)]),
+        (sections.box(0.4, 0.6, 0.05), (0.4, 0.6), [(0.3, 0.5, 0.0)]),
+        (sections.i_beam(0.4, 0.6, 0.05, 0.03), (0.4, 0.6), [(0.185, 0.5, 0.1075), (0.185, 0.5, -0.1075)]),
     ],
 )
 def test_sections_of_plates_are_rectangles_less_rectangles(section, solid, holes):
@@ -220,31 +220,31 @@ def test_torsion_of_thin_walls():
     """Closed: a square tube of side a has J = a³t, as far as t is small; open: strips one beside another."""
     torsion = operator.attrgetter("J")
     for t in (1e-2, 1e-3):
-        assert torsion(beam.box(1 + t, 1 + t, t)) == pytest.approx(t, rel=2 * t)
-    strips = sum(torsion(beam.solid_rectangle(a, b)) for a, b in ((0.4, 0.004), (0.4, 0.004), (0.6, 0.003)))
-    assert torsion(beam.i_beam(0.4, 0.6, 0.004, 0.003)) == pytest.approx(strips, rel=0.01)
+        assert torsion(sections.box(1 + t, 1 + t, t)) == pytest.approx(t, rel=2 * t)
+    strips = sum(torsion(sections.solid_rectangle(a, b)) for a, b in ((0.4, 0.004), (0.4, 0.004), (0.6, 0.003)))
+    assert torsion(sections.i_beam(0.4, 0.6, 0.004, 0.003)) == pytest.approx(strips, rel=0.01)
 
 
 def test_a_general_section_is_what_is_said_of_it():
-    box = beam.box(0.4, 0.6, 0.05)
-    same = beam.general(area=box.area, Iy=box.Iy, Iz=box.Iz, J=box.J, fibres=box.corners, wall=0.05)
+    box = sections.box(0.4, 0.6, 0.05)
+    same = sections.general(area=box.area, Iy=box.Iy, Iz=box.Iz, J=box.J, fibres=box.corners, wall=0.05)
     assert same == box
-    assert beam.general(0.1, 1e-3, 2e-3, 1e-3, [(0.0, 0.5), (0.1, -0.2)], 0.02, 1.2).fibre == 0.5
+    assert sections.general(0.1, 1e-3, 2e-3, 1e-3, [(0.0, 0.5), (0.1, -0.2)], 0.02, 1.2).fibre == 0.5
 
 
 def test_second_moments_are_the_integrals_over_the_section():
     """Iy = ∫z² dA, Iz = ∫y² dA: width along y, height along z."""
     b, h, R = 0.3, 0.1, 0.2
     assert (PLANK.Iy, PLANK.Iz) == pytest.approx((b * h**3 / 12, h * b**3 / 12))
-    rod = beam.tube(diameter=2 * R, thickness=R)
+    rod = sections.tube(diameter=2 * R, thickness=R)
     assert (rod.Iy, rod.Iz, rod.J) == pytest.approx(np.pi * R**4 * np.array([1 / 4, 1 / 4, 1 / 2]))
 
 
 # Timoshenko & Goodier, Theory of Elasticity: J = k1 a b³, printed to three or four digits.
 @pytest.mark.parametrize(("ratio", "k1"), [(1, 0.1406), (1.5, 0.196), (2, 0.229), (3, 0.263), (10, 0.312)])
 def test_torsion_of_rectangles_is_timoshenkos(ratio, k1):
-    tall = beam.solid_rectangle(width=0.2, height=0.2 * ratio)
-    flat = beam.solid_rectangle(width=0.2 * ratio, height=0.2)
+    tall = sections.solid_rectangle(width=0.2, height=0.2 * ratio)
+    flat = sections.solid_rectangle(width=0.2 * ratio, height=0.2)
     assert tall.J / (ratio * 0.2**4) == pytest.approx(k1, abs=6e-4)
     assert flat.J == tall.J
 
@@ -252,17 +252,17 @@ def test_torsion_of_rectangles_is_timoshenkos(ratio, k1):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: beam.tube(diameter=-1, thickness=0.1), r"section.diameter = -1: must be > 0 m"),
-        (lambda: beam.tube(diameter=1, thickness=0), r"section.thickness = 0: must be > 0 m"),
+        (lambda: sections.tube(diameter=-1, thickness=0.1), r"section.diameter = -1: must be > 0 m"),
+        (lambda: sections.tube(diameter=1, thickness=0), r"section.thickness = 0: must be > 0 m"),
         (
-            lambda: beam.tube(diameter=1, thickness=0.6),
+            lambda: sections.tube(diameter=1, thickness=0.6),
             r"section.thickness = 0.6: must be <= .* 0.5 m",
         ),
-        (lambda: beam.solid_rectangle(width=float("nan"), height=1), r"section.width = nan"),
-        (lambda: beam.box(0.4, 0.6, 0.2), r"section.thickness = 0.2: must be < half the smaller side, 0.2 m"),
-        (lambda: beam.i_beam(0.4, 0.6, 0.3, 0.1), r"section.flange = 0.3: must be < half the height"),
-        (lambda: beam.i_beam(0.4, 0.6, 0.1, 0.5), r"section.web = 0.5: must be <= the width"),
-        (lambda: beam.solid_rectangle(width=1, height=float("inf")), r"section.height = inf"),
+        (lambda: sections.solid_rectangle(width=float("nan"), height=1), r"section.width = nan"),
+        (lambda: sections.box(0.4, 0.6, 0.2), r"section.thickness = 0.2: must be < half the smaller side, 0.2 m"),
+        (lambda: sections.i_beam(0.4, 0.6, 0.3, 0.1), r"section.flange = 0.3: must be < half the height"),
+        (lambda: sections.i_beam(0.4, 0.6, 0.1, 0.5), r"section.web = 0.5: must be <= the width"),
+        (lambda: sections.solid_rectangle(width=1, height=float("inf")), r"section.height = inf"),
         (lambda: replace(PIPE, shear_factor=0.0), r"section.shear_factor = 0.0: must be > 0"),
     ],
 )
@@ -274,15 +274,15 @@ def test_bad_sections_are_refused(make, message):
 @pytest.mark.parametrize(
     ("make", "first", "last"),
     [
-        (beam.tube, (0.6, 0.02), (0.3, 0.01)),
-        (beam.solid_rectangle, (0.4, 0.2), (0.3, 0.3)),
-        (beam.box, (0.4, 0.3, 0.02), (0.2, 0.2, 0.01)),
-        (beam.i_beam, (0.2, 0.3, 0.02, 0.01), (0.2, 0.6, 0.02, 0.02)),
+        (sections.tube, (0.6, 0.02), (0.3, 0.01)),
+        (sections.solid_rectangle, (0.4, 0.2), (0.3, 0.3)),
+        (sections.box, (0.4, 0.3, 0.02), (0.2, 0.2, 0.01)),
+        (sections.i_beam, (0.2, 0.3, 0.02, 0.01), (0.2, 0.6, 0.02, 0.02)),
     ],
 )
 def test_a_taper_goes_straight_from_one_section_to_the_other(make, first, last):
     ends = make(*first), replace(make(*last), shear_factor=0.5)
-    assert beam.between(*ends, 0.25) == make(*(0.75 * np.array(first) + 0.25 * np.array(last)))
+    assert sections.between(*ends, 0.25) == make(*(0.75 * np.array(first) + 0.25 * np.array(last)))
     ends = replace(ends[0], shear_factor=0.9), ends[1]
-    assert [beam.between(*ends, share) for share in (0, 1)] == list(ends)
-    assert beam.between(*ends, 0.25).shear_factor == pytest.approx(0.8)
+    assert [sections.between(*ends, share) for share in (0, 1)] == list(ends)
+    assert sections.between(*ends, 0.25).shear_factor == pytest.approx(0.8)

@@ -5,12 +5,12 @@ import pytest
 
 from solver.errors import InputError
 from solver.structure import fineness
-from solver.structure.beam import tube
 from solver.structure.fineness import FEWEST, LEFT_OUT, MOST, by_inertia, divided
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import Member
 from solver.structure.modes import modes
+from solver.structure.sections import tube
 from tests.structure.test_soil import bent, even, pile
 
 WATER = {"density": 1025.0, "gravity": 9.81}

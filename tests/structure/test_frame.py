@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from solver.errors import InputError
-from solver.structure.beam import solid_rectangle
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import Material, Member, PointLoad, PointMass
 from solver.structure.modes import modes
+from solver.structure.sections import solid_rectangle
 
 NODES = {"foot": (0, 0, -9), "knee": (0, 0, 0), "hand": (4, 0, 0)}
 ROWS = np.eye(6)

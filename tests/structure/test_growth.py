@@ -9,7 +9,7 @@ from pytest import approx
 from solver.coupled import support, surroundings
 from solver.errors import InputError
 from solver.scene import Platform, Water
-from solver.structure import beam, recovery, statics, water
+from solver.structure import recovery, sections, statics, water
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import MarineGrowth
@@ -102,7 +102,7 @@ def test_even_growth_is_a_thicker_pile_that_is_no_stiffer(line, steel):
     t, density = 0.06, 1300.0
     growth = (MarineGrowth(depth=0.0, thickness=t, density=density),)
     box = {"start": (0.0, 0.0, -9.0), "end": (2.0, 1.0, -3.0), "drag_coefficient": 0.8, "inertia_coefficient": 1.7}
-    tube = beam.tube(0.45, 0.012)
+    tube = sections.tube(0.45, 0.012)
     grown = line(2, growth=growth, **box)
     whole = tube.area * steel.density + layer(t) * density
     heavy = line(

@@ -11,9 +11,9 @@ from solver.errors import InputError
 from solver.run import simulate
 from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.realization import regular
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.members import Material, Member, PointLoad, PointMass
+from solver.structure.sections import tube
 
 HEIGHT, SECTION = 25.0, tube(1.2, 0.02)
 SEA = Water(depth=20.0)

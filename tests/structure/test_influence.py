@@ -18,10 +18,10 @@ from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.field import WaveField
 from solver.sea.realization import CALM, ramp, regular
 from solver.structure import beam, recovery, statics, water
-from solver.structure.beam import solid_rectangle, tube
 from solver.structure.frame import Frame
 from solver.structure.influence import Wanted, influence
 from solver.structure.members import Material, Member, PointLoad, PointMass
+from solver.structure.sections import solid_rectangle, tube
 from tests.awkward import on_piles, soft_ground, tripod, unequal_legs
 
 EVERYTHING = ("reactions", "section_forces", "fibre_stress")

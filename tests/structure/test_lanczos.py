@@ -12,10 +12,10 @@ from solver.record.audit import skipped
 from solver.run import simulate
 from solver.scene import Platform
 from solver.structure import lanczos, modes, statics
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import Member, PointLoad, PointMass
+from solver.structure.sections import tube
 from tests.awkward import bare_legs
 
 W = 9.81

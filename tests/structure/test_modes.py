@@ -10,11 +10,11 @@ from scipy.sparse import csr_array
 
 from solver.errors import InputError
 from solver.structure import statics
-from solver.structure.beam import tube, tube_shear_factor
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import Member, PointLoad, PointMass
 from solver.structure.modes import frequencies, mirror, modes, modes_in, static_remainder, symmetric_basis
+from solver.structure.sections import tube, tube_shear_factor
 
 LENGTH = 12.0
 AXIAL, TORSION, BENDING = [0], [3], [1, 5]

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solver.structure import recovery, statics
-from solver.structure.beam import solid_rectangle
 from solver.structure.members import PointLoad, PointMass
+from solver.structure.sections import solid_rectangle
 
 W = 9.81
 

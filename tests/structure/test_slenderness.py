@@ -13,10 +13,10 @@ from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.field import WaveField
 from solver.sea.realization import CALM, components, regular
 from solver.structure import slenderness
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import MarineGrowth, Material, Member
+from solver.structure.sections import tube
 from solver.structure.slenderness import diffracted, overloaded
 
 DEPTH = 20.0

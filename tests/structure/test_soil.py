@@ -9,10 +9,10 @@ from pytest import approx
 from solver.errors import InputError
 from solver.scene import Platform, Scene, Water
 from solver.structure import recovery, statics, water
-from solver.structure.beam import tube
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import Member, PointLoad
+from solver.structure.sections import tube
 from solver.structure.soil import Soil, SoilSpring
 
 SEABED, H, M = -20.0, 3e5, 8e5

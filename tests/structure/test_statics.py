@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 
 from solver.errors import InputError
 from solver.structure import recovery, statics, water
-from solver.structure.beam import general, solid_rectangle, tube
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import Member, PointLoad, PointMass
+from solver.structure.sections import general, solid_rectangle, tube
 
 ROUNDING = 1e-8  # K of fine meshes is conditioned about 1e7: 1e-16 becomes 1e-9
 TIP_LOAD = (3e3, -2e3, 5e3)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver.errors import InputError
-from solver.structure import beam, statics, water
+from solver.structure import sections, statics, water
 
 RHO, W = 1025.0, 9.81
 COEFFICIENTS = {"drag_coefficient": 1.0, "inertia_coefficient": 1.8}
@@ -191,4 +191,4 @@ def test_sealed_piles_displace_their_outer_volume(pile):
 
 def test_only_tubes_are_flooded(line):
     with pytest.raises(InputError, match=r"members\.pile\.flooded = True: is of tubes"):
-        line(1, section=beam.solid_rectangle(0.2, 0.3), flooded=True)
+        line(1, section=sections.solid_rectangle(0.2, 0.3), flooded=True)

@@ -14,7 +14,7 @@ from pipeline.report import sketch
 from pipeline.tasks.task import expand
 from solver.errors import InputError, refuse
 from solver.scene import panels_for
-from solver.structure.beam import box, general, i_beam, solid_rectangle, tube, tube_shear_factor
+from solver.structure.sections import box, general, i_beam, solid_rectangle, tube, tube_shear_factor
 from tests.pipeline.conftest import SMALL
 
 
