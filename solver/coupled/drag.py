@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled import forces, stretching
-from solver.coupled.forces import Places
+from solver.coupled.places import Places
 from solver.coupled.stretching import Stretched
 from solver.coupled.surroundings import drag_size, inertia_size, normal_flow, normal_planes, normal_stream
 from solver.scene import Platform, Water

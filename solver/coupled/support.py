@@ -16,7 +16,8 @@ from scipy import sparse
 
 from solver.coupled import forces, stretching
 from solver.coupled.drag import station_drag
-from solver.coupled.forces import Forces, Places
+from solver.coupled.forces import Forces
+from solver.coupled.places import Places, places_of
 from solver.coupled.ritz import kept_modes, loaded_by, rest_of, ritz_basis, tops_of, unit_loads, with_swung
 from solver.coupled.stretching import Stretched
 from solver.coupled.surroundings import (
@@ -291,7 +292,7 @@ def damped(support: Support, damping: StructuralDamping) -> Support:
 
 @lru_cache(maxsize=KNOWN)
 def _places(platform: Platform, sea: Water, outputs: tuple[str, ...]) -> Places:
-    return forces.places(dynamic_model(platform, sea)[0], platform.legs, outputs)
+    return places_of(dynamic_model(platform, sea)[0], platform.legs, outputs)
 
 
 @lru_cache(maxsize=KNOWN)

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from solver.coupled.forces import REACTIONS
 from solver.coupled.histories import moved
+from solver.coupled.places import REACTIONS
 from solver.coupled.preparation import prepare
 from solver.coupled.support import Support
 from solver.coupled.system import System

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.forces import FATIGUE, FIBRES, REACTIONS, SAME, SECTIONS, STRESSES, TOPS, UTILISATION, Ends, Forces
+from solver.coupled.forces import Forces
+from solver.coupled.places import FATIGUE, FIBRES, REACTIONS, SAME, SECTIONS, STRESSES, TOPS, UTILISATION, Ends
 from solver.record import fatigue
 from solver.record.spectra import crossings, moments
 from solver.record.utilisation import bending_utilisation, shear_utilisation

@@ -8,7 +8,7 @@ from pytest import approx
 
 from solver.coupled import support
 from solver.coupled.blocks import blocks
-from solver.coupled.forces import Places
+from solver.coupled.places import Places
 from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.record.steel import Steel

@@ -9,7 +9,8 @@ from pytest import approx
 
 from solver.coupled import forces, support, surroundings
 from solver.coupled.blocks import blocks
-from solver.coupled.forces import Columns, Part, Places
+from solver.coupled.forces import Part
+from solver.coupled.places import Columns, Places
 from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.record.steel import Steel
