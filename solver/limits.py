@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver import motions
+from solver.multibody.bodies import Bodies
 from solver.multibody.chain import PRISMATIC
-from solver.multibody.minimal import Bodies
 from solver.scene import DOFS, Float, Platform, Scene
 from solver.sea.field import WaveField
 

@@ -7,7 +7,8 @@ import pytest
 
 from solver.coupled.preparation import prepare
 from solver.motions import of_scene, possible
-from solver.multibody.minimal import move, new_motion
+from solver.multibody.bodies import new_motion
+from solver.multibody.minimal import move
 from solver.scene import DOFS, Float
 from tests.awkward import BALL, BUOYED, rotors, scene
 

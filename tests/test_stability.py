@@ -19,7 +19,8 @@ from solver.coupled.preparation import prepare
 from solver.coupled.system import BLOCK_STEPS
 from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.multibody.minimal import move, new_motion
+from solver.multibody.bodies import new_motion
+from solver.multibody.minimal import move
 from solver.run import simulate
 from solver.scene import DOFS, Float, Platform
 from solver.sea.field import WaveField

@@ -15,15 +15,15 @@ from solver.coupled.modal import Structure
 from solver.coupled.support import PLANAR, Support
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.pressure.froude_krylov import WettedQuadrature, quadrature
+from solver.hydrodynamics.pressure.quadrature import WettedQuadrature, quadrature
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import shared
 from solver.mooring import line_stiffness, lines_of
+from solver.multibody.bodies import Bodies
 from solver.multibody.chain import PRISMATIC, REVOLUTE
 from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops
 from solver.multibody.load_table import NO_POINTS, Points, tables
-from solver.multibody.minimal import Bodies
 from solver.scene import DOFS, PER_AXIS, Float, Scene
 from solver.sea.field import WaveField
 

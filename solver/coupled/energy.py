@@ -5,7 +5,8 @@ import numpy as np
 from solver.coupled.modal import Structure, carry
 from solver.coupled.stages import State
 from solver.kernels import lean_kernel, part_kernel, whole_kernel
-from solver.multibody.minimal import Bodies, Motion, move, new_motion, stored_energy
+from solver.multibody.bodies import Bodies, Motion, new_motion
+from solver.multibody.minimal import move, stored_energy
 
 # Work [J] of: pressure and excitation, radiation memory, PTO, other losses of the joints,
 # wave inertia and load histories on the frame, drag of waves and current on the frame, structural damping.

@@ -7,19 +7,17 @@ import numpy as np
 
 from solver.errors import SimulationFailed
 from solver.kernels import whole_lean_kernel
-from solver.multibody.minimal import (
+from solver.multibody.bodies import (
     Bodies,
     Coordinates,
     Loads,
     Motion,
     PressureRoom,
     WaterLoads,
-    loads,
-    move,
     new_motion,
     pressure_room,
-    pressures,
 )
+from solver.multibody.minimal import loads, move, pressures
 from solver.multibody.zones import zones_at_rest
 
 STEP = 1e-5  # of differences [m or rad]: what curvature and rounding leave is below 1e-8

@@ -24,7 +24,8 @@ from solver.coupled.equilibrium import symmetric_stiffness
 from solver.coupled.system import Resting, System, known_differences
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.lines import real_by_complex
-from solver.multibody.minimal import Bodies, move, new_motion
+from solver.multibody.bodies import Bodies, new_motion
+from solver.multibody.minimal import move
 
 KNOWN = 8  # models that a process keeps
 

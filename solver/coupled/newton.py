@@ -9,8 +9,9 @@ from solver.coupled.modal import Structure
 from solver.coupled.scheme import LOBATTO, Scheme
 from solver.coupled.stages import Stages
 from solver.kernels import fast_lean_kernel, inner_kernel, kernel, lean_kernel, part_kernel, whole_kernel
+from solver.multibody.bodies import Bodies, Motion, new_motion
 from solver.multibody.joint_law import HELD, PTO_ZONE, STOP_ZONE, add_coupled_damping, axis_damping, tangent
-from solver.multibody.minimal import Bodies, Motion, mass_matrix, move, new_motion, project_active
+from solver.multibody.minimal import mass_matrix, move, project_active
 
 A, AA = LOBATTO.A, LOBATTO.AA  # near enough, in pieces of the other scheme, for what does not change in a step
 

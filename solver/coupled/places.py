@@ -111,7 +111,7 @@ class Places:
         return [members[self.checked[k]] for k in np.unique(self.twin, return_index=True)[1]]
 
     def without_twins(self, maps: np.ndarray) -> tuple["Places", np.ndarray]:
-        """Tubes that bear the same as others, or its mirror image, by maps (k, ny) that `forces` has scaled are not looked at.
+        """Tubes that bear what others do, or its mirror image, by maps (k, ny) as `forces` scales them, are left out.
 
         The second: (ny,) which of the forces are left.
         """

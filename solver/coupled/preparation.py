@@ -18,7 +18,7 @@ from solver.hydrodynamics.radiation import fitting
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import Bits
 from solver.limits import slides
-from solver.multibody.minimal import Bodies
+from solver.multibody.bodies import Bodies
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.current import Current
 from solver.sea.field import WaveField, wave_field

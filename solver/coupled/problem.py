@@ -11,7 +11,7 @@ from solver.coupled.modal import Structure, flexibility
 from solver.coupled.newton import Newton, constant_part, new_newton
 from solver.coupled.scheme import LOBATTO, Scheme
 from solver.coupled.stages import Stages, Start, new_stages
-from solver.multibody.minimal import Bodies, PressureRoom, pressure_room
+from solver.multibody.bodies import Bodies, PressureRoom, pressure_room
 
 # Pressure and drag are evaluated again where a stage has moved by so many tolerances since; nearer than that
 # the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance. A piece of

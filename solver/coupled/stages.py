@@ -8,7 +8,8 @@ from solver.coupled.memory import Memory, memory_loads
 from solver.coupled.modal import Structure
 from solver.coupled.scheme import C, Scheme
 from solver.kernels import kernel, part_kernel
-from solver.multibody.minimal import Bodies, Coordinates, Loads, Motion, WaterLoads, loads, move, new_motion
+from solver.multibody.bodies import Bodies, Coordinates, Loads, Motion, WaterLoads, new_motion
+from solver.multibody.minimal import loads, move
 
 
 class State(NamedTuple):

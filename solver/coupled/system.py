@@ -17,7 +17,8 @@ from solver.coupled.support import Support
 from solver.hydrodynamics.radiation import memory as radiation
 from solver.keys import Bits, Same, shared
 from solver.multibody import joint_law, of_axes, zones
-from solver.multibody.minimal import Bodies, mass_matrix, move, new_motion
+from solver.multibody.bodies import Bodies, new_motion
+from solver.multibody.minimal import mass_matrix, move
 from solver.scene import Scene
 from solver.sea.field import WaveField
 from solver.sea.realization import ramp

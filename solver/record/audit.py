@@ -10,7 +10,8 @@ from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, coarser
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.hydrodynamics.radiation.memory import RadiationMemory
-from solver.multibody.minimal import move, new_motion
+from solver.multibody.bodies import new_motion
+from solver.multibody.minimal import move
 from solver.record.effects import together
 from solver.record.probe import Probe
 from solver.scene import MOST_PANELS, Settings, panels_for

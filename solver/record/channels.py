@@ -8,8 +8,9 @@ import numpy as np
 
 from solver.coupled.natural import SystemModes
 from solver.coupled.support import Support
+from solver.multibody.bodies import Bodies, new_motion
 from solver.multibody.joint_law import JointLaw
-from solver.multibody.minimal import Bodies, line_tensions, new_motion
+from solver.multibody.minimal import line_tensions
 from solver.multibody.of_axes import borne_at_most, pto_bounds, working_rates
 from solver.power_takeoff import PtoEfficiency
 from solver.record import steel

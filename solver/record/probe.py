@@ -18,7 +18,8 @@ from solver.coupled.stages import State, copied
 from solver.coupled.system import System
 from solver.errors import StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.multibody.minimal import Bodies, move, new_motion, pressure_room, pressures
+from solver.multibody.bodies import Bodies, new_motion, pressure_room
+from solver.multibody.minimal import move, pressures
 from solver.multibody.of_axes import taking
 from solver.power_takeoff import PtoTable
 from solver.record.channels import Channels

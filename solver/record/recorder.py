@@ -10,7 +10,7 @@ from solver.coupled.between import NODES, interpolate
 from solver.coupled.natural import SystemModes
 from solver.coupled.problem import BEYOND, CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, Between, Output
 from solver.coupled.support import Support
-from solver.multibody.minimal import Bodies
+from solver.multibody.bodies import Bodies
 from solver.multibody.of_axes import bent, declutched, joint_loads, latched, pto_bounds, pto_loads, stopped
 from solver.record.channels import ELEVATION, Channels, Labelled, Record, bound
 from solver.record.fatigue import crossing_rate

@@ -15,13 +15,9 @@ from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.surface import split
-from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature, quadrature_room
-from solver.hydrodynamics.pressure.wetted_panels import (
-    longest_side,
-    panels_pressure,
-    panels_room,
-    wetted_panels,
-)
+from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load
+from solver.hydrodynamics.pressure.quadrature import quadrature, quadrature_room
+from solver.hydrodynamics.pressure.wetted_panels import longest_side, panels_pressure, panels_room, wetted_panels
 from solver.multibody.of_axes import joint_loads
 from solver.reference import axes as joint_axes
 from solver.reference.augmented import MechanismState

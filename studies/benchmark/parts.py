@@ -14,10 +14,12 @@ from solver.coupled.newton import Zones, new_newton, newton_matrix
 from solver.coupled.preparation import prepare
 from solver.coupled.scheme import LOBATTO
 from solver.coupled.system import BLOCK_STEPS
-from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature_room
+from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load
+from solver.hydrodynamics.pressure.quadrature import quadrature_room
 from solver.hydrodynamics.radiation import fitting
 from solver.kernels import fast_lean_kernel
-from solver.multibody.minimal import Coordinates, Loads, WaterLoads, loads, move, new_motion, pressure_room, pressures
+from solver.multibody.bodies import Coordinates, Loads, WaterLoads, new_motion, pressure_room
+from solver.multibody.minimal import loads, move, pressures
 from solver.reference.panels import panel_load, revolution_mesh, waves_at
 from solver.run import simulate
 from solver.sea.field import WaveField

@@ -19,7 +19,8 @@ from solver.coupled.problem import new_output, new_workspace
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring
-from solver.multibody.minimal import move, new_motion
+from solver.multibody.bodies import new_motion
+from solver.multibody.minimal import move
 from solver.multibody.of_axes import joint_loads
 from solver.run import simulate
 from solver.scene import DOFS, EndStops, Float, Scene, Settings, Water

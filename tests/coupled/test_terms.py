@@ -12,7 +12,8 @@ from solver.coupled.preparation import prepare
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.mooring import Mooring
-from solver.multibody.minimal import move, new_motion, pressure_room, pressures
+from solver.multibody.bodies import new_motion, pressure_room
+from solver.multibody.minimal import move, pressures
 from solver.scene import Float
 from tests.awkward import BALL, BUOYED, RHO, big_beside_small, rotors, sea, soft_mooring
 from tests.hydrodynamics.shapes import box

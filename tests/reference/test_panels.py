@@ -9,7 +9,8 @@ from pytest import approx
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature, quadrature_room
+from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load
+from solver.hydrodynamics.pressure.quadrature import quadrature, quadrature_room
 from solver.reference.panels import Mesh, _elevation, _head, calm, half, panel_load, revolution_mesh, volume, waves_at
 from solver.sea.field import WaveField
 from solver.sea.realization import realize

@@ -9,65 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.pressure.quadrature import Direction, Meridian, QuadratureRoom, WettedQuadrature, meridian_at
 from solver.kernels import fast_kernel, kernel
-from solver.sea.field import MOST_TERMS
 
 # The pressure vanishes at the surface, so a cut that misses it by so much [m] costs the square of that.
 NEAR = 1e-6
-
-
-class WettedQuadrature(NamedTuple):
-    """Patches of the meridian and the rule that integrates over them.
-
-    patch (np, 7): lines (0, rm, rd, zm, zd, n_r, n_z): r = rm + u rd, z = zm + u zd, u in [-1, 1];
-    arcs (1, zc, R, sin φm, cos φm, tm, 0): φ = φm + 2 atan(tm u), r = R sin φ, z = zc - R cos φ.
-    whole (np, g, 5): r, z, n_r, n_z and area at the Gauss points of a patch that is wet from end to end.
-    azimuth (na, 2): cos ψ, sin ψ; weight dψ. Points and weights of Gauss rules for arc and line.
-    """
-
-    patch: np.ndarray
-    whole: np.ndarray
-    azimuth: np.ndarray
-    dpsi: float
-    arc_u: np.ndarray
-    arc_w: np.ndarray
-    line_u: np.ndarray
-    line_w: np.ndarray
-    half: bool
-
-
-class QuadratureRoom(NamedTuple):
-    """Scratch: one row of n Gauss points, or na azimuths, for each quantity; all wet points at once are SIMD."""
-
-    series: np.ndarray  # (MOST_TERMS,) of the elevation
-    rays: np.ndarray  # (4, na) radial directions, and their part along the waves
-    height: np.ndarray  # (2 np + 1, na)
-    along: np.ndarray  # (2, na) way along the waves and elevation
-    lever: np.ndarray  # (3, n) from the reference point
-    normal: np.ndarray  # (3, n) n dS
-    s: np.ndarray  # (n,) way along the waves
-    z: np.ndarray  # (n,)
-    level: np.ndarray  # (n,) height at which the pressure is taken
-    head: np.ndarray  # (2, n) dynamic head, and its imaginary part
-
-
-def quadrature_room(rule: WettedQuadrature) -> QuadratureRoom:
-    """For a rule, or for several of one size stacked."""
-    azimuths, patches = len(rule.azimuth), rule.patch.shape[-2]
-    n = azimuths * patches * 2 * max(rule.arc_u.size, rule.line_u.size)
-    return QuadratureRoom(
-        series=np.empty(MOST_TERMS),
-        rays=np.empty((4, azimuths)),
-        height=np.empty((2 * patches + 1, azimuths)),
-        along=np.empty((2, azimuths)),
-        lever=np.empty((3, n)),
-        normal=np.empty((3, n)),
-        s=np.empty(n),
-        z=np.empty(n),
-        level=np.empty(n),
-        head=np.empty((2, n)),
-    )
 
 
 class Incident(NamedTuple):
@@ -83,84 +29,6 @@ class Incident(NamedTuple):
     depth: float
 
 
-class Direction(NamedTuple):
-    """A unit vector, and its part along the waves."""
-
-    x: float
-    y: float
-    z: float
-    s: float
-
-
-class Meridian(NamedTuple):
-    """How the meridian of one azimuth stands in the waves: point (r, z) is at reference point + r out + z axis."""
-
-    out: Direction
-    axis: Direction
-    s0: float  # of the reference point, from where the field is expanded
-    z0: float
-
-
-def quadrature(hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool) -> WettedQuadrature:
-    """Rule with `azimuths` on the full circle; half = only ψ in (0, π), for a hull that does not leave its plane."""
-    rows = []
-    for kind, r0, z0, r1, z1, zc, radius, _ in hull.segments():
-        if kind == 0:
-            rd, zd = (r1 - r0) / 2, (z1 - z0) / 2
-            n_r, n_z = np.array([zd, -rd]) / np.hypot(rd, zd)
-            rows.append((0, (r0 + r1) / 2, rd, (z0 + z1) / 2, zd, n_r, n_z))
-            continue
-        start, end = np.arctan2(r0, zc - z0), np.arctan2(r1, zc - z1)
-        # u -> φ by t = tan is nearly linear only for short arcs: at most a right angle each.
-        pieces = int(np.ceil((end - start) / (np.pi / 2) - 1e-9))
-        cuts = np.linspace(start, end, pieces + 1)
-        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
-            mid = (a + b) / 2
-            rows.append((1, zc, radius, np.sin(mid), np.cos(mid), np.tan((b - a) / 4), 0))
-    span = np.pi if half else 2 * np.pi
-    count = azimuths // 2 if half else azimuths
-    psi = (np.arange(count) + 0.5) * span / count
-    arc, line = np.polynomial.legendre.leggauss(arc_points), np.polynomial.legendre.leggauss(line_points)
-    patch, dpsi = np.array(rows, float), 2 * np.pi / count
-    return WettedQuadrature(
-        patch=patch,
-        whole=_whole(patch, arc, line, dpsi),
-        azimuth=np.stack([np.cos(psi), np.sin(psi)], axis=1),
-        dpsi=dpsi,
-        arc_u=arc[0],
-        arc_w=arc[1],
-        line_u=line[0],
-        line_w=line[1],
-        half=half,
-    )
-
-
-def _whole(
-    patch: np.ndarray, arc: tuple[np.ndarray, np.ndarray], line: tuple[np.ndarray, np.ndarray], dpsi: float
-) -> np.ndarray:
-    table = np.zeros((len(patch), max(len(arc[0]), len(line[0])), 5))
-    for row, points in zip(patch, table, strict=True):
-        for point, u, w in zip(points, *(line if row[0] == 0 else arc), strict=False):
-            r, z, n_r, n_z, speed = _meridian(row, u)
-            point[:] = r, z, n_r, n_z, w * speed * r * dpsi
-    return table
-
-
-@kernel(inline="always")
-def _meridian(patch: np.ndarray, u: float) -> tuple[float, float, float, float, float]:
-    """(r, z, n_r, n_z, ds/du) of a patch at u."""
-    if patch[0] == 0:
-        rd, zd = patch[2], patch[4]
-        return patch[1] + u * rd, patch[3] + u * zd, patch[5], patch[6], np.sqrt(rd * rd + zd * zd)
-    t = patch[5] * u
-    q = 1.0 / (1.0 + t * t)
-    c, s = (1.0 - t * t) * q, 2.0 * t * q
-    sin_phi = patch[3] * c + patch[4] * s
-    cos_phi = patch[4] * c - patch[3] * s
-    R = patch[2]
-    return R * sin_phi, patch[1] - R * cos_phi, sin_phi, -cos_phi, R * 2.0 * patch[5] * q
-
-
 @kernel(inline="always")
 def polynomial(coefficient: np.ndarray, x: float) -> float:
     """Σ cₙ xⁿ."""
@@ -173,7 +41,7 @@ def polynomial(coefficient: np.ndarray, x: float) -> float:
 @kernel(inline="always")
 def _height(patch: np.ndarray, u: float, meridian: Meridian, surface: np.ndarray) -> float:
     """Height of a meridian point above the instantaneous surface."""
-    r, z, _, _, _ = _meridian(patch, u)
+    r, z, _, _, _ = meridian_at(patch, u)
     out, axis = meridian.out, meridian.axis
     return meridian.z0 + out.z * r + axis.z * z - polynomial(surface, out.s * r + axis.s * z)
 
@@ -216,7 +84,7 @@ def _heights(rule: WettedQuadrature, axis: Direction, z0: float, surface: np.nda
     rays, height, s, eta = room.rays, room.height, room.along[0], room.along[1]
     for i in range(2 * patches + 1):
         last = i == 2 * patches
-        r, z, _, _, _ = _meridian(rule.patch[patches - 1 if last else i // 2], 1.0 if last else i % 2 - 1.0)
+        r, z, _, _, _ = meridian_at(rule.patch[patches - 1 if last else i // 2], 1.0 if last else i % 2 - 1.0)
         for j in range(na):
             s[j] = r * rays[3, j] + z * axis.s
             height[i, j] = z0 + r * rays[2, j] + z * axis.z
@@ -371,7 +239,7 @@ def _gauss_points(
             at = rule.whole[i, g]
             r, zb, n_r, n_z, area = at[0], at[1], at[2], at[3], at[4]
         else:
-            r, zb, n_r, n_z, speed = _meridian(patch, centre + half * points[g])
+            r, zb, n_r, n_z, speed = meridian_at(patch, centre + half * points[g])
             area = weights[g] * half * speed * r * rule.dpsi
         lever[0, count] = r * out.x + zb * axis.x
         lever[1, count] = r * out.y + zb * axis.y

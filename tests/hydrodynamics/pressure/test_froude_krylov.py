@@ -5,7 +5,8 @@ import pytest
 from pytest import approx
 
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load, quadrature, quadrature_room
+from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load
+from solver.hydrodynamics.pressure.quadrature import quadrature, quadrature_room
 from solver.sea.dispersion import wavenumber
 from solver.sea.field import WaveField
 from solver.sea.realization import realize

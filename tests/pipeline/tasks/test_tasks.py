@@ -15,7 +15,7 @@ from pipeline.study.tables import Unit, tables
 from pipeline.tasks.task import Parameters, Task, canonical, dimensions, expand, wave_seed
 from solver import scene as physics
 from solver.quantities import quantities
-from solver.structure import frame
+from solver.structure import members
 
 
 def ids(tables):
@@ -198,7 +198,7 @@ def test_canonical_text_is_lossless(data):
 @pytest.mark.parametrize("name", ["Water", "Float", "Member", "Material", "PointMass", "PointLoad"])
 def test_a_tables_fields_are_the_solvers(name):
     """An id leaves out what is at its default, and a number without range or unit would pass."""
-    inputs = getattr(frame, name, None) or getattr(physics, name)
+    inputs = getattr(members, name, None) or getattr(physics, name)
     table = {table.__name__: table for table in tables()}[name]
     theirs = {f.name: f.default for f in dataclasses.fields(inputs) if f.default is not dataclasses.MISSING}
     ours = {key: f.default for key, f in table.model_fields.items() if not f.is_required()}
