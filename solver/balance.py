@@ -1,134 +1,19 @@
-"""Weight against buoyancy of floats at rest: what balances them, and warnings about a scene that is odd.
+"""Weight against buoyancy of floats at rest: what balances them, and sentences for those that are out of balance."""
 
-Mended hulls and records cut short are told here, too, frames too soft for what they bear, and thick ones beside waves.
-"""
-
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from solver.errors import InputError, refuse
-from solver.hydrodynamics.hull.clearance import borders, openings
-from solver.hydrodynamics.hull.gaps import gaps
-from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_pulls, odd_lines
-from solver.scene import DOFS, Float, Platform, Scene, Water, unit_along, unlisted
-from solver.sea.field import wave_field
-from solver.statistics import STATISTICS
+from solver.scene import DOFS, Float, Water, load_unit_along, unlisted
 
 KNOWN = 64  # floats that a process keeps
 LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 LEVEL_AXES = DOFS[:2]  # along which neither weight nor buoyancy acts
-TURNED = 0.2  # [rad] that a float may rest from where it is given
-
-
-def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
-    """Sentences for the user, the key first; joints (nj,): at rest, where that is known."""
-    sentences = [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
-    sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
-    sentences += [f"floats.{f.name}.lines: {text}" for f in scene.floats for text in odd_lines(f.lines, f.centre)]
-    sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
-    for group in scene.sharing:
-        if len(edges := openings([f.hull for f in group], [f.centre for f in group])):
-            names = ", ".join(f"floats.{f.name}" for f in group if borders(f.hull, f.centre, edges))
-            sentences.append(
-                f"{names}: meshes leave {len(edges)} edges open below still water, a slip that is let pass"
-            )
-    width = scene.settings.gap_width
-    if width > 0 and not any(
-        len(gaps([f.hull for f in group], np.array([f.centre for f in group]), width, width / 4))
-        for group in scene.sharing
-    ):
-        sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
-    if scene.platform is not None:
-        sentences += _of_platform(scene, scene.platform)
-    sentences += _pushed(scene, joints)
-    rest = () if joints is None else _turned(scene, joints)
-    return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
-
-
-def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
-    """Sentences for a frame that buckles or bends too far at rest, and for its member that is thickest beside waves."""
-    from solver.structure import in_water, slenderness  # with scipy's parts, for scenes with a platform alone
-
-    water = scene.water
-    still = in_water.dynamic_model(platform.frame, water.density, water.gravity, softened=platform.geometric_stiffness)
-    yield from in_water.too_soft(*still)
-    waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
-    yield from slenderness.too_thick(still[0], waves, lacking=1.0 if platform.wave_inertia == "relative" else 0.0)
-
-
-def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
-    """A sentence for each axis on which a float rests, at joints (nj,), elsewhere than its coefficients are of."""
-    names = [(f.name, axis) for f in scene.floats for axis in f.motion]
-    for (name, axis), at in zip(names, joints, strict=True):
-        if axis not in DOFS[:3] and abs(at) > TURNED:
-            yield (
-                f"floats.{name} rests at {at:+.2f} rad of {axis} from where it is given, which diffraction, radiation"
-                " and linear buoyancy are of"
-            )
-
-
-def _pushed(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
-    """A sentence for each axis that is beyond an end stop at rest, where floats are given, and so is pushed off it."""
-    lower, upper, works = (
-        np.concatenate([np.zeros(0), *(f.per_axis(f"end_stops.{name}") for f in scene.floats)])
-        for name in ("lower", "upper", "stiffness")
-    )
-    names = [(f.name, axis) for f in scene.floats for axis in f.motion]
-    for j in np.flatnonzero((works > 0) & ((lower > 0) | (upper < 0))):
-        (name, axis), to = names[j], "" if joints is None else f" to {joints[j]:+.3g}"
-        yield (
-            f"floats.{name}.end_stops: {lower[j]:+g} to {upper[j]:+g} {unit_along(axis)} of {axis} leave out its"
-            f" rest, 0: a stop pushes it away{to} before the run begins"
-        )
-
-
-def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """A sentence for floats that meet at angles between the extremes of a run, of which `tables` has statistics."""
-    if (angles := tables.get("rotation")) is not None:
-        high, low = (angles[:, STATISTICS.index(name)] for name in ("max", "min"))
-        hinged = {f.name: inside(low[b], high[b]) for b, f in enumerate(scene.floats) if f.motion == ("hinge",)}
-        for a, b, at in scene.meetings(hinged):
-            yield f"floats.{a} and floats.{b} meet at {at} rad, angles that each of them passed; no load tells of it"
-
-
-def beyond_tables(floats: Sequence[Float], low: np.ndarray, high: np.ndarray) -> Iterator[str]:
-    """A sentence for each axis whose motion or rate, met from `low` to `high` (2, nj), leaves the range in which the
-    load of its power take-off is given, where that is not level at the range's end."""
-    axes = [(f, axis, points) for f in floats for axis, points in zip(f.motion, f.pto_points, strict=True)]
-    for j, (item, axis, points) in enumerate(axes):
-        if points is None:
-            continue
-        y, v, load = points
-        for k, (what, given, lines) in enumerate((("position", y, load), ("rate", v, load.T))):
-            if given.size and (
-                (low[k, j] < given[0] and np.any(lines[0] != lines[1]))
-                or (high[k, j] > given[-1] and np.any(lines[-1] != lines[-2]))
-            ):
-                unit = unit_along(axis) + "/s" * k
-                yield (
-                    f"floats.{item.name}: the {what} of {axis} was {low[k, j]:+.3g} to {high[k, j]:+.3g} {unit}, beyond"
-                    f" {given[0]:+.3g} to {given[-1]:+.3g} {unit}, in which the load of its power take-off is given:"
-                    " beyond that it stays what it is at the ends"
-                )
-
-
-def stopped(floats: Sequence[Float], friction: np.ndarray, load: np.ndarray) -> Iterator[str]:
-    """A sentence for each axis that friction (nj,) holds in a linear model, though not against the largest load that
-    waves put on it, of statistics (nj, 5)."""
-    axes = [(f.name, axis) for f in floats for axis in f.motion]
-    for (name, axis), holding, of in zip(axes, friction, load, strict=True):
-        most, std = of[STATISTICS.index("max")], of[STATISTICS.index("std")]
-        if most > holding:
-            yield (
-                f"floats.{name}: friction holds {axis} in the linear model, {holding:.4g} {_unit(axis)} against"
-                f" {std:.4g} (std) and {most:.4g} at most by waves: it moves now and then, and only a run in time tells"
-                " how far"
-            )
 
 
 @lru_cache(maxsize=KNOWN)
@@ -175,12 +60,8 @@ def _weighed(item: Float, hung: Sequence[Float], water: Water) -> str:
 def _pulled(name: str, preload: float, lines: float, pressed: float = 0.0) -> Iterator[str]:
     """Constant loads of a joint along an axis, beside weight and buoyancy; nothing where there are none."""
     loads = {"a preload": preload, "a pull of mooring or lines": lines, "preloads of what it carries": pressed}
-    if told := [f"{word} of {load:.4g} {_unit(name)}" for word, load in loads.items() if load]:
+    if told := [f"{word} of {load:.4g} {load_unit_along(name)}" for word, load in loads.items() if load]:
         yield f"along {name} {' and '.join(told)}"
-
-
-def _unit(name: str) -> str:
-    return "N" if name in DOFS[:3] else "N m"
 
 
 @lru_cache(maxsize=KNOWN)
@@ -196,7 +77,7 @@ def held(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tuple[str
         weight, buoyancy = both
         if any(both) and abs(pull) > max(min(map(abs, both)), _least(item, name, displaced * water.gravity)):
             sentences.append(
-                f"floats.{item.name}: a preload of {pull:.4g} {_unit(name)} in {name} holds what"
+                f"floats.{item.name}: a preload of {pull:.4g} {load_unit_along(name)} in {name} holds what"
                 f" weight, {weight:.4g}, and buoyancy, {buoyancy:.4g}, do not balance within a factor of 2: mass"
                 f" {item.mass:g} kg, displaced {displaced:g} kg"
             )
@@ -207,15 +88,10 @@ def _along(item: Float, water: Water, floats: Sequence[Float]) -> Iterator[tuple
     """Axes of a joint; along each the load at rest of weight and what is carried, of buoyancy, and of the joint."""
     displaced = water.density * item.hull.volume
     force, moment = _carried(item, water, floats)
-    for name, pull in zip(item.motion, _pulls(item), strict=True):
+    for name, pull in zip(item.motion, item.pulls, strict=True):
         weight, buoyancy = (_work(item, name, *load) for load in _loads(item, displaced, water.gravity))
         weight += float(item.direction(name) @ moment) if name not in DOFS[:3] else force * (name == "heave")
         yield name, weight, buoyancy, pull
-
-
-def _pulls(item: Float) -> np.ndarray:
-    """Constant loads of a joint along its axes, of lines too (n,) [N or N m]."""
-    return item.pulls
 
 
 def _loads(item: Float, displaced: float, gravity: float) -> Iterator[tuple[np.ndarray, float]]:
@@ -301,7 +177,7 @@ def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[
 
 def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collection[str]) -> Float:
     displaced, (carried, turning) = water.density * item.hull.volume, _carried(item, water, floats)
-    force, moment = _with(item, _pulls(item), carried, turning)
+    force, moment = _with(item, item.pulls, carried, turning)
     mass = displaced + force / water.gravity if "mass" in sought else item.mass
     if not mass > 0:
         lift = f"{displaced:.6g} kg displaced, {displaced * water.gravity:.4g} N"
@@ -331,7 +207,7 @@ def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collec
 
 def _borne(item: Float, carried: float) -> str:
     """What the buoyancy bears beside the weight, that of the floats carried [N] first, and which lines are odd."""
-    axes = zip(item.motion, item.per_axis("preload"), _pulls(item), strict=True)
+    axes = zip(item.motion, item.per_axis("preload"), item.pulls, strict=True)
     along = (_pulled(name, preload, pull - preload) for name, preload, pull in axes if name == "heave")
     borne = [f"what the float carries, {carried:.4g} N"] * bool(carried) + [text for texts in along for text in texts]
     return "; ".join([" and ".join(borne), *odd_lines(item.lines, item.centre)])

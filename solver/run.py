@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from solver.balance import beyond_tables, met, warnings
 from solver.coupled.blocks import blocks, energy_residual, unbalanced
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
@@ -18,6 +17,7 @@ from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_errors
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.limits import field_error
+from solver.oddities import beyond_tables, met, warnings
 from solver.record.accuracy import ATTEMPTS, first_guess, improved
 from solver.record.audit import audit, doubts
 from solver.record.bound import above

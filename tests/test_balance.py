@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver.balance import balanced, held, imbalance, warnings
+from solver.balance import balanced, held, imbalance
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Line, Mooring
+from solver.oddities import warnings
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
 from solver.sea.realization import CALM, measured

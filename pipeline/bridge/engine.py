@@ -153,7 +153,7 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
 def judge(parameters: Parameters) -> Sequence[str]:
     """Build a task's scene, and the frequencies of its coefficients; what is odd about it. Raises InputError."""
     from pipeline.bridge import scenes
-    from solver.balance import warnings
+    from solver.oddities import warnings
     from solver.scene import require_waves
 
     scene = scenes.scene(parameters)

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.balance import warnings
 from solver.coupled.driving import patterns, share_curve
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
 from solver.coupled.natural import SystemModes, require_stable, system_modes
@@ -21,6 +20,7 @@ from solver.keys import Bits
 from solver.lines import real_by_complex
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import DAMPERS, damped, dampers
+from solver.oddities import warnings
 from solver.record.channels import Channels
 from solver.record.effects import unlike
 from solver.record.response import excitation

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.balance import beyond_tables, met, stopped
 from solver.coupled.assembly import joint_law
 from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
@@ -13,6 +12,7 @@ from solver.frequency.response import Response, respond, respond_in
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import bent, friction
+from solver.oddities import beyond_tables, met, stopped, swung
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
@@ -80,7 +80,15 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     }
     power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
     doubted = () if slipping else doubts(scene.settings, errors)  # which says why by itself
-    if notes := (*case.warnings, *met(scene, tables), *beyond, *slipping, *above(scene, power), *doubted):
+    if notes := (
+        *case.warnings,
+        *met(scene, tables),
+        *swung(scene, channels.axes, tables),
+        *beyond,
+        *slipping,
+        *above(scene, power),
+        *doubted,
+    ):
         attrs["warnings"] = "; ".join(notes)
     rao = None
     if scene.settings.rao and channels.axes:
@@ -120,7 +128,7 @@ def _law_effect(case: Case, response: Response, scene: Scene) -> float:
 
 
 def _stopped(case: Case, law: JointLaw, response: Response) -> list[str]:
-    """See balance.stopped."""
+    """See oddities.stopped."""
     borne, joints = response.pto * _rates(case, response), slice(case.system.structure.carrier.shape[0], None)
     table = gaussian.table(np.zeros(borne.shape[1]), borne, response.omega, case.duration)
     holding = np.where(response.stuck, friction(law)[joints], np.inf)

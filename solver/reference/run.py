@@ -14,7 +14,6 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from solver import limits
-from solver.balance import met, warnings
 from solver.coupled.assembly import joint_law
 from solver.coupled.blocks import energy_residual, unbalanced
 from solver.coupled.driving import driven
@@ -25,6 +24,7 @@ from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.of_axes import bent, joint_energy, stop_loads
+from solver.oddities import met, warnings
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
 from solver.record.channels import Record

@@ -3,7 +3,18 @@
 Frame: x along the waves for heading 0, z upwards from still water, rotations right-handed.
 """
 
-from solver.scene.floats import DOFS, PER_AXIS, STARTS, EndStops, Float, is_planar, out_of_place, unit_along, unlisted
+from solver.scene.floats import (
+    DOFS,
+    PER_AXIS,
+    STARTS,
+    EndStops,
+    Float,
+    is_planar,
+    load_unit_along,
+    out_of_place,
+    unit_along,
+    unlisted,
+)
 from solver.scene.platform import Platform, StructuralDamping
 from solver.scene.scene import MOST_STEPS, STEPS, Scene, require_waves, two_digits
 from solver.scene.settings import (
@@ -43,6 +54,7 @@ __all__ = [
     "Utilisation",
     "Water",
     "is_planar",
+    "load_unit_along",
     "needs_coefficients",
     "out_of_place",
     "panels_for",

@@ -283,6 +283,11 @@ def unit_along(axis: str) -> str:
     return "m" if axis in DOFS[:3] else "rad"
 
 
+def load_unit_along(axis: str) -> str:
+    """Of a load along an axis of a joint."""
+    return "N" if axis in DOFS[:3] else "N m"
+
+
 def unlisted(floats: Sequence[Float]) -> Iterator[InputError]:
     """Of floats that are on one that is not listed before them."""
     names = [f.name for f in floats]

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.balance import warnings
 from solver.coupled.preparation import prepare
 from solver.coupled.system import BALANCE
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.oddities import warnings
 from solver.run import simulate
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import CALM, realize

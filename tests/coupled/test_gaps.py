@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.balance import warnings
 from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.radiation.fitting import USUAL
+from solver.oddities import warnings
 from solver.run import simulate
 from solver.scene import Settings
 from studies.validation import gaps

@@ -10,7 +10,6 @@ from numba import typeof
 from pytest import approx
 from scipy.linalg import expm, solve
 
-from solver.balance import warnings
 from solver.coupled.assembly import joint_law
 from solver.coupled.linear import linear_model
 from solver.coupled.natural import require_stable, system_modes
@@ -22,6 +21,7 @@ from solver.mooring import Mooring
 from solver.multibody.bodies import new_motion
 from solver.multibody.minimal import move
 from solver.multibody.of_axes import joint_loads
+from solver.oddities import warnings
 from solver.run import simulate
 from solver.scene import DOFS, EndStops, Float, Scene, Settings, Water
 from tests import awkward

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.balance import warnings
 from solver.errors import InputError
+from solver.oddities import warnings
 from solver.run import simulate
 from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.realization import regular

@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 from scipy.special import h1vp
 
-from solver.balance import warnings
+from solver.oddities import warnings
 from solver.run import simulate
 from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.field import WaveField

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver.balance import met
 from solver.errors import InputError
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.swing import Hinged, meeting
+from solver.oddities import met
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
 from tests import awkward

@@ -1,0 +1,137 @@
+"""Sentences for the user on what is odd about a scene, or was met in its run."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from solver.balance import held, imbalance
+from solver.hydrodynamics.hull.clearance import borders, openings
+from solver.hydrodynamics.hull.gaps import gaps
+from solver.hydrodynamics.hull.swing import inside
+from solver.mooring import odd_lines
+from solver.scene import DOFS, Float, Platform, Scene, load_unit_along, unit_along
+from solver.sea.field import wave_field
+from solver.statistics import STATISTICS
+
+TURNED = 0.2  # [rad] that a float may rest from where it is given
+SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
+
+
+def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
+    """Sentences for the user, the key first; joints (nj,): at rest, where that is known."""
+    sentences = [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
+    sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
+    sentences += [f"floats.{f.name}.lines: {text}" for f in scene.floats for text in odd_lines(f.lines, f.centre)]
+    sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
+    for group in scene.sharing:
+        if len(edges := openings([f.hull for f in group], [f.centre for f in group])):
+            names = ", ".join(f"floats.{f.name}" for f in group if borders(f.hull, f.centre, edges))
+            sentences.append(
+                f"{names}: meshes leave {len(edges)} edges open below still water, a slip that is let pass"
+            )
+    width = scene.settings.gap_width
+    if width > 0 and not any(
+        len(gaps([f.hull for f in group], np.array([f.centre for f in group]), width, width / 4))
+        for group in scene.sharing
+    ):
+        sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
+    if scene.platform is not None:
+        sentences += _of_platform(scene, scene.platform)
+    sentences += _pushed(scene, joints)
+    rest = () if joints is None else _turned(scene, joints)
+    return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
+
+
+def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
+    """Sentences for a frame that buckles or bends too far at rest, and for its member that is thickest beside waves."""
+    from solver.structure import in_water, slenderness  # with scipy's parts, for scenes with a platform alone
+
+    water = scene.water
+    still = in_water.dynamic_model(platform.frame, water.density, water.gravity, softened=platform.geometric_stiffness)
+    yield from in_water.too_soft(*still)
+    waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
+    yield from slenderness.too_thick(still[0], waves, lacking=1.0 if platform.wave_inertia == "relative" else 0.0)
+
+
+def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
+    """A sentence for each axis on which a float rests, at joints (nj,), elsewhere than its coefficients are of."""
+    names = [(f.name, axis) for f in scene.floats for axis in f.motion]
+    for (name, axis), at in zip(names, joints, strict=True):
+        if axis not in DOFS[:3] and abs(at) > TURNED:
+            yield (
+                f"floats.{name} rests at {at:+.2f} rad of {axis} from where it is given, which diffraction, radiation"
+                " and linear buoyancy are of"
+            )
+
+
+def _pushed(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
+    """A sentence for each axis that is beyond an end stop at rest, where floats are given, and so is pushed off it."""
+    lower, upper, works = (
+        np.concatenate([np.zeros(0), *(f.per_axis(f"end_stops.{name}") for f in scene.floats)])
+        for name in ("lower", "upper", "stiffness")
+    )
+    names = [(f.name, axis) for f in scene.floats for axis in f.motion]
+    for j in np.flatnonzero((works > 0) & ((lower > 0) | (upper < 0))):
+        (name, axis), to = names[j], "" if joints is None else f" to {joints[j]:+.3g}"
+        yield (
+            f"floats.{name}.end_stops: {lower[j]:+g} to {upper[j]:+g} {unit_along(axis)} of {axis} leave out its"
+            f" rest, 0: a stop pushes it away{to} before the run begins"
+        )
+
+
+def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for floats that meet at angles between the extremes of a run, of which `tables` has statistics."""
+    if (angles := tables.get("rotation")) is not None:
+        high, low = (angles[:, STATISTICS.index(name)] for name in ("max", "min"))
+        hinged = {f.name: inside(low[b], high[b]) for b, f in enumerate(scene.floats) if f.motion == ("hinge",)}
+        for a, b, at in scene.meetings(hinged):
+            yield f"floats.{a} and floats.{b} meet at {at} rad, angles that each of them passed; no load tells of it"
+
+
+def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for each axis about which a float turns by more than a linear model's small angles."""
+    if not axes:
+        return
+    moved = tables["motion"] if "motion" in tables else tables["rotation"][:, None]
+    for f, of_axes in zip(scene.floats, moved[..., STATISTICS.index("std")], strict=True):
+        for axis, angle in zip(axes, of_axes, strict=True):
+            if axis not in DOFS[:3] and angle > SWUNG:
+                yield (
+                    f"floats.{f.name}: the std of {axis} is {angle:.2g} rad, and the linear model is one of small"
+                    " angles: what they leave out goes with their square, and is no part of the estimated error"
+                )
+
+
+def beyond_tables(floats: Sequence[Float], low: np.ndarray, high: np.ndarray) -> Iterator[str]:
+    """A sentence for each axis whose motion or rate, met from `low` to `high` (2, nj), leaves the range in which the
+    load of its power take-off is given, where that is not level at the range's end."""
+    axes = [(f, axis, points) for f in floats for axis, points in zip(f.motion, f.pto_points, strict=True)]
+    for j, (item, axis, points) in enumerate(axes):
+        if points is None:
+            continue
+        y, v, load = points
+        for k, (what, given, lines) in enumerate((("position", y, load), ("rate", v, load.T))):
+            if given.size and (
+                (low[k, j] < given[0] and np.any(lines[0] != lines[1]))
+                or (high[k, j] > given[-1] and np.any(lines[-1] != lines[-2]))
+            ):
+                unit = unit_along(axis) + "/s" * k
+                yield (
+                    f"floats.{item.name}: the {what} of {axis} was {low[k, j]:+.3g} to {high[k, j]:+.3g} {unit}, beyond"
+                    f" {given[0]:+.3g} to {given[-1]:+.3g} {unit}, in which the load of its power take-off is given:"
+                    " beyond that it stays what it is at the ends"
+                )
+
+
+def stopped(floats: Sequence[Float], friction: np.ndarray, load: np.ndarray) -> Iterator[str]:
+    """A sentence for each axis that friction (nj,) holds in a linear model, though not against the largest load that
+    waves put on it, of statistics (nj, 5)."""
+    axes = [(f.name, axis) for f in floats for axis in f.motion]
+    for (name, axis), holding, of in zip(axes, friction, load, strict=True):
+        most, std = of[STATISTICS.index("max")], of[STATISTICS.index("std")]
+        if most > holding:
+            yield (
+                f"floats.{name}: friction holds {axis} in the linear model, {holding:.4g} {load_unit_along(axis)}"
+                f" against {std:.4g} (std) and {most:.4g} at most by waves: it moves now and then, and only a run in"
+                " time tells how far"
+            )
