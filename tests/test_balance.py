@@ -291,6 +291,16 @@ def test_what_a_float_is_held_with_its_carrier_bears():
     assert light.preload == pytest.approx((-0.5 * DISPLACED * DEEP.gravity,))
 
 
+@pytest.mark.parametrize(("motion", "borne"), [(("heave",), 1), (("heave", "pitch"), 0)])
+def test_the_moment_that_no_axis_of_a_float_takes_its_carrier_bears(motion, borne):
+    """Of a ball in a guide, whose weight is off its middle; where it pitches by itself, that moment turns it alone."""
+    joint = {"on": "raft", "hinge": (3.0, 0, 0), "cog": (0.4, 0, -1.0), "motion": motion}
+    base, _ = balanced([raft(), ball(**joint)], DEEP, [("mass", "x", "y"), ()])
+    level, _ = balanced([raft(), ball(**joint | {"cog": (0, 0, -1.0)})], DEEP, [("mass", "x", "y"), ()])
+    assert base.mass == level.mass == pytest.approx(1000 * HULL.volume)
+    assert base.cog[0] - level.cog[0] == pytest.approx(-borne * 0.4 * DISPLACED / base.mass)
+
+
 @pytest.mark.parametrize(
     "sought",
     [[("mass", "x", "y"), ("x",), ("mass", "x")], [("mass", "x", "y"), ("hold",), ("hold",)], [("hold",)] * 3],
