@@ -81,7 +81,13 @@ def _system_modes(
     if not count:
         return SystemModes(np.zeros(0), np.zeros((n, 0)), ())
     kept = min(n, count + SPARE)
-    value, basis = linalg.eigh(model.stiffness, model.mass, subset_by_index=(0, kept - 1))
+    try:
+        value, basis = linalg.eigh(model.stiffness, model.mass, subset_by_index=(0, kept - 1))
+    except linalg.LinAlgError:
+        lightest = linalg.eigh(model.mass, subset_by_index=(0, 0))[1][:, 0]
+        name = _name(joints, model.length, lightest, support)
+        text = f"the mass that moves in {name}, added mass at infinite frequency included, is not above zero"
+        raise SimulationFailed(f"{text}: are coefficients and inertia those of these floats?") from None
     added = _added(model.active @ basis, model.added_mass, h)
     low, high = (h.omega[0], h.omega[-1]) if h is not None else (0.0, 0.0)
     # Many shapes have the added mass of the last frequency known.

@@ -54,6 +54,16 @@ def test_periods_are_those_of_coefficients_alone(name):
         assert residual == approx(0, abs=1e-6 * np.abs(C @ shape).max())
 
 
+@pytest.mark.parametrize("name", ["duck", "unequal_legs"])
+def test_a_mass_that_is_not_above_zero_is_named(name):
+    item, h = SCENES[name]()
+    light = replace(h, added_mass_inf=h.added_mass_inf - 1e3 * np.diag(np.abs(np.diag(h.added_mass_inf))), memory=None)
+    with pytest.raises(
+        SimulationFailed, match=rf"the mass that moves in {item.floats[0].name} hinge.* is not above zero"
+    ):
+        modes(item, light)
+
+
 def test_a_shape_is_named_by_what_moves():
     item, h = SCENES["oblique"]()
     assert all(name.split(" hinge")[0] in "ab" for name in modes(item, h).names)

@@ -19,7 +19,7 @@ from solver.hydrodynamics.bem.extrapolation import TWO_MESHES, Solution, extrapo
 from solver.hydrodynamics.bem.far_field import FarField, orders
 from solver.hydrodynamics.bem.grid import RESOLVED, frequency_grid
 from solver.hydrodynamics.bem.incident import Sea
-from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths
+from solver.hydrodynamics.bem.mean_hull import at_rest, body_name, froude_krylov, motion_lengths
 from solver.hydrodynamics.bem.mesh import Mesh
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
@@ -28,6 +28,7 @@ from solver.hydrodynamics.hull.coarse import fewer
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import stands
+from solver.hydrodynamics.radiation.passivity import radiates
 from solver.sea.dispersion import SHALLOWEST, longest
 
 __all__ = [
@@ -39,6 +40,7 @@ HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it
 METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
 FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
+NEGATIVE = -0.1  # least eigenvalue of A∞, scaled to a diagonal of 1: far below what errors of meshes leave, 0.06 to 1
 
 
 def solve(hulls: tuple[Hull, ...], centres: np.ndarray, *, heading: float = 0.0, **water: Any) -> Hydrodynamics:
@@ -272,7 +274,24 @@ def _limits(problem: Problem, solutions: list[Solution]) -> tuple[list[np.ndarra
     best, left = extrapolated(solutions, problem.divisions, (lengths, body), share)
     if plates and len(solutions) <= len(HALVED):
         left = of_plates(plates, left, best)
+    _require_positive(problem, best[1], lengths, body)
     return best, left
+
+
+def _require_positive(problem: Problem, infinite: np.ndarray, lengths: np.ndarray, body: np.ndarray) -> None:
+    """Refuse added mass at infinite frequency (n, n) that is not positive: half of vᵀA∞v is the water's energy.
+
+    Motions with next to nothing of it, see `radiates`, may have less than none by their mesh's error.
+    """
+    size = np.abs(np.diag(infinite))
+    heard = np.flatnonzero(radiates(size, lengths, body))
+    scale = np.sqrt(size[heard])
+    value, shape = np.linalg.eigh(infinite[np.ix_(heard, heard)] / np.multiply.outer(scale, scale))
+    if value.min(initial=0.0) < NEGATIVE:
+        worst = heard[np.argmax(np.abs(shape[:, 0]))]
+        where = f"above all in {problem.dofs[worst % len(problem.dofs)]} ({infinite[worst, worst]:.3g})"
+        limit = f"added mass at infinite frequency is not positive, {where}: do panels lie in each other?"
+        raise InputError("hulls", body_name(problem.hulls, body[worst]), limit)
 
 
 def _nothing(problem: Problem, count: int) -> Solution:

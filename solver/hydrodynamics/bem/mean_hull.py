@@ -9,6 +9,7 @@ from scipy.linalg import block_diag
 from solver.hydrodynamics.bem.coefficients import DOFS
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull.mesh import Hull
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import stands, wetted
 
 
@@ -26,6 +27,12 @@ def unit_motions(
 def motion_lengths(hulls: Sequence[Hull], dofs: Sequence[str]) -> np.ndarray:
     """By which motions are told apart from those that radiate nothing (n,) [m]: 1, or the body's size if it turns."""
     return np.array([1.0 if DOFS.index(d) < 3 else hull.largest_radius for hull in hulls for d in dofs])
+
+
+def body_name(hulls: Sequence[Hull], b: int) -> str:
+    """Of a body in messages: its number, from 1, and its mesh."""
+    hull = hulls[b]
+    return f"body {b + 1}, " + (hull.name if isinstance(hull, PanelHull) else "of revolution")
 
 
 def froude_krylov(

@@ -8,15 +8,16 @@ from typing import Any
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
+from solver.errors import InputError
 from solver.hydrodynamics.bem.far_field import PlaneWaves, modes, plane_waves
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
-from solver.hydrodynamics.bem.mean_hull import unit_motions
+from solver.hydrodynamics.bem.mean_hull import body_name, unit_motions
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.standing import stands, walls
-from solver.hydrodynamics.hull.surface import divided, mirrored
+from solver.hydrodynamics.hull.surface import WELD, divided, mirrored, point_text
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -36,6 +37,7 @@ class Mesh:
     wet: np.ndarray  # (nf,) True on hulls, False on lids
     gap: np.ndarray  # (nf,) True on damping lids
     motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
+    names: tuple[str, ...]  # (nf,) of the bodies whose panels they are
 
     @classmethod
     def build(
@@ -83,7 +85,10 @@ class Mesh:
         bodies = np.concatenate([meshes.partner(hulls, centres - origin, m)[body] for m in mirrors])
         motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
         motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
-        return cls(mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, gap=gap, motions=motions)
+        names = tuple(body_name(hulls, b) for b in body)
+        return cls(
+            mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, gap=gap, motions=motions, names=names
+        )
 
     def scattered(self, seas: Sequence[Sea], omega: float, loss: float) -> np.ndarray:
         """Normal velocities (ng, nf, number of seas) that cancel those of the unit incident waves, 0 on lids;
@@ -116,7 +121,7 @@ class Mesh:
         single, double = green_function().evaluate(
             self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
         )
-        # In a panel's plane its dipoles do not act, on its edge neither, where slips of a mesh bring another's middle.
+        self._require_finite(single, double)
         double[~np.isfinite(double)] = 0.0
         single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
         if loss:
@@ -130,6 +135,19 @@ class Mesh:
                 rhs = np.tensordot(sign, single, 1) @ source
                 potentials.append((sign, lu_solve(lu_factor(np.tensordot(sign, double, 1)), rhs)))
         return potentials
+
+    def _require_finite(self, single: np.ndarray, double: np.ndarray) -> None:
+        """Refuse influences (ng nf, nf) of panels that are not finite, but of dipoles on a middle on their edge."""
+        at, of = np.nonzero(~(np.isfinite(single) & np.isfinite(double)))
+        away = self.whole.faces_centers[at] - self.part.faces_centers[of]
+        off = np.abs(np.sum(away * self.part.faces_normals[of], axis=1))
+        wrong = of[(off > WELD * self.part.faces_radiuses[of]) | ~np.isfinite(single[at, of])]
+        if len(wrong):
+            place = point_text(self.part.faces_centers[wrong[0]] + self.origin)
+            limit = (
+                f"boundary elements fail on {len(set(wrong))} panels, one near {place}: are they drawn out to needles?"
+            )
+            raise InputError("hulls", self.names[wrong[0]], limit)
 
     def forces(self, potentials: list[tuple[np.ndarray, np.ndarray]], count: int) -> np.ndarray:
         """-∫ φ n dS (nc, n) of `count` potentials."""

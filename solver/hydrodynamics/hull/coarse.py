@@ -17,7 +17,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.mesh import halved_count
 from solver.hydrodynamics.hull.original import AT_CORNER, FREE, ON_EDGE, Original, Point, key, point
-from solver.hydrodynamics.hull.panel_hull import ALIKE, PanelHull
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 
 TRIANGLES = 2  # for each panel asked for: with sides as long as quadrilaterals have
 SHORT, LONG = 0.8, 4 / 3  # of the side aimed at: what is shorter collapses, what is longer is cut, if that does well
@@ -71,16 +71,9 @@ def _coarse(hull: PanelHull, count: int, planes: tuple[int, ...]) -> PanelHull:
 
 def _part(hull: PanelHull, planes: tuple[int, ...]) -> np.ndarray:
     """Panels (n, 4, 3) [m] below still water, on one side of planes of symmetry."""
-    cuts = [2, *planes]
-
-    def snapped(panels: np.ndarray) -> np.ndarray:
-        near = (np.abs(panels) < ALIKE * hull.size) & np.isin(np.arange(3), cuts)
-        return np.where(near, 0.0, panels)
-
-    # Before each cut, too: corners a hair off it would leave slivers, which fold when they are welded.
-    pieces = snapped(hull.panels)
-    for axis in cuts:
-        pieces = snapped(surface.below(pieces, axis, sign=1 if axis == 2 else -1))
+    pieces = hull.wetted
+    for axis in planes:
+        pieces = surface.below(pieces, axis, sign=-1)
     return pieces
 
 

@@ -45,7 +45,10 @@ class PanelHull:
     def of(cls, vertices: np.ndarray, faces: np.ndarray, *, name: str = "mesh") -> "PanelHull":
         """The hull of a mesh (nv, 3), (nf, 4): welded, wound outwards, and refused where it is no hull."""
         key = meshfile.KEY
-        vertices, faces, cleaned = surface.welded(np.asarray(vertices, float), np.asarray(faces))
+        vertices, faces = np.asarray(vertices, float), np.asarray(faces)
+        # Whether the hull is symmetric or not: what is cut there has no slivers then, what is mirrored no slits.
+        vertices = surface.onto(vertices, [0, 1, 2], np.ptp(vertices[faces.ravel()], axis=0).max())
+        vertices, faces, cleaned = surface.welded(vertices, faces)
         if not len(faces):
             raise InputError(key, name, "has no panel with an area")
         lowest = vertices[faces.ravel(), 2].min()
@@ -53,8 +56,7 @@ class PanelHull:
             limit = "must reach below still water, z = 0 m: hull.origin is the file's point that comes to lie there"
             raise InputError(key, f"{name}, lowest point at z = {lowest:g} m", limit)
         faces, rim, turned = surface.oriented(vertices, faces, key, name)
-        sunk = vertices[rim, 2].min(axis=1) < -surface.WELD * np.ptp(vertices, axis=0).max()
-        holes = vertices[rim[sunk]]
+        holes = vertices[rim[vertices[rim, 2].min(axis=1) < 0]]
         for array in (vertices, faces, holes):
             array.setflags(write=False)
         hull = cls(

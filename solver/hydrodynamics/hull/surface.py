@@ -13,6 +13,8 @@ from solver.errors import InputError
 
 PAIRS = 2**20  # of points and triangles at a time
 WELD = 1e-6  # of the extent: closer points are one; files in single precision hold 1e-7
+ON = 1e-5  # of the extent: what is closer to still water or to a plane of symmetry lies on it, as in turned files
+TIE = 1e-3  # of a length: sides that differ by less are as long as each other, whatever noise their corners have
 
 
 def mirrored(piece: tuple[np.ndarray, np.ndarray], mirror: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -56,14 +58,18 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
 
 
+def _areas(panels: np.ndarray) -> np.ndarray:
+    """[m²] (n,) of panels (n, 4, 3), of the triangles on both sides of their first diagonal."""
+    halves = (area_vectors(panels[:, corners]) for corners in ([0, 1, 2], [0, 2, 3]))
+    return np.asarray(sum(np.linalg.norm(half, axis=1) for half in halves))
+
+
 def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Coinciding points made one, panels without area and duplicates left out; and notes of both."""
     extent = np.ptp(vertices[faces.ravel()], axis=0).max()
     vertices, faces = _one_each(vertices, faces)
     faces = _collapsed(faces)
-    area = np.linalg.norm(np.cross(*(np.diff(vertices[faces[:, [k, 2]]], axis=1)[:, 0] for k in (0, 1))), axis=1)
-    area += np.linalg.norm(np.cross(*(np.diff(vertices[faces[:, [0, k]]], axis=1)[:, 0] for k in (2, 3))), axis=1)
-    flat = area <= (WELD * extent) ** 2
+    flat = _areas(vertices[faces]) <= (WELD * extent) ** 2 / 2
     _, kept = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
     twice = np.ones(len(faces), bool)
     twice[kept] = False
@@ -137,7 +143,7 @@ def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tu
     _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
     if count.max() > 2:
         point = vertices[pairs[np.argmax(count[place] > 2), 0]]
-        raise InputError(key, name, f"{count.max()} panels meet at an edge near {_point_text(point)}: two may")
+        raise InputError(key, name, f"{count.max()} panels meet at an edge near {point_text(point)}: two may")
     order = np.argsort(place, kind="stable")
     shared = order[count[place[order]] == 2].reshape(-1, 2)
     turned, part = _consistent(len(faces), owner[shared], pairs[shared[:, 0], 0] == pairs[shared[:, 1], 0])
@@ -179,7 +185,8 @@ def _cut_where_corners_lie(vertices: np.ndarray, pairs: np.ndarray, owner: np.nd
     return np.concatenate(cut), np.concatenate(whose)
 
 
-def _point_text(point: np.ndarray) -> str:
+def point_text(point: np.ndarray) -> str:
+    """Coordinates [m], for messages."""
     return "(" + ", ".join(f"{x:.4g}" for x in point) + ") m"
 
 
@@ -273,16 +280,23 @@ def alike(panels: np.ndarray, other: np.ndarray, tolerance: float) -> bool:
 
 
 def below(panels: np.ndarray, axis: int = 2, *, sign: int = 1) -> np.ndarray:
-    """The parts of panels (n, 4, 3) where sign times the coordinate is negative."""
+    """The parts of panels (n, 4, 3) where sign times the coordinate is negative, corners near 0 moved onto it."""
+    if not len(panels):
+        return panels
+    extent = np.ptp(panels.reshape(-1, 3), axis=0).max()
+    panels = onto(panels, [axis], extent)
     level = sign * panels[:, :, axis]
-    level = np.where(np.abs(level) < WELD**1.5 * np.abs(panels).max(initial=0.0), 0.0, level)
     inside = level.min(axis=1) < 0
     whole = inside & (level.max(axis=1) <= 0)
     cut = [piece for p, h in zip(panels[inside & ~whole], level[inside & ~whole], strict=True) for piece in _cut(p, h)]
-    pieces = np.concatenate([panels[whole], np.array(cut).reshape(-1, 4, 3)])
-    snapped = pieces.copy()
-    snapped[:, :, axis] = sign * np.minimum(sign * pieces[:, :, axis], 0.0)
-    return snapped
+    pieces = onto(np.concatenate([panels[whole], np.array(cut).reshape(-1, 4, 3)]), [axis], extent)
+    return pieces[_areas(pieces) > (WELD * extent) ** 2]
+
+
+def onto(points: np.ndarray, axes: list[int], extent: float) -> np.ndarray:
+    """Points (..., 3) of a surface of some extent [m], those near the planes 0 of some axes moved onto them."""
+    near = (np.abs(points) < ON * extent) & np.isin(np.arange(3), axes)
+    return np.where(near, 0.0, points)
 
 
 def _cut(panel: np.ndarray, level: np.ndarray) -> list[np.ndarray]:
@@ -296,16 +310,15 @@ def _cut(panel: np.ndarray, level: np.ndarray) -> list[np.ndarray]:
         if h * g < 0:
             polygon.append(p + h / (h - g) * (q - p))
     last = len(polygon) - 1
-    pieces = [np.array([polygon[0], polygon[i], polygon[i + 1], polygon[min(i + 2, last)]]) for i in range(1, last, 2)]
-    return [p for p in pieces if np.linalg.norm(area_vectors(triangles(p[None])), axis=1).sum() > 0]
+    return [np.array([polygon[0], polygon[i], polygon[i + 1], polygon[min(i + 2, last)]]) for i in range(1, last, 2)]
 
 
 def split(panels: np.ndarray, size: float) -> np.ndarray:
-    """Panels halved across their longest sides until no side exceeds `size` [m]."""
+    """Panels halved across their longest sides until no side exceeds `size` [m] by more than TIE."""
     done = []
     while len(panels):
         sides = np.linalg.norm(panels - np.roll(panels, -1, axis=1), axis=2)
-        long = sides.max(axis=1) > size
+        long = sides.max(axis=1) > (1 + TIE) * size
         done.append(panels[~long])
         panels, sides = panels[long], sides[long]
         flat = np.all(panels[:, 2] == panels[:, 3], axis=1)
@@ -315,7 +328,7 @@ def split(panels: np.ndarray, size: float) -> np.ndarray:
 
 def _halved(panels: np.ndarray, sides: np.ndarray) -> np.ndarray:
     """Quadrilaterals cut across the longer pair of sides."""
-    turn = np.maximum(sides[:, 1], sides[:, 3]) > np.maximum(sides[:, 0], sides[:, 2])
+    turn = np.maximum(sides[:, 1], sides[:, 3]) > (1 + TIE) * np.maximum(sides[:, 0], sides[:, 2])
     a, b, c, d = np.moveaxis(np.where(turn[:, None, None], np.roll(panels, -1, axis=1), panels), 1, 0)
     low, high = (a + b) / 2, (c + d) / 2
     return np.concatenate([np.stack([a, low, high, d], axis=1), np.stack([low, b, c, high], axis=1)])
@@ -323,7 +336,8 @@ def _halved(panels: np.ndarray, sides: np.ndarray) -> np.ndarray:
 
 def _halved_triangles(panels: np.ndarray, sides: np.ndarray) -> np.ndarray:
     """Triangles cut from the middle of the longest side."""
-    longest = sides[:, [0, 1, 3]].argmax(axis=1)
+    sides = sides[:, [0, 1, 3]]
+    longest = (sides >= (1 - TIE) * sides.max(axis=1, keepdims=True)).argmax(axis=1)
     index = (np.arange(3) + longest[:, None]) % 3
     a, b, c = np.moveaxis(panels[np.arange(len(panels))[:, None], index], 1, 0)
     m = (a + b) / 2
