@@ -133,8 +133,10 @@ def outlines(lines: np.ndarray) -> tuple[int, np.ndarray]:
     return count, part[pairs[:, 0]]
 
 
-def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Faces wound alike with normals out of the body, the open edges (ne, 2), and notes of what was turned.
+def oriented(
+    vertices: np.ndarray, faces: np.ndarray, key: str, name: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[str]]:
+    """Faces wound alike with normals out of the body, open edges (ne, 2), each face's part, notes of what was turned.
 
     Panels may meet along parts of their sides, with corners of one on a side of another. A part's volume is
     ∫ z n_z dS, which a rim at z = 0 leaves unchanged: inside out where it is negative.
@@ -155,7 +157,7 @@ def oriented(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> tu
     faces = np.where(inside_out[part][:, None], _reversed(faces), faces)
     notes = [f"turned: {turned.sum()} panels wound against their neighbours"] if turned.any() else []
     notes += ["the mesh was inside out: its normals were turned into the water"] if inside_out.any() else []
-    return faces, pairs[count[place] == 1], notes
+    return faces, pairs[count[place] == 1], part, notes
 
 
 def _alone(pairs: np.ndarray) -> np.ndarray:
