@@ -6,6 +6,7 @@ extremes those that a narrow band is expected to have in a time T (Cartwright an
 """
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -85,7 +86,7 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
     2N peaks of exponential distribution, and the others' mean.
     """
     if len(V) == 1:
-        return moments(_sampled(V) ** 2 @ c[:, None])[0]
+        return moments(sampled(V) ** 2 @ c[:, None])[0]
     m0, m2, most = _sums(V, omega)
     principal = np.linalg.eigvals(c[:, None] * covariance(V, V)).real if c.size > 1 else 0.5 * c * m0
     mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2))
@@ -107,10 +108,25 @@ def _beyond(m0: np.ndarray, m2: np.ndarray, duration: float) -> float:
     return float(2 * (np.log(2 * most) + EULER) - 1)
 
 
-class Axes(NamedTuple):
-    """Of n axes, whose power take-offs bear c v + k y at rates v and positions y."""
+def spread(X: np.ndarray) -> np.ndarray:
+    """std (n,) of lines (nw, n)."""
+    return np.sqrt(0.5 * np.sum(np.abs(X) ** 2, axis=0))
 
-    damping: np.ndarray  # c (n,)
+
+def fastest(V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """The largest sizes (n,), in either sense, of rates of lines (nw, n): that of one harmonic, or those expected."""
+    m0, m2, most = _sums(V, omega)
+    if len(V) == 1:
+        return most
+    beyond = np.array([_beyond(m0[i : i + 1], m2[i : i + 1], duration) for i in range(m0.size)])
+    return np.minimum(np.sqrt(0.5 * m0 * (1 + beyond)), most)
+
+
+class Axes(NamedTuple):
+    """Of n axes, whose power take-offs bear f(v) + k y at rates v and positions y."""
+
+    load: Callable[[np.ndarray], np.ndarray]  # f, of (m, n)
+    damping: np.ndarray  # c (n,): ⟨fv⟩/⟨v²⟩
     stiffness: np.ndarray  # k (n,)
     level: np.ndarray  # ⟨y⟩ (n,)
     position: np.ndarray  # (nw, n) lines of y - ⟨y⟩
@@ -118,30 +134,32 @@ class Axes(NamedTuple):
 
     def power(self, y: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Mechanical power (m, n) at samples y, v (m, n)."""
-        return (self.damping * v + self.stiffness * (self.level + y)) * v
+        return (self.load(v) + self.stiffness * (self.level + y)) * v
 
 
-def electrical_table(efficiency: PtoEfficiency, axes: Axes, omega: np.ndarray, duration: float) -> np.ndarray:
-    """(5,) of Σ g(Pᵢ), Pᵢ = (cᵢvᵢ + kᵢyᵢ) vᵢ and g the efficiency of each axis, see PtoEfficiency.
+def electrical_table(
+    efficiency: PtoEfficiency, axes: Axes, absorbed: np.ndarray, omega: np.ndarray, duration: float
+) -> np.ndarray:
+    """(5,) of Σ g(Pᵢ), Pᵢ = (fᵢ + kᵢyᵢ) vᵢ and g the efficiency of each axis, see PtoEfficiency.
 
-    The mean is that of each axis, see `_absorbed`; the std is that of POINTS of all positions and rates. Largest and
-    least are those of Σ Pᵢ, by its strongest principal part of either sign as in `power_table`, positions from their
-    means, with the loss that the sum would have.
+    Without stiffness that of what is absorbed, statistics (5,). Else the mean is that of each axis, see `_absorbed`,
+    and the std that of POINTS of all positions and rates. Largest and least are those of Σ Pᵢ with loads cᵢvᵢ, by its
+    strongest principal part of either sign as in `power_table`, positions from their means, with the loss that the sum
+    would have.
     """
     c, k, V = axes.damping, axes.stiffness, axes.rate
     if len(V) == 1:
-        return moments(efficiency.electrical(axes.power(_sampled(axes.position), _sampled(V))).sum(axis=1)[:, None])[0]
+        return moments(efficiency.electrical(axes.power(sampled(axes.position), sampled(V))).sum(axis=1)[:, None])[0]
     if not k.any():
-        return efficiency.generating * power_table(c, V, omega, duration)
+        return efficiency.generating * absorbed
     both = np.concatenate([axes.position, V], axis=1)
     S, n = covariance(both, both), c.size
     y, v = np.split(_normal(S), 2, axis=1)
     std = float(efficiency.electrical(axes.power(y, v)).sum(axis=1).std())
     sigma = np.sqrt(np.diag(S))
-    absorbed, given = (
-        _absorbed(s * c * sigma[n:], np.abs(k) * sigma[:n], s * k * axes.level, sigma[n:]) for s in (1, -1)
-    )
-    mean = efficiency.generating * absorbed.sum() - given.sum() / efficiency.motoring
+    load = axes.load(SIZES[:, None] * sigma[n:])
+    taken, given = (_absorbed(s * load, np.abs(k) * sigma[:n], s * k * axes.level, sigma[n:]) for s in (1, -1))
+    mean = efficiency.generating * taken.sum() - given.sum() / efficiency.motoring
     A = np.block([[np.zeros((n, n)), np.diag(k / 2)], [np.diag(k / 2), np.diag(c)]])
     parts = np.linalg.eigvals(A @ S).real
     ends = np.array([parts.max(), parts.min()]) * _beyond(*_sums(V, omega)[:2], duration)
@@ -149,16 +167,16 @@ def electrical_table(efficiency: PtoEfficiency, axes: Axes, omega: np.ndarray, d
     return np.array([high, min(low, 0.0), mean, np.hypot(mean, std), std])
 
 
-def _absorbed(a: np.ndarray, s: np.ndarray, m: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """⟨P⁺⟩ (n,) of P = (a x + s ξ ± m) σx: loads a at a rate's std σ, of a position's std s and of its mean m (n,).
+def _absorbed(load: np.ndarray, s: np.ndarray, m: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """⟨P⁺⟩ (n,) of P = (f(σx) + s ξ ± m) σx: loads f at SIZES of a rate's std σ, of a position's std s and mean m (n,).
 
-    Given |x|, with either sign of x, the load along it is Gaussian of mean w = a|x| ± m and std s, and what it is
+    Given |x|, with either sign of x, the load along it is Gaussian of mean w = f(σ|x|) ± m and std s, and what it is
     above zero is w Φ(w/s) + s φ(w/s) in the mean; x and ξ are independent, as a position and its rate are. Without m:
     ½(E|P| + E P), E|P| = (2/π) σ_f σ ((1 - ρ²)^½ + ρ asin ρ).
     """
     x = SIZES[:, None]
-    total = np.zeros(a.size)
-    for w in (a * x + m, a * x - m):
+    total = np.zeros(m.size)
+    for w in (load + m, load - m):
         ratio = np.divide(w, s, out=np.copysign(np.inf, w), where=s > 0)
         above = w * ndtr(ratio) + s * np.exp(-0.5 * ratio**2) / np.sqrt(2 * np.pi)
         total += 0.5 * rate * (WEIGHTS @ (x * above))
@@ -182,7 +200,7 @@ def compression_table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, durati
     the largest is not above any one's largest, nor above a's.
     """
     if len(X) == 1:
-        a, b, c = np.moveaxis(mean + _sampled(X.reshape(1, -1)).reshape(PHASES, *mean.shape), -1, 0)
+        a, b, c = np.moveaxis(mean + sampled(X.reshape(1, -1)).reshape(PHASES, *mean.shape), -1, 0)
         return moments(a - np.hypot(b, c))
     out = np.empty((len(mean), 5))
     _compressed(mean, X, omega**2, duration, _directions(PHASES)[: PHASES // 2], _fibres(), out)
@@ -259,6 +277,6 @@ def _directions(count: int) -> np.ndarray:
     return shared(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
 
-def _sampled(X: np.ndarray) -> np.ndarray:
+def sampled(X: np.ndarray) -> np.ndarray:
     """One harmonic's values (PHASES, n) over its period, from lines (1, n)."""
     return (X * np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)[:, None]).real

@@ -6,12 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.assembly import joint_law
-from solver.frequency import drift, gaussian
+from solver.frequency import drift as far_field
+from solver.frequency import gaussian
+from solver.frequency.bent import absorbed_table, borne_table, pto_load, rate_load
 from solver.frequency.case import Case, case_of
 from solver.frequency.response import Response, respond, respond_in
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
-from solver.multibody.of_axes import bent, friction
+from solver.multibody.of_axes import bent, drag, friction
 from solver.oddities import beyond_tables, met, stopped, swung
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
@@ -21,7 +23,7 @@ from solver.record.effects import left_out_effect, response_error, together
 from solver.record.elements import elements_effect
 from solver.record.probe import UNTOLD, knows_finer, with_tables
 from solver.record.spectra import bands, cross_spectra, crossings, moments
-from solver.scene import Scene, require_waves
+from solver.scene import DOFS, Scene, require_waves
 from solver.statistics import STATISTICS
 
 NEAR = 1e-4  # [m or rad] from equilibrium, where slopes are taken
@@ -40,16 +42,18 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     """Statistics of the linear model's stationary response over `duration`; series and envelopes it does not have."""
     require_waves(scene)
     case = case_of(scene, hydrodynamics)
-    law, channels, support = case.law(scene.floats), case.channels, case.system.support
+    law, joints = case.law(scene.floats), joint_law(scene.floats)
+    channels, support = case.channels, case.system.support
     response = respond_in(case, law)
     frame = _forces(case, response)
     linear, waves, omega = list(_outputs(case, response, frame)), case.waves.size, case.omega
-    tables = _tables(case, linear) | dict(_of_squares(case, response, frame))
+    tables = _tables(case, linear) | dict(_of_squares(case, response, frame, joints))
     beyond: Iterable[str] = ()
+    if scene.floats:
+        _bend(case, response, joints, linear, tables)
     if bent(law).any():
-        rates = _rates(case, response)
-        fastest = gaussian.table(np.zeros(rates.shape[1]), rates, omega, case.duration)[:, 0]
-        bound(tables, scene, channels, joint_law(scene.floats), fastest)
+        fastest = gaussian.fastest(_rates(case, response), omega, case.duration)
+        bound(tables, scene, channels, joints, fastest)
         ways = np.stack([0 * fastest, fastest])  # tables are by rate alone
         beyond = beyond_tables(scene.floats, -ways, ways)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
@@ -103,7 +107,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         spectra = channels.spectra(at, of)
     drifting: dict[str, Labelled] = {}
     if "drift" in scene.settings.outputs:
-        drifting, figures = drift.variables(case, response, law)
+        drifting, figures = far_field.variables(case, response, law)
         said = (str(of.get("unmet", "")) for of in (attrs, figures))
         attrs |= figures | {"unmet": "; ".join(note for note in said if note)}
     counted = None
@@ -176,34 +180,63 @@ def _tables(case: Case, outputs: list[Output]) -> dict[str, np.ndarray]:
     }
 
 
-def _of_squares(case: Case, response: Response, frame: Forces) -> Iterator[tuple[str, np.ndarray]]:
+def _bend(case: Case, response: Response, law: JointLaw, linear: list[Output], tables: dict[str, np.ndarray]) -> None:
+    """By the whole law what axes bear that it bends, in place: `pto_force`, and along those of a float on fixed ground
+    its `hinge_force`, in one wave with all that goes by rate: a Gaussian rate would give quadratic damping too much.
+
+    Axes that friction holds bear what the linear model says.
+    """
+    scene, channels, rates = case.system.scene, case.channels, _rates(case, response)
+    owner, of_lines, one = channels.owner, {name: lines for name, _, lines in linear}, len(rates) == 1
+    fixed = np.array([scene.platform is None and scene.carriers[b] < 0 for b in owner], bool)
+    slides, moved = np.array([name in DOFS[:3] for name in channels.names], bool), ~response.stuck
+    along = moved & fixed & slides & (bent(law) | (one & (drag(law) > 0)))
+    for name, which, of, order in (
+        ("pto_force", moved & bent(law), pto_load, channels.axes),
+        ("hinge_force", along, rate_load if one else pto_load, DOFS),
+    ):
+        axes = np.flatnonzero(which)
+        if name in tables and axes.size:
+            at = owner[axes], [order.index(channels.names[j]) for j in axes]
+            usual, lines = tables[name][at], of_lines[name][:, *at]
+            tables[name][at] = borne_table(of(law, axes), rates[:, axes], usual, lines, case.omega, case.duration)
+
+
+def _of_squares(case: Case, response: Response, frame: Forces, law: JointLaw) -> Iterator[tuple[str, np.ndarray]]:
     """Name and statistics of what no line makes."""
     scene, channels, omega = case.system.scene, case.channels, case.omega
     if scene.floats:
         pto, rates = response.pto, _rates(case, response)
         owned = [channels.owner == b for b in range(len(scene.floats))]
-        powers = [gaussian.power_table(pto[i], rates[:, i], omega, case.duration) for i in owned]
+        powers = [
+            absorbed_table(pto_load(law, np.flatnonzero(i)), rates[:, i], omega, case.duration)
+            if np.any(bent(law) & i & ~response.stuck)
+            else gaussian.power_table(pto[i], rates[:, i], omega, case.duration)
+            for i in owned
+        ]
         yield "absorbed_power", np.array(powers)
         if any(f.pto_efficiency for f in scene.floats):
-            yield "electrical_power", np.array(list(_electrical(case, response, owned)))
+            yield "electrical_power", np.array(list(_electrical(case, response, law, owned, powers)))
     if channels.steel is not None and channels.legs is not None:
         level, lines = (channels.steel.compression(y)[:, channels.legs.first] for y in frame)
         of_legs = gaussian.compression_table(level[0], lines, omega, case.duration)
         yield "bottom_stress", of_legs[channels.legs.twin]
 
 
-def _electrical(case: Case, response: Response, owned: list[np.ndarray]) -> Iterator[np.ndarray]:
-    """Statistics of each float's electrical power; NaN of those without an efficiency."""
+def _electrical(
+    case: Case, response: Response, law: JointLaw, owned: list[np.ndarray], absorbed: list[np.ndarray]
+) -> Iterator[np.ndarray]:
+    """Statistics of each float's electrical power, by that absorbed; NaN of those without an efficiency."""
     scene, joints = case.system.scene, _joints(case, response)
     level = (case.system.equilibrium[0] + case.model.shape @ response.mean.x)[-joints.shape[1] :]
     rates = _rates(case, response)
-    for f, i in zip(scene.floats, owned, strict=True):
+    for f, i, power in zip(scene.floats, owned, absorbed, strict=True):
         if f.pto_efficiency is None:
             yield np.full(len(STATISTICS), np.nan)
             continue
-        law = response.pto[i], f.per_axis("pto_stiffness")
-        axes = gaussian.Axes(*law, level[i], joints[:, i], rates[:, i])
-        yield gaussian.electrical_table(f.pto_efficiency, axes, response.omega, case.duration)
+        load = pto_load(law, np.flatnonzero(i)), response.pto[i], f.per_axis("pto_stiffness")
+        axes = gaussian.Axes(*load, level[i], joints[:, i], rates[:, i])
+        yield gaussian.electrical_table(f.pto_efficiency, axes, power, response.omega, case.duration)
 
 
 def _outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:

@@ -127,7 +127,13 @@ def axes_at_work(dampers, stiffness, level):
     dice, omega = np.random.default_rng(5), np.linspace(0.5, 1.5, 40)
     lines = dice.normal(size=(40, 2, 2)) @ [1.0, 1j] * [0.1, 0.3] @ [[1.0, 0.5], [0.0, 1.0]]
     position = lines * np.exp(-8 * (omega - 1.0) ** 2)[:, None]
-    return gaussian.Axes(*map(np.array, (dampers, stiffness, level)), position, -1j * omega[:, None] * position), omega
+    c, k, mean = map(np.array, (dampers, stiffness, level))
+    return gaussian.Axes(lambda v: c * v, c, k, mean, position, -1j * omega[:, None] * position), omega
+
+
+def electrical(efficiency, axes, omega):
+    absorbed = gaussian.power_table(axes.damping, axes.rate, omega, 3600.0)
+    return gaussian.electrical_table(efficiency, axes, absorbed, omega, 3600.0)
 
 
 @pytest.mark.parametrize("level", [(0.0, 0.0), (0.4, -0.2)])
@@ -135,7 +141,7 @@ def test_expected_electrical_power_of_several_axes_is_that_of_many_records(level
     """Phases at random: 1e5 instants, whose mean is within 1 %, std within 2 %."""
     axes, omega = axes_at_work((2.0, 0.7), (-3.0, 1.5), level)
     efficiency = PtoEfficiency(generating=0.85, motoring=0.6)
-    table = gaussian.electrical_table(efficiency, axes, omega, 3600.0)
+    table = electrical(efficiency, axes, omega)
     dice = np.random.default_rng(1)
     turned = np.exp(2j * np.pi * dice.random((100_000, 40)))
     y, v = ((turned @ lines).real for lines in (axes.position, axes.rate))
@@ -153,7 +159,7 @@ def test_expected_electrical_power_of_one_axis_is_its_closed_form():
     efficiency = PtoEfficiency(generating=0.85, motoring=0.6)
     for k in (-3.0, -0.2, 8.0):
         axes, omega = axes_at_work((2.0, 1e-9), (k, 0.0), (0.0, 0.0))
-        mean = gaussian.electrical_table(efficiency, axes, omega, 3600.0)[2]
+        mean = electrical(efficiency, axes, omega)[2]
         y, v = (np.sqrt(0.5 * np.sum(np.abs(lines[:, 0]) ** 2)) for lines in (axes.position, axes.rate))
         f = np.hypot(2.0 * v, k * y)
         rho = 2.0 * v / f
@@ -162,7 +168,7 @@ def test_expected_electrical_power_of_one_axis_is_its_closed_form():
         assert mean == approx(0.85 * (size + whole) / 2 - (size - whole) / 2 / 0.6, rel=1e-6)
     axes, omega = axes_at_work((2.0, 0.7), (0.0, 0.0), (0.1, 0.0))
     mechanical = gaussian.power_table(axes.damping, axes.rate, omega, 3600.0)
-    assert gaussian.electrical_table(efficiency, axes, omega, 3600.0) == approx(0.85 * mechanical)
+    assert electrical(efficiency, axes, omega) == approx(0.85 * mechanical)
 
 
 def test_the_force_is_that_of_the_law_in_time_and_in_frequency():

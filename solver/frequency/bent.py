@@ -1,0 +1,85 @@
+"""What joints of bent laws bear and absorb: statistics over their rates as these are distributed, by the whole law.
+
+Rates are Gaussian, or one harmonic, as the linear model has them; loads f(v) are alike in both senses.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from solver.frequency import gaussian
+from solver.multibody.joint_law import JointLaw
+from solver.multibody.of_axes import JointLoads, joint_loads
+from solver.statistics import moments
+
+Load = Callable[[np.ndarray], np.ndarray]  # of power take-offs (m, n) at rates (m, n)
+TURN = 2 * np.pi * np.arange(gaussian.PHASES) / gaussian.PHASES
+COS, SIN = np.cos(TURN)[:, None], np.sin(TURN)[:, None]
+
+
+def pto_load(law: JointLaw, axes: np.ndarray) -> Load:
+    """Of power take-offs by rate, of some axes (n,) of a law."""
+    return lambda rates: _loads(law, axes, rates).pto[:, axes]
+
+
+def rate_load(law: JointLaw, axes: np.ndarray) -> Load:
+    """All that goes by rate."""
+
+    def load(rates: np.ndarray) -> np.ndarray:
+        loads = _loads(law, axes, rates)
+        return (loads.pto + loads.loss)[:, axes]
+
+    return load
+
+
+def _loads(law: JointLaw, axes: np.ndarray, rates: np.ndarray) -> JointLoads:
+    every = np.zeros((len(rates), law.damping.size))
+    every[:, axes] = rates
+    return joint_loads(law, np.zeros(every.shape), every)
+
+
+def borne_table(
+    load: Load, V: np.ndarray, usual: np.ndarray, F: np.ndarray, omega: np.ndarray, duration: float
+) -> np.ndarray:
+    """(n, 5) of forces that are linear but for -f(v), of which their lines F (nw, n) and statistics have -cv, (n, 5).
+
+    c = ⟨fv⟩/⟨v²⟩: what that leaves goes with nothing linear, σ² = σ_F² + ⟨(f - cv)²⟩. Extremes are those of the cycle
+    in which the rate is largest: all that is linear, F + cv, has a part in phase with v and one a quarter turn off.
+    """
+    mean, sigma = usual[:, 2], gaussian.spread(V)
+    variance = np.where(sigma > 0, sigma**2, 1.0)
+    if len(V) == 1:
+        v = gaussian.sampled(V)
+        f = load(v)
+        return moments(mean + gaussian.sampled(F) + np.mean(f * v, axis=0) / variance * v - f)
+    v = gaussian.SIZES[:, None] * sigma
+    f = load(v)
+    c = gaussian.WEIGHTS @ (f * v) / variance
+    std = np.sqrt(usual[:, 4] ** 2 + gaussian.WEIGHTS @ (f - c * v) ** 2)
+    L, fastest = F + c * V, gaussian.table(np.zeros(len(c)), V, omega, duration)[:, 0]
+    phase = 0.5 * np.sum((L * V.conj()).real, axis=0) / variance
+    off = gaussian.spread(L - phase * V) * fastest / np.sqrt(variance)
+    cycle = phase * fastest * COS - load(fastest * COS) + off * SIN
+    return np.stack([mean + cycle.max(axis=0), mean + cycle.min(axis=0), mean, np.hypot(mean, std), std], axis=-1)
+
+
+def absorbed_table(load: Load, V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """(5,) of P = Σ fᵢ(vᵢ) vᵢ of axes with rates of lines V (nw, n).
+
+    Two axes' powers go together as squares of their rates do, by ρᵢⱼ². What the largest is above the mean is the
+    largest eigenvalue of ρᵢⱼ √(pᵢpⱼ), p of each alone: that of linear laws, see gaussian.power_table.
+    """
+    if len(V) == 1:
+        v = gaussian.sampled(V)
+        return moments(np.sum(load(v) * v, axis=1, keepdims=True))[0]
+    S = gaussian.covariance(V, V)
+    sigma = np.sqrt(np.diag(S))
+    v, fastest = gaussian.SIZES[:, None] * sigma, gaussian.fastest(V, omega, duration) * COS
+    power = load(v) * v
+    each = gaussian.WEIGHTS @ power
+    std = np.sqrt((gaussian.WEIGHTS @ power**2 - each**2).clip(min=0.0))
+    above = np.sqrt((np.max(load(fastest) * fastest, axis=0) - each).clip(min=0.0))
+    alike = np.divide(S, np.outer(sigma, sigma), out=np.zeros(S.shape), where=np.outer(sigma, sigma) > 0)
+    mean, total = each.sum(), np.sqrt(std @ alike**2 @ std)
+    largest = mean + np.linalg.eigvalsh(alike * np.outer(above, above)).max(initial=0.0)
+    return np.array([largest, 0.0, mean, np.hypot(mean, total), total])
