@@ -14,6 +14,7 @@ from solver.multibody.bodies import new_motion
 from solver.multibody.minimal import move
 from solver.record.effects import together
 from solver.record.probe import Probe
+from solver.record.refit import SWAYED
 from solver.scene import MOST_PANELS, Settings, panels_for
 
 DOUBT = 0.05  # estimated error beyond which a record warns of it
@@ -38,7 +39,10 @@ def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> di
 
 
 def unmet(s: Settings, fit: RadiationMemory | None, errors: Mapping[str, float]) -> list[str]:
-    """What was asked for and not reached, with both numbers, by which of a record's `errors`."""
+    """What was asked for and not reached, with both numbers, by which of a record's `errors`.
+
+    Of a memory that nobody asked for, what it changes: one fitted again gives up what does not.
+    """
     notes = []
     if s.tolerance is not None and not errors["estimated_error"] <= s.tolerance:
         parts = ", ".join(f"{name} {errors[name]:.2g}" for name in against(s.tolerance, errors))
@@ -47,10 +51,15 @@ def unmet(s: Settings, fit: RadiationMemory | None, errors: Mapping[str, float])
             note += f"; boundary elements have {panels_for(s.tolerance)} panels a body by it, {MOST_PANELS} at most"
         notes.append(note)
     asked = s.memory_tolerance or USUAL
-    if fit is not None and s.memory == "state-space" and not fit.error <= asked:
+    if fit is not None and s.memory == "state-space" and not (fit.error <= asked or _suffices(s, errors)):
         does = f", which changes what moves by {errors['memory_effect']:.2g}"
         notes.append(f"memory_tolerance = {asked:g}: the radiation memory's fit ended at {fit.error:.2g}{does}")
     return notes
+
+
+def _suffices(s: Settings, errors: Mapping[str, float]) -> bool:
+    """Whether a memory does that nobody asked for a misfit of."""
+    return s.memory_tolerance is None and errors["memory_effect"] <= SWAYED
 
 
 def doubts(s: Settings, errors: Mapping[str, float]) -> Iterator[str]:

@@ -72,9 +72,9 @@ def decay_effects(system: System, h: Hydrodynamics) -> tuple[float, float]:
     if not offsets(system).any():
         return 0.0, 0.0
     span = _span(system, h)
-    exact = _decay(system, span, _near(system, h, span.omega))
+    exact = _decay(system, span, extended(system, h, span.omega))
     memory = _changed(system, exact, _decay(system, span, system.fit.frequency(span.omega))) if system.fit else 0.0
-    return memory, _changed(system, exact, _decay(system, span, _near(system, h.shifted, span.omega)))
+    return memory, _changed(system, exact, _decay(system, span, extended(system, h.shifted, span.omega)))
 
 
 def died(channels: Channels, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
@@ -110,7 +110,7 @@ def _span(system: System, h: Hydrodynamics) -> _Span:
     return _Span(high / count * np.arange(count), LOST / whole, step, of_record)
 
 
-def _near(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
+def extended(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
     """Y at ω from 0 on: below the lowest one solved added mass is as there, and damping goes with the square; above the
     highest one both near their limits with that."""
     low, high = h.omega[[0, -1]]

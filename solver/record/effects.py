@@ -18,6 +18,7 @@ from solver.record.channels import Channels
 from solver.record.decay import decay_effects
 from solver.record.response import absorbs, excitation, force_of_waves, in_waves, moving_model
 from solver.record.sampling import least_force
+from solver.record.slow import slow_effect
 from solver.statistics import FAINT
 
 UNSURE = 0.4  # of what the error of forces alone would do, that may be left where others cancel it
@@ -32,7 +33,8 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     """What the memory's misfit and the boundary elements' mesh do to the linear response's std and mean power.
 
     And to the joints' forces. In this sea, or let go from the scene's offsets: with the fit's B - iω(A - A∞) in place
-    of the coefficients'; and with coefficients off by their estimated error, see `cancelled`.
+    of the coefficients'; and with coefficients off by their estimated error, see `cancelled`. The memory's counts what
+    its misfit does below the waves, too, see `slow`.
     """
     if h is None:
         return 0.0, 0.0
@@ -51,7 +53,7 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     Y = impedance(system, h, omega)
     exact = model.response(omega, Y, force[h])
     borne = joint_forces(system, omega, exact, Y, pushed[h])
-    memory = change(h, system.fit.frequency(omega)) if system.fit else 0.0
+    memory = max(change(h, system.fit.frequency(omega)), slow_effect(system, h)) if system.fit else 0.0
     net, off = change(h.shifted, impedance(system, h.shifted, omega)), unlike(force[h].T, force[h.shifted].T)
     return memory, cancelled(net, off, lambda: change(h.shifted, Y))
 

@@ -6,6 +6,7 @@ Z the linear model's dynamic stiffness and E x what radiates, a change δY of th
 
     δX_k = Σ_ij (Z⁻¹Eᵀ)_ki iω δY_ij (E X)_j.
 
+What resonates below the waves and is driven there counts by what a misfit does to its resonance, see `slow`.
 Poles are the coefficients' and not the sea's: those of the usual fit stay, or somewhat more are sought as it sought
 them, once for all seas. What they weigh is found again, which is soon done.
 """
@@ -29,6 +30,7 @@ from solver.record.accuracy import MARGIN, SHARE
 from solver.record.decay import spectrum
 from solver.record.effects import coefficient_effects
 from solver.record.response import excitation, moving_model
+from solver.record.slow import slow_importance
 from solver.scene import Scene
 from solver.statistics import FAINT
 
@@ -54,7 +56,7 @@ def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
     usual, effect, moving = best.fit, _swayed(best, h), (h, hulls, ways)
     if effect <= allowed or (sampled := _sampled(*moving)) is None:
         return best
-    counts = importance(best, h)
+    counts = np.maximum(importance(best, h), slow_importance(best, h))
     for pairs, times in product(_numbers(usual, sampled), TIMES):
         poles = _poles(*moving, pairs) if pairs else usual.beta
         fit = _weighed(*moving, Bits(poles), Bits(times * counts))

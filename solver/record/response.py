@@ -51,8 +51,7 @@ def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
 def in_waves(system: System, h: Hydrodynamics | None) -> tuple[np.ndarray, np.ndarray]:
     """X (nw, n) of its coordinates, and the water's drag (nw, nd ns) at the stations [N]."""
     support, omega = system.support, system.scene.sea.omega
-    station = system.structure.station
-    water = system.rows[system.layout.station].T.reshape(omega.size, *station.shape[1:])
+    station, water = system.structure.station, _beside(system)
     drag = np.zeros(water.shape, complex)
     if support is not None and drag.size:
         drag = system.structure.drag * linear_drag.by_station(_equivalent(support.stream, water), water)
@@ -60,6 +59,21 @@ def in_waves(system: System, h: Hydrodynamics | None) -> tuple[np.ndarray, np.nd
     Y = impedance(system, h, omega) if h is not None else np.zeros((omega.size, 0, 0))
     force = force_of_waves(system, h, flat @ station.reshape(len(station), station[0].size).T)
     return linear_model(system).response(omega, Y, force), flat
+
+
+def drag_damping(system: System) -> np.ndarray:
+    """Of the modes (nm, nm), by drag linearised so."""
+    frame, support, nm = system.structure, system.support, system.structure.omega.size
+    if support is None or not frame.drag.any():
+        return np.zeros((nm, nm))
+    K = frame.drag[:, None, None] * _equivalent(support.stream, _beside(system))
+    return np.asarray(np.einsum("mds,sde,nes->mn", frame.station, K, frame.station, optimize=True))
+
+
+def _beside(system: System) -> np.ndarray:
+    """Velocity (nw, nd, ns) of the waves' water at the stations."""
+    station = system.structure.station
+    return np.asarray(system.rows[system.layout.station].T.reshape(system.scene.sea.omega.size, *station.shape[1:]))
 
 
 def carried(frame: Structure, to_carriers: np.ndarray, w: np.ndarray, P: np.ndarray, load: np.ndarray) -> np.ndarray:

@@ -1,0 +1,174 @@
+"""What a memory's misfit does below the waves is told, and counts where the memory is fitted again."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.coupled.linear import impedance, linear_model
+from solver.coupled.preparation import prepare
+from solver.frequency.case import case_of
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.radiation.fitting import USUAL
+from solver.record import refit
+from solver.record.audit import unmet
+from solver.record.decay import extended
+from solver.record.effects import coefficient_effects
+from solver.record.response import drag_damping, force_of_waves
+from solver.record.slow import slow, slow_effect, slow_importance
+from solver.run import simulate
+from solver.scene import Float, Scene, Settings, Water
+from solver.sea.current import Current
+from solver.sea.realization import CALM
+from solver.structure.members import PointMass
+from tests.awkward import RHO, SCENES, known, scene, sea
+
+
+@cache
+def buoy():
+    """A cylinder of a model basin whose spring gives it a surge of 3.6 s in waves of 2 s at most."""
+    hull = Revolution.vertical_cylinder(radius=0.1, draft=0.12, freeboard=0.1)
+    item = Float(
+        name="buoy", hull=hull, mass=RHO * hull.volume, inertia=(0.01,) * 3, hinge=(0, 0, 0), cog=(0, 0, -0.09),
+        motion=("surge", "heave", "pitch"), stiffness=(20.0, 0, 0), damping=(0.45, 0, 0), pto_damping=(0, 2.0, 0),
+        quadratic_damping=(0, 30.0, 0.02),
+    )  # fmt: skip
+    waves = sea(Hs=0.05, Tp=1.1, band=(3.0, 14.0))
+    settings = Settings(duration=600.0, discard=60.0, ramp=5.0, time_step=0.04)
+    whole = Scene(water=Water(depth=np.inf, density=RHO), sea=waves, floats=(item,), settings=settings)
+    return whole, known(whole, 1.4, 31.3, 40)
+
+
+def barge():
+    """The one with a surge of a minute, body-nonlinear."""
+    return given(*SCENES["soft_mooring"](), froude_krylov="body-nonlinear", duration=1300.0, discard=200.0)
+
+
+@cache
+def drum():
+    """Held by springs that differ in surge and sway, in waves at 30 degrees to them."""
+    hull = Revolution.vertical_cylinder(radius=6.0, draft=4.0, freeboard=3.0)
+    mass = RHO * hull.volume
+    spring, damper = 1.7 * mass * (2 * np.pi / 40) ** 2, 0.06 * 1.7 * mass * 2 * np.pi / 40
+    item = Float(
+        name="drum", hull=hull, mass=mass, inertia=(12 * mass,) * 3, hinge=(0, 0, 0), cog=(0, 0, -0.8),
+        motion=("surge", "sway", "heave"), stiffness=(spring, 1.3 * spring, 0), damping=(damper, damper, 3e5),
+    )  # fmt: skip
+    waves = sea(Hs=1.5, Tp=7.0, band=(0.5, 2.2), heading=np.pi / 6, seed=3)
+    whole = scene([item], waves=waves, duration=1500.0, discard=300.0)
+    return whole, known(whole, 0.15, 4.0, 28)
+
+
+def given(item, h, **settings):
+    return replace(item, settings=replace(item.settings, **settings)), h
+
+
+@pytest.mark.parametrize(("build", "poor"), [(buoy, 0.03), (barge, 0.1), (drum, 0.03)])
+def test_what_a_poor_memory_changes_below_the_waves_is_told(build, poor):
+    """Against the march with a good one, whose own misfit is told, too: within a factor of 3."""
+    std, told = [], []
+    for tolerance in (3e-4, poor):
+        item, h = given(*build(), memory_tolerance=tolerance)
+        record = simulate(item, h)
+        std.append(record.variables["motion"][1].reshape(-1, 5)[:, 4])
+        told.append(slow_effect(prepare(item, h), h))
+        assert record.attrs["memory_effect"] >= told[-1]
+    good, bad = told
+    assert bad > 5 * good
+    assert bad / 3 < np.abs(std[1] / std[0] - 1).max() < 3 * (bad + good)
+
+
+def test_a_memory_fitted_again_leaves_slow_motions_as_they_were():
+    item, h = buoy()
+    usual, fitted = prepare(item, h), refit.prepared(item, h)
+    assert fitted.fit is not usual.fit
+    assert coefficient_effects(fitted, h)[0] <= coefficient_effects(usual, h)[0]
+    assert slow_effect(fitted, h) < max(slow_effect(usual, h), refit.SWAYED)
+    exact, _ = given(item, h, memory_tolerance=3e-4)
+    std = [simulate(each, h).variables["motion"][1].reshape(-1, 5)[0, 4] for each in (exact, item)]
+    assert std[1] == approx(std[0], rel=refit.SWAYED)
+
+
+def test_what_a_change_of_damping_does_is_what_the_linear_model_has_of_a_flat_drive():
+    """Over the resonance, with B larger by what the misfit has."""
+    item, h = buoy()
+    item = replace(item, floats=(replace(item.floats[0], quadratic_damping=0.0),))
+    system = prepare(item, h)
+    model, shapes, small = linear_model(system), slow(system, h), 1e-3
+    omega = np.linspace(0.8, 1.2, 4001) * shapes.omega[0]
+    force = np.broadcast_to(np.eye(3)[0], (omega.size, 3))
+    Y = np.broadcast_to(extended(system, h, shapes.omega), (omega.size, 3, 3))
+    more = np.zeros((3, 3))
+    more[0, 0] = small * shapes.damping[0] / shapes.moved[0, 0] ** 2
+    before, after = (np.linalg.norm(model.response(omega, y, force)[:, 0]) for y in (Y, Y + more))
+    assert before / after - 1 == approx(small / 2, rel=0.1)  # the resonance's skirts are beyond
+    counts = slow_importance(system, h)
+    used = np.flatnonzero(counts.any(axis=(1, 2)))
+    assert h.omega[used[0]] < shapes.omega[0] < h.omega[used[1]] and used.size == 2
+    assert counts[used[0], 0, 0] * more[0, 0] == approx(small / 2)
+
+
+def test_the_lowest_frequency_solved_counts_for_what_is_below_it():
+    item, h = barge()
+    system = prepare(item, h)
+    assert slow(system, h).omega[0] < h.omega[0]
+    assert np.flatnonzero(slow_importance(system, h).any(axis=(1, 2))).tolist() == [0]
+
+
+def test_only_what_is_driven_below_waves_and_rings_there_is_slow():
+    item, h = barge()
+    (body,) = item.floats
+    single = replace(item.sea, amplitude=item.sea.amplitude * (np.arange(item.sea.omega.size) == 20))
+    fast = replace(body, stiffness=(100 * body.stiffness[0], 0, 0))
+    braked = replace(body, damping=(2e4, 0, 0))
+    others = [
+        given(item, h, froude_krylov="linear")[0], replace(item, sea=single), replace(item, sea=CALM),
+        replace(item, floats=(fast,)), replace(item, floats=(braked,)),
+        replace(item, floats=(replace(body, stiffness=0.0),)),
+    ]  # fmt: skip
+    assert slow(prepare(item, h), h).omega.size == 1
+    for other in others:
+        assert slow(prepare(other, h), h).omega.size == 0 and slow_effect(prepare(other, h), h) == 0
+    braked_by_square = replace(body, quadratic_damping=(1e3, 0, 0))
+    bent = replace(body, coulomb=(100.0, 0, 0))
+    for driven in (braked_by_square, bent):
+        linear = replace(others[0], floats=(driven,))
+        assert slow(prepare(linear, h), h).omega.size == 1
+
+
+def test_quadratic_damping_damps_what_is_slow():
+    """Of a joint, by what it moves in waves."""
+    item, h = barge()
+    rough = replace(item, floats=(replace(item.floats[0], quadratic_damping=(1e4, 0, 0)),))
+    calm, steep = (slow(prepare(each, h), h) for each in (item, rough))
+    system, omega = prepare(item, h), item.sea.omega
+    x = linear_model(system).response(omega, impedance(system, h, omega), force_of_waves(system, h))[:, 0]
+    rate = np.sqrt(np.sum(np.abs(omega * x) ** 2) / 2)
+    assert steep.damping - calm.damping == approx(1e4 * np.sqrt(8 / np.pi) * rate * calm.moved[:, 0] ** 2, rel=1e-2)
+
+
+def test_drag_damps_a_frame_as_in_the_frequency_domain():
+    """In still water and in a current, of shapes below the waves, too: the deck is heavy."""
+    item, h = SCENES["unequal_legs"]()
+    heavy = replace(item.platform.frame, masses=(PointMass(node="deck", mass=6e7),))
+    item = replace(item, platform=replace(item.platform, frame=heavy))
+    found = []
+    for current in (None, Current(speed=1.0, direction=0.3)):
+        flowing = replace(item, current=current)
+        lines = replace(flowing, settings=replace(item.settings, method="frequency", froude_krylov="linear"))
+        system = prepare(flowing, h)
+        damping = drag_damping(system)
+        assert damping == approx(case_of(lines, h).drag_at_rest[1], rel=1e-6, abs=1e-9 * damping.max())
+        found.append(slow(system, h))
+    assert found[0].omega.size > 0 and np.all(found[1].damping > found[0].damping)
+
+
+def test_a_knob_that_nobody_set_is_unmet_only_by_what_it_does():
+    item, h = buoy()
+    fit = replace(prepare(item, h).fit, error=2 * USUAL)
+    little, much = ({"estimated_error": 1e-2, "memory_effect": x * refit.SWAYED} for x in (0.9, 1.1))
+    assert unmet(Settings(), fit, little) == []
+    asked = Settings(memory_tolerance=USUAL)
+    assert len(unmet(Settings(), fit, much)) == len(unmet(asked, fit, little)) == 1
