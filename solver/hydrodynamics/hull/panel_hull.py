@@ -16,6 +16,8 @@ from solver.hydrodynamics.hull.edges import jutting
 
 ALIKE = 1e-5  # of the hull's size, within which a mirror image coincides with the hull
 
+LEAST = 1e-8  # of the extent cubed: volume that upright walls alone may seem to have by rounding
+
 
 class MeshWarning(UserWarning):
     """A mesh that had to be mended, or that is not closed."""
@@ -67,8 +69,12 @@ class PanelHull:
             vertices=vertices, faces=faces, closed=not len(rim), holes=holes,
             notes=tuple(cleaned + turned), name=name,
         )  # fmt: skip
-        if not hull.volume > 0:
-            raise InputError(key, f"{name}, displaced volume {hull.volume:g} m3", "must be > 0")
+        if not hull.volume > LEAST * np.ptp(vertices, axis=0).max() ** 3:
+            limit = "must be > 0"
+            if len(holes):
+                near = surface.point_text(holes[0].mean(axis=0))
+                limit += f": it is open below still water, at {len(holes)} edges, the first near {near}"
+            raise InputError(key, f"{name}, displaced volume {hull.volume:g} m3", limit)
         return hull
 
     def moved(self, by: np.ndarray) -> "PanelHull":

@@ -1,5 +1,7 @@
 """Hulls from mesh files: what is read, mended, refused, and their hydrostatics."""
 
+import re
+
 import numpy as np
 import pytest
 from pytest import approx
@@ -169,6 +171,24 @@ def test_what_is_no_hull_is_refused(mesh, reason):
     with pytest.raises(InputError, match=reason) as error:
         PanelHull.of(*mesh, name="a.stl")
     assert error.value.key == "hull.file"
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, 0.7])
+@pytest.mark.parametrize(("kept", "edges"), [([0, 1, 2, 3, 5], 4), ([0, 2, 3], 5)])
+def test_walls_without_a_bottom_are_told_to_be_open(turn, kept, edges):
+    """Above which there is no volume but what rounding of turned walls seems to leave."""
+    corners = surface.placed(VERTICES, (-7, 4, 0), (0, 0, turn), 1.0)
+    with pytest.raises(
+        InputError, match=rf"must be > 0: it is open below still water, at {edges} edges, the first"
+    ) as told:
+        PanelHull.of(corners, FACES[kept])
+    near = np.array(re.findall(r"[-.\d]+", str(told.value).rpartition("(")[2])[:3], float)
+    middles = corners[np.array([[0, 2], [0, 4], [2, 6], [4, 6], [4, 5], [6, 7]])].mean(axis=1)
+    assert np.linalg.norm(middles * [1, 1, 0] - near * [1, 1, 0], axis=1).min() < 2e-3 and near[2] <= 0
+
+
+def test_a_thin_plate_has_a_volume():
+    assert PanelHull.of(*box((100.0, 100.0, 0.02))).volume == approx(100.0)
 
 
 def test_a_moebius_strip_is_refused():
