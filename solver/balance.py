@@ -12,6 +12,7 @@ from solver.scene import DOFS, Float, Water, load_unit_along, unlisted
 
 KNOWN = 64  # floats that a process keeps
 LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
+ODD = 1e3  # times the mass, or a part of it: what a hull displaces has lengths in another unit
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 LEVEL_AXES = DOFS[:2]  # along which neither weight nor buoyancy acts
 
@@ -36,7 +37,9 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tupl
                 reasons.append(f"{name}: moment of {what} {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m")
             reasons += _pulled(name, preload, pull - preload, pressed * (name == "heave"))
     told = "; ".join([*([_weighed(item, hung, water)] if weighed else []), *reasons])
-    return (f"floats.{item.name} is out of equilibrium: {told}. It settles before the run begins",) if told else ()
+    if not told:
+        return ()
+    return (f"floats.{item.name} is out of equilibrium: {told}. It settles before the run begins" + _odd(item, water),)
 
 
 def _hung(item: Float, floats: Sequence[Float]) -> Iterator[Float]:
@@ -79,9 +82,16 @@ def held(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tuple[str
             sentences.append(
                 f"floats.{item.name}: a preload of {pull:.4g} {load_unit_along(name)} in {name} holds what"
                 f" weight, {weight:.4g}, and buoyancy, {buoyancy:.4g}, do not balance within a factor of 2: mass"
-                f" {item.mass:g} kg, displaced {displaced:g} kg"
+                f" {item.mass:g} kg, displaced {displaced:g} kg" + _odd(item, water)
             )
     return tuple(sentences)
+
+
+def _odd(item: Float, water: Water) -> str:
+    """What to look at where a float's hull and mass cannot be of one body."""
+    if 1 / ODD < water.density * item.hull.volume / item.mass < ODD:
+        return ""
+    return f"; is its hull, which reaches {item.hull.size:.4g} m, in m (of a mesh in mm hull.scale is 0.001)?"
 
 
 def _along(item: Float, water: Water, floats: Sequence[Float]) -> Iterator[tuple[str, float, float, float]]:

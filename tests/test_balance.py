@@ -403,3 +403,16 @@ def test_a_slip_of_a_mesh_is_told_of_its_float():
     told = warnings(Scene(water=DEEP, sea=CALM, floats=tuple(floats), settings=Settings(froude_krylov="linear")))
     slips = [text for text in told if "slip" in text]
     assert slips == ["floats.torn: meshes leave 4 edges open below still water, a slip that is let pass"]
+
+
+@pytest.mark.parametrize("joint", [{}, {"motion": ("hinge",), "hinge": (-2e4, 0, 3), "arm": (2e4, 0, -3)}])
+@pytest.mark.parametrize(
+    ("share", "odd"), [(0.9, False), (1e-2, False), (2e-3, False), (5e-4, True), (1e-9, True), (5e3, True)]
+)
+def test_a_hull_of_another_unit_than_its_mass_is_said_to_be_so(joint, share, odd):
+    """Whether the float settles or is held; a hull in mm taken for m displaces 1e9 times its mass."""
+    item = ball(mass=share * DISPLACED, **joint)
+    (held_item,) = balanced((item,), DEEP, [("hold",)])
+    (settles,), (holds,) = imbalance(item, DEEP), held(held_item, DEEP) or ("",)
+    for text in (settles, holds):
+        assert text.endswith("is its hull, which reaches 5 m, in m (of a mesh in mm hull.scale is 0.001)?") == odd
