@@ -19,8 +19,8 @@ from pipeline.tasks.tasklist import Tasks
 from pipeline.terminal import err, out
 
 DONE, FAILED, INCOMPLETE = 0, 1, 2
-MANY = 20  # failures that are listed
-FEW = 3  # tasks that did not meet what was asked and are listed
+MANY = 20  # reasons of failures that are listed
+FEW = 3  # tasks that are listed of each reason, and that did not meet what was asked
 
 
 def say(text: str, console: Console = out) -> None:
@@ -46,7 +46,8 @@ class Tally:
 
     counts: Counter[str] = field(default_factory=Counter)
     other_sources: int = 0  # finished tasks from other solver sources than the present ones
-    failed: list[str] = field(default_factory=list)  # the first of them, in words
+    failed: Counter[str] = field(default_factory=Counter)  # how many for each of the first reasons
+    failing: dict[str, list[str]] = field(default_factory=dict)  # the first of those, in words
     short: int = 0  # finished tasks of which more was asked than they met
     unmet: list[str] = field(default_factory=list)  # the first of them, in words
 
@@ -68,9 +69,15 @@ class Tally:
             self.short += 1
             if self.short <= FEW:
                 self.unmet.append(f"not met: {task.id} {task}: {entry.unmet}")
-        error = entry.status.error
-        if entry.state == "failed" and error and len(self.failed) < MANY:
-            self.failed.append(f"failed: {task.id} {task}: {error.kind}: {error.message}")
+        if entry.state == "failed" and (error := entry.status.error):
+            self._blame(task, f"{error.kind}: {error.message}")
+
+    def _blame(self, task: Task, reason: str) -> None:
+        """Scenes that are alike fail alike: a reason is told once, with the first of its tasks."""
+        if reason in self.failed or len(self.failed) < MANY:
+            self.failed[reason] += 1
+            if self.failed[reason] <= FEW:
+                self.failing.setdefault(reason, []).append(f"{task.id} {task}")
 
     @property
     def code(self) -> int:
@@ -94,11 +101,12 @@ def finish(tally: Tally, study: Study) -> int:
         say(line, err)
     if tally.short > FEW:
         say(f"and {tally.short - FEW} more that did not meet what was asked, as `study show` tells of each", err)
-    for line in tally.failed:
-        say(line, err)
+    for reason, tasks in tally.failing.items():
+        others = tally.failed[reason] - len(tasks)
+        say(f"failed: {'; '.join(tasks)}{f' and {others} more' if others else ''}: {reason}", err)
     count = tally.counts["failed"]
-    if count > MANY:
-        say(f"and {count - MANY} more that `study plan {study.path}` lists", err)
+    if unlisted := count - tally.failed.total():
+        say(f"and {unlisted} more that `study plan {study.path}` lists", err)
     if count:
         say(f"see `study show {study.path} TASK`, repeat with `study rerun {study.path} --failed`", err)
     return FAILED if count else DONE

@@ -74,9 +74,8 @@ class Clock:
             seconds = f"{outcome.wall_time:.1f} s, summed over workers"
             how = f"failed: {result.message}" if isinstance(result, Failure) else seconds
             return f"hydrodynamic coefficients of {len(what.bodies)} floats: {how}"
-        how = (
-            f"failed: {result.kind}: {result.message}" if isinstance(result, Failure) else f"{outcome.wall_time:.1f} s"
-        )
+        # Why is told once of all tasks that fail so, when the run is over.
+        how = f"failed: {result.kind}" if isinstance(result, Failure) else f"{outcome.wall_time:.1f} s"
         left = self.left()
         width = len(str(self.total))
         return f"[{self.done:{width}}/{self.total}] {what.id} {what}: {how}{', ' if left else ''}{left}"

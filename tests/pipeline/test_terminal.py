@@ -8,7 +8,8 @@ import pytest
 from rich.console import Console
 
 from pipeline import terminal
-from pipeline.cli.console import Tally
+from pipeline.cli import console
+from pipeline.cli.console import Tally, finish
 
 
 @pytest.fixture
@@ -47,3 +48,36 @@ CODES = {"done": 0, "stale": 0, "done failed missing": 1, "missing done": 2, "da
 @pytest.mark.parametrize(("states", "code"), CODES.items())
 def test_the_exit_status_is_that_of_the_worst_task(states, code):
     assert Tally(counts=Counter(states.split())).code == code
+
+
+class Word(str):
+    """A task that is called by its name alone."""
+
+    id = "task"
+
+
+def failures(*reasons):
+    """Tasks 0, 1, ... that fail for these reasons."""
+    errors = [SimpleNamespace(kind="InputError", message=reason) for reason in reasons]
+    return Tally.of(
+        (Word(n), SimpleNamespace(state="failed", unmet="", status=SimpleNamespace(error=error)))
+        for n, error in enumerate(errors)
+    )
+
+
+def test_a_reason_is_told_once_with_the_first_tasks_that_it_is_of(capsys, monkeypatch):
+    """One of five tasks with others between; then more reasons than are listed."""
+    study = SimpleNamespace(path="a.toml")
+    assert finish(failures("x", "y", "x", "x", "z", "x", "x"), study) == 1
+    assert capsys.readouterr().err.splitlines()[:-1] == [
+        "failed: task 0; task 2; task 3 and 2 more: InputError: x",
+        "failed: task 1: InputError: y",
+        "failed: task 4: InputError: z",
+    ]
+    monkeypatch.setattr(console, "MANY", 2)
+    finish(failures("x", "y", "z", "z", "x"), study)
+    assert capsys.readouterr().err.splitlines()[:-1] == [
+        "failed: task 0; task 4: InputError: x",
+        "failed: task 1: InputError: y",
+        "and 2 more that `study plan a.toml` lists",
+    ]

@@ -140,7 +140,10 @@ def test_a_task_that_kills_its_worker_is_a_failure_and_the_others_go_on(small, t
 def test_failed_tasks_are_recorded_and_the_others_go_on(small, cli):
     small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 666]"))
     output = cli("run", "--workers", "1", code=1)
-    assert output.count("failed: RuntimeError: the platform left") == 6
+    assert output.count(": failed: RuntimeError") == 6
+    told = [line for line in output.splitlines() if "the platform left" in line]
+    assert len(told) == 1 and told[0].startswith("failed: ") and told[0].count("seed=666") == 3
+    assert told[0].endswith(" and 3 more: RuntimeError: the platform left")
     assert "12 tasks: 6 done, 6 failed" in output
     assert "RuntimeError: the platform left" in cli("show", "sea_state=calm,platform=fixed,seed=666")
     assert "--failed" in output
