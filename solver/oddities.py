@@ -14,6 +14,7 @@ from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
+APART = 1.1  # factor by which extremes may miss those of Gaussian rates; of power it is the square
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 
 
@@ -100,6 +101,17 @@ def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -
                     f"floats.{f.name}: the std of {axis} is {angle:.2g} rad, and the linear model is one of small"
                     " angles: what they leave out goes with their square, and is no part of the estimated error"
                 )
+
+
+def not_gaussian(floats: Sequence[Float], factor: np.ndarray) -> Iterator[str]:
+    """A sentence for each axis whose extremes to be expected are not those of a Gaussian rate, by a factor (nj,)."""
+    axes = [(f.name, axis) for f in floats for axis in f.motion]
+    for (name, axis), times in zip(axes, factor, strict=True):
+        if max(times, 1 / times) > APART:
+            yield (
+                f"floats.{name}: the load by rate leaves {axis} not Gaussian, as max and min have it: expect"
+                f" {times:.2g} times their motion and rate, and up to {times**2:.2g} times their power"
+            )
 
 
 def beyond_tables(floats: Sequence[Float], low: np.ndarray, high: np.ndarray) -> Iterator[str]:

@@ -8,6 +8,8 @@ import numpy as np
 from solver.coupled import linear_drag
 from solver.coupled.linear import LinearModel
 from solver.errors import SimulationFailed
+from solver.frequency import gaussian, overtones, shape
+from solver.frequency.bent import pto_load, rate_load
 from solver.frequency.case import Case, case_of
 from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -59,6 +61,7 @@ class Response:
     mean: Mean
     mesh_effect: float  # see audit.coefficient_effects
     linearisation_effect: float  # see _linearisation_effect
+    excess: np.ndarray  # (nj,) kurtosis of the joints' rates beyond a Gaussian's: see shape
     stuck: np.ndarray  # (nj,) which axes friction holds
 
 
@@ -72,6 +75,7 @@ def respond_in(case: Case, law: JointLaw) -> Response:
     """To a case's sea, with the law of its joints."""
     model, omega, frame = case.model, case.omega, case.system.structure
     last, nm = _agreed(case, law), frame.omega.size
+    excess = _excess(case, law, last)
     X, drag = last.X.T, _borne(case, last) if case.stations.size else _no_drag(case)
     wrench = model.loads(omega, X, case.impedance, case.excitation, case.system.bodies.active)
     return Response(
@@ -85,7 +89,8 @@ def respond_in(case: Case, law: JointLaw) -> Response:
         rounds=last.rounds,
         mean=_mean(case, last.rate[:nm]),
         mesh_effect=_mesh_effect(case, law, last, wrench),
-        linearisation_effect=_linearisation_effect(case, law, last),
+        linearisation_effect=_linearisation_effect(case, law, last, excess),
+        excess=excess,
         stuck=last.stuck,
     )
 
@@ -197,25 +202,57 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) ->
     )
 
 
-def _linearisation_effect(case: Case, law: JointLaw, last: _Round) -> float:
+def _excess(case: Case, law: JointLaw, last: _Round) -> np.ndarray:
+    """Kurtosis of the joints' rates (nj,) beyond a Gaussian's; of one wave, and of axes that are held, none."""
+    nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
+    rate, bends = last.rate[nm:], (of_axes.drag(law) > 0) | of_axes.bent(law)
+    mobility, joints = np.zeros(rate.shape, complex), bends[nc:] & ~last.stuck
+    if rate.shape[1] == 1 or not joints.any():
+        return np.zeros(len(rate))
+    for j in np.flatnonzero(joints):
+        force = np.zeros(last.X.shape, complex)
+        force[nm + j] = 1.0
+        mobility[j] = -1j * case.omega * case.equation.response(force, last.damping)[nm + j]
+    lines = np.zeros((nc, rate.shape[1]))
+    return shape.excess(law, case.omega, *(np.concatenate([lines, x]) for x in (rate, mobility)))[nc:]
+
+
+def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.ndarray) -> float:
     """Relative error of the response's std and power by what linear damping leaves of the joints' loads by rate.
 
     That goes with no rate in the mean, moves the axis as a force of its own spectrum about the rate's, and adds to the
-    variance of the motions. Of one wave it keeps the phase, and does twice as much: so marches tell, and they agree
-    with both within a factor of 3. See response_error.
+    variance of the motions: so marches tell, and they agree within a factor of 3. See response_error. The same load
+    gives the rate its kurtosis, by which the std of power changes, too, in the same sense as a rule.
     """
     nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
     if not (of_axes.drag(law).any() or of_axes.bent(law).any()):
         return 0.0
-    one, rate = last.rate.shape[1] == 1, last.rate[nm:]
+    if case.omega.size == 1:
+        return _by_overtones(case, law, last)
+    rate = last.rate[nm:]
     rms = np.concatenate([np.zeros(nc), lengths(rate) / np.sqrt(2)])
-    rest = linearised.rest(law, rms, linearised.HARMONIC if one else linearised.GAUSSIAN)
+    rest = linearised.rest(law, rms, linearised.GAUSSIAN)
     share = np.divide(rest, rms, out=np.zeros(rms.size), where=rms > 0)[nc:]
     force = np.zeros(last.X.shape, complex)
-    force[nm:] = np.where(last.stuck, 0.0, share * np.sqrt(1 + one))[:, None] * rate
+    force[nm:] = np.where(last.stuck, 0.0, share)[:, None] * rate
     size, more = (lengths(X)[:, None] for X in (last.X, case.equation.response(force, last.damping)))
     grown = np.hypot(1, np.divide(more, size, out=np.zeros(size.shape), where=size > 0))
-    return response_error(case.system, law, case.omega, (grown * last.X).T, last.X.T)
+    moved = response_error(case.system, law, case.omega, (grown * last.X).T, last.X.T)
+    return moved + shape.power_error(law, rms, np.concatenate([np.zeros(nc), excess]))
+
+
+def _by_overtones(case: Case, law: JointLaw, last: _Round) -> float:
+    """The same of one wave: see overtones."""
+    nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
+    free = np.flatnonzero(~last.stuck)
+    axes, load = nm + free, rate_load(law, nc + free)
+    high = overtones.overtones(case.model, case.omega[0], last.damping, load, last.rate[axes].T, axes)
+    force = np.zeros(last.X.shape, complex)
+    force[axes, 0] = -high.force
+    more = case.equation.response(force, last.damping)
+    before, after = (gaussian.sampled(x[axes].T) for x in (last.rate, last.rate - 1j * case.omega * more))
+    moves = response_error(case.system, law, case.omega, (last.X + more).T, last.X.T)
+    return max(moves, overtones.power_error(pto_load(law, nc + free), before, after + high.rates))
 
 
 def _no_drag(case: Case) -> Drag:

@@ -11,10 +11,11 @@ from solver.frequency import gaussian
 from solver.frequency.bent import absorbed_table, borne_table, pto_load, rate_load
 from solver.frequency.case import Case, case_of
 from solver.frequency.response import Response, respond, respond_in
+from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import bent, drag, friction
-from solver.oddities import beyond_tables, met, stopped, swung
+from solver.oddities import beyond_tables, met, not_gaussian, stopped, swung
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
@@ -89,6 +90,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *met(scene, tables),
         *swung(scene, channels.axes, tables),
         *beyond,
+        *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
         *slipping,
         *above(scene, power),
         *doubted,
@@ -129,6 +131,17 @@ def _law_effect(case: Case, response: Response, scene: Scene) -> float:
     waves = case.waves.size
     exact = respond(with_tables(scene, PtoTable.by_finer), case.hydrodynamics).X[:waves]
     return response_error(case.system, case.law(scene.floats), case.waves, response.X[:waves], exact)
+
+
+def _beyond_rayleigh(case: Case, response: Response) -> np.ndarray:
+    """Extremes of the joints' motions (nj,) over those of Gaussian ones."""
+    if not response.excess.any():
+        return np.ones(response.excess.size)
+    rates = _rates(case, response)
+    table = gaussian.table(np.zeros(rates.shape[1]), rates, response.omega, case.duration)
+    return beyond_rayleigh(
+        response.excess, np.divide(table[:, 0], table[:, 4], where=table[:, 4] > 0, out=0 * table[:, 0])
+    )
 
 
 def _stopped(case: Case, law: JointLaw, response: Response) -> list[str]:

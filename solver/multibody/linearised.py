@@ -9,7 +9,7 @@ from solver.multibody.of_axes import joint_loads, positioned
 
 FAR = 40.0  # standard deviations
 EVEN = (np.arange(720) + 0.5) / 720  # of the range of a probability
-GAUSSIAN, HARMONIC = ndtri(EVEN), np.sqrt(2) * np.sin(2 * np.pi * EVEN)  # samples of rates of rms 1
+GAUSSIAN = ndtri(EVEN)  # samples of rates of rms 1
 
 
 def damping_of_gaussian(law: JointLaw, std: np.ndarray) -> np.ndarray:
