@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.assembly import joint_law
-from solver.frequency import drift as far_field
-from solver.frequency import gaussian
+from solver.frequency import drift, gaussian
 from solver.frequency.bent import absorbed_table, borne_table, pto_load, rate_load
 from solver.frequency.case import Case, case_of
 from solver.frequency.response import Response, respond, respond_in
@@ -109,7 +108,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         spectra = channels.spectra(at, of)
     drifting: dict[str, Labelled] = {}
     if "drift" in scene.settings.outputs:
-        drifting, figures = far_field.variables(case, response, law)
+        drifting, figures = drift.variables(case, response, law)
         said = (str(of.get("unmet", "")) for of in (attrs, figures))
         attrs |= figures | {"unmet": "; ".join(note for note in said if note)}
     counted = None
