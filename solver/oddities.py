@@ -14,6 +14,7 @@ from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
+STEEP = 1.2  # factor by which extremes of what drag drives may exceed those of Gaussian responses
 APART = 1.1  # factor by which extremes may miss those of Gaussian rates; of power it is the square
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 
@@ -101,6 +102,15 @@ def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -
                     f"floats.{f.name}: the std of {axis} is {angle:.2g} rad, and the linear model is one of small"
                     " angles: what they leave out goes with their square, and is no part of the estimated error"
                 )
+
+
+def drag_driven(factor: float) -> Iterator[str]:
+    """A sentence where drag makes extremes of a frame exceed those of Gaussian responses by a factor."""
+    if factor > STEEP:
+        yield (
+            "platform: drag, which goes by the velocity's square, drives the legs: expect largest displacements and"
+            f" stresses up to {factor:.2g} times those of the Gaussian responses that max and min are of"
+        )
 
 
 def not_gaussian(floats: Sequence[Float], factor: np.ndarray) -> Iterator[str]:

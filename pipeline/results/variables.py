@@ -135,6 +135,7 @@ VARIABLES = {
     "mesh_effect": Meaning("1", "Relative error that the boundary elements' mesh makes in the linear response"),
     "stations_effect": Meaning("1", "Relative error by the stations of the frame's drag, of a run with twice as many"),
     "law_effect": Meaning("1", "Relative error by the tables of power take-offs' laws, of runs with finer ones"),
+    "drag_effect": Meaning("1", "Relative error by what the members' linear drag leaves out, in the frequency domain"),
     "linearisation_effect": Meaning(
         "1", "Relative error by what linear damping leaves of the joints' loads, in the frequency domain"
     ),

@@ -9,12 +9,13 @@ from solver.coupled.assembly import joint_law
 from solver.frequency import drift, gaussian
 from solver.frequency.bent import absorbed_table, borne_table, pto_load, rate_load
 from solver.frequency.case import Case, case_of
+from solver.frequency.drag_effect import drag_effect
 from solver.frequency.response import Response, respond, respond_in
 from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import bent, drag, friction
-from solver.oddities import beyond_tables, met, not_gaussian, stopped, swung
+from solver.oddities import beyond_tables, drag_driven, met, not_gaussian, stopped, swung
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
@@ -58,12 +59,14 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         beyond = beyond_tables(scene.floats, -ways, ways)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
     elements = elements_effect(scene, hydrodynamics, support)
+    of_drag = drag_effect(case, response, *frame, tables)
     slipping = _stopped(case, law, response) if response.stuck.any() else []
     errors = {
         "mesh_effect": mesh,
         "shapes_effect": shapes,
         "elements_effect": elements,
         "law_effect": _law_effect(case, response, scene),
+        "drag_effect": of_drag.error,
         "linearisation_effect": UNTOLD if slipping else response.linearisation_effect,
     }
     errors["estimated_error"] = together(errors.values())
@@ -90,6 +93,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *swung(scene, channels.axes, tables),
         *beyond,
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
+        *drag_driven(of_drag.extremes),
         *slipping,
         *above(scene, power),
         *doubted,

@@ -1,0 +1,138 @@
+"""What a frame's linearised drag leaves out of its statistics, as each record tells, against the march."""
+
+import re
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.frequency import drag_effect, gaussian
+from solver.run import simulate
+from solver.scene import Platform, Settings
+from solver.sea.current import Current
+from solver.sea.realization import realize, regular
+from solver.sea.spectrum import PiersonMoskowitz
+from solver.structure.frame import Frame
+from solver.structure.members import Member
+from solver.structure.sections import tube
+from tests.awkward import SCENES, STEEL, scene
+
+SLANTED = np.pi / 6
+ONE = regular(height=3.0, period=8.0, heading=SLANTED)
+JUDGED = ("top_displacement", "bottom_stress")
+
+
+def rough(Hs=3.0):
+    return realize(PiersonMoskowitz(Hs=Hs, Tp=8.0), components=200, band=(0.4, 2.2), seed=3, heading=SLANTED)
+
+
+def pile(waves):
+    """Slender, stiff, off the origin: nearly all of its load is drag."""
+    nodes = {"foot": (4.0, -7.0, -30.0), "top": (4.0, -7.0, 3.0)}
+    stiff = replace(STEEL, E=2.1e13, G=8e12)
+    member = Member(
+        name="pile", start="foot", end="top", elements=4, section=tube(0.25, 0.02), material=stiff,
+        drag_coefficient=1.1, inertia_coefficient=1.9,
+    )  # fmt: skip
+    frame = Frame(nodes=nodes, members=(member,), clamped=("foot",))
+    platform = Platform(frame=frame, legs=("pile",), hinge_nodes={}, damping_ratio=0.05)
+    return scene([], depth=30.0, waves=waves, platform=platform)
+
+
+def dragged(item, factor, waves):
+    """With as much more drag."""
+    frame = item.platform.frame
+    members = tuple(replace(m, drag_coefficient=factor * m.drag_coefficient) for m in frame.members)
+    platform = replace(item.platform, frame=replace(frame, members=members), damping_ratio=0.05)
+    return replace(item, platform=platform, sea=waves)
+
+
+def legs(factor, waves=None):
+    return dragged(SCENES["bare_legs"]()[0], factor, rough() if waves is None else waves), None
+
+
+def floating(factor):
+    item, h = SCENES["unequal_legs"]()
+    return dragged(item, factor, item.sea), h
+
+
+def in_current(speed):
+    return replace(legs(5.0)[0], current=Current(speed=speed, direction=0.3)), None
+
+
+@cache
+def records(build, *of):
+    item, h = build(*of)
+    one = item.sea.omega.size == 1
+    settings = {"duration": 400.0 if one else 3600.0, "discard": 200.0, "ramp": 60.0, "froude_krylov": "linear"}
+    return [
+        simulate(replace(item, settings=Settings(**settings, **method)), h) for method in ({}, {"method": "frequency"})
+    ]
+
+
+def of_pile(waves):
+    return pile(waves), None
+
+
+def tables(records, name):
+    """Of what is not next to nothing beside others of its kind."""
+    march, lines = (record.variables[name][1].reshape(-1, 5) for record in records)
+    moves = march[:, 4] > 0.05 * march[:, 4].max()
+    return march[moves], lines[moves]
+
+
+CASES = [
+    (of_pile, regular(height=6.0, period=9.0)), (of_pile, rough(5.0)), (legs, 5.0), (legs, 20.0, rough(0.8)),
+    (legs, 5.0, ONE), (legs, 20.0, ONE), (legs, 5.0, regular(height=1.0, period=5.0, heading=SLANTED)),
+    (floating, 50.0), (in_current, 1.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_linear_drag_leaves_is_told(case):
+    """Means, rms and std of displacements and stresses, within a factor of 2.5."""
+    both, true = records(*case), 0.0
+    for name in JUDGED:
+        march, lines = tables(both, name)
+        mean, rms, std = np.abs(lines - march)[:, 2:].T
+        true = max(true, np.max(np.maximum(mean, rms) / march[:, 3]), np.max(std / march[:, 4]))
+    told = both[1].attrs["drag_effect"]
+    assert 0.4 < told / true < 2.5, (told, true)
+    assert both[1].attrs["estimated_error"] >= told
+
+
+@pytest.mark.parametrize("case", [(of_pile, rough(5.0)), (legs, 5.0), (floating, 50.0)])
+def test_extremes_that_drag_drives_are_told(case):
+    """Of the tops by the factor that a warning says, within 20 %."""
+    both = records(*case)
+    factor = float(re.search("up to ([0-9.]+) times those of the Gaussian responses", both[1].attrs["warnings"])[1])
+    march, lines = tables(both, "top_displacement")
+    assert np.ptp(march[:, :2], axis=1) / np.ptp(lines[:, :2], axis=1) == approx(factor, rel=0.2)
+
+
+@pytest.mark.parametrize("case", [(legs, 1.0, rough(0.5)), (legs, 0.0), (floating, 1.0)])
+def test_little_drag_leaves_little(case):
+    item, h = case[0](*case[1:])
+    lines = simulate(replace(item, settings=Settings(froude_krylov="linear", method="frequency", duration=3600.0)), h)
+    assert lines.attrs["drag_effect"] < 1e-3
+    assert "drag, which goes" not in lines.attrs.get("warnings", "")
+
+
+@pytest.mark.parametrize("mean", [(0.0, 0.0), (3.0, -1.0)])
+def test_bending_by_drag_is_that_of_long_samples(mean):
+    """(S z|z|/√3, s ξ) turned by 0.7: what its size lacks in mean and variance, across it next to nothing."""
+    dice, turn = np.random.default_rng(3), np.array([[np.cos(0.7), np.sin(0.7)], [-np.sin(0.7), np.cos(0.7)]])
+    S, s, n = 2.0, 1.5, 2_000_000
+    z, xi = dice.normal(size=(2, n))
+    lines = np.array([[S / np.sqrt(3 * np.pi / 8), 0.0], [0.0, 0.0]]) * np.sqrt(2)  # of z, then of ξ
+    whole, part = np.zeros((2, 2, 1, 3), complex)
+    part[:, 0, 1:] = lines @ turn
+    whole[:, 0, 1:] = np.array([[S, 0.0], [s, 0.0]]) * np.sqrt(2) @ turn
+    level = np.array([[5.0, *(np.array(mean) @ turn)]])
+    size = [np.hypot(S * x + s * xi + mean[0], mean[1]) for x in (z, z * np.abs(z) / np.sqrt(3))]
+    less, more = (a - b for a, b in zip(*[(x.mean(), x.var()) for x in size], strict=True))
+    found = drag_effect._of_sea(level, whole, part)
+    assert found[0] == approx(less, abs=4e-3) and found[1] == approx(-more, abs=0.03)
+    assert gaussian.spread(whole[:, 0, 1:] @ turn.T) == approx([np.hypot(S, s), 0.0], abs=1e-9)
