@@ -8,12 +8,13 @@ import numpy as np
 
 from solver.errors import InputError, refuse
 from solver.mooring import line_pulls, odd_lines
-from solver.scene import DOFS, Float, Water, load_unit_along, unlisted
+from solver.scene import DOFS, Float, Scene, Water, load_unit_along, unlisted
 
 KNOWN = 64  # floats that a process keeps
 LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ODD = 1e3  # times the mass, or a part of it: what a hull displaces has lengths in another unit
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
+FLUSH = 1e-3  # of its draft: a mesh that rises no higher is one of the wetted part alone, with a lid
 LEVEL_AXES = DOFS[:2]  # along which neither weight nor buoyancy acts
 
 
@@ -164,6 +165,22 @@ def _least(item: Float, name: str, buoyancy: float) -> float:
     i = item.motion.index(name)
     lines = float(np.linalg.norm(line_pulls(item.lines, item.centre), axis=1).sum())
     return lines + float(abs(item.moored.pretension[i]) + abs(item.per_axis("preload")[i]))
+
+
+def heaved(scene: Scene, joints: np.ndarray) -> Iterator[tuple[Float, float, float]]:
+    """Floats of linear buoyancy that pierce the surface, with how far [m] each rests above where it is given, by its
+    own heave and that of what carries it, and how much that is of its draft, or where it sinks of its freeboard.
+
+    joints (nj,): at rest. Of meshes that end at still water none knows the freeboard.
+    """
+    rise, at = {"": 0.0}, iter(joints)
+    for item, nonlinear in zip(scene.floats, scene.nonlinear, strict=True):
+        own = [next(at) for _ in item.motion]
+        rise[item.name] = rise[item.on] + sum(y for name, y in zip(item.motion, own, strict=True) if name == "heave")
+        up, hull = float(rise[item.name]), item.hull
+        above = hull.freeboard if hull.closed and abs(hull.freeboard) > FLUSH * hull.draft else np.inf
+        if not nonlinear and above > 0:
+            yield item, up, up / hull.draft if up > 0 else -up / above
 
 
 def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[str]]) -> tuple[Float, ...]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from solver.balance import held, imbalance
+from solver.balance import heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
@@ -16,6 +16,7 @@ from solver.statistics import STATISTICS
 TURNED = 0.2  # [rad] that a float may rest from where it is given
 STEEP = 1.2  # factor by which extremes of what drag drives may exceed those of Gaussian responses
 APART = 1.1  # factor by which extremes may miss those of Gaussian rates; of power it is the square
+HEAVED = 0.25  # of its draft or freeboard, by which it may rest higher or deeper
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 
 
@@ -40,7 +41,7 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     if scene.platform is not None:
         sentences += _of_platform(scene, scene.platform)
     sentences += _pushed(scene, joints)
-    rest = () if joints is None else _turned(scene, joints)
+    rest = () if joints is None else (*_turned(scene, joints), *_risen(scene, joints))
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
 
@@ -63,6 +64,17 @@ def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
             yield (
                 f"floats.{name} rests at {at:+.2f} rad of {axis} from where it is given, which diffraction, radiation"
                 " and linear buoyancy are of"
+            )
+
+
+def _risen(scene: Scene, joints: np.ndarray) -> Iterator[str]:
+    """A sentence for each float of linear buoyancy that rests, at joints (nj,), far from where that is of."""
+    for f, up, share in heaved(scene, joints):
+        if share > HEAVED:
+            yield (
+                f"floats.{f.name} rests at {up:+.3g} m of heave from where it is given, {share:.0%} of its"
+                f" {'draft' if up > 0 else 'freeboard'}: diffraction, radiation and linear buoyancy are of its place"
+                " there"
             )
 
 

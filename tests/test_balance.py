@@ -15,6 +15,7 @@ from solver.oddities import warnings
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
 from solver.sea.realization import CALM, measured
+from tests.awkward import sea
 from tests.hydrodynamics.shapes import fine_box
 
 DEEP = Water(depth=np.inf, density=1000.0)
@@ -416,3 +417,77 @@ def test_a_hull_of_another_unit_than_its_mass_is_said_to_be_so(joint, share, odd
     (settles,), (holds,) = imbalance(item, DEEP), held(held_item, DEEP) or ("",)
     for text in (settles, holds):
         assert text.endswith("is its hull, which reaches 5 m, in m (of a mesh in mm hull.scale is 0.001)?") == odd
+
+
+def buoy(mass, scale=1.0, hull=None, **changes):
+    """A cylinder free in heave, linear, of a draft of 0.12 and a freeboard of 0.1 m times the scale."""
+    usual = Revolution.vertical_cylinder(radius=0.1 * scale, draft=0.12 * scale, freeboard=0.1 * scale)
+    item = Float(
+        name="buoy", hull=hull or usual, mass=mass * scale**3, inertia=(0.01 * scale**5,) * 3, hinge=(0.0, 0.0, 0.0),
+        **{"motion": ("heave",), "damping": 2.0, **changes},
+    )  # fmt: skip
+    settings = Settings(
+        duration=2.0, discard=0.0, ramp=0.0, radiation=False, diffraction=False, froude_krylov="linear", time_step=0.05
+    )
+    return Scene(water=Water(depth=np.inf, density=1000.0), floats=(item,), settings=settings)
+
+
+WHOLE = 1000 * np.pi * 0.1**2 * 0.22  # displaced by the whole hull [kg]
+
+
+@pytest.mark.parametrize("scale", [1.0, 20.0])
+@pytest.mark.parametrize("method", ["time", "frequency"])
+def test_what_cannot_float_is_refused_and_what_hardly_does_is_told(scale, method):
+    """By its whole displacement, whatever linear buoyancy has above it; a preload lifts it out."""
+    time = np.sqrt(scale)
+    waves = sea(Hs=1e-3 * scale, Tp=1.1 * time, band=(3.0 / time, 14.0 / time))
+    waves = waves if method == "frequency" else CALM
+
+    def told(mass, preload=0.0):
+        item = replace(buoy(mass, scale, preload=preload * scale**3), sea=waves)
+        settings = replace(item.settings, method=method)
+        return simulate(replace(item, settings=settings), None).attrs["warnings"]
+
+    for mass, preload, words in ((1.001 * WHOLE, 0.0, "under water"), (0.1, 2.0, "out of the water")):
+        with pytest.raises(SimulationFailed, match=rf"no static equilibrium of floats.buoy: .* whole hull {words}"):
+            told(mass, preload)
+    assert "100% of its freeboard: diffraction" in told(0.999 * WHOLE)
+    assert "97% of its draft: diffraction" in told(0.1)
+
+
+@pytest.mark.parametrize(("low", "words"), [(-0.24, ""), (-0.26, "26% of its draft"), (0.26, "26% of its freeboard")])
+def test_a_float_that_rests_higher_or_deeper_by_a_quarter_is_told(low, words):
+    deeper = low * 0.1 if low > 0 else low * 0.12
+    record = simulate(buoy(1000 * np.pi * 0.1**2 * (0.12 + deeper)), None)
+    told = [text for text in record.attrs["warnings"].split("; ") if "m of heave from where it is given" in text]
+    assert len(told) == bool(words) and all(words in text for text in told)
+
+
+def test_what_is_carried_sinks_with_what_carries_it():
+    """A hull fixed to another one, which alone is heavy."""
+    whole = buoy(5.0)
+    (item,) = whole.floats
+    tall = replace(item, hull=Revolution.vertical_cylinder(radius=0.1, draft=0.12, freeboard=0.5), mass=13.0)
+    low = replace(item, name="low", on="buoy", motion=(), damping=(), hinge=(1.0, 0.0, 0.0), mass=3.8)
+    with pytest.raises(SimulationFailed, match=r"no static equilibrium of floats\.low"):
+        simulate(replace(whole, floats=(tall, low)), None)
+
+
+def test_hulls_under_water_those_that_do_not_heave_and_open_meshes_go_on():
+    corners, faces = wetted_box()
+    deep = PanelHull.of(corners - (0, 0, 0.3), faces)
+    moored = buoy(0.5 * 1000 * deep.volume, hull=deep, stiffness=200.0)
+    box = PanelHull.of(corners, faces)
+    heavy, hinged = buoy(1000 * box.volume * 1.4, hull=box), buoy(9.0, motion=("pitch",), cog=(0.02, 0, -0.1))
+    nonlinear = buoy(5.0)
+    nonlinear = replace(nonlinear, settings=replace(nonlinear.settings, froude_krylov="body-nonlinear"))
+    for whole in (moored, heavy, hinged, nonlinear):
+        assert "m of heave from where it is given" not in simulate(whole, None).attrs.get("warnings", "")
+    assert "50% of its draft" in simulate(buoy(1000 * box.volume * 0.5, hull=box), None).attrs["warnings"]
+
+
+def wetted_box():
+    """Of 0.2 m, to still water alone, with a lid there."""
+    corners = np.array([(x, y, z) for z in (-0.2, 0.0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))], float)
+    corners[:, :2] *= 0.1
+    return corners, np.array([(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)])

@@ -10,6 +10,7 @@ import numpy as np
 from scipy import linalg
 from scipy.interpolate import CubicSpline
 
+from solver.balance import heaved
 from solver.coupled.histories import missed, moved
 from solver.coupled.linear import LinearModel, linear_model
 from solver.coupled.preparation import prepare
@@ -196,6 +197,14 @@ def require_stable(system: System) -> None:
                 remedy = 'place it where it rests, hold it by a stiffer spring, or set froude_krylov = "linear"'
             raise SimulationFailed(
                 f"{name} rests at {at:+.2f} in still water, beyond {low:+.2f} to {high:+.2f}: {remedy}"
+            )
+    for f, up, share in heaved(system.scene, joints):
+        if share >= 1:
+            where = "out of the water" if up > 0 else "under water"
+            raise SimulationFailed(
+                f"no static equilibrium of floats.{f.name}: it would rest at {up:+.3g} m of heave from where it is"
+                f" given, its whole hull {where}, which linear buoyancy does not tell: check its mass, {f.mass:g} kg"
+                f" with {system.scene.water.density * f.hull.volume:g} kg displaced, and what else it bears"
             )
     sizes = linear_model(system).length[system.structure.omega.size :]
     if not sizes.size:

@@ -147,6 +147,11 @@ class PanelHull:
         return float(-self.panels[..., 2].min())
 
     @property
+    def freeboard(self) -> float:
+        """Height of the highest point [m], below zero of a hull under water."""
+        return float(self.panels[..., 2].max())
+
+    @property
     def largest_radius(self) -> float:
         """Largest distance from the vertical through the reference point, below still water [m]."""
         return float(np.hypot(*self.wetted.reshape(-1, 3).T[:2]).max())

@@ -248,6 +248,11 @@ class Revolution:
         return -min(s.start[1] for s in self.meridian)
 
     @property
+    def freeboard(self) -> float:
+        """Height of the highest point [m], below zero of a hull under water."""
+        return max(s.end[1] for s in self.meridian)
+
+    @property
     def largest_radius(self) -> float:
         """Largest radius below still water [m]."""
         return max(s.widest for s in self.wetted())
