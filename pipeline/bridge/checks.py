@@ -35,7 +35,7 @@ from pipeline.tasks.task import (
     surviving,
 )
 from solver.errors import InputError
-from solver.scene import MOST_STEPS, OF_FLOATS, OF_STEEL
+from solver.scene import MOST_STEPS, OF_FLOATS, OF_STEEL, on_others
 
 # Far more than anybody has asked for, and already days of work or all of a machine's memory.
 MOST_TASKS = 10_000_000
@@ -289,6 +289,8 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
     for item in study.floats:
         yield from objections(partial(scenes.in_place, item, study.water))
     if table := study.platform:
+        if "elastic" in supports(study):  # whose frame has a node for each float that no member need join
+            yield from on_others((f.name, f.on) for f in study.floats if f.name not in study.left_out)
         yield from _repeated("platform.legs", table.legs)
         written = table.damping_ratio if "damping_ratio" in table.model_fields_set else 0.0
         if written and (table.rayleigh_mass or table.rayleigh_stiffness):

@@ -296,6 +296,13 @@ def unlisted(floats: Sequence[Float]) -> Iterator[InputError]:
             yield InputError(f"floats.{f.name}.on", f.on, "must name a float that is listed before")
 
 
+def on_others(carriers: Iterable[tuple[str, str]]) -> Iterator[InputError]:
+    """Of names of floats, and of what they are on, in a scene with a platform."""
+    for name, on in carriers:
+        if on:
+            yield InputError(f"floats.{name}.on", on, "must be empty: the platform carries every float")
+
+
 def is_planar(floats: Iterable[Float], heading: float, current: Current | None = None) -> bool:
     """Whether floats, waves of that heading [rad] and current are mirror images of themselves in y = 0."""
     if current is not None and current.direction % np.pi != 0:

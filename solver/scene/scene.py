@@ -12,7 +12,7 @@ from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import ON_SEABED, stands
 from solver.hydrodynamics.hull.swing import Stroke, meeting
-from solver.scene.floats import STARTS, Float, is_planar, out_of_place, unlisted
+from solver.scene.floats import STARTS, Float, is_planar, on_others, out_of_place, unlisted
 from solver.scene.platform import Platform
 from solver.scene.settings import OUTPUTS, Settings
 from solver.scene.water import STILL_WATER, Water
@@ -221,15 +221,12 @@ class Scene:
 
     def _carrier_problems(self) -> Iterator[InputError]:
         names = [f.name for f in self.floats]
-        if self.platform is None:
-            yield from unlisted(self.floats)
+        yield from on_others((f.name, f.on) for f in self.floats) if self.platform else unlisted(self.floats)
         for i, f in enumerate(self.floats):
             if names.index(f.name) < i:
                 yield InputError("floats.name", f.name, f"given {names.count(f.name)} times, must be unique")
             if self.platform and f.name not in self.platform.hinge_nodes:
                 yield InputError("platform.hinge_nodes", f.name, "no node carries this float's hinge")
-            if f.on and self.platform:
-                yield InputError(f"floats.{f.name}.on", f.on, "must be empty: the platform carries every float")
 
     @property
     def sharing(self) -> tuple[tuple[Float, ...], ...]:

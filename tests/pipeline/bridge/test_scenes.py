@@ -8,6 +8,7 @@ import pytest
 from pytest import approx
 
 from pipeline.bridge import scenes
+from pipeline.bridge.checks import problems
 from pipeline.bridge.geometry import bem_arguments, geometry_of
 from pipeline.bridge.objections import objections
 from pipeline.report import sketch
@@ -235,3 +236,16 @@ def test_all_that_the_solver_has_against_a_part_is_told():
     keys = [f"floats.buoy.{name}" for name in ("mass", "inertia", "cog")]
     told = objections(lambda: refuse(InputError(key, -1.0, "must be > 0") for key in keys))
     assert [error.key for error in told] == keys
+
+
+@pytest.mark.parametrize("joined", [True, False])
+def test_a_float_on_another_beside_a_platform_is_refused_for_that(buan_tables, study_of, joined):
+    """Whether members join the node that comes with it or not; on the fixed platform it may be."""
+    buan_tables["floats"][1]["on"] = "front"
+    platform = buan_tables["platform"]
+    if not joined:
+        platform["members"] = [m for m in platform["members"] if "hinge:rear" not in (m["start"], m["end"])]
+    told = "floats.rear.on = front: must be empty: the platform carries every float"
+    assert [str(problem) for problem in problems(study_of(buan_tables).content)] == [told]
+    buan_tables["axes"]["platform"] = ["fixed"]
+    assert not any(told in str(problem) for problem in problems(study_of(buan_tables).content))
