@@ -25,6 +25,8 @@ OfFloats = Literal["pto_force", "pto_stroke", "drift"]
 OfAll = Literal["moments"]
 Output = Literal[OfSteel, OfFloats, OfAll]
 OF_STEEL, OF_FLOATS, OUTPUTS = map(get_args, (OfSteel, OfFloats, Output))
+# The paths that are not slow.
+STANDARD = {"accuracy": "standard", "formulation": "minimal", "memory": "state-space", "surface": "quadrature"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,8 +178,9 @@ class Settings:
             yield InputError("settings.froude_krylov", self.froude_krylov, needs.format('"linear" or "none"'))
         if self.keep_series:
             yield InputError("settings.keep_series", self.keep_series, needs.format("to be left out"))
-        if self.paths.formulation == "augmented":
-            yield InputError("settings.formulation", "augmented", needs.format('"minimal", and accuracy "standard"'))
+        for name, usual in STANDARD.items():
+            if (written := getattr(self, name)) != usual:
+                yield InputError(f"settings.{name}", written, needs.format(f'"{usual}"'))
         if "utilisation" in self.outputs:
             yield InputError("settings.outputs", "utilisation", 'needs method = "time": it is not linear')
         if "fatigue" in self.outputs and self.fatigue.mean_stress != "none":
