@@ -33,12 +33,14 @@ def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> di
         "memory_error": system.fit.error if system.fit else 0.0,
         "memory_poles": system.fit.beta.size if system.fit else 0,
         "constraint_drift": constraint_drift(system, state),
-        "unmet": "; ".join(unmet(system.scene.settings, system.fit, errors)),
+        "unmet": "; ".join(unmet(system.scene.settings, system.fit, errors, hydrodynamics)),
         "skipped": "; ".join([*skipped(system), *coarser(hydrodynamics)]),
     }
 
 
-def unmet(s: Settings, fit: RadiationMemory | None, errors: Mapping[str, float]) -> list[str]:
+def unmet(
+    s: Settings, fit: RadiationMemory | None, errors: Mapping[str, float], h: Hydrodynamics | None = None
+) -> list[str]:
     """What was asked for and not reached, with both numbers, by which of a record's `errors`.
 
     Of a memory that nobody asked for, what it changes: one fitted again gives up what does not.
@@ -48,13 +50,23 @@ def unmet(s: Settings, fit: RadiationMemory | None, errors: Mapping[str, float])
         parts = ", ".join(f"{name} {errors[name]:.2g}" for name in against(s.tolerance, errors))
         note = f"tolerance = {s.tolerance:g}: the estimated error is {errors['estimated_error']:.2g}, by {parts}"
         if errors["mesh_effect"] > s.tolerance:
-            note += f"; boundary elements have {panels_for(s.tolerance)} panels a body by it, {MOST_PANELS} at most"
+            note += _panels(s, h)
         notes.append(note)
     asked = s.memory_tolerance or USUAL
     if fit is not None and s.memory == "state-space" and not (fit.error <= asked or _suffices(s, errors)):
         does = f", which changes what moves by {errors['memory_effect']:.2g}"
         notes.append(f"memory_tolerance = {asked:g}: the radiation memory's fit ended at {fit.error:.2g}{does}")
     return notes
+
+
+def _panels(s: Settings, h: Hydrodynamics | None) -> str:
+    """How fine the boundary elements are, and what decides that; of a file's coefficients nothing is known."""
+    if h is None or "panels" not in h.settings:
+        return ""
+    by_tolerance = f"{panels_for(s.tolerance)} a body, {MOST_PANELS} at most"
+    return (
+        f"; boundary elements have {h.settings['panels']:g} panels: by it {by_tolerance}, or what a hull's own mesh has"
+    )
 
 
 def _suffices(s: Settings, errors: Mapping[str, float]) -> bool:

@@ -1,6 +1,7 @@
 """An error asked for: settings follow it, and the record's estimate stands beside it."""
 
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -74,7 +75,16 @@ def test_what_cannot_be_met_is_said(buan, coefficients):
     attrs = simulate(buan.scene("fixed", tolerance=2e-3), rough).attrs
     error, mesh = attrs["estimated_error"], attrs["mesh_effect"]
     told = f"tolerance = 0.002: the estimated error is {error:.2g}, by mesh_effect {mesh:.2g}"
-    assert attrs["unmet"] == f"{told}; boundary elements have {PANELS} panels a body by it, {MOST_PANELS} at most"
+    panels = (
+        f"{told}; boundary elements have {{}} panels: by it {{}} a body, {MOST_PANELS} at most, or what a hull's own"
+    )
+    panels += " mesh has"
+    assert attrs["unmet"] == panels.format(f"{coefficients.settings['panels']:g}", PANELS)
+    meshed = replace(rough, settings=MappingProxyType({**rough.settings, "panels": 2912}))
+    given = replace(rough, settings=MappingProxyType({}))
+    asked, errors = Settings(tolerance=2e-3), {"estimated_error": error, "mesh_effect": mesh, "memory_effect": 0.0}
+    assert unmet(asked, None, errors, meshed) == [panels.format(2912, PANELS)]
+    assert unmet(asked, None, errors, given) == unmet(asked, None, errors) == [told]
     other = {"estimated_error": 1.5e-3, "mesh_effect": 9e-4, "memory_effect": 1.2e-3}
     assert unmet(Settings(tolerance=1e-3), None, other) == [
         "tolerance = 0.001: the estimated error is 0.0015, by memory_effect 0.0012"
