@@ -79,7 +79,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         "skipped": "; ".join(
             [
                 f"time: a linear model in the frequency domain has no {LEFT_OUT}",
-                *_first_order(scene),
+                *_unused(scene),
                 *coarser(hydrodynamics),
             ]
         ),
@@ -167,7 +167,13 @@ def _strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
         yield name, (("float", "axis"), case.channels.by_axis(values[None])[0])
 
 
-def _first_order(scene: Scene) -> Iterator[str]:
+def _unused(scene: Scene) -> Iterator[str]:
+    """What is given and has no part in a stationary response of first order."""
+    for f in scene.floats:
+        if f.per_axis("offset").any():
+            yield f"floats.{f.name}.offset: the response to waves is stationary, nothing is let go in it"
+    if scene.settings.time_step is not None:
+        yield "time_step: there are no steps"
     if scene.platform is not None and scene.platform.wave_stretching != "none":
         yield "wave_stretching: of second order; members are loaded to still water"
 

@@ -469,3 +469,17 @@ def test_a_wave_at_which_nothing_holds_the_scene_is_named():
     near = replace(calm, sea=regular(height=0.1, period=2 * np.pi / resonance))
     with pytest.raises(SimulationFailed, match=f"singular at a wave of {resonance:.4g} rad/s"):
         simulate(near, h)
+
+
+@pytest.mark.parametrize("name", ["duck", "soft_mooring"])
+def test_what_a_stationary_response_makes_no_use_of_is_said(name):
+    """Of one axis, and of one of several."""
+    item, h = SCENES[name]()
+    (body,) = item.floats
+    offset = 0.1 if len(body.motion) == 1 else (0.0, 0.3, 0.0)
+    usual = frequency(item, h)
+    given = frequency(replace(item, floats=(replace(body, offset=offset),)), h, time_step=0.05)
+    added = given.attrs["skipped"].removeprefix(usual.attrs["skipped"])
+    assert [text.split(":")[0] for text in added.split("; ")[1:]] == [f"floats.{body.name}.offset", "time_step"]
+    for key, (_, values) in usual.variables.items():
+        assert np.array_equal(values, given.variables[key][1], equal_nan=values.dtype.kind == "f"), key
