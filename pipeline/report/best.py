@@ -37,7 +37,7 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
                 continue
             found = over_seas(some[VARIABLE], some)
             first = found.sel(estimate="value", drop=True)
-            if first.isnull().all():
+            if not first.fillna(0.0).any():  # nor is there a best of none that takes power
                 continue
             at = first.argmax(designs)
             chosen = ", ".join(_told(first[dim], int(at[dim])) for dim in designs)

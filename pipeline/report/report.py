@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 PREFIX = {"k": 1e3, "M": 1e6}
 OFF = 1 / 3  # a ratio further from 1 than this gets a star, and its sentence if realizations are few
 WIDTH = 96  # characters that the table needs; a narrower terminal wraps them
+ROUNDING = (
+    1e-9  # of the largest of a variable, whose axes may differ in unit and floats in size: less is none of theirs
+)
 ENOUGH = 20  # realizations whose range says something about one more
 COLUMNS = ("table", "label", "variable", "selection", "statistic", "value", "unit", "note")
 
@@ -231,13 +234,18 @@ def print_summary(data: xr.Dataset, console: Console) -> None:
 
 
 def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
-    """Variable, statistic, mean, least, largest and unit, as text."""
+    """Variable, statistic, mean, least, largest and unit, as text: 0 of what is rounding beside the variable's largest.
+
+    As the force of a hinge along an axis that it leaves free.
+    """
     for label in data.data_vars:
         known = "statistic" in data[label].dims or label in AT_STOPS
         if not known or (values := data[label].compute()).isnull().all():
             continue
         if label in AT_STOPS:
             values = values.expand_dims(statistic=[""])
+        size = abs(values)
+        values = values.where(~(size < ROUNDING * size.max()), 0.0)
         for statistic in values.statistic.values:
             part = values.sel(statistic=statistic)
             figures = (f"{float(f()):z.4g}" for f in (part.mean, part.min, part.max))

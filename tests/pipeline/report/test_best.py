@@ -55,3 +55,13 @@ def test_power_is_that_of_all_floats():
         ("pto_damping 200000", "11.7"),
         ("pto_damping 200000", "27"),
     ]
+
+
+def test_where_nothing_takes_power_nothing_is_best():
+    """Of a scene without power take-off, and of a sea that the floats lie still in; what costs power is told."""
+    whole = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(platform=0, drop=True)
+    none = whole.assign(absorbed_power=0 * whole.absorbed_power)
+    assert not table(none).lines and not table(none.where(none.seed == 0)).lines
+    rough = whole.assign(absorbed_power=whole.absorbed_power.where(whole.sea_state == "rough", 0.0))
+    assert [line[0] for line in rows(rough)] == ["rough"]
+    assert [line[0] for line in rows(whole.assign(absorbed_power=-whole.absorbed_power))] == ["mild", "rough"]

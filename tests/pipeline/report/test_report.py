@@ -170,3 +170,18 @@ def test_no_table_says_minus_nothing(data, tmp_path):
     (line,) = report.summary_rows((-0.0 * data).expand_dims(statistic=["min"]))
     assert line[2:5] == ("0", "0", "0")
     assert texts(np.array([-0.0, np.nan, -2e-5])) == ["0", "-", "-2e-05"]
+
+
+def test_rounding_beside_a_variables_largest_is_told_as_none():
+    """As of a hinge's free axis; what is small, or beside nothing larger, as small as it is, and NaN not at all."""
+    values = np.array([[[3e2, -2e2], [4e-13, -4e-13]], [[2e2, -1e2], [2e-6, np.nan]]])
+    force = xr.DataArray(values, dims=("seed", "direction", "statistic"), coords={"statistic": ["max", "min"]})
+    assert [line[1:5] for line in report.summary_rows(force.to_dataset(name="hinge_force"))] == [
+        ("max", "125", "0", "300"),
+        ("min", "-100", "-200", "0"),
+    ]
+    small = force.isel(direction=[1])
+    alone = small.isel(seed=[0]).to_dataset(name="hinge_force")
+    assert [line[2] for line in report.summary_rows(alone)] == ["4e-13", "-4e-13"]
+    faint = (1e-6 * force).isel(direction=[0]).to_dataset(name="hinge_force")
+    assert [line[4] for line in report.summary_rows(faint)] == ["0.0003", "-0.0001"]
