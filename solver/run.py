@@ -104,7 +104,7 @@ def _nearer(error: StepTooLong, last: StepTooLong) -> bool:
 def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _content) -> Record | Scene:
     """The record; or another scene, where `better` chooses one by the errors estimated from the run's start."""
     if scene.settings.method == "frequency":
-        from solver.frequency.run import simulate_frequency  # with what it imports
+        from solver.frequency.run import simulate_frequency
 
         return simulate_frequency(scene, hydrodynamics)
     if scene.settings.paths.formulation == "augmented":
