@@ -114,7 +114,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     if given:  # a memory asks more of a file
         names, needed = tuple(f.name for f in floats), tuple(tuple(sorted(each)) for each in ways)
         return Geometry(**place, coefficients=parameters.coefficients, names=names, needed=needed, memory=memory)
-    panels = panels_for(parameters.solver.tolerance)
+    panels = panels_for(parameters.solver.tolerance, hulls)
     flow = settings.radiation or settings.diffraction
     all_motions = len(PLANAR if planar else DOFS)
     # One file serves both methods, but for large arrays: the frequency domain has no use for a memory.

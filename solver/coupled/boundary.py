@@ -28,7 +28,12 @@ def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.H
         bands.append((scene.sea.omega.min(), scene.sea.omega.max()))
     whole = (float(np.min(bands)), float(np.max(bands))) if bands else None
     s, depth, gravity = scene.settings, water.depth, water.gravity
-    how: Any = {"depth": depth, "gravity": gravity, "panels": panels_for(s.tolerance), "interaction": s.interaction}
+    how: Any = {
+        "depth": depth,
+        "gravity": gravity,
+        "panels": panels_for(s.tolerance, hulls),
+        "interaction": s.interaction,
+    }
     return bem.solve(
         hulls,
         centres,

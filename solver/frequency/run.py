@@ -74,7 +74,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         **coefficient_errors(hydrodynamics),
         "drag_rounds": response.rounds,
         "buckling_factor": support.buckling_factor if support else np.inf,
-        "unmet": "; ".join(unmet(scene.settings, None, errors, hydrodynamics)),
+        "unmet": "; ".join(unmet(scene, None, errors, hydrodynamics)),
         "skipped": "; ".join(
             [
                 f"time: a linear model in the frequency domain has no {LEFT_OUT}",

@@ -15,7 +15,7 @@ from solver.multibody.minimal import move
 from solver.record.effects import together
 from solver.record.probe import Probe
 from solver.record.refit import SWAYED
-from solver.scene import MOST_PANELS, Settings, panels_for
+from solver.scene import MOST_PANELS, Scene, Settings, panels_for
 
 DOUBT = 0.05  # estimated error beyond which a record warns of it
 
@@ -33,24 +33,24 @@ def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> di
         "memory_error": system.fit.error if system.fit else 0.0,
         "memory_poles": system.fit.beta.size if system.fit else 0,
         "constraint_drift": constraint_drift(system, state),
-        "unmet": "; ".join(unmet(system.scene.settings, system.fit, errors, hydrodynamics)),
+        "unmet": "; ".join(unmet(system.scene, system.fit, errors, hydrodynamics)),
         "skipped": "; ".join([*skipped(system), *coarser(hydrodynamics)]),
     }
 
 
 def unmet(
-    s: Settings, fit: RadiationMemory | None, errors: Mapping[str, float], h: Hydrodynamics | None = None
+    scene: Scene, fit: RadiationMemory | None, errors: Mapping[str, float], h: Hydrodynamics | None = None
 ) -> list[str]:
     """What was asked for and not reached, with both numbers, by which of a record's `errors`.
 
     Of a memory that nobody asked for, what it changes: one fitted again gives up what does not.
     """
-    notes = []
+    s, notes = scene.settings, []
     if s.tolerance is not None and not errors["estimated_error"] <= s.tolerance:
         parts = ", ".join(f"{name} {errors[name]:.2g}" for name in against(s.tolerance, errors))
         note = f"tolerance = {s.tolerance:g}: the estimated error is {errors['estimated_error']:.2g}, by {parts}"
         if errors["mesh_effect"] > s.tolerance:
-            note += _panels(s, h)
+            note += _panels(scene, h)
         notes.append(note)
     asked = s.memory_tolerance or USUAL
     if fit is not None and s.memory == "state-space" and not (fit.error <= asked or _suffices(s, errors)):
@@ -59,14 +59,14 @@ def unmet(
     return notes
 
 
-def _panels(s: Settings, h: Hydrodynamics | None) -> str:
+def _panels(scene: Scene, h: Hydrodynamics | None) -> str:
     """How fine the boundary elements are, and what decides that; of a file's coefficients nothing is known."""
     if h is None or "panels" not in h.settings:
         return ""
-    by_tolerance = f"{panels_for(s.tolerance)} a body, {MOST_PANELS} at most"
-    return (
-        f"; boundary elements have {h.settings['panels']:g} panels: by it {by_tolerance}, or what a hull's own mesh has"
-    )
+    panels = panels_for(scene.settings.tolerance, [f.hull for f in scene.floats])
+    more = "the most of any" if panels == MOST_PANELS else f"by a smaller one up to {MOST_PANELS}"
+    count = f"boundary elements have {h.settings['panels']:g} panels"
+    return f"; {count}: by it {panels} a body, {more}, or what a hull's own mesh has"
 
 
 def _suffices(s: Settings, errors: Mapping[str, float]) -> bool:

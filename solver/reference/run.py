@@ -121,7 +121,7 @@ def simulate_reference(
         "constraint_drift_acceleration": float(errors[2]),
         **audited,
         **coefficient_errors(hydrodynamics),
-        "unmet": "; ".join(unmet(case.scene.settings, case.system.fit, audited, hydrodynamics)),
+        "unmet": "; ".join(unmet(case.scene, case.system.fit, audited, hydrodynamics)),
         "skipped": "; ".join(coarser(hydrodynamics)),
         **_told(case.scene),
         "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,

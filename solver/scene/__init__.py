@@ -3,6 +3,7 @@
 Frame: x along the waves for heading 0, z upwards from still water, rotations right-handed.
 """
 
+from solver.hydrodynamics.hull.mesh import PANELS
 from solver.scene.floats import (
     DOFS,
     PER_AXIS,
@@ -23,7 +24,6 @@ from solver.scene.settings import (
     OF_FLOATS,
     OF_STEEL,
     OUTPUTS,
-    PANELS,
     Fatigue,
     Output,
     Settings,

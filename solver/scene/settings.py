@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, get_args
 
 from solver.errors import InputError, refuse
+from solver.hydrodynamics.hull import edges
+from solver.hydrodynamics.hull.mesh import PANELS
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.standing import stands
@@ -202,14 +204,20 @@ class Settings:
         return replace(self, formulation="augmented") if slow and self.formulation == "minimal" else self
 
 
-PANELS = 432  # a body, of the finer of the boundary elements' two meshes
 MOST_PANELS = 4 * PANELS  # of any tolerance
+LEFT, LEFT_AT_EDGES = 2e-3, 1e-2  # of the motions, by PANELS: smooth hulls, and boxes 0.4 to 1 m deep, 4e-3 to 3e-2
 
 
-def panels_for(tolerance: float | None) -> int:
-    """Panels a body: what is left after extrapolation from two meshes falls about as h³, panels^-3/2."""
-    finer = 1.0 if tolerance is None else max(1.0, 2e-3 / tolerance)
-    return min(round(PANELS * finer ** (2 / 3)), MOST_PANELS)
+def panels_for(tolerance: float | None, hulls: Sequence[Revolution | PanelHull] = ()) -> int:
+    """Panels a body: what extrapolation from two meshes leaves falls about as h³, at sharp edges of meshes as h^p.
+
+    Panels go as h^-2; p is that of `edges.order`, 1.1 of boxes.
+    """
+    if tolerance is None:
+        return PANELS
+    sharpest = max((hull.sharpest for hull in hulls if isinstance(hull, PanelHull)), default=0.0)
+    left, order = (LEFT_AT_EDGES, edges.order(sharpest)) if sharpest > edges.SHARP else (LEFT, 3.0)
+    return min(round(PANELS * max(1.0, left / tolerance) ** (2 / order)), MOST_PANELS)
 
 
 def needs_coefficients(settings: Settings, hulls: Sequence[Revolution | PanelHull], depth: float) -> bool:

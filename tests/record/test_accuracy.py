@@ -19,12 +19,13 @@ from solver.record.probe import sharpest_bend
 from solver.record.refit import prepared
 from solver.record.sampling import least_force
 from solver.run import simulate
-from solver.scene import MOST_PANELS, PANELS, EndStops, Float, Settings, Water, panels_for, two_digits
+from solver.scene import MOST_PANELS, PANELS, EndStops, Float, Water, panels_for, two_digits
 from solver.sea.realization import Realization
 from solver.statistics import FAINT, apart
 from solver.structure.load_history import LoadHistory
 from tests.awkward import SCENES, known, raking, sea, unequal_legs
 from tests.awkward import scene as awkward_scene
+from tests.hydrodynamics.shapes import meshed
 
 
 def oblique_hull_in_head_seas():
@@ -75,20 +76,23 @@ def test_what_cannot_be_met_is_said(buan, coefficients):
     attrs = simulate(buan.scene("fixed", tolerance=2e-3), rough).attrs
     error, mesh = attrs["estimated_error"], attrs["mesh_effect"]
     told = f"tolerance = 0.002: the estimated error is {error:.2g}, by mesh_effect {mesh:.2g}"
-    panels = (
-        f"{told}; boundary elements have {{}} panels: by it {{}} a body, {MOST_PANELS} at most, or what a hull's own"
-    )
-    panels += " mesh has"
-    assert attrs["unmet"] == panels.format(f"{coefficients.settings['panels']:g}", PANELS)
+    panels = "; boundary elements have {:g} panels: by it {} a body, {}, or what a hull's own mesh has"
+    fewer = PANELS, f"by a smaller one up to {MOST_PANELS}"
+    assert attrs["unmet"] == told + panels.format(coefficients.settings["panels"], *fewer)
     meshed = replace(rough, settings=MappingProxyType({**rough.settings, "panels": 2912}))
     given = replace(rough, settings=MappingProxyType({}))
-    asked, errors = Settings(tolerance=2e-3), {"estimated_error": error, "mesh_effect": mesh, "memory_effect": 0.0}
-    assert unmet(asked, None, errors, meshed) == [panels.format(2912, PANELS)]
+    asked = buan.scene("fixed", tolerance=2e-3)
+    errors = {"estimated_error": error, "mesh_effect": mesh, "memory_effect": 0.0}
+    assert unmet(asked, None, errors, meshed) == [told + panels.format(2912, *fewer)]
     assert unmet(asked, None, errors, given) == unmet(asked, None, errors) == [told]
     other = {"estimated_error": 1.5e-3, "mesh_effect": 9e-4, "memory_effect": 1.2e-3}
-    assert unmet(Settings(tolerance=1e-3), None, other) == [
+    assert unmet(buan.scene("fixed", tolerance=1e-3), None, other) == [
         "tolerance = 0.001: the estimated error is 0.0015, by memory_effect 0.0012"
     ]
+    box = SCENES["soft_mooring"]()[0]
+    asking = replace(box, settings=replace(box.settings, tolerance=1e-4))
+    (note,) = unmet(asking, None, {"estimated_error": 1e-2, "mesh_effect": 1e-2}, meshed)
+    assert note.endswith(panels.format(2912, MOST_PANELS, "the most of any"))
 
 
 @pytest.mark.parametrize("method", ["time", "frequency"])
@@ -255,6 +259,18 @@ def test_step_follows_the_fourth_order(buan):
 def test_mesh_follows_the_tolerance():
     assert panels_for(None) == panels_for(2e-3) == PANELS
     assert panels_for(2e-3 / 8) == 4 * PANELS == panels_for(1e-6)
+
+
+def test_sharp_edges_of_meshes_below_water_ask_for_more_panels_sooner():
+    """A box by h^1.09, a duck's beak, 111 degrees, by h^0.97; hulls of revolution have narrow panels at theirs."""
+    box, duck = (SCENES[name]()[0].floats[0].hull for name in ("soft_mooring", "duck"))
+    cylinder = Revolution.vertical_cylinder(radius=1.0, draft=1.0, freeboard=1.0)
+    ball = meshed(Revolution.sphere(radius=1.0, draft=0.9), 12)
+    for hull in (box, duck, ball):
+        assert panels_for(None, [hull]) == panels_for(1e-2, [hull]) == panels_for(0.1, [hull]) == PANELS
+    assert panels_for(5e-3, [box]) == round(PANELS * 2 ** (2 / (2 * (2 / 3) ** 1.5)))
+    assert panels_for(6e-3, [box]) < panels_for(6e-3, [cylinder, duck, box]) < panels_for(3e-3, [box]) == MOST_PANELS
+    assert panels_for(1e-3, [cylinder, ball]) == panels_for(1e-3) == round(PANELS * 2 ** (2 / 3))
 
 
 def test_tolerance_out_of_range_is_refused(buan):

@@ -88,7 +88,7 @@ class Problem:
         omega: np.ndarray | None = None,
         waves_to: float = np.inf,
         planar: bool = True,
-        panels: int = 432,
+        panels: int = meshes.PANELS,
         interaction: bool = True,
         far_field: bool = False,
         gap_damping: float = 0.0,
@@ -148,8 +148,15 @@ class Problem:
 
     @cached_property
     def counts(self) -> tuple[int, ...]:
-        """Panels of each body."""
-        return _counts(self.hulls, self.panels, self.seas[0].wavenumber(self.omega[-1]))
+        """Panels of each body: as asked for, or half or a quarter of that, PANELS at least, if that is solved better.
+
+        One mesh of more panels is farther off than the limit of two, and even ones than those narrower at edges.
+        """
+        asked = [n for n in (self.panels, self.panels // 2, self.panels // 4) if n >= meshes.PANELS] or [self.panels]
+        tried = [_counts(self.hulls, n, self.seas[0].wavenumber(self.omega[-1])) for n in asked]
+        if len(tried) == 1:
+            return tried[0]
+        return max(tried, key=lambda counts: _meshing(self.hulls, self.centres, counts))  # two before one, narrow last
 
     @cached_property
     def orders(self) -> int:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull.edges import order
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.plates import Plates
@@ -84,7 +85,7 @@ def of_edges(hulls: tuple[Hull, ...], counts: tuple[int, ...], *, narrow: bool) 
     shares = [TWO_MESHES]
     for hull, count in zip(hulls, counts, strict=True):
         if isinstance(hull, PanelHull):
-            left = 3 / (2 ** (2 * (np.pi / (np.pi + hull.sharpest)) ** 1.5) - 1) - 1
+            left = 3 / (2 ** order(hull.sharpest) - 1) - 1
             narrower = narrow and (hull.finer is not None or meshes.halving(hull, count).narrow)
             share = max(TWO_MESHES, NARROWED * left if narrower else left)
             shares.append(share if hull.finer is None else IRREGULAR * share)

@@ -15,6 +15,7 @@ from solver.hydrodynamics.hull.surface import merged, mirrored
 
 Hull = Revolution | PanelHull
 
+PANELS = 432  # a body, of the finer of the boundary elements' two meshes, where no more are asked for
 ON_PLANE = 1e-9  # [m]
 LONGER = 1.2
 LEAST_PLATE = 0.05  # of a mesh's wetted surface, from which on its thin parts are plates

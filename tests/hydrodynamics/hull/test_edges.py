@@ -10,9 +10,10 @@ from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.edges import CUT, jutting, narrowed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.surface import area_vectors, split, triangles
 from tests.awkward import prism
-from tests.hydrodynamics.shapes import box, loose
+from tests.hydrodynamics.shapes import box, loose, meshed
 
 SIZE = (4.0, 2.0, 1.0)
 
@@ -108,3 +109,25 @@ def test_two_even_meshes_go_before_one_that_is_narrow_at_edges(monkeypatch):
         monkeypatch.setattr(bem, "AFFORDABLE", limit)
         counts.append(bem.part(replace(problem))[0][0].panels)
     assert counts[1] == 4 * meshes.halved_count(quads(), 108, narrow=False) < counts[0]
+
+
+def test_more_panels_are_taken_only_where_two_narrow_meshes_of_them_are(monkeypatch):
+    """Of four hulls where 1,728 panels each, half or a quarter of them may be too many; none falls below 432."""
+    barge, places = quads(), np.array([[0.0, 0, 0], [9, 0, 0], [0, 6, 0], [10, 7, 0]])
+
+    def chosen(panels, affordable, hull=barge):
+        monkeypatch.setattr(bem, "AFFORDABLE", affordable)
+        how = {"depth": np.inf, "omega": np.array([1.0]), "planar": False, "panels": panels}
+        problem = bem.Problem.of((hull,) * 4, places, **how)
+        return problem.counts[0], problem.meshing
+
+    def cost(count, narrow, hull=barge):
+        return (4 * 4 * meshes.halved_count(hull, count // 4, narrow=narrow)) ** 2
+
+    two, ball = (2, 1), meshed(Revolution.sphere(radius=1.0, draft=0.9), 6)
+    assert chosen(1728, cost(1728, True)) == (1728, (two, True))
+    assert chosen(1728, cost(1728, True) - 1) == (432, (two, True))
+    assert chosen(1728, cost(432, True) - 1) == (432, (two, False))
+    assert chosen(1728, cost(864, True, ball), ball) == (864, (two, True))
+    assert chosen(1728, 1.0) == (1728, ((1,), True)) and chosen(500, 1.0)[0] == 500
+    assert chosen(216, cost(216, True) - 1)[0] == 216
