@@ -135,11 +135,8 @@ def test_a_dense_mesh_is_made_coarser_all_the_same(shape, noise):
 
 def test_sides_as_long_as_each_other_are_halved_alike_whatever_their_noise():
     squares = divided((2.0, 2.0, 2.0), 1.0)
-    for panels in (
-        squares,
-        surface.triangles(squares)[:, [0, 1, 2, 2]],
-        divided((2.0, 2.0, 2.0), 1.0) * [1, 1, 1.0001],
-    ):
+    upright = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, 1, 0], [0.5, 1, 0]]) + np.arange(8)[:, None, None] * [2.0, 0, 0]
+    for panels in (squares, surface.triangles(squares)[:, [0, 1, 2, 2]], squares * [1, 1, 1.0001], upright):
         for size in (0.8, 1.0, np.sqrt(2)):
             parts, noised = surface.split(panels, size), surface.split(noisy(panels, 1e-6), size)
             assert noised.shape == parts.shape and noised == approx(parts, abs=1e-3)
