@@ -103,6 +103,14 @@ def test_what_linear_drag_leaves_is_told(case):
     assert both[1].attrs["estimated_error"] >= told
 
 
+def test_three_times_a_waves_frequency_may_meet_a_resonance():
+    """That of the legs at 14.7 rad/s: their displacement, of which drag drives next to nothing else, within 2.5."""
+    both = records(legs, 5.0, regular(height=0.5, period=6 * np.pi / 14.66, heading=SLANTED))
+    march, lines = tables(both, "top_displacement")
+    true = np.max(np.abs(lines / march - 1)[:, 4])
+    assert true > 0.03 and 0.4 < both[1].attrs["drag_effect"] / true < 2.5
+
+
 @pytest.mark.parametrize("case", [(of_pile, rough(5.0)), (legs, 5.0), (floating, 50.0)])
 def test_extremes_that_drag_drives_are_told(case):
     """Of the tops by the factor that a warning says, within 20 %."""
