@@ -15,19 +15,27 @@ NEAR = 1e-6  # of the extent: what is as near to an edge lies on it
 
 
 def jutting(panels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Edges (n, 2, 3) that two panels share and that jut out, and by how much the surface turns there (n,) [rad]."""
+    """Sides (n, 2, 3) along which two panels meet and jut out, and by how much the surface turns there (n,) [rad].
+
+    Panels may meet along parts of their sides: then it is the sides of both.
+    """
     vertices, faces, _ = surface.welded(panels.reshape(-1, 3), np.arange(4 * len(panels)).reshape(-1, 4))
-    pairs, owner = surface.edges(faces)
+    sides, owner = surface.edges(faces)
+    pairs, side = surface.cut_where_corners_lie(vertices, sides, np.arange(len(sides)))
     _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
     order = np.argsort(place, kind="stable")
-    shared = order[count[place[order]] == 2].reshape(-1, 2)
+    shared = side[order[count[place[order]] == 2].reshape(-1, 2)]
     one, other = owner[shared].T
     corners = vertices[faces]
     normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     away = np.sum((corners.mean(axis=1)[other] - corners.mean(axis=1)[one]) * normals[one], axis=1)
     turn = np.arccos(np.clip(np.sum(normals[one] * normals[other], axis=1), -1, 1))
-    return vertices[pairs[shared[:, 0]]][away < 0], turn[away < 0]
+    juts = away < 0
+    lines, line = np.unique(np.sort(sides[shared[juts]].reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+    most = np.zeros(len(lines))
+    np.maximum.at(most, line, np.repeat(turn[juts], 2))
+    return vertices[lines], most
 
 
 def order(turn: float) -> float:

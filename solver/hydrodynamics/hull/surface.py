@@ -113,7 +113,7 @@ def unmatched(lines: np.ndarray) -> np.ndarray:
     if not len(ends):
         return lines
     vertices, pairs = _one_each(ends, np.arange(len(ends)).reshape(-1, 2))
-    pairs, _ = _cut_where_corners_lie(vertices, pairs, np.zeros(len(pairs), int))
+    pairs, _ = cut_where_corners_lie(vertices, pairs, np.zeros(len(pairs), int))
     return vertices[pairs[_alone(pairs)]]
 
 
@@ -141,7 +141,7 @@ def oriented(
     Panels may meet along parts of their sides, with corners of one on a side of another. A part's volume is
     ∫ z n_z dS, which a rim at z = 0 leaves unchanged: inside out where it is negative.
     """
-    pairs, owner = _cut_where_corners_lie(vertices, *edges(faces))
+    pairs, owner = cut_where_corners_lie(vertices, *edges(faces))
     _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
     if count.max() > 2:
         point = vertices[pairs[np.argmax(count[place] > 2), 0]]
@@ -166,8 +166,8 @@ def _alone(pairs: np.ndarray) -> np.ndarray:
     return count[place] == 1
 
 
-def _cut_where_corners_lie(vertices: np.ndarray, pairs: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Edges (ne, 2) and their faces (ne,), those of one face alone cut at the ends of others that lie on them."""
+def cut_where_corners_lie(vertices: np.ndarray, pairs: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Edges (ne, 2) and their owners (ne,), those of one face alone cut at the ends of others that lie on them."""
     alone = _alone(pairs)
     ends = np.unique(pairs[alone])
     if not len(ends):
