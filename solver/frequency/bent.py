@@ -9,7 +9,7 @@ import numpy as np
 
 from solver.frequency import gaussian
 from solver.multibody.joint_law import JointLaw
-from solver.multibody.of_axes import JointLoads, joint_loads
+from solver.multibody.of_axes import JointLoads, bent, joint_loads
 from solver.statistics import moments
 
 Load = Callable[[np.ndarray], np.ndarray]  # of power take-offs (m, n) at rates (m, n)
@@ -33,7 +33,7 @@ def rate_load(law: JointLaw, axes: np.ndarray) -> Load:
 
 
 def _loads(law: JointLaw, axes: np.ndarray, rates: np.ndarray) -> JointLoads:
-    every = np.zeros((len(rates), law.damping.size))
+    every = np.zeros((len(rates), bent(law).size))
     every[:, axes] = rates
     return joint_loads(law, np.zeros(every.shape), every)
 

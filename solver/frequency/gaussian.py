@@ -87,6 +87,8 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
     """
     if len(V) == 1:
         return moments(sampled(V) ** 2 @ c[:, None])[0]
+    if c.size > 1:  # how often an axis moves that absorbs nothing says nothing of the largest
+        V, c = V[:, c > 0], c[c > 0]
     m0, m2, most = _sums(V, omega)
     principal = np.linalg.eigvals(c[:, None] * covariance(V, V)).real if c.size > 1 else 0.5 * c * m0
     mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2))

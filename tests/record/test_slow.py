@@ -169,6 +169,6 @@ def test_a_knob_that_nobody_set_is_unmet_only_by_what_it_does():
     item, h = buoy()
     fit = replace(prepare(item, h).fit, error=2 * USUAL)
     little, much = ({"estimated_error": 1e-2, "memory_effect": x * refit.SWAYED} for x in (0.9, 1.1))
-    assert unmet(Settings(), fit, little) == []
-    asked = Settings(memory_tolerance=USUAL)
-    assert len(unmet(Settings(), fit, much)) == len(unmet(asked, fit, little)) == 1
+    asked = replace(item, settings=replace(item.settings, memory_tolerance=USUAL))
+    assert unmet(item, fit, little) == []
+    assert len(unmet(item, fit, much)) == len(unmet(asked, fit, little)) == 1
