@@ -62,6 +62,16 @@ def tables_of(case: Case, outputs: list[Output]) -> dict[str, np.ndarray]:
     }
 
 
+def _bends(case: Case, law: JointLaw) -> np.ndarray:
+    """Joints' axes (nj,) whose law has several zones."""
+    return bent(law)[case.system.structure.carrier.shape[0] :]
+
+
+def _of_law(case: Case, axes: np.ndarray) -> np.ndarray:
+    """Which axes of the system's law some of the joints' are, of a mask (nj,)."""
+    return case.system.structure.carrier.shape[0] + np.flatnonzero(axes)
+
+
 def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], tables: dict[str, np.ndarray]) -> None:
     """By the whole law what axes bear that it bends, in place: `pto_force`, and along those of a float on fixed ground
     its `hinge_force`, in one wave with all that goes by rate: a Gaussian rate would give quadratic damping too much.
@@ -69,30 +79,31 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
     Axes that friction holds bear what the linear model says.
     """
     scene, channels, rates = case.system.scene, case.channels, rate_lines(case, response)
+    nc, bends = case.system.structure.carrier.shape[0], _bends(case, law)
     owner, of_lines, one = channels.owner, {name: lines for name, _, lines in linear}, len(rates) == 1
     fixed = np.array([scene.platform is None and scene.carriers[b] < 0 for b in owner], bool)
     slides, moved = np.array([name in DOFS[:3] for name in channels.names], bool), ~response.stuck
-    along = moved & fixed & slides & (bent(law) | (one & (drag(law) > 0)))
+    along = moved & fixed & slides & (bends | (one & (drag(law)[nc:] > 0)))
     for name, which, of, order in (
-        ("pto_force", moved & bent(law), pto_load, channels.axes),
+        ("pto_force", moved & bends, pto_load, channels.axes),
         ("hinge_force", along, rate_load if one else pto_load, DOFS),
     ):
         axes = np.flatnonzero(which)
         if name in tables and axes.size:
             at = owner[axes], [order.index(channels.names[j]) for j in axes]
             usual, lines = tables[name][at], of_lines[name][:, *at]
-            tables[name][at] = borne_table(of(law, axes), rates[:, axes], usual, lines, case.omega, case.duration)
+            tables[name][at] = borne_table(of(law, nc + axes), rates[:, axes], usual, lines, case.omega, case.duration)
 
 
 def of_squares(case: Case, response: Response, frame: Forces, law: JointLaw) -> Iterator[tuple[str, np.ndarray]]:
     """Name and statistics of what no line makes."""
     scene, channels, omega = case.system.scene, case.channels, case.omega
     if scene.floats:
-        pto, rates = response.pto, rate_lines(case, response)
+        pto, rates, bends = response.pto, rate_lines(case, response), _bends(case, law) & ~response.stuck
         owned = [channels.owner == b for b in range(len(scene.floats))]
         powers = [
-            absorbed_table(pto_load(law, np.flatnonzero(i)), rates[:, i], omega, case.duration)
-            if np.any(bent(law) & i & ~response.stuck)
+            absorbed_table(pto_load(law, _of_law(case, i)), rates[:, i], omega, case.duration)
+            if np.any(bends & i)
             else gaussian.power_table(pto[i], rates[:, i], omega, case.duration)
             for i in owned
         ]
@@ -116,7 +127,7 @@ def _electrical(
         if f.pto_efficiency is None:
             yield np.full(len(STATISTICS), np.nan)
             continue
-        load = pto_load(law, np.flatnonzero(i)), response.pto[i], f.per_axis("pto_stiffness")
+        load = pto_load(law, _of_law(case, i)), response.pto[i], f.per_axis("pto_stiffness")
         axes = gaussian.Axes(*load, level[i], joints[:, i], rates[:, i])
         yield gaussian.electrical_table(f.pto_efficiency, axes, power, response.omega, case.duration)
 

@@ -42,18 +42,17 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     """Statistics of the linear model's stationary response over `duration`; series and envelopes it does not have."""
     require_waves(scene)
     case = case_of(scene, hydrodynamics)
-    law, joints = case.law(scene.floats), joint_law(scene.floats)
-    channels, support = case.channels, case.system.support
+    law, channels, support = case.law(scene.floats), case.channels, case.system.support
     response = respond_in(case, law)
     frame = frame_forces(case, response)
     linear, waves, omega = list(outputs(case, response, frame)), case.waves.size, case.omega
-    tables = tables_of(case, linear) | dict(of_squares(case, response, frame, joints))
+    tables = tables_of(case, linear) | dict(of_squares(case, response, frame, law))
     beyond: Iterable[str] = ()
     if scene.floats:
-        bend(case, response, joints, linear, tables)
+        bend(case, response, law, linear, tables)
     if bent(law).any():
         fastest = gaussian.fastest(rate_lines(case, response), omega, case.duration)
-        bound(tables, scene, channels, joints, fastest)
+        bound(tables, scene, channels, joint_law(scene.floats), fastest)
         ways = np.stack([0 * fastest, fastest])  # tables are by rate alone
         beyond = beyond_tables(scene.floats, -ways, ways)
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
