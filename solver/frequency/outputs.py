@@ -10,7 +10,7 @@ from solver.frequency.bent import absorbed_table, borne_table, pto_load, rate_lo
 from solver.frequency.case import Case
 from solver.frequency.response import Response
 from solver.multibody.joint_law import JointLaw
-from solver.multibody.of_axes import bent, drag
+from solver.multibody.of_axes import drag
 from solver.record.channels import ELEVATION, Labelled
 from solver.scene import DOFS
 from solver.statistics import STATISTICS
@@ -62,11 +62,6 @@ def tables_of(case: Case, outputs: list[Output]) -> dict[str, np.ndarray]:
     }
 
 
-def _bends(case: Case, law: JointLaw) -> np.ndarray:
-    """Joints' axes (nj,) whose law has several zones."""
-    return bent(law)[case.system.structure.carrier.shape[0] :]
-
-
 def _of_law(case: Case, axes: np.ndarray) -> np.ndarray:
     """Which axes of the system's law some of the joints' are, of a mask (nj,)."""
     return case.system.structure.carrier.shape[0] + np.flatnonzero(axes)
@@ -79,13 +74,16 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
     Axes that friction holds bear what the linear model says.
     """
     scene, channels, rates = case.system.scene, case.channels, rate_lines(case, response)
-    nc, bends = case.system.structure.carrier.shape[0], _bends(case, law)
-    owner, of_lines, one = channels.owner, {name: lines for name, _, lines in linear}, len(rates) == 1
+    nc, one = case.system.structure.carrier.shape[0], len(rates) == 1
+    by_rate = response.bends | (one & (drag(law)[nc:] > 0))
+    if not by_rate.any():
+        return
+    owner, of_lines = channels.owner, {name: lines for name, _, lines in linear}
     fixed = np.array([scene.platform is None and scene.carriers[b] < 0 for b in owner], bool)
     slides, moved = np.array([name in DOFS[:3] for name in channels.names], bool), ~response.stuck
-    along = moved & fixed & slides & (bends | (one & (drag(law)[nc:] > 0)))
+    along = moved & fixed & slides & by_rate
     for name, which, of, order in (
-        ("pto_force", moved & bends, pto_load, channels.axes),
+        ("pto_force", moved & response.bends, pto_load, channels.axes),
         ("hinge_force", along, rate_load if one else pto_load, DOFS),
     ):
         axes = np.flatnonzero(which)
@@ -99,7 +97,7 @@ def of_squares(case: Case, response: Response, frame: Forces, law: JointLaw) -> 
     """Name and statistics of what no line makes."""
     scene, channels, omega = case.system.scene, case.channels, case.omega
     if scene.floats:
-        pto, rates, bends = response.pto, rate_lines(case, response), _bends(case, law) & ~response.stuck
+        pto, rates, bends = response.pto, rate_lines(case, response), response.bends & ~response.stuck
         owned = [channels.owner == b for b in range(len(scene.floats))]
         powers = [
             absorbed_table(pto_load(law, _of_law(case, i)), rates[:, i], omega, case.duration)

@@ -61,6 +61,7 @@ class Response:
     mean: Mean
     mesh_effect: float  # see audit.coefficient_effects
     linearisation_effect: float  # see _linearisation_effect
+    bends: np.ndarray  # (nj,) which axes' law has several zones
     excess: np.ndarray  # (nj,) kurtosis of the joints' rates beyond a Gaussian's: see shape
     stuck: np.ndarray  # (nj,) which axes friction holds
 
@@ -90,6 +91,7 @@ def respond_in(case: Case, law: JointLaw) -> Response:
         mean=_mean(case, last.rate[:nm]),
         mesh_effect=_mesh_effect(case, law, last, wrench),
         linearisation_effect=_linearisation_effect(case, law, last, excess),
+        bends=last.bends,
         excess=excess,
         stuck=last.stuck,
     )
@@ -125,6 +127,7 @@ class _Round:
     K: np.ndarray  # (ns, nd, nd) of the drag: see Stations
     of_water: np.ndarray  # (nm, nw) what it does to the modes where they do not move
     pto: np.ndarray  # (nj,) damping of the power take-offs
+    bends: np.ndarray  # (nj,) which axes' law has several zones
     stuck: np.ndarray  # (nj,) which axes friction holds
     rounds: int
 
@@ -134,7 +137,8 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
     model, omega, stations = case.model, case.omega, case.stations
     nm, nc = model.modes.shape[1], case.system.structure.carrier.shape[0]
     height = float(np.abs(case.system.scene.sea.amplitude).sum())
-    quadratic, bent = of_axes.drag(law), of_axes.bent(law).any()
+    quadratic, bends = of_axes.drag(law), of_axes.bent(law)[nc:]
+    bent = bends.any()
     linear, joints = case.linear_damping(law), np.arange(nm, len(model.mass))
     at_rest = pto = linearised.damping_at_rest(law)[nc:]
     rate, turning = np.zeros((len(model.mass), omega.size), complex), -1j * omega
@@ -166,7 +170,7 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
         last, change = change, _change(last_std[~held], std[~held]) if alike else np.inf
         if not (stations.size or quadratic.any() or bent) or _ahead(last, change) <= AGREED:
             found = {"X": X, "rate": rate, "push": push, "damping": damping, "K": K, "of_water": of_water}
-            return _Round(**found, pto=pto, stuck=held[nm:] & of_axes.holds(law)[nc:], rounds=rounds)
+            return _Round(**found, pto=pto, bends=bends, stuck=held[nm:] & of_axes.holds(law)[nc:], rounds=rounds)
     what = "drag or power take-off" if bent else "drag"
     raise SimulationFailed(f"linearised {what} does not agree with its own result after {ROUNDS} rounds")
 
@@ -205,8 +209,8 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) ->
 def _excess(case: Case, law: JointLaw, last: _Round) -> np.ndarray:
     """Kurtosis of the joints' rates (nj,) beyond a Gaussian's; of one wave, and of axes that are held, none."""
     nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
-    rate, bends = last.rate[nm:], (of_axes.drag(law) > 0) | of_axes.bent(law)
-    mobility, joints = np.zeros(rate.shape, complex), bends[nc:] & ~last.stuck
+    rate, joints = last.rate[nm:], ((of_axes.drag(law)[nc:] > 0) | last.bends) & ~last.stuck
+    mobility = np.zeros(rate.shape, complex)
     if rate.shape[1] == 1 or not joints.any():
         return np.zeros(len(rate))
     for j in np.flatnonzero(joints):
@@ -225,7 +229,7 @@ def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.nd
     gives the rate its kurtosis, by which the std of power changes, too, in the same sense as a rule.
     """
     nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
-    if not (of_axes.drag(law).any() or of_axes.bent(law).any()):
+    if not (of_axes.drag(law).any() or last.bends.any()):
         return 0.0
     if case.omega.size == 1:
         return _by_overtones(case, law, last)

@@ -22,7 +22,7 @@ from solver.frequency.response import Response, respond, respond_in
 from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
-from solver.multibody.of_axes import bent, friction
+from solver.multibody.of_axes import friction
 from solver.oddities import beyond_tables, drag_driven, met, not_gaussian, stopped, swung
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
@@ -50,7 +50,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     beyond: Iterable[str] = ()
     if scene.floats:
         bend(case, response, law, linear, tables)
-    if bent(law).any():
+    if response.bends.any():
         fastest = gaussian.fastest(rate_lines(case, response), omega, case.duration)
         bound(tables, scene, channels, joint_law(scene.floats), fastest)
         ways = np.stack([0 * fastest, fastest])  # tables are by rate alone
