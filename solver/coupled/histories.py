@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.coupled.ritz import FAINT, of_whole
 from solver.coupled.support import Support
 from solver.coupled.system import System
 from solver.structure.load_history import LoadHistory
@@ -23,11 +24,12 @@ class Moved(NamedTuple):
     swings: np.ndarray  # about where slow loads would push them
     histories: np.ndarray  # with that
     whole: float  # all of them together, in waves, too
+    borne: np.ndarray  # what the ground bears of their swings along x, y or z, of all that it bears along it
 
     @property
     def swung(self) -> np.ndarray:
         """Frequencies [rad/s] of those that the loads set swinging."""
-        return self.omega[self.swings > SWINGS * self.whole]
+        return self.omega[(self.swings > SWINGS * self.whole) | (self.borne > SWINGS)]
 
 
 def moved(system: System) -> Moved:
@@ -39,8 +41,10 @@ def moved(system: System) -> Moved:
     in_waves = system.rows[system.layout.modal] / (
         omega[:, None] ** 2 - sea**2 - 2j * (support.damping * omega)[:, None] * sea
     )
-    of_waves = np.linalg.norm(omega[:, None] * in_waves) / np.sqrt(2)
-    return Moved(omega, told.swings, histories, float(np.hypot(np.linalg.norm(histories), of_waves)))
+    both = np.hypot(histories, np.linalg.norm(omega[:, None] * in_waves, axis=1) / np.sqrt(2))
+    on_ground = omega * np.abs(support.thrust)
+    borne = of_whole(on_ground, told.swings, np.linalg.norm(on_ground * both, axis=1), FAINT)
+    return Moved(omega, told.swings, histories, float(np.linalg.norm(both)), borne.max(axis=0, initial=0.0))
 
 
 @lru_cache(maxsize=2)

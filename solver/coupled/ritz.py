@@ -16,6 +16,7 @@ from solver.structure.ringing import lines, sizes
 
 SWUNG = 3e-3  # of all that load histories move: modes that they set swinging by more are kept
 FAR_LESS = 0.1  # of the leg's top that moves most: what moves by less is not judged
+FAINT = 0.01  # the same of the forces on the ground along x, y and z
 PATTERN = 1e-3  # principal wave-load shapes smaller than this share of the largest are left out
 KNOWN = 8  # frames whose modes a process keeps
 
@@ -43,26 +44,41 @@ def with_swung(
     platform: Platform,
     applied: np.ndarray,
     model: FrameModel,
+    M: sparse.csr_array,
     damping: StructuralDamping,
 ) -> tuple[natural.Modes, float]:
     """The lowest modes and those that the loads set swinging, of a frame by itself; and `unswung`.
 
-    applied (na, nm): modal load of unit forces.
+    By strain energy, by what the legs' tops do and by what the ground bears: a mode that stretches a mast moves next to
+    nothing and carries all of its axial force. applied (na, nm): modal load of unit forces.
     """
     omega, shapes = every
     ratio = damping.of(omega, np.einsum("ij,ij->j", shapes, model.M @ shapes))
     end = min(history.time[-1] for history in platform.load_histories)
     told = sizes(lines(platform.load_histories, end), omega, ratio, applied)
     of_tops = np.abs(shapes[tops_of(model, platform.legs)]) / omega
-    share = np.concatenate([np.ones((1, omega.size)), of_tops])  # of strain energy, and of the legs' tops
-    whole = np.linalg.norm(share * np.hypot(told.swings, told.pushed), axis=1)
-    least = np.zeros(whole.size)
-    least[1:] = FAR_LESS * whole[1:].max(initial=0.0)
-    judged = whole > least
-    swings = share[judged] * told.swings / whole[judged, None]
+    on_ground = omega * np.abs(thrust(M, shapes))
+    parts = ((np.ones((1, omega.size)), 0.0), (of_tops, FAR_LESS), (on_ground, FAINT))
+    moved = np.hypot(told.swings, told.pushed)
+    swings = np.concatenate(
+        [of_whole(does, told.swings, np.linalg.norm(does * moved, axis=1), least) for does, least in parts]
+    )
     kept = (np.arange(omega.size) < lowest) | (swings.max(axis=0, initial=0.0) > SWUNG)
     left = np.linalg.norm(swings[:, ~kept], axis=1).max(initial=0.0)
     return natural.Modes(omega[kept], shapes[:, kept]), float(left)
+
+
+def of_whole(does: np.ndarray, swings: np.ndarray, whole: np.ndarray, least: float) -> np.ndarray:
+    """What modes' swings (nm,) do, `does` (k, nm) for a unit, of the `whole` (k,) of each, where that is more than
+    `least` of the largest."""
+    judged = whole > least * whole.max(initial=0.0)
+    return does[judged] * swings / whole[judged, None]
+
+
+def thrust(M: sparse.csr_array, shapes: np.ndarray) -> np.ndarray:
+    """Force on the ground along x, y, z for unit -q̈ of each mode, tᵀMφ of the frame's shifts t: (3, nm) [kg^½]."""
+    shifts = np.tile(np.eye(6)[:3], len(shapes) // 6)
+    return np.asarray(shifts @ (M @ shapes))
 
 
 def loaded_by(model: FrameModel, histories: Iterable[LoadHistory]) -> np.ndarray:

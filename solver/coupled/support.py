@@ -18,7 +18,7 @@ from solver.coupled import forces, stretching
 from solver.coupled.drag import station_drag
 from solver.coupled.forces import Forces
 from solver.coupled.places import Places, places_of
-from solver.coupled.ritz import kept_modes, loaded_by, rest_of, ritz_basis, tops_of, unit_loads, with_swung
+from solver.coupled.ritz import kept_modes, loaded_by, rest_of, ritz_basis, thrust, tops_of, unit_loads, with_swung
 from solver.coupled.stretching import Stretched
 from solver.coupled.surroundings import (
     Surroundings,
@@ -82,6 +82,7 @@ class Support:
     stream: np.ndarray  # (nd, ns) velocity of the current there, normal to the member [m/s]
     stretched: Stretched | None  # where waves load them up to their surface
     applied: np.ndarray  # (na, nm) modal load of unit forces along the axes of each load history
+    thrust: np.ndarray  # (3, nm) force on the ground along x, y, z for unit -q̈ [kg^½]
     unswung: float  # of all that these move, what they set swinging of modes that are not kept
     legs: Legs | None
     within: tuple[float, float]  # what its worst elements leave out, [-] and over ω² [s²]: see _within
@@ -175,7 +176,7 @@ def _reduced(
         if damping is not None:
             large = platform.frame.freedoms > natural.MOST
             every = kept_modes(model, sea.density, planar, natural.MANY if large else None)[1]
-            kept, unswung = with_swung(every, modes, platform, every.shapes[loaded], model, damping)
+            kept, unswung = with_swung(every, modes, platform, every.shapes[loaded], model, M, damping)
         unit = unit_loads(len(kept.shapes), np.concatenate([dof.ravel(), loaded]))
         if field.current is not None:
             unit = np.concatenate([unit, load_of_stream(model, field, drags, sea)], axis=1)
@@ -233,6 +234,7 @@ def _reduced(
         stream=water_drag.stream,
         stretched=water_drag.stretched,
         applied=shapes[loaded],
+        thrust=thrust(M, shapes),
         unswung=unswung,
         left_out=LeftOut(
             waves=nodal @ rest,

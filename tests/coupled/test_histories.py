@@ -10,9 +10,14 @@ from solver.coupled import support
 from solver.coupled.histories import missed, moved
 from solver.coupled.preparation import prepare
 from solver.run import simulate
+from solver.scene import Platform
+from solver.sea.realization import CALM
 from solver.structure import modes
+from solver.structure.frame import Frame
 from solver.structure.load_history import LoadHistory
-from tests.awkward import raking, sea
+from solver.structure.members import Member, PointMass
+from solver.structure.sections import tube
+from tests.awkward import STEEL, raking, scene, sea
 
 SWELL = sea(Hs=0.02, Tp=8.0, band=(0.6, 1.0))
 
@@ -106,3 +111,44 @@ def test_histories_choose_among_the_lowest_modes_of_a_large_frame(monkeypatch):
         support._reduced.cache_clear()
         few = prepare(scene, None).support
         assert (few.omega.size == usual.omega.size and few.omega == approx(usual.omega, rel=1e-6)) == close
+
+
+def mast(shape, force, waves, foundation=None, **settings):
+    """Two tubes through the points of `shape` with 3 t on top, off their axis; a triangle of 0.13 s halfway up."""
+    nodes = dict(zip(("foot", "mid", "top"), shape, strict=True))
+    members = [
+        Member(name=name, start=start, end=end, elements=8, section=tube(0.5, 0.012), material=STEEL)
+        for name, start, end in (("low", "foot", "mid"), ("high", "mid", "top"))
+    ]
+    mass = PointMass(node="top", mass=3e3, cog=(0.8, 0.0, 0.3), inertia=(500.0, 800.0, 600.0))
+    stands = {"foundation": {"foot": foundation}} if foundation else {"clamped": ("foot",)}
+    frame = Frame(nodes=nodes, members=tuple(members), masses=(mass,), **stands)
+    time = np.array([0.0, 1.0, 1.05, 1.13, 30.0])
+    blow = LoadHistory(node="mid", time=time, force=np.outer([0, 0, 1, 0, 0], force))
+    platform = Platform(frame=frame, legs=("low",), load_histories=(blow,), damping_ratio=0.03)
+    chosen = {"outputs": ("section_forces", "reactions"), "duration": 12.0, "discard": 0.0, "ramp": 0.0} | settings
+    return scene([], depth=10.0, platform=platform, waves=waves, **chosen)
+
+
+LEANING = ((3.0, -2.0, -9.0), (4.0, -1.0, 2.0), (5.0, 0.5, 15.0)), (40e3, -10e3, 5e3), CALM
+UPRIGHT = ((0.0, 0.0, -10.0), (0.0, 0.0, 2.0), (0.0, 0.0, 15.0)), (40e3, 0.0, -3e3), SWELL
+SPRINGS = (2e8, 2e8, 5e8, 4e8, 4e8, 1e8)
+
+
+@pytest.mark.parametrize(
+    ("item", "springs", "modes"), [(LEANING, None, 6), (UPRIGHT, SPRINGS, 3)], ids=["leaning", "upright"]
+)
+def test_modes_that_bear_a_blow_and_hardly_move_are_kept(item, springs, modes):
+    """Those that stretch the mast, whose tops move by some thousandth of its sway: its axial force is theirs."""
+    few = simulate(mast(*item, springs, modes=modes))
+    every = simulate(mast(*item, springs, modes="all", time_step=0.001))
+    for name in ("section_force", "base_shear"):
+        ours, theirs = (record.variables[name][1][..., 4] for record in (few, every))
+        assert apart(ours, theirs) < min(5e-4, few.attrs["estimated_error"])
+
+
+def test_a_mode_that_bears_nothing_is_not_kept():
+    """Across the plane in which the upright mast and its blow lie the ground bears rounding, however it swings."""
+    turned = prepare(mast(*UPRIGHT, modes=3), None).support
+    assert np.abs(turned.thrust[1]).max() < 1e-6 * np.abs(turned.thrust).max()
+    assert turned.omega.size < 15 and 0 < turned.unswung < 0.01
