@@ -236,13 +236,13 @@ def with_usual_step(system: System, modes: SystemModes) -> System:
 
     STEPS in the shortest wave's period and in each of the floats' own that is not below half of that: what is faster
     follows the waves without swinging, and the scheme is stable. In still water STEPS in all of them, and DRAWN in
-    those that the offsets set swinging. STEPS, too, in those of a frame's modes that load histories set swinging, and
-    steps that miss no more than MISSED of these loads.
+    those that the offsets set swinging; a frame without floats stands still there. STEPS, too, in those of a frame's
+    modes that load histories set swinging, and steps that miss no more than MISSED of these loads.
     """
     if system.scene.settings.time_step is not None:
         return system
     sea = system.scene.sea
-    if sea.amplitude.any():
+    if sea.amplitude.any() or not system.scene.floats:
         floats = np.array([not name.startswith(FRAME) for name in modes.names], bool)
         periods = modes.period[floats & (modes.period > np.pi / sea.omega.max())]
         step = min(system.scene.usual_step, *periods / STEPS, np.inf)

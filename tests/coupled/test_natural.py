@@ -23,9 +23,14 @@ from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.power_takeoff import PtoTable
 from solver.run import simulate
-from solver.scene import Float, two_digits
+from solver.scene import Float, Platform, two_digits
+from solver.sea.current import Current
 from solver.sea.realization import CALM
-from tests.awkward import BUOYED, RHO, SCENES, prism, scene
+from solver.structure.frame import Frame
+from solver.structure.load_history import LoadHistory
+from solver.structure.members import Member, PointLoad, PointMass
+from solver.structure.sections import tube
+from tests.awkward import BUOYED, RHO, SCENES, STEEL, prism, scene
 from tests.coupled.test_linear import hinged_by_hand
 
 
@@ -226,6 +231,45 @@ def test_a_step_that_no_run_would_end_with_is_refused(monkeypatch):
 def test_waves_alone_have_the_step_of_the_shortest():
     bare = scene([])
     assert stepped(prepare(bare, None), None).dt == bare.usual_step
+
+
+def light_column(**settings):
+    """Almost without mass, ten tonnes on top: the fastest of its modes told takes 7 ms."""
+    feather = replace(STEEL, density=1.0)
+    member = Member(
+        name="leg", start="foot", end="top", elements=8, section=tube(0.3, 0.01), material=feather,
+        drag_coefficient=1.0, inertia_coefficient=2.0,
+    )  # fmt: skip
+    frame = Frame(
+        nodes={"foot": (0.0, 0.0, -9.0), "top": (0.0, 0.0, 3.0)}, members=(member,), clamped=("foot",),
+        masses=(PointMass(node="top", mass=1e4),), loads=(PointLoad(node="top", force=(200.0, 0.0, 0.0)),),
+    )  # fmt: skip
+    platform = Platform(frame=frame, legs=("leg",), damping_ratio=0.02)
+    return scene([], depth=10.0, platform=platform, waves=CALM, **{"discard": 0.0, "ramp": 0.0} | settings)
+
+
+@pytest.mark.parametrize("current", [None, Current(speed=0.8)], ids=["still", "current"])
+def test_a_frame_without_floats_needs_no_steps_of_its_own_in_still_water(current):
+    """Nothing sets it swinging: not its weight and loads, which it bears from the start on, nor a current."""
+    item = replace(light_column(duration=3600.0), current=current)
+    system = prepare(item, None)
+    assert system_modes(system, None).period.min() < 1e-2
+    assert stepped(system, None).dt == item.usual_step
+    record = simulate(item)
+    tops = record.variables["top_displacement"][1]
+    assert np.ptp(tops[..., :4], axis=-1).max() <= 1e-9 * np.abs(record.variables["static_displacement"][1]).max()
+    assert (tops[..., 2].max() > 1e-4) == (current is not None)
+    assert record.attrs["estimated_error"] < 1e-9
+
+
+def test_a_push_of_that_frame_has_steps_of_what_it_sets_swinging():
+    time = np.array([0.0, 1.0, 1.4, 20.0])
+    push = LoadHistory(node="top", time=time, force=np.outer([0, 0, 1, 1], [2e3, 0, 0]))
+    item = light_column(duration=20.0)
+    item = replace(item, platform=replace(item.platform, load_histories=(push,)))
+    system = prepare(item, None)
+    slowest, second = system_modes(system, None).period[[0, 1]]
+    assert second / 9 < stepped(system, None).dt <= slowest / 9
 
 
 def test_two_digits_never_lengthen_a_step():
