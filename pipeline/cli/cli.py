@@ -291,11 +291,11 @@ def report(
     study = load(study_file)
     store = store_of(study, results)
     path = store.root / "statistics.nc"
-    if not path.exists():
+    if not (path.exists() or store.begun()):
         raise StudyError(study.path, [f"{path}: not there yet; `study run {study.path}` makes it"])
-    if dataset.changed(store):
-        dataset.collect(study, store)
-        say(f"{path}: was not what had been collected, and is collected again", err)
+    if why := dataset.outdated(study, store):
+        _, counts = dataset.collect(study, store)
+        say(f"{path}: {why}, and is collected again: " + ", ".join(f"{n} {state}" for state, n in counts.items()), err)
     actions.print_table(study, path)
     if figure:
         page.write_figure(study, path, figure)

@@ -46,10 +46,16 @@ def collect(study: Study, store: Store) -> tuple[Path, dict[str, int]]:
     return _collect(study, store, _fingerprint(study, store))
 
 
-def changed(store: Store) -> bool:
-    """Whether the dataset is another file than was collected, as a damaged one is; not known of one without a mark."""
-    mark = read_json(store.root / MARK)
-    return mark is not None and mark.get("sha256") != checksum(store.root / "statistics.nc")
+def outdated(study: Study, store: Store) -> str:
+    """Why the dataset has to be collected again; empty if it need not be, as one that came without mark or records."""
+    path, mark = store.root / "statistics.nc", read_json(store.root / MARK)
+    if not path.exists():
+        return "was not there"
+    if mark is not None and mark.get("sha256") != checksum(path):
+        return "was not what had been collected"
+    if mark is not None and store.begun() and mark.get("of") != _fingerprint(study, store):
+        return "was of other records than are there"
+    return ""
 
 
 def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int]]:

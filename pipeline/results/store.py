@@ -181,14 +181,14 @@ class Store:
     def look(self, task: Task, *, checksums: bool = False) -> Entry:
         """The state of a task from its files; `checksums` reads the record as well."""
         entry = self._look(task.id, checksums)
-        if entry.state == "missing" and self._begun():
+        if entry.state == "missing" and self.begun():
             for older in task.older_ids:
                 past = self._look(older, checksums)
                 if past.state == "done":
                     return replace(past, state="stale")
         return entry
 
-    def _begun(self) -> bool:
+    def begun(self) -> bool:
         """Whether there is any task's folder, or a pack."""
         return any(_holds(folder) for folder in (self.tasks, self.packs.folder))
 

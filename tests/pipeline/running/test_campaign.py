@@ -363,6 +363,41 @@ def test_a_damaged_dataset_is_collected_again_by_the_report(cli, tmp_path, drawn
     assert "collected again" not in cli("report")
 
 
+def test_the_report_is_of_the_records_that_are_there(cli, tmp_path, drawn):
+    """Not of those that had been collected: of twelve one has lost its status, one half of its record."""
+    cli("run", "--workers", "1")
+    root = tmp_path / "r" / "small"
+    first, second, *_ = sorted((root / "tasks").iterdir())
+    (first / "status.json").unlink()
+    record = second / "record.nc"
+    record.write_bytes(record.read_bytes()[:100])
+    told = cli("report")
+    assert (
+        "statistics.nc: was of other records than are there, and is collected again: 1 damaged, 10 done, 1 missing"
+        in (re.sub(r"\s+", " ", told))
+    )
+    with dataset.opened(root / "statistics.nc") as data:
+        states = data.status.values.ravel().tolist()
+    assert sorted(states) == ["damaged", *["done"] * 10, "missing"]
+    assert "collected again" not in cli("report")
+    (root / "statistics.nc").unlink()
+    assert "statistics.nc: was not there, and is collected again: 1 damaged, 10 done" in re.sub(
+        r"\s+", " ", cli("report")
+    )
+    assert (root / "statistics.nc").exists()
+
+
+def test_the_report_of_a_folder_without_records_stands(cli, tmp_path, drawn):
+    """Records may have been put away, and the dataset is all that is left."""
+    cli("report", code=1)
+    cli("run", "--workers", "1")
+    root = tmp_path / "r" / "small"
+    whole = (root / "statistics.nc").read_bytes()
+    remove(root / "tasks")
+    assert "collected again" not in cli("report")
+    assert (root / "statistics.nc").read_bytes() == whole
+
+
 def test_a_damaged_dataset_without_a_mark_is_named_and_what_makes_it_again(cli, tmp_path, drawn):
     """One from elsewhere is none of ours to write over."""
     cli("run", "--workers", "1")
