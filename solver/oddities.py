@@ -46,14 +46,17 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
 
 
 def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
-    """Sentences for a frame that buckles or bends too far at rest, and for its member that is thickest beside waves."""
-    from solver.structure import in_water, slenderness  # with scipy's parts, for scenes with a platform alone
+    """Sentences for a frame that buckles or bends too far at rest, for its member that is thickest beside waves, and
+    for its thinnest tube that is utilised."""
+    from solver.structure import in_water, slenderness, tubular  # with scipy's parts, for scenes with a platform alone
 
     water = scene.water
     still = in_water.dynamic_model(platform.frame, water.density, water.gravity, softened=platform.geometric_stiffness)
     yield from in_water.too_soft(*still)
     waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
     yield from slenderness.too_thick(still[0], waves, lacking=1.0 if platform.wave_inertia == "relative" else 0.0)
+    if "utilisation" in scene.settings.outputs:
+        yield from tubular.too_thin(platform.frame.members)
 
 
 def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:

@@ -1,9 +1,10 @@
 """Resistance of tubes by NORSOK N-004 (Rev. 3, 2013), 6.3: to axial force, buckling, bending, shear and torsion.
 
-Eqs. 6.1 to 6.14, for t >= 6 mm and D/t < 120. γ_M of 6.3.7 is 1.15 but for slender walls, whose largest is 1.45.
-Hydrostatic pressure (6.3.6, 6.3.9) is not here.
+Eqs. 6.1 to 6.14, for D/t < 120, and in full size for t >= 6 mm. γ_M of 6.3.7 is 1.15 but for slender walls, whose
+largest is 1.45. Hydrostatic pressure (6.3.6, 6.3.9) is not here.
 """
 
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -55,10 +56,23 @@ def resistance(member: Member, length: float, material_factor: float) -> Resista
     )
 
 
+def too_thin(members: Iterable[Member]) -> Iterator[str]:
+    """A sentence for the thinnest of the tubes that are utilised, where 6.3 is for thicker ones."""
+    tubes = sorted(filter(may_be_utilised, members), key=lambda member: member.section.wall)
+    thin = [member for member in tubes if member.section.wall < THINNEST]
+    if thin:
+        more = f" and {len(thin) - 1} more" if len(thin) > 1 else ""
+        yield (
+            f"platform.members.{thin[0].name}.section.thickness = {thin[0].section.wall:g}{more}: N-004, 6.3, is for"
+            f" tubes of {THINNEST:g} m or more; its formulas are the same at any scale, so `utilisation` is told of a"
+            " model's thinner ones, too"
+        )
+
+
 def _require_in_range(member: Member, fy: float, material_factor: float) -> None:
     key, D, t = f"platform.members.{member.name}", member.section.diameter, member.section.wall
-    if t < THINNEST or D / t >= MOST_SLENDER:
-        limit = f"must be >= {THINNEST:g} m and > {D / MOST_SLENDER:.4g} m, D/120, for utilisation by N-004, 6.3"
+    if D / t >= MOST_SLENDER:
+        limit = f"must be > {D / MOST_SLENDER:.4g} m, D/120, for utilisation by N-004, 6.3"
         raise InputError(f"{key}.section.thickness", t, limit)
     if fy / elastic_strength(member.material.E, D, t) > SLENDER and material_factor < LARGEST_FACTOR:
         limit = f"must be >= {LARGEST_FACTOR:g}, N-004's largest (6.3.7), with the slender wall of {key}"

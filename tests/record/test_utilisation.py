@@ -11,6 +11,7 @@ from solver.coupled.blocks import blocks
 from solver.coupled.places import Places
 from solver.coupled.preparation import prepare
 from solver.errors import InputError
+from solver.oddities import warnings
 from solver.record.steel import Steel
 from solver.record.utilisation import bending_utilisation, shear_utilisation
 from solver.run import simulate
@@ -141,8 +142,8 @@ def test_formulas_meet_where_they_change(of, where, jump):
 @pytest.mark.parametrize(
     ("changes", "factor", "message"),
     [
-        ({"D": 0.1, "t": 0.005}, 1.15, r"brace\.section\.thickness = 0.005: must be >= 0.006 m"),
-        ({"D": 1.2, "t": 0.01}, 1.15, r"thickness = 0.01: must be >= 0.006 m and > 0.01 m, D/120"),
+        ({"D": 1.2, "t": 0.01}, 1.15, r"brace\.section\.thickness = 0.01: must be > 0.01 m, D/120"),
+        ({"D": 0.048, "t": 0.0004}, 1.15, r"thickness = 0.0004: must be > 0.0004 m, D/120"),
         ({"D": 1.0, "t": 0.01}, 1.15, r"material_factor = 1.15: must be >= 1.45, N-004's largest"),
     ],
 )
@@ -150,6 +151,36 @@ def test_what_n_004_is_not_for_is_refused(changes, factor, message):
     with pytest.raises(InputError, match=message):
         used(-1.0, factor=factor, **changes)
     assert used(-1.0, D=1.0, t=0.01, factor=1.45) > 0
+
+
+def test_a_model_is_utilised_as_what_it_is_of():
+    """At 1:50, of the same steel, by the squared scale in force and the cubed in moment, with a wall of 0.32 mm."""
+    r = 1 / 50
+    for N in (1.2e6, -1.2e6):
+        full = used(N, 8e4, 2e4, length=6.0)
+        small = used(N * r**2, 8e4 * r**3, 2e4 * r**3, length=6.0 * r, D=0.508 * r, t=0.016 * r)
+        assert small == approx(full, rel=1e-12)
+    assert sheared(4e5 * r**2, 8e5 * r**2, 16e5 * r**3, D=0.508 * r, t=0.016 * r) == approx(sheared(4e5, 8e5, 16e5))
+
+
+def test_walls_thinner_than_n_004_has_them_are_told_once():
+    """The thinnest that is utilised: not one whose yield strength nobody knows, nor where none is asked for."""
+    frame = standing(D=0.1, t=0.005).platform.frame
+    others = (
+        member(name="strut", start="foot", end="top", section=tube(0.1, 0.004)),
+        member(
+            name="soft", start="foot", end="top", section=tube(0.1, 0.003), material=replace(STEEL, yield_strength=None)
+        ),
+        member(name="thick", start="foot", end="top"),
+    )
+    scenes = [
+        replace(item, platform=replace(item.platform, frame=replace(frame, members=(*frame.members, *others))))
+        for item in (standing(), standing(outputs=("section_forces",)))
+    ]
+    told, untold = ([text for text in warnings(item) if "N-004" in text] for item in scenes)
+    assert len(told) == 1 and told[0].startswith("platform.members.strut.section.thickness = 0.004 and 1 more: N-004")
+    assert not untold and not [text for text in warnings(standing(t=0.006)) if "N-004" in text]
+    assert told[0] in simulate(scenes[0]).attrs["warnings"]
 
 
 def standing(outputs=("utilisation",), material=STEEL, **changes):
@@ -300,8 +331,8 @@ def test_scenes_without_what_it_needs_are_refused():
         standing(material=replace(STEEL, yield_strength=None))
     with pytest.raises(InputError, match="is of tubes whose material has a yield_strength"):
         standing(section=solid_rectangle(0.3, 0.3))
-    with pytest.raises(InputError, match=r"thickness = 0.005"):
-        standing(section=tube(0.1, 0.005))
+    with pytest.raises(InputError, match=r"thickness = 0.0008"):
+        standing(section=tube(0.1, 0.0008))
     with pytest.raises(InputError, match=r"pile\.end_section = tube: must be left out for utilisation: 6\.5"):
         standing(end_section=tube(0.3, 0.02))
     item = standing(flooded=False)
