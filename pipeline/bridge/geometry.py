@@ -24,8 +24,8 @@ from solver.scene import DOFS, STARTS, is_planar, needs_coefficients, panels_for
 from solver.sea.dispersion import first_solved
 
 if TYPE_CHECKING:
-    from solver.hydrodynamics.bem.bem import Problem
     from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+    from solver.hydrodynamics.bem.problem import Problem
 
 # What a joint's loads are where nothing is said: coefficients do not depend on them.
 UNLOADED = {name: value for name, value in STARTS.items() if "." not in name}
@@ -216,7 +216,7 @@ def require_solvable(geometry: Geometry) -> None:
 
 def bem_problem(geometries: Sequence[Geometry]) -> Problem:
     """That of geometries that radiate alike; raises InputError."""
-    from solver.hydrodynamics.bem.bem import Problem
+    from solver.hydrodynamics.bem.problem import Problem
 
     arguments = bem_arguments(geometries[0])
     del arguments["heading"]

@@ -14,9 +14,10 @@ from scipy.linalg import lu_factor
 
 from pipeline.bridge.geometry import bem_problem, geometry_of
 from solver.hydrodynamics.bem import cost
-from solver.hydrodynamics.bem.bem import Problem, part
+from solver.hydrodynamics.bem.bem import part
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.grid import frequency_grid
+from solver.hydrodynamics.bem.problem import Problem
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import meshfile
 from solver.hydrodynamics.hull.box import box

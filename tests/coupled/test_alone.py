@@ -11,6 +11,7 @@ from solver.coupled.linear import linear_model
 from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem import problem as bem_problem
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate
 from solver.scene import Scene, Water
@@ -64,7 +65,7 @@ def test_equal_hulls_are_solved_once_and_one_alone_as_ever(monkeypatch):
     solved, plain = [], bem._coefficients
     monkeypatch.setattr(bem, "_coefficients", lambda own, *a, **k: solved.append(own.hulls) or plain(own, *a, **k))
     bem.solve((PILLAR, PILLAR), np.array([[0.0, 0, 0], [9.0, 0, 0]]), interaction=False, **RUN)
-    assert solved == [(PILLAR,)] * len(bem.DIVISIONS)
+    assert solved == [(PILLAR,)] * len(bem_problem.DIVISIONS)
     one = replace(awkward.oblique()[0].floats[0], name="one")
     scene = awkward.scene([one], waves=awkward.sea(heading=0.5), tolerance=0.1)
     ours, plain = (coefficients(replace(scene, settings=replace(scene.settings, interaction=i))) for i in (False, True))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solver.hydrodynamics.bem.bem import Problem
+from solver.hydrodynamics.bem.problem import Problem
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 

@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem, incident
+from solver.hydrodynamics.bem import problem as bem_problem
 from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
@@ -405,8 +406,8 @@ def test_no_frequency_is_used_beyond_what_the_mesh_resolves():
     top = grid()[-1]
     assert top == pytest.approx(np.sqrt(2 * G / np.sqrt(2 * np.pi * 36 / SMALL)))
     assert grid(band=(0.5, 4.0))[-1] == 4.0  # what the waves have is solved for all the same, on more panels
-    assert bem._counts((big, FLOAT), SMALL, 1.2 * top**2 / G) == (round(1.44 * SMALL), SMALL)
-    assert bem._counts((big, FLOAT), SMALL, 100.0) == (6 * SMALL, 6 * SMALL)
+    assert bem_problem._counts((big, FLOAT), SMALL, 1.2 * top**2 / G) == (round(1.44 * SMALL), SMALL)
+    assert bem_problem._counts((big, FLOAT), SMALL, 100.0) == (6 * SMALL, 6 * SMALL)
     coarse, fine = (solve((big,), [[0, 0, 0]], depth=np.inf, omega=grid()[-1:], panels=n) for n in (SMALL, 4 * SMALL))
     size = np.array([1.0, 1.0, 6.0]) * np.sqrt(np.diag(fine.added_mass_inf)[[0, 1, 1]])
     gap = coarse.added_mass[0] - fine.added_mass[0] + 1j * (coarse.radiation_damping - fine.radiation_damping)[0] / top

@@ -9,6 +9,7 @@ from pytest import approx
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem import mesh as bem_mesh
+from solver.hydrodynamics.bem import problem as bem_problem
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
@@ -129,7 +130,7 @@ def test_a_pair_of_equal_barges_is_its_own_mirror_image():
 
 
 def test_a_large_mesh_is_solved_as_given(monkeypatch):
-    monkeypatch.setattr(bem, "AFFORDABLE", 1e3)
+    monkeypatch.setattr(bem_problem, "AFFORDABLE", 1e3)
     h = solve((BARGE,), [[0, 0, 0]], omega=OMEGA[:1])
     assert h.settings["panels"] == h.settings["panels_coarse"] >= len(BARGE.wetted)
     monkeypatch.undo()
@@ -167,7 +168,7 @@ def test_a_model_has_the_mesh_error_of_what_it_is_a_model_of():
 
 def test_the_error_that_edges_leave_is_what_it_is_said_to_be(monkeypatch):
     """Beside seven times as many panels, narrow at all edges. Of roll two errors cancel from one mesh to the next."""
-    monkeypatch.setattr(bem, "AFFORDABLE", 1e9)
+    monkeypatch.setattr(bem_problem, "AFFORDABLE", 1e9)
     graded = graded_box((4.0, 2.0, 1.0), 0.16)
     run = partial(solve, centres=[[0, 0, 0]], omega=OMEGA[1:2], planar=False, heading=0.5)
     exact, h = run((graded,), panels=len(graded.wetted)), run((PanelHull.of(*box((4.0, 2.0, 1.0))),), panels=432)

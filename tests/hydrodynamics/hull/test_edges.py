@@ -7,6 +7,7 @@ import pytest
 from pytest import approx
 
 from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem import problem as bem_problem
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.edges import CUT, SHARP, jutting, narrowed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -95,7 +96,7 @@ def test_the_error_of_a_mesh_whose_corners_hang_is_what_it_is_said_to_be(monkeyp
     water = {"centres": [[0, 0, 0]], "density": 1000.0, "gravity": 9.81, "depth": np.inf, "planar": False}
     graded, hull = graded_box(SIZE, 0.2), PanelHull.of(*loose(hanging()))
     h = bem.solve((hull,), omega=[2.0], heading=0.4, **water)
-    monkeypatch.setattr(bem, "AFFORDABLE", 1e9)
+    monkeypatch.setattr(bem_problem, "AFFORDABLE", 1e9)
     exact = bem.solve((graded,), omega=[2.0], heading=0.4, panels=len(graded.wetted), **water)
     for at in ((2, 2), (3, 3), (4, 4)):
         true, told, size = (x.added_mass[0][at] for x in (h, h.error, exact))
@@ -143,8 +144,8 @@ def test_two_even_meshes_go_before_one_that_is_narrow_at_edges(monkeypatch):
     """And two narrow ones before these, where they do not cost too much."""
 
     def made(affordable):
-        monkeypatch.setattr(bem, "AFFORDABLE", affordable)
-        return bem._meshing((quads(), quads()), np.array([[0.0, 0, 0], [9, 30, 0]]), (432, 432))
+        monkeypatch.setattr(bem_problem, "AFFORDABLE", affordable)
+        return bem_problem._meshing((quads(), quads()), np.array([[0.0, 0, 0], [9, 30, 0]]), (432, 432))
 
     even, narrow = ((2 * 4 * meshes.halved_count(quads(), 108, narrow=choice)) ** 2 for choice in (False, True))
     assert even < narrow
@@ -152,7 +153,7 @@ def test_two_even_meshes_go_before_one_that_is_narrow_at_edges(monkeypatch):
     problem = bem.Problem.of((quads(),), np.zeros((1, 3)), depth=np.inf, omega=np.array([1.0]), planar=False)
     counts = []
     for limit in (1e9, (4 * meshes.halved_count(quads(), 108)) ** 2 / 4 - 1):
-        monkeypatch.setattr(bem, "AFFORDABLE", limit)
+        monkeypatch.setattr(bem_problem, "AFFORDABLE", limit)
         counts.append(bem.part(replace(problem))[0][0].panels)
     assert counts[1] == 4 * meshes.halved_count(quads(), 108, narrow=False) < counts[0]
 
@@ -162,7 +163,7 @@ def test_more_panels_are_taken_only_where_two_narrow_meshes_of_them_are(monkeypa
     barge, places = quads(), np.array([[0.0, 0, 0], [9, 0, 0], [0, 6, 0], [10, 7, 0]])
 
     def chosen(panels, affordable, hull=barge):
-        monkeypatch.setattr(bem, "AFFORDABLE", affordable)
+        monkeypatch.setattr(bem_problem, "AFFORDABLE", affordable)
         how = {"depth": np.inf, "omega": np.array([1.0]), "planar": False, "panels": panels}
         problem = bem.Problem.of((hull,) * 4, places, **how)
         return problem.counts[0], problem.meshing
