@@ -46,8 +46,8 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
 
 
 def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
-    """Sentences for a frame that buckles or bends too far at rest, for its member that is thickest beside waves, and
-    for its thinnest tube that is utilised."""
+    """Sentences for a frame that buckles or bends too far at rest, for its member that is thickest beside waves, for
+    those that lie in still water's surface, and for its thinnest tube that is utilised."""
     from solver.structure import in_water, slenderness, tubular  # with scipy's parts, for scenes with a platform alone
 
     water = scene.water
@@ -55,6 +55,8 @@ def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
     yield from in_water.too_soft(*still)
     waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
     yield from slenderness.too_thick(still[0], waves, lacking=1.0 if platform.wave_inertia == "relative" else 0.0)
+    if platform.wave_stretching == "none":
+        yield from in_water.left_dry(platform.frame)
     if "utilisation" in scene.settings.outputs:
         yield from tubular.too_thin(platform.frame.members)
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver.oddities import beyond_tables
+from solver.oddities import beyond_tables, warnings
 from solver.power_takeoff import PtoTable
 from solver.run import simulate
-from tests.awkward import flap, soft_mooring
+from tests.awkward import bare_legs, flap, soft_mooring
 from tests.test_balance import ball
 
 
@@ -39,3 +39,28 @@ def test_either_end_of_a_table_is_one_that_a_rate_may_leave(low, high, told, sca
     no_places = np.zeros(1)
     met = (np.array([no_places, [end * top]]) for end in (low, high))
     assert len(list(beyond_tables([item], *met))) == told
+
+
+@pytest.mark.parametrize(
+    ("height", "stretching", "told"), [(0.0, "none", 1), (-0.1, "none", 0), (0.1, "none", 0), (0.0, "wheeler", 0)]
+)
+def test_members_in_still_waters_surface_are_told_once(height, stretching, told):
+    """Two that cross there, not an upright one, nor one that no water loads."""
+    item, _ = bare_legs()
+    frame = item.platform.frame
+    leg = frame.members[0]
+    ends = {"west": (-3.0, 0.5, height), "east": (4.0, 0.5, height), "up": (4.0, 0.5, 6.0)}
+    braces = [
+        replace(leg, name=name, start=start, end=end, **dry)
+        for name, start, end, dry in (
+            ("long", "west", "east", {}),
+            ("cross", "east", next(iter(frame.clamped)), {}),
+            ("back", "east", "west", {}),
+            ("bare", "west", "east", {"drag_coefficient": 0.0, "inertia_coefficient": 1.0}),
+            ("post", "east", "up", {}),
+        )
+    ]
+    braced = replace(frame, nodes={**frame.nodes, **ends}, members=(*frame.members, *braces))
+    item = replace(item, platform=replace(item.platform, frame=braced, wave_stretching=stretching))
+    texts = [text for text in warnings(item) if "at z = 0" in text]
+    assert len(texts) == told and all(text.startswith("platform.members.long and 1 more: ") for text in texts)

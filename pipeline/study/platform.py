@@ -93,8 +93,8 @@ Section = Annotated[Tube | SolidRectangle | Box | IBeam | General, Field(discrim
 
 
 def _in_order(forces: tuple[members.Force, ...]) -> tuple[members.Force, ...]:
-    """Each once: one meaning, one identity."""
-    return tuple(name for name in members.FORCES if name in forces)
+    """As the table of forces has them: one meaning, one identity."""
+    return tuple(sorted(forces, key=members.FORCES.index))
 
 
 @fields_of(members.Member)

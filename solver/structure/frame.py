@@ -127,9 +127,13 @@ class Frame:
         for member in (m for m in self.members if any((*m.start_offset, *m.end_offset))):
             apart, between = np.subtract(self.nodes[member.end], self.nodes[member.start]), self.ends(member)
             if not (between[1] - between[0]) @ apart > COINCIDENT * apart @ apart:
-                offsets = member.start_offset, member.end_offset
-                limit = "must leave some of the way between its nodes, offsets"
-                yield InputError(f"members.{member.name}.start_offset", offsets, limit)
+                taken = {"start": member.start_offset @ apart, "end": -(member.end_offset @ apart)}
+                other, worse = sorted(taken, key=lambda end: taken[end])
+                limit = "must leave some of the way between its nodes"
+                if any(getattr(member, f"{other}_offset")):
+                    limit += f", with {other}_offset"
+                key = f"{worse}_offset"
+                yield InputError(f"members.{member.name}.{key}", getattr(member, key), limit)
 
     def _name_problems(self) -> Iterator[InputError]:
         if not self.members:
@@ -164,17 +168,21 @@ class Frame:
 
     def _foundation_problems(self) -> Iterator[InputError]:
         for node, given in self.foundation.items():
-            key = f"foundation.{node}"
+            key, shape = f"foundation.{node}", np.shape(given)
+            told = given if len(shape) == 1 else " x ".join(map(str, shape))  # 36 numbers would hide the reason
             if node in self.clamped:
-                yield InputError(key, given, "is clamped, too: leave it out of one of them")
-            if np.shape(given) not in ((6,), (6, 6)) or not np.all(np.isfinite(given)):
-                yield InputError(key, given, "must be six finite stiffnesses, or six rows of six")
+                yield InputError(key, told, "is clamped, too: leave it out of one of them")
+            if shape not in ((6,), (6, 6)) or not np.all(np.isfinite(given)):
+                yield InputError(key, told, "must be six finite stiffnesses, or six rows of six")
                 continue
-            k = of_no_unit(self.foundation_matrix(node))
-            if np.abs(k - k.T).max() > ROUNDING:
-                yield InputError(key, given, "must be symmetric")
+            matrix = self.foundation_matrix(node)
+            k = of_no_unit(matrix)
+            if (gap := np.abs(k - k.T)).max() > ROUNDING:
+                i, j = np.unravel_index(np.argmax(gap), gap.shape)
+                limit = f"must be symmetric: row {i + 1} has {matrix[i, j]:g} in column {j + 1}"
+                yield InputError(key, told, f"{limit}, row {j + 1} {matrix[j, i]:g} in column {i + 1}")
             elif np.linalg.eigvalsh(k)[0] < -ROUNDING:
-                yield InputError(key, given, "must not have a negative stiffness in any direction")
+                yield InputError(key, told, "must not have a negative stiffness in any direction")
 
     def _support_problems(self) -> Iterator[InputError]:
         """Every node hangs on a clamped one or on foundations that hold it, or the stiffness is singular."""

@@ -62,3 +62,14 @@ def too_soft(model: FrameModel, at_rest: np.ndarray, factor: float) -> Iterator[
             f" {moved[worst] / size:.2g} of its size, {size:.3g} m, where displacements are taken for small: most"
             " likely a slip of units in stiffness, mass or load"
         )
+
+
+def left_dry(frame: Frame) -> Iterator[str]:
+    """A sentence for members whose axis lies in still water's surface, which wets what is below it alone."""
+    names = [m.name for m in frame.members if m.in_water and not frame.ends(m)[:, 2].any()]
+    if names:
+        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        yield (
+            f"platform.members.{names[0]}{more}: its axis lies at z = 0, where it is wholly dry, without load of waves,"
+            " added mass and buoyancy; below that it is wholly wet, and wave_stretching loads it as waves rise"
+        )

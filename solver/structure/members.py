@@ -1,5 +1,6 @@
 """What a frame is made of: frozen inputs, and what is refused among them."""
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Literal, get_args
@@ -106,6 +107,9 @@ class Member:
             for name in getattr(self, end):
                 if name not in FORCES:
                     yield InputError(f"{key}.{end}", name, f"must be one of {', '.join(FORCES)}")
+            for name, count in Counter(getattr(self, end)).items():
+                if count > 1:
+                    yield InputError(f"{key}.{end}", name, f"given {count} times, must be unique")
         for end in ("start", "end"):
             springs, released = getattr(self, f"{end}_spring"), getattr(self, f"{end}_release")
             if idle := [name for name, k in zip(FORCES, springs, strict=True) if k and name not in released]:

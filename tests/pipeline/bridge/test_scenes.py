@@ -136,8 +136,11 @@ def test_releases_reach_the_solver_in_one_order(buan_tables, study_of):
     member = scenes.scene(task(study, platform="elastic").parameters).platform.frame.members[-1]
     assert (member.start_release, member.end_release) == (("My", "Mz"), ("My",))
     assert (member.start_spring, member.end_spring) == ((0,) * 6, (0, 0, 0, 0, 5e6, 0))
-    ring["start_release"] = ["My", "Mz", "My"]
+    ring["start_release"] = ["My", "Mz"]
     assert task(study_of(buan_tables), platform="elastic").id == task(study, platform="elastic").id
+    ring["start_release"] = ["My", "Mz", "My"]
+    with pytest.raises(InputError, match=r"start_release = My: given 2 times, must be unique"):
+        scenes.scene(task(study_of(buan_tables), platform="elastic").parameters)
 
 
 def test_a_foundation_is_an_axis_that_is_not_called_as_a_dimension_of_records_is(study_of):
