@@ -5,7 +5,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem import bem, problem
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from studies.validation import drawing
@@ -106,10 +106,10 @@ def haskind(h: bem.Hydrodynamics) -> list[Check]:
 
 
 def box() -> list[Check]:
-    """A box of 6 x 3 m, draft 1.2 m, at the default, beside six times as many panels, narrow at its edges."""
+    """A box of 6 x 3 m, draft 1.2 m, at the default, beside eight times as many panels, narrow at its edges."""
     run = partial(bem.solve, centres=np.zeros((1, 3)), depth=np.inf, density=RHO, omega=np.array([1.4]), planar=False)
-    fine = shapes.graded_box((6.0, 3.0, 2.4), 0.3)
-    with patch.object(bem, "AFFORDABLE", np.inf):
+    fine = shapes.graded_box((6.0, 3.0, 2.4), 0.2)
+    with patch.object(problem, "AFFORDABLE", np.inf):
         exact = run((fine,), panels=len(fine.wetted))
     h = run((PanelHull.of(*shapes.box((6.0, 3.0, 2.4))),), panels=DEFAULT)
     checks, panels, count = [], f", {h.settings['panels']} panels", exact.settings["panels"]
