@@ -22,9 +22,8 @@ if TYPE_CHECKING:
 PREFIX = {"k": 1e3, "M": 1e6}
 OFF = 1 / 3  # a ratio further from 1 than this gets a star, and its sentence if realizations are few
 WIDTH = 96  # characters that the table needs; a narrower terminal wraps them
-ROUNDING = (
-    1e-9  # of the largest of a variable, whose axes may differ in unit and floats in size: less is none of theirs
-)
+# Of the largest of a variable, whose axes may differ in unit and floats in size: less is none of theirs.
+ROUNDING = 1e-9
 ENOUGH = 20  # realizations whose range says something about one more
 COLUMNS = ("table", "label", "variable", "selection", "statistic", "value", "unit", "note")
 

@@ -28,12 +28,8 @@ def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.H
         bands.append((scene.sea.omega.min(), scene.sea.omega.max()))
     whole = (float(np.min(bands)), float(np.max(bands))) if bands else None
     s, depth, gravity = scene.settings, water.depth, water.gravity
-    how: Any = {
-        "depth": depth,
-        "gravity": gravity,
-        "panels": panels_for(s.tolerance, hulls),
-        "interaction": s.interaction,
-    }
+    panels = panels_for(s.tolerance, hulls)
+    how: Any = {"depth": depth, "gravity": gravity, "panels": panels, "interaction": s.interaction}
     return bem.solve(
         hulls,
         centres,

@@ -152,11 +152,8 @@ class Case:
 
         That is at three times its frequency, or at as much more as twice the mean one where no wave is as fast.
         """
-        w, weight, structure = (
-            self.waves[:, None],
-            np.abs(self.amplitude[: self.waves.size]) ** 2,
-            self.system.structure,
-        )
+        w, structure = self.waves[:, None], self.system.structure
+        weight = np.abs(self.amplitude[: self.waves.size]) ** 2
         sums = w + 2 * self.waves @ weight / weight.sum()
         at, above = (1 / (structure.omega * (structure.omega - 2j * structure.damping * v) - v**2) for v in (w, sums))
         share = beyond.OVERTONE if len(w) == 1 else beyond.ABOVE * (sums > self.waves.max())
