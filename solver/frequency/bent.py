@@ -13,8 +13,7 @@ from solver.multibody.of_axes import JointLoads, bent, joint_loads
 from solver.statistics import moments
 
 Load = Callable[[np.ndarray], np.ndarray]  # of power take-offs (m, n) at rates (m, n)
-TURN = 2 * np.pi * np.arange(gaussian.PHASES) / gaussian.PHASES
-COS, SIN = np.cos(TURN)[:, None], np.sin(TURN)[:, None]
+COS, SIN = np.cos(gaussian.PHASE)[:, None], np.sin(gaussian.PHASE)[:, None]
 
 
 def pto_load(law: JointLaw, axes: np.ndarray) -> Load:

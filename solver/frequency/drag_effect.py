@@ -59,7 +59,10 @@ def drag_effect(
     error = float(np.max(np.hypot(1, missing / std) - 1, initial=0.0))
     if not np.any(driven**2 > LITTLE * std**2):
         return Effect(error, 1.0)
-    extremes = 1.0 if waves == 1 else _beyond_rayleigh(driven, std, _peak(case, response.X[:, :nm] @ tops[:, moved]))
+    extremes = 1.0
+    if waves > 1:
+        peak = gaussian.peak(response.X[:, :nm] @ tops[:, moved], case.omega, case.duration)
+        extremes = _beyond_rayleigh(driven, std, peak)
     if channels.steel is not None:
         first = channels.legs.first
         mean, whole = (channels.steel.compression(y)[:, first] for y in (level, lines))
@@ -67,12 +70,6 @@ def drag_effect(
         changes = _of_one(mean[0], whole[0], part[0]) if waves == 1 else _of_sea(mean[0], whole, part)
         error = max(error, _apart(told["bottom_stress"][first], *changes))
     return Effect(error, extremes)
-
-
-def _peak(case: Case, lines: np.ndarray) -> np.ndarray:
-    """Expected largest of Gaussian lines (nl, n) over their std."""
-    table = gaussian.table(np.zeros(lines.shape[1]), lines, case.omega, case.duration)
-    return table[:, 0] / table[:, 4]
 
 
 def _beyond_rayleigh(driven: np.ndarray, std: np.ndarray, peak: np.ndarray) -> float:

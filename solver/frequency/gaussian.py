@@ -20,6 +20,7 @@ from solver.statistics import moments
 
 EULER = 0.5772156649015329
 PHASES = 360  # at which a harmonic is looked at, and directions of an integral all round
+PHASE = 2 * np.pi * np.arange(PHASES) / PHASES
 FIBRES = 36  # whose extremes are looked at
 POINTS = 2**14  # of a normal distribution of several variables, and as many opposite ones
 GAUSS = np.polynomial.legendre.leggauss(200)
@@ -113,6 +114,12 @@ def _beyond(m0: np.ndarray, m2: np.ndarray, duration: float) -> float:
 def spread(X: np.ndarray) -> np.ndarray:
     """std (n,) of lines (nw, n)."""
     return np.sqrt(0.5 * np.sum(np.abs(X) ** 2, axis=0))
+
+
+def peak(X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+    """Expected largest (n,) of lines (nw, n) over their std; 0 of what does not move."""
+    of = table(np.zeros(X.shape[1]), X, omega, duration)
+    return np.divide(of[:, 0], of[:, 4], out=np.zeros(len(of)), where=of[:, 4] > 0)
 
 
 def fastest(V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
@@ -281,4 +288,4 @@ def _directions(count: int) -> np.ndarray:
 
 def sampled(X: np.ndarray) -> np.ndarray:
     """One harmonic's values (PHASES, n) over its period, from lines (1, n)."""
-    return (X * np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)[:, None]).real
+    return (X * np.exp(-1j * PHASE)[:, None]).real

@@ -32,9 +32,11 @@ def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
         return
     joints, rates = joint_lines(case, response), rate_lines(case, response)
     ends = gaussian.table(np.zeros(joints.shape[1]), joints, response.omega, case.duration)
-    std = np.sqrt(0.5 * np.sum(np.abs(rates) ** 2, axis=0))
     mean_size = np.sqrt(8) / np.pi if len(rates) == 1 else np.sqrt(2 / np.pi)  # over the std: harmonic, or Gaussian
-    for name, values in (("pto_stroke", ends[:, 0] - ends[:, 1]), ("pto_travel", 3600 * mean_size * std)):
+    for name, values in (
+        ("pto_stroke", ends[:, 0] - ends[:, 1]),
+        ("pto_travel", 3600 * mean_size * gaussian.spread(rates)),
+    ):
         yield name, (("float", "axis"), case.channels.by_axis(values[None])[0])
 
 

@@ -13,8 +13,7 @@ from solver.coupled.linear import LinearModel
 from solver.frequency import gaussian
 
 ORDERS = np.array([3, 5, 7])
-PHASE = 2 * np.pi * np.arange(gaussian.PHASES) / gaussian.PHASES
-TURNED = np.exp(-1j * np.outer(np.append(1, ORDERS), PHASE))  # (4, PHASES)
+TURNED = np.exp(-1j * np.outer(np.append(1, ORDERS), gaussian.PHASE))  # (4, PHASES)
 
 
 class Overtones(NamedTuple):
@@ -38,13 +37,13 @@ def overtones(
     Added mass at the higher frequencies is that at infinity, and nothing radiates there.
     """
     v = gaussian.sampled(V)
-    parts = TURNED.conj() @ load(v) * (2 / PHASE.size)
+    parts = TURNED.conj() @ load(v) * (2 / gaussian.PHASES)
     w = (ORDERS * omega)[:, None, None]
     force = np.zeros((ORDERS.size, len(model.mass), 1), complex)
     force[:, axes, 0] = -parts[1:]
     X = np.linalg.solve(model.stiffness - w**2 * model.mass - 1j * w * (model.damping + damping), force)
     rates = (TURNED[1:].T @ (-1j * w * X)[:, axes, 0]).real
-    return Overtones(TURNED[0].conj() @ load(v + rates) * (2 / PHASE.size) - parts[0], rates)
+    return Overtones(TURNED[0].conj() @ load(v + rates) * (2 / gaussian.PHASES) - parts[0], rates)
 
 
 def power_error(load: Callable[[np.ndarray], np.ndarray], before: np.ndarray, after: np.ndarray) -> float:

@@ -138,11 +138,8 @@ def _beyond_rayleigh(case: Case, response: Response) -> np.ndarray:
     """Extremes of the joints' motions (nj,) over those of Gaussian ones."""
     if not response.excess.any():
         return np.ones(response.excess.size)
-    rates = rate_lines(case, response)
-    table = gaussian.table(np.zeros(rates.shape[1]), rates, response.omega, case.duration)
-    return beyond_rayleigh(
-        response.excess, np.divide(table[:, 0], table[:, 4], where=table[:, 4] > 0, out=0 * table[:, 0])
-    )
+    peak = gaussian.peak(rate_lines(case, response), response.omega, case.duration)
+    return beyond_rayleigh(response.excess, peak)
 
 
 def _stopped(case: Case, law: JointLaw, response: Response) -> list[str]:
