@@ -108,8 +108,8 @@ def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
 
 
 def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """A sentence for each axis about which a float turns by more than a linear model's small angles."""
-    if not axes:
+    """A sentence for each axis about which a float turns by more than linear buoyancy's small angles."""
+    if not axes or scene.settings.froude_krylov != "linear":
         return
     moved = tables["motion"] if "motion" in tables else tables["rotation"][:, None]
     for f, of_axes in zip(scene.floats, moved[..., STATISTICS.index("std")], strict=True):

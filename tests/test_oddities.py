@@ -30,6 +30,15 @@ def test_a_linear_model_tells_of_angles_that_are_not_small(make, table, axis):
     assert "surge" not in large
 
 
+@pytest.mark.parametrize(("froude_krylov", "told"), [("linear", True), ("body-nonlinear", False)])
+def test_a_march_of_linear_buoyancy_tells_of_large_angles(froude_krylov, told):
+    item, h = flap()
+    settings = replace(item.settings, froude_krylov=froude_krylov, discard=0.0, duration=20.0)
+    swinging = replace(item.floats[0], offset=(0.4,), pto_damping=1e6)
+    record = simulate(replace(item, settings=settings, floats=(swinging,)), h)
+    assert ("the std of hinge is" in record.attrs.get("warnings", "")) is told
+
+
 @pytest.mark.parametrize("scale", [1.0, 1 / 50])
 @pytest.mark.parametrize(("low", "high", "told"), [(-0.9, 0.9, 0), (-1.1, 0.9, 1), (-0.9, 1.1, 1), (-1.1, 1.1, 1)])
 def test_either_end_of_a_table_is_one_that_a_rate_may_leave(low, high, told, scale):
