@@ -83,7 +83,7 @@ def bodies(
         reference=np.array([f.centre for f in floats], float).reshape(nb, 3),
         mass=np.array([f.mass for f in floats], float),
         cog=np.array([f.cog for f in floats], float).reshape(nb, 3),
-        inertia=np.array([np.diag(f.inertia) for f in floats], float).reshape(nb, 3, 3),
+        inertia=np.array([f.inertia_tensor for f in floats], float).reshape(nb, 3, 3),
         nonlinear=np.array(scene.nonlinear, bool),
         first_term=np.cumsum([0, *terms]),
         surface_terms=np.array(terms_of(scene, field, limits.radii(scene)), np.int64),

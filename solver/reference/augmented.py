@@ -20,6 +20,7 @@ from scipy.sparse.linalg import splu
 from solver.errors import InputError
 from solver.kernels import kernel
 from solver.reference.joints import Equations, Frames, Joint, constraints, equations, row_count
+from solver.rigid import inertia_tensor
 
 SPARSE = 250  # unknowns from which a sparse factorization is faster
 INNER = 20  # iterations of an inner loop; two or three suffice
@@ -38,11 +39,17 @@ class Body:
     position: tuple[float, float, float]  # of the origin [m]
     rotation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)  # unit quaternion
     cog: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from the origin, body axes [m]
+    products_of_inertia: tuple[float, float, float] = (0.0, 0.0, 0.0)  # as of floats
     velocity: tuple[float, float, float, float, float, float] = (0.0,) * 6
 
     def __post_init__(self) -> None:
         if not self.mass > 0:
             raise InputError("body.mass", self.mass, "must be > 0 kg")
+
+    @property
+    def inertia_tensor(self) -> np.ndarray:
+        """About the c.o.g., along the body's axes (3, 3) [kg m2]."""
+        return inertia_tensor(self.inertia, self.products_of_inertia)
 
 
 class Mechanism(NamedTuple):
@@ -134,7 +141,7 @@ def mechanism(
     system = Mechanism(
         mass=np.array([b.mass for b in bodies], float),
         cog=np.array([b.cog for b in bodies], float).reshape(nb, 3),
-        inertia=np.array([np.diag(b.inertia) for b in bodies], float).reshape(nb, 3, 3),
+        inertia=np.array([b.inertia_tensor for b in bodies], float).reshape(nb, 3, 3),
         gravity=np.array(gravity, float),
         equations=rows,
         added_mass=np.zeros((6 * nb, 6 * nb)) if added_mass is None else np.asarray(added_mass, float),

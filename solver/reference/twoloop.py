@@ -311,6 +311,7 @@ def mechanical_energy(
         lever = R @ np.array(body.cog, float)
         at_cog = v[:, :3] + np.cross(v[:, 3:], lever)
         spin_in_body = np.einsum("tij,ti->tj", R, v[:, 3:])
-        total += 0.5 * body.mass * np.sum(at_cog**2, axis=1) + 0.5 * np.sum(spin_in_body**2 * body.inertia, axis=1)
+        spinning = np.einsum("ti,ij,tj->t", spin_in_body, body.inertia_tensor, spin_in_body)
+        total += 0.5 * body.mass * np.sum(at_cog**2, axis=1) + 0.5 * spinning
         total -= body.mass * (trajectory.position[:, b] + lever) @ np.array(gravity)
     return total

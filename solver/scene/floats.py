@@ -14,6 +14,7 @@ from solver.hydrodynamics.hull.swing import Hinged, Stroke
 from solver.mooring import SIX, AxisMooring, Line, Mooring, line_loads, none
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.quantities import Quantity, out_of_range
+from solver.rigid import inertia_tensor, is_of_a_body
 from solver.scene.water import STILL_WATER, Water
 from solver.sea.current import Current
 
@@ -51,6 +52,9 @@ class Float:
     inertia: Annotated[
         Vector, Quantity("kg m2", above=0), "Moments of inertia about the body's axes through the c.o.g."
     ]
+    products_of_inertia: Annotated[
+        Vector, Quantity("kg m2"), "Integrals of xy, xz and yz over the mass, about the c.o.g."
+    ] = (0.0, 0.0, 0.0)
     cog: Annotated[Vector, Quantity("m"), "Centre of gravity, from the reference point at still water"] = (
         0.0,
         0.0,
@@ -179,13 +183,19 @@ class Float:
                 yield InputError(key, "given", f"needs {name} to be left out on that axis: the table has it all")
 
     def _body_problems(self, key: str) -> Iterator[InputError]:
-        moments = sorted(self.inertia)
-        if moments[2] > (moments[0] + moments[1]) * (1 + 1e-9):
-            limit = "must meet the triangle inequality: no moment above the sum of the others"
-            yield InputError(f"{key}.inertia", self.inertia, limit)
+        if not is_of_a_body(self.inertia_tensor):
+            limit = "must meet the triangle inequality: no principal moment above the sum of the others"
+            told = "inertia, products_of_inertia" if any(self.products_of_inertia) else "inertia"
+            value = (*self.inertia, *self.products_of_inertia) if any(self.products_of_inertia) else self.inertia
+            yield InputError(f"{key}.{told}", value, limit)
         upright = self.motion == ("hinge",) and self.axis[0] == self.axis[1] == 0
         if upright and np.linalg.norm(np.cross(self.arm, self.axis)) < 1e-9 * np.linalg.norm(self.axis):
             yield InputError(f"{key}.arm", self.arm, "must not lie along the hinge axis: the float would only spin")
+
+    @property
+    def inertia_tensor(self) -> np.ndarray:
+        """About the c.o.g., along the body's axes (3, 3) [kg m2]."""
+        return inertia_tensor(self.inertia, self.products_of_inertia)
 
     def per_axis(self, name: str) -> np.ndarray:
         """A quantity of the joint for each axis (n,); those of end stops by "end_stops.lower" and so on."""
@@ -308,7 +318,7 @@ def is_planar(floats: Iterable[Float], heading: float, current: Current | None =
     if current is not None and current.direction % np.pi != 0:
         return False
     return heading % np.pi == 0 and all(
-        f.hinge[1] == f.arm[1] == f.cog[1] == 0
+        f.hinge[1] == f.arm[1] == f.cog[1] == f.products_of_inertia[0] == f.products_of_inertia[2] == 0
         and f.hull.symmetry[1]
         and not set(f.motion) & {"sway", "roll", "yaw"}
         and ("hinge" not in f.motion or f.axis[0] == f.axis[2] == 0)

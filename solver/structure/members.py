@@ -9,6 +9,7 @@ import numpy as np
 
 from solver.errors import InputError, refuse
 from solver.quantities import Quantity, out_of_range, require_ranges
+from solver.rigid import inertia_tensor, is_of_a_body
 from solver.structure import beam
 from solver.structure.sections import Section, between
 
@@ -173,17 +174,14 @@ class PointMass:
     def __post_init__(self) -> None:
         key = f"masses.{self.node}"
         require_ranges(self, key)
-        tensor = self.tensor
-        spread = np.trace(tensor) / 2 * np.eye(3) - tensor  # ∫ r rᵀ dm, of which no direction can have less than none
-        if np.linalg.eigvalsh(spread)[0] < -ROUNDING * np.trace(tensor):
+        if not is_of_a_body(self.tensor):
             limit = "no body has such moments: each principal one must be <= the sum of the other two"
             raise InputError(f"{key}.inertia", self.inertia, limit)
 
     @property
     def tensor(self) -> np.ndarray:
         """Inertia about the c.o.g. (3, 3) [kg m2]."""
-        xy, xz, yz = self.products_of_inertia
-        return np.diag(self.inertia) - np.array([[0, xy, xz], [xy, 0, yz], [xz, yz, 0]])
+        return inertia_tensor(self.inertia, self.products_of_inertia)
 
     @property
     def matrix(self) -> np.ndarray:
