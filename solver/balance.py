@@ -128,17 +128,25 @@ def _passed_on(item: Float, water: Water, floats: Sequence[Float]) -> tuple[floa
     for point, load in _loads(item, water.density * item.hull.volume, water.gravity):
         force += load
         moment += _moment(point - item.hinge, load)
-    free = np.array([item.direction(name) for name in item.motion if name not in DOFS[:3]]).reshape(-1, 3)
-    force, moment = (0.0 if "heave" in item.motion else force), moment - np.linalg.pinv(free) @ free @ moment
-    return _with(item, -item.per_axis("preload"), force, moment)
+    turns, D = _turns(item)
+    preload = item.per_axis("preload")
+    pressed = -_along_heave(item, preload) if "heave" in item.motion else force
+    return pressed, moment - np.linalg.pinv(D) @ (D @ moment + preload[turns])
 
 
-def _with(item: Float, pulls: np.ndarray, force: float, moment: np.ndarray) -> tuple[float, np.ndarray]:
-    """A vertical force [N] and a moment (3,) [N m], and the loads (n,) along the joint's axes with them."""
-    for name, pull in zip(item.motion, pulls, strict=True):
-        force += pull * (name == "heave")
-        moment = moment + pull * item.direction(name) * (name not in DOFS[:3])
-    return force, moment
+def _turns(item: Float) -> tuple[np.ndarray, np.ndarray]:
+    """Which of a joint's axes (n,) turn, and their directions D (k, 3).
+
+    Loads p (k,) along them are those of the moment D⁺p: axes may be oblique to each other, and a moment about one is
+    then one about the others, too.
+    """
+    turns = np.array([name not in DOFS[:3] for name in item.motion], bool)
+    return turns, np.array([item.direction(name) for name in item.motion]).reshape(-1, 3)[turns]
+
+
+def _along_heave(item: Float, loads: np.ndarray) -> float:
+    """Of loads (n,) along a joint's axes; 0 where it does not heave."""
+    return float(sum(load for name, load in zip(item.motion, loads, strict=True) if name == "heave"))
 
 
 def _moment(lever: np.ndarray, force: float) -> np.ndarray:
@@ -204,8 +212,8 @@ def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[
 
 def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collection[str]) -> Float:
     displaced, (carried, turning) = water.density * item.hull.volume, _carried(item, water, floats)
-    force, moment = _with(item, item.pulls, carried, turning)
-    mass = displaced + force / water.gravity if "mass" in sought else item.mass
+    pulls, (turns, D) = item.pulls, _turns(item)
+    mass = displaced + (carried + _along_heave(item, pulls)) / water.gravity if "mass" in sought else item.mass
     if not mass > 0:
         lift = f"{displaced:.6g} kg displaced, {displaced * water.gravity:.4g} N"
         limit = f"leaves nothing: {lift}, do not bear {_borne(item, carried)}"
@@ -213,7 +221,9 @@ def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collec
     places = [axis for axis in "xy" if axis in sought]
     if not places:
         return replace(item, mass=mass)
-    moment = moment + _moment(item.centre + item.hull.buoyancy_point - item.hinge, displaced * water.gravity)
+    # Weight makes no moment about the vertical, so it bears what axes take of that by a level one, as it does pulls.
+    moment = turning[:2] + np.linalg.pinv(D[:, :2]) @ (D[:, 2] * turning[2] + pulls[turns])
+    moment += _moment(item.centre + item.hull.buoyancy_point - item.hinge, displaced * water.gravity)[:2]
     lever = (item.centre + item.cog - item.hinge)[:2]
     weight = mass * water.gravity
     whole = np.array([-moment[1], moment[0]]) / weight  # from which no moment is left: (y, -x) of the weight's lever

@@ -325,6 +325,51 @@ def test_the_solver_finds_what_was_balanced_at_rest(sought):
     assert np.abs(rest).max() < 1e-9
 
 
+OBLIQUE = [((1, 1, 0), "pitch"), ((1, 1, 0), "roll"), ((1, -2, 0.7), "yaw"), ((1, 0.4, 2), "pitch")]
+
+
+@pytest.mark.parametrize(("axis", "other"), OBLIQUE)
+@pytest.mark.parametrize("sought", ["hold", "xy"])
+def test_loads_about_axes_that_are_no_right_angle_apart_rest_in_what_carries_them(axis, other, sought):
+    """By the solver's own statics: an arm that turns about two axes, held, on a raft that is held, or has its c.o.g.
+    where nothing turns it."""
+    from solver.coupled.preparation import prepare
+
+    base = Float(
+        name="raft", hull=fine_box((6.0, 6.0, 3.0), (0, 0, 0), 1.5), mass=54000.0, inertia=(2e5,) * 3, hinge=(0, 0, 0),
+        motion=("roll", "pitch"), stiffness=(1e5, 1e5),
+    )  # fmt: skip
+    arm = Float(
+        name="arm", hull=Revolution.sphere(radius=1.0, draft=1.0), mass=5000.0, inertia=(2e3,) * 3, on="raft",
+        hinge=(4, 0, 0), arm=(3, 2, 0), axis=axis, motion=("hinge", other), stiffness=(1e5, 1e5),
+    )  # fmt: skip
+    floats = balanced([base, arm], DEEP, [("hold",) if sought == "hold" else ("x", "y"), ("hold",)])
+    scene = Scene(water=DEEP, floats=floats, settings=Settings(diffraction=False, radiation=False))
+    rest, _ = prepare(scene, None).equilibrium
+    assert np.abs(rest).max() < 1e-5  # the quadrature's of the buoyancy; a tenth of a radian by a load that is amiss
+    assert [imbalance(item, DEEP, floats) for item in floats] == [(), ()]
+
+
+def test_all_moments_of_what_two_axes_hold_go_to_the_carrier():
+    """(7, 2) m from its middle the raft bears the arm's weight less its buoyancy, whatever axes hold that."""
+    arm = ball(
+        mass=DISPLACED + 2e4, on="raft", hinge=(4, 0, 0), arm=(3, 2, 0), axis=(1, 1, 0), motion=("hinge", "pitch")
+    )
+    base, _ = balanced([raft(mass=1000 * HULL.volume, hinge=(0, 0, 0), arm=(0, 0, 0)), arm], DEEP, [("hold",)] * 2)
+    load = 2e4 * DEEP.gravity
+    assert base.preload == pytest.approx((0, 0, load, 2 * load, -7 * load, 0), abs=1e-6 * load)
+
+
+def test_a_preload_along_a_hinge_that_is_not_level_is_balanced_by_weight():
+    item = rotor(axis=(0.6, 0.8, 0.5), preload=3e5)
+    (found,) = balanced([item], DEEP, [("x", "y")])
+    weight, buoyancy = (
+        -found.mass * DEEP.gravity * (found.centre + found.cog - found.hinge),
+        1000 * ROTOR.volume * DEEP.gravity * (found.centre + ROTOR.buoyancy_point - found.hinge),
+    )
+    assert np.cross(weight + buoyancy, [0, 0, 1.0]) @ item.direction("hinge") == pytest.approx(-3e5)
+
+
 @pytest.mark.parametrize(
     ("floats", "sought", "key", "words"),
     [
