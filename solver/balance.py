@@ -146,7 +146,7 @@ def _turns(item: Float) -> tuple[np.ndarray, np.ndarray]:
 
 def _along_heave(item: Float, loads: np.ndarray) -> float:
     """Of loads (n,) along a joint's axes; 0 where it does not heave."""
-    return float(sum(load for name, load in zip(item.motion, loads, strict=True) if name == "heave"))
+    return float(loads @ [name == "heave" for name in item.motion]) if item.motion else 0.0
 
 
 def _moment(lever: np.ndarray, force: float) -> np.ndarray:

@@ -24,6 +24,11 @@ class PtoEfficiency:
         float, Quantity("-", above=0, most=1), "Mechanical power over electrical, while it is given back"
     ] = 1.0
 
+    @property
+    def uneven(self) -> bool:
+        """Whether electrical power has a corner where the mechanical one changes its sign."""
+        return self.generating * self.motoring != 1
+
     def electrical(self, power: np.ndarray) -> np.ndarray:
         """Electrical power of mechanical power P [W]: η P where P > 0, P/η_m where it flows back."""
         return np.where(power > 0, self.generating * power, power / self.motoring)

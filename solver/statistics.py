@@ -38,6 +38,12 @@ class Statistics:
         values = np.ascontiguousarray(values, float)
         _weigh_in(values, weight, self.count, self.room, self.high, self.low, self.mean, self.spread)
 
+    def add_to_sums(self, first: np.ndarray, second: np.ndarray) -> None:
+        """Add to the sums of all values and of their squares (n,): to what these lack of what lies between samples."""
+        shift = first / self.count
+        self.spread += second - first * (2 * self.mean + shift)
+        self.mean += shift
+
     def table(self) -> np.ndarray:
         """(n, 5) in the order of STATISTICS."""
         variance, known = self.spread / self.count, np.where(np.isnan(self.mean), np.nan, 1.0)

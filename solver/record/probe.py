@@ -154,7 +154,7 @@ def step_errors(probe: Probe) -> dict[str, float]:
         since = times - probe.first * system.dt
         finer.add(since[every], output if jumps else output.thinned(), samples[every])
     own, exact, between, cut = probe.recorder.samples(), finer.samples(), 0.0, probe.recorder.amended()
-    pieces = of_every_other(exact, finer.amended(), cut)
+    pieces = of_every_other(exact, finer.amended(), cut) if jumps else finer.amended()
     from_rest = system.scene.settings.discard == 0 and probe.state is None
     ends = statistics_error(system, scene, from_start if from_rest else at_ends, own)
     if jumps:  # of samples twice as near to each other as the record's

@@ -13,6 +13,7 @@ from solver.coupled.support import Support
 from solver.multibody.bodies import Bodies
 from solver.multibody.of_axes import bent, declutched, joint_loads, latched, pto_bounds, pto_loads, stopped
 from solver.record.channels import ELEVATION, Channels, Labelled, Record, bound
+from solver.record.corners import ends_of, missed
 from solver.record.fatigue import crossing_rate
 from solver.record.sampling import Cuts
 from solver.record.spectra import Harmonics, all_lines, bands, cross_spectra, lines_of, moments
@@ -20,32 +21,11 @@ from solver.scene import Scene
 from solver.statistics import STATISTICS, Statistics
 from solver.structure.legs import Largest, compressive
 
-END = 1 / 12, 1 / 24  # of first and second differences, see _ends
 INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that others are made of
 # By the size of moments and shear, which have a corner where these pass zero: the least are those of samples.
 CORNERED = "utilisation", "shear_utilisation"
 # Though loads jump; at a hard stop a rate does so between samples, too, and a parabola would go beyond either side.
 CONTINUOUS = "wave_elevation", "rotation", "motion", "line_tension", "top_displacement", STROKES
-
-
-def _ends(cut: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Samples (k,) at and near the ends of what is left uncut of `count` where steps up to samples `cut` are, and their
-    weights.
-
-    A mean by samples is that by trapezoids, whose errors cancel between neighbours. Where pieces take the place of
-    some, what is left errs at its ends by h²/12 of the slopes there, and more: Gregory's rule takes parts of the first
-    difference there back, and of the second one where the run is that long.
-    """
-    is_cut = np.ones(count + 2, bool)  # up to each sample, and beyond
-    is_cut[1:count] = False
-    is_cut[cut] = True
-    end, way = np.concatenate([cut - 1, cut]), np.repeat([-1, 1], cut.size)
-    step = end + (way > 0)  # the first of the run that ends there
-    some = np.flatnonzero(~is_cut[step])
-    end, way, longer = end[some], way[some], ~is_cut[step + way][some]
-    samples = np.stack([end, end + way, np.where(longer, end + 2 * way, end)])
-    weights = -END[0] * np.array([[1], [-1], [0]]) - END[1] * np.outer([1, -2, 1], longer)
-    return samples.ravel(), weights.ravel()
 
 
 class Recorder:
@@ -83,6 +63,9 @@ class Recorder:
         self.whole = True  # the last step
         self.last: dict[str, np.ndarray] = {}  # sample (1, n) of each channel, and of the waves' rows the nearest ones
         self.waves = np.zeros((0, 0))
+        self.moved = [np.zeros(0), *np.zeros((2, 0, self.channels.owner.size))]  # time, positions, rates of the last
+        efficiencies = {b: f.pto_efficiency for b, f in enumerate(scene.floats) if f.pto_efficiency is not None}
+        self.lossy = {b: efficiency for b, efficiency in efficiencies.items() if efficiency.uneven}
         self.seconds = [np.inf, -np.inf]
         wanted = scene.settings.rao and self.channels.axes and scene.sea.amplitude.any()
         self.harmonics = Harmonics(scene.sea.omega) if wanted else None
@@ -119,6 +102,8 @@ class Recorder:
         self._lower(channels)
         if output.between.number[0]:
             self._amend(kept, channels, output, samples)
+        if self.lossy:
+            self._round(times[kept], kept, output)
         self.taken += len(times[kept])
         self.last = {name: values.reshape(len(values), -1)[-1:] for name, values in channels.items()}
         self.waves = samples[-NODES:]
@@ -158,7 +143,7 @@ class Recorder:
         of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
         more = int(bool(self.last))  # sample of the block before
         here = cut - first + more
-        ends, of_ends = _ends(here, len(output.lead[kept]) + more)
+        ends, of_ends = ends_of(here, len(output.lead[kept]) + more)
         weights = np.concatenate([weight, of_ends])
         for name, values in channels.items():
             if name != "latched":  # which is a mean over that time already
@@ -171,6 +156,25 @@ class Recorder:
                     for total, power in zip(sums, (own, own**2), strict=True):
                         np.add.at(total, of, weight[:, None] * power)
                     self.cuts.setdefault(name, []).append(Cuts(cut - first + self.taken, *sums))
+
+    def _round(self, times: np.ndarray, kept: slice, output: Output) -> None:
+        """Where steps are whole, corners of electrical power add to the sums of its samples and of their squares."""
+        first, more = output.z.shape[1] - self.channels.owner.size, len(self.moved[0])
+        now = times, output.z[kept, first:], output.dz[kept, first:]
+        t, y, v = (np.concatenate(parts) for parts in zip(self.moved, now, strict=True))
+        self.moved = [t[-1:], y[-1:], v[-1:]]
+        if len(t) == 1:
+            return
+        whole = (self._at_work(output.contact[kept])[0] == 1) & (output.lead == UNCUT)[kept, None]
+        lacks = np.zeros((2, len(times), len(self.scene.floats)))
+        for b, efficiency in self.lossy.items():
+            works = whole[1 - more :] & (self.channels.owner == b)
+            row, *both = missed(y, v, t[1] - t[0], lambda y, v: pto_loads(self.law, y, v) * v, works, efficiency)
+            for sums, lack in zip(lacks[..., b], both, strict=True):
+                np.add.at(sums, row - more, lack)
+        self.statistics["electrical_power"].add_to_sums(*lacks.sum(axis=1))
+        if self.scene.settings.keep_series and (some := np.flatnonzero(lacks.any(axis=(0, 2)))).size:
+            self.cuts.setdefault("electrical_power", []).append(Cuts(some + self.taken, *lacks[:, some]))
 
     def _forces(self, kept: slice, output: Output | Between, samples: np.ndarray) -> np.ndarray | None:
         """Of the frame, as the steel's outputs ask for them."""

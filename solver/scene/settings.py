@@ -160,7 +160,8 @@ class Settings:
     tolerance: Annotated[
         float | None,
         Quantity(least=1e-6, most=0.1),
-        "Relative error asked of every mean, rms and std; it chooses panels and, marching, the knobs from time_step on",
+        "Error asked of every mean, relative to the rms, and of every rms and std; it chooses panels and, marching, the"
+        " knobs from time_step on",
     ] = None
 
     def __post_init__(self) -> None:

@@ -11,7 +11,8 @@ from solver.coupled import support
 from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.record import steel as steel_module
-from solver.record.recorder import Recorder, _ends
+from solver.record.corners import ends_of
+from solver.record.recorder import Recorder
 from solver.record.sampling import Cuts
 from solver.record.spectra import MOMENTS, all_lines, crossings, moments
 from solver.record.steel import Spread, Steel
@@ -155,7 +156,7 @@ def test_what_is_left_uncut_is_integrated_to_its_ends(degree, cut):
     """Cubics exactly over runs of three samples or more, lines over single steps, too."""
     polynomial, t = np.polynomial.Polynomial(np.random.default_rng(3).normal(size=degree + 1)), np.arange(21.0)
     f, integral = polynomial(t), polynomial.integ()
-    samples, weights = _ends(np.array(cut), t.size)
+    samples, weights = ends_of(np.array(cut), t.size)
     whole = [k for k in range(1, t.size) if k not in cut]  # steps, up to their second sample
     trapezoids, exact = (
         sum(of(k) for k in whole) for of in (lambda k: f[k - 1 : k + 1].mean(), lambda k: integral(k) - integral(k - 1))
