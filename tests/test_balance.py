@@ -360,14 +360,17 @@ def test_all_moments_of_what_two_axes_hold_go_to_the_carrier():
     assert base.preload == pytest.approx((0, 0, load, 2 * load, -7 * load, 0), abs=1e-6 * load)
 
 
-def test_a_preload_along_a_hinge_that_is_not_level_is_balanced_by_weight():
-    item = rotor(axis=(0.6, 0.8, 0.5), preload=3e5)
-    (found,) = balanced([item], DEEP, [("x", "y")])
+@pytest.mark.parametrize("twist", [0.0, 1e6])
+def test_a_preload_along_a_hinge_that_is_not_level_is_balanced_by_weight(twist):
+    """And so is what a ball that it carries twists it by about the vertical."""
+    item, carried = rotor(axis=(0.6, 0.8, 0.5), preload=3e5), ball(on="rotor", motion=("yaw",), preload=twist)
+    found, _ = balanced([item, carried], DEEP, [("x", "y"), ()])
     weight, buoyancy = (
         -found.mass * DEEP.gravity * (found.centre + found.cog - found.hinge),
         1000 * ROTOR.volume * DEEP.gravity * (found.centre + ROTOR.buoyancy_point - found.hinge),
     )
-    assert np.cross(weight + buoyancy, [0, 0, 1.0]) @ item.direction("hinge") == pytest.approx(-3e5)
+    about = item.direction("hinge")
+    assert np.cross(weight + buoyancy, [0, 0, 1.0]) @ about == pytest.approx(-3e5 + twist * about[2])
 
 
 @pytest.mark.parametrize(
