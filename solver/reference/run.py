@@ -215,8 +215,14 @@ def _at_rest(
 
 def _body(item: Float, position: np.ndarray, rotation: np.ndarray) -> Body:
     turned = tuple(Rotation.from_matrix(rotation).as_quat(scalar_first=True))
-    inertia = {"inertia": item.inertia, "products_of_inertia": item.products_of_inertia}
-    return Body(mass=item.mass, **inertia, cog=item.cog, position=tuple(position), rotation=turned)
+    return Body(
+        mass=item.mass,
+        inertia=item.inertia,
+        products_of_inertia=item.products_of_inertia,
+        cog=item.cog,
+        position=tuple(position),
+        rotation=turned,
+    )
 
 
 def _joint(item: Float, first: int, second: int, node: joint_axes.Node) -> Hinge | AxesJoint:
