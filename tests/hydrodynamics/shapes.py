@@ -63,7 +63,7 @@ def nemoh(vertices, faces, *, symmetric=0):
     return "\n".join([f"2 {symmetric}", *points, "0 0. 0. 0.", *corners, "0 0 0 0", ""])
 
 
-def hst(vertices, faces):
-    points = "\n".join(f"{i} {x:.9f} {y:.9f} {z:.9f}" for i, (x, y, z) in enumerate(vertices, 1))
-    corners = "\n".join(" ".join(map(str, [i, *(f + 1)])) for i, f in enumerate(faces, 1))
-    return f"COORDINATES\n{points}\nENDCOORDINATES\nPANEL TYPE 1\n{corners}\nENDPANEL\nENDFILE\n"
+def hst(vertices, faces, *, header="NBBODY 1", first=1):
+    points = "\n".join(f"{i} {x:.9f} {y:.9f} {z:.9f}" for i, (x, y, z) in enumerate(vertices, first))
+    corners = "\n".join(" ".join(map(str, [i, *(f + first)])) for i, f in enumerate(faces, 1))
+    return f"{header}\nCOORDINATES\n{points}\nENDCOORDINATES\nPANEL TYPE 1\n{corners}\nENDPANEL\nENDFILE\n"

@@ -1,4 +1,5 @@
-"""Panel meshes from the content of a file: STL, WAMIT's GDF, Nemoh's .dat, and what capytaine reads besides.
+"""Panel meshes from the content of a file: STL, WAMIT's GDF, Nemoh's .dat, HydroStar's .hst, and what capytaine reads
+besides.
 
 Every reader gives vertices (nv, 3) [m] and faces (nf, 4); a triangle repeats its last vertex.
 Symmetry that a format declares is unfolded here. Nothing is judged: see `surface`.
@@ -7,6 +8,8 @@ Symmetry that a format declares is unfolded here. Nothing is judged: see `surfac
 import io
 import re
 import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -16,7 +19,9 @@ from solver.hydrodynamics.library import capytaine
 
 FOOT = 0.3048  # [m]
 FEET = (31.0, 33.0)  # gravity [ft/s²] of a GDF file whose lengths are feet
-WORDS = ("hst", "pnl", "hydrostar", "hams", "nemoh", "mar")  # formats that capytaine reads, text
+WORDS = ("pnl", "hams", "nemoh", "mar")  # formats that capytaine reads, text
+# What moves no panel of HydroStar's: names, units of its output, and which panels are the body's that it has.
+HEADER = ("PROJECT", "USER", "USERS", "REFLENGTH", "RHO", "GRAVITY", "NUMPANEL")
 KEY = "hull.file"
 FARTHEST = 1e5  # [m]
 
@@ -27,7 +32,7 @@ def read(name: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
     if not data.strip():
         raise InputError(KEY, name, "is empty")
     try:
-        vertices, faces = {"stl": _stl, "gdf": _gdf, "dat": _nemoh}.get(kind, _by_capytaine)(data, kind)
+        vertices, faces = READERS.get(kind, _by_capytaine)(data, kind)
     except InputError:
         raise
     except (ValueError, IndexError, KeyError, AssertionError, struct.error) as error:
@@ -87,8 +92,59 @@ def _nemoh(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
     return _unfolded(vertices, _triangles_last(vertices[faces], faces), 0, int(rows[0][1]))
 
 
+def _hydrostar(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """HydroStar: a header; points, mostly numbered; corners of panels by those, in "TYPE 1" after the panel's own."""
+    index: dict[int, int] = {}
+    points: list[list[float]] = []
+    faces: list[list[int]] = []
+    planes, within, own = 0, "", 0
+    for number, line in enumerate(_text(data).splitlines(), 1):
+        with _told_of(number, line):
+            match line.replace(":", " ").split():
+                case ["ENDFILE", *_]:
+                    break
+                case ["COORDINATES" | "PANEL" as within, *kind]:
+                    own = int(kind == ["TYPE", "1"])
+                case ["ENDCOORDINATES" | "ENDPANEL"]:
+                    within = ""
+                case [*label, x, y, z] if within == "COORDINATES" and len(label) <= 1:
+                    if index.setdefault(int(label[0]) if label else len(points) + 1, len(points)) < len(points):
+                        raise ValueError("the same number again")
+                    points.append([float(x), float(y), float(z)])
+                case [*row] if within == "PANEL" and len(row) - own in (3, 4):
+                    corners = [index[int(word)] for word in row[own:]]
+                    faces.append([*corners, corners[-1]][:4])
+                case [word, *values] if word not in HEADER and word[0] not in "#!":
+                    planes = max(planes, _planes(word, values))
+    vertices, panels = np.array(points, float).reshape(-1, 3), np.array(faces, int).reshape(-1, 4)
+    return _unfolded(vertices, _triangles_last(vertices[panels], panels), planes == 2, planes > 0)
+
+
+def _planes(word: str, values: list[str]) -> int:
+    """How many planes of symmetry a line of HydroStar's header declares: y = 0, then x = 0."""
+    match [word, *values]:
+        case ["NBBODY", "1"] | ["SYMMETRY_BODY", "0", "1"]:  # the latter is BEMRosetta's for a whole body
+            return 0
+        case ["SYMMETRY", ("0" | "1" | "2") as planes] | ["SYMMETRY_BODY", "1", ("0" | "1" | "2") as planes]:
+            return int(planes)
+        case ["NBBODY", *_] | ["SYMMETRY_BODY", _, _]:
+            raise ValueError("one body alone is known here, as number 1: a file of each is needed")
+    raise ValueError(f"{word} with {len(values)} values is not known here")
+
+
+@contextmanager
+def _told_of(number: int, line: str) -> Iterator[None]:
+    """What is wrong in a line names it."""
+    try:
+        yield
+    except KeyError as error:
+        raise ValueError(f"line {number}: {error} is no point before it") from None
+    except ValueError as error:
+        raise ValueError(f"line {number}, {line.strip()!r}: {error}") from None
+
+
 def _by_capytaine(data: bytes, kind: str) -> tuple[np.ndarray, np.ndarray]:
-    """HydroStar's and HAMS's files; with meshio or trimesh installed also theirs."""
+    """HAMS's files; with meshio or trimesh installed also theirs."""
     stream = io.StringIO(_text(data)) if kind in WORDS else io.BytesIO(data)
     try:
         mesh = capytaine().load_mesh(stream, file_format=kind).merged()
@@ -97,6 +153,9 @@ def _by_capytaine(data: bytes, kind: str) -> tuple[np.ndarray, np.ndarray]:
             raise
         raise ValueError("known are stl, gdf, dat, hst, pnl; and what meshio reads, if it is installed") from None
     return np.asarray(mesh.vertices, float), np.asarray(mesh.faces, int)
+
+
+READERS = {"stl": _stl, "gdf": _gdf, "dat": _nemoh, "hst": _hydrostar}
 
 
 def _text(data: bytes) -> str:
