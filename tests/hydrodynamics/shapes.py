@@ -67,3 +67,8 @@ def hst(vertices, faces, *, header="NBBODY 1", first=1):
     points = "\n".join(f"{i} {x:.9f} {y:.9f} {z:.9f}" for i, (x, y, z) in enumerate(vertices, first))
     corners = "\n".join(" ".join(map(str, [i, *(f + first)])) for i, f in enumerate(faces, 1))
     return f"{header}\nCOORDINATES\n{points}\nENDCOORDINATES\nPANEL TYPE 1\n{corners}\nENDPANEL\nENDFILE\n"
+
+
+def obj(vertices, faces):
+    points = "\n".join(f"v {x:.9f} {y:.9f} {z:.9f}" for x, y, z in vertices)
+    return points + "\n" + "\n".join(" ".join(map(str, ["f", *(f + 1)])) for f in faces)

@@ -1,5 +1,5 @@
-"""Panel meshes from the content of a file: STL, WAMIT's GDF, Nemoh's .dat, HydroStar's .hst, and what capytaine reads
-besides.
+"""Panel meshes from the content of a file: STL, WAMIT's GDF, Nemoh's .dat, HydroStar's .hst, Wavefront's OBJ, and what
+capytaine reads besides.
 
 Every reader gives vertices (nv, 3) [m] and faces (nf, 4); a triangle repeats its last vertex.
 Symmetry that a format declares is unfolded here. Nothing is judged: see `surface`.
@@ -22,6 +22,7 @@ FEET = (31.0, 33.0)  # gravity [ft/s²] of a GDF file whose lengths are feet
 WORDS = ("pnl", "hams", "nemoh", "mar")  # formats that capytaine reads, text
 # What moves no panel of HydroStar's: names, units of its output, and which panels are the body's that it has.
 HEADER = ("PROJECT", "USER", "USERS", "REFLENGTH", "RHO", "GRAVITY", "NUMPANEL")
+ROUNDING = 1e-12  # of a polygon's area: what its corners, as 64-bit numbers, span on a line
 KEY = "hull.file"
 FARTHEST = 1e5  # [m]
 
@@ -132,6 +133,56 @@ def _planes(word: str, values: list[str]) -> int:
     raise ValueError(f"{word} with {len(values)} values is not known here")
 
 
+def _obj(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """Wavefront: points "v x y z"; panels "f" by their numbers, from 1 or, negative, back from the last so far, and
+    texture or normal after a slash. What else a line begins with moves no panel, but for curved surfaces and calls."""
+    points: list[list[float]] = []
+    faces: list[list[int]] = []
+    for number, line in enumerate(_text(data).splitlines(), 1):
+        with _told_of(number, line):
+            match line.split():
+                case ["v", x, y, z, *_]:
+                    points.append([float(x), float(y), float(z)])
+                case ["f", a, b, c, *more]:
+                    corners = [_counted(int(word.split("/")[0]), len(points)) for word in (a, b, c, *more)]
+                    faces += _parts(np.array(corners), np.array([points[i] for i in corners]))
+                case ["v" | "f" | "surf" | "call" as word, *values]:
+                    raise ValueError(f"{word} with {len(values)} values is not known here")
+    vertices, panels = np.array(points, float).reshape(-1, 3), np.array(faces, int).reshape(-1, 4)
+    return vertices, _triangles_last(vertices[panels], panels)
+
+
+def _counted(number: int, count: int) -> int:
+    """From 0, of a corner counted from 1 or, negative, back from the last of `count` points."""
+    if not 1 <= abs(number) <= count:
+        raise KeyError(number)
+    return number - 1 if number > 0 else count + number
+
+
+def _parts(labels: np.ndarray, corners: np.ndarray) -> list[list[int]]:
+    """A polygon (n,) of corners (n, 3) as panels of four: one of more corners in triangles, cut off one by one where
+    they jut out and hold no other corner (ears), the shortest cut first, which leaves the fewest slivers."""
+    if len(labels) <= 4:
+        return [[*labels, labels[-1]][:4]]
+    parts = []
+    while len(labels) > 3:
+        before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
+        normal = np.cross(corners, after).sum(axis=0)  # twice the area
+        least = ROUNDING * normal @ normal
+        juts = np.cross(corners - before, after - corners) @ normal > least
+        for i in np.argsort(np.linalg.norm(after - before, axis=1)):
+            ear = np.array([before[i], corners[i], after[i]])
+            others = corners[~np.any(np.all(corners[:, None] == ear, axis=2), axis=1)]
+            sides = np.cross(np.roll(ear, -1, axis=0) - ear, others[:, None] - ear) @ normal  # of each corner left
+            if juts[i] and not np.any(np.all(sides >= -least, axis=1)):
+                break
+        else:
+            raise ValueError("has no area, or its sides cross")
+        parts.append([labels[i - 1], labels[i], *[labels[(i + 1) % len(labels)]] * 2])
+        labels, corners = np.delete(labels, i), np.delete(corners, i, axis=0)
+    return [*parts, [*labels, labels[-1]]]
+
+
 @contextmanager
 def _told_of(number: int, line: str) -> Iterator[None]:
     """What is wrong in a line names it."""
@@ -151,11 +202,14 @@ def _by_capytaine(data: bytes, kind: str) -> tuple[np.ndarray, np.ndarray]:
     except ValueError as error:
         if "nsupported mesh format" not in str(error):
             raise
-        raise ValueError("known are stl, gdf, dat, hst, pnl; and what meshio reads, if it is installed") from None
+        known = (
+            "known are stl, gdf, dat, hst, obj, pnl; what meshio reads, too, once it is installed: pip install meshio"
+        )
+        raise ValueError(known) from None
     return np.asarray(mesh.vertices, float), np.asarray(mesh.faces, int)
 
 
-READERS = {"stl": _stl, "gdf": _gdf, "dat": _nemoh, "hst": _hydrostar}
+READERS = {"stl": _stl, "gdf": _gdf, "dat": _nemoh, "hst": _hydrostar, "obj": _obj}
 
 
 def _text(data: bytes) -> str:

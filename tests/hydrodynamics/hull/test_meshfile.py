@@ -7,7 +7,7 @@ from pytest import approx
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from tests.hydrodynamics.shapes import box, hst, loose
+from tests.hydrodynamics.shapes import box, hst, loose, obj
 
 DEMIHULL = box((10.0, 1.5, 2.0), (0.0, 3.0, 0.0))  # 1 m of draft
 BARGE = box((4.0, 2.0, 1.0))
@@ -74,3 +74,89 @@ def test_what_is_broken_in_hydrostars_format_is_told_by_line(old, new, told):
     with pytest.raises(InputError) as error:
         read("a.hst", text.replace(old, new))
     assert told in str(error.value)
+
+
+WAVEFRONT = """# as modellers export it
+mtllib hull.mtl
+o hull
+v -2 -1 -0.5
+v -2 -1 0.5 1.0
+v -2 1 -0.5
+v -2 1 0.5 0.2 0.3 0.4
+vt 0 0
+vn -1 0 0
+g stern
+usemtl steel
+s off
+f 1/1/1 2//1 4/1 3
+v 2 -1 -0.5
+v 2 -1 0.5
+v 2 1 -0.5
+v 2 1 0.5
+f -4 -2 -1 -3
+f 1 5 6
+f 1 6 2
+f 3 4 8 7
+f 1//1 3//1 7//1 5//1
+f 2/1 6/1 8/1 4/1
+"""
+
+
+def test_wavefronts_corners_are_numbered_from_1_or_back_from_the_last():
+    hull = read("a.obj", WAVEFRONT)
+    assert hull.volume == approx(4.0) and hull.closed and not hull.notes and len(hull.vertices) == 8
+
+
+def prism(outline, bottom=-1.0, top=1.0):
+    """In Wavefront's format, with outline (n, 2) as bottom and deck, each one polygon."""
+    n, x = len(outline), np.array(outline, float)
+    corners = np.concatenate([np.column_stack([x, np.full(n, z)]) for z in (bottom, top)])
+    sides = [[i, (i + 1) % n, (i + 1) % n + n, i + n] for i in range(n)]
+    return obj(corners, [np.array(f) for f in (*sides, np.arange(n)[::-1], np.arange(n) + n)])
+
+
+def shoelace(outline):
+    x, y = np.array(outline, float).T
+    return (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2
+
+
+ROUND = [(3 * np.cos(a), 3 * np.sin(a)) for a in np.arange(64) * np.pi / 32]
+U = [(0, 0), (6, 0), (6, 5), (4, 5), (4, 1), (3, 1), (2, 1), (2, 5), (0, 5)]  # (3, 1) on a straight side
+DART = [(0, 0), (20, -2), (18, -0.5), (18, 0.5), (20, 2)]  # whose shortest cut leaves corners outside
+STAR = [(r * np.cos(a), r * np.sin(a)) for a, r in zip(np.arange(10) * np.pi / 5, [4, 1] * 5, strict=True)]
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+@pytest.mark.parametrize("outline", [ROUND, U, U[4:] + U[:4], DART, STAR, STAR[3:] + STAR[:3]])
+def test_polygons_are_cut_into_triangles_that_cover_them_once(outline, turn):
+    """Areas add up to the polygon's, which those of a fan of one that is not convex do not."""
+    c, s = np.cos(turn), np.sin(turn)
+    hull = read("a.obj", prism(np.array(outline) @ [[c, s], [-s, c]]))
+    area, sides = abs(shoelace(outline)), np.linalg.norm(np.array(outline) - np.roll(outline, 1, axis=0), axis=1).sum()
+    assert hull.closed and hull.volume == approx(area) and hull.wetted_area == approx(area + sides)
+    assert hull.waterplane[0] == approx(area) and not hull.notes
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("f 3 4 8 7", "f 3 4 9 7", ": 9 is no point before it"),
+        ("f -4 -2 -1 -3", "f -9 -2 -1 -3", ": -9 is no point before it"),
+        ("f 3 4 8 7", "f 0 4 8 7", ": 0 is no point before it"),
+        ("f 1 5 6", "f 1 5", ", 'f 1 5': f with 2 values"),
+        ("f 1 5 6", "f 1 x 6", ", 'f 1 x 6': "),
+        ("v 2 1 0.5", "v 2 1", ", 'v 2 1': v with 2 values"),
+        ("f 1 5 6", "surf 0 1 0 1 1 2 3 4", ", 'surf 0 1 0 1 1 2 3 4': surf with"),
+        ("f 3 4 8 7", "f 3 4 3 4 3", ", 'f 3 4 3 4 3': has no area, or its sides cross"),
+    ],
+)
+def test_what_is_broken_in_wavefronts_format_is_told_by_line(old, new, told):
+    before, after = WAVEFRONT.split(f"{old}\n")
+    with pytest.raises(InputError) as error:
+        read("a.obj", f"{before}{new}\n{after}")
+    assert f"line {before.count(chr(10)) + 1}{told}" in str(error.value)
+
+
+def test_a_format_that_is_not_known_says_what_to_install():
+    with pytest.raises(InputError, match=r"xyz mesh: known are stl, .* obj, .*: pip install meshio$"):
+        read("a.xyz", "nonsense")

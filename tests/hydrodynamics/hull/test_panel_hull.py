@@ -12,13 +12,13 @@ from solver.hydrodynamics.hull.clearance import borders, openings, slips, touchi
 from solver.hydrodynamics.hull.panel_hull import MeshWarning, PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
-from tests.hydrodynamics.shapes import box, fine_box, gdf, hst, loose, meshed, nemoh, stl
+from tests.hydrodynamics.shapes import box, fine_box, gdf, hst, loose, meshed, nemoh, obj, stl
 
 SIZE, CENTRE = (4.0, 2.0, 1.0), (0.5, 0.0, 0.1)  # 0.4 m of draft
 VERTICES, FACES = box(SIZE, CENTRE)
 PANELS = VERTICES[FACES]
 NOT_FACES = {"hull.stl": stl(PANELS), "words.stl": stl(PANELS, text=True), "hull.gdf": gdf(PANELS)}
-INDEXED = {"hull.dat": nemoh(VERTICES, FACES), "hull.HST": hst(VERTICES, FACES)}
+INDEXED = {"hull.dat": nemoh(VERTICES, FACES), "hull.HST": hst(VERTICES, FACES), "hull.obj": obj(VERTICES, FACES)}
 
 
 def data(content):
