@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
+from pipeline.bridge.checks import MOST_NAMED
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.objections import objections
 from pipeline.bridge.sea_checks import of_sea
 from pipeline.study.reading import StudyError
 from pipeline.study.seas import Components, Regular, Still
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import Parameters, Task
+from pipeline.tasks.task import Label, Parameters, Task
 
 # Sea states and seeds are judged from the file alone, each value along an axis over keys once.
 CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
@@ -33,17 +34,38 @@ def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
             distinct[place, *fresh] = task
             met |= fresh
         sea = task.labels["sea_state"]
-        seas[sea, *(labels if sea in still else ())] = task  # which some methods are not for
+        seas.setdefault((sea, *(labels if sea in still else ())), task)  # which some methods are not for
     platforms = {(task.labels["platform"], task.parameters.solver): task for task in distinct.values()}
-    odd: list[str] = []
+    odd: dict[str, set[str]] = {}
     every = {task.id: task for task in (*distinct.values(), *seas.values())}
     problems = [problem for task in every.values() for problem in _problems(_Listener(engine, task, odd), task)]
     # A frame takes 0.4 s to reduce, so with the same settings one stands for all hinge spacings.
     problems = problems or [problem for task in platforms.values() for problem in _problems(engine.reduce, task)]
+    warnings = [f"{_where(study, every.values(), said, text)}{text}" for text, said in odd.items()]
     if problems:
-        told = [*problems, *(f"warning: {text}" for text in odd)]  # which may be why
+        told = [*problems, *(f"warning: {text}" for text in warnings)]  # which may be why
         raise StudyError(study.path, dict.fromkeys(told))
-    return list(dict.fromkeys(odd))
+    return warnings
+
+
+def _where(study: Study, tasks: Iterable[Task], said: set[str], text: str) -> str:
+    """The labels that a warning is of, along each axis where it is not of all, as the ids of its tasks tell.
+
+    The first task with a label stands for it: its other labels are those of the first task of all.
+    """
+    paths = {axis.name: f'axes."{next(iter(axis.keys))}"' for axis in study.content.varied if axis.own}
+    named = {"seed", "sea_state"} if text.startswith("sea_states.") else {"seed"}  # already, or judged by one alone
+    has: dict[str, dict[Label, bool]] = {}
+    for task in tasks:
+        for axis, label in task.labels.items():
+            has.setdefault(axis, {}).setdefault(label, task.id in said)
+    places = []
+    for axis, holds in has.items():
+        labels = [str(label) for label in holds if holds[label]]
+        if axis not in named and 0 < len(labels) < len(holds):
+            more = ["..."] * (len(labels) > MOST_NAMED)
+            places.append(f"{paths.get(axis, axis)} = {', '.join([*labels[:MOST_NAMED], *more])}")
+    return f"{', '.join(places)}: " if places else ""
 
 
 @dataclass(frozen=True)
@@ -52,12 +74,13 @@ class _Listener:
 
     engine: Engine
     task: Task
-    odd: list[str]
+    odd: dict[str, set[str]]  # by which tasks, as their ids tell
 
     def __call__(self, parameters: Parameters) -> None:
         for text in self.engine.judge(parameters) or ():
             first, colon, rest = text.partition(": ")
-            self.odd.append(f"sea_states.{self.task.labels['sea_state']}{colon}{rest}" if first == "sea" else text)
+            told = f"sea_states.{self.task.labels['sea_state']}{colon}{rest}" if first == "sea" else text
+            self.odd.setdefault(told, set()).add(self.task.id)
 
 
 def _problems(judge: Callable[[Parameters], object], task: Task) -> Iterator[str]:

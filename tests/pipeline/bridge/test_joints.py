@@ -440,7 +440,7 @@ def test_a_float_that_is_held_has_its_preload_told(study_with, monkeypatch):
         ),
         (
             "only = { Hs",
-            'calm = { kind = "still" }\nonly = { Hs',
+            'low = { Hs = 0.1, Tp = 6.0 }\ncalm = { kind = "still" }\nonly = { Hs',
             "solver.method = frequency: needs waves: a decay is a matter of the time domain",
         ),
         ('["balance", 0.0, -0.5]', '[0.0, 0.0, "balance"]', "floats[1].cog[2] = 'balance': must be a number"),
