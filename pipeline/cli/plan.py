@@ -52,7 +52,8 @@ class Estimate:
             self.left += 1
             self.work[kind] += work
             self.usual[kind] += work * (A_TASK if parameters.solver.method == "frequency" else slower / REAL_TIME)
-            if (geometry := geometry_of(parameters)) and not geometry.coefficients:
+            geometry = geometry_of(parameters)
+            if geometry and geometry.flow and not geometry.coefficients:  # else nothing is solved
                 self.geometries.add(geometry)
         elif entry.state in ("done", "stale"):
             self._ran(entry.status)

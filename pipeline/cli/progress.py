@@ -73,7 +73,9 @@ class Clock:
         if isinstance(what, Geometry):
             seconds = f"{outcome.wall_time:.1f} s, summed over workers"
             how = f"failed: {result.message}" if isinstance(result, Failure) else seconds
-            return f"hydrodynamic coefficients of {len(what.bodies)} floats: {how}"
+            count = len(what.bodies)
+            made = "hydrodynamic coefficients of" if what.flow else "pressure of the undisturbed waves on"
+            return f"{made} {count} float{'s' * (count > 1)}: {how}"
         # Why is told once of all tasks that fail so, when the run is over.
         how = f"failed: {result.kind}" if isinstance(result, Failure) else f"{outcome.wall_time:.1f} s"
         left = self.left()

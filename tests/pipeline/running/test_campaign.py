@@ -245,7 +245,7 @@ def test_copied_results_are_found_and_made_again(small, cli, tmp_path):
     other.write_bytes(one.read_bytes())
     assert f"damaged: {other}; `study run" in cli("verify", code=1)
     told = cli("run", "--workers", "1")
-    assert re.search(r"hydrodynamic coefficients of 1 floats: [\d.]+ s, summed over workers\n", told)
+    assert re.search(r"hydrodynamic coefficients of 1 float: [\d.]+ s, summed over workers\n", told)
     assert other.read_bytes() == right
     first, second, *_ = (tmp_path / "r" / "small" / "tasks" / task.id for task in load(small).tasks)
     shutil.copytree(first, second, dirs_exist_ok=True)
@@ -820,6 +820,17 @@ def test_odd_and_impossible_seas_are_named_whichever_they_are(three_seas, engine
 
         with pytest.raises(StudyError, match=f"sea = {height}: must be calm"):
             preflight.judge(study, expand(study.content), replace(engine, judge=refuse))
+
+
+def test_where_nothing_is_solved_for_none_is_told_of(small, cli):
+    """Linear pressure alone still has a file of its own."""
+    text = small.read_text().replace(
+        "[waves]", '[solver]\nradiation = false\ndiffraction = false\nfroude_krylov = "linear"\n[waves]'
+    )
+    small.write_text(text)
+    assert "to run: 12 tasks; about 12 s on 1 workers" in cli("plan", "--workers", "1")
+    told = cli("run", "--workers", "1")
+    assert "\npressure of the undisturbed waves on 1 float: " in told and "coefficients" not in told
 
 
 def test_plan_tells_states_and_time_from_past_runs(small, cli):
