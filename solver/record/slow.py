@@ -1,18 +1,24 @@
 """What the memory's misfit does to motions that resonate below the waves, where what is not linear drives them.
 
-No linear wave moves them, but body-nonlinear pressure, drag and bent laws do, at differences of frequencies. A drive
-whose spectrum S is flat across the resonance of a shape φ of unit inertia leaves x = φy a variance of
+No linear wave moves them, but body-nonlinear pressure, drag and bent laws do, at differences of frequencies. With
+B = φᵀ(D + Eᵀ Re Y E)φ a shape φ of unit inertia that rests at t = 0 is swung by a drive f that is flat across its
+resonance with the envelope and, over a record, on average the square
 
-    ⟨y²⟩ = πS/(BC),   B = φᵀ(D + Eᵀ Re Y E)φ,   C = φᵀCφ.
+    y(t) = ∫₀ᵗ exp(-½B(t - s)) f(s) ds,    V = ∫⟨|y|²⟩dt = ∫ (1 - exp(-Bt))/B dt.
 
-With a + ib = φᵀEᵀ δY Eφ/B of a misfit δY its std changes by -a/2. The shift of the resonance by b leaves it on average
-alone; but in a record of duration T waves' differences are lines 2π/T apart, of random size, on whose sum
-w(u) = 1/(1 + u²), u the distance from the resonance over B/2, changes by 2bu w² du: the std, by b/2 (2/(TB))^½ (rms).
+Of a misfit δY the real part of m = φᵀEᵀ δY Eφ adds to B and changes the std by Re m V'/2V: by -Re m/2B in a long
+record, by -Re m T/6 in one of duration T << 1/B, where damping does not bound the resonance. The imaginary part shifts
+that by δ = ½ Im m, which leaves V on average alone; but f and so V are random, and δ ∂V/∂δ has the variance
+
+    ⟨(δ ∂V/∂δ)²⟩ = δ² ∫∫ (s - s')² E² ds ds',    E(s, s') = ∫ exp(-Bt + ½B(s + s')) dt over what of the record is later,
+
+which changes the std by ½ Im m (TB)^-½/B, and by Im m T/360^½ (rms).
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import gammainc
 
 from solver.coupled import linear_drag
 from solver.coupled.linear import LinearModel, impedance
@@ -24,6 +30,7 @@ from solver.record.decay import extended
 from solver.record.response import drag_damping, force_of_waves, moving_model
 
 LIGHTLY = 0.3  # of critical: what is damped by more has no resonance
+INSTANTS = 500  # of a record, over which is summed
 
 
 class Slow(NamedTuple):
@@ -50,25 +57,42 @@ def slow(system: System, h: Hydrodynamics) -> Slow:
 
 
 def slow_effect(system: System, h: Hydrodynamics) -> float:
-    """The largest relative change of such a shape's std by the memory's misfit, ½ (a² + b² min(1, 2/(TB)))^½."""
+    """The largest relative change of such a shape's std by the memory's misfit."""
     shapes = slow(system, h)
     if system.fit is None or not shapes.omega.size:
         return 0.0
-    misfit = system.fit.frequency(shapes.omega) - extended(system, h, shapes.omega)
-    off = _of(misfit, shapes.moved) / shapes.damping
-    few = np.minimum(1.0, 2 / (system.scene.settings.duration * shapes.damping))
-    return float(np.max(np.sqrt(off.real**2 + off.imag**2 * few))) / 2
+    misfit = _of(system.fit.frequency(shapes.omega) - extended(system, h, shapes.omega), shapes.moved)
+    damped, shifted = _in_record(system, shapes)
+    return float(np.max(np.hypot(damped * misfit.real, shifted * misfit.imag)))
 
 
 def slow_importance(system: System, h: Hydrodynamics) -> np.ndarray:
-    """½ |Eφ|_i |Eφ|_j / B (nw, na, na), the largest of all shapes, at the frequencies solved to either side of each."""
+    """|Eφ|_i |Eφ|_j |V'/2V| (nw, na, na), the largest of all shapes, at the frequencies solved to either side of each:
+    nothing that shifts a resonance counts more than what damps it."""
     shapes = slow(system, h)
     counts = np.zeros((h.omega.size, *h.added_mass_inf.shape))
-    for own, moved, damping in zip(*shapes, strict=True):
+    for own, moved, damped in zip(shapes.omega, shapes.moved, _in_record(system, shapes)[0], strict=True):
         after = int(np.searchsorted(h.omega, own))
         beside = counts[max(after - 1, 0) : after + 1]
-        np.maximum(beside, np.abs(np.outer(moved, moved)) / (2 * damping), out=beside)
+        np.maximum(beside, damped * np.abs(np.outer(moved, moved)), out=beside)
     return counts
+
+
+def _in_record(system: System, shapes: Slow) -> tuple[np.ndarray, np.ndarray]:
+    s = system.scene.settings
+    return changes(shapes.damping, s.discard, s.discard + s.duration)
+
+
+def changes(damping: np.ndarray, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+    """Relative changes of the std of shapes damped by B (m,) for a small real and imaginary part of m [s]: -V'/2V and
+    ¼ (∫∫ (s - s')² E²)^½/V of a record from `start` to `end`."""
+    B, share = damping[:, None], (np.arange(INSTANTS) + 0.5) / INSTANTS
+    told, every = start + (end - start) * share, end * share
+    V, slope = (np.mean(gammainc(n, B * told) / B**n, axis=1) * (end - start) for n in (1, 2))
+    later = np.maximum(every, start)
+    E = -np.exp(-B * (later - every)) * np.expm1(-B * (end - later)) / B  # of s' = s, and falls by exp(-½B(s - s'))
+    square = 2 * end * np.mean(E**2 * 2 * gammainc(3, B * every) / B**3, axis=1)
+    return slope / (2 * V), np.sqrt(square) / (4 * V)
 
 
 def _of(Y: np.ndarray, moved: np.ndarray) -> np.ndarray:
