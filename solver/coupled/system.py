@@ -6,7 +6,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from solver.coupled import assembly, stretching
-from solver.coupled.energy import AT_START, WORKS, energy
+from solver.coupled.energy import AT_START, SCALE, WORKS, energy
 from solver.coupled.equilibrium import Differences, balance, differences, equilibrium, symmetric_stiffness, weights
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure, WaterAbout, drag
@@ -192,6 +192,10 @@ class System:
             fastest=np.zeros(nz),
         )
         state.energy[AT_START] = energy(body, self.structure, state)
+        rest = self.equilibrium[0]
+        at_rest = energy(body, self.structure, state._replace(z=rest[nc:].copy(), zone=self.zones_at(rest)))
+        # What offsets hold goes to and fro, and where nothing is lost the sum of what is stored does not tell of it.
+        state.energy[SCALE] = max(state.energy[SCALE], abs(state.energy[AT_START] - at_rest))
         return state
 
     @property

@@ -10,8 +10,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.limits import slides
 from solver.scene import Float, Scene
 from solver.sea.dispersion import group_velocity, wavenumbers
+
+FAINT = 1e-9  # of an axis's motion, what counts as none of its kind
 
 
 def largest_power(scene: Scene) -> float:
@@ -42,10 +45,15 @@ def _transport(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _gain(item: Float) -> float:
-    """G of all axes together. To and fro along any line and about any level axis radiate alike, and count once."""
-    level = {"surge", "sway", "roll", "pitch", "hinge"} & set(item.motion)
-    upright = {"heave", "hinge"} & set(item.motion)
-    return (2.0 if level else 0.0) + (1.0 if upright else 0.0)
+    """G of all axes together. To and fro along any line and about any level axis radiate alike, and count once.
+
+    An axis that turns about a point off the hull's own one moves that, too.
+    """
+    directions = np.array([item.direction(name) for name in item.motion]).reshape(-1, 3)
+    turns = ~np.array([slides(name) for name in item.motion], bool)
+    moved = np.where(turns[:, None], np.cross(directions, np.array(item.arm) / item.hull.scale), directions)
+    level = np.abs(np.concatenate([moved, directions[turns]])[:, :2]) > FAINT
+    return 2.0 * bool(level.any()) + 1.0 * bool(np.any(np.abs(moved[:, 2]) > FAINT))
 
 
 def above(scene: Scene, power: np.ndarray) -> Iterator[str]:

@@ -9,7 +9,7 @@ from pytest import approx
 from scipy.interpolate import CubicSpline
 
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.record.bound import above, largest_power, wave_power
+from solver.record.bound import above, largest_power, power_per_wavenumber, wave_power
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.realization import Realization
@@ -49,6 +49,22 @@ def test_a_tuned_body_takes_just_that(motion, number, gain, depth):
     assert width == approx(power / wave_power(whole), rel=1e-12)
     if depth == inf:
         assert largest_power(whole) == approx(k * 9.81 / (2 * OMEGA) * 9.81 / OMEGA**2, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("motion", "arm", "axis", "gain"),
+    [
+        (("yaw",), (10.0, 0, 0), (0, 1, 0), 2), (("yaw",), (0.0, 0, 0), (0, 1, 0), 0),
+        (("pitch",), (0, 0, -4.0), (0, 1, 0), 2), (("pitch",), (3.0, 0, -4.0), (0, 1, 0), 3),
+        (("roll",), (0, 3.0, 0), (0, 1, 0), 3), (("hinge",), (4.0, 0, 0), (0, 0, 1), 2),
+        (("hinge",), (4.0, 0, -1.0), (0, 1, 0), 3), (("heave", "sway"), (4.0, 0, 0), (0, 1, 0), 3),
+        (("heave", "yaw"), (0, 0, 0), (0, 1, 0), 1),
+    ],
+)  # fmt: skip
+def test_what_a_joint_moves_its_hull_by_is_what_it_radiates(motion, arm, axis, gain):
+    item = replace(ball("heave"), motion=motion, arm=arm, hinge=tuple(-np.array(arm)), axis=axis)
+    whole = scene(item, inf)
+    assert largest_power(whole) == approx(gain * power_per_wavenumber(whole), rel=1e-12)
 
 
 def test_waves_carry_what_their_group_does():

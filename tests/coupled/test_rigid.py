@@ -1,4 +1,4 @@
-"""Floats whose body's axes are not their principal ones."""
+"""Rigid bodies without water: floats whose axes are not their principal ones, and what swings without loss."""
 
 from dataclasses import replace
 
@@ -72,3 +72,14 @@ def test_no_body_has_a_principal_moment_above_the_sum_of_the_others():
     replace(ONE, inertia=(100.0,) * 3, products_of_inertia=(49.9, 0, 0))
     with pytest.raises(InputError, match="triangle inequality"):
         replace(ONE, inertia=(100.0,) * 3, products_of_inertia=(50.1, 0, 0))
+
+
+@pytest.mark.parametrize("damping", [0.0, 1.0])
+def test_a_decay_that_loses_next_to_nothing_is_judged_by_what_swings(damping):
+    """Two springs whose axes take energy from each other, whose sum stays: it goes to and fro as an offset has it."""
+    swinging = Float(
+        name="b", hull=BALL, mass=2146.755, inertia=(800.0,) * 3, cog=(0.4, 0, 0), hinge=(0, 0, 0),
+        damping=(damping,) * 2, motion=("surge", "yaw"), stiffness=(4000.0, 3000.0), offset=(0.5, 0.8),
+    )  # fmt: skip
+    attrs = simulate(still(swinging, duration=60.0)).attrs
+    assert attrs["repeated"] == "" and 1e-6 < attrs["energy_residual"] < 3e-4
