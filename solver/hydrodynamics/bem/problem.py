@@ -156,8 +156,11 @@ class Problem:
 
     @cached_property
     def base(self) -> tuple[int, ...]:
-        """Panels of each body in the base mesh."""
-        return tuple(count // max(self.divisions) ** 2 for count in self.counts)
+        """Panels of each body in the base mesh; no fewer are had than are asked for where that is more than usual."""
+        divided = max(self.divisions) ** 2
+        if self.panels <= meshes.PANELS:
+            return tuple(count // divided for count in self.counts)
+        return tuple(meshes.at_least(h, -(-count // divided)) for h, count in zip(self.hulls, self.counts, strict=True))
 
     @cached_property
     def meshed(self) -> tuple[Hull, ...]:

@@ -113,6 +113,14 @@ def halved_count(hull: PanelHull, count: int, *, narrow: bool = True) -> int:
     return len(panels(hull, count, narrow=narrow)[1])
 
 
+def at_least(hull: Hull, least: int) -> int:
+    """What to ask `panels` for to have so many of a body of revolution, whose rings make that more or less."""
+    asked = least
+    while isinstance(hull, Revolution) and halved_count(hull, asked) < least:
+        asked += 1
+    return asked
+
+
 def indexed(pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     faces = np.arange(4 * len(pieces)).reshape(-1, 4)
     faces[np.all(pieces[:, 2] == pieces[:, 3], axis=1), 3] -= 1

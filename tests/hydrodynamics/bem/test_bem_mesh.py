@@ -266,3 +266,27 @@ def test_what_panels_do_to_a_hemisphere_s_power_is_told():
         told.append(ours.attrs["mesh_effect"])
     ratio = np.divide(true, told)
     assert np.max(ratio) < 4 and np.max(true) > 5e-4 and 1 / 3 < np.max(true) / np.max(told) < 3, (true, told)
+
+
+ROUND = {
+    "disc": Revolution.vertical_cylinder(radius=3.0, draft=2.0, freeboard=2.0),
+    "can": Revolution.vertical_cylinder(radius=3.0, draft=10.0, freeboard=2.0),
+    "spar": Revolution.vertical_cylinder(radius=3.0, draft=60.0, freeboard=2.0),
+    "ball": SPHERE,
+}
+
+
+@pytest.mark.parametrize("name", ROUND)
+def test_more_panels_than_usual_are_had_where_they_are_asked_for(name):
+    """Rings and sectors divide them: of a disc 686 were 576, as many as nobody asks for; nor far more than that."""
+    hull = ROUND[name]
+
+    def had(panels):
+        problem = bem_problem.Problem.of((hull,), np.zeros((1, 3)), depth=np.inf, omega=OMEGA / 9, panels=panels)
+        return problem.divisions[0] ** 2 * meshes.halved_count(hull, problem.base[0])
+
+    for asked in (433, 500, 686, 900, 1200, 1728):
+        assert asked <= had(asked) <= 2.3 * asked
+    usual = 9 * meshes.halved_count(hull, meshes.PANELS // 9)
+    assert had(meshes.PANELS) == usual  # as many as there are by default, whatever that is
+    assert had(300) == 9 * meshes.halved_count(hull, 300 // 9)
