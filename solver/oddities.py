@@ -4,11 +4,12 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from solver import limits
 from solver.balance import heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
-from solver.mooring import odd_lines
+from solver.mooring import line_stiffness, odd_lines
 from solver.scene import DOFS, Float, Platform, Scene, load_unit_along, unit_along
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
@@ -40,7 +41,7 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     if scene.platform is not None:
         sentences += _of_platform(scene, scene.platform)
-    sentences += _pushed(scene, joints)
+    sentences += [*_pushed(scene, joints), *_drifting(scene)]
     rest = () if joints is None else (*_turned(scene, joints), *_risen(scene, joints))
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
@@ -96,6 +97,36 @@ def _pushed(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
             f"floats.{name}.end_stops: {lower[j]:+g} to {upper[j]:+g} {unit_along(axis)} of {axis} leave out its"
             f" rest, 0: a stop pushes it away{to} before the run begins"
         )
+
+
+def _drifting(scene: Scene) -> Iterator[str]:
+    """A sentence for each axis on which waves may push a float out of the series of its body-nonlinear pressure.
+
+    They push at most as on a wall as wide that sends all of them back: ½ρga² each, ρg Hm0²/16 per width.
+    """
+    slides = any(set(f.motion) & set(DOFS[:2]) for f in scene.floats)
+    if not slides or not any(scene.nonlinear) or not scene.sea.amplitude.any():
+        return
+    from solver.coupled.preparation import around  # with the system's parts, for floats that slide alone
+
+    water, height = scene.water, scene.sea.parameters()["Hm0"]
+    waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
+    near, _, terms = around(scene, waves)
+    for f, count, size in zip(scene.floats, terms, limits.radii(scene), strict=True):
+        push = water.density * water.gravity * height**2 / 16 * 2 * f.hull.largest_radius
+        away = near.radius_for(count, limits.ROUGH) - size
+        lines, springs = np.diag(line_stiffness(f.lines, f.centre)), np.diag(f.moored[0])
+        springs = springs + f.per_axis("stiffness") + f.per_axis("pto_stiffness")
+        for axis, spring in zip(f.motion, springs, strict=True):
+            if axis not in DOFS[:2]:
+                continue
+            along = abs(f.direction(axis) @ waves.direction)
+            if push * along > (spring + lines[DOFS.index(axis)]) * away:
+                yield (
+                    f"floats.{f.name}: waves may push it further than {away:.3g} m along {axis}, up to where its"
+                    " body-nonlinear pressure is known about its place at rest, and a run ends there: hold it by a"
+                    ' stiffer mooring, or set froude_krylov = "linear", which has no such bound'
+                )
 
 
 def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:

@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solver.errors import SimulationFailed
 from solver.oddities import beyond_tables, warnings
 from solver.power_takeoff import PtoTable
 from solver.run import simulate
 from tests.awkward import bare_legs, flap, soft_mooring
+from tests.record.test_slow import soft
 from tests.test_balance import ball
 
 
@@ -37,6 +39,26 @@ def test_a_march_of_linear_buoyancy_tells_of_large_angles(froude_krylov, told):
     swinging = replace(item.floats[0], offset=(0.4,), pto_damping=1e6)
     record = simulate(replace(item, settings=settings, floats=(swinging,)), h)
     assert ("the std of hinge is" in record.attrs.get("warnings", "")) is told
+
+
+@pytest.mark.parametrize(("stiffness", "pushed"), [(1e3, False), (400.0, True), (0.0, True)])
+def test_a_float_that_waves_push_out_of_its_series_is_told_before_it_runs(stiffness, pushed):
+    """In this sea, not across the waves or by linear pressure; in one 20 times lower only what nothing holds."""
+    item, _ = soft(stiffness, 0.0)
+    across = replace(item.floats[0], motion=("sway", "heave"))
+    linear = replace(item, settings=replace(item.settings, froude_krylov="linear"))
+    low = replace(item, sea=replace(item.sea, amplitude=item.sea.amplitude / 20))
+    others = linear, replace(item, floats=(across,)), low
+    told = [any("waves may push it further" in text for text in warnings(each)) for each in (item, *others)]
+    assert told == [pushed, False, False, stiffness == 0]
+
+
+def test_a_run_ends_where_a_float_is_told_to_leave_its_series():
+    item, h = soft(400.0, 0.0)
+    simulate(*soft(1e3, 0.0))
+    assert any("further than 4.07 m along surge" in text for text in warnings(item))
+    with pytest.raises(SimulationFailed, match=r"beyond -4\.07 to \+4\.07: the float drifted out"):
+        simulate(item, h)
 
 
 @pytest.mark.parametrize("scale", [1.0, 1 / 50])

@@ -56,13 +56,9 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMem
     added_mass = np.zeros((na, na))
     if hydrodynamics is not None and settings.radiation:
         added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
-    height = scene.sea.parameters()["Hm0"]
-    reaches = _reaches(scene, height) if any(scene.nonlinear) else [0.0] * len(scene.floats)
-    reach = max((r for r, nonlinear in zip(reaches, scene.nonlinear, strict=True) if nonlinear), default=0.0)
-    near = waves.near(reach, settings.field_tolerance)
+    near, reach, terms = around(scene, waves)
     if near != waves:
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
-    terms = assembly.terms_of(scene, near, reaches)
     felt = near if any(scene.nonlinear) else None
     still = scene.water, scene.current, scene.sea.heading, scene.floats, scene.platform, scene.settings
     body = _bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms)
@@ -80,6 +76,15 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMem
         near=near,
         dt=dt,
     )
+
+
+def around(scene: Scene, waves: WaveField) -> tuple[WaveField, float, tuple[int, ...]]:
+    """The waves whose pressure is integrated where the floats are, how far from rest [m], and terms of each float's."""
+    height = scene.sea.parameters()["Hm0"]
+    reaches = _reaches(scene, height) if any(scene.nonlinear) else [0.0] * len(scene.floats)
+    reach = max((r for r, nonlinear in zip(reaches, scene.nonlinear, strict=True) if nonlinear), default=0.0)
+    near = waves.near(reach, scene.settings.field_tolerance)
+    return near, reach, assembly.terms_of(scene, near, reaches)
 
 
 @lru_cache(maxsize=KNOWN)
