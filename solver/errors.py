@@ -1,6 +1,7 @@
 """Types of errors: bad input, and a simulation that cannot go on."""
 
 from collections.abc import Iterable
+from math import inf
 
 
 class InputError(ValueError):
@@ -31,8 +32,9 @@ class SimulationFailed(RuntimeError):
 
 
 class StepTooLong(SimulationFailed):
-    """A failed simulation that a smaller step may help; gap: in the energy balance at t [s], where that is why."""
+    """A failed simulation that a smaller step may help; when t [s], and the gap in the energy balance
+    where that is why."""
 
-    def __init__(self, message: str, gap: float = 0.0, t: float = 0.0) -> None:
+    def __init__(self, message: str, gap: float = inf, t: float = 0.0) -> None:
         super().__init__(message)
         self.gap, self.t = gap, t

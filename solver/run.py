@@ -79,7 +79,8 @@ def _content(_scene: Scene, _told: Mapping[str, float]) -> None:
 def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: StepTooLong, better: Better) -> Record | Scene:
     """As `_run` with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone.
 
-    And so on as long as that closes the energy balance: waves that begin at once set all of a frame's modes swinging.
+    And so on as long as that closes the energy balance, or a run gets further: waves that begin at once set all of a
+    frame's modes swinging, taut lines that go slack a float.
     """
     s, system = scene.settings, prepared(scene, hydrodynamics)
     dt, last = with_usual_step(system, system_modes(system, hydrodynamics)).dt, first

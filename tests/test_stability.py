@@ -21,7 +21,7 @@ from solver.errors import InputError, SimulationFailed, StepTooLong
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.multibody.bodies import new_motion
 from solver.multibody.minimal import move
-from solver.run import simulate
+from solver.run import _nearer, simulate
 from solver.scene import DOFS, Float, Platform
 from solver.sea.field import WaveField
 from solver.sea.realization import CALM, Realization, regular
@@ -238,6 +238,22 @@ def test_what_a_finer_step_does_not_help_fails_with_both_messages(
     ) as error:
         simulate(buan.scene("fixed", time_step=0.2), coefficients)
     assert not isinstance(error.value, StepTooLong)
+
+
+@pytest.mark.parametrize(
+    ("error", "last", "nearer"),
+    [
+        (StepTooLong("", t=2.0), StepTooLong("", t=0.5), True),
+        (StepTooLong("", t=0.5), StepTooLong("", t=0.5), False),
+        (StepTooLong("", gap=0.15, t=10.0), StepTooLong("", t=10.0), True),
+        (StepTooLong("", t=9.0), StepTooLong("", gap=0.15, t=10.0), False),
+        (StepTooLong("", gap=0.05, t=10.0), StepTooLong("", gap=0.15, t=10.0), True),
+        (StepTooLong("", gap=0.14, t=10.0), StepTooLong("", gap=0.15, t=10.0), False),
+    ],
+)
+def test_who_gets_further_or_nearer_to_a_balance_may_try_again(error, last, nearer):
+    """Where Newton's method fails there is no balance to be near to."""
+    assert _nearer(error, last) is nearer
 
 
 def test_waves_that_begin_at_once_set_a_pile_swinging():

@@ -61,7 +61,7 @@ def _failure(outcome: int, t: float, system: System, state: State) -> Simulation
         NOT_CONVERGED: f"no convergence in {ITERATIONS} iterations",
         TO_AND_FRO: f"a joint's law changes over {CHANGES} times in a step",
     }
-    return StepTooLong(f"{troubles.get(outcome, 'not finite')} {when}: reduce time_step = {system.dt:g} s")
+    return StepTooLong(f"{troubles.get(outcome, 'not finite')} {when}: reduce time_step = {system.dt:g} s", t=t)
 
 
 def _stability(system: System, joints: np.ndarray) -> str:
