@@ -89,10 +89,11 @@ def test_in_waves_energy_closes_and_the_reference_path_agrees():
     assert fast.attrs["energy_residual"] < 1e-3 and fast.attrs["work_pto"] > 0
     extremes = fast.variables["pto_force"][1][0, 1, :2]
     assert np.all(np.abs(extremes) <= 5e4) and extremes[0] > 1e3 > -1e3 > extremes[1]
-    slow = simulate(replace(scene, settings=replace(settings, formulation="augmented", duration=8.0)), known)
+    brief = replace(scene, settings=replace(settings, duration=8.0))
+    slow = simulate(replace(brief, settings=replace(brief.settings, formulation="augmented")), known)
     y = slow.series["motion"][1][:, 0]
-    # Which does not end its steps where the table bends.
-    assert y == approx(fast.series["motion"][1][: len(y), 0], abs=1e-3 * np.abs(y).max())
+    # Which does not end its steps where the table bends; the memory is fitted for a record's length.
+    assert y == approx(simulate(brief, known).series["motion"][1][:, 0], abs=1e-3 * np.abs(y).max())
 
 
 def test_on_an_elastic_platform_a_line_is_a_damper_and_a_mooring_of_one_axis_a_spring():

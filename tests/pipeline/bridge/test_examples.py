@@ -20,7 +20,7 @@ def test_every_study_can_be_planned_without_a_warning(path, tmp_path):
     assert result.exit_code == 0, result.output
     assert "missing" in result.output
     told = result.output.split("warning: ")[1:]
-    assert all(text.startswith("platform: its buckling_factor is 0.4") for text in told)
+    assert all("platform: its buckling_factor is 0.4" in text for text in told)
     assert bool(told) == (path.stem in BUAN)
 
 
