@@ -140,8 +140,7 @@ def _turns(item: Float) -> tuple[np.ndarray, np.ndarray]:
     Loads p (k,) along them are those of the moment D⁺p: axes may be oblique to each other, and a moment about one is
     then one about the others, too.
     """
-    turns = np.array([name not in DOFS[:3] for name in item.motion], bool)
-    return turns, np.array([item.direction(name) for name in item.motion]).reshape(-1, 3)[turns]
+    return item.turns, item.directions[item.turns]
 
 
 def _along_heave(item: Float, loads: np.ndarray) -> float:

@@ -24,11 +24,16 @@ def excursions(scene: Scene, field: WaveField, terms: Sequence[int], carrier_axe
         size = _extent(scene.platform)
         rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
     bounds = [(-row, row) for row in rows]
-    for item, nonlinear, count, size in zip(scene.floats, scene.nonlinear, terms, radii(scene), strict=True):
-        # The local wave field is for pressure at the instantaneous place; linear loads are those at rest, however far.
-        away = field.radius_for(count, ROUGH) - size if nonlinear else np.inf
+    for item, away in zip(scene.floats, ways(scene, field, terms), strict=True):
         bounds += [_joint_bounds(item, name, away) for name in item.motion]
     return np.array(bounds, float).reshape(-1, 2)
+
+
+def ways(scene: Scene, field: WaveField, terms: Sequence[int]) -> list[float]:
+    """How far each float may go from rest in its local wave field [m], which is for pressure at the instantaneous
+    place; linear loads are those at rest, however far."""
+    each = zip(terms, radii(scene), scene.nonlinear, strict=True)
+    return [field.radius_for(count, ROUGH) - size if nonlinear else np.inf for count, size, nonlinear in each]
 
 
 def _extent(platform: Platform) -> float:

@@ -112,9 +112,10 @@ def _drifting(scene: Scene) -> Iterator[str]:
     water, height = scene.water, scene.sea.parameters()["Hm0"]
     waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
     near, _, terms = around(scene, waves)
-    for f, count, size in zip(scene.floats, terms, limits.radii(scene), strict=True):
+    for f, away in zip(scene.floats, limits.ways(scene, near, terms), strict=True):
+        if away == np.inf:
+            continue
         push = water.density * water.gravity * height**2 / 16 * 2 * f.hull.largest_radius
-        away = near.radius_for(count, limits.ROUGH) - size
         lines, springs = np.diag(line_stiffness(f.lines, f.centre)), np.diag(f.moored[0])
         springs = springs + f.per_axis("stiffness") + f.per_axis("pto_stiffness")
         for axis, spring in zip(f.motion, springs, strict=True):

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.limits import slides
 from solver.scene import Float, Scene
 from solver.sea.dispersion import group_velocity, wavenumbers
 
@@ -49,8 +48,7 @@ def _gain(item: Float) -> float:
 
     An axis that turns about a point off the hull's own one moves that, too.
     """
-    directions = np.array([item.direction(name) for name in item.motion]).reshape(-1, 3)
-    turns = ~np.array([slides(name) for name in item.motion], bool)
+    directions, turns = item.directions, item.turns
     moved = np.where(turns[:, None], np.cross(directions, np.array(item.arm) / item.hull.scale), directions)
     level = np.abs(np.concatenate([moved, directions[turns]])[:, :2]) > FAINT
     return 2.0 * bool(level.any()) + 1.0 * bool(np.any(np.abs(moved[:, 2]) > FAINT))

@@ -217,6 +217,16 @@ class Float:
         return np.divide(self.axis, np.linalg.norm(self.axis)) if name == "hinge" else np.eye(3)[DOFS.index(name) % 3]
 
     @property
+    def directions(self) -> np.ndarray:
+        """Of all axes of the joint (n, 3)."""
+        return np.array([self.direction(name) for name in self.motion]).reshape(-1, 3)
+
+    @property
+    def turns(self) -> np.ndarray:
+        """Which axes of the joint (n,) turn; the others slide."""
+        return np.array([name not in DOFS[:3] for name in self.motion], bool)
+
+    @property
     def hinged(self) -> Hinged:
         """Its hull and hinge."""
         return Hinged(self.hull, tuple(self.hinge), tuple(self.arm), tuple(self.direction("hinge").tolist()))
