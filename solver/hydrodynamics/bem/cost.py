@@ -3,6 +3,7 @@
 import numpy as np
 
 from solver.hydrodynamics.bem.problem import Problem
+from solver.hydrodynamics.bem.seabed import nodes_along, pays
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 
@@ -19,13 +20,21 @@ def seconds(problem: Problem) -> float:
 def _together(problem: Problem) -> float:
     """Images of a plane of symmetry are seen, not solved for; each is the mirror of a system of its own."""
     images = len(meshes.mirror_planes(problem.hulls, problem.centres)[1])
-    waves = [problem.seas[0].wavenumber(w) for w in problem.omega]
-    pair = sum(SEABED if np.isfinite(problem.seabed(k)) else FREE for k in (*waves, np.inf))
+    waves = [*(problem.seas[0].wavenumber(w) for w in problem.omega), np.inf]
+    nodes = [_nodes(problem, k) if np.isfinite(problem.seabed(k)) else 0 for k in waves]
     total, most = 0.0, _panels(problem)
     for n in problem.divisions:
         part = most * (n / problem.divisions[0]) ** 2 / images
-        total += pair * images * part**2 + (1 + len(waves)) * images * FACTORED * part**3
+        pair = sum(FREE if pays(m, part) else SEABED for m in nodes)
+        total += pair * images * part**2 + len(waves) * images * FACTORED * part**3
     return total
+
+
+def _nodes(problem: Problem, k: float) -> int:
+    """At which what the seabed adds is found, see `seabed`; that takes next to no time."""
+    clear = 2 * (problem.depth - max(h.draft for h in problem.hulls))
+    halves = (np.ptp(hull.surface_points()[0], axis=0) / 2 for hull in problem.hulls)
+    return sum(int(np.prod(nodes_along(half, clear, k))) for half in halves)
 
 
 def _panels(problem: Problem) -> int:

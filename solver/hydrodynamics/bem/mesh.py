@@ -13,6 +13,7 @@ from solver.hydrodynamics.bem.far_field import PlaneWaves, modes, plane_waves
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import body_name, unit_motions
+from solver.hydrodynamics.bem.seabed import added, deep_wavenumber
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.mesh import Hull
@@ -37,7 +38,8 @@ class Mesh:
     wet: np.ndarray  # (nf,) True on hulls, False on lids
     gap: np.ndarray  # (nf,) True on damping lids
     motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
-    names: tuple[str, ...]  # (nf,) of the bodies whose panels they are
+    bodies: np.ndarray  # (ng nf,) whose panels the whole's are; one more than there are for those of damping lids
+    names: tuple[str, ...]  # of the bodies, and of damping lids
 
     @classmethod
     def build(
@@ -77,17 +79,26 @@ class Mesh:
             lid = meshes.part_of(gaps(hulls, centres - origin, gap_width, side), 4 // len(mirrors))
             even = np.linspace(0, 1, refine + 1)
             pieces.append(meshes.indexed(divided(lid, even, even)))
-            owners.append(np.zeros(len(pieces[-1][1]), int))
+            owners.append(np.full(len(pieces[-1][1]), len(hulls)))
             hulled.append(np.zeros(len(pieces[-1][1]), bool))
         part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])
         wet, body = np.concatenate(hulled), np.concatenate(owners)
         gap = np.arange(len(wet)) >= len(wet) - (len(hulled[-1]) if gap_width > 0 else 0)
-        bodies = np.concatenate([meshes.partner(hulls, centres - origin, m)[body] for m in mirrors])
-        motions = unit_motions(whole.faces_centers, whole.faces_normals, bodies, centres - origin, dofs)
+        partners = (meshes.partner(hulls, centres - origin, m) for m in mirrors)
+        bodies = np.concatenate([np.append(partner, len(hulls))[body] for partner in partners])
+        owner = np.minimum(bodies, len(hulls) - 1)  # lids do not move, whosever they are
+        motions = unit_motions(whole.faces_centers, whole.faces_normals, owner, centres - origin, dofs)
         motions = motions.reshape(len(mirrors), len(wet), -1) * wet[:, None]
-        names = tuple(body_name(hulls, b) for b in body)
         return cls(
-            mirrors=mirrors, origin=origin, part=part, whole=whole, wet=wet, gap=gap, motions=motions, names=names
+            mirrors=mirrors,
+            origin=origin,
+            part=part,
+            whole=whole,
+            wet=wet,
+            gap=gap,
+            motions=motions,
+            bodies=bodies,
+            names=(*(body_name(hulls, b) for b in range(len(hulls))), "lid of a gap"),
         )
 
     def scattered(self, seas: Sequence[Sea], omega: float, loss: float) -> np.ndarray:
@@ -118,12 +129,7 @@ class Mesh:
         D = sum of χ(g) D_g. On damping lids of loss εK [1/m] sources are normal_velocity - iεKφ.
         """
         ng, nf, _ = normal_velocity.shape
-        single, double = green_function().evaluate(
-            self.whole, self.part, water_depth=seabed, wavenumber=k, adjoint_double_layer=False
-        )
-        self._require_finite(single, double)
-        double[~np.isfinite(double)] = 0.0
-        single, double = single.reshape(ng, nf, nf), double.reshape(ng, nf, nf)
+        single, double = (influence.reshape(ng, nf, nf) for influence in self._influences(k, seabed))
         if loss:
             lid = np.flatnonzero(self.gap)
             double[:, :, lid] = 1j * loss * single[:, :, lid]
@@ -136,6 +142,17 @@ class Mesh:
                 potentials.append((sign, lu_solve(lu_factor(np.tensordot(sign, double, 1)), rhs)))
         return potentials
 
+    def _influences(self, k: float, seabed: float) -> tuple[np.ndarray, np.ndarray]:
+        """S and D (ng nf, nf) of the part's panels at the middles of the whole's."""
+        more = added(self.whole, self.bodies, self.part, seabed, k) if np.isfinite(seabed) else None
+        depth, wave = (np.inf, deep_wavenumber(k, seabed)) if more else (seabed, k)
+        single, double = green_function().evaluate(
+            self.whole, self.part, water_depth=depth, wavenumber=wave, adjoint_double_layer=False
+        )
+        self._require_finite(single, double)
+        double[~np.isfinite(double)] = 0.0
+        return (single + more[0], double + more[1]) if more else (single, double)
+
     def _require_finite(self, single: np.ndarray, double: np.ndarray) -> None:
         """Refuse influences (ng nf, nf) of panels that are not finite, but of dipoles on a middle on their edge."""
         at, of = np.nonzero(~(np.isfinite(single) & np.isfinite(double)))
@@ -147,7 +164,7 @@ class Mesh:
             limit = (
                 f"boundary elements fail on {len(set(wrong))} panels, one near {place}: are they drawn out to needles?"
             )
-            raise InputError("hulls", self.names[wrong[0]], limit)
+            raise InputError("hulls", self.names[self.bodies[wrong[0]]], limit)
 
     def forces(self, potentials: list[tuple[np.ndarray, np.ndarray]], count: int) -> np.ndarray:
         """-∫ φ n dS (nc, n) of `count` potentials."""

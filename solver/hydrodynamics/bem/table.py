@@ -20,11 +20,15 @@ MOVES = np.array(sorted(np.linspace(-3e-3, 3e-3, 61), key=abs))  # relative, of 
 
 def clear(omega: np.ndarray, hulls: Sequence[Hull], depth: float, gravity: float) -> np.ndarray:
     """Frequencies (nw,) [rad/s], all but the ends moved by as little as it takes for plates' faces to share cells."""
-    spans = np.array([span for hull in hulls for plate in level_plates(hull) for span in _sums(*plate, depth)])
-    if not len(spans):
+    plates = [plate for hull in hulls for plate in level_plates(hull)]
+    if not plates:
         return omega
     tries = omega[1:-1, None] * (1 + MOVES)
-    cells = np.rint(np.log(wavenumber(tries, depth, gravity)[..., None, None] * spans / FIRST) / np.log(RATIO))
+    above = np.array([span for plate in plates for span in _sums(*plate, depth)])
+    alone = np.array([span for plate in plates for span in _sums(*plate, np.inf)])  # for `seabed.added`
+    waves = wavenumber(tries, depth, gravity), tries**2 / gravity
+    arguments = [k[..., None, None] * spans for k, spans in zip(waves, (above, alone), strict=True)]
+    cells = np.rint(np.log(np.concatenate(arguments, axis=-2) / FIRST) / np.log(RATIO))
     shared = np.all(cells[..., 0] == cells[..., 1], axis=-1)
     least = shared.argmax(axis=1)  # no move where none is enough: of plates as thick as a cell is wide
     return np.concatenate([omega[:1], tries[np.arange(len(tries)), least], omega[-1:]])

@@ -209,7 +209,7 @@ def test_panels_whose_influence_is_not_finite_are_named(monkeypatch):
     """But on the edge of a panel, in its plane, dipoles do nothing. Of two bodies, the second's panel."""
     hulls, centres = (BARGE, SPHERE), np.array([[-3.0, 0, 0], [3, 1, 0]])
     mesh = bem.Mesh.build(hulls, centres, bem.DOFS, (108, 108), 1, np.inf, lids=False)
-    bottom, ball = np.flatnonzero(np.isclose(mesh.part.faces_normals[:, 2], -1.0))[:2], len(mesh.names) - 1
+    bottom, ball = np.flatnonzero(np.isclose(mesh.part.faces_normals[:, 2], -1.0))[:2], mesh.part.nb_faces - 1
     exact = mesh.forces(mesh.solve(mesh.motions, 1.0, np.inf), 12)
     for at, of, part in ((0, ball, 1), (bottom[0], ball, 0)):
         monkeypatch.setattr(bem_mesh, "green_function", lambda here=(at, of, part): Broken(*here))

@@ -8,7 +8,7 @@ import pytest
 from pytest import approx
 
 from solver.errors import InputError
-from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem import bem, problem
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.coarse import coarse, fewer
 from solver.hydrodynamics.hull.duck import duck
@@ -209,7 +209,7 @@ def test_the_error_is_what_it_is_said_to_be(name, monkeypatch):
     ours = solve((hull,))
     assert 864 <= ours.settings["panels"] < 1100
     assert "panels for" in ours.settings["coarser"]
-    monkeypatch.setattr(bem, "AFFORDABLE", 1e9)
+    monkeypatch.setattr(problem, "AFFORDABLE", 1e9)
     exact = solve((given,), panels=panels)
     for kind, told in ours.error._asdict().items():
         largest = np.abs(getattr(exact, kind)).max()

@@ -1,0 +1,167 @@
+"""What the seabed adds to the influence of panels on each other, where bodies are small beside their height above it.
+
+Above a seabed at depth h the Green function of a source at z' is that of deep water, of the same K = ω²/g, and, R away,
+
+    ∫ J₀(μR) f(z) f(z') e^(-2μh) / (1 - q e^(-2μh)) dμ,  f(z) = q e^(μz) + e^(-μz),  q = (μ + K)/(μ - K),
+
+from 0 to ∞ beneath the poles at K and k, K = k tanh kh (from Wehausen and Laitone 1960, eq. 13.18, less 13.17). All
+its images lie 2(h - draft) away or more: it is smooth, found at a few nodes about each body, and interpolated between.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.special import jv
+
+MISSED = 1e-5  # of what the seabed adds, by too few nodes
+FEWEST, MOST = 3, 30  # nodes along an axis; more do not pay
+WORTH = 800  # products of matrices that take as long as one influence of a panel on another above a seabed
+FLAT = 0.05  # of a box's largest width, its least
+BENEATH = 4.0  # by which J₀ may grow beneath the poles, as e to that power
+TAIL = 30.0  # where the integrand has fallen by e to that power
+GAUSS = np.polynomial.legendre.leggauss(12)
+
+
+def nodes_along(half: np.ndarray, clear: float, k: float) -> np.ndarray:
+    """Nodes (3,) of a box of half widths b (3,) [m], its images `clear` [m] below it, waves k [1/m]; MOST: too few.
+
+    n of them miss ρ⁻ⁿ of a function that is analytic within the ellipse of foci ±b and semiaxes b(ρ ± 1/ρ)/2 (Trefethen
+    2013, Approximation Theory and Approximation Practice, chapter 8): images lie off a level axis, sinh(log ρ) =
+    clear/b, and on the upright one, cosh(log ρ) = 1 + clear/b. Of a wave they miss its n-th term, (ekb/2n)ⁿ at most.
+    """
+    images = np.append(np.arcsinh(clear / half[:2]), np.arccosh(1 + clear / half[2]))
+    n = np.arange(FEWEST, MOST)[:, None]
+    waves = n * np.log(2 * n / (np.e * k * half)) if np.isfinite(k) else np.inf
+    return FEWEST + np.sum(np.minimum(n * images, waves) < -np.log(MISSED), axis=0)
+
+
+def pays(nodes: int, panels: float) -> bool:
+    """Whether this many nodes take less time than as many panels, each on all others."""
+    return nodes * (nodes + 2 * panels) < WORTH * panels
+
+
+def deep_wavenumber(k: float, depth: float) -> float:
+    """K = k tanh kh [1/m] of a wave k [1/m], that of one as fast in deep water."""
+    return float(k * np.tanh(k * depth)) if np.isfinite(k) else k
+
+
+class Path(NamedTuple):
+    """Points of the integral's path."""
+
+    mu: np.ndarray  # (nq,) [1/m]
+    weight: np.ndarray  # (nq,) e^(-2μh) / (1 - q e^(-2μh)) dμ, but for the growth of f
+    q: np.ndarray  # (nq,)
+    depth: float  # h [m]
+
+    @classmethod
+    def beneath(cls, k: float, depth: float, clear: float, reach: float) -> "Path":
+        """Poles at K and k; clear [m]: least 2h + z + z'; reach [m]: most R."""
+        deep = deep_wavenumber(k, depth)
+        step = min(BENEATH / max(reach, clear), deep / 2)
+        ends, end = [0.0], TAIL / clear
+        while ends[-1] < end:  # as wide as the path is far from poles, where J₀ and the images allow that
+            away = ends[-1] - k if np.isfinite(k) else 0.0
+            ends.append(ends[-1] + max(2 * step, min(away, 2 * BENEATH / max(reach, clear))))
+        corner = step * (1 - 1j) if np.isfinite(k) else 0.0
+        corners = np.concatenate([[0.0], corner + np.array(ends)]) if corner else np.array(ends)
+        half = np.diff(corners)[:, None] / 2
+        mu = (corners[:-1, None] + half * (1 + GAUSS[0])).ravel()
+        q = (mu + deep) / (mu - deep) if np.isfinite(k) else np.full(mu.shape, -1.0)
+        return cls(mu, (half * GAUSS[1]).ravel() / (1 - q * np.exp(-2 * mu * depth)), q, depth)
+
+    def f(self, z: np.ndarray) -> np.ndarray:
+        """e^(-μh) f(z) (nz, nq)."""
+        return self.q * np.exp(np.multiply.outer(z - self.depth, self.mu)) + np.exp(
+            -np.multiply.outer(z + self.depth, self.mu)
+        )
+
+
+@dataclass(frozen=True)
+class Box:
+    """About the middles of a body's panels."""
+
+    middle: np.ndarray  # (3,) [m]
+    half: np.ndarray  # (3,) half its widths [m]
+    counts: np.ndarray  # (3,) of nodes
+
+    @classmethod
+    def about(cls, points: np.ndarray, clear: float, k: float) -> "Box":
+        """points (np, 3) [m] of one body; clear, k: see nodes_along."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        half = np.maximum(high - low, FLAT * np.max(high - low)) / 2
+        middle = (low + high) / 2
+        middle[2] = min(middle[2], -half[2])  # beneath still water, also of a lid
+        return cls(middle, half, nodes_along(half, clear, k))
+
+    @cached_property
+    def axes(self) -> list[np.ndarray]:
+        """Nodes along each axis [m]."""
+        return [m + h * chebyshev.chebpts1(n) for m, h, n in zip(self.middle, self.half, self.counts, strict=True)]
+
+    @cached_property
+    def level(self) -> np.ndarray:
+        """x, y of the nodes (number along x times that along y, 2) [m]."""
+        return np.stack(np.meshgrid(*self.axes[:2], indexing="ij"), axis=-1).reshape(-1, 2)
+
+    def polynomials(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Those that are 1 at one node and 0 at others, at points (np, 3): values (np, n), gradients (np, n, 3)."""
+        value, slope = zip(*map(_along, ((points - self.middle) / self.half).T, self.counts), strict=True)
+
+        def product(*factors: np.ndarray) -> np.ndarray:
+            return np.einsum("pi,pj,pk->pijk", *factors).reshape(len(points), -1)
+
+        gradient = [product(*(slope[j] if i == j else value[j] for j in range(3))) for i in range(3)]
+        return product(*value), np.stack(gradient, axis=-1) / self.half
+
+
+def _along(x: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Lagrange's polynomials (nx, count) of Chebyshev's points of -1 to 1, and their slopes."""
+    terms = np.linalg.inv(chebyshev.chebvander(chebyshev.chebpts1(count), count - 1))
+    slopes = chebyshev.chebvander(x, count - 2) @ chebyshev.chebder(terms)
+    return chebyshev.chebvander(x, count - 1) @ terms, slopes
+
+
+def between(path: Path, at: Box, of: Box) -> np.ndarray:
+    """The integral [1/m] from the nodes of one box to those of another, (n, m)."""
+    apart, index = np.unique(np.linalg.norm(at.level[:, None] - of.level, axis=-1).round(9), return_inverse=True)
+    (here, there) = (path.f(box.axes[2]) for box in (at, of))
+    upright = (here[:, None] * there).reshape(-1, len(path.mu)) * path.weight
+    found = jv(0, np.multiply.outer(apart, path.mu)) @ upright.T
+    found = found[index.reshape(-1)].reshape(len(at.level), len(of.level), len(here), len(there))
+    return np.asarray(found.transpose(0, 2, 1, 3).reshape(len(at.level) * len(here), -1))
+
+
+def added(whole: Any, bodies: np.ndarray, part: Any, depth: float, k: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """S and D (np, nf) by which panels of `part` influence more the np panels of `whole`; None where it does not pay.
+
+    Both capytaine meshes, the part first in the whole; bodies (np,) whose panels they are; waves k [1/m] in `depth`.
+    Signs and 4π as capytaine's.
+    """
+    clear, nf = 2 * (depth + whole.vertices[:, 2].min()), part.nb_faces
+    boxes = {b: Box.about(whole.faces_centers[bodies == b], clear, k) for b in np.unique(bodies)}
+    if not pays(sum(int(np.prod(box.counts)) for box in boxes.values()), nf):
+        return None
+    sources = {b: boxes[b] for b in np.unique(bodies[:nf])}
+    reach = float(np.linalg.norm(np.ptp(whole.faces_centers[:, :2], axis=0)))
+    path = Path.beneath(k, depth, clear, reach)
+    kernel = np.block([[between(path, at, of) for of in sources.values()] for at in boxes.values()]) / (-4 * np.pi)
+    value, _ = _spread(boxes, bodies, whole.faces_centers, whole.faces_normals)
+    seen = value @ kernel
+    single, double = _spread(sources, bodies[:nf], part.faces_centers, part.faces_normals)
+    return seen @ (single.T * part.faces_areas), seen @ (double.T * part.faces_areas)
+
+
+def _spread(
+    boxes: dict[int, Box], bodies: np.ndarray, points: np.ndarray, normals: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Polynomials (np, number of all nodes) at points of bodies (np,), 0 of other bodies; slopes along normals."""
+    total = np.cumsum([0, *(int(np.prod(box.counts)) for box in boxes.values())])
+    values, slopes = np.zeros((2, len(points), total[-1]))
+    for (b, box), start, stop in zip(boxes.items(), total, total[1:], strict=False):
+        own = bodies == b
+        values[own, start:stop], gradients = box.polynomials(points[own])
+        slopes[own, start:stop] = np.einsum("pni,pi->pn", gradients, normals[own])
+    return values, slopes
