@@ -92,9 +92,7 @@ class Box:
         """points (np, 3) [m] of one body; clear, k: see nodes_along."""
         low, high = points.min(axis=0), points.max(axis=0)
         half = np.maximum(high - low, FLAT * np.max(high - low)) / 2
-        middle = (low + high) / 2
-        middle[2] = min(middle[2], -half[2])  # beneath still water, also of a lid
-        return cls(middle, half, nodes_along(half, clear, k))
+        return cls((low + high) / 2, half, nodes_along(half, clear, k))
 
     @cached_property
     def axes(self) -> list[np.ndarray]:

@@ -76,7 +76,8 @@ def test_at_infinite_frequency_it_is_a_series_of_images():
 
 
 @pytest.mark.parametrize(
-    ("depth", "k", "counts"), [(50.0, 0.02, (4, 4, 3)), (12.0, 0.3, (7, 7, 6)), (6.0, 0.5, (8, 8, 6))]
+    ("depth", "k", "counts"),
+    [(50.0, 0.02, (4, 4, 3)), (12.0, 0.3, (7, 7, 6)), (6.0, 0.02, (7, 7, 5)), (6.0, 0.5, (8, 8, 6))],
 )
 def test_so_many_nodes_miss_no_more_than_is_said(depth, k, counts):
     """Of a box of 5 by 5 by 2.5 m, from a corner of it, beside many more nodes."""
