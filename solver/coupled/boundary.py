@@ -37,6 +37,7 @@ def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.H
         heading=scene.sea.heading,
         omega=bem.frequency_grid(hulls, centres, band=whole, **how),
         waves_to=whole[1] if whole else np.inf,
+        flow=s.radiation or s.diffraction,
         planar=scene.planar,
         gap_damping=s.gap_damping,
         gap_width=s.gap_width,
