@@ -111,16 +111,26 @@ def _of_sea(mean: np.ndarray, whole: np.ndarray, part: np.ndarray) -> tuple[np.n
 
     What lies across it is as large as it is in the mean square.
     """
-    b, c = part[..., 1], part[..., 2]
-    uneven = np.sum(np.abs(b) ** 2 - np.abs(c) ** 2, axis=0)
-    angle = 0.5 * np.arctan2(2 * np.sum((b * c.conj()).real, axis=0), uneven)
-    turned = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])  # (2, 2, n)
-    mean, whole, part = (np.einsum("ijn,...nj->i...n", turned, x[..., 1:]) for x in (mean, whole, part))
-    std, other = gaussian.spread(whole[0]), np.hypot(mean[1], gaussian.spread(whole[1]))
-    driven = np.minimum(np.sqrt(WHOLE) * gaussian.spread(part[0]), std)
+    of_whole, of_part = _second(whole), _second(part)
+    angle = 0.5 * np.arctan2(2 * of_part[2], of_part[0] - of_part[1])
+    cos, sin = np.cos(angle), np.sin(angle)
+
+    def along(moments: np.ndarray) -> np.ndarray:
+        return cos**2 * moments[0] + sin**2 * moments[1] + 2 * sin * cos * moments[2]
+
+    mean = np.array([cos * mean[:, 1] + sin * mean[:, 2], cos * mean[:, 2] - sin * mean[:, 1]])
+    variance = along(of_whole)
+    std, other = np.sqrt(variance), np.sqrt(mean[1] ** 2 + (of_whole[0] + of_whole[1] - variance).clip(min=0.0))
+    driven = np.minimum(np.sqrt(WHOLE * along(of_part)), std)
     z, rest = Z[:, None, None], np.sqrt(std**2 - driven**2) * XI[:, None]
     before, after = (
         np.hypot(mean[0] + driven * x + rest, other).reshape(-1, std.size) for x in (z, np.abs(z) * z / np.sqrt(3))
     )
     less = WEIGHT @ (after - before)
     return -less, WEIGHT @ (after**2 - before**2) - (WEIGHT @ after) ** 2 + (WEIGHT @ before) ** 2
+
+
+def _second(lines: np.ndarray) -> np.ndarray:
+    """Variances about both axes and covariance (3, n) of bending, lines (nw, n, 3)."""
+    b, c = lines[..., 1], lines[..., 2]
+    return 0.5 * np.sum([np.abs(b) ** 2, np.abs(c) ** 2, (b * c.conj()).real], axis=1)
