@@ -500,12 +500,16 @@ TWO = {"hulls": (SQUARE, SQUARE), "centres": np.array([[0.0, 0.0, 0.0], [7.0, 0.
 LEVEL = SEA | {"heading": 0.0}
 
 
+@cache
+def squares():
+    hulls, centres, _ = TWO.values()
+    return solve(hulls, centres, **LEVEL, omega=np.linspace(0.6, 2.0, 8), planar=False, panels=216)
+
+
 @pytest.mark.parametrize("angles", [(23, 0), (0, -40), (130, 0), (65, -110)])
 def test_axes_turned_in_plan_are_named(angles):
     """Of two square boxes in waves along x, where a turn of either makes a force across of none."""
-    hulls, centres, _ = TWO.values()
-    h = solve(hulls, centres, **LEVEL, omega=np.linspace(0.6, 2.0, 8), planar=False, panels=216)
-    given = told(h)
+    given = told(squares())
     taken(given, **TWO, **LEVEL)
     named = rf"axes turned in plan, by degrees {angles[0]} of front, {angles[1]} of rear"
     refused(turned(given, -np.radians(angles)), match=named, **TWO, **LEVEL)
