@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from solver.keys import Bits, shared
 
 KNOWN = 64  # seas whose wavenumbers a process keeps
-SHALLOWEST = 0.14  # kh; of longer waves capytaine's exponentials miss the Green function, from 0.1377 down
+SHALLOWEST = 0.1  # kh; of longer waves capytaine has no Green function
 
 
 def wavenumber(omega: ArrayLike, depth: float, gravity: float = 9.81) -> np.ndarray:

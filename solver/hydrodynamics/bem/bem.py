@@ -102,7 +102,7 @@ def _settings(problem: Problem, solutions: list[Solution]) -> dict[str, Any]:
         return settings | {"method": "none: nothing radiates or diffracts"}
     meshed = len(problem.divisions)
     how = f"finest of {meshed} meshes, damping lid" if solutions[0].lid > 0 else METHODS[meshed]
-    seabed_error = 0.0 if problem.standing else problem.seas[0].seabed_error(problem.omega, problem.largest)
+    seabed_error = 0.0 if problem.standing else problem.seas[0].seabed_error(problem.omega, *problem.largest)
     settings |= {"method": f"direct, {how}, lid on the waterplane", "green_function": "Delhommeau"}
     settings |= {"seabed_error": seabed_error} | ({"coarser": problem.coarser} if problem.coarser else {})
     return settings

@@ -32,7 +32,7 @@ def _together(problem: Problem) -> float:
 
 def _nodes(problem: Problem, k: float) -> int:
     """At which what the seabed adds is found, see `seabed`; that takes next to no time."""
-    clear = 2 * (problem.depth - max(h.draft for h in problem.hulls))
+    clear = 2 * (problem.depth - problem.largest[1])
     halves = (np.ptp(hull.surface_points()[0], axis=0) / 2 for hull in problem.hulls)
     return sum(int(np.prod(nodes_along(half, clear, k))) for half in halves)
 

@@ -110,9 +110,9 @@ class Problem:
         return [Sea(depth=self.depth, density=self.density, gravity=self.gravity, heading=h) for h in self.headings]
 
     @cached_property
-    def largest(self) -> float:
-        """Radius of the largest body [m]."""
-        return max(h.largest_radius for h in self.hulls)
+    def largest(self) -> tuple[float, float]:
+        """Radius of the widest body and draft of the deepest [m]."""
+        return max(h.largest_radius for h in self.hulls), max(h.draft for h in self.hulls)
 
     @cached_property
     def standing(self) -> bool:
@@ -121,7 +121,7 @@ class Problem:
 
     def seabed(self, k: float) -> float:
         """Depth to solve with [m], infinite where the seabed does not matter; see Sea."""
-        return self.depth if self.standing else self.seas[0].seabed(k, self.largest)
+        return self.depth if self.standing else self.seas[0].seabed(k, *self.largest)
 
     @cached_property
     def counts(self) -> tuple[int, ...]:

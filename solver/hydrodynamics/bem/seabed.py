@@ -16,7 +16,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.special import jv
 
-MISSED = 1e-5  # of what the seabed adds, by too few nodes
+MISSED = 1e-5  # of what the seabed adds, by too few nodes, but for a factor of up to 5
 FEWEST, MOST = 3, 30  # nodes along an axis; more do not pay
 WORTH = 800  # products of matrices that take as long as one influence of a panel on another above a seabed
 FLAT = 0.05  # of a box's largest width, its least
@@ -30,11 +30,12 @@ def nodes_along(half: np.ndarray, clear: float, k: float) -> np.ndarray:
 
     n of them miss ρ⁻ⁿ of a function that is analytic within the ellipse of foci ±b and semiaxes b(ρ ± 1/ρ)/2 (Trefethen
     2013, Approximation Theory and Approximation Practice, chapter 8): images lie off a level axis, sinh(log ρ) =
-    clear/b, and on the upright one, cosh(log ρ) = 1 + clear/b. Of a wave they miss its n-th term, (ekb/2n)ⁿ at most.
+    clear/b, and on the upright one, cosh(log ρ) = 1 + clear/b. Of a wave, which reaches the images by exp(-k clear),
+    they miss its n-th term, (ekb/2n)ⁿ at most.
     """
     images = np.append(np.arcsinh(clear / half[:2]), np.arccosh(1 + clear / half[2]))
     n = np.arange(FEWEST, MOST)[:, None]
-    waves = n * np.log(2 * n / (np.e * k * half)) if np.isfinite(k) else np.inf
+    waves = n * np.log(2 * n / (np.e * k * half)) + k * clear if np.isfinite(k) else np.inf
     return FEWEST + np.sum(np.minimum(n * images, waves) < -np.log(MISSED), axis=0)
 
 

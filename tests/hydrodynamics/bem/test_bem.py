@@ -211,7 +211,7 @@ def test_leaving_the_seabed_out_is_seamless(monkeypatch):
 
 
 def test_the_seabeds_share_is_what_leaving_it_out_changes(monkeypatch):
-    """Where all is left out, waves included, and at infinity: 0.7 (a/h)³ of the heaving hemisphere's added mass."""
+    """Where all is left out, waves included; at infinity it is 0.7 (a/h)³ of the heaving hemisphere's added mass."""
     omega = np.sqrt(G * np.array([0.5, 2.0, 6.0]))
     run = partial(solve, (FLOAT,), [[0, 0, 0]], omega=omega, panels=SMALL)
     deep = run(depth=np.inf)
@@ -344,10 +344,10 @@ def test_the_grid_covers_the_band_and_resolves_reflections():
 
 def test_a_body_wider_than_the_water_is_deep_has_coefficients():
     """The longest waves solved for are those that capytaine's exponentials can meet; B = k|X|²/4ρg c_g in heave."""
-    depth, barge = 5.0, Revolution.vertical_cylinder(radius=9.0, draft=1.5, freeboard=1.0)
+    depth, barge = 5.0, Revolution.vertical_cylinder(radius=12.0, draft=1.5, freeboard=1.0)
     omega = bem.frequency_grid((barge,), [[0, 0, 0]], depth=depth)[:1]
     k = wavenumber(omega, depth, G)
-    assert 0.14 < k[0] * depth < 0.1403
+    assert 0.1 < k[0] * depth < 0.1002
     h = solve((barge,), [[0, 0, 0]], depth=depth, omega=omega, panels=SMALL)
     group = omega / (2 * k) * (1 + 2 * k * depth / np.sinh(2 * k * depth))
     force = np.abs(h.diffraction + h.froude_krylov)[:, 1]

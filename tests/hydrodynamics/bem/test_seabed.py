@@ -9,7 +9,7 @@ from pytest import approx
 from scipy.optimize import brentq
 from scipy.special import j0, k0, y0
 
-from solver.hydrodynamics.bem import bem, mesh, seabed
+from solver.hydrodynamics.bem import bem, green, mesh, seabed
 from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.revolution import Revolution
 from tests.awkward import prism
@@ -62,6 +62,22 @@ def test_two_depths_differ_as_by_eigenfunctions(K, apart):
     assert np.abs(shallow - deep - told).max() < 1e-7 * np.abs(told).max()
 
 
+@pytest.mark.parametrize("kh", [0.101, 0.18, 0.3, 1.0, 5.0])
+def test_capytaines_function_for_finite_depth_is_that_of_eigenfunctions(kh):
+    """From still water to the seabed; by its own sums of exponentials it is 2 % off where kh = 0.18."""
+    depth, side = 4.0, 1e-3
+    of = np.array([[0.0, 0.0, -0.3], [0, 0, -3], [0, 0, -3.9]])
+    at = np.array([[r, 0.0, z] for r in (0.5, 1.0, 4.0, 20.0) for z in (-0.3, -3.0, -3.9)])
+    square = side / 2 * np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    panels = green.joined([(square + place, np.arange(4)[None]) for place in of])
+    single, _ = green.green_function().evaluate(
+        at, panels, water_depth=depth, wavenumber=kh / depth, adjoint_double_layer=False,
+        diagonal_term_in_double_layer=False,
+    )  # fmt: skip
+    told = eigenfunctions(kh / depth, depth, at, of)
+    assert np.abs(single * -4 * np.pi / side**2 - told).max() < 4e-4 * np.abs(told).max()
+
+
 def test_at_infinite_frequency_it_is_a_series_of_images():
     """Mirrored in the seabed alike, in still water with another sign."""
     _, found, at, of = between(np.inf, 12.0, 8.0)
@@ -77,7 +93,7 @@ def test_at_infinite_frequency_it_is_a_series_of_images():
 
 @pytest.mark.parametrize(
     ("depth", "k", "counts"),
-    [(50.0, 0.02, (4, 4, 3)), (12.0, 0.3, (7, 7, 6)), (6.0, 0.02, (7, 7, 5)), (6.0, 0.5, (8, 8, 6))],
+    [(50.0, 0.02, (3, 3, 3)), (12.0, 0.3, (5, 5, 4)), (6.0, 0.02, (7, 7, 5)), (6.0, 0.5, (7, 7, 5))],
 )
 def test_so_many_nodes_miss_no_more_than_is_said(depth, k, counts):
     """Of a box of 5 by 5 by 2.5 m, from a corner of it, beside many more nodes."""
@@ -91,15 +107,12 @@ def test_so_many_nodes_miss_no_more_than_is_said(depth, k, counts):
         box.polynomials(points)[0] @ seabed.between(path, box, corner)
         for box in (seabed.Box(middle, half, enough), seabed.Box(middle, half, enough + 6))
     )
-    assert 1e-9 < np.abs(few - many).max() / np.abs(many).max() < 3 * seabed.MISSED
+    assert 1e-9 < np.abs(few - many).max() / np.abs(many).max() < 8 * seabed.MISSED
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_coefficients_are_those_of_all_pairs_of_panels(name, monkeypatch):
-    """Relative to the geometric mean of both motions' own; in deep water they are 2 to 40 % off.
-
-    Capytaine's function for finite depth is itself off by that: by 1 % of these rafts' heave where kh = 0.19.
-    """
+    """Relative to the geometric mean of both motions' own; in deep water they are 2 to 40 % off."""
     hulls, centres, depth, how = SCENES[name]
     omega = np.sqrt(9.81 * np.array([0.5 * np.tanh(0.5), 1.0 * np.tanh(1.0)]) / depth)
     problem = bem.Problem.of(hulls, np.array(centres, float), depth=depth, omega=omega, **how)
@@ -121,3 +134,15 @@ def test_it_is_left_to_capytaine_close_above_the_seabed():
     built = mesh.Mesh.build(problem.meshed, problem.centres, problem.dofs, problem.base, 3, 3.0, lids=True)
     assert seabed.added(built.whole, built.bodies, built.part, 3.0, 0.1) is None
     assert seabed.added(built.whole, built.bodies, built.part, 30.0, 0.1) is not None
+
+
+@pytest.mark.parametrize("draft", [18.0, 18.8])
+def test_the_seabed_is_kept_beneath_deep_hulls(draft):
+    """However narrow: at infinite frequency it adds 10 and 20 % to the added mass of these in heave."""
+    hull = Revolution.vertical_cylinder(radius=1.0, draft=draft, freeboard=2.0)
+    near, deep = (
+        bem.Problem.of((hull,), np.zeros((1, 3)), depth=depth, omega=np.array([2.6])) for depth in (20, np.inf)
+    )
+    assert near.seabed(np.inf) == near.seabed(near.seas[0].wavenumber(2.6)) == 20.0
+    heave = [bem._coefficients(p, p.omega, 1, infinite=True).infinite[1, 1] for p in (near, deep)]
+    assert heave[0] / heave[1] == approx(1.105 if draft == 18.0 else 1.2, abs=0.02)

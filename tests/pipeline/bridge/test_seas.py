@@ -239,23 +239,23 @@ def test_a_sea_that_needs_a_band_says_so(study_with, sea):
 
 @pytest.mark.parametrize(
     ("band", "told"),
-    [("", "sea_states.only.period = 40.0: must be <= 33.71 s: it needs coefficients from 0.1571 rad/s on, which must"),
-     ("band = [0.1, 3.0]", "waves.band = [0.1, 3.0]: must start where kh > 0.14 in 5.5 m, above 0.1864 rad/s")],
+    [("", "sea_states.only.period = 50.0: must be <= 47.12 s: it needs coefficients from 0.1257 rad/s on, which must"),
+     ("band = [0.1, 3.0]", "waves.band = [0.1, 3.0]: must start where kh > 0.1 in 5.5 m, above 0.1333 rad/s")],
 )  # fmt: skip
 def test_waves_too_long_for_the_depth_are_named_as_they_were_given(study_with, monkeypatch, band, told):
     monkeypatch.setitem(globals(), "HEAD", HEAD.replace("depth = inf", "depth = 5.5"))
     with pytest.raises(StudyError) as caught:
-        study_with('{ kind = "regular", height = 0.1, period = 40.0 }', waves=band)
+        study_with('{ kind = "regular", height = 0.1, period = 50.0 }', waves=band)
     assert told in str(caught.value)
 
 
 def test_the_longest_waves_that_hold_are_let_run(study_with, monkeypatch):
     """Whose octave begins in longer ones, for which there are no coefficients."""
     monkeypatch.setitem(globals(), "HEAD", HEAD.replace("depth = inf", "depth = 5.5"))
-    parameters = first(study_with('{ kind = "regular", height = 0.1, period = 33.71 }', waves=""))
-    assert bem_arguments(geometry_of(parameters))["omega"][0] * np.sqrt(5.5 / 9.81) > np.sqrt(0.14 * np.tanh(0.14))
-    with pytest.raises(StudyError, match=r"Tp = 20.0: must be <= 16.85 s: it needs .* from 0.1571 rad/s"):
-        study_with("{ Hs = 0.1, Tp = 20.0 }", waves="")
+    parameters = first(study_with('{ kind = "regular", height = 0.1, period = 47.12 }', waves=""))
+    assert bem_arguments(geometry_of(parameters))["omega"][0] * np.sqrt(5.5 / 9.81) > np.sqrt(0.1 * np.tanh(0.1))
+    with pytest.raises(StudyError, match=r"Tp = 25.0: must be <= 23.56 s: it needs .* from 0.1257 rad/s"):
+        study_with("{ Hs = 0.1, Tp = 25.0 }", waves="")
 
 
 SHAPES = [
