@@ -41,8 +41,10 @@ from solver.scene import MOST_STEPS, OF_FLOATS, OF_STEEL, on_others
 MOST_TASKS = 10_000_000
 MOST_AXES = 24  # over keys, each of which is a dimension of the dataset
 MOST_FLOATS = 100
+MOST_TRIED = 10  # values of an axis, with as many of another
 MOST_NAMED = 20  # labels of an axis in a message
 SHORT = {"pto_damping": "floats.*.pto_damping", "hinge_spacing": "floats.*.hinge"}  # what named axes decide, last
+NUMERICS = "record.", "solver."  # tables of what makes the solver's settings
 SURVIVING = ("floats", "left_out", "platform", "solver")  # tables and keys of which others may hold in high seas
 
 Judge = Callable[[StudyFile], Iterable[InputError]]
@@ -55,6 +57,7 @@ def problems(study: StudyFile) -> list[InputError]:
         _variants,
         partial(_at_each_value, judge=_contents),
         partial(_at_each_value, judge=_scenes),
+        _together,
     )
     each = [*_paths(study), *_axes(study)]
     for judge in later:
@@ -103,6 +106,25 @@ def _each_value(study: StudyFile) -> Iterator[tuple[StudyFile, tuple[str, object
                 yield changed, (f'axes."{path}"', values[place])
             else:
                 yield changed, (axis.name, label)
+
+
+def _together(study: StudyFile) -> Iterator[InputError]:
+    """What record and numerics have against values of two axes, each of which they let pass; once for two axes.
+
+    Of many values some are tried.
+    """
+    first = first_labels(study)
+    bear = [axis for axis in study.varied if any(path.startswith(NUMERICS) for path in axis.keys)]
+    for one, other in itertools.combinations(bear, 2):
+        for labels in itertools.product(
+            *(axis.labels[1 :: 1 + len(axis.labels) // MOST_TRIED] for axis in (one, other))
+        ):
+            names = dict(zip((one.name, other.name), labels, strict=True))
+            content = at_labels(study, first | names)
+            if problems := list(objections(partial(scenes.settings, content))):
+                limit = f"with {other.name} = {labels[1]}: {problems[0]}"
+                yield InputError(f'axes."{next(iter(one.keys))}"' if one.own else one.name, labels[0], limit)
+                break
 
 
 def _paths(study: StudyFile) -> Iterator[InputError]:

@@ -17,7 +17,7 @@ from pipeline.bridge.platforms import platform
 from pipeline.study import columns
 from pipeline.study.attachments import Attachment
 from pipeline.study.floats import Float
-from pipeline.study.schema import Current, Water
+from pipeline.study.schema import Current, StudyFile, Water
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.settings import Recording, Solver
 from pipeline.tasks.task import Parameters, wave_seed
@@ -48,9 +48,9 @@ def scene(parameters: Parameters, waves: Realization | None = None) -> physics.S
     )
 
 
-def settings(parameters: Parameters) -> physics.Settings:
+def settings(made: Parameters | StudyFile) -> physics.Settings:
     """Record and numerics; how series are thinned is decided in `results.records`."""
-    return _settings(parameters.record, parameters.solver)
+    return _settings(made.record, made.solver)
 
 
 @lru_cache(maxsize=64)

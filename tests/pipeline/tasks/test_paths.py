@@ -164,6 +164,8 @@ WRONG = [
     ('"platform.sections.pipe.diameter" = [1.0]', "leads nowhere: platform.sections has tube"),
     ('"solver.modes" = [0]', 'axes."solver.modes" = 0: must be'),
     ('"solver.froude_krylov" = ["linear", "nonlinear"]', 'axes."solver.froude_krylov" = nonlinear: must be one of'),
+    ('"solver.method" = ["time", "frequency"]\n"solver.froude_krylov" = ["linear", "body-nonlinear"]',
+     'axes."solver.method" = frequency: with froude_krylov = body-nonlinear: solver.froude_krylov = body-nonlinear: '),
     ('"sea.hs" = [1.0]', "leads nowhere; did you mean sea_states.calm.Hs?"),
     ('"axes.seed" = [1]', "leads nowhere: a study has coefficients, water"),
     ('"water.depth" = []', 'axes."water.depth" = []: needs at least one value'),
