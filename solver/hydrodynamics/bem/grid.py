@@ -25,10 +25,10 @@ def frequency_grid(
     """Frequencies [rad/s] from Ka = 0.02 (or kh = SHALLOWEST) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
 
     None above that, not of the band, which meshes of about `panels` a body do not resolve: RESOLVED.
-    `count` of a body alone, were they even; they are up to Ka = 2 and through the band, and half as dense above, where
-    only the memory's tail is. A wave reflected between bodies L apart turns the phase of a force by 2kL: as far as
-    that the spacing is then at most g/(4ωL), 1 rad. Without interaction none is. Hulls with heave plates have some
-    moved by 0.3 % at most: see `clear`.
+    `count` even ones for a body alone: with half as many above Ka = 2 the memory of two flaps on a base has its effect
+    from 2e-3 to 8e-3. A wave reflected between bodies L apart turns the phase of a force by 2kL: the spacing is then
+    at most g/(4ωL), 1 rad, up to Ka = 2 and through the band. Without interaction none is. Hulls with heave plates have
+    some moved by 0.3 % at most: see `clear`.
     """
     radii = [h.largest_radius for h in hulls]
     low = max(np.sqrt(0.02 * gravity / max(radii)), first_solved(depth, gravity))
@@ -40,9 +40,8 @@ def frequency_grid(
     apart = np.linalg.norm(at[:, None] - at, axis=-1).max() if interaction else 0.0
     # Grid points divide the integral of their density evenly, so that the spacing varies smoothly.
     omega = np.linspace(low, high, 4001)
-    beyond = (omega / resolved) ** 16
-    density = (count - 1) / (high - low) * (1 + beyond / 2) / (1 + beyond)
-    density = np.maximum(density, 4 * apart / gravity * omega / (1 + beyond))
+    density = (count - 1) / (high - low) + 0.0 * omega
+    density = np.maximum(density, 4 * apart / gravity * omega / (1 + (omega / resolved) ** 16))
     index = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(omega))])
     grid = np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1] - 1e-6)) + 1), index, omega)
     return clear(grid, hulls, depth, gravity)
