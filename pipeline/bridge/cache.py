@@ -6,7 +6,7 @@ netCDF has no complex numbers; as capytaine does, they get a last dimension `com
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
@@ -222,3 +222,21 @@ class Cache:
         """Keep a file of coefficients."""
         self.folder.mkdir(parents=True, exist_ok=True)
         write_atomic(self.path(key), data)
+
+    def share(self, name: str) -> bytes | None:
+        """A share of a long solution, kept until the whole is; None if there is none or it is damaged."""
+        try:
+            total, data = (content := (self.folder / f"{name}.share").read_bytes())[:64], content[64:]
+        except OSError:
+            return None
+        return data if sha256(data).encode() == total else None
+
+    def put_share(self, name: str, data: bytes) -> None:
+        """Keep a share, with its checksum before it."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_atomic(self.folder / f"{name}.share", sha256(data).encode() + data)
+
+    def drop_shares(self, names: Iterable[str]) -> None:
+        """Of a solution that is whole."""
+        for name in names:
+            (self.folder / f"{name}.share").unlink(missing_ok=True)

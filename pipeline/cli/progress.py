@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from pipeline.bridge.engine import Failure, Outcome
 from pipeline.bridge.geometry import Geometry
-from pipeline.running.campaign import Watch
+from pipeline.running.campaign import Portion, Watch
 from pipeline.tasks.task import Task
 from pipeline.terminal import about
 
@@ -29,19 +29,19 @@ def watching(console: Console, total: int) -> Iterator[Watch]:
     with Progress(*columns, TextColumn("{task.fields[left]}"), console=console) as bar:
         job = bar.add_task("tasks", total=total, left="")
 
-        def watch(what: Task | Geometry, outcome: Outcome) -> None:
+        def watch(what: Task | Geometry | Portion, outcome: Outcome) -> None:
             clock.count(what)
-            if isinstance(what, Geometry) or isinstance(outcome.result, Failure):
+            if not isinstance(what, Task) or isinstance(outcome.result, Failure):
                 bar.console.print(clock.line(what, outcome), highlight=False, markup=False)
             bar.update(job, completed=clock.done, left=clock.left())
 
         yield watch
 
 
-def _print(clock: Clock, console: Console, what: Task | Geometry, outcome: Outcome) -> None:
+def _print(clock: Clock, console: Console, what: Task | Geometry | Portion, outcome: Outcome) -> None:
     """Every failure and the last task have their line; the others not more often than can be read."""
     clock.count(what)
-    if clock.due() or isinstance(outcome.result, Failure) or isinstance(what, Geometry):
+    if clock.due() or isinstance(outcome.result, Failure) or not isinstance(what, Task):
         console.print(clock.line(what, outcome), soft_wrap=True, highlight=False, markup=False)
 
 
@@ -52,12 +52,15 @@ class Clock:
         self.total, self.done, self.start = total, 0, time.monotonic()
         self.first = 0.0  # when the first task came in: set-up and compilation lie before it [s]
         self.spoke = -PAUSE  # when a line was last due
+        self.portions = 0  # of long solutions, that came in
 
-    def count(self, what: Task | Geometry) -> None:
-        """Count an outcome, if it is that of a task."""
+    def count(self, what: Task | Geometry | Portion) -> None:
+        """Count an outcome, if it is that of a task or a share."""
         if isinstance(what, Task):
             self.done += 1
             self.first = self.first or time.monotonic() - self.start
+        elif isinstance(what, Portion):
+            self.portions += 1
 
     def due(self) -> bool:
         """Whether the last line is some time ago, or this is the last."""
@@ -67,15 +70,17 @@ class Clock:
         self.spoke = now
         return True
 
-    def line(self, what: Task | Geometry, outcome: Outcome) -> str:
+    def line(self, what: Task | Geometry | Portion, outcome: Outcome) -> str:
         """One outcome in words."""
         result = outcome.result
+        if isinstance(what, Portion):
+            pace = (time.monotonic() - self.start) / max(self.portions, 1)
+            return (
+                f"{_made(what.geometry)}: {what.done} of {what.of} shares, {about(pace * (what.of - what.done))} left"
+            )
         if isinstance(what, Geometry):
             seconds = f"{outcome.wall_time:.1f} s, summed over workers"
-            how = f"failed: {result.message}" if isinstance(result, Failure) else seconds
-            count = len(what.bodies)
-            made = "hydrodynamic coefficients of" if what.flow else "pressure of the undisturbed waves on"
-            return f"{made} {count} float{'s' * (count > 1)}: {how}"
+            return f"{_made(what)}: {f'failed: {result.message}' if isinstance(result, Failure) else seconds}"
         # Why is told once of all tasks that fail so, when the run is over.
         how = f"failed: {result.kind}" if isinstance(result, Failure) else f"{outcome.wall_time:.1f} s"
         left = self.left()
@@ -89,3 +94,10 @@ class Clock:
             return ""
         pace = (time.monotonic() - self.start - self.first) / (self.done - 1)
         return about(pace * remaining) + " left"
+
+
+def _made(geometry: Geometry) -> str:
+    """What is made for a geometry."""
+    count = len(geometry.bodies)
+    made = "hydrodynamic coefficients of" if geometry.flow else "pressure of the undisturbed waves on"
+    return f"{made} {count} float{'s' * (count > 1)}"

@@ -8,24 +8,35 @@ import shlex
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pipeline import environment
 from pipeline.bridge.cache import Cache
 from pipeline.bridge.engine import Engine, Failure, Outcome, attempt_coefficients, attempt_share, attempt_tasks
-from pipeline.bridge.geometry import Geometry, bem_time, geometry_of, of_joints
+from pipeline.bridge.geometry import BEM_VERSION, Geometry, bem_time, geometry_of, of_joints
 from pipeline.results.packs import Row
 from pipeline.results.store import UNFINISHED, Store
 from pipeline.running import schedule
 from pipeline.running.batches import AHEAD, Batch, Batches
 from pipeline.running.place import Place
 from pipeline.running.schedule import Lost
-from pipeline.tasks.task import Task, axes
+from pipeline.tasks.task import Task, axes, digest
 from pipeline.tasks.tasklist import Tasks
 
-Watch = Callable[[Task | Geometry, Outcome], None]
+
+class Portion(NamedTuple):
+    """How much of a long solution of boundary elements is there."""
+
+    geometry: Geometry
+    done: int
+    of: int
+
+
+Watch = Callable[[Task | Geometry | Portion, Outcome], None]
 TOGETHER = 1000  # outcomes written at once, at most
 SHARED = 15.0  # boundary elements that take longer are worth the start of workers [s]
+LONG, SHARE = 60.0, 20.0  # those that take longer come in shares of so much processor time [s], each of them kept
+MOST_SHARES, FEW = 32, 8  # of one solution; solutions that are asked how long they take
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +106,7 @@ class _Solution:
 
     geometries: list[Geometry]
     shares: list[Outcome | None]
+    names: list[str] | None  # of the shares' files, where they are kept
     united: bool = False
 
     @property
@@ -145,15 +157,29 @@ class _Run:
         self._solve()
 
     def _solve(self) -> None:
-        """Each worker has a share of the frequencies of whatever radiates; headings go along."""
+        """Each worker has a share of the frequencies of whatever radiates, or several; headings go along."""
         alike: dict[Geometry, list[Geometry]] = {}
         for geometry in self.waiting:
             alike.setdefault(geometry.radiating, []).append(geometry)
         for radiating, geometries in alike.items():
             count = 1 if radiating.coefficients else max(1, self.pool.width)
-            solution = _Solution(geometries, [None] * count)
-            for n in range(count):
+            effort = bem_time(radiating) if len(alike) <= FEW and not radiating.coefficients else 0.0
+            solution = _Solution(geometries, [None] * count, None)
+            if effort > LONG:
+                count = max(count, min(math.ceil(effort / SHARE), MOST_SHARES))
+                solution = self._kept(geometries, count)
+            for n in (n for n, share in enumerate(solution.shares) if share is None):
                 self.pool.submit((solution, n), attempt_share, self.campaign.engine, geometries, n, count)
+            self._unite(solution)
+
+    def _kept(self, geometries: list[Geometry], count: int) -> _Solution:
+        """With the shares that a run before this one left."""
+        whole = digest(" ".join(geometry.key for geometry in geometries), BEM_VERSION)
+        names = [f"{whole}-{n}-of-{count}" for n in range(count)]
+        kept, provenance = map(Cache(self.campaign.results).share, names), environment.provenance()
+        return _Solution(
+            geometries, [Outcome(result=one, provenance=provenance) if one else None for one in kept], names
+        )
 
     def _offer(self) -> None:
         """Keep as much on offer as keeps the pool busy; the rest stays here, where it costs little."""
@@ -189,7 +215,16 @@ class _Run:
         if isinstance(outcome.result, Failure):
             solution.united = True
             yield from self._solved(solution, [outcome] * len(solution.geometries))
-        elif all(solution.shares):
+            return
+        if solution.names and isinstance(outcome.result, bytes):
+            Cache(self.campaign.results).put_share(solution.names[n], outcome.result)
+            done = sum(share is not None for share in solution.shares)
+            self.watch(Portion(solution.geometries[0], done, len(solution.shares)), outcome)
+        self._unite(solution)
+
+    def _unite(self, solution: _Solution) -> None:
+        """Once all shares are there."""
+        if all(solution.shares):
             solution.united = True
             parts = [share.result for share in solution.shares if share]
             self.pool.submit(solution, attempt_coefficients, self.campaign.engine, solution.geometries, parts)
@@ -204,6 +239,8 @@ class _Run:
             elif isinstance(outcome.result, bytes):
                 Cache(self.campaign.results).put(geometry.key, outcome.result)
                 self.batches.add(tasks, outcome.result, self.block)
+        if solution.names and not any(isinstance(outcome.result, Failure) for outcome in outcomes):
+            Cache(self.campaign.results).drop_shares(solution.names)
 
 
 def _outcome(results: list[Outcome] | Lost) -> Outcome:

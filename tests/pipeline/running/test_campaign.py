@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -87,7 +88,6 @@ def test_headings_share_what_radiates(small, tmp_path, engine, workers):
 
     An elastic platform moves a float that the waves pass at an angle in every way, a hinge on fixed ground in three.
     """
-    from dataclasses import replace
 
     def coefficients(geometries, shares):
         assert {(g.heading, bool(g.needed)) for g in geometries} == {(h, n) for h in (0.1, 0.2) for n in (True, False)}
@@ -104,8 +104,6 @@ def test_headings_share_what_radiates(small, tmp_path, engine, workers):
 
 @pytest.mark.filterwarnings("default")
 def test_a_share_that_fails_fails_the_tasks_of_all_its_headings_once(small, tmp_path, engine):
-    from dataclasses import replace
-
     def broken(_, first, step):
         if first == step - 1:
             raise ValueError("singular")
@@ -115,6 +113,57 @@ def test_a_share_that_fails_fails_the_tasks_of_all_its_headings_once(small, tmp_
     assert heard.count("geometry") == 4
     assert len(failed) == len({t.id for t in failed}) == 2 * 8
     assert {store.look(t).state for t in tasks if not geometry_of(t.parameters)} == {"done"}
+
+
+def in_shares(engine, monkeypatch, stop=10):
+    """An engine whose boundary elements take two minutes, interrupted before the share of this number; those solved."""
+    monkeypatch.setattr("pipeline.running.campaign.bem_time", lambda _: 119.0)
+    solved = []
+
+    def share(_, first, step):
+        if first == stop:
+            raise KeyboardInterrupt
+        solved.append((first, step))
+        return first, step
+
+    def coefficients(geometries, shares):
+        assert shares == [(n, 6) for n in range(6)]
+        return engine.coefficients(geometries, shares)
+
+    return replace(engine, share=share, coefficients=coefficients), solved
+
+
+@pytest.mark.parametrize("damage", [False, True])
+def test_a_long_solution_goes_on_where_a_run_was_ended(small, tmp_path, engine, monkeypatch, damage):
+    """In shares of 20 s, each kept and told of; a damaged one is solved again, and none is left when all is there."""
+    ended, solved = in_shares(engine, monkeypatch, stop=4)
+    with pytest.raises(KeyboardInterrupt):
+        run(small, tmp_path / "r", ended, workers=1)
+    kept = sorted((tmp_path / "r" / "hydrodynamics").glob("*.share"))
+    assert len(kept) == len(solved) == 4
+    if damage:
+        kept[1].write_bytes(kept[1].read_bytes()[:-1])
+    whole, solved = in_shares(engine, monkeypatch)
+    _, tasks, store, failed, heard = run(small, tmp_path / "r", whole, workers=1)
+    assert not failed and {store.look(task).state for task in tasks} == {"done"}
+    assert solved == [(1, 6)] * damage + [(4, 6), (5, 6)]
+    assert heard.count("portion") == len(solved) and heard.count("geometry") == 1
+    assert not list((tmp_path / "r" / "hydrodynamics").glob("*.share"))
+
+
+def test_a_long_solution_that_was_whole_but_for_its_file_is_put_together(small, tmp_path, engine, monkeypatch):
+    split, solved = in_shares(engine, monkeypatch)
+    with pytest.raises(KeyboardInterrupt):
+        run(
+            small,
+            tmp_path / "r",
+            replace(split, coefficients=lambda *_: (_ for _ in ()).throw(KeyboardInterrupt)),
+            workers=1,
+        )
+    assert len(solved) == 6
+    whole, solved = in_shares(engine, monkeypatch)
+    _, _, _, failed, heard = run(small, tmp_path / "r", whole, workers=1)
+    assert not failed and not solved and heard.count("geometry") == 1
 
 
 @pytest.mark.filterwarnings("default")  # dask warns while it shuts down
@@ -159,8 +208,6 @@ def test_fail_fast_stops(small, cli):
 
 
 def test_failed_coefficients_fail_their_tasks_alone(small, tmp_path, engine):
-    from dataclasses import replace
-
     def broken(*_):
         raise ValueError("singular")
 
@@ -179,7 +226,6 @@ def test_rerun_is_bitwise_the_same(cli, tmp_path):
 
 def _elsewhere(monkeypatch, engine):
     """From now on the engine rounds otherwise."""
-    from dataclasses import replace
 
     def other(parameters, coefficients):
         record = engine.compute(parameters, coefficients)
@@ -434,8 +480,6 @@ def test_a_run_says_that_it_compiles(cli, tmp_path, monkeypatch):
 
 
 def test_preflight_judges_what_runs_each_task_once(cli, monkeypatch, engine, tmp_path):
-    from dataclasses import replace
-
     judged = []
     watchful = replace(engine, judge=judged.append, reduce=lambda _: None)
     monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: watchful)
@@ -542,7 +586,6 @@ def test_attributes_come_from_the_one_table(collected):
 @pytest.fixture
 def changed(small, tmp_path, engine):
     """The dataset of a study whose records have been changed: change(parameters, record)."""
-    from dataclasses import replace
 
     def collect(change):
         def compute(parameters, coefficients):
@@ -766,8 +809,6 @@ def test_a_killed_run_leaves_no_lock_and_loses_nothing(small, tmp_path, engine):
 
 
 def test_warnings_of_a_task_are_in_its_log(cli, engine, monkeypatch):
-    from dataclasses import replace
-
     def worried(parameters, coefficients):
         warnings.warn("the platform sways", stacklevel=1)
         return engine.compute(parameters, coefficients)
@@ -792,8 +833,6 @@ def three_seas(small):
 
 
 def test_every_sea_and_every_configuration_is_judged_before_anything_runs(three_seas, engine):
-    from dataclasses import replace
-
     three_seas.write_text(three_seas.read_text().replace("[axes]", "[axes]\npto_damping = [1e5, 2e5]"))
     study, judged = load(three_seas), []
     preflight.judge(study, expand(study.content), replace(engine, judge=judged.append))
@@ -805,8 +844,6 @@ def test_every_sea_and_every_configuration_is_judged_before_anything_runs(three_
 
 
 def test_odd_and_impossible_seas_are_named_whichever_they_are(three_seas, engine):
-    from dataclasses import replace
-
     study = load(three_seas)
     for label, height in (("calm", 0.5), ("mild", 1.0), ("rough", 2.0)):
         odd = replace(
@@ -852,8 +889,6 @@ def test_plan_tells_states_and_time_from_past_runs(small, cli):
 
 
 def test_what_was_asked_and_not_met_is_told(small, cli, engine, monkeypatch, tmp_path):
-    from dataclasses import replace
-
     def short(parameters, coefficients):
         record = engine.compute(parameters, coefficients)
         missed = "tolerance 1e-3 asked, 2.1e-3 estimated" if parameters.platform and parameters.floats else ""
