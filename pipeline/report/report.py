@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ OFF = 1 / 3  # a ratio further from 1 than this gets a star, and its sentence if
 WIDTH = 96  # characters that the table needs; a narrower terminal wraps them
 # Of the largest of a variable, whose axes may differ in unit and floats in size: less is none of theirs.
 ROUNDING = 1e-9
+COMPONENTS = "axis", "direction", "force", "moment"  # dimensions along which a mean means nothing
 ENOUGH = 20  # realizations whose range says something about one more
 COLUMNS = ("table", "label", "variable", "selection", "statistic", "value", "unit", "note")
 
@@ -233,9 +235,9 @@ def print_summary(data: xr.Dataset, console: Console) -> None:
 
 
 def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
-    """Variable, statistic, mean, least, largest and unit, as text: 0 of what is rounding beside the variable's largest.
+    """Variable, statistic, mean, least, largest and unit, as text, of each component that there is.
 
-    As the force of a hinge along an axis that it leaves free.
+    What is rounding beside the variable's largest is 0, as the force of a hinge along an axis that it leaves free.
     """
     for label in data.data_vars:
         known = "statistic" in data[label].dims or label in AT_STOPS
@@ -245,7 +247,13 @@ def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
             values = values.expand_dims(statistic=[""])
         size = abs(values)
         values = values.where(~(size < ROUNDING * size.max()), 0.0)
-        for statistic in values.statistic.values:
-            part = values.sel(statistic=statistic)
-            figures = (f"{float(f()):z.4g}" for f in (part.mean, part.min, part.max))
-            yield (str(label), str(statistic), *figures, values.attrs.get("units", ""))
+        along = [dim for dim in COMPONENTS if dim in values.dims]
+        for at in itertools.product(*(values[dim].values for dim in along)):
+            component = values.sel(dict(zip(along, at, strict=True)))
+            if at and not component.fillna(0.0).any() and size.max() > 0:
+                continue  # such as what leaves the plane of a scene that stays in it
+            name = " ".join(map(str, (label, *at)))
+            for statistic in values.statistic.values:
+                part = component.sel(statistic=statistic)
+                figures = (f"{float(f()):z.4g}" for f in (part.mean, part.min, part.max))
+                yield (name, str(statistic), *figures, values.attrs.get("units", ""))

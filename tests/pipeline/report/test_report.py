@@ -175,13 +175,28 @@ def test_no_table_says_minus_nothing(data, tmp_path):
 def test_rounding_beside_a_variables_largest_is_told_as_none():
     """As of a hinge's free axis; what is small, or beside nothing larger, as small as it is, and NaN not at all."""
     values = np.array([[[3e2, -2e2], [4e-13, -4e-13]], [[2e2, -1e2], [2e-6, np.nan]]])
-    force = xr.DataArray(values, dims=("seed", "direction", "statistic"), coords={"statistic": ["max", "min"]})
+    force = xr.DataArray(values, dims=("seed", "leg", "statistic"), coords={"statistic": ["max", "min"]})
     assert [line[1:5] for line in report.summary_rows(force.to_dataset(name="hinge_force"))] == [
         ("max", "125", "0", "300"),
         ("min", "-100", "-200", "0"),
     ]
-    small = force.isel(direction=[1])
+    small = force.isel(leg=[1])
     alone = small.isel(seed=[0]).to_dataset(name="hinge_force")
     assert [line[2] for line in report.summary_rows(alone)] == ["4e-13", "-4e-13"]
-    faint = (1e-6 * force).isel(direction=[0]).to_dataset(name="hinge_force")
+    faint = (1e-6 * force).isel(leg=[0]).to_dataset(name="hinge_force")
     assert [line[4] for line in report.summary_rows(faint)] == ["0.0003", "-0.0001"]
+
+
+def test_components_have_lines_of_their_own_and_those_that_there_are_none_of_have_none():
+    values = np.array([[[3e2, -2e2], [4e-13, -4e-13], [7.0, 5.0]], [[2e2, -1e2], [2e-13, np.nan], [np.nan, np.nan]]])
+    force = xr.DataArray(
+        values, dims=("seed", "direction", "statistic"), coords={"statistic": ["max", "min"], "direction": [*"xyz"]}
+    )
+    assert [line[:5] for line in report.summary_rows(force.to_dataset(name="base_shear"))] == [
+        ("base_shear x", "max", "250", "200", "300"),
+        ("base_shear x", "min", "-150", "-200", "-100"),
+        ("base_shear z", "max", "7", "7", "7"),
+        ("base_shear z", "min", "5", "5", "5"),
+    ]
+    none = (0.0 * force).fillna(0.0)
+    assert len(list(report.summary_rows(none.to_dataset(name="base_shear")))) == 6
