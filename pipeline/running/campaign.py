@@ -197,6 +197,8 @@ class _Run:
         elif isinstance(key, _Solution):
             outcomes = [_outcome(results)] * len(key.geometries) if isinstance(results, Lost) else results
             yield from self._solved(key, outcomes)
+            if key.names and not isinstance(results, Lost):  # nor are they good for a second time if the whole failed
+                Cache(self.campaign.results).drop_shares(key.names)
         elif isinstance(key, Batch):
             self.out -= 1
             if isinstance(results, Lost) and len(key.tasks) > 1:
@@ -239,8 +241,6 @@ class _Run:
             elif isinstance(outcome.result, bytes):
                 Cache(self.campaign.results).put(geometry.key, outcome.result)
                 self.batches.add(tasks, outcome.result, self.block)
-        if solution.names and not any(isinstance(outcome.result, Failure) for outcome in outcomes):
-            Cache(self.campaign.results).drop_shares(solution.names)
 
 
 def _outcome(results: list[Outcome] | Lost) -> Outcome:
