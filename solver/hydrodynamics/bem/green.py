@@ -11,7 +11,7 @@ from solver.hydrodynamics.library import capytaine
 
 # Growth of the exponentials whose sum is the finite-depth function, over all that bodies and images have to do with:
 # amplitudes alone are fitted, which leaves 1e-5 of it from kh = 0.1 on.
-GROWTH = -np.geomspace(0.08, 40.0, 16)
+GROWTH = -np.geomspace(0.08, 40.0, 12)
 POINTS = ((1 - np.cos(np.pi * (np.arange(600) + 0.5) / 600)) / 2) ** 1.5  # 0 to 1, denser towards both, more at 0
 FAINT = 1e-11  # of the largest singular value, below which amplitudes would only cancel
 
