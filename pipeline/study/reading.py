@@ -70,9 +70,16 @@ def parsed(path: Path) -> tuple[StudyFile, tuple[Path, ...]]:
 
 
 def _apart(errors: list[ErrorDetails]) -> list[ErrorDetails]:
-    """Without lists that are too short because none of their items is right."""
+    """Without lists that are too short because none of their items is right, and words that a number might be, too,
+    where it is a number out of its range."""
     wrong = {error["loc"][:-1] for error in errors if error["loc"]}
-    return [error for error in errors if error["type"] != "too_short" or error["loc"] not in wrong]
+    ranged = {dotted(e["loc"]) for e in errors if not e["type"].endswith(("_type", "_parsing", "_error"))}
+    return [
+        error
+        for error in errors
+        if not (error["type"] == "too_short" and error["loc"] in wrong)
+        and not (error["type"] == "literal_error" and dotted(error["loc"]) in ranged)
+    ]
 
 
 def check_name(path: Path) -> None:

@@ -246,6 +246,13 @@ def test_bad_study_is_refused_in_one_line(small, old, new, message):
     assert any(line.startswith(f"{small}: ") and message in line for line in caught.value.problems)
 
 
+def test_a_number_out_of_its_range_is_not_told_that_it_is_no_word(small):
+    small.write_text(small.read_text() + "\n[solver]\nmodes = 0\n")
+    with pytest.raises(StudyError) as caught:
+        load(small)
+    assert caught.value.problems == [f"{small}: solver.modes = 0: must be >= 1"]
+
+
 @pytest.mark.parametrize("ratio", ["", "damping_ratio = 0.0\n"])
 def test_rayleighs_damping_may_stand_alone(small, ratio):
     text = small.read_text()
