@@ -3,7 +3,7 @@
 import numpy as np
 
 from solver.hydrodynamics.bem.problem import Problem
-from solver.hydrodynamics.bem.seabed import nodes_along, pays
+from solver.hydrodynamics.bem.seabed import Box, pays
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 
@@ -21,20 +21,17 @@ def _together(problem: Problem) -> float:
     """Images of a plane of symmetry are seen, not solved for; each is the mirror of a system of its own."""
     images = len(meshes.mirror_planes(problem.hulls, problem.centres)[1])
     waves = [*(problem.seas[0].wavenumber(w) for w in problem.omega), np.inf]
-    nodes = [_nodes(problem, k) if np.isfinite(problem.seabed(k)) else 0 for k in waves]
+    # What the seabed adds is found at nodes, see `seabed`; that takes next to no time.
+    clear, points = 2 * (problem.depth - problem.largest[1]), [hull.surface_points()[0] for hull in problem.hulls]
+    nodes = [
+        sum(Box.about(of, clear, k).count for of in points) if np.isfinite(problem.seabed(k)) else 0 for k in waves
+    ]
     total, most = 0.0, _panels(problem)
     for n in problem.divisions:
         part = most * (n / problem.divisions[0]) ** 2 / images
         pair = sum(FREE if pays(m, part) else SEABED for m in nodes)
         total += pair * images * part**2 + len(waves) * images * FACTORED * part**3
     return total
-
-
-def _nodes(problem: Problem, k: float) -> int:
-    """At which what the seabed adds is found, see `seabed`; that takes next to no time."""
-    clear = 2 * (problem.depth - problem.largest[1])
-    halves = (np.ptp(hull.surface_points()[0], axis=0) / 2 for hull in problem.hulls)
-    return sum(int(np.prod(nodes_along(half, clear, k))) for half in halves)
 
 
 def _panels(problem: Problem) -> int:

@@ -83,7 +83,7 @@ class Mesh:
             hulled.append(np.zeros(len(pieces[-1][1]), bool))
         part, whole = joined(pieces), joined([mirrored(p, m) for m in mirrors for p in pieces])
         wet, body = np.concatenate(hulled), np.concatenate(owners)
-        gap = np.arange(len(wet)) >= len(wet) - (len(hulled[-1]) if gap_width > 0 else 0)
+        gap = body == len(hulls)
         partners = (meshes.partner(hulls, centres - origin, m) for m in mirrors)
         bodies = np.concatenate([np.append(partner, len(hulls))[body] for partner in partners])
         owner = np.minimum(bodies, len(hulls) - 1)  # lids do not move, whosever they are

@@ -82,7 +82,7 @@ class Path(NamedTuple):
 
 @dataclass(frozen=True)
 class Box:
-    """About the middles of a body's panels."""
+    """About the middles of a body's panels, or other points of it."""
 
     middle: np.ndarray  # (3,) [m]
     half: np.ndarray  # (3,) half its widths [m]
@@ -94,6 +94,11 @@ class Box:
         low, high = points.min(axis=0), points.max(axis=0)
         half = np.maximum(high - low, FLAT * np.max(high - low)) / 2
         return cls((low + high) / 2, half, nodes_along(half, clear, k))
+
+    @property
+    def count(self) -> int:
+        """Of all nodes."""
+        return int(np.prod(self.counts))
 
     @cached_property
     def axes(self) -> list[np.ndarray]:
@@ -141,7 +146,7 @@ def added(whole: Any, bodies: np.ndarray, part: Any, depth: float, k: float) -> 
     """
     clear, nf = 2 * (depth + whole.vertices[:, 2].min()), part.nb_faces
     boxes = {b: Box.about(whole.faces_centers[bodies == b], clear, k) for b in np.unique(bodies)}
-    if not pays(sum(int(np.prod(box.counts)) for box in boxes.values()), nf):
+    if not pays(sum(box.count for box in boxes.values()), nf):
         return None
     sources = {b: boxes[b] for b in np.unique(bodies[:nf])}
     reach = float(np.linalg.norm(np.ptp(whole.faces_centers[:, :2], axis=0)))
@@ -157,7 +162,7 @@ def _spread(
     boxes: dict[int, Box], bodies: np.ndarray, points: np.ndarray, normals: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Polynomials (np, number of all nodes) at points of bodies (np,), 0 of other bodies; slopes along normals."""
-    total = np.cumsum([0, *(int(np.prod(box.counts)) for box in boxes.values())])
+    total = np.cumsum([0, *(box.count for box in boxes.values())])
     values, slopes = np.zeros((2, len(points), total[-1]))
     for (b, box), start, stop in zip(boxes.items(), total, total[1:], strict=False):
         own = bodies == b
