@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solver import motions
+from solver.mooring import line_stiffness
 from solver.multibody.bodies import Bodies
 from solver.multibody.chain import PRISMATIC
 from solver.scene import DOFS, Float, Platform, Scene
@@ -15,6 +16,8 @@ HANGING = np.pi / 6  # an arm at rest so near to the vertical swings beneath its
 # Of the sum of amplitudes, by which the local wave field may be off at the ends of the excursion; a record's
 # `field_error` says how far off it was.
 ROUGH = 1e-2
+
+ROUNDING = 1e-12  # of a heading along an axis across it
 
 
 def excursions(scene: Scene, field: WaveField, terms: Sequence[int], carrier_axes: np.ndarray) -> np.ndarray:
@@ -34,6 +37,36 @@ def ways(scene: Scene, field: WaveField, terms: Sequence[int]) -> list[float]:
     place; linear loads are those at rest, however far."""
     each = zip(terms, radii(scene), scene.nonlinear, strict=True)
     return [field.radius_for(count, ROUGH) - size if nonlinear else np.inf for count, size, nonlinear in each]
+
+
+def pushed(scene: Scene, field: WaveField) -> list[dict[str, float]]:
+    """How far waves may push each float along each horizontal axis of its joint [m]; inf where nothing holds it.
+
+    They push at most as on a wall as wide as it and all that it carries which sends all of them back: ½ρga² each,
+    ρg Hm0²/16 per width. Each axis has its own springs alone.
+    """
+    wide = [0.0] * len(scene.floats)
+    for b, item in enumerate(scene.floats):
+        borne_by = b
+        while borne_by >= 0:
+            wide[borne_by] += 2 * item.hull.largest_radius
+            borne_by = scene.carriers[borne_by]
+    load = scene.water.density * scene.water.gravity * field.sea.parameters()["Hm0"] ** 2 / 16
+    return [_pushed(f, load * w, field.direction) if load > 0 else {} for f, w in zip(scene.floats, wide, strict=True)]
+
+
+def _pushed(item: Float, load: float, heading: np.ndarray) -> dict[str, float]:
+    if not set(item.motion) & set(DOFS[:2]):
+        return {}
+    springs = np.diag(item.moored[0]) + item.per_axis("stiffness") + item.per_axis("pto_stiffness")
+    lines = np.diag(line_stiffness(item.lines, item.centre))
+    far = {}
+    for axis, spring in zip(item.motion, springs, strict=True):
+        push = load * abs(item.direction(axis) @ heading)
+        if axis in DOFS[:2] and push > ROUNDING * load:
+            held = spring + lines[DOFS.index(axis)]
+            far[axis] = push / held if held > 0 else np.inf
+    return far
 
 
 def _extent(platform: Platform) -> float:

@@ -9,7 +9,7 @@ from solver.balance import heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
-from solver.mooring import line_stiffness, odd_lines
+from solver.mooring import odd_lines
 from solver.scene import DOFS, Float, Platform, Scene, load_unit_along, unit_along
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
@@ -18,6 +18,7 @@ TURNED = 0.2  # [rad] that a float may rest from where it is given
 STEEP = 1.2  # factor by which extremes of what drag drives may exceed those of Gaussian responses
 APART = 1.1  # factor by which extremes may miss those of Gaussian rates; of power it is the square
 HEAVED = 0.25  # of its draft or freeboard, by which it may rest higher or deeper
+STRAYED = 0.5  # [rad] of the mean wave that it may go from where diffraction has its phases
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 
 
@@ -100,33 +101,39 @@ def _pushed(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
 
 
 def _drifting(scene: Scene) -> Iterator[str]:
-    """A sentence for each axis on which waves may push a float out of the series of its body-nonlinear pressure.
-
-    They push at most as on a wall as wide that sends all of them back: ½ρga² each, ρg Hm0²/16 per width.
-    """
+    """A sentence for each axis on which waves may push a float out of the series of its body-nonlinear pressure."""
     slides = any(set(f.motion) & set(DOFS[:2]) for f in scene.floats)
     if not slides or not any(scene.nonlinear) or not scene.sea.amplitude.any():
         return
     from solver.coupled.preparation import around  # with the system's parts, for floats that slide alone
 
-    water, height = scene.water, scene.sea.parameters()["Hm0"]
-    waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
+    waves = wave_field(scene.sea, scene.water.depth, scene.water.gravity, scene.current)
     near, _, terms = around(scene, waves)
-    for f, away in zip(scene.floats, limits.ways(scene, near, terms), strict=True):
-        if away == np.inf:
-            continue
-        push = water.density * water.gravity * height**2 / 16 * 2 * f.hull.largest_radius
-        lines, springs = np.diag(line_stiffness(f.lines, f.centre)), np.diag(f.moored[0])
-        springs = springs + f.per_axis("stiffness") + f.per_axis("pto_stiffness")
-        for axis, spring in zip(f.motion, springs, strict=True):
-            if axis not in DOFS[:2]:
-                continue
-            along = abs(f.direction(axis) @ waves.direction)
-            if push * along > (spring + lines[DOFS.index(axis)]) * away:
+    each = zip(scene.floats, limits.ways(scene, near, terms), limits.pushed(scene, waves), strict=True)
+    for f, away, pushed in each:
+        for axis, far in pushed.items():
+            if far > away:
                 yield (
                     f"floats.{f.name}: waves may push it further than {away:.3g} m along {axis}, up to where its"
                     " body-nonlinear pressure is known about its place at rest, and a run ends there: hold it by a"
                     ' stiffer mooring, or set froude_krylov = "linear", which has no such bound'
+                )
+
+
+def strayed(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for each axis along which a float went far from where diffraction has its phases of the waves."""
+    if "motion" not in tables or not scene.settings.diffraction or not scene.sea.amplitude.any():
+        return
+    waves = wave_field(scene.sea, scene.water.depth, scene.water.gravity, scene.current)
+    ends = [STATISTICS.index(name) for name in ("max", "min")]
+    for f, of_axes in zip(scene.floats, np.abs(tables["motion"][..., ends]).max(axis=-1), strict=True):
+        for axis, way in zip(axes, of_axes, strict=True):
+            along = axis in f.motion and axis in DOFS[:2] and abs(f.direction(axis) @ waves.direction)
+            if along * way > STRAYED * waves.mean_length:
+                yield (
+                    f"floats.{f.name} went {way:.3g} m along {axis}, {along * way / waves.mean_length:.2g} rad of the"
+                    " mean wave from where it is given, which the phases of diffraction are of: no part of the"
+                    " estimated error"
                 )
 
 

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from solver.errors import SimulationFailed
+from solver.limits import pushed
 from solver.oddities import beyond_tables, warnings
 from solver.power_takeoff import PtoTable
 from solver.run import simulate
+from solver.sea.field import wave_field
 from tests.awkward import bare_legs, flap, soft_mooring
 from tests.record.test_slow import soft
 from tests.test_balance import ball
@@ -41,8 +43,8 @@ def test_a_march_of_linear_buoyancy_tells_of_large_angles(froude_krylov, told):
     assert ("the std of hinge is" in record.attrs.get("warnings", "")) is told
 
 
-@pytest.mark.parametrize(("stiffness", "pushed"), [(1e3, False), (400.0, True), (0.0, True)])
-def test_a_float_that_waves_push_out_of_its_series_is_told_before_it_runs(stiffness, pushed):
+@pytest.mark.parametrize(("stiffness", "told_so"), [(400.0, False), (100.0, True), (0.0, True)])
+def test_a_float_that_waves_push_out_of_its_series_is_told_before_it_runs(stiffness, told_so):
     """In this sea, not across the waves or by linear pressure; in one 20 times lower only what nothing holds."""
     item, _ = soft(stiffness, 0.0)
     across = replace(item.floats[0], motion=("sway", "heave"))
@@ -50,15 +52,40 @@ def test_a_float_that_waves_push_out_of_its_series_is_told_before_it_runs(stiffn
     low = replace(item, sea=replace(item.sea, amplitude=item.sea.amplitude / 20))
     others = linear, replace(item, floats=(across,)), low
     told = [any("waves may push it further" in text for text in warnings(each)) for each in (item, *others)]
-    assert told == [pushed, False, False, stiffness == 0]
+    assert told == [told_so, False, False, stiffness == 0]
 
 
 def test_a_run_ends_where_a_float_is_told_to_leave_its_series():
-    item, h = soft(400.0, 0.0)
-    simulate(*soft(1e3, 0.0))
-    assert any("further than 4.07 m along surge" in text for text in warnings(item))
-    with pytest.raises(SimulationFailed, match=r"beyond -4\.07 to \+4\.07: the float drifted out"):
+    item, h = soft(100.0, 0.0)
+    assert any("further than 20.8 m along surge" in text for text in warnings(item))
+    with pytest.raises(SimulationFailed, match=r"beyond -20\.83 to \+20\.83: the float drifted out"):
         simulate(item, h)
+
+
+def test_waves_are_summed_as_far_as_they_may_push_a_float_and_no_further():
+    """On a spring of 400 N/m it drifts by 10 m, and the series about it is as good as asked there."""
+    records = [simulate(*soft(stiffness, 0.0)) for stiffness in (400.0, 4e3)]
+    ways = [record.variables["motion"][1].reshape(-1, 5)[0, 0] for record in records]
+    assert ways[0] > 8 and ways[1] < 2
+    assert all(record.attrs["field_error"] < 1e-3 for record in records)
+    told = [record.attrs.get("warnings", "") for record in records]
+    assert "rad of the mean wave from where it is given" in told[0]
+    assert "mean wave" not in told[1]
+
+
+def test_waves_push_a_float_and_all_that_it_carries_against_the_springs_of_each_axis():
+    item, _ = soft(400.0, 0.0)
+    waves = replace(item.sea, heading=np.pi / 3)
+    load = 1025.0 * 9.81 * item.sea.parameters()["Hm0"] ** 2 / 16  # of each metre of width
+    buoy = replace(item.floats[0], motion=("surge", "sway", "heave"), stiffness=(400.0, 200.0, 0.0))
+    hinged = replace(buoy, motion=("hinge",), stiffness=(0.0,), arm=(-5.0, 0, -1.0))
+    carried = (
+        replace(hinged, name=name, on=on, hinge=(x, 0, 1.0))
+        for name, on, x in (("arm", "buoy", -5.0), ("tip", "arm", -15.0))
+    )
+    far = pushed(replace(item, floats=(buoy, *carried), sea=waves), wave_field(waves, 40.0, 9.81, None))
+    assert far[0] == pytest.approx({"surge": 18 * load / 2 / 400, "sway": 18 * load * np.sqrt(3) / 2 / 200})
+    assert far[1:] == [{}, {}]
 
 
 @pytest.mark.parametrize("scale", [1.0, 1 / 50])

@@ -80,10 +80,18 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMem
 
 def around(scene: Scene, waves: WaveField) -> tuple[WaveField, float, tuple[int, ...]]:
     """The waves whose pressure is integrated where the floats are, how far from rest [m], and terms of each float's."""
-    height = scene.sea.parameters()["Hm0"]
-    reaches = _reaches(scene, height) if any(scene.nonlinear) else [0.0] * len(scene.floats)
-    reach = max((r for r, nonlinear in zip(reaches, scene.nonlinear, strict=True) if nonlinear), default=0.0)
-    near = waves.near(reach, scene.settings.field_tolerance)
+    tolerance = scene.settings.field_tolerance
+    if not any(scene.nonlinear):
+        return waves, 0.0, assembly.terms_of(scene, waves, [0.0] * len(scene.floats))
+    # Pushed by half a wave's length at most, where diffraction's phases are opposite, unless its series ends before.
+    most = np.pi * waves.mean_length
+    pushed = np.array([min(most, max(far.values(), default=0.0)) for far in limits.pushed(scene, waves)])
+    for share in (1.0, 0.5, 0.25, 0.0):
+        reaches = _reaches(scene, 2 * scene.sea.parameters()["Hm0"] + share * pushed)
+        reach = max(r for r, nonlinear in zip(reaches, scene.nonlinear, strict=True) if nonlinear)
+        near = waves.near(reach, tolerance)
+        if near == waves:
+            break
     return near, reach, assembly.terms_of(scene, near, reaches)
 
 
@@ -170,26 +178,28 @@ def remembered(
     return fitting.fit(*known, tolerance, motion_lengths(hulls, h.dofs), h.body, moved, h.resolved)
 
 
-def _reaches(scene: Scene, height: float) -> list[float]:
-    """How far from rest each hull's wetted surface gets [m]: at ±0.8 rad of its arm and ±0.2 rad of what carries it."""
+def _reaches(scene: Scene, slid: np.ndarray) -> list[float]:
+    """How far from rest each hull's wetted surface gets [m]: at ±0.8 rad of its arm and ±0.2 rad of what carries it,
+    and slid (nb,) from where it is let go.
+    """
     reaches, flat = limits.radii(scene), motions.in_plane(scene)
     for b, item in enumerate(scene.floats):
         seen, carrier, hinge = limits.sight(flat[b]), scene.carriers[b], np.array(item.hinge, float)
-        reaches[b] += _way(item, seen * (item.centre - hinge), 0.8, height)
+        reaches[b] += _way(item, seen * (item.centre - hinge), 0.8, slid[b])
         while carrier >= 0:
-            by, point = scene.floats[carrier], hinge
+            by, point, far = scene.floats[carrier], hinge, slid[carrier]
             hinge, carrier = np.array(by.hinge, float), scene.carriers[carrier]
-            reaches[b] += _way(by, seen * (point - hinge), 0.2, height)
+            reaches[b] += _way(by, seen * (point - hinge), 0.2, far)
     return reaches
 
 
-def _way(item: Float, lever: np.ndarray, angle: float, height: float) -> float:
-    """How far the end of a lever gets: turned by an angle, or sliding from where it is let go, or where a preload
-    brings it that nothing but springs holds, by twice the wave height [m].
+def _way(item: Float, lever: np.ndarray, angle: float, slid: float) -> float:
+    """How far the end of a lever gets [m]: turned by an angle, or slid so far from where it is let go, or where a
+    preload brings it that nothing but springs holds.
     """
     turned = 2 * np.sin(angle / 2) * float(np.linalg.norm(lever))
     springs, pushed = item.per_axis("stiffness") + item.per_axis("pto_stiffness"), np.abs(item.per_axis("preload"))
     held = (springs > 0) & np.array([name in DOFS[:2] for name in item.motion], bool)
     start = np.maximum(np.abs(item.per_axis("offset")), np.divide(pushed, springs, out=0 * pushed, where=held))
     ways = zip(item.motion, start.tolist(), strict=True)
-    return max((x + 2 * height if slides(name) else turned for name, x in ways), default=0.0)
+    return max((x + slid if slides(name) else turned for name, x in ways), default=0.0)
