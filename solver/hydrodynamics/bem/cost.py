@@ -9,6 +9,7 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 
 # Processor time [s] on the machine of README's times: `python -m studies.benchmark.boundary` prints what it is here.
 FREE, SEABED = 3.7e-7, 2.9e-6  # Green function of a pair of panels, in deep water and above a seabed that matters
+NODE = 8e-10  # what each of a body's nodes adds to one in deep water, see `seabed`
 FACTORED = 1e-10  # a system's factorization, over the cube of its panels
 
 
@@ -21,7 +22,6 @@ def _together(problem: Problem) -> float:
     """Images of a plane of symmetry are seen, not solved for; each is the mirror of a system of its own."""
     images = len(meshes.mirror_planes(problem.hulls, problem.centres)[1])
     waves = [*(problem.seas[0].wavenumber(w) for w in problem.omega), np.inf]
-    # What the seabed adds is found at nodes, see `seabed`; that takes next to no time.
     clear, points = 2 * (problem.depth - problem.largest[1]), [hull.surface_points()[0] for hull in problem.hulls]
     nodes = [
         sum(Box.about(of, clear, k).count for of in points) if np.isfinite(problem.seabed(k)) else 0 for k in waves
@@ -29,7 +29,7 @@ def _together(problem: Problem) -> float:
     total, most = 0.0, _panels(problem)
     for n in problem.divisions:
         part = most * (n / problem.divisions[0]) ** 2 / images
-        pair = sum(FREE if pays(m, part) else SEABED for m in nodes)
+        pair = sum(FREE + NODE * m / len(points) if pays(m, part) else SEABED for m in nodes)
         total += pair * images * part**2 + len(waves) * images * FACTORED * part**3
     return total
 

@@ -10,6 +10,7 @@ its images lie 2(h - draft) away or more: it is smooth, found at a few nodes abo
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations_with_replacement
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -115,7 +116,7 @@ class Box:
         value, slope = zip(*map(_along, ((points - self.middle) / self.half).T, self.counts), strict=True)
 
         def product(*factors: np.ndarray) -> np.ndarray:
-            return np.einsum("pi,pj,pk->pijk", *factors).reshape(len(points), -1)
+            return np.einsum("pi,pj,pk->pijk", *factors).reshape(len(points), self.count)
 
         gradient = [product(*(slope[j] if i == j else value[j] for j in range(3))) for i in range(3)]
         return product(*value), np.stack(gradient, axis=-1) / self.half
@@ -148,24 +149,27 @@ def added(whole: Any, bodies: np.ndarray, part: Any, depth: float, k: float) -> 
     boxes = {b: Box.about(whole.faces_centers[bodies == b], clear, k) for b in np.unique(bodies)}
     if not pays(sum(box.count for box in boxes.values()), nf):
         return None
-    sources = {b: boxes[b] for b in np.unique(bodies[:nf])}
     reach = float(np.linalg.norm(np.ptp(whole.faces_centers[:, :2], axis=0)))
-    path = Path.beneath(k, depth, clear, reach)
-    kernel = np.block([[between(path, at, of) for of in sources.values()] for at in boxes.values()]) / (-4 * np.pi)
-    value, _ = _spread(boxes, bodies, whole.faces_centers, whole.faces_normals)
-    seen = value @ kernel
-    single, double = _spread(sources, bodies[:nf], part.faces_centers, part.faces_normals)
-    return seen @ (single.T * part.faces_areas), seen @ (double.T * part.faces_areas)
+    path, own = Path.beneath(k, depth, clear, reach), {b: np.flatnonzero(bodies == b) for b in boxes}
+    seen = {b: box.polynomials(whole.faces_centers[own[b]])[0] for b, box in boxes.items()}
+    sent = {b: _sent(box, part, own[b][own[b] < nf]) for b, box in boxes.items()}
+    single, double = influences = np.zeros((2, len(bodies), nf), path.mu.dtype)
+    for a, b in combinations_with_replacement(boxes, 2):
+        kernel = between(path, boxes[a], boxes[b]) / (-4 * np.pi)
+        for at, of, each in ((a, b, kernel), (b, a, kernel.T))[: 1 + (a != b)]:
+            here, place = seen[at] @ each, np.ix_(own[at], own[of][own[of] < nf])
+            for influence, polynomials in zip(influences, sent[of], strict=True):
+                influence[place] = _by_real(here, polynomials)
+    return single, double
 
 
-def _spread(
-    boxes: dict[int, Box], bodies: np.ndarray, points: np.ndarray, normals: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Polynomials (np, number of all nodes) at points of bodies (np,), 0 of other bodies; slopes along normals."""
-    total = np.cumsum([0, *(box.count for box in boxes.values())])
-    values, slopes = np.zeros((2, len(points), total[-1]))
-    for (b, box), start, stop in zip(boxes.items(), total, total[1:], strict=False):
-        own = bodies == b
-        values[own, start:stop], gradients = box.polynomials(points[own])
-        slopes[own, start:stop] = np.einsum("pni,pi->pn", gradients, normals[own])
-    return values, slopes
+def _by_real(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Their product, of which the second is real: in half the time of complex by complex."""
+    return one.real @ other + 1j * (one.imag @ other) if np.iscomplexobj(one) else np.asarray(one @ other)
+
+
+def _sent(box: Box, part: Any, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Polynomials and their slopes along normals (n, number of panels), times the panels' areas."""
+    values, gradients = box.polynomials(part.faces_centers[own])
+    slopes = np.einsum("pni,pi->pn", gradients, part.faces_normals[own])
+    return values.T * part.faces_areas[own], slopes.T * part.faces_areas[own]
