@@ -12,7 +12,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.lines import lengths, real_by_complex
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.linearised import beyond_rest, damping_at_rest, damping_of_lines
-from solver.multibody.of_axes import absorbing, bent
+from solver.multibody.of_axes import absorbing, bent, drag
 
 KNOWN = 8  # models that a process keeps
 AGREED = 1e-2  # of a damping that errors are estimated with
@@ -28,20 +28,26 @@ def absorbs(system: System, law: JointLaw) -> np.ndarray:
 
 @lru_cache(maxsize=KNOWN)
 def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
-    """The linear model with the damping by which bent laws of its joints take as much power from the rates that it has
-    in the scene's sea: friction may hold an axis that the tangent at rest leaves free, and a limit let one go."""
+    """The linear model, its joints damped by what quadratic damping and bent laws take from the rates that it has in
+    the scene's sea: friction may hold an axis that the tangent at rest leaves free, and a limit let one go."""
     model, law, sea = linear_model(system), system.bodies.law, system.scene.sea
-    if not bent(law).any() or not sea.amplitude.any():
+    quadratic = drag(law)
+    if not (bent(law) | (quadratic > 0)).any() or not sea.amplitude.any():
         return model
     nm, nc = system.structure.omega.size, system.structure.carrier.shape[0]
     one = np.count_nonzero(sea.amplitude) == 1
     Y, force, rest = impedance(system, h, sea.omega), force_of_waves(system, h), damping_at_rest(law)
     moving, more, size, least = model, *np.zeros((3, nc + len(model.mass) - nm))
+    against = size  # of the rates that quadratic damping is taken for
     for _ in range(ROUNDS):
-        X = moving.response(sea.omega, Y, force)
-        size[nc:] = lengths((sea.omega[:, None] * X).T)[nm:]
+        rates = sea.omega[:, None] * moving.response(sea.omega, Y, force)[:, nm:]
+        size = np.concatenate([np.zeros(nc), lengths(rates.T)])
         least = np.maximum(least, HELD * size)
+        # At a resonance rates go as one over their damping: from one round to the next they would turn over and over.
+        against = np.sqrt(against * size) if against.any() else size
         before, more = more, beyond_rest(law, damping_of_lines(law, np.maximum(size, least), single=one))
+        rates *= np.divide(against, size, out=np.ones(size.size), where=size > 0)[nc:]
+        more[nc:] += quadratic[nc:] * linear_drag.of_lines(rates[:, None])[:, 0, 0]
         if np.all(np.abs(more - before) <= AGREED * np.abs(rest + more)):
             break
         moving = model.damped(more[nc:])

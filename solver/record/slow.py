@@ -20,14 +20,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import gammainc
 
-from solver.coupled import linear_drag
-from solver.coupled.linear import LinearModel, impedance
 from solver.coupled.natural import system_modes
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import of_axes
 from solver.record.decay import extended
-from solver.record.response import drag_damping, force_of_waves, moving_model
+from solver.record.response import drag_damping, moving_model
 
 LIGHTLY = 0.3  # of critical: what is damped by more has no resonance
 INSTANTS = 500  # of a record, over which is summed
@@ -51,7 +49,10 @@ def slow(system: System, h: Hydrodynamics) -> Slow:
     own, shapes = modes.omega[below], modes.shapes[:, below].T
     moved = shapes @ model.active.T
     radiated = _of(extended(system, h, own).real, moved)
-    damping = np.einsum("mi,ij,mj->m", shapes, _damping(system, h, model), shapes) + radiated
+    # What resonates below the waves follows them by its inertia: its drag hardly changes their rates, by which it is.
+    D, nm = model.damping.copy(), system.structure.omega.size
+    D[:nm, :nm] += drag_damping(system)
+    damping = np.einsum("mi,ij,mj->m", shapes, D, shapes) + radiated
     lightly = (damping > 0) & (damping < 2 * LIGHTLY * own)
     return Slow(own[lightly], moved[lightly], damping[lightly])
 
@@ -105,19 +106,3 @@ def _driven(system: System) -> bool:
     law = system.bodies.law
     joints = of_axes.bent(law).any() or of_axes.drag(law).any() or any(f.lines for f in system.scene.floats)
     return bool(joints or system.bodies.nonlinear.any() or system.structure.drag.any())
-
-
-def _damping(system: System, h: Hydrodynamics, model: LinearModel) -> np.ndarray:
-    """D (n, n) with the drag of the frame and of the joints, linearised by rates in the waves.
-
-    What resonates below them follows them by its inertia: its drag hardly changes those.
-    """
-    nc, nm = system.structure.carrier.shape
-    damping, quadratic = model.damping.copy(), of_axes.drag(system.bodies.law)[nc:]
-    damping[:nm, :nm] += drag_damping(system)
-    if quadratic.any():
-        omega = system.scene.sea.omega
-        rates = omega[:, None] * model.response(omega, impedance(system, h, omega), force_of_waves(system, h))[:, nm:]
-        joints = np.arange(nm, len(damping))
-        damping[joints, joints] += quadratic * linear_drag.of_lines(rates[:, None])[:, 0, 0]
-    return damping

@@ -9,13 +9,15 @@ from pytest import approx
 from solver.coupled.linear import linear_model
 from solver.coupled.preparation import prepare
 from solver.frequency.response import respond
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.power_takeoff import PtoTable
 from solver.record import refit
 from solver.record.effects import coefficient_effects
 from solver.record.response import moving_model
-from solver.scene import EndStops
-from solver.sea.realization import CALM
-from tests.awkward import SCENES
+from solver.run import simulate
+from solver.scene import EndStops, Float
+from solver.sea.realization import CALM, regular
+from tests.awkward import RHO, SCENES, known, scene, sea
 from tests.frequency.test_linearised import given, hemisphere, hinged, pair
 
 
@@ -58,12 +60,29 @@ def test_joints_are_damped_as_in_the_frequency_domain(build, law, one):
     assert added(build, law, one=one) == approx(lines.pto - usual, rel=2e-2, abs=1.0)
 
 
+@pytest.mark.parametrize("waves", [60, 1])
+@pytest.mark.parametrize("quadratic", [(1e5, 1e6), (1e6, 1e7), (1e5, 1e8)])
+def test_what_a_mesh_does_where_quadratic_damping_bounds_a_resonance_is_the_frequency_domains(quadratic, waves):
+    """A buoy that hardly radiates as it pitches, which linear damping alone would let swing by ten times as much."""
+    hull = Revolution.vertical_cylinder(radius=3.0, draft=3.0, freeboard=3.0)
+    item = Float(
+        name="buoy", hull=hull, mass=RHO * hull.volume, inertia=(2e5,) * 3, hinge=(0, 0, 0), cog=(0, 0, -1.0),
+        motion=("heave", "pitch"), quadratic_damping=quadratic,
+    )  # fmt: skip
+    item = scene([item], waves=sea(Hs=0.5, Tp=6.0, band=(0.4, 3.0)), depth=40.0, froude_krylov="linear")
+    if waves == 1:
+        item = replace(item, sea=regular(height=0.3, period=8.8))
+    h = known(item, 0.3, 6.0, 40)
+    lines = simulate(replace(item, settings=replace(item.settings, method="frequency")), h)
+    assert coefficient_effects(prepare(item, h), h)[1] == approx(lines.attrs["mesh_effect"], rel=3e-2)
+
+
 def test_of_a_law_for_one_sense_half_is_left():
     assert added(hemisphere, {"coulomb": 2e4, "one_way": 1.0}) == approx(added(hemisphere, {"coulomb": 1e4}), rel=1e-2)
 
 
 @pytest.mark.parametrize("law", [
-    {"damping": 1e4, "quadratic_damping": 1e4}, {"end_stops": EndStops(lower=-1.0, upper=1.0, stiffness=1e6)},
+    {"damping": 1e4}, {"end_stops": EndStops(lower=-1.0, upper=1.0, stiffness=1e6)},
     {"pto_table": PtoTable(position=(-1.0, 1.0), velocity=(-1.0, 0.0, 1.0), force=(-1e4, 0, 2e4, -3e4, 0, 1e4))},
     {"latch_load": 1e4},
 ])  # fmt: skip
