@@ -249,14 +249,14 @@ def test_added_mass_below_zero_is_refused(monkeypatch):
 
 def test_what_panels_do_to_a_hemisphere_s_power_is_told():
     """Limits of three meshes agree at some frequencies, and errors of force and added mass cancel at others."""
-    k = np.geomspace(0.25, 2.0, 9)
+    k = np.array([0.4, 0.5, 0.8, 1.2, 1.6])
     usual, fine = (solve((SPHERE,), np.zeros((1, 3)), panels=panels, omega=np.sqrt(G * k)) for panels in (432, 2700))
     item = Float(
         name="sphere", hull=SPHERE, mass=RHO * SPHERE.volume, inertia=(9e2,) * 3, hinge=(0, 0, 0),
         motion=("heave",), pto_damping=2e3,
     )  # fmt: skip
     true, told = [], []
-    for omega in np.sqrt(G * np.array([0.4, 0.5, 0.8, 1.2, 1.6])):
+    for omega in np.sqrt(G * k):
         settings = Settings(duration=600.0, discard=100.0, method="frequency", froude_krylov="linear")
         sea = regular(height=0.01, period=2 * np.pi / omega)
         scene = Scene(water=Water(depth=np.inf, density=RHO, gravity=G), sea=sea, floats=(item,), settings=settings)

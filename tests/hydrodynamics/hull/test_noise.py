@@ -15,7 +15,7 @@ from tests.hydrodynamics.shapes import box, gdf, loose, nemoh, stl
 
 MODEL = 1 / 50
 SHEAR = np.array([[1.0, 0.3, 0.2], [0.15, 1.0, 0.1], [0.1, 0.05, 1.0]])
-NOISES = 1e-9, 1e-8, 1e-7, 1e-6, 1e-5  # of the size
+NOISES = [1e-9, 1e-7, 1e-5, *(pytest.param(size, marks=pytest.mark.slow) for size in (1e-8, 1e-6))]  # of the size
 
 
 def divided(size, side):
