@@ -258,11 +258,12 @@ def _axes(study: StudyFile) -> Iterator[InputError]:
         if support == "fixed" and not study.floats:
             yield InputError("axes.platform", support, "without [[floats]] leaves nothing to simulate")
     if axes.hinge_spacing and len(study.floats) != 2:
-        yield InputError("axes.hinge_spacing", f"with {len(study.floats)} floats", "needs exactly 2 floats")
+        limit = f"needs exactly 2 floats, and the study has {len(study.floats)}"
+        yield InputError("axes.hinge_spacing", list(axes.hinge_spacing), limit)
     elif axes.hinge_spacing and study.floats[0].hinge[0] == study.floats[1].hinge[0]:
         yield InputError("axes.hinge_spacing", list(axes.hinge_spacing), "needs hinges at two different x")
     if axes.pto_damping and not study.floats:
-        yield InputError("axes.pto_damping", 0, "needs [[floats]]")
+        yield InputError("axes.pto_damping", list(axes.pto_damping), "needs [[floats]]")
     elif axes.pto_damping and (several := [f.name for f in study.floats if len(f.motion) > 1]):
         limit = f"needs floats with a single axis, and {several[0]} has several: give its own list"
         yield InputError("axes.pto_damping", list(axes.pto_damping), limit)

@@ -184,7 +184,7 @@ BAD = [
     (
         "seed = [0, 1]",
         "seed = [0]\nhinge_spacing = [3.0]",
-        "axes.hinge_spacing = with 1 floats: needs exactly 2",
+        "axes.hinge_spacing = [3.0]: needs exactly 2 floats, and the study has 1",
     ),
     (
         "[axes]",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from pydantic import BaseModel
 
+from pipeline.bridge.checks import problems
 from pipeline.bridge.loading import load
 from pipeline.results.variables import VARIABLES
 from pipeline.study.axes import TAKEN
@@ -239,6 +240,11 @@ def test_a_value_for_what_the_study_does_not_have_is_refused(small):
     content = load(small).content.model_copy(update={"platform": None})
     with pytest.raises(PathError, match=r"leads nowhere: the study has no \[platform\]"):
         with_value(content, "platform.damping_ratio", 0.1)
+
+
+def test_dampings_of_no_float_are_refused_with_their_values(small):
+    content = varied(small, "pto_damping = [1e4, 1e5]").content.model_copy(update={"floats": ()})
+    assert "axes.pto_damping = [10000.0, 100000.0]: needs [[floats]]" in map(str, problems(content))
 
 
 def test_ranges_are_written_out(small):
