@@ -17,7 +17,7 @@ from pipeline.bridge import platforms, scenes, sea_checks
 from pipeline.bridge.objections import objections
 from pipeline.results.variables import COORDINATES, VARIABLES
 from pipeline.study import seas
-from pipeline.study.axes import TAKEN, Axes, Axis
+from pipeline.study.axes import TAKEN, Axes, Axis, told
 from pipeline.study.layout import HINGE
 from pipeline.study.paths import PathError, keys_at, with_value
 from pipeline.study.schema import StudyFile
@@ -30,7 +30,7 @@ from pipeline.tasks.task import (
     cell,
     dimension,
     first_labels,
-    known_as,
+    standing_for,
     supports,
     surviving,
 )
@@ -103,7 +103,7 @@ def _each_value(study: StudyFile) -> Iterator[tuple[StudyFile, tuple[str, object
             changed = at_labels(study, {**first, axis.name: label})
             if axis.own:
                 path, values = next(iter(axis.keys.items()))
-                yield changed, (f'axes."{path}"', values[place])
+                yield changed, (f'axes."{path}"', told(values[place]))
             else:
                 yield changed, (axis.name, label)
 
@@ -151,7 +151,7 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
                 yield InputError(f'axes."{path}"', "[]", "needs at least one value")
             for label, given in zip(axis.labels, together, strict=True):
                 if path in given and (limit := _objection(study, path, given)):
-                    yield InputError(_place(axis, path, label), given[path], limit)
+                    yield InputError(_place(axis, path, label), told(given[path]), limit)
                     break
         yield from _repeated(f'axes."{next(iter(axis.keys)) if axis.own else axis.name}"', axis.labels)
     yield from _survival(study)
@@ -231,10 +231,10 @@ def _variants(study: StudyFile) -> Iterator[InputError]:
                 continue
             if not values:
                 yield InputError(where, "[]", "needs at least one value")
-            for value in values:
-                if not any(known_as(label, [value]) for label in table[along]):
-                    known = ", ".join(map(str, table[along][:MOST_NAMED]))
-                    yield InputError(where, value, f"must be on the study's own axis: {known}")
+            known = ", ".join(map(str, table[along][:MOST_NAMED]))
+            for value, label in zip(values, standing_for(values, table[along]), strict=True):
+                if label is None:
+                    yield InputError(where, told(value), f"must be on the study's own axis: {known}")
 
 
 def _axes(study: StudyFile) -> Iterator[InputError]:

@@ -276,9 +276,21 @@ def by_path(table: Mapping[str, Any], above: str = "", *, ranges: bool = False) 
 
 def labels(values: tuple[Any, ...]) -> tuple[str | float | int, ...]:
     """Numbers as they are; where one is none, words for all of them."""
-    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
-        return values
-    return tuple(value if isinstance(value, str) else json.dumps(value, default=str) for value in values)
+    return values if all(map(_is_number, values)) else tuple(map(word, values))
+
+
+def told(value: Any) -> str | float | int:
+    """A value by itself, as a file has it: a number, or a word."""
+    return value if _is_number(value) else word(value)
+
+
+def word(value: Any) -> str:
+    """Of anything: true, 0.5, [1.0, 2.0]."""
+    return json.dumps(value, default=str) if isinstance(value, bool | list | tuple | dict) else str(value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def implied_sea(axes: Any) -> dict[str, Any] | None:

@@ -6,13 +6,14 @@ import hashlib
 import itertools
 import json
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from typing import Any
 
 from pipeline.study import seas
 from pipeline.study.attachments import Attachment, CoefficientFile
+from pipeline.study.axes import told, word
 from pipeline.study.floats import Float
 from pipeline.study.layout import hinge_nodes, spaced
 from pipeline.study.paths import with_values
@@ -199,14 +200,16 @@ def blocks(study: StudyFile) -> list[dict[str, Set[Label]]]:
     parts: list[dict[str, Set[Label]]] = []
     for name, variant in study.variants.items():
         along = {dimension(study, key): values for key, values in variant.axes.items()}
-        kept = {key: {label for label in table[key] if known_as(label, values)} for key, values in along.items()}
-        parts.append({**kept, "variant": {name}})
+        kept = {key: standing_for(values, table[key]) for key, values in along.items()}
+        named = {key: {label for label in labels if label is not None} for key, labels in kept.items()}
+        parts.append({**named, "variant": {name}})
     return parts
 
 
-def known_as(label: Label, values: Iterable[object]) -> bool:
-    """Whether a label is among values as a file gives them: 2018 is "2018", too."""
-    return any(label == value or str(label) == str(value) for value in values)
+def standing_for(values: Iterable[object], labels: Sequence[Label]) -> list[Label | None]:
+    """The label that each value stands for, however a file gives it: 2018 is "2018", too; None where there is none."""
+    same, written = {label: label for label in labels}, {word(label): label for label in labels}
+    return [same.get(told(value), written.get(word(value))) for value in values]
 
 
 def expand(study: StudyFile) -> Iterator[Task]:

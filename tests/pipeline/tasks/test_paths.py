@@ -16,7 +16,7 @@ from pipeline.study.paths import PathError, with_value
 from pipeline.study.reading import StudyError
 from pipeline.study.schema import StudyFile
 from pipeline.tasks.select import select
-from pipeline.tasks.task import axes, dimensions, expand, known_as
+from pipeline.tasks.task import axes, dimensions, expand, standing_for
 
 
 def varied(small, *lines):
@@ -169,6 +169,7 @@ WRONG = [
      'axes."solver.method" = frequency: with froude_krylov = body-nonlinear: solver.froude_krylov = body-nonlinear: '),
     ('"sea.hs" = [1.0]', "leads nowhere; did you mean sea_states.calm.Hs?"),
     ('"axes.seed" = [1]', "leads nowhere: a study has coefficients, water"),
+    ('"water.depth" = [true]', 'axes."water.depth" = true: must be a number [m]'),
     ('"water.depth" = []', 'axes."water.depth" = []: needs at least one value'),
     ('"water.depth" = [60.0, 60]', 'axes."water.depth" = 60.0: given 2 times'),
     ('"water.depth" = 60.0', 'axes."water.depth" = 60.0: must be a list of values, or { from, to, count, spacing }'),
@@ -454,8 +455,34 @@ def narrowed(small):
 
 
 def test_a_year_is_a_label_however_it_is_written():
-    assert known_as("2018", [2018]) and known_as(1e5, [100_000]) and known_as(0, [0])
-    assert not known_as("2018", [2019, "18"])
+    assert standing_for([2018, "2019", 2020, "18"], ("2018", "2019")) == ["2018", "2019", None, None]
+    assert standing_for([100_000, 0, "2.5"], (0.0, 2.5, 1e5)) == [1e5, 0.0, 2.5]
+    # Whether something is true is no number, nor is a number in a list one.
+    assert standing_for([True, 1, "true", [True]], ("true", "false")) == ["true", None, "true", None]
+    assert standing_for([True, 1, [1]], (1.0, 0.0)) == [None, 1.0, None]
+    assert standing_for([[1.0, 2.0], {"a": 1}], ("[1.0, 2.0]", '{"a": 1}')) == ["[1.0, 2.0]", '{"a": 1}']
+
+
+def test_a_variant_goes_along_what_is_no_number(small):
+    """True, a list, a word beside numbers: by the values that the axis has."""
+    legs = '[["leg"], []]'
+    lines = f'"solver.radiation" = [true, false]\n"platform.legs" = {legs}\n"floats.*.mass" = ["balance", 2147.0]'
+    part = '"solver.radiation" = [false], "platform.legs" = [[]], "floats.*.mass" = ["balance"]'
+    text = small.read_text().replace("[axes]\n", f"[axes]\n{lines}\n", 1)
+    small.write_text(
+        text.replace("[sea_states", f"[variants.all]\n[variants.part]\naxes = {{ {part} }}\n[sea_states", 1)
+    )
+    content = load(small).content
+    rows = [[task.labels[name] for name in ("radiation", "legs", "mass")] for task in expand(content)
+            if task.labels["variant"] == "part"]  # fmt: skip
+    assert len(rows) == 2 * 3 * 2 and all(row == ["false", "[]", "balance"] for row in rows)
+    small.write_text(small.read_text().replace("[false]", "[true, 1]").replace("[[]]", '[["arm"]]'))
+    with pytest.raises(StudyError) as caught:
+        load(small)
+    assert [text.partition("variants.part.axes.")[2] for text in caught.value.problems] == [
+        "solver.radiation = 1: must be on the study's own axis: true, false",
+        'platform.legs = ["arm"]: must be on the study\'s own axis: ["leg"], []',
+    ]
 
 
 def test_a_variant_may_go_along_parts_of_the_axes(small):
