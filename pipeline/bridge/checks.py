@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -27,9 +27,10 @@ from pipeline.tasks.task import (
     Label,
     at_labels,
     axes,
+    blocks,
     cell,
     dimension,
-    first_labels,
+    firsts,
     standing_for,
     supports,
     surviving,
@@ -93,38 +94,60 @@ def _contents(study: StudyFile) -> Iterator[InputError]:
 
 
 def _each_value(study: StudyFile) -> Iterator[tuple[StudyFile, tuple[str, object] | None]]:
-    """The study at the first labels of its axes over keys, and at each other label of one; which that is."""
-    first = first_labels(study)
-    yield at_labels(study, first), None
-    if study.survival:
-        yield surviving(Same(at_labels(study, first))), ("survival.Hs", study.survival.Hs)
-    for axis in study.varied:
-        for place, label in list(enumerate(axis.labels))[1:]:
-            changed = at_labels(study, {**first, axis.name: label})
-            if axis.own:
-                path, values = next(iter(axis.keys.items()))
-                yield changed, (f'axes."{path}"', told(values[place]))
-            else:
-                yield changed, (axis.name, label)
+    """The study at the labels of its first task, and with each other label of one of its axes over keys; which that is.
+
+    So each variant that goes along parts of the axes; what other seas and supports have had stands for these.
+    """
+    first_with = firsts(study)
+    met: dict[object, set[tuple[str, Label]]] = {}  # labels, by what the named axes have beside them
+    for number, part in enumerate(blocks(study)):
+        named = tuple((name, tuple(part[name])) for name in AXES if name in part)
+        known = met.setdefault(named, set())
+        first = first_with({name: next(iter(labels)) for name, labels in part.items()})
+        yield _narrowed(at_labels(study, first), named), ("variant", first["variant"]) if number else None
+        if study.survival and not number:
+            yield _narrowed(surviving(Same(at_labels(study, first))), named), ("survival.Hs", study.survival.Hs)
+        known.update(first.items())
+        for axis in study.varied:
+            for place, label in enumerate(axis.labels):
+                if (axis.name, label) not in known and label in part.get(axis.name, (label,)):
+                    known.add((axis.name, label))
+                    yield _narrowed(at_labels(study, {**first, axis.name: label}), named), _at(axis, place)
+
+
+def _narrowed(study: StudyFile, named: tuple[tuple[str, tuple[Label, ...]], ...]) -> StudyFile:
+    """With parts of the named axes alone."""
+    return study.model_copy(update={"axes": study.axes.model_copy(update=dict(named))}) if named else study
+
+
+def _at(axis: Axis, place: int) -> tuple[str, object]:
+    """What a label is called in messages: the only key and its value, or the dimension and its label."""
+    if not axis.own:
+        return axis.name, axis.labels[place]
+    path, values = next(iter(axis.keys.items()))
+    return f'axes."{path}"', told(values[place])
 
 
 def _together(study: StudyFile) -> Iterator[InputError]:
     """What record and numerics have against values of two axes, each of which they let pass; once for two axes.
 
-    Of many values some are tried.
+    Of many values some are tried, in the first task that has both.
     """
-    first = first_labels(study)
+    first_with = firsts(study)
+    first = first_with({})
     bear = [axis for axis in study.varied if any(path.startswith(NUMERICS) for path in axis.keys)]
+    tried = {axis.name: _some([label for label in axis.labels if label != first[axis.name]]) for axis in bear}
     for one, other in itertools.combinations(bear, 2):
-        for labels in itertools.product(
-            *(axis.labels[1 :: 1 + len(axis.labels) // MOST_TRIED] for axis in (one, other))
-        ):
-            names = dict(zip((one.name, other.name), labels, strict=True))
-            content = at_labels(study, first | names)
-            if problems := list(objections(partial(scenes.settings, content))):
+        for labels in itertools.product(tried[one.name], tried[other.name]):
+            both = first_with(dict(zip((one.name, other.name), labels, strict=True)))
+            if both and (problems := list(objections(partial(scenes.settings, at_labels(study, both))))):
                 limit = f"with {other.name} = {labels[1]}: {problems[0]}"
                 yield InputError(f'axes."{next(iter(one.keys))}"' if one.own else one.name, labels[0], limit)
                 break
+
+
+def _some(labels: Sequence[Label]) -> Sequence[Label]:
+    return labels[:: 1 + len(labels) // MOST_TRIED]
 
 
 def _paths(study: StudyFile) -> Iterator[InputError]:

@@ -15,7 +15,7 @@ from pipeline.report.report import first_platform
 from pipeline.study.floats import Float
 from pipeline.study.layout import hinge_nodes
 from pipeline.study.schema import StudyFile
-from pipeline.tasks.task import at_labels, first_labels
+from pipeline.tasks.task import at_labels, firsts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -169,7 +169,7 @@ def q_by_period(results: Results, single: str, label: str) -> tuple[np.ndarray, 
     each = []
     for variant in (label, single):
         content = results.study.content
-        study = at_labels(content, first_labels(content) | {VARIANT: variant})
+        study = at_labels(content, firsts(content)({VARIANT: variant}))
         rao = _at(results, "rao", sea, variant=variant)
         powers = [_linear(item, rao) for item in study.floats if item.name not in study.left_out]
         if any(p is None for p in powers):

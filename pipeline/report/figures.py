@@ -14,6 +14,7 @@ from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, lane
 from pipeline.report.report import Published
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import axes as axes_of
+from pipeline.tasks.task import first_labels
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,10 +76,9 @@ class Results:
 
     @cached_property
     def first(self) -> dict[str, Any]:
-        """The first label of every axis that figures do not show unless they are about it."""
-        return {
-            dim: self.labels(dim)[0] for dim in axes_of(self.study.content) if dim not in SHOWN and self.labels(dim)
-        }
+        """The first task's label along every axis that figures do not show unless they are about it."""
+        labels = first_labels(self.study.content)
+        return {dim: label for dim, label in labels.items() if dim not in SHOWN and self.labels(dim)}
 
     @property
     def varied(self) -> list[str]:

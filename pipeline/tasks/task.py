@@ -172,8 +172,21 @@ def _placed(same: Same[StudyFile], places: tuple[int, ...]) -> StudyFile:
 
 
 def first_labels(study: StudyFile) -> dict[str, Label]:
-    """Of every axis."""
-    return {name: values[0] for name, values in axes(study).items()}
+    """Of the first task: where variants go along parts of axes, of the first one's."""
+    return firsts(study)({})
+
+
+def firsts(study: StudyFile) -> Callable[[Mapping[str, Label]], dict[str, Label]]:
+    """What gives the labels of the first task, variant by variant, that has some of them; none where no task has."""
+    table, parts = axes(study), blocks(study)
+
+    def first(wanted: Mapping[str, Label]) -> dict[str, Label]:
+        for part in parts:
+            if all(label in part.get(name, (label,)) for name, label in wanted.items()):
+                return {**{name: next(iter(part.get(name, values))) for name, values in table.items()}, **wanted}
+        return {}
+
+    return first
 
 
 def supports(study: StudyFile) -> tuple[str, ...]:
@@ -193,16 +206,16 @@ def dimension(study: StudyFile, key: str) -> str:
 
 
 def blocks(study: StudyFile) -> list[dict[str, Set[Label]]]:
-    """The parts that make up the study, as labels along some axes: all of it, or one for each variant."""
+    """The parts that make up the study, as labels along some axes, in their order: all of it, or one a variant."""
     if not any(variant.axes for variant in study.variants.values()):
         return [{}]
     table = axes(study)
     parts: list[dict[str, Set[Label]]] = []
     for name, variant in study.variants.items():
         along = {dimension(study, key): values for key, values in variant.axes.items()}
-        kept = {key: standing_for(values, table[key]) for key, values in along.items()}
-        named = {key: {label for label in labels if label is not None} for key, labels in kept.items()}
-        parts.append({**named, "variant": {name}})
+        wanted = {key: set(standing_for(values, table[key])) for key, values in along.items()}
+        kept = {key: dict.fromkeys(label for label in table[key] if label in wanted[key]).keys() for key in along}
+        parts.append({**kept, "variant": {name}})
     return parts
 
 

@@ -16,7 +16,7 @@ from pipeline.study.paths import PathError, with_value
 from pipeline.study.reading import StudyError
 from pipeline.study.schema import StudyFile
 from pipeline.tasks.select import select
-from pipeline.tasks.task import axes, dimensions, expand, standing_for
+from pipeline.tasks.task import axes, dimensions, expand, first_labels, firsts, standing_for
 
 
 def varied(small, *lines):
@@ -482,6 +482,52 @@ def test_a_variant_goes_along_what_is_no_number(small):
     assert [text.partition("variants.part.axes.")[2] for text in caught.value.problems] == [
         "solver.radiation = 1: must be on the study's own axis: true, false",
         'platform.legs = ["arm"]: must be on the study\'s own axis: ["leg"], []',
+    ]
+
+
+NONLINEAR = """[variants.nonlinear]
+axes = { 'solver.method' = ["time"], 'solver.radiation' = [true], sea_state = ["rough"], platform = ["fixed"] }
+solver.froude_krylov = "body-nonlinear"
+'sea_states.*.Hs' = 6.0
+"""
+LINEAR = """[variants.linear]
+axes = { sea_state = ["rough", "calm"] }
+solver.froude_krylov = "linear"
+"""
+
+
+@pytest.mark.parametrize("tables", [NONLINEAR + LINEAR, LINEAR + NONLINEAR], ids=["nonlinear", "linear"])
+def test_what_no_task_has_together_is_not_judged_and_what_one_has_is(small, tables):
+    """Method and pressure, sea and height, each of which would be refused along the whole axis, in either order."""
+    small.write_text(small.read_text().replace("[sea_states", f"{tables}[sea_states", 1))
+    lines = """'solver.method' = ["frequency", "time"]""", """'solver.radiation' = [true, false]"""
+    content = varied(small, *lines).content
+    labels = {name: values[0] for name, values in axes(content).items()}
+    nonlinear = {"variant": "nonlinear", "method": "time", "sea_state": "rough", "platform": "fixed"}
+    assert first_labels(content) == {**labels, **(nonlinear if labels["variant"] == "nonlinear" else {})}
+    linear = {"variant": "linear", "radiation": "false"}
+    assert firsts(content)({"radiation": "false"}) == {**labels, **linear}
+    assert not firsts(content)({"variant": "nonlinear", "method": "frequency"})
+    whole = small.read_text()
+    refused = {
+        "'solver.method' = [\"time\"], ": "solver.froude_krylov = body-nonlinear: needs",
+        ', sea_state = ["rough"]': "sea_states.calm.Hs = 6.0: must be <= ",
+    }
+    for part, told in refused.items():
+        assert whole.count(part) == 1
+        small.write_text(whole.replace(part, ""))
+        with pytest.raises(StudyError, match=re.escape(told)):
+            load(small)
+
+
+def test_every_sea_of_every_variant_is_judged_with_every_value(small):
+    """A value of an axis that waves of one sea break with is refused whichever variant goes along that sea."""
+    lines = "[variants.rough]\naxes.sea_state = ['rough']\n[variants.calm]\naxes.sea_state = ['calm']\n"
+    small.write_text(small.read_text().replace("[sea_states", f"{lines}[sea_states", 1))
+    with pytest.raises(StudyError) as caught:
+        varied(small, '"sea.Hs" = [0.5, 7.0]')
+    assert [text.partition("small.toml: ")[2][:45] for text in caught.value.problems] == [
+        'axes."sea.Hs" = 7.0: sea_states.calm.Hs = 7.0'
     ]
 
 
