@@ -2,10 +2,10 @@
 
 The scattered wave's force is then that of the water passing a hull as if this moved the other way, (B - iωA)u with a
 file's own A and B: much more than the Froude-Krylov force on a heave plate, and against it. The whole is the sum of
-both, but for what goes with the square of hull over wavelength.
+both, but for what goes with the square of hull over wavelength; what one body scatters to another, which takes of its
+waves as of water passing evenly, but for what goes with hull over wavelength.
 """
 
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -19,8 +19,7 @@ from solver.hydrodynamics.hull.mesh import Hull
 LONG = 0.5  # ka of waves that are long; up to twice that where there are no longer ones
 FELT = 0.02  # of the largest force on a body: of less the phase is not judged
 NEAR = 0.1  # of the force of long waves: how far off that told may be,
-BESIDE = 0.5  # see _near
-NEARLY = 0.5  # and √n of it times (ka)², of n bodies
+NEARLY = 0.5  # and √n of it times (ka)², of n bodies; ka besides of what others scatter
 STILL = 1e-6  # of the largest motion through the hull's surface: less is none
 
 
@@ -49,13 +48,19 @@ def in_long_waves(six: Given, floats: Floats, expected: np.ndarray | None = None
     rows = long_waves(k * max(h.largest_radius for h in floats.hulls))
     if expected is None:
         expected = froude_krylov(floats.hulls, floats.centres, DOFS, floats.sea, six.omega)
-    told, fits = six.excitation[rows, 0], (expected + passing(six, floats))[rows]
-    off, where = _off(told, fits, k[rows], floats) if rows.any() else (0.0, (0, 0))
+    each = _scattered(six, floats)[rows]
+    told, fits = six.excitation[rows, 0], expected[rows] + each.sum(axis=2)
+    off, where = _off(told, fits, each, k[rows], floats) if rows.any() else (0.0, (0, 0))
     return Long(rows, told, fits, off, where)
 
 
 def passing(six: Given, floats: Floats) -> np.ndarray:
     """(B - iωA)u (nw, 6 nb), u the hulls' motions that go through their wetted surfaces most as the water does."""
+    return _scattered(six, floats).sum(axis=2)
+
+
+def _scattered(six: Given, floats: Floats) -> np.ndarray:
+    """The same by the body that the water passes (nw, 6 nb, nb)."""
     u = np.zeros((len(six.omega), 6 * len(floats.hulls)), complex)
     for b, (hull, centre) in enumerate(zip(floats.hulls, floats.centres, strict=True)):
         points, areas = hull.surface_points()
@@ -64,7 +69,7 @@ def passing(six: Given, floats: Floats) -> np.ndarray:
         flow = [np.sum(normals * floats.sea.wave(points + centre, w)[1], axis=1) for w in six.omega]
         u[:, 6 * b : 6 * b + 6] = flow @ np.linalg.pinv(motions, rcond=STILL).T
     Z = six.radiation_damping - 1j * six.omega[:, None, None] * six.added_mass
-    return np.einsum("wij,wj->wi", Z, u)
+    return (Z * u[:, None]).reshape(*u.shape, -1, 6).sum(axis=3)
 
 
 def long_waves(ka: np.ndarray) -> np.ndarray:
@@ -82,28 +87,22 @@ def felt(expected: np.ndarray) -> np.ndarray:
     return 6 * b + d
 
 
-def _off(told: np.ndarray, fits: np.ndarray, k: np.ndarray, floats: Floats) -> tuple[float, tuple[int, int]]:
+def _off(
+    told: np.ndarray, fits: np.ndarray, each: np.ndarray, k: np.ndarray, floats: Floats
+) -> tuple[float, tuple[int, int]]:
     """How far a force (nw, 6 nb) is from that of long waves, over how far it may be, and where most: row, column.
 
-    The largest body counts, and how many there are: what they scatter reaches the others, and of two that are near each
-    other each takes of the other's share. Forces that are small on their body are judged beside the others in plan, or
-    all: a turn makes one of another.
+    The largest body counts, how many there are, and what the others scatter, of each (nw, 6 nb, nb). Forces that are
+    small on their body are judged beside the others in plan, or all: a turn makes one of another.
     """
-    hulls, centres, _, _ = floats
-    ka = k * max(h.size for h in hulls)
-    away, size = (np.abs(x).reshape(len(k), -1, 6)[..., :3] for x in (told - fits, fits))
+    nb = len(floats.hulls)
+    ka = k[:, None, None] * max(h.size for h in floats.hulls)
+    away, size = (np.abs(x).reshape(len(k), nb, 6)[..., :3] for x in (told - fits, fits))
+    others = np.einsum("wbij,bj->wbi", np.abs(each).reshape(len(k), nb, 6, nb), 1 - np.eye(nb))[..., :3]
     largest, level = size.max(axis=2, keepdims=True), np.linalg.norm(size[..., :2], axis=2, keepdims=True)
     size = np.where(size > FELT * largest, size, np.concatenate([level, level, largest], axis=2))
     judged = (size > FELT * largest) & (np.abs(told).max(axis=0).reshape(1, -1, 6)[..., :3] > 0)
-    may = (1 + _near(hulls, centres)) * (NEAR + NEARLY * np.sqrt(len(hulls)) * ka**2)
-    off = np.where(judged, away / np.where(judged, size, 1.0), 0.0) / may[:, None, None]
+    may = (NEAR + NEARLY * np.sqrt(nb) * ka**2) * size + ka * others
+    off = np.where(judged, away / np.where(judged, may, 1.0), 0.0)
     row, b, d = np.unravel_index(off.argmax(), off.shape)
     return float(off[row, b, d]), (int(row), int(6 * b + d))
-
-
-def _near(hulls: tuple[Hull, ...], centres: np.ndarray) -> bool:
-    """Whether circles about two bodies, in plan, are nearer than BESIDE of the smaller one's radius, or cross."""
-    pairs = combinations(zip(hulls, centres, strict=True), 2)
-    apart = [np.linalg.norm((at - to)[:2]) - a.largest_radius - b.largest_radius for (a, at), (b, to) in pairs]
-    radii = [min(a.largest_radius, b.largest_radius) for a, b in combinations(hulls, 2)]
-    return any(gap < BESIDE * radius for gap, radius in zip(apart, radii, strict=True))

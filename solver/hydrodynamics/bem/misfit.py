@@ -155,17 +155,17 @@ def _out_of_phase(long: Long, floats: Floats) -> str:
     columns = felt(long.fits)
     each = [_cosine(long.told, long.fits, np.array([c])) for c in columns]
     worst = int(columns[int(np.argmin(each))])
-    text = (
-        f"wave force on {floats.names[worst // 6]} in {DOFS[worst % 6]} is out of phase with what long waves exert on"
-    )
-    return f"{text} its hull (cosine {min(each):.2f}); is it this hull, and where it was computed?"
+    text = f"wave force on {floats.names[worst // 6]} in {DOFS[worst % 6]}, heading {floats.sea.heading:.4g} rad, is"
+    text += f" out of phase with what long waves exert on its hull (cosine {min(each):.2f})"
+    return f"{text}; is it this hull, and where it was computed?"
 
 
 def _unlike(six: Given, long: Long, floats: Floats) -> str:
     """What a force is that no other convention explains."""
     _, told, fits, _, where = long
     column, largest = where[1], np.abs(fits[where[0], where[1] // 6 * 6 :][:3]).max()
-    text = f"{DOFS[column % 6]} force on {floats.names[column // 6]} at {six.omega[long.rows][where[0]]:.4g} rad/s"
+    text = f"{DOFS[column % 6]} force on {floats.names[column // 6]} at {six.omega[long.rows][where[0]]:.4g} rad/s,"
+    text += f" heading {floats.sea.heading:.4g} rad,"
     if abs(fits[where]) > FELT * largest:
         ratio = told[where] / fits[where]
         phase = abs(np.degrees(np.angle(ratio)))

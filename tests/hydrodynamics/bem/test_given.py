@@ -703,3 +703,21 @@ def test_a_float_about_a_spar_with_a_plate_is_known(count):
     for factor in (0.5, 1.7):
         with pytest.raises(InputError, match="times what long waves"):
             agreement.agreed(replace(given, excitation=factor * given.excitation), floats, right.froude_krylov)
+
+
+@pytest.mark.parametrize(("heading", "dof"), [(0.0, 1), (np.pi / 2, 0)])
+def test_a_force_that_is_what_another_body_scatters_is_known(heading, dof):
+    """Of a small float beside a large one, across the waves; of other sizes or signs it is none of right ones."""
+    hulls = tuple(Revolution.vertical_cylinder(radius=r, draft=0.75 * r, freeboard=1.0) for r in (4.0, 1.2))
+    at = 6.5 * np.array([[0.0, 0.0, 0.0], [np.sin(heading), np.cos(heading), 0.0]])
+    water = {"depth": np.inf, "heading": heading}
+    omega = np.sqrt(WATER["gravity"] * np.linspace(0.06, 0.9, 6) / 4.0)
+    right = solve(hulls, at, **water, omega=omega, planar=False, panels=108)
+    floats = Floats(hulls, at, NAMES, Sea(density=1025.0, gravity=9.81, **water))
+    given = told(right, points=at)
+    agreement.agreed(given, floats, right.froude_krylov)
+    for factor in (-1.0, 3.0):
+        wrong = given.excitation.copy()
+        wrong[..., 6 + dof] *= factor
+        with pytest.raises(InputError, match=f"{DOFS[dof]} force on rear at .* heading {heading:.4g} rad, is"):
+            agreement.agreed(replace(given, excitation=wrong), floats, right.froude_krylov)
