@@ -7,12 +7,14 @@ from functools import lru_cache
 import numpy as np
 
 from solver.errors import InputError, refuse
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.mooring import line_pulls, odd_lines
 from solver.scene import DOFS, Float, Scene, Water, load_unit_along, unlisted
 
 KNOWN = 64  # floats that a process keeps
 LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ODD = 1e3  # times the mass, or a part of it: what a hull displaces has lengths in another unit
+TONNE, NEARLY = 1e3, 2.0  # [kg]; a mass in t is told by what is displaced within this factor of it
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 FLUSH = 1e-3  # of its draft: a mesh that rises no higher is one of the wetted part alone, with a lid
 LEVEL_AXES = DOFS[:2]  # along which neither weight nor buoyancy acts
@@ -90,9 +92,13 @@ def held(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tuple[str
 
 def _odd(item: Float, water: Water) -> str:
     """What to look at where a float's hull and mass cannot be of one body."""
-    if 1 / ODD < water.density * item.hull.volume / item.mass < ODD:
+    times = water.density * item.hull.volume / item.mass
+    if TONNE / NEARLY < times < TONNE * NEARLY:
+        return "; is its mass in t, where kg are needed?"
+    if 1 / ODD < times < ODD:
         return ""
-    return f"; is its hull, which reaches {item.hull.size:.4g} m, in m (of a mesh in mm hull.scale is 0.001)?"
+    mesh = " (of a mesh in mm hull.scale is 0.001)" if isinstance(item.hull, PanelHull) else ""
+    return f"; is its hull, which reaches {item.hull.size:.4g} m, in m{mesh}?"
 
 
 def _along(item: Float, water: Water, floats: Sequence[Float]) -> Iterator[tuple[str, float, float, float]]:

@@ -456,15 +456,22 @@ def test_a_slip_of_a_mesh_is_told_of_its_float():
 
 @pytest.mark.parametrize("joint", [{}, {"motion": ("hinge",), "hinge": (-2e4, 0, 3), "arm": (2e4, 0, -3)}])
 @pytest.mark.parametrize(
-    ("share", "odd"), [(0.9, False), (1e-2, False), (2e-3, False), (5e-4, True), (1e-9, True), (5e3, True)]
+    ("share", "asked"),
+    [(0.9, ""), (1e-2, ""), (3e-3, ""), (1.9e-3, "t"), (1e-3, "t"), (6e-4, "t"), (4e-4, "m"), (1e-9, "m"), (5e3, "m")],
 )
-def test_a_hull_of_another_unit_than_its_mass_is_said_to_be_so(joint, share, odd):
-    """Whether the float settles or is held; a hull in mm taken for m displaces 1e9 times its mass."""
+@pytest.mark.parametrize("mesh", [False, True])
+def test_a_hull_of_another_unit_than_its_mass_is_said_to_be_so(joint, share, asked, mesh):
+    """Whether the float settles or is held; a hull in mm taken for m displaces 1e9 times its mass, one in t 1e3."""
     item = ball(mass=share * DISPLACED, **joint)
+    if mesh:
+        hull = fine_box((8.0, 8.0, 8.0), (0.0, 0.0, 0.0), 4.0)
+        item = replace(item, hull=hull, mass=share * 1000 * hull.volume)
     (held_item,) = balanced((item,), DEEP, [("hold",)])
     (settles,), (holds,) = imbalance(item, DEEP), held(held_item, DEEP) or ("",)
+    scaled = " (of a mesh in mm hull.scale is 0.001)" if mesh else ""
     for text in (settles, holds):
-        assert text.endswith("is its hull, which reaches 5 m, in m (of a mesh in mm hull.scale is 0.001)?") == odd
+        assert text.endswith("is its mass in t, where kg are needed?") == (asked == "t")
+        assert text.endswith(f"is its hull, which reaches {item.hull.size:.4g} m, in m{scaled}?") == (asked == "m")
 
 
 def buoy(mass, scale=1.0, hull=None, **changes):

@@ -124,9 +124,13 @@ def equilibrium(
             _settle_joints(body, z, nc, stride)
         p = (carrier.T @ balance(body, z)[0][:nc] + steady) / omega**2
         z[:nc] = carrier @ p
-        if np.abs(z - before).max(initial=0.0) < SETTLED:
+        moved = np.abs(z - before).max(initial=0.0)
+        if moved < SETTLED:
             return z, p
-    raise SimulationFailed(f"no static equilibrium of floats and structure after {ROUNDS} rounds: it is too soft")
+    raise SimulationFailed(
+        f"no static equilibrium of floats and structure: they still move by {moved:.2g} m or rad after {ROUNDS} rounds;"
+        " the structure is too soft for its loads, or for how stiffly floats are held beside it, as by too taut a line"
+    )
 
 
 def righting(body: Bodies, z: np.ndarray, i: int, most: float) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from solver.catenary import ends, tensions
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import linear_model
 from solver.coupled.preparation import prepare
-from solver.errors import InputError
+from solver.errors import InputError, SimulationFailed
 from solver.mooring import Line, line_loads, line_stiffness
 from solver.run import simulate
 from solver.scene import DOFS, Scene, Water
@@ -167,3 +167,12 @@ def test_what_has_no_lines_is_refused():
     with pytest.raises(InputError, match="catenaries need formulation"):
         dry(floating(lines=UNLIKE, motion=LEVEL), accuracy="reference")
     assert Water(depth=inf)  # in which anchors may be anywhere
+
+
+def test_a_line_too_taut_for_its_platform_is_told():
+    """A float's rest and the platform's, each for the other's, go further apart from round to round."""
+    item, h = awkward.unequal_legs()
+    taut = Line(anchor=(40.0, 0.0, -25.0), fairlead=(0.0, 0.0, 0.0), length=10.0, weight=100.0, EA=1e7)
+    pulled = replace(item, floats=(replace(item.floats[0], lines=(taut,)),))
+    with pytest.raises(SimulationFailed, match=r"still move by .* m or rad after 100 rounds; .* too taut a line"):
+        prepare(pulled, h).start()

@@ -253,7 +253,9 @@ def _radiation_problems(
     still = [words[i] for i in np.flatnonzero((moved % 6 < 3) & ~own.any(axis=0))]
     if still:
         return [_problem(six, f"has no damping of {', '.join(still)} at any frequency: does it lack a column?")]
-    problems = []
+    problems, radiated = [], scale["radiation_damping"][moved]
+    value, vector = np.linalg.eigh(symmetric(six.radiation_damping[both]) / np.multiply.outer(radiated, radiated))
+    largest = six.omega[np.abs(value).max(axis=1).argmax()]
     for name, size in scale.items():
         values = getattr(six, name)[both]
         gap = np.abs(values - np.swapaxes(values, 1, 2)) / np.multiply.outer(size[moved], size[moved])
@@ -262,24 +264,21 @@ def _radiation_problems(
             text = (
                 f"{name.replace('_', ' ')} is not symmetric: {words[i]} on {words[j]} {values[w, i, j]:.4g}, the other"
             )
-            text += f" way {values[w, j, i]:.4g} at {six.omega[w]:.4g} rad/s; are columns in another order or unit?"
-            problems.append(_problem(six, text))
-    size = scale["radiation_damping"][moved]
-    value, vector = np.linalg.eigh(symmetric(six.radiation_damping[both]) / np.multiply.outer(size, size))
+            text += f" way {values[w, j, i]:.4g} at {six.omega[w]:.4g} rad/s; are columns in another order or unit"
+            at = six.omega[gap.max(axis=(1, 2)) > LOPSIDED]
+            problems.append(_problem(six, f"{text}{_irregular(six.omega, at, largest)}?"))
     w = int(value[:, 0].argmin())
     if value[w, 0] < -ACTIVE:
-        i = int(np.abs(vector[w, :, 0]).argmax())
-        text = f"damping is negative at {six.omega[w]:.4g} rad/s, mostly of {words[i]}, by {-value[w, 0]:.0%}"
-        problems.append(_problem(six, f"{text} of its largest; is the sign the other one{_irregular(six, value)}?"))
+        i, at = int(np.abs(vector[w, :, 0]).argmax()), six.omega[value[:, 0] < -ACTIVE]
+        text = f"damping is negative at {six.omega[w]:.4g} rad/s, mostly of {words[i]}, by {-value[w, 0]:.0%} of its"
+        text += " largest; is the sign the other one"
+        problems.append(_problem(six, f"{text}{_irregular(six.omega, at, largest)}?"))
     return problems
 
 
-def _irregular(six: Given, value: np.ndarray) -> str:
-    """A question more, where damping with eigenvalues (nw, n) of its scale is negative at few or high frequencies."""
-    low = value[:, 0] < -ACTIVE
-    first, last = six.omega[low][[0, -1]]
-    largest = six.omega[np.abs(value).max(axis=1).argmax()]
-    if low.mean() > FEW and not first > largest:
+def _irregular(omega: np.ndarray, at: np.ndarray, largest: float) -> str:
+    """A question more, where what is wrong is so at few frequencies, or above that of the largest damping."""
+    if len(at) > FEW * len(omega) and not at[0] > largest:
         return ""
-    span = f"{first:.4g}" if first == last else f"{low.sum()} of them, {first:.4g} to {last:.4g}"
+    span = f"{at[0]:.4g}" if len(at) == 1 else f"{len(at)} of them, {at[0]:.4g} to {at[-1]:.4g}"
     return f", or are there irregular frequencies ({span} rad/s), which a lid inside the hull takes away"

@@ -533,6 +533,12 @@ def test_negative_damping_at_few_or_high_frequencies_may_be_an_irregular_one():
     refused(told(radiation_damping=one), match=rf"the other one, or are there irregular frequencies \({at:.4g} rad/s\)")
     refused(told(radiation_damping=high), match=r"irregular frequencies \(\d of them, .* to 6\.6 rad/s\), which a lid")
     refused(told(radiation_damping=-damping), match=r"is the sign the other one\?")
+    lopsided = damping.copy()
+    lopsided[3, 0, 2] += np.sqrt(damping[:, 0, 0].max() * damping[:, 2, 2].max())
+    refused(
+        told(radiation_damping=lopsided),
+        match=rf"not symmetric: .* in another order or unit, or are there irregular frequencies \({at:.4g} rad/s\)",
+    )
 
 
 def test_moments_about_another_point_than_told_show_in_the_froude_krylov_moment():
