@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 VARIANT = "variant"
+REGULAR = ("wave_height", "wave_period")  # which keys of a regular sea are, that stand there by themselves
 MOST = 6  # quantities that change together which have a row of panels each
 DECADE = 10.0  # largest over smallest number, from which equal ratios have a logarithmic scale
 EVEN = 0.25  # of their mean, by which steps of the logarithm may differ from it: 1, 2, 5, 10, 20 are even
@@ -42,7 +43,7 @@ def along(results: Results, dim: str) -> Figure | None:
 def abscissae(results: Results, dim: str) -> list[str]:
     """What stands along x: numbers that go with the labels where there are some, as with samples; or the labels."""
     beside = [str(name) for name, c in results.data.coords.items() if c.dims == (dim,) and c.dtype.kind in "iuf"]
-    varied = [name for name in beside if name != dim and np.unique(results.data[name].values).size > 1]
+    varied = [name for name in beside if name not in (dim, *REGULAR) and np.unique(results.data[name].values).size > 1]
     return varied[:MOST] or [dim]
 
 

@@ -106,11 +106,12 @@ class Results:
         return str(max(known, key=known.count) if known else self.labels("sea_state")[int(heights.argmax())])
 
     def numbers(self, *names: str) -> np.ndarray:
-        """A number for each sea state, from the first of these coordinates that has one; else NaN."""
+        """A number for each sea state, as it is shown, from the first of these coordinates that has one; else NaN."""
         per_sea = np.full(len(self.labels("sea_state")), np.nan)
         for name in reversed(names):
-            if name in self.data.coords and self.data[name].dims in ((), ("sea_state",)):
-                values = np.atleast_1d(self.data[name].values)
+            if name in self.data.coords:
+                held = {dim: label for dim, label in self.first.items() if dim in self.data[name].dims}
+                values = self.data[name].sel(held).values
                 per_sea = np.where(np.isfinite(values), values, per_sea)
         return per_sea
 

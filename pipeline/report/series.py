@@ -21,6 +21,7 @@ from pipeline.results.netcdf import Variable
 from pipeline.results.records import decode
 from pipeline.results.variables import SERIES
 from pipeline.study import seas
+from pipeline.tasks.task import at_labels, first_labels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -230,8 +231,8 @@ def waves(series: Series) -> Figure | None:
 def _spectrum(axes: Axes, results: Results, line: Line) -> None:
     from solver.record.spectra import smoothed_density
 
-    study = results.study.content
-    state, waves = study.sea_states[results.sea], study.waves
+    study = at_labels(results.study.content, first_labels(results.study.content))
+    state, waves = study.sea_states[results.sea], study.waves  # of the record, whichever axes vary them
     span = seas.frequencies(state, waves)
     if span is None or not seas.is_random(state):
         axes.set_visible(False)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -20,14 +21,15 @@ from pipeline.results.variables import KNOBS, SLIDING, along, axis_units, meanin
 from pipeline.study import seas
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import MODEL_VERSION, Label, axes, dimensions
+from pipeline.tasks.task import MODEL_VERSION, Label, axes, dimensions, sea_at
 
 ALONG_MODE = "natural_frequency"
 LOWEST = 6  # modes: a table of the whole dataset has a row for every combination of labels, with all 708 too many
 SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
 NO_TASK = "no task"  # the state of a cell that its variant does not go along
-LAYOUT = 5  # raise it when the dataset's form changes, so that it is written anew
+SEAS = ("sea.", "sea_states.")  # what paths begin with that change seas
+LAYOUT = 6  # raise it when the dataset's form changes, so that it is written anew
 
 
 Cell = tuple[int, ...]
@@ -200,11 +202,7 @@ def _coordinates(
         damping = coords["pto_damping"]
         sliding = {**damping.attrs, "units": "N s m-1", "long_name": "Damping of each PTO"}
         coords["pto_damping"] = damping._replace(attrs=sliding)
-    known = [seas.labels(study.content.sea_states[str(label)]) for label in table["sea_state"]]
-    for name in dict.fromkeys(key for one in known for key in one if key not in coords):
-        numbers = np.array([one.get(name, np.nan) for one in known])
-        dims = ("sea_state",) if "sea_state" in outer else ()
-        coords[name] = Variable(dims, numbers if dims else numbers[0], meaning(name))
+    coords = dict(_of_seas(study, table, outer)) | coords
     used = {dim for inner in arrays.dims.values() for dim in inner}
     for dim in INNER:
         if dim in used:
@@ -213,6 +211,35 @@ def _coordinates(
     if "axis" in used:
         coords["axis_unit"] = Variable(("axis",), np.array(axis_units(arrays.labels["axis"])), meaning("axis_unit"))
     return coords
+
+
+def _of_seas(
+    study: Study, table: Mapping[str, Sequence[Label]], outer: Sequence[str]
+) -> Iterator[tuple[str, Variable]]:
+    """The numbers by which people know the seas of the tasks: along sea states, and along what else changes them."""
+    changing = {axis.name for axis in study.content.varied if any(path.startswith(SEAS) for path in axis.keys)}
+    dims = [name for name in table if name == "sea_state" or name in changing]
+    shape = tuple(len(table[name]) for name in dims)
+    places = dict(zip(table, np.unravel_index(study.tasks.cells, [*map(len, table.values())]), strict=True))
+    cells, first = np.unique(np.ravel_multi_index([places[name] for name in dims], shape), return_index=True)
+    known = [seas.labels(sea_at(study.content, study.tasks.labels(int(n)))) for n in study.tasks.cells[first]]
+    there = np.isin(np.arange(math.prod(shape)), cells).reshape(shape)
+    for name in dict.fromkeys(key for one in known for key in one):
+        numbers = np.full(shape, np.nan)
+        numbers[there] = [one.get(name, np.nan) for one in known]
+        yield name, _where_it_differs(Variable(tuple(dims), numbers, meaning(name)), there, outer)
+
+
+def _where_it_differs(variable: Variable, there: np.ndarray, outer: Sequence[str]) -> Variable:
+    """Without the dimensions along which numbers are the same wherever there is a task, but for sea states."""
+    dims, numbers, attrs = variable
+    for dim in variable.dims:
+        axis = dims.index(dim)
+        some = np.take_along_axis(numbers, there.argmax(axis, keepdims=True), axis)
+        same = (numbers == some) | np.isnan(numbers) & np.isnan(some) | ~there
+        if same.all() and not (dim == "sea_state" and dim in outer):
+            dims, numbers, there = (*dims[:axis], *dims[axis + 1 :]), some.squeeze(axis), np.asarray(there.any(axis))
+    return Variable(dims, numbers, attrs)
 
 
 def _words_or_numbers(values: Sequence[Any]) -> np.ndarray:

@@ -80,7 +80,11 @@ class StudyFile(Table):
         variants = (variant_axis(self.variants),) if self.variants else ()
         samples = (self.samples.axis,) if self.samples else ()
         others = [name for name in ("pto_damping", "hinge_spacing") if getattr(self.axes, name)]
-        return named((*variants, *self.axes.over_keys, *samples), others)
+        axes = (*variants, *self.axes.over_keys, *samples)
+        if len(self.axes.sea_state or self.sea_states) > 1:  # of which one's Hs is not that of all
+            paths = (path.split(".") for axis in axes for path in axis.keys)
+            others += [path[-1] for path in paths if path[0] == "sea_states" and path[-1] in ("Hs", "Tp")]
+        return named(axes, others)
 
     @property
     def seas(self) -> dict[str, SeaState]:

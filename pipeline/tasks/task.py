@@ -162,6 +162,11 @@ def at_labels(study: StudyFile, labels: Mapping[str, Label]) -> StudyFile:
     return _placed(Same(study), tuple(axis.labels.index(labels[axis.name]) for axis in study.varied))
 
 
+def sea_at(study: StudyFile, labels: Mapping[str, Label]) -> SeaState:
+    """The sea with these labels."""
+    return at_labels(study, labels).sea_states[str(labels["sea_state"])]
+
+
 @lru_cache(maxsize=128)  # the last axes vary fastest: tasks one after another share what the first ones make
 def _placed(same: Same[StudyFile], places: tuple[int, ...]) -> StudyFile:
     """The study with its first axes over keys at these places."""

@@ -280,6 +280,24 @@ def along_of(small, axis, lines, **coordinates):
     return figures.Results(study=load(small), data=data.assign_coords({axis: labels, **coordinates}))
 
 
+def test_seas_are_called_by_the_numbers_of_those_that_are_drawn(small):
+    """Those of the labels that figures hold, also where that makes another sea the highest."""
+    lines = "[variants.low]\nsea_states.calm.Hs = 3.0\n[variants.usual]"
+    varied = along_of(small, "variant", lines, variant=["low", "usual"])
+    data = varied.data.assign_coords(Hs=(("sea_state", "variant"), [[3.0, 0.5], [2.0, 2.0]]))
+    of_variants = replace(varied, data=data)
+    assert of_variants.sea_names == ["calm\n3.00 m, 5.00 s", "rough\n2.00 m, 7.00 s"]
+    assert of_variants.sea == "calm"
+
+
+def test_numbers_of_a_sea_that_keys_give_have_one_row_of_panels(small):
+    lines = "[[axes.together]]\nname = 'scale'\nsea.Tp = [5.0, 6.0]\n'length [m]' = [1.0, 2.0]"
+    beside = {"Tp": ("scale", [5.0, 6.0]), "length": ("scale", [1.0, 2.0]), "wave_period": ("scale", [5.0, 6.0])}
+    varied = along_of(small, "scale", lines, scale=[1, 2], **beside)
+    with plain():
+        assert [axes.get_xlabel() for axes in along(varied, "scale").axes] == ["Tp", "length"]
+
+
 def test_an_axis_of_words_has_its_own_figure(small, tmp_path):
     """A row for each variant, and in it the mean over the realizations there are; none where there are none."""
     lines = "[variants.usual]\n[variants.deep]\nwater.depth = 60.0\n[variants.deeper]\nwater.depth = 70.0"

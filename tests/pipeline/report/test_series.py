@@ -8,7 +8,7 @@ import xarray as xr
 
 from pipeline.bridge.loading import load
 from pipeline.report import figures, series
-from pipeline.report.drawing import plain
+from pipeline.report.drawing import canvas, plain
 from pipeline.results.netcdf import Variable, to_bytes
 
 TIME = np.arange(100.0, 700.0, 0.1)
@@ -118,3 +118,16 @@ def test_the_spectrum_stands_beside_the_theory_it_was_drawn_from(results):
     # Pierson-Moskowitz in the peak form, at its peak: S = 5/16 Hs² exp(-5/4) / ωp.
     peak = 5 / 16 * 4.0 * np.exp(-1.25) * 7.0 / (2 * np.pi)
     assert theory.get_ydata().max() == pytest.approx(peak, rel=1e-4)
+
+
+def test_theory_is_of_the_sea_that_an_axis_makes(small, results):
+    """Half as high: a quarter of the density."""
+    small.write_text(small.read_text().replace("seed = ", "'sea.Hs' = [1.0, 2.0]\nseed = ", 1))
+    record = series.Series(results).records["elastic"]
+    line = series.Line("", record["elapsed_time"].values, record["wave_elevation_series"].values)
+    peaks = []
+    for study in (results.study, load(small)):
+        axes = canvas(4.0, 3.0).subplots()
+        series._spectrum(axes, figures.Results(study=study, data=results.data), line)
+        peaks.append(axes.lines[1].get_ydata().max())
+    assert peaks[1] == pytest.approx(peaks[0] / 4)

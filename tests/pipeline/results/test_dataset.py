@@ -1,0 +1,95 @@
+"""Coordinates of the dataset that tell of the sea: each task's own, along no more dimensions than it needs."""
+
+import numpy as np
+import pytest
+
+from pipeline.bridge.loading import load
+from pipeline.results import dataset
+from pipeline.study import seas
+from pipeline.tasks.task import axes, dimensions
+
+MIXED = (
+    "calm = { Hs = 0.5, Tp = 5.0 }\nrough = { Hs = 2.0, Tp = 7.0 }",
+    """calm = { Hs = 0.5, Tp = 5.0, occurrence = 5 }
+rough = { kind = "regular", height = 0.4, period = 7.0, occurrence = 3 }""",
+)
+SCALE = """[[axes.together]]
+name = "scale"
+sea_states.calm.Tp = [5.0, 6.0, 5.0]
+sea_states.rough.period = [6.0, 7.0, 8.0]
+"""
+TWO = "[variants.a]\n[variants.b]\n"
+EACH = "[variants.a]\naxes.sea_state = ['calm']\n[variants.b]\naxes.sea_state = ['rough']\n"
+OF_SEAS = ("sea_state",)
+CASES = {
+    "as the study has them": ((), "", {"Hs": OF_SEAS, "Tp": OF_SEAS}),
+    "one sea": (('["calm", "rough"]', '["calm"]'), '"sea.Tp" = [5.0, 6.0]', {"Hs": OF_SEAS, "Tp": ("Tp",)}),
+    "a path of all": ((), '"sea.Hs" = [0.4, 0.6]', {"Hs": ("Hs",), "Tp": OF_SEAS}),
+    "a path of one": ((), '"sea_states.calm.Hs" = [0.4, 0.6]', {"Hs": (*OF_SEAS, "sea_states.calm.Hs"), "Tp": OF_SEAS}),
+    "a variant": ((), f"{TWO}sea.Hs = 0.7\n", {"Hs": (*OF_SEAS, "variant"), "Tp": OF_SEAS}),
+    "variants of one sea each": (
+        (),
+        f"{EACH}sea.Hs = 0.7\n",
+        {"Hs": OF_SEAS, "Tp": OF_SEAS},
+    ),
+    "variants of one sea each, and a group": (
+        (),
+        f"{EACH}sea.Hs = 0.7\n[[axes.together]]\nname = 'scale'\nsea_states.calm.Tp = [5.0, 6.0]\n",
+        {"Hs": OF_SEAS, "Tp": (*OF_SEAS, "scale")},
+    ),
+    "together": (
+        MIXED,
+        SCALE,
+        {"Hs": OF_SEAS, "Tp": (*OF_SEAS, "scale"), "wave_height": OF_SEAS, "wave_period": (*OF_SEAS, "scale"),
+         "occurrence": OF_SEAS},
+    ),
+    "another kind": (
+        (MIXED[0], MIXED[1].replace(", occurrence = 5", "").replace(", occurrence = 3", "")),
+        f"{TWO}sea_states.rough = {{ kind = 'irregular', Hs = 0.3, Tp = 6.0 }}\n",
+        {"Hs": (*OF_SEAS, "variant"), "Tp": (*OF_SEAS, "variant"), "wave_height": (*OF_SEAS, "variant"),
+         "wave_period": (*OF_SEAS, "variant")},
+    ),
+    "samples": ((), "[samples]\ncount = 3\nsea.Hs = { from = 0.3, to = 0.4 }\n", {"Hs": ("sample",), "Tp": OF_SEAS}),
+}  # fmt: skip
+
+
+def changed(small, change, more):
+    """The small study with some text in another's place, and more tables or axes."""
+    text = small.read_text()
+    text = text.replace(*change, 1) if change else text
+    under = "[sea_states" if more.startswith("[") else "seed = "
+    small.write_text(text.replace(under, f"{more}\n{under}", 1))
+    return load(small)
+
+
+def coordinates(study):
+    """As the dataset has them."""
+    table, outer = axes(study.content), dimensions(study.content)
+    return dataset._coordinates(study, table, outer, dataset.Arrays((), None))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_numbers_of_seas_are_those_of_each_task(small, case):
+    """Read off at each task's labels they are its parameters', and NaN where its sea has no such number."""
+    change, more, dims = CASES[case]
+    study = changed(small, change, more)
+    table, found = axes(study.content), coordinates(study)
+    numbers = {name: found[name] for name in ("Hs", "Tp", "wave_height", "wave_period", "occurrence") if name in found}
+    assert {name: v.dims for name, v in numbers.items()} == dims
+    for task in study.tasks:
+        own = seas.labels(task.parameters.sea_state)
+        often = study.content.sea_states[task.labels["sea_state"]].occurrence
+        own |= {} if often is None else {"occurrence": often}
+        at = {name: table[name].index(label) for name, label in task.labels.items()}
+        read = {name: float(v.values[tuple(at[dim] for dim in v.dims)]) for name, v in numbers.items()}
+        assert {name: number for name, number in read.items() if np.isfinite(number)} == own
+
+
+def test_a_study_of_one_sea_has_scalars(small):
+    text = (
+        small.read_text().replace('sea_state = ["calm", "rough"]\n', "").replace("rough = { Hs = 2.0, Tp = 7.0 }", "")
+    )
+    small.write_text(text)
+    found = coordinates(changed(small, (), f"{TWO}sea.Tp = 6.0\n"))
+    assert (found["Hs"].dims, found["Hs"].values, found["Tp"].dims) == ((), 0.5, ("variant",))
+    assert found["Tp"].values.tolist() == [5.0, 6.0]
