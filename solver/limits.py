@@ -8,11 +8,9 @@ from solver import motions
 from solver.mooring import line_stiffness
 from solver.multibody.bodies import Bodies
 from solver.multibody.chain import PRISMATIC
-from solver.scene import DOFS, Float, Platform, Scene
+from solver.scene import DOFS, FALLEN_OVER, Float, Platform, Scene, turning_bounds
 from solver.sea.field import WaveField
 
-FALLEN_OVER = np.pi / 2  # diffraction and radiation at rest say nothing of a float that has turned so far [rad]
-HANGING = np.pi / 6  # an arm at rest so near to the vertical swings beneath its hinge by nature [rad]
 # Of the sum of amplitudes, by which the local wave field may be off at the ends of the excursion; a record's
 # `field_error` says how far off it was.
 ROUGH = 1e-2
@@ -28,7 +26,7 @@ def excursions(scene: Scene, field: WaveField, terms: Sequence[int], carrier_axe
         rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
     bounds = [(-row, row) for row in rows]
     for item, away in zip(scene.floats, ways(scene, field, terms), strict=True):
-        bounds += [_joint_bounds(item, name, away) for name in item.motion]
+        bounds += [(-away, away) if slides(name) else turning_bounds(item, name) for name in item.motion]
     return np.array(bounds, float).reshape(-1, 2)
 
 
@@ -115,30 +113,6 @@ def _way(bodies: Bodies, b: int, furthest: np.ndarray, flat: bool = False) -> fl
 def slides(name: str) -> bool:
     """Whether a joint's axis of that name is a translation."""
     return name in DOFS[:3]
-
-
-def _joint_bounds(item: Float, name: str, away: float) -> tuple[float, float]:
-    if name != "hinge":
-        bound = away if slides(name) else FALLEN_OVER
-        return -bound, bound
-    low, high = -FALLEN_OVER, FALLEN_OVER
-    down = straight_down(item)
-    # Past straight down buoyancy carries the float on, to rest as far on the hinge's other side:
-    # half way there it will not come back.
-    if down < -HANGING:
-        low = max(low, 1.5 * down)
-    elif down > HANGING:
-        high = min(high, 1.5 * down)
-    return low, high
-
-
-def straight_down(item: Float) -> float:
-    """Angle about the hinge's axis that brings the arm from rest to straight beneath the hinge [rad]."""
-    axis = np.divide(item.axis, np.linalg.norm(item.axis))
-    arm, plumb = (np.asarray(v, float) - np.dot(v, axis) * axis for v in (item.arm, (0.0, 0.0, -1.0)))
-    if not (np.linalg.norm(arm) > 0 and np.linalg.norm(plumb) > 0):
-        return 0.0
-    return float(np.arctan2(np.dot(axis, np.cross(arm, plumb)), np.dot(arm, plumb)))
 
 
 def explain(scene: Scene, joints: np.ndarray, bounds: np.ndarray, when: str) -> str:

@@ -22,7 +22,7 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.multibody.bodies import new_motion
 from solver.multibody.minimal import move
 from solver.run import _nearer, simulate
-from solver.scene import DOFS, Float, Platform
+from solver.scene import DOFS, Float, Platform, straight_down
 from solver.sea.field import WaveField
 from solver.sea.realization import CALM, Realization, regular
 from solver.statistics import STATISTICS
@@ -54,7 +54,7 @@ def test_equilibrium_carries_the_weight_on_the_side_where_the_arm_is(buan, coeff
     system = prepare(scene, coefficients)
     front, rear = system.start().z
     # The arm's end rises by this much; the hull turns with it, which a sphere does not feel.
-    assert front == approx(-rear, abs=1e-9) and abs(front) < limits.straight_down(buan.floats()[1])
+    assert front == approx(-rear, abs=1e-9) and abs(front) < straight_down(buan.floats()[1])
     if ratio <= 1:
         x, z = np.array([-2.36, -2.6])
         centre = 2.6 + z * np.cos(front) - x * np.sin(front)
@@ -85,6 +85,14 @@ def test_a_float_pushed_through_beneath_its_hinge_is_an_outcome(buan, coefficien
         simulate(turned(buan, -0.75), coefficients)
 
 
+@pytest.mark.parametrize(("angle", "limit"), [(1.58, "-1.11 to +1.57"), (-1.12, "-1.11 to +1.57"), (30.0, "-1.11")])
+def test_an_offset_past_what_a_run_would_end_at_is_refused(buan, angle, limit):
+    with pytest.raises(InputError, match=re.escape(f"must be within {limit}")) as caught:
+        turned(buan, angle)
+    assert caught.value.key == "floats.front.offset" and caught.value.value == f"{angle:g} rad"
+    turned(buan, 1.56 if angle > 0 else -1.1)
+
+
 @pytest.mark.parametrize(
     "arm, axis, down",
     [
@@ -101,7 +109,7 @@ def test_straight_down(buan, arm, axis, down):
     item = Float(
         name="f", hull=buan.floats()[0].hull, mass=1.0, inertia=(1.0,) * 3, hinge=(0, 0, 0), arm=arm, axis=axis
     )  # fmt: skip
-    assert limits.straight_down(item) == approx(down, abs=1e-12)
+    assert straight_down(item) == approx(down, abs=1e-12)
 
 
 def test_bounds_follow_from_the_scene(buan):

@@ -24,6 +24,7 @@ from solver.coupled.stages import State
 from solver.coupled.system import BLOCK_STEPS, ITERATIONS, System
 from solver.errors import SimulationFailed, StepTooLong
 from solver.limits import slides
+from solver.scene import FALLEN_OVER
 
 
 def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[tuple[np.ndarray, Output, np.ndarray]]:
@@ -73,7 +74,7 @@ def _stability(system: System, joints: np.ndarray) -> str:
     if not beyond.size or slides(names[beyond[0]]):
         return ""
     i = first + int(beyond[0])
-    back, forth = righting(bodies, system.equilibrium[0], i, limits.FALLEN_OVER)
+    back, forth = righting(bodies, system.equilibrium[0], i, FALLEN_OVER)
     return f"; in still water it rights itself between {back:+.2f} and {forth:+.2f} rad"
 
 

@@ -31,10 +31,12 @@ from solver.scene.settings import (
     needs_coefficients,
     panels_for,
 )
+from solver.scene.turning import FALLEN_OVER, straight_down, turning_bounds
 from solver.scene.water import Water
 
 __all__ = [
     "DOFS",
+    "FALLEN_OVER",
     "MOST_PANELS",
     "MOST_STEPS",
     "OF_FLOATS",
@@ -61,6 +63,8 @@ __all__ = [
     "out_of_place",
     "panels_for",
     "require_waves",
+    "straight_down",
+    "turning_bounds",
     "two_digits",
     "unit_along",
     "unlisted",

@@ -15,6 +15,7 @@ from solver.hydrodynamics.hull.swing import Stroke, meeting
 from solver.scene.floats import STARTS, Float, is_planar, on_others, out_of_place, unlisted
 from solver.scene.platform import Platform
 from solver.scene.settings import OUTPUTS, Settings
+from solver.scene.turning import turned_over
 from solver.scene.water import STILL_WATER, Water
 from solver.sea.current import Current
 from solver.sea.realization import CALM, Realization
@@ -46,6 +47,7 @@ class Scene:
         yield from self._fixed_problems()
         for f in self.floats:
             yield from out_of_place(f, self.water)
+            yield from turned_over(f)
             if self.settings.froude_krylov == "body-nonlinear" and not f.hull.closed:
                 yield InputError(
                     f"floats.{f.name}.hull",
