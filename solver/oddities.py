@@ -20,11 +20,15 @@ APART = 1.1  # factor by which extremes may miss those of Gaussian rates; of pow
 HEAVED = 0.25  # of its draft or freeboard, by which it may rest higher or deeper
 STRAYED = 0.5  # [rad] of the mean wave that it may go from where diffraction has its phases
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
+WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's is 1240
+FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
+RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
 
 
 def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     """Sentences for the user, the key first; joints (nj,): at rest, where that is known."""
-    sentences = [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
+    sentences = [*_of_water(scene)]
+    sentences += [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
     sentences += [f"floats.{f.name}.lines: {text}" for f in scene.floats for text in odd_lines(f.lines, f.centre)]
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
@@ -47,9 +51,21 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
 
+def _of_water(scene: Scene) -> Iterator[str]:
+    """Sentences for water and a current whose numbers look as of other units."""
+    low, high = WATERS
+    if not low <= (density := scene.water.density) <= high:
+        yield f"water.density: {density:g} kg/m3 is none of water, {low:g} to {high:g} kg/m3: is it in other units?"
+    if scene.current is not None:
+        speeds = [scene.current.speed or 0.0, *(line.speed for line in scene.current.profile)]
+        if (fastest := max(speeds)) > FASTEST:
+            yield f"current: {fastest:g} m/s is faster than any tide, {FASTEST:g} m/s: is it in other units?"
+
+
 def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
     """Sentences for a frame that buckles or bends too far at rest, for its member that is thickest beside waves, for
-    those that lie in still water's surface, and for its thinnest tube that is utilised."""
+    those that lie in still water's surface, for its thinnest tube that is utilised, and for feet clamped in mid-water.
+    """
     from solver.structure import in_water, slenderness, tubular  # with scipy's parts, for scenes with a platform alone
 
     water = scene.water
@@ -61,6 +77,12 @@ def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
         yield from in_water.left_dry(platform.frame)
     if "utilisation" in scene.settings.outputs:
         yield from tubular.too_thin(platform.frame.members)
+    heights = {name: water.depth + platform.frame.nodes[name][2] for name in platform.frame.clamped}
+    if raised := [name for name, up in heights.items() if RAISED < up / water.depth < 1]:
+        yield (
+            f"platform.clamped: {', '.join(raised)} above the seabed, {max(heights[n] for n in raised):.3g} m at most,"
+            f" in water of {water.depth:g} m: what holds a foot there, or is the depth another?"
+        )
 
 
 def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:

@@ -10,6 +10,7 @@ from solver.limits import pushed
 from solver.oddities import beyond_tables, warnings
 from solver.power_takeoff import PtoTable
 from solver.run import simulate
+from solver.sea.current import Current, CurrentSpeed
 from solver.sea.field import wave_field
 from tests.awkward import bare_legs, flap, soft_mooring
 from tests.record.test_slow import soft
@@ -122,3 +123,31 @@ def test_members_in_still_waters_surface_are_told_once(height, stretching, told)
     item = replace(item, platform=replace(item.platform, frame=braced, wave_stretching=stretching))
     texts = [text for text in warnings(item) if "at z = 0" in text]
     assert len(texts) == told and all(text.startswith("platform.members.long and 1 more: ") for text in texts)
+
+
+@pytest.mark.parametrize(
+    ("density", "told"), [(1.025, True), (899.0, True), (901.0, False), (1299.0, False), (1301.0, True)]
+)
+def test_a_density_that_no_water_has_is_told(density, told):
+    item, _ = flap()
+    texts = warnings(replace(item, water=replace(item.water, density=density)))
+    assert any(text.startswith(f"water.density: {density:g} kg/m3") for text in texts) is told
+
+
+@pytest.mark.parametrize("speed", [11.9, 12.1])
+@pytest.mark.parametrize("table", [False, True])
+def test_a_current_that_no_tide_has_is_told(speed, table):
+    item, _ = bare_legs()
+    lines = tuple(CurrentSpeed(depth=depth, speed=v) for depth, v in ((0.0, 1.0), (5.0, speed)))
+    current = Current(profile=lines) if table else Current(speed=speed)
+    texts = warnings(replace(item, current=current))
+    assert any(text.startswith(f"current: {speed:g} m/s") for text in texts) is (speed > 12)
+
+
+@pytest.mark.parametrize(("deeper", "told"), [(0.0, False), (0.2, False), (0.3, True), (5.0, True), (np.inf, False)])
+def test_a_foot_clamped_above_the_seabed_is_told(deeper, told):
+    """From one hundredth of 25 m of water on; in deep water there is no seabed to be above."""
+    item, _ = bare_legs()
+    texts = warnings(replace(item, water=replace(item.water, depth=25.0 + deeper)))
+    feet = ", ".join(item.platform.frame.clamped)
+    assert any(text.startswith(f"platform.clamped: {feet} above the seabed") for text in texts) is told
