@@ -47,13 +47,14 @@ def _kind(start: Sequence[float], end: Sequence[float]) -> tuple[float, float]:
 
 
 def shown(results: Results) -> list[tuple[str, str, float, str]]:
-    """The envelopes that the dataset has."""
-    return [entry for entry in ENVELOPES if results.has(entry[0])]
+    """The envelopes that the dataset has in the sea state shown."""
+    return [entry for entry in ENVELOPES if results.has(entry[0], sea_state=results.sea)]
 
 
 def profile(results: Results, name: str, platform: str, legs: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
     """Heights of a group of legs, and the legs averaged, in every realization that there is, (height, realization)."""
-    part = results.values(name, sea_state=results.sea, platform=platform, **results.first).sel(leg=list(legs))
+    held = results.first_of(name)  # the frequency domain has no envelopes
+    part = results.values(name, sea_state=results.sea, platform=platform, **held).sel(leg=list(legs))
     rows = part.transpose("leg", "height", ...).values
     rows = rows.reshape(*rows.shape[:2], -1).mean(axis=0)
     rows = rows[:, np.isfinite(rows).any(axis=0)]

@@ -58,9 +58,9 @@ class Results:
     published: Sequence[Published] = ()
     tasks: Path | None = None  # the folder of the tasks' records, for time series
 
-    def has(self, *names: str) -> bool:
-        """Whether there are numbers under all of these names."""
-        return all(name in self.data and bool(self.data[name].notnull().any()) for name in names)
+    def has(self, *names: str, **labels: Any) -> bool:
+        """Whether there are numbers under all of these names, or in the part with these labels."""
+        return all(name in self.data and bool(self.values(name, **labels).notnull().any()) for name in names)
 
     def values(self, name: str, **labels: Any) -> xr.DataArray:
         """A variable with all axes of a study as dimensions, or the part of it with these labels."""
@@ -79,6 +79,16 @@ class Results:
         """The first task's label along every axis that figures do not show unless they are about it."""
         labels = first_labels(self.study.content)
         return {dim: label for dim, label in labels.items() if dim not in SHOWN and self.labels(dim)}
+
+    def first_of(self, name: str) -> dict[str, Any]:
+        """`first`, or the first other labels where a variable has no numbers there in the sea that is shown."""
+        there = self.values(name, sea_state=self.sea).notnull()
+        held = {}
+        for dim, label in self.first.items():
+            some = there.any([other for other in there.dims if other != dim])
+            held[dim] = next((one for one in (label, *self.labels(dim)) if some.sel({dim: one})), label)
+            there = there.sel({dim: [held[dim]]})
+        return held
 
     @property
     def varied(self) -> list[str]:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Set
+from collections.abc import Callable, Iterator, Mapping, Set
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report import arrays, best, energy, figures, life, report, series, sketch, strips
+from pipeline.report import arrays, best, energy, envelopes, figures, life, report, series, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, png, svg
-from pipeline.report.envelopes import envelopes
 from pipeline.report.figures import Results
 from pipeline.report.overview import TEXT, overview
 from pipeline.report.periods import natural_periods
@@ -173,7 +172,8 @@ def drawn(results: Results) -> Iterator[dict[str, str]]:
 
 def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:
     """Title, caption and maker of each figure, in order."""
-    held = _held(results)
+    held, legs = _held(results), envelopes.shown(results)
+    of_legs = _told(results, results.first_of(legs[0][0])) if legs else ""
     count = len(results.labels("sea_state"))
     held += f" The first {len(results.seas)} of {count} sea states." if count > len(results.seas) else ""
     fixed = "Filled: elastic platform; open: fixed." if len(results.labels("platform")) > 1 else ""
@@ -192,8 +192,8 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ),
         (
             "Envelopes along the legs",
-            f"Sea state {results.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{held}",
-            envelopes,
+            f"Sea state {results.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{of_legs}",
+            envelopes.envelopes,
         ),
         (
             f"{measures} in each sea state{_at(results)}",
@@ -250,9 +250,12 @@ def _at(results: Results, *about: str) -> str:
 
 def _held(results: Results, *about: str) -> str:
     """At which labels something is that is about these axes alone, where others are varied."""
-    others = {dim: label for dim, label in results.first.items() if dim not in about}
-    words = "; ".join(f"{dim.replace('_', ' ')} {_short(label)}" for dim, label in others.items())
-    return f" Shown at {words}." if others.keys() & set(results.varied) else ""
+    return _told(results, {dim: label for dim, label in results.first.items() if dim not in about})
+
+
+def _told(results: Results, labels: Mapping[str, Any]) -> str:
+    words = "; ".join(f"{dim.replace('_', ' ')} {_short(label)}" for dim, label in labels.items())
+    return f" Shown at {words}." if labels.keys() & set(results.varied) else ""
 
 
 def _short(label: object) -> str:

@@ -17,6 +17,7 @@ from pipeline.report.report import COLUMNS, published
 from pipeline.report.responses import responses
 from pipeline.tasks.study import Study
 
+METHODS = ("frequency", "time")
 HEIGHTS = np.array([0.0, 20.0, 52.6])
 PUBLISHED = """table,label,variable,selection,statistic,value,unit,note
 T1,power & <all>,absorbed_power,sea_state=rough;platform=elastic;float=front,mean,8.0,kW,the paper's spike
@@ -296,6 +297,35 @@ def test_numbers_of_a_sea_that_keys_give_have_one_row_of_panels(small):
     varied = along_of(small, "scale", lines, scale=[1, 2], **beside)
     with plain():
         assert [axes.get_xlabel() for axes in along(varied, "scale").axes] == ["Tp", "length"]
+
+
+def test_legs_are_drawn_with_the_first_labels_that_have_envelopes(small):
+    """The frequency domain has none: those of marches are drawn, and said to be; none are where none has any."""
+    lines = "[axes.solver]\nmethod = ['frequency', 'time']\nradiation = [true, false]"
+    small.write_text(small.read_text().replace("[axes]", f"{lines}\n[axes]", 1))
+    one = dataset()[["displacement_envelope", "stress_envelope", "rotation"]]
+    parts = [[i * one.assign_coords(method=m, radiation=r) for i, r in ((1, "true"), (2, "false"))] for m in METHODS]
+    data = xr.concat([xr.concat(row, "radiation") for row in parts], "method")
+    names = ["displacement_envelope", "stress_envelope"]
+    for name in names:
+        data[name].loc[{"method": "frequency"}] = np.nan
+        data[name].loc[{"method": "time", "radiation": "true", "sea_state": "rough"}] = np.nan
+    both = figures.Results(study=load(small), data=data)
+    assert both.first == {"method": "frequency", "radiation": "true", "pto_damping": 1e5} == both.first_of("rotation")
+    with plain():
+        panel = envelopes.envelopes(both).axes[0]
+    legs = one.displacement_envelope.sel(sea_state="rough", leg=1)
+    for line, platform in zip(panel.lines, ("elastic", "elastic-no-floats"), strict=True):
+        assert line.get_xdata() == pytest.approx(2 * legs.sel(platform=platform).mean("seed").values)
+    (caption,) = (words for title, words, _ in page._list(both) if title == "Envelopes along the legs")
+    assert caption.endswith("Shown at pto damping 100000; method time; radiation false.")
+    # Each label has some, and the first ones have none together.
+    data["rotation"].loc[{"method": "frequency", "radiation": "true"}] = np.nan
+    data["rotation"].loc[{"method": "time", "radiation": "false"}] = np.nan
+    assert both.first_of("rotation") == {**both.first, "radiation": "false"}
+    for name in names:
+        data[name].loc[{"sea_state": "rough"}] = np.nan
+    assert "Envelopes along the legs" not in titles(replace(both, data=data))
 
 
 def test_an_axis_of_words_has_its_own_figure(small, tmp_path):
