@@ -51,6 +51,7 @@ def test_foreseen_are_the_pairs_of_panels_that_are_solved(name, monkeypatch):
     monkeypatch.setattr(mesh, "lu_factor", lambda matrix: None)
     monkeypatch.setattr(mesh, "lu_solve", lambda factors, rhs: rhs)
     monkeypatch.setattr(cost, "FACTORED", 0.0)
+    monkeypatch.setattr(cost, "NODE", 0.0)
     bem.part(problem)
     # Lids are left out, a tenth of the panels or two; meshes have about as many as are asked for.
     assert counted.seconds / cost.seconds(problem) == approx(1.2, abs=0.4)

@@ -14,7 +14,7 @@ from pipeline.running import schedule
 from pipeline.running.place import Place
 from pipeline.running.schedule import Dask, Lost
 
-SILENT = 4.0  # [s]
+SILENT = 10.0  # [s]
 
 
 def piece(size, pause=0.0):
