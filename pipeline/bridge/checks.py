@@ -100,8 +100,9 @@ def _each_value(study: StudyFile) -> Iterator[tuple[StudyFile, tuple[str, object
     """
     first_with = firsts(study)
     met: dict[object, set[tuple[str, Label]]] = {}  # labels, by what the named axes have beside them
+    given = {"sea_state", *(name for name in AXES if getattr(study.axes, name))}  # keys' axes may have others' names
     for number, part in enumerate(blocks(study)):
-        named = tuple((name, tuple(part[name])) for name in AXES if name in part and getattr(study.axes, name))
+        named = tuple((name, tuple(part[name])) for name in AXES if name in part.keys() & given)
         known = met.setdefault(named, set())
         first = first_with({name: next(iter(labels)) for name, labels in part.items()})
         yield _narrowed(at_labels(study, first), named), ("variant", first["variant"]) if number else None

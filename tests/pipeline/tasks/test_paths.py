@@ -520,6 +520,16 @@ def test_what_no_task_has_together_is_not_judged_and_what_one_has_is(small, tabl
             load(small)
 
 
+def test_a_key_called_as_a_named_axis_is_none(small):
+    """A variant along a part of floats.*.pto_damping, of which a float with several axes has several."""
+    text = small.read_text().replace('name = "front"', 'name = "front"\nmotion = ["heave", "pitch"]')
+    text = text.replace("pto_damping = 100e3", "pto_damping = [0.0, 1e5]")
+    lines = "[variants.all]\n[variants.part]\n'axes'.'floats.*.pto_damping' = [[0.0, 2e5]]\n"
+    small.write_text(text.replace("[sea_states", f"{lines}[sea_states", 1))
+    content = varied(small, '"floats.*.pto_damping" = [[0.0, 1e5], [0.0, 2e5]]').content
+    assert [task.labels["pto_damping"] for task in expand(content)].count("[0.0, 200000.0]") == 2 * 2 * 3 * 2
+
+
 def test_every_sea_of_every_variant_is_judged_with_every_value(small):
     """A value of an axis that waves of one sea break with is refused whichever variant goes along that sea."""
     lines = "[variants.rough]\naxes.sea_state = ['rough']\n[variants.calm]\naxes.sea_state = ['calm']\n"
