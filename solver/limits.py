@@ -43,12 +43,12 @@ def pushed(scene: Scene, field: WaveField) -> list[dict[str, float]]:
     They push at most as on a wall as wide as it and all that it carries which sends all of them back: ½ρga² each,
     ρg Hm0²/16 per width. Each axis has its own springs alone.
     """
-    wide = [0.0] * len(scene.floats)
+    wide, carriers = [0.0] * len(scene.floats), scene.carriers
     for b, item in enumerate(scene.floats):
         borne_by = b
         while borne_by >= 0:
             wide[borne_by] += 2 * item.hull.largest_radius
-            borne_by = scene.carriers[borne_by]
+            borne_by = carriers[borne_by]
     load = scene.water.density * scene.water.gravity * field.sea.parameters()["Hm0"] ** 2 / 16
     return [_pushed(f, load * w, field.direction) if load > 0 else {} for f, w in zip(scene.floats, wide, strict=True)]
 

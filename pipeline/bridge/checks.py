@@ -143,7 +143,7 @@ def _together(study: StudyFile) -> Iterator[InputError]:
             both = first_with(dict(zip((one.name, other.name), labels, strict=True)))
             if both and (problems := list(objections(partial(scenes.settings, at_labels(study, both))))):
                 limit = f"with {other.name} = {labels[1]}: {problems[0]}"
-                yield InputError(f'axes."{next(iter(one.keys))}"' if one.own else one.name, labels[0], limit)
+                yield InputError(*_at(one, one.labels.index(labels[0])), limit)
                 break
 
 

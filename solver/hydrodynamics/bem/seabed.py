@@ -17,6 +17,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.special import jv
 
+from solver.lines import real_by_complex
+
 MISSED = 1e-5  # of what the seabed adds, by too few nodes, but for a factor of up to 5
 FEWEST, MOST = 3, 30  # nodes along an axis; more do not pay
 WORTH = 800  # products of matrices that take as long as one influence of a panel on another above a seabed
@@ -164,8 +166,8 @@ def added(whole: Any, bodies: np.ndarray, part: Any, depth: float, k: float) -> 
 
 
 def _by_real(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Their product, of which the second is real: in half the time of complex by complex."""
-    return one.real @ other + 1j * (one.imag @ other) if np.iscomplexobj(one) else np.asarray(one @ other)
+    """Their product, of which the second is real; waves of no length have a first one that is, too."""
+    return real_by_complex(other.T, one.T).T if np.iscomplexobj(one) else np.asarray(one @ other)
 
 
 def _sent(box: Box, part: Any, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
