@@ -134,7 +134,7 @@ def new_problem(
     inverse, H = flexibility(structure, dt, LOBATTO)
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
-    fixed = (stiffness, np.ascontiguousarray(beta, dtype=complex), bent, pace, swing)
+    fixed = (stiffness, np.array(beta, complex), bent, pace, swing)  # read-only poles would be another type to compile
     of_newton = (dt, tolerance, NEAR * tolerance, iterations)
     return Problem(bodies, structure, memory, inverse, H, constant, *fixed, *of_newton, False, False, LOBATTO)
 

@@ -10,9 +10,11 @@ Y + iσ Y', for coefficients change slowly.
 """
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.system import System
@@ -66,15 +68,26 @@ def offsets(system: System) -> np.ndarray:
     return start
 
 
-def decay_effects(system: System, h: Hydrodynamics) -> tuple[float, float]:
-    """What the memory's misfit, and coefficients off by their estimated error, change of any mean or std of a decay,
-    relative to that std, and of mean power."""
+def by_memory(system: System, h: Hydrodynamics) -> float:
+    """What the memory's misfit changes of any mean or std of a decay, relative to that std, and of mean power."""
+    if system.fit is None or not offsets(system).any():
+        return 0.0
+    exact, span = _exact(system, h)
+    return _changed(system, exact, _decay(system, span, system.fit.frequency(span.omega)))
+
+
+def by_mesh(system: System, h: Hydrodynamics) -> float:
+    """The same by coefficients off by their estimated error."""
     if not offsets(system).any():
-        return 0.0, 0.0
+        return 0.0
+    exact, span = _exact(system, h)
+    return _changed(system, exact, _decay(system, span, extended(system, h.shifted, span.omega)))
+
+
+@lru_cache(maxsize=1)
+def _exact(system: System, h: Hydrodynamics) -> "tuple[_Decay, _Span]":
     span = _span(system, h)
-    exact = _decay(system, span, extended(system, h, span.omega))
-    memory = _changed(system, exact, _decay(system, span, system.fit.frequency(span.omega))) if system.fit else 0.0
-    return memory, _changed(system, exact, _decay(system, span, extended(system, h.shifted, span.omega)))
+    return _decay(system, span, extended(system, h, span.omega)), span
 
 
 def died(channels: Channels, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
@@ -102,7 +115,7 @@ def _span(system: System, h: Hydrodynamics) -> _Span:
     high = BEYOND * h.omega[-1]
     end = s.discard + max(s.duration, SHORTEST * 2 * np.pi / h.omega[-1])
     most = min(MOST, ENTRIES // len(h.added_mass_inf) ** 2)
-    count = int(min(max(2 * end, PERIODS * 2 * np.pi / low) * high / (2 * np.pi), most)) + 1
+    count = next_fast_len(int(min(max(2 * end, PERIODS * 2 * np.pi / low) * high / (2 * np.pi), most)) + 1)
     whole = count * 2 * np.pi / high
     step, end = whole / (2 * count), min(end, whole / 2)
     times = step * np.arange(2 * count)
@@ -127,10 +140,9 @@ def _decay(system: System, span: _Span, Y: np.ndarray) -> _Decay:
     Q = spectrum(system, w, Y) - start / rate
     held = model.wrench[0] @ start / rate[..., None]  # which those of Q at last take back
     forces = Channels(system.scene, None).hinge_force(model.loads(w, Q, Y, held, system.bodies.active))
-    every = np.concatenate([Q, rate * Q, forces.reshape(w.size, -1)], axis=1)
-    every[0] /= 2
-    series = np.fft.fft(every, 2 * w.size, axis=0).real * (step / np.pi)
-    kept = np.exp(span.sigma * span.times)[:, None] * series[span.at]
+    every = np.concatenate([Q.T, (rate * Q).T, forces.reshape(w.size, -1).T]).conj()
+    series = np.fft.irfft(every, 2 * w.size) * (w.size * step / np.pi)
+    kept = (np.exp(span.sigma * span.times) * series[:, span.at]).T
     motions, rates, borne = np.split(kept, [start.size, 2 * start.size], axis=1)
     return _Decay(motions, rates, borne.reshape(span.at.size, -1, 3))
 

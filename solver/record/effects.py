@@ -1,21 +1,22 @@
 """What errors of coefficients, and shapes that are left out, do to the response of the scene's linear model."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from solver.coupled.driving import driven
 from solver.coupled.histories import unswung
-from solver.coupled.linear import impedance, linear_model
+from solver.coupled.linear import LinearModel, impedance, linear_model
 from solver.coupled.support import KNOWN, Support
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import shared
 from solver.lines import lengths, real_by_complex, real_parts
 from solver.multibody.joint_law import JointLaw
+from solver.record import decay
 from solver.record.channels import Channels
-from solver.record.decay import decay_effects
 from solver.record.response import absorbs, excitation, force_of_waves, in_waves, moving_model
 from solver.record.sampling import least_force
 from solver.record.slow import slow_effect
@@ -36,26 +37,58 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     of the coefficients'; and with coefficients off by their estimated error, see `cancelled`. The memory's counts what
     its misfit does below the waves, too, see `slow`.
     """
-    if h is None:
-        return 0.0, 0.0
-    model, sea = moving_model(system, h), system.scene.sea
-    if not sea.amplitude.any():
-        return decay_effects(system, h)
-    omega = sea.omega
+    return (0.0, 0.0) if h is None else (memory_effect(system, h), _mesh_effect(system, h))
 
-    def change(known: Hydrodynamics, y: np.ndarray) -> float:
-        X = model.response(omega, y, force[known])
-        forces = joint_forces(system, omega, X, y, pushed[known])
-        return max(response_error(system, system.bodies.law, omega, X, exact), force_error(system, forces, borne))
 
-    force = {known: force_of_waves(system, known) for known in (h, h.shifted)}
-    pushed = {known: excitation(system, known, omega) * sea.amplitude[:, None] for known in force}
-    Y = impedance(system, h, omega)
-    exact = model.response(omega, Y, force[h])
-    borne = joint_forces(system, omega, exact, Y, pushed[h])
-    memory = max(change(h, system.fit.frequency(omega)), slow_effect(system, h)) if system.fit else 0.0
-    net, off = change(h.shifted, impedance(system, h.shifted, omega)), unlike(force[h].T, force[h.shifted].T)
-    return memory, cancelled(net, off, lambda: change(h.shifted, Y))
+def memory_effect(system: System, h: Hydrodynamics) -> float:
+    """The first of `coefficient_effects`."""
+    if system.fit is None:
+        return 0.0
+    if not system.scene.sea.amplitude.any():
+        return decay.by_memory(system, h)
+    misfit = _exact(system, h).change(h, system.fit.frequency(system.scene.sea.omega))
+    return max(misfit, slow_effect(system, h))
+
+
+def _mesh_effect(system: System, h: Hydrodynamics) -> float:
+    if not system.scene.sea.amplitude.any():
+        return decay.by_mesh(system, h)
+    exact, omega = _exact(system, h), system.scene.sea.omega
+    net = exact.change(h.shifted, impedance(system, h.shifted, omega))
+    off = unlike(exact.force.T, force_of_waves(system, h.shifted).T)
+    return cancelled(net, off, lambda: exact.change(h.shifted, exact.impedance))
+
+
+@dataclass(frozen=True, eq=False)
+class _Exact:
+    """The linear response to the scene's waves by its coefficients, and by others."""
+
+    system: System
+    model: LinearModel
+    impedance: np.ndarray  # (nw, na, na)
+    force: np.ndarray  # of the waves, (nw, n)
+    motions: np.ndarray  # (nw, n)
+    borne: np.ndarray  # by the joints, (nw, nb, 3)
+
+    @classmethod
+    def of(cls, system: System, model: LinearModel, h: Hydrodynamics, Y: np.ndarray) -> "_Exact":
+        """By coefficients whose impedance is Y."""
+        omega, amplitude = system.scene.sea.omega, system.scene.sea.amplitude
+        force = force_of_waves(system, h)
+        X = model.response(omega, Y, force)
+        pushed = excitation(system, h, omega) * amplitude[:, None]
+        return cls(system, model, Y, force, X, joint_forces(system, omega, X, Y, pushed))
+
+    def change(self, known: Hydrodynamics, Y: np.ndarray) -> float:
+        """By the forces of these coefficients, and another impedance."""
+        other, omega = self.of(self.system, self.model, known, Y), self.system.scene.sea.omega
+        motions = response_error(self.system, self.system.bodies.law, omega, other.motions, self.motions)
+        return max(motions, force_error(self.system, other.borne, self.borne))
+
+
+@lru_cache(maxsize=1)
+def _exact(system: System, h: Hydrodynamics) -> _Exact:
+    return _Exact.of(system, moving_model(system, h), h, impedance(system, h, system.scene.sea.omega))
 
 
 def cancelled(effect: float, unlike_forces: float, pushed: Callable[[], float]) -> float:

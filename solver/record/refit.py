@@ -11,6 +11,7 @@ Poles are the coefficients' and not the sea's: those of the usual fit stay, or s
 them, once for all seas. What they weigh is found again, which is soon done.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 from itertools import product
 
@@ -28,10 +29,10 @@ from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import Bits, shared
 from solver.record.accuracy import MARGIN, SHARE
 from solver.record.decay import spectrum
-from solver.record.effects import coefficient_effects
+from solver.record.effects import memory_effect
 from solver.record.response import excitation, moving_model
 from solver.record.slow import slow_importance
-from solver.scene import Scene
+from solver.scene import Scene, Settings
 from solver.statistics import FAINT
 
 SWAYED = 3e-3  # what the fit may change a motion's RAO, its std or its power by, relative, where no tolerance is given
@@ -46,16 +47,25 @@ Ways = tuple[tuple[str, ...], ...]  # motions that each float can have
 
 def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
     """The scene as arrays; its memory is fitted to the motions where the usual fit sways them more than it may."""
-    best, asked = prepare(scene, h), scene.settings
-    if h is None or best.fit is None or asked.memory == "convolution" or asked.memory_tolerance is not None:
-        return best
+    usual, asked = prepare(scene, h), scene.settings
+    if h is None or usual.fit is None or asked.memory == "convolution" or asked.memory_tolerance is not None:
+        return usual
     hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
-    if h.moved(ways).sum() > (MANY if best.fit.error <= USUAL else FEW):
-        return best
-    allowed = SWAYED if asked.tolerance is None else SHARE["memory_effect"] ** 0.5 * asked.tolerance / MARGIN
+    if h.moved(ways).sum() > (MANY if usual.fit.error <= USUAL else FEW):
+        return usual
+    stepless = replace(asked, time_step=None, newton_tolerance=Settings().newton_tolerance)
+    fit = _suited(replace(scene, settings=stepless), h, hulls, ways)
+    return usual if fit is usual.fit else prepare(scene, h, fit)
+
+
+@lru_cache(maxsize=KNOWN)
+def _suited(scene: Scene, h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways) -> RadiationMemory | None:
+    """The memory that does, or the best that there is: the same whatever the step, which runs are repeated with."""
+    asked, best = scene.settings.tolerance, prepare(scene, h)
+    allowed = SWAYED if asked is None else SHARE["memory_effect"] ** 0.5 * asked / MARGIN
     usual, effect, moving = best.fit, _swayed(best, h), (h, hulls, ways)
-    if effect <= allowed or (sampled := _sampled(*moving)) is None:
-        return best
+    if usual is None or effect <= allowed or (sampled := _sampled(*moving)) is None:
+        return usual
     counts = np.maximum(importance(best, h), slow_importance(best, h))
     for pairs, times in product(_numbers(usual, sampled), TIMES):
         poles = _poles(*moving, pairs) if pairs else usual.beta
@@ -68,7 +78,7 @@ def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
             best, effect = fitted, less
         if effect <= allowed:
             break
-    return best
+    return best.fit
 
 
 def _numbers(usual: RadiationMemory, sampled: Samples) -> list[int]:
@@ -112,7 +122,7 @@ def _swayed(system: System, h: Hydrodynamics) -> float:
     assert system.fit is not None, "asked of a scene that has one"
     change = np.abs(_motions(system, h, system.fit.frequency(h.omega))[1] - exact)[inside].max(axis=0)
     used, largest = _used(system, exact[inside])
-    return max(coefficient_effects(system, h)[0], float(np.max(change[used] / largest[used], initial=0.0)))
+    return max(memory_effect(system, h), float(np.max(change[used] / largest[used], initial=0.0)))
 
 
 def _motions(system: System, h: Hydrodynamics, Y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import typeof
 from pytest import approx
 
 from solver.coupled.blocks import blocks
@@ -12,6 +13,7 @@ from solver.coupled.stages import State
 from solver.coupled.support import dynamic_model
 from solver.coupled.system import BLOCK_STEPS
 from solver.errors import InputError, SimulationFailed
+from solver.keys import shared
 from solver.run import simulate
 from solver.scene import Scene
 from solver.structure.modes import modes_in, symmetric_basis
@@ -27,6 +29,14 @@ def history(scene, coefficients, seconds):
     system = prepare(scene, coefficients)
     parts = [out for _, out, _ in blocks(system, system.start(), round(seconds / system.dt))]
     return [np.concatenate([getattr(out, name) for out in parts]) for name in ("z", "p", "wrench")]
+
+
+def test_shared_poles_are_no_other_type_to_compile():
+    """Half of what tests compiled was the time loop for read-only ones."""
+    usual = prepare(*SCENES["duck"]())
+    other = replace(usual, fit=replace(usual.fit, beta=shared(usual.fit.beta.copy())))
+    assert typeof(other.fit.beta) != typeof(usual.fit.beta)
+    assert typeof(other.problem()) == typeof(usual.problem())
 
 
 @pytest.mark.parametrize("support", ["fixed", "elastic"])

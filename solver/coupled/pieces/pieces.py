@@ -31,6 +31,7 @@ from solver.multibody.zones import within_stops
 PATIENCE = 2  # iterations of a piece, beyond which Newton's matrix is renewed
 SHARE = 8  # pieces that share one
 CHANGES = 200  # of laws in one step, at most
+NOBODY = np.int64(-1)  # a plain -1 is a type of its own to compile
 
 
 @part_kernel
@@ -63,7 +64,7 @@ def in_pieces(
 ) -> tuple[int, int]:
     """Advance `state` by the step from `sample` on; (outcome, iterations). Pieces end at the step's middle, too."""
     used = changes = 0
-    at, i, kind = NEVER, -1, STOP_ZONE
+    at, i, kind = NEVER, NOBODY, STOP_ZONE
     fine.shared[0], fine.knots[0], room.newton.rate[0] = 0, problem.dt, np.inf
     most = np.inf  # length of the next piece, after one too long
     before = stored_before(problem, state, room)
