@@ -1,5 +1,7 @@
 """A step in pieces."""
 
+from typing import cast
+
 import numpy as np
 
 from solver.coupled.pieces.change import change_law
@@ -31,7 +33,7 @@ from solver.multibody.zones import within_stops
 PATIENCE = 2  # iterations of a piece, beyond which Newton's matrix is renewed
 SHARE = 8  # pieces that share one
 CHANGES = 200  # of laws in one step, at most
-NOBODY = np.int64(-1)  # a plain -1 is a type of its own to compile
+NOBODY = cast("int", np.int64(-1))  # a plain -1 is a type of its own to compile
 
 
 @part_kernel
