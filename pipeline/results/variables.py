@@ -139,6 +139,9 @@ VARIABLES = {
     "linearisation_effect": Meaning(
         "1", "Relative error by what linear damping leaves of the joints' loads, in the frequency domain"
     ),
+    "rotation_effect": Meaning(
+        "1", "Relative error by what arms' rotation drives at resonances below the waves, in the frequency domain"
+    ),
     "shapes_effect": Meaning("1", "Relative error that the frame's left-out shapes make in the linear response"),
     "elements_effect": Meaning("1", "Relative error that the frame's elements make in the linear response"),
     "memory_error": Meaning("1", "Largest relative misfit of the radiation memory"),

@@ -56,6 +56,7 @@ class Response:
     wrench: np.ndarray  # (nw, nb, 6) all loads on the floats
     carried: np.ndarray  # (nw, nc) load of the floats on the support's nodes, along their carriers
     drag: Drag
+    damping: np.ndarray  # (n, n) of drag and dampers, besides the model's
     pto: np.ndarray  # (nj,) damping of the power take-offs, linearised: power over the rate's mean square
     rounds: int  # until the drag agreed with its own result
     mean: Mean
@@ -86,6 +87,7 @@ def respond_in(case: Case, law: JointLaw) -> Response:
         wrench=wrench,
         carried=_carried(case, omega, last.X[:nm], case.modal + drag.modes.T),
         drag=drag,
+        damping=last.damping,
         pto=last.pto,
         rounds=last.rounds,
         mean=_mean(case, last.rate[:nm]),

@@ -19,6 +19,7 @@ from solver.frequency.outputs import (
     tables_of,
 )
 from solver.frequency.response import Response, respond, respond_in
+from solver.frequency.rotation import rotation_effect
 from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
@@ -66,6 +67,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         "law_effect": _law_effect(case, response, scene),
         "drag_effect": of_drag.error,
         "linearisation_effect": UNTOLD if slipping else response.linearisation_effect,
+        "rotation_effect": rotation_effect(case, law, response),
     }
     errors["estimated_error"] = together(errors.values())
     attrs: dict[str, float | str] = {

@@ -1,4 +1,4 @@
-"""Means of second order by the exact rotation of arms, against the linear march in waves that come back."""
+"""What exact rotation of arms does of second order, against the linear march: means, and motions below the waves."""
 
 from dataclasses import replace
 
@@ -8,9 +8,14 @@ from pytest import approx
 
 from solver.frequency.case import case_of
 from solver.frequency.response import respond
-from solver.frequency.rotation import mean_shift
+from solver.frequency.rotation import mean_shift, slow_motions
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate
-from tests.awkward import SCENES
+from solver.scene import Float
+from solver.sea.realization import realize, regular
+from solver.sea.spectrum import PiersonMoskowitz
+from solver.statistics import STATISTICS
+from tests.awkward import SCENES, known, scene
 from tests.frequency.test_frequency import linear, repeating
 
 
@@ -44,3 +49,58 @@ def test_mean_angles_grow_with_the_waves_height_squared():
         lines = linear(replace(item, sea=replace(item.sea, amplitude=height * item.sea.amplitude)), method="frequency")
         angles.append(mean_shift(case_of(lines, h), respond(lines, h)))
     assert angles[1] == approx(4 * angles[0], rel=1e-6)
+
+
+@pytest.fixture(scope="module")
+def spar():
+    """A column too deep to follow the waves, 17 s in heave, that carries two floats."""
+    column = Revolution.vertical_cylinder(radius=2.0, draft=70.0, freeboard=2.0)
+    mass, ball = 1025 * column.volume, Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
+    free = {"motion": ("heave",), "damping": (3e3,)}
+    base = Float(name="base", hull=column, mass=mass, inertia=(4 * mass,) * 3, cog=(0, 0, -36), hinge=(0, 0, 0), **free)
+    of_arm = {"on": "base", "hull": ball, "mass": 2147.0, "inertia": (859.0,) * 3, "pto_damping": 2e4}
+    fore, aft = ({"hinge": (way * 2.0, 0, 2.6), "arm": (way * 4.0, 0, -2.6)} for way in (-1, 1))
+    item = scene(
+        (base, Float(name="fore", **fore, **of_arm), Float(name="aft", **aft, **of_arm)),
+        depth=100.0, froude_krylov="linear", duration=10800.0, discard=600.0,
+    )  # fmt: skip
+    return item, known(item, 0.3, 6.0, count=12)
+
+
+def in_sea(item, Hs, seed, **settings):
+    waves = realize(PiersonMoskowitz(Hs=Hs, Tp=5.46), components=600, band=(0.7, 3.4), seed=seed)
+    return replace(item, sea=waves, settings=replace(item.settings, **settings))
+
+
+def heave(record):
+    return record.variables["motion"][1][0, 0, STATISTICS.index("std")]
+
+
+def test_what_swings_below_the_waves_is_told_though_no_line_has_it(spar):
+    """Linear theory has a tenth of the heave; the mean of its square over some records."""
+    item, h = spar
+    lines = in_sea(item, 0.6, 1, method="frequency")
+    record, case = simulate(lines, h), case_of(lines, h)
+    expected = np.hypot(slow_motions(case, respond(lines, h))[0], heave(record))
+    marched = np.sqrt(np.mean([heave(simulate(in_sea(item, 0.6, seed), h)) ** 2 for seed in (1, 2, 3)]))
+    assert expected == approx(marched, rel=0.15)
+    assert record.attrs["rotation_effect"] == approx(expected / heave(record) - 1, rel=1e-6)
+    assert marched > 5 * heave(record) and "rotation_effect" in record.attrs["warnings"]
+
+
+def test_it_grows_with_the_waves_height_squared_and_one_wave_has_none(spar):
+    item, h = spar
+    low, high = (in_sea(item, Hs, 1, method="frequency") for Hs in (0.3, 0.6))
+    low_std, high_std = (slow_motions(case_of(each, h), respond(each, h)) for each in (low, high))
+    assert high_std == approx(4 * low_std, rel=1e-6) and high_std[0] > 0
+    one = replace(low, sea=regular(height=0.5, period=5.0))
+    assert simulate(one, h).attrs["rotation_effect"] == 0.0
+
+
+def test_what_only_slides_has_none():
+    """A buoy on a soft spring below the waves."""
+    item, h = SCENES["soft_mooring"]()
+    barge = item.floats[0]
+    sliding = replace(barge, motion=("surge",), stiffness=barge.stiffness[:1], damping=barge.damping[:1])
+    record = simulate(linear(replace(item, floats=(sliding,)), method="frequency"), h)
+    assert record.attrs["rotation_effect"] < 1e-9
