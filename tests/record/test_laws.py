@@ -109,6 +109,7 @@ def table_of(x):
     return np.array([x.max(), x.min(), x.mean(), np.sqrt(np.mean(x**2)), x.std()])
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_by_a_finer_table_where_its_start_tells_that_it_must():
     """Unless its step is given, or by the tolerance; and `unmet` names the law where no table is fine enough."""
     given = simulate(pumped())

@@ -247,6 +247,7 @@ def test_added_mass_below_zero_is_refused(monkeypatch):
     changed({(11, 11): -1.0})
 
 
+@pytest.mark.slow
 def test_what_panels_do_to_a_hemisphere_s_power_is_told():
     """Limits of three meshes agree at some frequencies, and errors of force and added mass cancel at others."""
     k = np.array([0.4, 0.5, 0.8, 1.2, 1.6])

@@ -122,7 +122,7 @@ RINGING = [
     ("ring", 1.5, 0.25, 0.05),
     ("ring", 1.65, 0.7, 0.05),
     ("boxes", 1.9, 0.06, 0.03),
-    ("unequal", 1.9, 0.015, 0.04),
+    pytest.param("unequal", 1.9, 0.015, 0.04, marks=pytest.mark.slow),
 ]
 
 

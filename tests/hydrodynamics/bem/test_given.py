@@ -695,7 +695,7 @@ def test_froude_krylov_moments_tell_where_they_are_about(name):
         assert doubt[:2] == pytest.approx([0.0, 0.0], abs=0.01 * may) and 0.6 < -side * doubt[2] / (0.8 * may) < 1.0
 
 
-@pytest.mark.parametrize("count", [5, 12])
+@pytest.mark.parametrize("count", [5, pytest.param(12, marks=pytest.mark.slow)])
 def test_a_float_about_a_spar_with_a_plate_is_known(count):
     """Near each other each takes of the other's force along."""
     spar = Revolution.profile([(0, -35.0), (15.0, -35.0), (15.0, -34.0), (3.0, -34.0), (3.0, 5.0), (0, 5.0)])

@@ -49,6 +49,7 @@ def test_the_forces_on_a_cylinder_are_maccamys_and_fuchss():
     assert h.settings["seabed_error"] == 0  # it is never left out
 
 
+@pytest.mark.slow
 def test_a_caisson_is_the_limit_of_one_over_a_narrow_gap():
     """In oblique waves, on it and on a float beside it, off the origin: half the gap is half the way to the limit."""
 
