@@ -8,7 +8,9 @@ from solver import limits
 from solver.balance import heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.gaps import gaps
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.swing import inside
+from solver.limits import slides
 from solver.mooring import odd_lines
 from solver.scene import DOFS, Float, Platform, Scene, load_unit_along, unit_along
 from solver.sea.field import wave_field
@@ -22,6 +24,8 @@ STRAYED = 0.5  # [rad] of the mean wave that it may go from where diffraction ha
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's is 1240
 FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
+LARGEST = 500.0  # [m]: no hull is longer, the longest ship has 458 m
+STEELS = 300.0, 25000.0  # [kg/m3]: of timber, and heavier than all metals that frames are of
 RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
 
 
@@ -30,6 +34,7 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     sentences = [*_of_water(scene)]
     sentences += [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
+    sentences += [text for f in scene.floats for text in _of_units(f)]
     sentences += [f"floats.{f.name}.lines: {text}" for f in scene.floats for text in odd_lines(f.lines, f.centre)]
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
     for group in scene.sharing:
@@ -62,6 +67,22 @@ def _of_water(scene: Scene) -> Iterator[str]:
             yield f"current: {fastest:g} m/s is faster than any tide, {FASTEST:g} m/s: is it in other units?"
 
 
+def _of_units(item: Float) -> Iterator[str]:
+    """Sentences for a float whose size or stops look as of other units."""
+    if item.hull.size > LARGEST:
+        mesh = " (hull.scale is 0.001 of a mesh in mm)" if isinstance(item.hull, PanelHull) else ""
+        yield f"floats.{item.name}.hull: reaches {item.hull.size:.4g} m, as no hull does: is it in other units{mesh}?"
+    if item.end_stops is None:
+        return
+    low, high = (np.abs(item.per_axis(f"end_stops.{end}")) for end in ("lower", "upper"))
+    for axis, farthest in zip(item.motion, np.maximum(low, high), strict=True):
+        if not slides(axis) and farthest > np.pi:
+            yield (
+                f"floats.{item.name}.end_stops: {farthest:g} rad of {axis} is more than half a turn, where no float"
+                " comes: are they in degrees?"
+            )
+
+
 def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
     """Sentences for a frame that buckles or bends too far at rest, for its member that is thickest beside waves, for
     those that lie in still water's surface, for its thinnest tube that is utilised, and for feet clamped in mid-water.
@@ -77,6 +98,10 @@ def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
         yield from in_water.left_dry(platform.frame)
     if "utilisation" in scene.settings.outputs:
         yield from tubular.too_thin(platform.frame.members)
+    low, high = STEELS
+    for density in sorted({m.material.density for m in platform.frame.members if m.material.density > 0}):
+        if not low <= density <= high:
+            yield f"platform.materials: density {density:g} kg/m3, of frames {low:g} to {high:g}: is it in other units?"
     heights = {name: water.depth + platform.frame.nodes[name][2] for name in platform.frame.clamped}
     if raised := [name for name, up in heights.items() if RAISED < up / water.depth < 1]:
         yield (

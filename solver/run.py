@@ -18,7 +18,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_err
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.limits import field_error
 from solver.oddities import beyond_tables, met, strayed, swung, warnings
-from solver.record.accuracy import ATTEMPTS, first_guess, improved
+from solver.record.accuracy import ATTEMPTS, first_guess, improved, overruled
 from solver.record.audit import audit, doubts
 from solver.record.bound import above
 from solver.record.channels import Record
@@ -50,6 +50,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     if hydrodynamics is None and needed(scene):
         hydrodynamics = coefficients(scene)
     scene = with_critical_damping(scene, hydrodynamics)
+    given = scene.settings
     finer: Better = _content
     if scene.settings.tolerance is not None and scene.settings.method == "time":
         scene, finer = replace(scene, settings=first_guess(scene)), improved
@@ -67,7 +68,10 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
             break
         scene = record
     assert isinstance(record, Record)  # the last attempt is content with whatever a run tells
-    asked = {} if scene.settings.tolerance is None else {"tolerance": scene.settings.tolerance}
+    asked: dict[str, Any] = {}
+    if given.tolerance is not None:
+        notes = (record.attrs["unmet"], *(overruled(given, record.attrs) if given.method == "time" else ()))
+        asked = {"tolerance": given.tolerance, "unmet": "; ".join(note for note in notes if note)}
     attrs = {**record.attrs, **asked, "repeated": repeated, "wall_time": time.perf_counter() - clock}
     return replace(record, attrs=attrs)
 

@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from solver.errors import SimulationFailed
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.limits import pushed
 from solver.oddities import beyond_tables, warnings
 from solver.power_takeoff import PtoTable
 from solver.run import simulate
+from solver.scene import EndStops
 from solver.sea.current import Current, CurrentSpeed
 from solver.sea.field import wave_field
-from tests.awkward import bare_legs, flap, soft_mooring
+from tests.awkward import bare_legs, flap, soft_mooring, unequal_legs
 from tests.record.test_slow import soft
 from tests.test_balance import ball
 
@@ -151,3 +153,29 @@ def test_a_foot_clamped_above_the_seabed_is_told(deeper, told):
     texts = warnings(replace(item, water=replace(item.water, depth=25.0 + deeper)))
     feet = ", ".join(item.platform.frame.clamped)
     assert any(text.startswith(f"platform.clamped: {feet} above the seabed") for text in texts) is told
+
+
+@pytest.mark.parametrize(("upper", "told_so"), [(3.1, False), (30.0, True)])
+def test_stops_of_a_hinge_beyond_half_a_turn_are_told(upper, told_so):
+    item = flap()[0]
+    stops = EndStops(lower=-1.0, upper=upper, stiffness=1e5)
+    texts = warnings(replace(item, floats=(replace(item.floats[0], end_stops=stops),)))
+    assert any("end_stops: 30 rad of hinge" in text for text in texts) is told_so
+
+
+@pytest.mark.parametrize(("scale", "told_so"), [(1.0, False), (1000.0, True)])
+def test_a_mesh_in_other_units_is_told(scale, told_so):
+    item = soft_mooring()[0]
+    mesh = item.floats[0].hull
+    hull = PanelHull.of(scale * mesh.vertices, mesh.faces)
+    large = replace(item, floats=(replace(item.floats[0], hull=hull),), water=replace(item.water, depth=np.inf))
+    assert any("hull.scale is 0.001 of a mesh in mm" in text for text in warnings(large)) is told_so
+
+
+@pytest.mark.parametrize(("density", "told_so"), [(7.85, True), (7850.0, False)])
+def test_steel_in_tonnes_is_told(density, told_so):
+    item = unequal_legs()[0]
+    frame = item.platform.frame
+    members = tuple(replace(m, material=replace(m.material, density=density)) for m in frame.members)
+    platform = replace(item.platform, frame=replace(frame, members=members))
+    assert any("density 7.85 kg/m3" in text for text in warnings(replace(item, platform=platform))) is told_so

@@ -333,6 +333,9 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
     if len(study.floats) > MOST_FLOATS:
         yield InputError("floats", f"{len(study.floats)} floats", f"must be <= {MOST_FLOATS}")
         return
+    if twice := [*_repeated("floats.name", (f.name for f in study.floats))]:
+        yield from twice
+        return
     for item in study.floats:
         yield from objections(partial(scenes.in_place, item, study.water))
     if table := study.platform:

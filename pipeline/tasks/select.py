@@ -43,7 +43,9 @@ def _wanted(study: Study, text: str) -> dict[str, set[Label]]:
     for pair in _pairs(text):
         axis, equals, word = (part.strip() for part in pair.partition("="))
         if not equals:
-            raise StudyError(study.path, [f"--select = {pair}: must be axis=value,axis=value"])
+            raise StudyError(
+                study.path, [f"--select = {pair}: must be axis=value,axis=value, an axis again for each value"]
+            )
         axis = dimension(study.content, axis)
         if axis not in table:
             raise StudyError(study.path, [f"--select = {axis}: unknown axis; {_suggest(axis, list(table))}"])

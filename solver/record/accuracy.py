@@ -4,8 +4,9 @@ Without one the step alone is chosen: by the scene's periods, and shorter where 
 power take-offs' laws are finer where it says so, with and without one.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,9 @@ MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
 # setting changes (the BEM's mesh is chosen before, see scene.panels_for) has the rest. Where laws jump samples err, and
 # the step less.
 SHARE = {"discretization_error": 0.5, "sampling_error": 0.5, "quadrature_error": 0.25, "memory_effect": 0.25}
+CHOSEN = (
+    "time_step", "field_tolerance", "newton_tolerance", "azimuths", "arc_points", "line_points", "stations_per_element",
+)  # fmt: skip
 SHAPES = 0.25  # and of the frame's shapes, of its drag, and of tables of laws, which are cheap
 STEP_ORDER = 4
 SAMPLES_ORDER = 1.5  # jumps lie anywhere between samples: in gaps half as wide and twice as many
@@ -43,6 +47,14 @@ def first_guess(scene: Scene) -> Settings:
         stations_per_element=2 if tolerance > 4e-4 else 4,
         time_step=min(step, scene.longest_step),
     )
+
+
+def overruled(asked: Settings, used: Mapping[str, Any]) -> Iterator[str]:
+    """A note on each setting that is given and of which a tolerance has used another value."""
+    for name in CHOSEN:
+        given, default = (getattr(s, name) for s in (asked, Settings()))
+        if asked.tolerance is not None and given not in (default, used[name]):
+            yield f"{name} = {given:g}: tolerance chooses it, {used[name]:g}"
 
 
 def improved(scene: Scene, told: Mapping[str, float]) -> Scene | None:

@@ -341,8 +341,13 @@ def out_of_place(item: Float, water: Water) -> Iterator[InputError]:
     key, z = f"floats.{item.name}.arm", item.centre[2]
     if not (z - item.hull.draft > -water.depth or (stands(item.hull, water.depth) and not item.motion)):
         lowest = f"lowest point at z = {z - item.hull.draft:g} m, depth {water.depth:g} m"
-        limit = f"must stay above the seabed, or with motion = [] stand on it with a flat foot: {lowest}"
-        yield InputError(key, item.arm, limit)
+        if item.hull.draft < water.depth:
+            limit = f"must stay above the seabed, or with motion = [] stand on it with a flat foot: {lowest}"
+            yield InputError(key, item.arm, limit)
+        else:  # wherever its arm brings it
+            mesh = " (hull.scale is 0.001 of a mesh in mm)" if isinstance(item.hull, PanelHull) else ""
+            limit = f"must be < {water.depth:g} m, water.depth, or with motion = [] have a flat foot there{mesh}"
+            yield InputError(f"floats.{item.name}.hull", f"a draft of {item.hull.draft:g} m", limit)
     elif abs(z) > STILL_WATER:
         limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {z:g} m"
         yield InputError(key, item.arm, limit)

@@ -135,7 +135,7 @@ def measured(*, time: ArrayLike, elevation: ArrayLike, band: tuple[float, float]
         f" variance lies outside {low:g} to {high:g} rad/s and is left out; it repeats after {n * step:g} s"
     )
     # A raw periodogram has its highest line anywhere near the peak.
-    smooth = np.convolve(power, np.hanning(2 * int(np.sqrt(n) / 2) + 3), mode="same")
+    smooth = np.convolve(power, np.hanning(min(2 * int(np.sqrt(n) / 2) + 3, power.size)), mode="same")
     return Realization(
         omega=omega[inside],
         amplitude=amplitude[inside],

@@ -46,6 +46,15 @@ def told(**errors):
     return {**parts, "estimated_error": together(parts.values())}
 
 
+def test_a_step_given_beside_a_tolerance_is_told_that_it_is_not_taken():
+    item, h = SCENES["duck"]()
+    both = replace(item, settings=replace(item.settings, tolerance=3e-2, time_step=0.01, duration=20.0, discard=5.0))
+    attrs = simulate(both, h).attrs
+    assert f"time_step = 0.01: tolerance chooses it, {attrs['time_step']:g}" in attrs["unmet"]
+    alone = simulate(replace(both, settings=replace(both.settings, time_step=None)), h).attrs
+    assert attrs["time_step"] == alone["time_step"] and "tolerance chooses" not in alone["unmet"]
+
+
 @pytest.mark.parametrize("support", ["fixed", "elastic"])
 def test_tighter_tolerance_is_met_by_dearer_settings(buan, coefficients, support):
     loose, usual, tight = (

@@ -122,3 +122,13 @@ def test_nonsense_is_refused(make, key):
     with pytest.raises(InputError) as caught:
         make()
     assert caught.value.key == key
+
+
+@pytest.mark.parametrize("count", [4, 5, 7, 8])
+def test_a_record_of_few_samples_comes_back(count):
+    """Shorter than the window that its spectrum is smoothed by."""
+    t = np.arange(count)
+    eta = np.cos(2.0 * t) + 0.3 * t
+    wave = measured(time=t, elevation=eta, band=(1e-6, 100.0))
+    back = np.sum(wave.amplitude * np.exp(-1j * np.outer(t, wave.omega)), axis=1).real
+    assert back == approx(eta - eta.mean(), abs=1e-12) and wave.peak_frequency in wave.omega

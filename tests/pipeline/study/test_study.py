@@ -2,13 +2,16 @@
 
 import math
 import re
+import tomllib
 
 import pytest
 from typer.testing import CliRunner
 
+from pipeline.bridge import checks
 from pipeline.bridge.loading import load
 from pipeline.cli.cli import app
 from pipeline.study.reading import StudyError
+from pipeline.study.schema import StudyFile
 from tests.pipeline.conftest import BUAN, SMALL
 
 # what to replace in the small study, by what, and what the message must say
@@ -22,7 +25,7 @@ BAD = [
     (
         "depth = 50.0",
         "depth = 0.9",
-        "floats.front.arm = [-2.36, 0.0, -2.6]: must stay above the seabed",
+        "floats.front.hull = a draft of 1 m: must be < 0.9 m, water.depth",
     ),
     ("[water]", "[watre]", "watre = {'depth': 50.0}: unknown key; did you mean water?"),
     ("[water]", "[water", "is not valid TOML"),
@@ -347,3 +350,11 @@ def test_a_limit_of_one_axis_leaves_the_others_without(tmp_path):
             read(f"force_limit = {limit}\n")
         assert len(error.value.problems) == len(words)
         assert all(re.search(word, text) for word, text in zip(words, error.value.problems, strict=True))
+
+
+def test_a_name_that_two_floats_have_is_all_that_is_told():
+    """Not that the frame has no node for the other one."""
+    tables = tomllib.loads(BUAN.read_text())
+    tables["floats"][1]["name"] = "front"
+    told = checks.problems(StudyFile.model_validate(tables))
+    assert [str(problem) for problem in told] == ["floats.name = front: given 2 times, must be unique"]
