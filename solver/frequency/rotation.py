@@ -34,10 +34,9 @@ from solver.frequency.case import Case
 from solver.frequency.gaussian import covariance
 from solver.frequency.response import Response
 from solver.lines import lengths
-from solver.multibody.joint_law import JointLaw
 from solver.record.decay import extended
-from solver.record.effects import response_error
 from solver.record.slow import LIGHTLY
+from solver.statistics import FAINT
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
 REACH = 2.0  # standard deviations of a band of frequencies, each as wide as waves are apart
@@ -76,14 +75,15 @@ def mean_shift(case: Case, response: Response) -> np.ndarray:
     return np.linalg.lstsq(model.stiffness, model.shape.T @ load, rcond=None)[0]
 
 
-def rotation_effect(case: Case, law: JointLaw, response: Response) -> float:
-    """Relative error of any std, and of mean power, by what arms' rotation drives below the waves."""
-    std = slow_motions(case, response)
-    if not std.any():
+def rotation_effect(case: Case, response: Response) -> float:
+    """Relative error of any std by what arms' rotation drives below the waves; power, by rates, errs less."""
+    slow = slow_motions(case, response)
+    if not slow.any():
         return 0.0
-    size = lengths(response.X.T) / np.sqrt(2)
-    grown = np.hypot(1, np.divide(std, size, out=np.zeros(size.shape), where=size > 0))
-    return response_error(case.system, law, response.omega, grown * response.X, response.X)
+    std = lengths(response.X.T) / np.sqrt(2)
+    moved = case.model.length * std
+    used = moved > FAINT * moved.max()
+    return float(np.max(np.hypot(1, slow[used] / std[used]), initial=1.0) - 1)
 
 
 def slow_motions(case: Case, response: Response) -> np.ndarray:
@@ -122,15 +122,18 @@ def _swinging(case: Case) -> tuple[_Swinging, ...]:
     if not below.size:
         return ()
     turning, width, found = _turning(case.system.resting), np.ptp(omega) / (omega.size - 1), []
-    apart = omega[:, None] - omega
+    order = np.argsort(omega)
     for own, shape in zip(modes.omega[below], modes.shapes[:, below].T, strict=True):
         moved = model.active @ shape
         h, along = case.hydrodynamics, model.shape @ shape
         radiated = moved @ extended(case.system, h, np.array([own])).real[0] @ moved if h is not None else 0.0
         levers = (turning.levers @ along).reshape(along.size, -1).T
         still = np.moveaxis(model.wrench.reshape(3, len(levers), -1), 1, 2) @ levers
-        pairs = np.array(np.nonzero(np.abs(apart - own) < REACH * width))
-        band = np.exp(-0.5 * ((apart[*pairs] - own) / width) ** 2) / (width * np.sqrt(2 * np.pi))
+        begin, end = np.searchsorted(omega[order], [omega + own - REACH * width, omega + own + REACH * width])
+        higher = order[np.concatenate([np.arange(*ends) for ends in zip(begin, end, strict=True)])]
+        pairs = np.stack([higher, np.repeat(np.arange(omega.size), end - begin)])
+        off = (np.subtract(*omega[pairs]) - own) / width
+        band = np.exp(-0.5 * off**2) / (width * np.sqrt(2 * np.pi))
         curvature = np.tensordot(along, turning.curvature, 1)
         found.append(_Swinging(own, shape, float(radiated), levers, still, curvature, pairs, band))
     return tuple(found)
