@@ -25,7 +25,7 @@ SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's is 1240
 FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
 LARGEST = 500.0  # [m]: no hull is longer, the longest ship has 458 m
-STEELS = 300.0, 25000.0  # [kg/m3]: of timber, and heavier than all metals that frames are of
+TONNES = 0.3, 25.0  # [t/m3] that frames are of, timber to heavy metal; some are of nothing, or next to it
 RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
 
 
@@ -98,10 +98,10 @@ def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
         yield from in_water.left_dry(platform.frame)
     if "utilisation" in scene.settings.outputs:
         yield from tubular.too_thin(platform.frame.members)
-    low, high = STEELS
-    for density in sorted({m.material.density for m in platform.frame.members if m.material.density > 0}):
-        if not low <= density <= high:
-            yield f"platform.materials: density {density:g} kg/m3, of frames {low:g} to {high:g}: is it in other units?"
+    low, high = TONNES
+    for density in sorted({m.material.density for m in platform.frame.members}):
+        if low < density < high:
+            yield f"platform.materials: density {density:g} kg/m3 is of no frame: is it in t/m3?"
     heights = {name: water.depth + platform.frame.nodes[name][2] for name in platform.frame.clamped}
     if raised := [name for name, up in heights.items() if RAISED < up / water.depth < 1]:
         yield (

@@ -115,11 +115,11 @@ def _spectrum(of: _Swinging, omega: np.ndarray, X: np.ndarray, z: np.ndarray, wr
 
 @lru_cache(maxsize=KNOWN)
 def _swinging(case: Case) -> tuple[_Swinging, ...]:
-    """The shapes below the waves; none of a single wave."""
+    """The shapes below the waves; none of a single wave, nor without floats."""
     model, modes, omega = case.model, case.modes, case.waves
     lowest = omega.min() if omega.size > 1 else 0.0
     below = np.flatnonzero((modes.omega > 0) & (modes.omega < lowest))
-    if not below.size:
+    if not (below.size and case.system.scene.floats):
         return ()
     turning, width, found = _turning(case.system.resting), np.ptp(omega) / (omega.size - 1), []
     order = np.argsort(omega)

@@ -346,7 +346,7 @@ def out_of_place(item: Float, water: Water) -> Iterator[InputError]:
             yield InputError(key, item.arm, limit)
         else:  # wherever its arm brings it
             mesh = " (hull.scale is 0.001 of a mesh in mm)" if isinstance(item.hull, PanelHull) else ""
-            limit = f"must be < {water.depth:g} m, water.depth, or with motion = [] have a flat foot there{mesh}"
+            limit = f"must stay above the seabed, {water.depth:g} m, or with motion = [] stand on it{mesh}"
             yield InputError(f"floats.{item.name}.hull", f"a draft of {item.hull.draft:g} m", limit)
     elif abs(z) > STILL_WATER:
         limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {z:g} m"

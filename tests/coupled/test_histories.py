@@ -58,6 +58,7 @@ def apart(ours, theirs):
     return np.abs(ours[used] / theirs[used] - 1).max()
 
 
+@pytest.mark.slow
 def test_a_blow_does_the_same_whenever_it_comes():
     """Also between the samples of the step that the waves alone would have."""
     records = [simulate(blow(start)) for start in (30.0, 30.17, 30.29)]

@@ -184,6 +184,7 @@ def test_memory_that_does_not_fit_is_said(buan, coefficients):
     assert attrs["unmet"].startswith("memory_tolerance = 1e-05: the radiation memory's fit ended at ")
 
 
+@pytest.mark.slow
 def test_a_run_that_meets_a_stop_late_is_judged_from_there():
     """Waves that grow from nothing: what a run's first 600 usual steps say knows no stop, whose hits shake the legs."""
     scene, known_to = SCENES["unequal_legs"]()

@@ -36,8 +36,12 @@ def with_stations(item, count, stretching="none"):
     return replace(item, settings=settings, platform=replace(item.platform, wave_stretching=stretching))
 
 
-@pytest.mark.parametrize("stretching", ["none", "wheeler"])
-@pytest.mark.parametrize("made", [column, unequal_legs, bare_legs])
+@pytest.mark.parametrize(
+    ("made", "stretching"),
+    [(made, "none") for made in (column, unequal_legs, bare_legs)]
+    + [(column, "wheeler")]
+    + [pytest.param(made, "wheeler", marks=pytest.mark.slow) for made in (unequal_legs, bare_legs)],
+)
 def test_records_tell_what_their_stations_do(made, stretching):
     """True error over estimate between 1/3 and 3, to still water and to the waves' surface."""
     item, h = made()

@@ -91,6 +91,7 @@ def test_edges_are_found_where_panels_meet_along_parts_of_their_sides(slant, mad
         assert angle == approx(sharp[apart(line.mean(axis=0)[None], exact).argmin()])
 
 
+@pytest.mark.slow
 def test_the_error_of_a_mesh_whose_corners_hang_is_what_it_is_said_to_be(monkeypatch):
     """Beside one that is narrow at all edges. Even panels there have five times the error in roll."""
     water = {"centres": [[0, 0, 0]], "density": 1000.0, "gravity": 9.81, "depth": np.inf, "planar": False}

@@ -121,7 +121,7 @@ def test_pressure_on_the_moved_hull_is_that_on_the_mesh_as_drawn(shape, noise):
 
 
 @pytest.mark.parametrize("noise", NOISES)
-@pytest.mark.parametrize("shape", ["box", "skew"])
+@pytest.mark.parametrize("shape", ["box", pytest.param("skew", marks=pytest.mark.slow)])
 def test_a_dense_mesh_is_made_coarser_all_the_same(shape, noise):
     """In other panels, for which sides are collapsed first goes by their lengths: within what the mesh tells."""
     fine = surface.quartered(surface.quartered(surface.triangles(SHAPES[shape])[:, [0, 1, 2, 2]]))

@@ -95,7 +95,7 @@ def test_what_stands_has_a_flat_foot_and_does_not_move():
     assert stands(deep, 6.0) and not stands(deep, 6.1) and not stands(deep, inf) and stands(CAISSON, 6.0)
     assert not stands(Revolution.sphere(radius=4.0, draft=6.0), 6.0)  # which touches it
     assert not stands(Revolution.profile([(0.0, -6.0), (3.0, -4.0), (3.0, 2.0)]), 6.0)
-    with pytest.raises(InputError, match=r"caisson.hull = .*: must be < 6 m, water.depth, or with motion = \[\]"):
+    with pytest.raises(InputError, match=r"caisson.hull = .*: must stay above the seabed, 6 m, or with motion = \[\]"):
         replace(scene(), floats=(replace(scene().floats[0], motion=("surge",)),))
     with pytest.raises(InputError, match="the same where a flat foot stands"):
         bem.solve((Revolution.sphere(radius=4.0, draft=6.0),), [[0, 0, 0]], depth=6.0)

@@ -25,7 +25,7 @@ BAD = [
     (
         "depth = 50.0",
         "depth = 0.9",
-        "floats.front.hull = a draft of 1 m: must be < 0.9 m, water.depth",
+        "floats.front.hull = a draft of 1 m: must stay above the seabed, 0.9 m",
     ),
     ("[water]", "[watre]", "watre = {'depth': 50.0}: unknown key; did you mean water?"),
     ("[water]", "[water", "is not valid TOML"),
