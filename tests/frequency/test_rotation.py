@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from solver.coupled.equilibrium import balance
+from solver.frequency import rotation
 from solver.frequency.case import case_of
 from solver.frequency.response import respond
 from solver.frequency.rotation import mean_shift, slow_motions
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate
 from solver.scene import Float
-from solver.sea.realization import realize, regular
+from solver.sea.realization import components, realize, regular
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.statistics import STATISTICS
 from tests.awkward import SCENES, known, scene
@@ -104,3 +106,22 @@ def test_what_only_slides_has_none():
     sliding = replace(barge, motion=("surge",), stiffness=barge.stiffness[:1], damping=barge.damping[:1])
     record = simulate(linear(replace(item, floats=(sliding,)), method="frequency"), h)
     assert record.attrs["rotation_effect"] < 1e-9
+
+
+def test_the_load_of_two_waves_is_what_the_assembled_loads_make_of_their_motions(spar):
+    """At the difference of their frequencies, without what waves add: the even part of the loads, sampled in time."""
+    item, h = spar
+    waves = components(amplitude=np.full(2, 0.1), omega=np.array([1.0, 1.5]), phase=np.zeros(2))
+    case = case_of(replace(item, sea=waves, settings=replace(item.settings, method="frequency")), h)
+    (swinging,), model = rotation._swinging(case), case.model
+    rate, rng = -1j * case.waves[:, None], np.random.default_rng(1)
+    X = 1e-3 * (rng.normal(size=(2, len(model.mass))) + 1j * rng.normal(size=(2, len(model.mass))))
+    still = sum(np.einsum("wn,bdn->wbd", rate**k * X, slope) for k, slope in enumerate(model.wrench))
+    alone = swinging._replace(pairs=np.array([[1], [0]]), band=np.ones(1))
+    told = rotation._spectrum(alone, case.waves, X, X @ model.shape.T, still)
+    t = np.arange(400) * 4 * np.pi / 400  # two turns of one wave and three of the other
+    s = [(np.exp(np.outer(t, rate[:, 0])) @ (rate**k * X @ model.shape.T)).real for k in range(3)]
+    z, body = case.system.equilibrium[0], case.system.bodies
+    even = sum(balance(body, z + sign * s[0], sign * s[1], sign * s[2])[0] for sign in (1, -1)) / 2
+    load = even @ (model.shape @ swinging.shape)
+    assert told == approx(0.5 * np.abs(2 * np.mean(load * np.exp(0.5j * t))) ** 2, rel=1e-3)
