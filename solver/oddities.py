@@ -8,9 +8,7 @@ from solver import limits
 from solver.balance import heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.gaps import gaps
-from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.swing import inside
-from solver.limits import slides
 from solver.mooring import odd_lines
 from solver.scene import DOFS, Float, Platform, Scene, load_unit_along, unit_along
 from solver.sea.field import wave_field
@@ -70,13 +68,13 @@ def _of_water(scene: Scene) -> Iterator[str]:
 def _of_units(item: Float) -> Iterator[str]:
     """Sentences for a float whose size or stops look as of other units."""
     if item.hull.size > LARGEST:
-        mesh = " (hull.scale is 0.001 of a mesh in mm)" if isinstance(item.hull, PanelHull) else ""
-        yield f"floats.{item.name}.hull: reaches {item.hull.size:.4g} m, as no hull does: is it in other units{mesh}?"
+        where = f"floats.{item.name}.hull: reaches {item.hull.size:.4g} m, as no hull does"
+        yield f"{where}: is it in other units{item.in_millimetres}?"
     if item.end_stops is None:
         return
     low, high = (np.abs(item.per_axis(f"end_stops.{end}")) for end in ("lower", "upper"))
     for axis, farthest in zip(item.motion, np.maximum(low, high), strict=True):
-        if not slides(axis) and farthest > np.pi:
+        if not limits.slides(axis) and farthest > np.pi:
             yield (
                 f"floats.{item.name}.end_stops: {farthest:g} rad of {axis} is more than half a turn, where no float"
                 " comes: are they in degrees?"
@@ -85,7 +83,8 @@ def _of_units(item: Float) -> Iterator[str]:
 
 def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
     """Sentences for a frame that buckles or bends too far at rest, for its member that is thickest beside waves, for
-    those that lie in still water's surface, for its thinnest tube that is utilised, and for feet clamped in mid-water.
+    those that lie in still water's surface, for its thinnest tube that is utilised, for a density in t/m³,
+    and for feet clamped in mid-water.
     """
     from solver.structure import in_water, slenderness, tubular  # with scipy's parts, for scenes with a platform alone
 

@@ -69,7 +69,7 @@ def mean_shift(case: Case, response: Response) -> np.ndarray:
     for k, slope in enumerate(model.wrench):
         moving -= np.einsum("wn,bdn->wbd", rate**k * response.X, slope)
     together = covariance(z, moving.reshape(len(moving), -1)).reshape(turning.levers.shape[:3])
-    states = np.concatenate([z, rate * z, rate**2 * z], axis=1)
+    states = _states(response.omega, z)
     load = np.einsum("ibd,ibdk->k", together, turning.levers)
     load += 0.5 * np.einsum("kij,ij->k", turning.curvature, covariance(states, states))
     return np.linalg.lstsq(model.stiffness, model.shape.T @ load, rcond=None)[0]
@@ -106,11 +106,17 @@ def _spectrum(of: _Swinging, omega: np.ndarray, X: np.ndarray, z: np.ndarray, wr
     """
     rate = -1j * omega[:, None]
     borne = wrench.reshape(len(z), -1) @ of.levers - sum(rate**k * (X @ still) for k, still in enumerate(of.still))
-    states = np.concatenate([z, rate * z, rate**2 * z], axis=1)
+    states = _states(omega, z)
     first = np.concatenate([z, borne, states @ of.curvature], axis=1)[of.pairs[0]]
     second = np.concatenate([borne, z, states], axis=1)[of.pairs[1]]
     f = 0.5 * np.einsum("pi,pi->p", first, second.conj())
     return float(0.5 * np.abs(f) ** 2 @ of.band)
+
+
+def _states(omega: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """s (nl, 3nz) of lines z (nl, nz)."""
+    rate = -1j * omega[:, None]
+    return np.concatenate([z, rate * z, rate**2 * z], axis=1)
 
 
 @lru_cache(maxsize=KNOWN)

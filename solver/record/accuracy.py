@@ -51,9 +51,10 @@ def first_guess(scene: Scene) -> Settings:
 
 def overruled(asked: Settings, used: Mapping[str, Any]) -> Iterator[str]:
     """A note on each setting that is given and of which a tolerance has used another value."""
+    usual = Settings()
     for name in CHOSEN:
-        given, default = (getattr(s, name) for s in (asked, Settings()))
-        if asked.tolerance is not None and given not in (default, used[name]):
+        given = getattr(asked, name)
+        if given not in (getattr(usual, name), used[name]):
             yield f"{name} = {given:g}: tolerance chooses it, {used[name]:g}"
 
 

@@ -193,6 +193,11 @@ class Float:
             yield InputError(f"{key}.arm", self.arm, "must not lie along the hinge axis: the float would only spin")
 
     @property
+    def in_millimetres(self) -> str:
+        """What to say of a mesh that is too large to be in m; nothing of other hulls."""
+        return " (hull.scale is 0.001 of a mesh in mm)" if isinstance(self.hull, PanelHull) else ""
+
+    @property
     def inertia_tensor(self) -> np.ndarray:
         """About the c.o.g., along the body's axes (3, 3) [kg m2]."""
         return inertia_tensor(self.inertia, self.products_of_inertia)
@@ -340,13 +345,13 @@ def out_of_place(item: Float, water: Water) -> Iterator[InputError]:
     """A float that at rest reaches the seabed and does not stand on it, or whose reference point is not at z = 0."""
     key, z = f"floats.{item.name}.arm", item.centre[2]
     if not (z - item.hull.draft > -water.depth or (stands(item.hull, water.depth) and not item.motion)):
-        lowest = f"lowest point at z = {z - item.hull.draft:g} m, depth {water.depth:g} m"
         if item.hull.draft < water.depth:
+            lowest = f"lowest point at z = {z - item.hull.draft:g} m, depth {water.depth:g} m"
             limit = f"must stay above the seabed, or with motion = [] stand on it with a flat foot: {lowest}"
             yield InputError(key, item.arm, limit)
         else:  # wherever its arm brings it
-            mesh = " (hull.scale is 0.001 of a mesh in mm)" if isinstance(item.hull, PanelHull) else ""
-            limit = f"must stay above the seabed, {water.depth:g} m, or with motion = [] stand on it{mesh}"
+            limit = f"must stay above the seabed, {water.depth:g} m, or with motion = [] stand on it"
+            limit += item.in_millimetres
             yield InputError(f"floats.{item.name}.hull", f"a draft of {item.hull.draft:g} m", limit)
     elif abs(z) > STILL_WATER:
         limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {z:g} m"
