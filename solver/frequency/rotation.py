@@ -34,8 +34,7 @@ from solver.frequency.case import Case
 from solver.frequency.gaussian import covariance
 from solver.frequency.response import Response
 from solver.lines import lengths
-from solver.record.decay import extended
-from solver.record.slow import LIGHTLY
+from solver.record.slow import LIGHTLY, below
 from solver.statistics import FAINT
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
@@ -122,17 +121,13 @@ def _states(omega: np.ndarray, z: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=KNOWN)
 def _swinging(case: Case) -> tuple[_Swinging, ...]:
     """The shapes below the waves; none of a single wave, nor without floats."""
-    model, modes, omega = case.model, case.modes, case.waves
-    lowest = omega.min() if omega.size > 1 else 0.0
-    below = np.flatnonzero((modes.omega > 0) & (modes.omega < lowest))
-    if not (below.size and case.system.scene.floats):
+    model, omega, shapes = case.model, case.waves, below(case.system, case.hydrodynamics)
+    if not (shapes.omega.size and case.system.scene.floats):
         return ()
     turning, width, found = _turning(case.system.resting), np.ptp(omega) / (omega.size - 1), []
     order = np.argsort(omega)
-    for own, shape in zip(modes.omega[below], modes.shapes[:, below].T, strict=True):
-        moved = model.active @ shape
-        h, along = case.hydrodynamics, model.shape @ shape
-        radiated = moved @ extended(case.system, h, np.array([own])).real[0] @ moved if h is not None else 0.0
+    for own, shape, radiated in zip(shapes.omega, shapes.shapes, shapes.radiated, strict=True):
+        along = model.shape @ shape
         levers = (turning.levers @ along).reshape(along.size, -1).T
         still = np.moveaxis(model.wrench.reshape(3, len(levers), -1), 1, 2) @ levers
         begin, end = np.searchsorted(omega[order], [omega + own - REACH * width, omega + own + REACH * width])
@@ -141,7 +136,7 @@ def _swinging(case: Case) -> tuple[_Swinging, ...]:
         off = (np.subtract(*omega[pairs]) - own) / width
         band = np.exp(-0.5 * off**2) / (width * np.sqrt(2 * np.pi))
         curvature = np.tensordot(along, turning.curvature, 1)
-        found.append(_Swinging(own, shape, float(radiated), levers, still, curvature, pairs, band))
+        found.append(_Swinging(own, shape, radiated, levers, still, curvature, pairs, band))
     return tuple(found)
 
 

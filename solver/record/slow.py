@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import gammainc
 
+from solver.coupled.linear import linear_model
 from solver.coupled.natural import system_modes
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -29,6 +30,15 @@ from solver.record.response import drag_damping, moving_model
 
 LIGHTLY = 0.3  # of critical: what is damped by more has no resonance
 INSTANTS = 500  # of a record, over which is summed
+
+
+class Below(NamedTuple):
+    """m shapes of the system whose natural frequency is below all waves, of several."""
+
+    omega: np.ndarray  # (m,) [rad/s]
+    shapes: np.ndarray  # φ (m, n)
+    moved: np.ndarray  # (m, na) what of each radiates, Eφ
+    radiated: np.ndarray  # (m,) of B
 
 
 class Slow(NamedTuple):
@@ -41,20 +51,27 @@ class Slow(NamedTuple):
 
 def slow(system: System, h: Hydrodynamics) -> Slow:
     """The shapes that are damped lightly and that something drives there: none of a single wave, or in still water."""
-    omega, model, none = system.scene.sea.omega[system.scene.sea.amplitude != 0], moving_model(system, h), np.zeros(0)
-    if omega.size < 2 or not _driven(system):
+    model, none = moving_model(system, h), np.zeros(0)
+    if not _driven(system):
         return Slow(none, np.zeros((0, len(model.active))), none)
-    modes = system_modes(system, h)
-    below = modes.omega < omega.min()
-    own, shapes = modes.omega[below], modes.shapes[:, below].T
-    moved = shapes @ model.active.T
-    radiated = _of(extended(system, h, own).real, moved)
+    own, shapes, moved, radiated = below(system, h)
     # What resonates below the waves follows them by its inertia: its drag hardly changes their rates, by which it is.
     D, nm = model.damping.copy(), system.structure.omega.size
     D[:nm, :nm] += drag_damping(system)
     damping = np.einsum("mi,ij,mj->m", shapes, D, shapes) + radiated
     lightly = (damping > 0) & (damping < 2 * LIGHTLY * own)
     return Slow(own[lightly], moved[lightly], damping[lightly])
+
+
+def below(system: System, h: Hydrodynamics | None) -> Below:
+    """Those shapes; none of a single wave, or in still water."""
+    omega, modes = system.scene.sea.omega[system.scene.sea.amplitude != 0], system_modes(system, h)
+    least = omega.min() if omega.size > 1 else 0.0
+    some = (modes.omega > 0) & (modes.omega < least)
+    own, shapes = modes.omega[some], modes.shapes[:, some].T
+    moved = shapes @ linear_model(system).active.T
+    radiated = np.zeros(own.size) if h is None or not own.size else _of(extended(system, h, own).real, moved)
+    return Below(own, shapes, moved, radiated)
 
 
 def slow_effect(system: System, h: Hydrodynamics) -> float:
