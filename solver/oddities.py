@@ -167,18 +167,18 @@ def _drifting(scene: Scene) -> Iterator[str]:
 
 
 def strayed(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """A sentence for each axis along which a float went far from where diffraction has its phases of the waves."""
+    """A sentence for each axis along which a float went far from where linear wave loads have their phases."""
     if "motion" not in tables or not scene.settings.diffraction or not scene.sea.amplitude.any():
         return
     waves = wave_field(scene.sea, scene.water.depth, scene.water.gravity, scene.current)
-    ends = [STATISTICS.index(name) for name in ("max", "min")]
-    for f, of_axes in zip(scene.floats, np.abs(tables["motion"][..., ends]).max(axis=-1), strict=True):
+    ends, at_rest = [STATISTICS.index(name) for name in ("max", "min")], ~np.array(scene.nonlinear)
+    for f, of_axes, linear in zip(scene.floats, np.abs(tables["motion"][..., ends]).max(axis=-1), at_rest, strict=True):
         for axis, way in zip(axes, of_axes, strict=True):
-            along = axis in f.motion and axis in DOFS[:2] and abs(f.direction(axis) @ waves.direction)
+            along = linear and axis in f.motion and axis in DOFS[:2] and abs(f.direction(axis) @ waves.direction)
             if along * way > STRAYED * waves.mean_length:
                 yield (
                     f"floats.{f.name} went {way:.3g} m along {axis}, {along * way / waves.mean_length:.2g} rad of the"
-                    " mean wave from where it is given, which the phases of diffraction are of: no part of the"
+                    " mean wave from where it is given, which the phases of linear wave loads are of: no part of the"
                     " estimated error"
                 )
 

@@ -8,10 +8,11 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from solver import limits, motions
-from solver.coupled import stretching
+from solver.coupled import sliding, stretching
 from solver.coupled.driving import driven
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure
+from solver.coupled.sliding import Places
 from solver.coupled.support import PLANAR, Support
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -57,6 +58,7 @@ def bodies(
     hydrodynamics: Hydrodynamics | None,
     added_mass: np.ndarray,
     terms: tuple[int, ...],
+    places: Places,
 ) -> Bodies:
     """Arrays of all floats; carrier coordinates only with an elastic support; terms of the wave field around each."""
     floats, water = scene.floats, scene.water
@@ -87,6 +89,8 @@ def bodies(
         nonlinear=np.array(scene.nonlinear, bool),
         first_term=np.cumsum([0, *terms]),
         surface_terms=np.array(terms_of(scene, field, limits.radii(scene)), np.int64),
+        first_along=np.cumsum([0, *places.terms]),
+        reach=np.array(places.reach, float),
         **rules(scene, field),
         buoyancy=buoyancy,
         stiffness=stiffness,
@@ -264,10 +268,10 @@ def wave_rows(
     support: Support | None,
     hydrodynamics: Hydrodynamics | None,
     terms: tuple[int, ...],
-) -> tuple[np.ndarray, Layout]:
-    """All rows (m, n) that the wave drives and where each quantity is; near: of the waves around the floats.
+) -> tuple[np.ndarray, Layout, Places]:
+    """All rows (m, n) that the wave drives, where each quantity is, and how the loads of floats that slide are told.
 
-    terms: of the series around each float. The pressure of waves that are not among those is linear.
+    near: of the waves around the floats, terms: of the series around each. The pressure of other waves is linear.
     """
     every, kind = (True,) * len(scene.floats), scene.settings.froude_krylov
     wanted = (("diffraction", every, False),) * scene.settings.diffraction
@@ -275,7 +279,9 @@ def wave_rows(
     wanted += (("froude_krylov", scene.nonlinear, True),) * (near != field)
     # Still water has a frequency for form's sake, which the coefficients need not cover.
     known = hydrodynamics if scene.sea.amplitude.any() else None
-    return _rows(field, near, tuple(tuple(f.centre.tolist()) for f in scene.floats), support, known, terms, wanted)
+    reach, tolerance = sliding.reaches(scene, near, terms), scene.settings.field_tolerance
+    centres = tuple(tuple(f.centre.tolist()) for f in scene.floats)
+    return _rows(field, near, centres, support, known, terms, wanted, reach, tolerance)
 
 
 Wanted = tuple[tuple[str, tuple[bool, ...], bool], ...]  # kind of force, floats, whether only of waves not near
@@ -290,14 +296,23 @@ def _rows(
     hydrodynamics: Hydrodynamics | None,
     terms: tuple[int, ...],
     wanted: Wanted,
-) -> tuple[np.ndarray, Layout]:
+    reach: tuple[float, ...],
+    tolerance: float,
+) -> tuple[np.ndarray, Layout, Places]:
     """Tasks that differ in their joints alone share them."""
     n, nb = field.sea.omega.size, len(centres)
     frame = driven(support, field) if support else None
     around = (near.local_pressure(np.array(c), m).reshape(-1, n) for c, m in zip(centres, terms, strict=True) if m)
+    excitation, active = np.zeros((nb, 6, n), complex), np.zeros(0, int)
+    if hydrodynamics is not None:
+        active = np.array([DOFS.index(d) for d in hydrodynamics.dofs])
+        excitation[:, active] = _excitation(field, near, nb, hydrodynamics, wanted)
+    places = sliding.places(excitation[:, active], field.k, reach, tolerance)
+    moved = sliding.rows(excitation[:, active], field.k, places)
+    excitation[np.array(places.terms, int) > 0] = 0.0
     parts = [
-        np.concatenate([np.zeros((0, n)), *around]),
-        _excitation(field, near, nb, hydrodynamics, wanted).reshape(-1, n) if nb else np.zeros((0, n)),
+        np.concatenate([np.zeros((0, n)), *around, moved]),
+        excitation.reshape(-1, n),
         frame.modes if frame else np.zeros((0, n)),
         frame.stations.transpose(1, 0, 2).reshape(-1, n) if frame else np.zeros((0, n)),
         field.elevation(np.zeros((1, 3))),
@@ -306,22 +321,15 @@ def _rows(
     ]
     ends = np.cumsum([0] + [len(p) for p in parts])
     columns = [slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
-    return shared(np.concatenate(parts, dtype=complex)), Layout(*columns)
+    return shared(np.concatenate(parts, dtype=complex)), Layout(*columns), places
 
 
-def _excitation(
-    field: WaveField, near: WaveField, nb: int, hydrodynamics: Hydrodynamics | None, wanted: Wanted
-) -> np.ndarray:
-    """Rows (nb, 6, n) of the kinds of force that are wanted."""
-    sea, n = field.sea, field.sea.omega.size
-    rows = np.zeros((nb, 6, n), complex)
-    if hydrodynamics is None:
-        return rows
-    nr, force = len(hydrodynamics.dofs), np.zeros((n, nb * len(hydrodynamics.dofs)), complex)
+def _excitation(field: WaveField, near: WaveField, nb: int, hydrodynamics: Hydrodynamics, wanted: Wanted) -> np.ndarray:
+    """Rows (nb, nr, n) of the kinds of force that are wanted."""
+    sea, nr = field.sea, len(hydrodynamics.dofs)
+    force = np.zeros((sea.omega.size, nb * nr), complex)
     for kind, floats, rest in wanted:
         if any(floats):
             part = hydrodynamics.excitation(sea.omega, kind) * np.repeat(floats, nr)
             force += part * (near.sea.amplitude == 0)[:, None] if rest else part
-    index = [DOFS.index(d) for d in hydrodynamics.dofs]
-    rows[:, index] = (force * sea.amplitude[:, None]).T.reshape(nb, nr, -1)
-    return rows
+    return (force * sea.amplitude[:, None]).T.reshape(nb, nr, -1)

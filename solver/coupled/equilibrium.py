@@ -48,7 +48,8 @@ def balance(
     z_, dz_, ddz_ = (np.ascontiguousarray(x).reshape(many, nz) for x in states)
     at = Coordinates(z_, dz_, ddz_, np.empty((2, nz), np.int64))
     if field is None:
-        body, field = body._replace(first_term=np.arange(nb + 1)), np.zeros(2 * nb)
+        none = np.zeros(nb + 1, np.int64)
+        body, field = body._replace(first_term=np.arange(nb + 1), first_along=none), np.zeros(2 * nb)
     excitation = np.zeros((nb, 6)) if excitation is None else excitation
     water = WaterLoads(pressure=np.empty((nb, 6)), since=np.zeros(nz), excitation=excitation, memory=np.zeros(na))
     out = Loads(np.empty(at.z.shape), *np.empty((2, many, nb, 6)))

@@ -8,6 +8,7 @@ import numpy as np
 from solver import limits, motions
 from solver.coupled import assembly
 from solver.coupled import support as supports
+from solver.coupled.sliding import Places
 from solver.coupled.support import Support
 from solver.coupled.system import FELT, KNOWN, System
 from solver.errors import InputError
@@ -61,8 +62,8 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMem
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
     felt = near if any(scene.nonlinear) else None
     still = scene.water, scene.current, scene.sea.heading, scene.floats, scene.platform, scene.settings
-    body = _bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms)
-    rows, layout = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms)
+    rows, layout, places = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms)
+    body = _bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms, places)
     return System(
         scene=scene,
         bodies=body,
@@ -108,12 +109,13 @@ def _bodies(
     hydrodynamics: Hydrodynamics | None,
     added_mass: Bits[np.ndarray],
     terms: tuple[int, ...],
+    places: Places,
 ) -> Bodies:
     """Scenes that differ in their seas alone share them, unless they are pushed where they are."""
     sea = replace(CALM, heading=heading) if field is None else field.sea
     scene = Scene(water=water, sea=sea, current=current, floats=floats, platform=platform, settings=settings)
     field = wave_field(sea, water.depth, water.gravity, current) if field is None else field
-    return assembly.bodies(scene, field, support, hydrodynamics, added_mass.value, terms)
+    return assembly.bodies(scene, field, support, hydrodynamics, added_mass.value, terms, places)
 
 
 def _require_hardly_felt(

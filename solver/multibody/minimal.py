@@ -127,7 +127,8 @@ def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarra
 def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureRoom, out: np.ndarray) -> None:
     """Hydrostatic load, the incident wave's where it is body-nonlinear, and the mooring lines': out (nb, 6).
 
-    field (2 first_term[-1],): of each float in turn the real and the imaginary parts of its series.
+    With the linear wave loads of floats that slide. field (2 first_term[-1] + nr first_along[-1],): of each float in
+    turn the real and the imaginary parts of its series, then the terms of each in its place along the waves.
     """
     out[:] = 0.0
     for b in range(bodies.axes.size):
@@ -151,6 +152,23 @@ def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureR
         else:
             rule = _rule_of(bodies, b)
             pressure_load(motion.position[b], motion.rotation[b], rule, waves, room.quadrature, out[b])
+        if bodies.first_along[b + 1] > bodies.first_along[b]:
+            _add_along(bodies, b, motion.position[b], field, out[b])
+
+
+@part_kernel
+def _add_along(bodies: Bodies, b: int, x: np.ndarray, field: np.ndarray, out: np.ndarray) -> None:
+    """out += Σₙ Eₙ Tₙ(u), by Clenshaw's recurrence; u = s/reach of the distance s along the waves: coupled.sliding."""
+    nr, start = bodies.active.size, 2 * bodies.first_term[-1]
+    first, last = bodies.first_along[b], bodies.first_along[b + 1]
+    dx, dy = x[0] - bodies.reference[b, 0], x[1] - bodies.reference[b, 1]
+    u = (dx * bodies.wave_direction[0] + dy * bodies.wave_direction[1]) / bodies.reach[b]
+    u = min(max(u, -1.0), 1.0)
+    for r in range(nr):
+        one = two = 0.0
+        for n in range(last - 1, first, -1):
+            one, two = field[start + n * nr + r] + 2 * u * one - two, one
+        out[bodies.active[r]] += field[start + first * nr + r] + u * one - two
 
 
 @lean_kernel

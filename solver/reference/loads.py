@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from solver.coupled.assembly import joint_law
 from solver.coupled.energy import JOINT_DAMPING, PTO, RADIATION, WAVE, WORKS
+from solver.coupled.sliding import slide_along
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.hull.mesh import Hull
@@ -211,6 +212,7 @@ class Floats:
         self.active = np.array([6 * b + i for b in range(nb) for i in (_index(h) if h else ())], int)
         self.convolution = Convolution(kernel, dt=dt, c=self.c, steps=steps) if kernel else None
         self.velocity = np.zeros((stages, self.active.size))
+        self.slides = slide_along(scene, force.field.direction)
         self.rows = np.zeros((6 * nb, scene.sea.omega.size), complex)
         if h:
             self.rows[self.active] = _excitation(scene, h)
@@ -230,7 +232,7 @@ class Floats:
         factors = ramp(times, s.ramp, s.ramp_form)
         self.fields = [self.pressure.at(at, f) for at, f in zip(times, factors, strict=True)]
         turn = np.exp(-1j * np.multiply.outer(self.scene.sea.omega, times)) * factors
-        self.excitation = (self.rows @ turn).real.T
+        self.turn, self.excitation = turn, (self.rows @ turn).real.T
         self.support.begin(times, turn)
 
     def iterate(self) -> float:
@@ -273,6 +275,8 @@ class Floats:
         self.velocity[stage] = v.ravel()[self.active]
         load = self.excitation[stage].reshape(nb, 6).copy()
         for b in range(nb):
+            if self.slides[b]:
+                load[b] = self._displaced(b, stage, frames.position[b])
             load[b] += self.fields[stage](b, frames.position[b], frames.rotation[b])
         power = self.power[stage]
         power[:] = 0.0
@@ -291,6 +295,14 @@ class Floats:
                 load[carrier] += back
                 self.force[stage, carrier] += back
         return load
+
+    def _displaced(self, b: int, stage: int, position: np.ndarray) -> np.ndarray:
+        """Excitation (6,) of a float with the waves' phases where it is."""
+        field = self.pressure.field
+        s = (position - self.scene.floats[b].centre) @ field.direction
+        rows = self.rows[6 * b : 6 * b + 6] * np.exp(1j * field.k * s)
+        excitation: np.ndarray = (rows @ self.turn[:, stage]).real
+        return excitation
 
     def _joint_load(self, b: int, stage: int, power: np.ndarray) -> np.ndarray:
         """PTO, damping and springs of the axes as a load (6,) on the float."""

@@ -1,0 +1,71 @@
+"""Linear wave loads on floats that slide: with the phases that the waves have where the float is.
+
+At a distance s along the waves from where the coefficients are given a body feels the same waves later,
+
+    F(t, s) = Re Σⱼ Fⱼ exp(ikⱼs - iωⱼt),   exp(ikru) = J₀(kr) + 2 Σₙ iⁿ Jₙ(kr) Tₙ(u),   u = s/r from -1 to 1
+
+(Jacobi and Anger), so that a few of Chebyshev's polynomials of its place tell the load wherever it drifts within r.
+Body-nonlinear pressure is that of the place anyway; at rest, diffraction's phases would be another sea's.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import jv
+
+from solver import limits
+from solver.scene import DOFS, Scene
+from solver.sea.field import WaveField
+
+MOST = 400  # polynomials
+
+
+class Places(NamedTuple):
+    """Of each float, how far it may slide along the waves [m], 0 where loads are those at rest, and by how many terms
+    its loads are told.
+    """
+
+    reach: tuple[float, ...]
+    terms: tuple[int, ...]
+
+
+def reaches(scene: Scene, near: WaveField, terms: Sequence[int]) -> tuple[float, ...]:
+    """(nb,) [m] of the floats that slide along the waves.
+
+    near: of the waves whose pressure is integrated; terms: of its series about each float, which ends the way.
+    """
+    moved = slide_along(scene, near.direction)
+    if not any(moved) or not scene.sea.amplitude.any():
+        return (0.0,) * len(scene.floats)
+    return tuple(way if slides else 0.0 for slides, way in zip(moved, limits.ways(scene, near, terms), strict=True))
+
+
+def slide_along(scene: Scene, direction: np.ndarray) -> list[bool]:
+    """Which floats slide along it and have body-nonlinear pressure; what hangs on a float slides with it."""
+    slides: list[bool] = []
+    for f, carrier in zip(scene.floats, scene.carriers, strict=True):
+        heads = any(abs(f.direction(name) @ direction) > limits.ROUNDING for name in f.motion if name in DOFS[:2])
+        slides.append(heads or (carrier >= 0 and slides[carrier]))
+    return [a and b for a, b in zip(slides, scene.nonlinear, strict=True)]
+
+
+def places(force: np.ndarray, k: np.ndarray, reach: Sequence[float], tolerance: float) -> Places:
+    """Of loads (nb, nr, n) per wave: what is left out within reach (nb,) is below tolerance·Σ|Fⱼ| of each."""
+    terms = [0] * len(reach)
+    for b, (r, size) in enumerate(zip(reach, np.abs(force), strict=True)):
+        if r > 0 and size.any():
+            left = np.cumsum(2 * np.abs(jv(np.arange(MOST)[:, None], k * r))[::-1], axis=0)[::-1]
+            enough = np.all(left @ size.T <= tolerance * size.sum(axis=1), axis=1)
+            terms[b] = int(np.argmax(enough)) if enough.any() else MOST
+    return Places(tuple(r if n else 0.0 for r, n in zip(reach, terms, strict=True)), tuple(terms))
+
+
+def rows(force: np.ndarray, k: np.ndarray, to: Places) -> np.ndarray:
+    """Σ terms · nr rows (…, n), float by float and term by term, of loads (nb, nr, n)."""
+    parts = [np.zeros((0, k.size), complex)]
+    for load, reach, count in zip(force, to.reach, to.terms, strict=True):
+        n = np.arange(count)[:, None]
+        wave = np.where(n > 0, 2, 1) * 1j**n * jv(n, k * reach)
+        parts.append((wave[:, None] * load).reshape(-1, k.size))
+    return np.concatenate(parts)

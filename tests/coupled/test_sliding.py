@@ -1,0 +1,115 @@
+"""Wave loads on floats that slide are those of the waves where the float is."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.coupled.preparation import prepare
+from solver.coupled.sliding import places, rows, slide_along
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.multibody.bodies import new_motion, pressure_room
+from solver.multibody.minimal import move, pressures
+from solver.run import simulate
+from solver.scene import Float
+from solver.sea.realization import regular
+from tests.awkward import BALL, BUOYED, RHO, known, scene, sea
+from tests.record.test_slow import soft
+
+SOFT = 1500.0  # [N/m]
+
+
+@cache
+def moored(heading=0.0, far=0.0, preload=0.0, **settings):
+    """A drum on soft springs that carries a ball on an arm, given `far` along the waves or pulled there by a load."""
+    drum = Revolution.vertical_cylinder(radius=3.0, draft=2.0, freeboard=2.0)
+    ahead, mass = np.array([np.cos(heading), np.sin(heading), 0.0]), RHO * drum.volume - 0.35 * BUOYED
+    motion = ("surge", "sway", "heave", "pitch") if heading else ("surge", "heave")
+    of_axis = {"stiffness": (SOFT, SOFT, 0.0, 0.0), "damping": (1e4, 1e4, 2e4, 2e5), "preload": (*preload * ahead, 0.0)}
+    axes = [("surge", "sway", "heave", "pitch").index(axis) for axis in motion]
+    carrier = Float(
+        name="drum", hull=drum, mass=mass, inertia=(6 * mass,) * 3, hinge=tuple(far * ahead), cog=(0.1, 0, -0.5),
+        motion=motion, **{name: tuple(values[i] for i in axes) for name, values in of_axis.items()},
+    )  # fmt: skip
+    ball = Float(
+        name="ball", on="drum", hull=BALL, mass=BUOYED, inertia=(0.4 * BUOYED,) * 3, arm=(4.0, 0, -1.5),
+        hinge=tuple(far * ahead + np.array([4.0, 0, 1.5])), pto_damping=4e4,
+    )  # fmt: skip
+    waves, chosen = sea(Hs=1.2, Tp=5.0, band=(0.8, 2.6), heading=heading), {"time_step": 0.08, "duration": 120.0}
+    whole = scene([carrier, ball], waves=waves, froude_krylov="body-nonlinear", discard=40.0, **chosen, **settings)
+    return whole, known(whole, 0.7, 2.8, 12)
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.6])
+def test_a_float_pulled_along_the_waves_goes_as_one_let_go_there(heading):
+    """By a wavelength of the shorter ones: all of the record but the place is that of the scene moved there."""
+    far = 6.0
+    there, pulled = simulate(*moored(heading, far)), simulate(*moored(heading, preload=far * SOFT))
+    for name in ("rotation", "hinge_force", "absorbed_power"):
+        expected = there.variables[name][1]
+        assert pulled.variables[name][1] == approx(
+            expected, rel=1e-4, abs=1e-4 * np.nanmax(np.abs(expected)), nan_ok=True
+        )
+    way = pulled.variables["motion"][1] - there.variables["motion"][1]
+    assert way[0, 0, 0] == approx(far * np.cos(heading), abs=1e-3)
+
+
+def test_loads_are_those_of_each_wave_where_the_float_is():
+    """Within the field's tolerance of the sum of all, as far as the series of the pressure reaches."""
+    system, (item, h) = prepare(*moored(0.6)), moored(0.6)
+    force = (h.excitation(item.sea.omega, "diffraction") * item.sea.amplitude[:, None]).T.reshape(2, 6, -1)
+    body, motion, rng, loads = system.bodies, new_motion(system.bodies), np.random.default_rng(2), np.empty((2, 2, 6))
+    left = item.settings.field_tolerance * np.abs(force).sum(axis=-1).reshape(2, 2, 3).max(axis=-1)
+    for t, share in zip(rng.uniform(0, 300, 8), rng.uniform(-0.7, 0.7, 8), strict=True):
+        way, turn = share * body.reach[0], np.exp(-1j * item.sea.omega * t)
+        move(body, np.array([way * np.cos(0.6), way * np.sin(0.6), 0.1, 0.05, -0.1]), np.zeros(5), motion)
+        samples = np.real(system.rows[system.layout.field] @ turn)
+        pressures(body, motion, samples, pressure_room(body), loads[0])
+        samples[2 * body.first_term[-1] :] = 0.0
+        pressures(body, motion, samples, pressure_room(body), loads[1])
+        s = (motion.position - body.reference) @ system.waves.direction
+        expected = (force * np.exp(1j * system.waves.k * s[:, None])[:, None] @ turn).real
+        assert np.all(np.abs(loads[0] - loads[1] - expected) <= np.repeat(left, 3, axis=1))
+
+
+def test_what_does_not_slide_along_the_waves_has_loads_at_rest():
+    item, h = moored()
+    hinged = replace(item, floats=(replace(item.floats[1], on=None, name="alone"),))
+    across = replace(item.floats[0], motion=("sway", "heave"))
+    linear = replace(item, settings=replace(item.settings, froude_krylov="linear"))
+    assert slide_along(item, np.array([1.0, 0, 0])) == [True, True]
+    assert slide_along(hinged, np.array([1.0, 0, 0])) == [False]
+    assert slide_along(replace(item, floats=(across,)), np.array([1.0, 0, 0])) == [False]
+    system = prepare(linear, h)
+    assert system.bodies.reach.tolist() == [0, 0] and np.all(system.rows[system.layout.excitation].any(axis=1)[[0, 2]])
+
+
+def test_terms_are_as_few_as_the_reach_asks_for():
+    force, k = np.ones((1, 3, 4), complex), np.array([0.1, 0.3, 0.9, 1.6])
+    counts = [places(force, k, (r,), 1e-4).terms[0] for r in (0.0, 0.1, 1.0, 10.0)]
+    assert counts[0] == 0 and counts[1] < counts[2] < counts[3] < 1.6 * 10 + 20
+    assert places(0 * force, k, (10.0,), 1e-4).terms == (0,)
+    assert rows(force, k, places(force, k, (10.0,), 1e-4)).shape == (3 * counts[3], 4)
+
+
+def test_only_what_keeps_the_phases_of_rest_is_told_to_have_strayed():
+    item, h = moored(preload=6 * SOFT)
+    for kind, told in (("body-nonlinear", False), ("linear", True)):
+        kept = replace(item, settings=replace(item.settings, froude_krylov=kind))
+        said = [text for text in simulate(kept, h).attrs.get("warnings", "").split("; ") if "phases of" in text]
+        assert bool(said) is told
+
+
+def test_the_mean_force_of_a_wave_does_not_go_by_how_far_it_pushes():
+    """0.11 m or 0.27 m on springs of 1000 and 400 N/m, 4 % of the wave's length: with the phases of rest 48 % more."""
+    item, h = soft(400.0, 4e3)
+    settings = replace(item.settings, duration=40 * 5.71, discard=1000.0)
+    waves = regular(height=1.0, period=5.71)
+    force = []
+    for spring in (1000.0, 400.0):
+        buoy = replace(item.floats[0], stiffness=(spring, 0.0))
+        record = simulate(replace(item, sea=waves, settings=settings, floats=(buoy,)), h)
+        force.append(spring * record.variables["motion"][1][0, 0, 2])
+    assert force[1] == approx(force[0], rel=0.02)
