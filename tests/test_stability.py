@@ -234,7 +234,10 @@ def test_what_a_finer_step_helps_is_repeated_once_and_the_record_says_so(buan, c
     assert attrs["time_step"] == scene.settings.time_step / 4 and attrs["energy_residual"] < 3e-7
 
 
-@pytest.mark.parametrize(("helped", "step", "attempt"), [(0.0, 0.05, "second"), (0.5, 0.003125, "fourth")])
+@pytest.mark.parametrize(
+    ("helped", "step", "attempt"),
+    [(0.0, 0.05, "second"), pytest.param(0.5, 0.003125, "fourth", marks=pytest.mark.slow)],
+)
 def test_what_a_finer_step_does_not_help_fails_with_both_messages(
     buan, coefficients, monkeypatch, helped, step, attempt
 ):

@@ -110,6 +110,7 @@ def test_they_move_as_if_each_were_there_by_itself():
     assert "interaction: switched off" in record.attrs["skipped"]
 
 
+@pytest.mark.slow
 def test_the_reference_path_agrees():
     whole, h = alone_beside()
     settings = replace(whole.settings, duration=8.0, discard=0.0, ramp=4.0, froude_krylov="linear", keep_series=True)

@@ -48,7 +48,7 @@ def scene(*floats, sea=SEA, **settings):
     return Scene(water=WATER, sea=sea, floats=floats or (base(), arm()), settings=Settings(**options))
 
 
-@pytest.mark.parametrize("joint", [{}, {"motion": ("heave",), "stiffness": 3e4}])
+@pytest.mark.parametrize("joint", [{}, pytest.param({"motion": ("heave",), "stiffness": 3e4}, marks=pytest.mark.slow)])
 def test_fast_and_reference_path_agree(coefficients, joint):
     """Shared coordinates in the one, six DOF a body with multipliers in the other."""
     item = scene(base(), arm(**joint))

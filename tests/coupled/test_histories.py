@@ -95,7 +95,7 @@ def test_modes_that_a_load_sets_swinging_are_kept():
     assert approx(omega) in list(moved(system).swung)
 
 
-@pytest.mark.parametrize("cut", [1, 2])
+@pytest.mark.parametrize("cut", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_elements_that_shift_a_resonance_are_told(cut):
     omega = prepare(ringing(10.0, cut=8, modes="all"), None).support.omega[4]
     coarse, fine = (simulate(ringing(omega, cut=n)) for n in (cut, 8))

@@ -214,7 +214,9 @@ def test_linear_hydrostatics_have_a_potential_and_are_linear_about_one_axis():
     assert moment - moment[1] == approx(-h.hydrostatic_stiffness[4, 4] * angles, rel=1e-6)
 
 
-@pytest.mark.parametrize("preload", [(0, 0, 0, 5e4, 0, 0), (0, 0, 0, 5e4, 8e4, 0)])
+@pytest.mark.parametrize(
+    "preload", [pytest.param((0, 0, 0, 5e4, 0, 0), marks=pytest.mark.slow), (0, 0, 0, 5e4, 8e4, 0)]
+)
 def test_a_float_that_rests_tilted_answers_alike_by_march_and_lines(preload):
     """Yaw by roll, which no buoyancy holds, is half of it where the tangent is not symmetric."""
     whole, h = moored_box(preload=preload)

@@ -49,7 +49,10 @@ def integrated(field, t, level, top):
     return np.array([f @ w, (f * (z + DEPTH)) @ w])
 
 
-@pytest.mark.parametrize("kind", ["none", "wheeler", "extrapolated"])
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param("none", marks=pytest.mark.slow), "wheeler", pytest.param("extrapolated", marks=pytest.mark.slow)],
+)
 def test_a_piles_reactions_are_the_integral_to_the_surface(kind):
     """Wheeler's are those to still water, F (1 + η/d) and M (1 + η/d)² about the seabed, whatever the waves."""
     item = stretched(rigid(pile(None, WAVES, ramp=20.0)), kind)

@@ -127,6 +127,7 @@ def samples(stations, frame, omega, highest):
     return np.sqrt(squares / 200)[:, : int(highest * T / (2 * np.pi))]
 
 
+@pytest.mark.slow
 def test_it_drives_a_resonance_below_the_waves():
     """Three legs of unequal height under a heavy deck: the march's std, of which the linear response lacks a tenth."""
     bare, _ = SCENES["bare_legs"]()

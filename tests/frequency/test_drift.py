@@ -77,6 +77,7 @@ def test_the_moment_is_about_the_supports_joint():
     assert abs(about - waves.drift_moment.sum()) > 0.02 * abs(about)
 
 
+@pytest.mark.slow
 def test_drift_turns_with_the_waves():
     """From the other side: the same along x, the opposite across and about the vertical."""
     one, other = records()

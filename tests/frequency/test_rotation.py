@@ -90,6 +90,7 @@ def test_what_swings_below_the_waves_is_told_though_no_line_has_it(spar):
     assert marched > 5 * heave(record) and "rotation_effect" in record.attrs["warnings"]
 
 
+@pytest.mark.slow
 def test_it_grows_with_the_waves_height_squared_and_one_wave_has_none(spar):
     item, h = spar
     low, high = (in_sea(item, Hs, 1, method="frequency") for Hs in (0.3, 0.6))

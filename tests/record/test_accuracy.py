@@ -427,6 +427,7 @@ def test_a_frame_without_legs_has_a_step_that_is_judged():
     assert steps[1] == approx(steps[0], rel=0.2)
 
 
+@pytest.mark.slow
 def test_a_load_history_is_judged_where_it_bends_most():
     """A blow of a third of a second, long after the run's start, by which the step alone is judged otherwise."""
     blow = LoadHistory(

@@ -56,8 +56,9 @@ def changed(a, b, item):
     ("name", "damped", "duration"),
     [
         ("big_beside_small", False, 40.0), ("big_beside_small", True, 40.0), ("soft_mooring", False, 40.0),
-        ("soft_mooring", False, 400.0), ("duck", False, 40.0), ("flap", True, 40.0), ("plate", False, 40.0),
-        ("plate", False, 600.0),
+        ("soft_mooring", False, 400.0), ("flap", True, 40.0), ("plate", False, 40.0),
+        pytest.param("duck", False, 40.0, marks=pytest.mark.slow),
+        pytest.param("plate", False, 600.0, marks=pytest.mark.slow),
     ],
 )  # fmt: skip
 def test_mesh_effect_of_a_decay_is_what_the_march_shows(name, damped, duration):
@@ -72,8 +73,8 @@ def test_mesh_effect_of_a_decay_is_what_the_march_shows(name, damped, duration):
 
 @pytest.mark.parametrize(
     ("name", "damped", "duration"),
-    [("soft_mooring", True, 20.0), ("soft_mooring", False, 400.0), ("flap", True, 20.0), ("oblique", True, 20.0),
-     ("model_scale", True, 5.0)],
+    [("soft_mooring", True, 20.0), ("soft_mooring", False, 400.0), ("oblique", True, 20.0), ("model_scale", True, 5.0),
+     pytest.param("flap", True, 20.0, marks=pytest.mark.slow)],
 )  # fmt: skip
 def test_a_decay_is_the_march_s(name, damped, duration):
     """With the fit that the march has; both ends of the record, and the forces that joints bear."""

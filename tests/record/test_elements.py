@@ -61,6 +61,7 @@ def test_fine_elements_are_not_looked_at_again(monkeypatch):
     assert 0 < elements.elements_effect(item, None, support) < 1e-5
 
 
+@pytest.mark.slow
 def test_what_is_left_out_of_an_element_falls_with_the_fourth_power_of_its_length():
     """What soil holds along a member and what moves along a short thick one fall with the second."""
     item = on_piles()[0]

@@ -15,7 +15,7 @@ from studies.validation.response import frequency_domain
 SPRING = 4e4  # [N/m]
 
 
-@pytest.mark.parametrize("formulation", ["minimal", "augmented"])
+@pytest.mark.parametrize("formulation", ["minimal", pytest.param("augmented", marks=pytest.mark.slow)])
 def test_every_sample_stands_at_its_time(buan, coefficients, formulation):
     """Floats guided in heave that feel no waves, z = z0 cos ωt, beside the elevation: both known at every instant."""
     items = buan.floats(motion=("heave",), stiffness=SPRING, offset=0.2, pto_damping=0.0)

@@ -84,6 +84,7 @@ def hits(length, every=0.01, record=40_000.0):
     return np.column_stack([square, sine, np.sin(0.7 * t)])
 
 
+@pytest.mark.slow
 def test_what_jumps_between_samples_is_told_as_chance():
     """Against the spread of records that begin elsewhere between two samples; of a wave that they follow nothing."""
     apart, ratios = 50, []

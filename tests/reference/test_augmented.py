@@ -56,6 +56,7 @@ def test_jacobian_and_Qd_are_derivatives(seed):
     assert (rate_plus - rate_minus) / (2 * H) == approx(bias, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_pendulum_of_the_benchmark_library():
     """A01. Its threshold is 1e-3; fourth order leaves 1.4e-6 at this step, 1e-7 at half of it."""
     _, run = pendulum(10.0, 0.02)
@@ -158,6 +159,7 @@ def test_constraints_do_not_drift_in_an_hour():
     assert last < 1e-11 and last <= 1.5 * first + 1e-15
 
 
+@pytest.mark.slow
 def test_energy_is_kept_to_the_order_of_the_scheme():
     bodies = (
         Body(mass=2.0, inertia=(0.1, 0.2, 0.3), position=(0.5, 0, 0), cog=(0.1, 0.05, 0)),

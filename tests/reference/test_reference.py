@@ -115,7 +115,7 @@ def test_convolution_is_the_state_space_of_the_same_kernel():
         assert load == approx(exact.real, abs=1e-13)
 
 
-@pytest.mark.parametrize("elastic", [False, True])
+@pytest.mark.parametrize("elastic", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_formulations_agree(coefficients, elastic):
     """Augmented and minimal, multipliers and d'Alembert, convolution and state space, same pressures: 1e-8.
 
@@ -138,6 +138,7 @@ def test_formulations_agree(coefficients, elastic):
         assert apart("bottom_stress", slow, fast) < 1e-7
 
 
+@pytest.mark.slow
 def test_formulations_differ_by_the_fourth_order_of_the_step(coefficients):
     steps = np.array([0.2, 0.1])
     error = []
@@ -148,7 +149,7 @@ def test_formulations_differ_by_the_fourth_order_of_the_step(coefficients):
     assert np.log2(error[0] / error[1]) == approx(4, abs=0.3)
 
 
-@pytest.mark.parametrize("heading", [0.0, np.pi])
+@pytest.mark.parametrize("heading", [0.0, pytest.param(np.pi, marks=pytest.mark.slow)])
 def test_the_papers_own_terms(coefficients, heading):
     """2,160 panels are right to 1e-3 of the pressure, the fit to 5e-3 of eq. 14; and mirrored seas are alike."""
     h = coefficients if heading == 0 else solve((HULL, HULL), CENTRES, depth=50.0, omega=coefficients.omega,
@@ -173,10 +174,10 @@ JOINTS = {
     "motion, elastic",
     [
         ("hinge", False),
-        ("heave", True),
+        pytest.param("heave", True, marks=pytest.mark.slow),
         ("surge heave pitch", False),
         ("surge heave pitch", True),
-        ("pitch heave", True),
+        pytest.param("pitch heave", True, marks=pytest.mark.slow),
     ],
 )
 def test_every_kind_of_joint_and_joint_load(coefficients, motion, elastic):
@@ -194,6 +195,7 @@ def test_every_kind_of_joint_and_joint_load(coefficients, motion, elastic):
     assert slow[name].ravel()[0] == approx(np.ravel(JOINTS[motion]["offset"])[0], abs=5e-3)
 
 
+@pytest.mark.slow
 def test_stops_and_limits_in_both_formulations(coefficients):
     """The reference finds no instants: in short steps, on a spring and a limit without jumps, both agree to 1e-3."""
     stops = EndStops(lower=-0.05, upper=0.3, stiffness=4e5)
@@ -206,7 +208,9 @@ def test_stops_and_limits_in_both_formulations(coefficients):
     assert apart("rotation", series(simulate(free, coefficients)), fast) > 0.05  # the front float met its lower stop
 
 
-@pytest.mark.parametrize("diffraction, radiation", [(False, True), (True, False), (False, False)])
+@pytest.mark.parametrize(
+    "diffraction, radiation", [pytest.param(False, True, marks=pytest.mark.slow), (True, False), (False, False)]
+)
 def test_switches_and_linear_floats(coefficients, diffraction, radiation):
     item = scene(duration=3.0, froude_krylov="linear", diffraction=diffraction, radiation=radiation, ramp=0.0)
     fast, slow = both(item, coefficients, **alike(item, coefficients))

@@ -327,7 +327,7 @@ def test_long_elements_bear_what_short_ones_do(elements, within):
     assert shapes_alone["bottom_stress"][1] == approx(coarse["bottom_stress"][1], rel=1e-6)
 
 
-@pytest.mark.parametrize("splayed", [1.0, 5.0])
+@pytest.mark.parametrize("splayed", [pytest.param(1.0, marks=pytest.mark.slow), 5.0])
 def test_a_planar_scene_bears_what_it_does_in_space(buan, splayed):
     """Buan's legs in waves along x: half of the stations stand for all; turned by a hair, none are left out."""
     settings = {"outputs": EVERYTHING, "time_step": 0.2, "duration": 40.0, "discard": 10.0, "ramp": 5.0, "modes": "all"}

@@ -129,6 +129,7 @@ def test_a_pair_of_equal_barges_is_its_own_mirror_image():
     assert swapped == approx(h.radiation_damping[:, :3, :3], rel=1e-9, abs=1e-9 * np.abs(swapped).max())
 
 
+@pytest.mark.slow
 def test_a_large_mesh_is_solved_as_given(monkeypatch):
     monkeypatch.setattr(bem_problem, "AFFORDABLE", 1e3)
     h = solve((BARGE,), [[0, 0, 0]], omega=OMEGA[:1])
@@ -166,6 +167,7 @@ def test_a_model_has_the_mesh_error_of_what_it_is_a_model_of():
     assert errors[1] == pytest.approx(errors[0], rel=5e-3)
 
 
+@pytest.mark.slow
 def test_the_error_that_edges_leave_is_what_it_is_said_to_be(monkeypatch):
     """Beside seven times as many panels, narrow at all edges. Of roll two errors cancel from one mesh to the next."""
     monkeypatch.setattr(bem_problem, "AFFORDABLE", 1e9)

@@ -42,7 +42,9 @@ class Counted:
         return np.zeros((seen, solved), complex), np.eye(seen, solved, dtype=complex)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * name.startswith("too many")) for name in SCENES]
+)
 def test_foreseen_are_the_pairs_of_panels_that_are_solved(name, monkeypatch):
     hulls, centres, depth, how = SCENES[name]
     problem = bem.Problem.of(hulls, np.array(centres, float), depth=depth, omega=np.linspace(0.3, 2.0, 3), **how)

@@ -121,7 +121,7 @@ def of_scene(name, epsilon, omega, **how):
 RINGING = [
     ("ring", 1.5, 0.25, 0.05),
     ("ring", 1.65, 0.7, 0.05),
-    ("boxes", 1.9, 0.06, 0.03),
+    pytest.param("boxes", 1.9, 0.06, 0.03, marks=pytest.mark.slow),
     pytest.param("unequal", 1.9, 0.015, 0.04, marks=pytest.mark.slow),
 ]
 
@@ -154,6 +154,7 @@ def test_bodies_held_still_absorb_what_the_lid_takes(name, omega, least, error):
         assert force[kind] == approx(found.force[kind], abs=error * np.abs(found.force[kind]).max())
 
 
+@pytest.mark.slow
 def test_the_piston_in_a_moonpool_in_closed_form():
     """Water in a narrow well: ζ (1 - K(1 + iε)Z) = (1 + iε)F, Z and F whatever ε is; where KZ = 1 as 1/(ε + K Im Z).
 
@@ -176,6 +177,7 @@ def test_the_piston_in_a_moonpool_in_closed_form():
     assert np.abs(zeta[0] / zeta[2]) > 9
 
 
+@pytest.mark.slow
 def test_a_larger_damping_lowers_the_peak_where_it_is():
     omega = np.array([1.54, 1.62, 1.7])
     some = {"panels": 300, "refine": 1}

@@ -633,6 +633,7 @@ def test_where_moments_are_about_is_told_by_long_waves_or_is_in_the_error():
         assert np.all((-told_of / off).real > 0.5) and np.all((-told_of / off).real < 1.0)
 
 
+@pytest.mark.slow
 def test_what_a_files_mesh_does_to_the_froude_krylov_force_is_in_the_error():
     """The whole force is as told; the diffraction's is what remains of it, and has the incident wave's error or not."""
     h, there = boxy(), np.arange(6) != 1  # sway is left out

@@ -93,7 +93,7 @@ def rim(panels):
 DENSE = {"ball": ball, "barge": barge, "drawn": lambda: drawn(400), "duck": lambda: dense(DUCK, 0.5)}
 
 
-@pytest.mark.parametrize("name", DENSE)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "drawn")) for n in DENSE])
 def test_as_many_panels_as_asked_for_well_shaped_and_watertight(name):
     hull = DENSE[name]()
     made = coarse(hull, 216)

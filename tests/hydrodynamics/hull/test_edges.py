@@ -141,6 +141,7 @@ def test_a_mesh_that_is_fine_already_stays_as_its_author_made_it():
     assert meshes.halved_count(quads(), 108) == len(meshes.panels(quads(), 108)[1]) < 4 * 108
 
 
+@pytest.mark.slow
 def test_two_even_meshes_go_before_one_that_is_narrow_at_edges(monkeypatch):
     """And two narrow ones before these, where they do not cost too much."""
 

@@ -97,9 +97,12 @@ def test_linear_barge_off_its_reference_point_rests_level():
     [
         ((0.4, 0.0, 0.25), (0.45, 0.0, -0.2), {"motion": ("heave", "pitch")}),
         ((0.4, 0.3, 0.25), (0.45, 0.25, -0.2), {"motion": ("heave", "roll", "pitch")}),
-        ((0.4, 0.3, 0.25), (0.45, 0.25, -0.2), {"arm": (2.0, 0.5, -1.0), "axis": (0.3, 1.0, 0.0), "damping": 1e4}),
+        pytest.param(
+            (0.4, 0.3, 0.25), (0.45, 0.25, -0.2),
+            {"arm": (2.0, 0.5, -1.0), "axis": (0.3, 1.0, 0.0), "damping": 1e4}, marks=pytest.mark.slow,
+        ),
     ],
-)
+)  # fmt: skip
 @pytest.mark.parametrize("sea", [CALM, regular(height=0.2, period=3.0)])
 def test_linear_lopsided_hulls_move_alike_on_both_paths(centre, cog, joint, sea):
     """Buoyancy and weight, both off the reference point, balance at the same attitude: calm water leaves it there."""

@@ -76,6 +76,7 @@ def scene(**settings):
     return Scene(water=Water(depth=6.0), sea=waves, floats=(stood, ball), settings=Settings(**chosen))
 
 
+@pytest.mark.slow
 def test_the_ground_bears_weight_less_buoyancy_and_the_waves_on_the_walls():
     """Whether the float beside it is linear or not; the foot feels the water's pressure at rest, and no wave's."""
     h = solve((CAISSON, BALL), IN_LINE, depth=6.0, omega=np.linspace(0.8, 2.5, 5), panels=108)

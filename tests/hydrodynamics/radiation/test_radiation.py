@@ -132,6 +132,7 @@ def test_data_that_no_passive_body_has_are_refused(monkeypatch):
         fit(*hulme(), 1e-13)
 
 
+@pytest.mark.slow
 def test_to_ask_for_more_than_the_data_hold_gives_no_less():
     """Of poles that follow the noise no residues are passive; then those of a looser fit are taken."""
     memory, dice = known(), np.random.default_rng(0)

@@ -14,7 +14,13 @@ STUDIES = Path(__file__).parents[3] / "studies"
 BUAN = {"buan", "buan-dampings", "buan-fatigue", "buan-series", "paper", "storm"}
 
 
-@pytest.mark.parametrize("path", sorted(STUDIES.glob("*.toml")), ids=lambda path: path.stem)
+EVERY = [
+    pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem == "buan-dampings"))
+    for path in sorted(STUDIES.glob("*.toml"))
+]
+
+
+@pytest.mark.parametrize("path", EVERY)
 def test_every_study_can_be_planned_without_a_warning(path, tmp_path):
     result = CliRunner().invoke(app, ["plan", str(path), "--results", str(tmp_path)])
     assert result.exit_code == 0, result.output
