@@ -91,7 +91,8 @@ setup: $(READY)
 
 $(READY): pyproject.toml constraints.txt
 	test -x $(VENV)/bin/python || $(PYTHON) -m venv $(VENV)
-	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[test]'
+	-$(VENV)/bin/python -m compileall -qq -j 0 $(VENV)/lib  # as pip does, on all cores
 	touch $@
 
 # Results stay: they are the user's.
