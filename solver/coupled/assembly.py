@@ -308,10 +308,11 @@ def _rows(
         active = np.array([DOFS.index(d) for d in hydrodynamics.dofs])
         excitation[:, active] = _excitation(field, near, nb, hydrodynamics, wanted)
     places = sliding.places(excitation[:, active], field.k, reach, tolerance)
-    moved = sliding.rows(excitation[:, active], field.k, places)
+    swing = np.zeros((nb, 1, n))  # which asks for the system, see preparation
+    moved = sliding.rows(np.concatenate([excitation[:, active], swing], axis=1), field.k, places)
     excitation[np.array(places.terms, int) > 0] = 0.0
     parts = [
-        np.concatenate([np.zeros((0, n)), *around, moved]),
+        np.concatenate([np.zeros((0, n)), *around, moved.reshape(-1, n)]),
         excitation.reshape(-1, n),
         frame.modes if frame else np.zeros((0, n)),
         frame.stations.transpose(1, 0, 2).reshape(-1, n) if frame else np.zeros((0, n)),

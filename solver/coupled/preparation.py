@@ -6,8 +6,9 @@ from functools import lru_cache
 import numpy as np
 
 from solver import limits, motions
-from solver.coupled import assembly
+from solver.coupled import assembly, sliding
 from solver.coupled import support as supports
+from solver.coupled.moving import along_waves
 from solver.coupled.sliding import Places
 from solver.coupled.support import Support
 from solver.coupled.system import FELT, KNOWN, System
@@ -17,7 +18,7 @@ from solver.hydrodynamics.bem.mean_hull import motion_lengths
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.radiation import fitting
 from solver.hydrodynamics.radiation.memory import RadiationMemory
-from solver.keys import Bits
+from solver.keys import Bits, shared
 from solver.limits import slides
 from solver.multibody.bodies import Bodies
 from solver.scene import Float, Platform, Scene, Settings, Water
@@ -64,19 +65,26 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMem
     still = scene.water, scene.current, scene.sea.heading, scene.floats, scene.platform, scene.settings
     rows, layout, places = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms)
     body = _bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms, places)
-    return System(
+    system = System(
         scene=scene,
         bodies=body,
         support=support,
         structure=assembly.structure(support),
         fit=fit,
         memory=assembly.memory(fit, dt, na),
-        rows=rows,
+        rows=rows.copy() if any(places.terms) else rows,
         layout=layout,
         waves=waves,
         near=near,
         dt=dt,
     )
+    if any(places.terms):
+        assert hydrodynamics is not None, "no wave loads follow a float without any"
+        swing = sliding.rows(along_waves(system, hydrodynamics)[:, None], waves.k, places)
+        told = system.rows[layout.field][2 * body.first_term[-1] :]
+        told.reshape(len(swing), -1, swing.shape[-1])[:, -1:] = swing
+        shared(system.rows)
+    return system
 
 
 def around(scene: Scene, waves: WaveField) -> tuple[WaveField, float, tuple[int, ...]]:

@@ -1,4 +1,4 @@
-"""Linear wave loads on floats that slide: with the phases that the waves have where the float is.
+"""Linear wave loads on floats that slide: with the phases that the waves have where the float has drifted to.
 
 At a distance s along the waves from where the coefficients are given a body feels the same waves later,
 
@@ -6,6 +6,9 @@ At a distance s along the waves from where the coefficients are given a body fee
 
 (Jacobi and Anger), so that a few of Chebyshev's polynomials of its place tell the load wherever it drifts within r.
 Body-nonlinear pressure is that of the place anyway; at rest, diffraction's phases would be another sea's.
+
+A linear force is that on a body about its mean place. What the waves themselves swing it by, Re Σ Xⱼ exp(ikⱼs - iωⱼt)
+by the linear model, is no part of s: it would add to the force, of second order, some terms without those beside them.
 """
 
 from collections.abc import Sequence
@@ -61,11 +64,11 @@ def places(force: np.ndarray, k: np.ndarray, reach: Sequence[float], tolerance: 
     return Places(tuple(r if n else 0.0 for r, n in zip(reach, terms, strict=True)), tuple(terms))
 
 
-def rows(force: np.ndarray, k: np.ndarray, to: Places) -> np.ndarray:
-    """Σ terms · nr rows (…, n), float by float and term by term, of loads (nb, nr, n)."""
-    parts = [np.zeros((0, k.size), complex)]
-    for load, reach, count in zip(force, to.reach, to.terms, strict=True):
+def rows(lines: np.ndarray, k: np.ndarray, to: Places) -> np.ndarray:
+    """(Σ terms, m, n), float by float and term by term, of what waves drive where each is given (nb, m, n)."""
+    parts = [np.zeros((0, *lines.shape[1:]), complex)]
+    for line, reach, count in zip(lines, to.reach, to.terms, strict=True):
         n = np.arange(count)[:, None]
         wave = np.where(n > 0, 2, 1) * 1j**n * jv(n, k * reach)
-        parts.append((wave[:, None] * load).reshape(-1, k.size))
+        parts.append(wave[:, None] * line)
     return np.concatenate(parts)

@@ -8,6 +8,7 @@ import numpy as np
 
 from solver.coupled.driving import patterns, share_curve
 from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
+from solver.coupled.moving import excitation
 from solver.coupled.natural import SystemModes, require_stable, system_modes
 from solver.coupled.preparation import prepare
 from solver.coupled.support import Support
@@ -23,7 +24,6 @@ from solver.multibody.of_axes import DAMPERS, damped, dampers
 from solver.oddities import warnings
 from solver.record.channels import Channels
 from solver.record.effects import unlike
-from solver.record.response import excitation
 from solver.scene import Float, Scene
 
 OTHERS = tuple(f.name for f in fields(Float) if f.name not in DAMPERS)

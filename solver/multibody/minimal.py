@@ -26,6 +26,7 @@ from solver.multibody.joint_law import (
     coupled_loss,
 )
 
+SWINGS = 3  # rounds in which the place that swings are of is found: each leaves kX of the last one's error
 SMALL = 0.03  # angles [rad] of which a series knows more than what trigonometry leaves
 
 
@@ -127,8 +128,8 @@ def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarra
 def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureRoom, out: np.ndarray) -> None:
     """Hydrostatic load, the incident wave's where it is body-nonlinear, and the mooring lines': out (nb, 6).
 
-    With the linear wave loads of floats that slide. field (2 first_term[-1] + nr first_along[-1],): of each float in
-    turn the real and the imaginary parts of its series, then the terms of each in its place along the waves.
+    With the linear wave loads of floats that slide. field (2 first_term[-1] + (nr + 1) first_along[-1],): of each float
+    in turn the real and the imaginary parts of its series, then the terms of each in its place along the waves.
     """
     out[:] = 0.0
     for b in range(bodies.axes.size):
@@ -158,17 +159,35 @@ def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureR
 
 @part_kernel
 def _add_along(bodies: Bodies, b: int, x: np.ndarray, field: np.ndarray, out: np.ndarray) -> None:
-    """out += Σₙ Eₙ Tₙ(u), by Clenshaw's recurrence; u = s/reach of the distance s along the waves: coupled.sliding."""
-    nr, start = bodies.active.size, 2 * bodies.first_term[-1]
-    first, last = bodies.first_along[b], bodies.first_along[b + 1]
+    """out += Σₙ Eₙ Tₙ(u), u = s/reach of where the float is along the waves but for what they swing it by.
+
+    That is the last row of each term, and itself of the place: see coupled.sliding.
+    """
+    nr = bodies.active.size
+    start = 2 * bodies.first_term[-1] + (nr + 1) * bodies.first_along[b]
+    count = bodies.first_along[b + 1] - bodies.first_along[b]
+    terms = field[start : start + (nr + 1) * count].reshape(count, nr + 1)
     dx, dy = x[0] - bodies.reference[b, 0], x[1] - bodies.reference[b, 1]
-    u = (dx * bodies.wave_direction[0] + dy * bodies.wave_direction[1]) / bodies.reach[b]
-    u = min(max(u, -1.0), 1.0)
+    s = dx * bodies.wave_direction[0] + dy * bodies.wave_direction[1]
+    u = _within(s / bodies.reach[b])
+    for _ in range(SWINGS):
+        u = _within((s - _chebyshev(terms, nr, u)) / bodies.reach[b])
     for r in range(nr):
-        one = two = 0.0
-        for n in range(last - 1, first, -1):
-            one, two = field[start + n * nr + r] + 2 * u * one - two, one
-        out[bodies.active[r]] += field[start + first * nr + r] + u * one - two
+        out[bodies.active[r]] += _chebyshev(terms, r, u)
+
+
+@kernel(inline="always")
+def _within(u: float) -> float:
+    return min(max(u, -1.0), 1.0)
+
+
+@part_kernel
+def _chebyshev(terms: np.ndarray, r: int, u: float) -> float:
+    """Σₙ cₙ Tₙ(u), c = terms[:, r], by Clenshaw's recurrence."""
+    one = two = 0.0
+    for n in range(len(terms) - 1, 0, -1):
+        one, two = terms[n, r] + 2 * u * one - two, one
+    return terms[0, r] + u * one - two
 
 
 @lean_kernel

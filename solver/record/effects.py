@@ -9,6 +9,7 @@ import numpy as np
 from solver.coupled.driving import driven
 from solver.coupled.histories import unswung
 from solver.coupled.linear import LinearModel, impedance, linear_model
+from solver.coupled.moving import excitation, force_of_waves, moving_model
 from solver.coupled.support import KNOWN, Support
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -17,7 +18,7 @@ from solver.lines import lengths, real_by_complex, real_parts
 from solver.multibody.joint_law import JointLaw
 from solver.record import decay
 from solver.record.channels import Channels
-from solver.record.response import absorbs, excitation, force_of_waves, in_waves, moving_model
+from solver.record.response import absorbs, in_waves
 from solver.record.sampling import least_force
 from solver.record.slow import slow_effect
 from solver.statistics import FAINT

@@ -19,6 +19,7 @@ import numpy as np
 
 from solver import motions
 from solver.coupled.linear import impedance, linear_model
+from solver.coupled.moving import excitation, moving_model
 from solver.coupled.preparation import prepare
 from solver.coupled.system import KNOWN, System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -30,7 +31,6 @@ from solver.keys import Bits, shared
 from solver.record.accuracy import MARGIN, SHARE
 from solver.record.decay import spectrum
 from solver.record.effects import memory_effect
-from solver.record.response import excitation, moving_model
 from solver.record.slow import slow_importance
 from solver.scene import Scene, Settings
 from solver.statistics import FAINT

@@ -21,12 +21,13 @@ import numpy as np
 from scipy.special import gammainc
 
 from solver.coupled.linear import linear_model
+from solver.coupled.moving import moving_model
 from solver.coupled.natural import system_modes
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import of_axes
 from solver.record.decay import extended
-from solver.record.response import drag_damping, moving_model
+from solver.record.response import drag_damping
 
 LIGHTLY = 0.3  # of critical: what is damped by more has no resonance
 INSTANTS = 500  # of a record, over which is summed

@@ -36,6 +36,7 @@ PressureOf = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
 # Adds the pressure load of a hull with its reference point at a position (3,), in a rotation (3, 3), to (6,).
 Quadrature = Callable[[np.ndarray, np.ndarray, Incident, np.ndarray], None]
 ROUNDING = 1e-6  # of an angle [rad]: below it its square is none beside 1
+SWINGS = 20  # rounds in which the place that swings are of is found
 TERMS = 32  # of the local wave field, for pressure by quadrature: rounding for every hull that is small for its waves
 Surface = Literal["panels", "quadrature"]
 IN_PLANE = np.array([2.0, 0.0, 2.0, 0.0, 2.0, 0.0])  # load of a hull from that of its half
@@ -198,7 +199,9 @@ class Floats:
         dt: float,
         A: np.ndarray,
         steps: int,
+        swing: np.ndarray | None,
     ) -> None:
+        """swing (nb, nw) [m]: what each wave swings floats that slide by, along the waves."""
         self.scene, self.pressure, self.support = scene, force, support
         self.axes, self.carriers = [axes_of(f) for f in scene.floats], scene.carriers
         for f in scene.floats:
@@ -212,7 +215,7 @@ class Floats:
         self.active = np.array([6 * b + i for b in range(nb) for i in (_index(h) if h else ())], int)
         self.convolution = Convolution(kernel, dt=dt, c=self.c, steps=steps) if kernel else None
         self.velocity = np.zeros((stages, self.active.size))
-        self.slides = slide_along(scene, force.field.direction)
+        self.slides, self.swing = slide_along(scene, force.field.direction), swing
         self.rows = np.zeros((6 * nb, scene.sea.omega.size), complex)
         if h:
             self.rows[self.active] = _excitation(scene, h)
@@ -275,8 +278,8 @@ class Floats:
         self.velocity[stage] = v.ravel()[self.active]
         load = self.excitation[stage].reshape(nb, 6).copy()
         for b in range(nb):
-            if self.slides[b]:
-                load[b] = self._displaced(b, stage, frames.position[b])
+            if self.slides[b] and self.swing is not None:
+                load[b] = self._displaced(b, stage, frames.position[b], self.swing[b])
             load[b] += self.fields[stage](b, frames.position[b], frames.rotation[b])
         power = self.power[stage]
         power[:] = 0.0
@@ -296,12 +299,13 @@ class Floats:
                 self.force[stage, carrier] += back
         return load
 
-    def _displaced(self, b: int, stage: int, position: np.ndarray) -> np.ndarray:
-        """Excitation (6,) of a float with the waves' phases where it is."""
-        field = self.pressure.field
-        s = (position - self.scene.floats[b].centre) @ field.direction
-        rows = self.rows[6 * b : 6 * b + 6] * np.exp(1j * field.k * s)
-        excitation: np.ndarray = (rows @ self.turn[:, stage]).real
+    def _displaced(self, b: int, stage: int, position: np.ndarray, swing: np.ndarray) -> np.ndarray:
+        """Excitation (6,) of a float with the waves' phases where it is, but for what they swing it by."""
+        field, turn = self.pressure.field, self.turn[:, stage]
+        s = way = (position - self.scene.floats[b].centre) @ field.direction
+        for _ in range(SWINGS):
+            s = way - (swing * np.exp(1j * field.k * s) @ turn).real
+        excitation: np.ndarray = (self.rows[6 * b : 6 * b + 6] * np.exp(1j * field.k * s) @ turn).real
         return excitation
 
     def _joint_load(self, b: int, stage: int, power: np.ndarray) -> np.ndarray:

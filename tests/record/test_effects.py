@@ -7,13 +7,13 @@ import pytest
 from pytest import approx
 
 from solver.coupled.linear import linear_model
+from solver.coupled.moving import moving_model
 from solver.coupled.preparation import prepare
 from solver.frequency.response import respond
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.power_takeoff import PtoTable
 from solver.record import refit
 from solver.record.effects import coefficient_effects
-from solver.record.response import moving_model
 from solver.run import simulate
 from solver.scene import EndStops, Float
 from solver.sea.realization import CALM, regular

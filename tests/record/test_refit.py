@@ -8,11 +8,11 @@ from pytest import approx
 
 from solver import motions
 from solver.coupled.linear import impedance, linear_model
+from solver.coupled.moving import excitation
 from solver.coupled.natural import system_modes
 from solver.coupled.preparation import prepare
 from solver.record import refit
 from solver.record.effects import coefficient_effects
-from solver.record.response import excitation
 from solver.sea.realization import components
 from tests.awkward import SCENES
 

@@ -9,6 +9,7 @@ from pytest import approx
 from scipy.signal import lfilter
 
 from solver.coupled.linear import impedance, linear_model
+from solver.coupled.moving import force_of_waves
 from solver.coupled.preparation import prepare
 from solver.frequency.case import case_of
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -17,7 +18,7 @@ from solver.record import refit
 from solver.record.audit import unmet
 from solver.record.decay import extended
 from solver.record.effects import coefficient_effects
-from solver.record.response import drag_damping, force_of_waves
+from solver.record.response import drag_damping
 from solver.record.slow import changes, slow, slow_effect, slow_importance
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water

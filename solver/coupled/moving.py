@@ -1,0 +1,74 @@
+"""A scene in its own sea to first order: what pushes it, and how its joints' laws damp what moves."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from solver.coupled import linear_drag
+from solver.coupled.linear import LinearModel, impedance, jacobian, linear_model, wave_force
+from solver.coupled.system import System
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.lines import lengths
+from solver.multibody.linearised import beyond_rest, damping_at_rest, damping_of_lines
+from solver.multibody.of_axes import bent, drag
+
+KNOWN = 8  # models that a process keeps
+AGREED = 1e-2  # of a damping that errors are estimated with
+ROUNDS = 40  # an axis that friction just stops is nearly held by then
+HELD = 1e-4  # of the largest rate that an axis had: friction does not let it move
+
+
+@lru_cache(maxsize=KNOWN)
+def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
+    """The linear model, its joints damped by what quadratic damping and bent laws take from the rates that it has in
+    the scene's sea: friction may hold an axis that the tangent at rest leaves free, and a limit let one go."""
+    model, law, sea = linear_model(system), system.bodies.law, system.scene.sea
+    quadratic = drag(law)
+    if not (bent(law) | (quadratic > 0)).any() or not sea.amplitude.any():
+        return model
+    nm, nc = system.structure.omega.size, system.structure.carrier.shape[0]
+    one = np.count_nonzero(sea.amplitude) == 1
+    Y, force, rest = impedance(system, h, sea.omega), force_of_waves(system, h), damping_at_rest(law)
+    moving, more, size, least = model, *np.zeros((3, nc + len(model.mass) - nm))
+    against = size  # of the rates that quadratic damping is taken for
+    for _ in range(ROUNDS):
+        rates = sea.omega[:, None] * moving.response(sea.omega, Y, force)[:, nm:]
+        size = np.concatenate([np.zeros(nc), lengths(rates.T)])
+        least = np.maximum(least, HELD * size)
+        # At a resonance rates go as one over their damping: from one round to the next they would turn over and over.
+        against = np.sqrt(against * size) if against.any() else size
+        before, more = more, beyond_rest(law, damping_of_lines(law, np.maximum(size, least), single=one))
+        rates *= np.divide(against, size, out=np.ones(size.size), where=size > 0)[nc:]
+        more[nc:] += quadratic[nc:] * linear_drag.of_lines(rates[:, None])[:, 0, 0]
+        if np.all(np.abs(more - before) <= AGREED * np.abs(rest + more)):
+            break
+        moving = model.damped(more[nc:])
+    return moving
+
+
+def along_waves(system: System, h: Hydrodynamics) -> np.ndarray:
+    """How each wave swings each float's reference point along the waves [m], rows (nb, nw)."""
+    omega, bodies = system.scene.sea.omega, system.bodies
+    model = moving_model(system, h)
+    X = model.response(omega, impedance(system, h, omega), force_of_waves(system, h))
+    J = jacobian(bodies, system.equilibrium[0])[:, :2]
+    way: np.ndarray = np.einsum("d,bdz->bz", bodies.wave_direction, J) @ model.shape @ X.T
+    return way
+
+
+def force_of_waves(system: System, h: Hydrodynamics | None, drag: np.ndarray | float = 0.0) -> np.ndarray:
+    """F (nw, n) of the scene's sea, with linear pressure, and drag (nw, nm) on the modes."""
+    sea = system.scene.sea
+    modal = system.rows[system.layout.modal] + np.transpose(drag)
+    return wave_force(linear_model(system), excitation(system, h, sea.omega) * sea.amplitude[:, None], modal)
+
+
+def excitation(system: System, h: Hydrodynamics | None, omega: np.ndarray) -> np.ndarray:
+    """Linear force of waves per amplitude (nw, na) on what radiates, but for what the scene leaves out."""
+    s = system.scene.settings
+    kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
+    force = np.zeros((omega.size, len(linear_model(system).active)), complex)
+    if h is not None:
+        for kind in kinds:
+            force += h.excitation(omega, kind)
+    return force
