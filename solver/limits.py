@@ -25,7 +25,7 @@ def excursions(scene: Scene, field: WaveField, terms: Sequence[int], carrier_axe
         size = _extent(scene.platform)
         rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
     bounds = [(-row, row) for row in rows]
-    for item, away in zip(scene.floats, ways(scene, field, terms), strict=True):
+    for item, away in zip(scene.floats, slidings(scene, field, ways(scene, field, terms)), strict=True):
         bounds += [(-away, away) if slides(name) else turning_bounds(item, name) for name in item.motion]
     return np.array(bounds, float).reshape(-1, 2)
 
@@ -35,6 +35,16 @@ def ways(scene: Scene, field: WaveField, terms: Sequence[int]) -> list[float]:
     place; linear loads are those at rest, however far."""
     each = zip(terms, radii(scene), scene.nonlinear, strict=True)
     return [field.radius_for(count, ROUGH) - size if nonlinear else np.inf for count, size, nonlinear in each]
+
+
+def slidings(scene: Scene, field: WaveField, away: Sequence[float]) -> list[float]:
+    """How far each float may slide on each axis [m], so that all of them take it no further along the waves."""
+    return [way / max(1.0, ahead(f, field.direction).sum()) for f, way in zip(scene.floats, away, strict=True)]
+
+
+def ahead(item: Float, heading: np.ndarray) -> np.ndarray:
+    """How far each axis of a joint that slides on the level takes it along the waves (nj,), of what it slides by."""
+    return np.array([abs(item.direction(axis) @ heading) * (axis in DOFS[:2]) for axis in item.motion])
 
 
 def pushed(scene: Scene, field: WaveField) -> list[dict[str, float]]:
@@ -53,18 +63,31 @@ def pushed(scene: Scene, field: WaveField) -> list[dict[str, float]]:
     return [_pushed(f, load * w, field.direction) if load > 0 else {} for f, w in zip(scene.floats, wide, strict=True)]
 
 
+def pushed_along(scene: Scene, field: WaveField) -> list[float]:
+    """How far that is along the waves (nb,) [m], all axes together."""
+    return [
+        sum(share * far.get(axis, 0.0) for axis, share in zip(f.motion, ahead(f, field.direction), strict=True))
+        for f, far in zip(scene.floats, pushed(scene, field), strict=True)
+    ]
+
+
 def _pushed(item: Float, load: float, heading: np.ndarray) -> dict[str, float]:
     if not set(item.motion) & set(DOFS[:2]):
         return {}
-    springs = np.diag(item.moored[0]) + item.per_axis("stiffness") + item.per_axis("pto_stiffness")
-    lines = np.diag(line_stiffness(item.lines, item.centre))
+    held = springs(item)
     far = {}
-    for axis, spring in zip(item.motion, springs, strict=True):
-        push = load * abs(item.direction(axis) @ heading)
-        if axis in DOFS[:2] and push > ROUNDING * load:
-            held = spring + lines[DOFS.index(axis)]
-            far[axis] = push / held if held > 0 else np.inf
+    for axis, spring, share in zip(item.motion, held, ahead(item, heading), strict=True):
+        push = load * share
+        if push > ROUNDING * load:
+            far[axis] = push / spring if spring > 0 else np.inf
     return far
+
+
+def springs(item: Float) -> np.ndarray:
+    """Stiffness of each axis of a joint (nj,), its moorings' with it."""
+    lines = np.diag(line_stiffness(item.lines, item.centre))
+    own = np.diag(item.moored[0]) + item.per_axis("stiffness") + item.per_axis("pto_stiffness")
+    return own + [lines[DOFS.index(axis)] if slides(axis) else 0.0 for axis in item.motion]
 
 
 def _extent(platform: Platform) -> float:
@@ -106,7 +129,9 @@ def _way(bodies: Bodies, b: int, furthest: np.ndarray, flat: bool = False) -> fl
     for i in reversed(range(bodies.axes[b])):
         size = furthest[bodies.coordinate[b, i]]
         lever = float(np.linalg.norm(sight(flat) * (bodies.reference[b] - bodies.point[b, i]))) + way
-        way += size if bodies.kind[b, i] == PRISMATIC else 2 * np.sin(min(size, np.pi) / 2) * lever
+        along = bodies.direction[b, i]
+        share = max(abs(along[:2] @ bodies.wave_direction), abs(along[2]))  # across the waves they are the same
+        way += share * size if bodies.kind[b, i] == PRISMATIC else 2 * np.sin(min(size, np.pi) / 2) * lever
     return way
 
 

@@ -18,7 +18,7 @@ TURNED = 0.2  # [rad] that a float may rest from where it is given
 STEEP = 1.2  # factor by which extremes of what drag drives may exceed those of Gaussian responses
 APART = 1.1  # factor by which extremes may miss those of Gaussian rates; of power it is the square
 HEAVED = 0.25  # of its draft or freeboard, by which it may rest higher or deeper
-STRAYED = 0.5  # [rad] of the mean wave that it may go from where diffraction has its phases
+STRAYED = 0.5  # [rad] of the mean wave that it may go from where linear wave loads have their phases
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's is 1240
 FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
@@ -155,8 +155,8 @@ def _drifting(scene: Scene) -> Iterator[str]:
 
     waves = wave_field(scene.sea, scene.water.depth, scene.water.gravity, scene.current)
     near, _, terms = around(scene, waves)
-    each = zip(scene.floats, limits.ways(scene, near, terms), limits.pushed(scene, waves), strict=True)
-    for f, away, pushed in each:
+    slidings = limits.slidings(scene, near, limits.ways(scene, near, terms))
+    for f, away, pushed in zip(scene.floats, slidings, limits.pushed(scene, waves), strict=True):
         for axis, far in pushed.items():
             if far > away:
                 yield (
@@ -167,20 +167,37 @@ def _drifting(scene: Scene) -> Iterator[str]:
 
 
 def strayed(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """A sentence for each axis along which a float went far from where linear wave loads have their phases."""
+    """A sentence for each float that went far from where linear wave loads have their phases, or from another float."""
     if "motion" not in tables or not scene.settings.diffraction or not scene.sea.amplitude.any():
         return
     waves = wave_field(scene.sea, scene.water.depth, scene.water.gravity, scene.current)
-    ends, at_rest = [STATISTICS.index(name) for name in ("max", "min")], ~np.array(scene.nonlinear)
-    for f, of_axes, linear in zip(scene.floats, np.abs(tables["motion"][..., ends]).max(axis=-1), at_rest, strict=True):
-        for axis, way in zip(axes, of_axes, strict=True):
-            along = linear and axis in f.motion and axis in DOFS[:2] and abs(f.direction(axis) @ waves.direction)
-            if along * way > STRAYED * waves.mean_length:
-                yield (
-                    f"floats.{f.name} went {way:.3g} m along {axis}, {along * way / waves.mean_length:.2g} rad of the"
-                    " mean wave from where it is given, which the phases of linear wave loads are of: no part of the"
-                    " estimated error"
-                )
+    ways = _along_waves(scene, axes, tables, waves.direction)
+    for f, way, nonlinear in zip(scene.floats, ways, scene.nonlinear, strict=True):
+        far, place = np.abs(way).max(), "where it is given, which the phases of linear wave loads are of"
+        if nonlinear:
+            apart = [np.abs(way - other).max() * scene.settings.interaction for other in ways]
+            other, far = scene.floats[int(np.argmax(apart))].name, max(apart)
+            place = f"its place at rest beside floats.{other}, by which they scatter and radiate waves to each other"
+        if far > STRAYED * waves.mean_length:
+            yield (
+                f"floats.{f.name} went {far:.3g} m along the waves, {far / waves.mean_length:.2g} rad of the mean wave,"
+                f" from {place}: no part of the estimated error"
+            )
+
+
+def _along_waves(
+    scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray], direction: np.ndarray
+) -> list[np.ndarray]:
+    """Mean, highest and lowest way (3,) of each float by what slides, its carriers with it."""
+    ways: list[np.ndarray] = []
+    told = [STATISTICS.index(name) for name in ("mean", "max", "min")]
+    for f, carrier, motion in zip(scene.floats, scene.carriers, tables["motion"][..., told], strict=True):
+        way = ways[carrier].copy() if carrier >= 0 else np.zeros(len(told))
+        for axis, of_axis in zip(axes, motion, strict=True):
+            if axis in f.motion and axis in DOFS[:2]:
+                way += f.direction(axis) @ direction * of_axis
+        ways.append(way)
+    return ways
 
 
 def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:

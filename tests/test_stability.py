@@ -177,7 +177,7 @@ def test_a_float_that_reaches_through_too_many_waves_is_refused(buan, coefficien
     front, rear = buan.floats()
     floats = (replace(front, arm=(-40.0, 0, -2.6)), rear)
     known = replace(coefficients, centres=np.array([f.centre for f in floats]))
-    feels = r"around a float that feels them by [2-9]\d% of the largest wave force per amplitude, > 10%: end the band"
+    feels = r"around a float that feels them by 0\.[2-9]\d* of the largest wave force per amplitude, > 0\.1: end the"
     with pytest.raises(InputError, match=rf"sea = waves down to 5\.\d+ m: too short for a series 32\.\d m {feels}"):
         prepare(buan.scene("fixed", floats=floats), known)
     # Linear pressure is that at rest, wherever the float is.

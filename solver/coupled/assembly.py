@@ -268,10 +268,12 @@ def wave_rows(
     support: Support | None,
     hydrodynamics: Hydrodynamics | None,
     terms: tuple[int, ...],
+    reach: float,
 ) -> tuple[np.ndarray, Layout, Places]:
     """All rows (m, n) that the wave drives, where each quantity is, and how the loads of floats that slide are told.
 
-    near: of the waves around the floats, terms: of the series around each. The pressure of other waves is linear.
+    near: of the waves around the floats, within a reach [m], terms: of the series around each. The pressure of other
+    waves is linear.
     """
     every, kind = (True,) * len(scene.floats), scene.settings.froude_krylov
     wanted = (("diffraction", every, False),) * scene.settings.diffraction
@@ -279,9 +281,9 @@ def wave_rows(
     wanted += (("froude_krylov", scene.nonlinear, True),) * (near != field)
     # Still water has a frequency for form's sake, which the coefficients need not cover.
     known = hydrodynamics if scene.sea.amplitude.any() else None
-    reach, tolerance = sliding.reaches(scene, near, terms), scene.settings.field_tolerance
+    reaches, tolerance = sliding.reaches(scene, field, near, terms, reach), scene.settings.field_tolerance
     centres = tuple(tuple(f.centre.tolist()) for f in scene.floats)
-    return _rows(field, near, centres, support, known, terms, wanted, reach, tolerance)
+    return _rows(field, near, centres, support, known, terms, wanted, reaches, tolerance)
 
 
 Wanted = tuple[tuple[str, tuple[bool, ...], bool], ...]  # kind of force, floats, whether only of waves not near
@@ -296,7 +298,7 @@ def _rows(
     hydrodynamics: Hydrodynamics | None,
     terms: tuple[int, ...],
     wanted: Wanted,
-    reach: tuple[float, ...],
+    reaches: tuple[float, ...],
     tolerance: float,
 ) -> tuple[np.ndarray, Layout, Places]:
     """Tasks that differ in their joints alone share them."""
@@ -307,7 +309,7 @@ def _rows(
     if hydrodynamics is not None:
         active = np.array([DOFS.index(d) for d in hydrodynamics.dofs])
         excitation[:, active] = _excitation(field, near, nb, hydrodynamics, wanted)
-    places = sliding.places(excitation[:, active], field.k, reach, tolerance)
+    places = sliding.places(excitation[:, active], field.k, reaches, tolerance)
     swing = np.zeros((nb, 1, n))  # which asks for the system, see preparation
     moved = sliding.rows(np.concatenate([excitation[:, active], swing], axis=1), field.k, places)
     excitation[np.array(places.terms, int) > 0] = 0.0

@@ -19,7 +19,6 @@ from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.radiation import fitting
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import Bits, shared
-from solver.limits import slides
 from solver.multibody.bodies import Bodies
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.current import Current
@@ -63,7 +62,7 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMem
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
     felt = near if any(scene.nonlinear) else None
     still = scene.water, scene.current, scene.sea.heading, scene.floats, scene.platform, scene.settings
-    rows, layout, places = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms)
+    rows, layout, places = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms, reach)
     body = _bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms, places)
     system = System(
         scene=scene,
@@ -92,9 +91,8 @@ def around(scene: Scene, waves: WaveField) -> tuple[WaveField, float, tuple[int,
     tolerance = scene.settings.field_tolerance
     if not any(scene.nonlinear):
         return waves, 0.0, assembly.terms_of(scene, waves, [0.0] * len(scene.floats))
-    # Pushed by half a wave's length at most, where diffraction's phases are opposite, unless its series ends before.
-    most = np.pi * waves.mean_length
-    pushed = np.array([min(most, max(far.values(), default=0.0)) for far in limits.pushed(scene, waves)])
+    most = np.pi * waves.mean_length  # half a wave, unless the series ends before: what is pushed further ends its run
+    pushed = np.array([min(most, far) for far in limits.pushed_along(scene, waves)])
     for share in (1.0, 0.5, 0.25, 0.0):
         reaches = _reaches(scene, 2 * scene.sea.parameters()["Hm0"] + share * pushed)
         reach = max(r for r, nonlinear in zip(reaches, scene.nonlinear, strict=True) if nonlinear)
@@ -140,8 +138,8 @@ def _require_hardly_felt(
         )
         felt = float(np.max((pushed / most)[np.array(scene.nonlinear)]))
     if not felt <= FELT:
-        said = f"too short for a series {reach:.3g} m around a float that feels them by {felt:.0%} of the largest wave"
-        raise InputError("sea", waves.shortest, f"{said} force per amplitude, > {FELT:.0%}: end the band lower")
+        said = f"too short for a series {reach:.3g} m around a float that feels them by {felt:.3g} of the largest wave"
+        raise InputError("sea", waves.shortest, f"{said} force per amplitude, > {FELT:g}: end the band lower")
 
 
 def _check_same(scene: Scene, h: Hydrodynamics) -> None:
@@ -195,21 +193,23 @@ def _reaches(scene: Scene, slid: np.ndarray) -> list[float]:
     reaches, flat = limits.radii(scene), motions.in_plane(scene)
     for b, item in enumerate(scene.floats):
         seen, carrier, hinge = limits.sight(flat[b]), scene.carriers[b], np.array(item.hinge, float)
-        reaches[b] += _way(item, seen * (item.centre - hinge), 0.8, slid[b])
+        reaches[b] += _way(item, seen * (item.centre - hinge), 0.8, slid[b], scene.sea.heading)
         while carrier >= 0:
             by, point, far = scene.floats[carrier], hinge, slid[carrier]
             hinge, carrier = np.array(by.hinge, float), scene.carriers[carrier]
-            reaches[b] += _way(by, seen * (point - hinge), 0.2, far)
+            reaches[b] += _way(by, seen * (point - hinge), 0.2, far, scene.sea.heading)
     return reaches
 
 
-def _way(item: Float, lever: np.ndarray, angle: float, slid: float) -> float:
+def _way(item: Float, lever: np.ndarray, angle: float, slid: float, heading: float) -> float:
     """How far the end of a lever gets [m]: turned by an angle, or slid so far from where it is let go, or where a
-    preload brings it that nothing but springs holds.
+    preload brings it that nothing but springs holds; across the waves is no way.
     """
     turned = 2 * np.sin(angle / 2) * float(np.linalg.norm(lever))
-    springs, pushed = item.per_axis("stiffness") + item.per_axis("pto_stiffness"), np.abs(item.per_axis("preload"))
-    held = (springs > 0) & np.array([name in DOFS[:2] for name in item.motion], bool)
+    pushed, springs = np.abs(item.per_axis("preload") + item.moored.pretension), limits.springs(item)
+    ahead = limits.ahead(item, np.array([np.cos(heading), np.sin(heading), 0.0]))
+    held = (springs > 0) & (ahead > 0)
     start = np.maximum(np.abs(item.per_axis("offset")), np.divide(pushed, springs, out=0 * pushed, where=held))
-    ways = zip(item.motion, start.tolist(), strict=True)
-    return max((x + slid if slides(name) else turned for name, x in ways), default=0.0)
+    rising = [x + slid for x, name in zip(start, item.motion, strict=True) if name == "heave"]
+    turning = [turned] * any(not limits.slides(name) for name in item.motion)
+    return float(max(ahead @ start + slid * ahead.any(), *rising, *turning, 0.0))

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.special import jv
 
 from solver import limits
-from solver.scene import DOFS, Scene
+from solver.scene import Float, Scene
 from solver.sea.field import WaveField
 
 MOST = 400  # polynomials
@@ -33,24 +33,35 @@ class Places(NamedTuple):
     terms: tuple[int, ...]
 
 
-def reaches(scene: Scene, near: WaveField, terms: Sequence[int]) -> tuple[float, ...]:
+def reaches(scene: Scene, waves: WaveField, near: WaveField, terms: Sequence[int], reach: float) -> tuple[float, ...]:
     """(nb,) [m] of the floats that slide along the waves.
 
-    near: of the waves whose pressure is integrated; terms: of its series about each float, which ends the way.
+    near: of those whose pressure is integrated; terms: of its series about each float, which ends the way; reach: where
+    none is.
     """
-    moved = slide_along(scene, near.direction)
-    if not any(moved) or not scene.sea.amplitude.any():
+    moved = slide_along(scene, waves)
+    if not any(moved) or not waves.sea.amplitude.any():
         return (0.0,) * len(scene.floats)
-    return tuple(way if slides else 0.0 for slides, way in zip(moved, limits.ways(scene, near, terms), strict=True))
+    ways = limits.ways(scene, near, terms) if near.sea.amplitude.any() else [reach] * len(moved)
+    return tuple(way if slides else 0.0 for slides, way in zip(moved, ways, strict=True))
 
 
-def slide_along(scene: Scene, direction: np.ndarray) -> list[bool]:
-    """Which floats slide along it and have body-nonlinear pressure; what hangs on a float slides with it."""
+def slide_along(scene: Scene, waves: WaveField) -> list[bool]:
+    """Which floats slide along the waves and have body-nonlinear pressure; what hangs on a float slides with it.
+
+    On a lever so long that a turn of 1 rad takes it a radian of the mean wave it slides as well.
+    """
     slides: list[bool] = []
     for f, carrier in zip(scene.floats, scene.carriers, strict=True):
-        heads = any(abs(f.direction(name) @ direction) > limits.ROUNDING for name in f.motion if name in DOFS[:2])
+        heads = bool(np.any(limits.ahead(f, waves.direction) > limits.ROUNDING)) or _lever(f, waves) > waves.mean_length
         slides.append(heads or (carrier >= 0 and slides[carrier]))
     return [a and b for a, b in zip(slides, scene.nonlinear, strict=True)]
+
+
+def _lever(f: Float, waves: WaveField) -> float:
+    """How far 1 rad of an axis takes a float along the waves [m], at most."""
+    arms = [np.cross(f.direction(axis), f.centre - f.hinge) for axis in f.motion if not limits.slides(axis)]
+    return max((abs(float(arm @ waves.direction)) for arm in arms), default=0.0)
 
 
 def places(force: np.ndarray, k: np.ndarray, reach: Sequence[float], tolerance: float) -> Places:

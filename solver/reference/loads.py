@@ -215,7 +215,7 @@ class Floats:
         self.active = np.array([6 * b + i for b in range(nb) for i in (_index(h) if h else ())], int)
         self.convolution = Convolution(kernel, dt=dt, c=self.c, steps=steps) if kernel else None
         self.velocity = np.zeros((stages, self.active.size))
-        self.slides, self.swing = slide_along(scene, force.field.direction), swing
+        self.slides, self.swing = slide_along(scene, force.field), swing
         self.rows = np.zeros((6 * nb, scene.sea.omega.size), complex)
         if h:
             self.rows[self.active] = _excitation(scene, h)

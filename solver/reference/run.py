@@ -171,7 +171,7 @@ def _case(
         rows = driven(system.support, system.waves)
         support = ElasticSupport(system.support, rows, nodes, A.sum(axis=1), A, dt)
     force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
-    swing = along_waves(system, h) if h is not None and any(slide_along(scene, system.waves.direction)) else None
+    swing = along_waves(system, h) if h is not None and any(slide_along(scene, system.waves)) else None
     floats = Floats(scene, h, kernel, force, support, dt=dt, A=A, steps=steps, swing=swing)
     bodies, state = _at_rest(scene, system, floats, support, kernel)
     return Case(

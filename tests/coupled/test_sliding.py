@@ -67,7 +67,7 @@ def test_loads_are_those_of_each_wave_where_the_float_is():
     for t, share in zip(rng.uniform(0, 300, 8), rng.uniform(-0.7, 0.7, 8), strict=True):
         far, turn = share * body.reach[0], np.exp(-1j * item.sea.omega * t)
         move(body, np.array([far * np.cos(0.6), far * np.sin(0.6), 0.1, 0.05, -0.1]), np.zeros(5), motion)
-        samples = np.real(system.rows[system.layout.field] @ turn)
+        samples = np.real(system.rows[system.layout.field] @ turn).copy()
         pressures(body, motion, samples, pressure_room(body), loads[0])
         samples[2 * body.first_term[-1] :] = 0.0
         pressures(body, motion, samples, pressure_room(body), loads[1])
@@ -80,13 +80,14 @@ def test_loads_are_those_of_each_wave_where_the_float_is():
 
 def test_what_does_not_slide_along_the_waves_has_loads_at_rest():
     item, h = moored()
-    hinged = replace(item, floats=(replace(item.floats[1], on=None, name="alone"),))
+    waves = prepare(item, h).waves
+    hinged = replace(item.floats[1], on=None, name="alone")
+    column = replace(hinged, hinge=(4.0, 0, -20.0), arm=(0, 0, 20.0))
     across = replace(item.floats[0], motion=("sway", "heave"))
-    linear = replace(item, settings=replace(item.settings, froude_krylov="linear"))
-    assert slide_along(item, np.array([1.0, 0, 0])) == [True, True]
-    assert slide_along(hinged, np.array([1.0, 0, 0])) == [False]
-    assert slide_along(replace(item, floats=(across,)), np.array([1.0, 0, 0])) == [False]
-    system = prepare(linear, h)
+    assert slide_along(item, waves) == [True, True]
+    for alone, slides in ((hinged, False), (column, True), (across, False)):
+        assert slide_along(replace(item, floats=(alone,)), waves) == [slides]
+    system = prepare(replace(item, settings=replace(item.settings, froude_krylov="linear")), h)
     assert system.bodies.reach.tolist() == [0, 0] and np.all(system.rows[system.layout.excitation].any(axis=1)[[0, 2]])
 
 
@@ -117,3 +118,39 @@ def test_the_mean_force_of_a_wave_does_not_go_by_how_far_it_pushes():
         record = simulate(replace(item, sea=waves, settings=settings, floats=(buoy,)), h)
         force.append(spring * record.variables["motion"][1][0, 0, 2])
     assert force[1] == approx(force[0], rel=0.02)
+
+
+def test_a_float_that_drifts_from_its_neighbour_is_told_so_and_none_that_drift_together():
+    """What they radiate and scatter to each other is that at their distance at rest."""
+    item, h = moored(preload=6 * SOFT)
+    wall = replace(item.floats[1], name="wall", on=None, hinge=(4.0, 0, 1.5), motion=(), pto_damping=0.0)
+    for floats, told in ((item.floats, False), ((item.floats[0], wall), True)):
+        said = simulate(replace(item, floats=floats), h).attrs.get("warnings", "")
+        assert ("along the waves, 2" in said and "its place at rest beside floats.wall" in said) is told
+
+
+@pytest.mark.parametrize("heading", [0.0, np.pi / 4])
+def test_a_float_held_on_both_axes_goes_as_far_along_oblique_waves_as_along_others(heading):
+    """A buoy pulled 20 m, all of it along the waves, and the field about it is as good there."""
+    far, ahead = 20.0, np.array([np.cos(heading), np.sin(heading)])
+    item = moored(heading)[0]
+    drum = replace(
+        item.floats[0], motion=("surge", "sway", "heave"), stiffness=(SOFT, SOFT, 0.0), damping=(1e4, 1e4, 2e4),
+        preload=(*(far * SOFT * ahead), 0.0), mass=RHO * item.floats[0].hull.volume,
+    )  # fmt: skip
+    alone = replace(item, floats=(drum,))
+    record = simulate(alone, known(alone, 0.7, 2.8, 12))
+    assert record.attrs["field_error"] < 1e-2
+    assert record.variables["motion"][1][0, :2, 2] @ ahead == approx(far, abs=1.5)
+
+
+def test_waves_too_short_to_be_summed_push_a_float_where_it_is():
+    item = moored()[0]
+    drum = replace(item.floats[0], mass=RHO * item.floats[0].hull.volume, preload=(6 * SOFT, 0.0))
+    alone = replace(item, floats=(drum,), sea=regular(height=0.05, period=1.2))
+    there = replace(alone, floats=(replace(drum, preload=0.0, hinge=(6.0, 0, 0)),))
+    (pulled, system), (given, _) = (
+        (simulate(each, h), prepare(each, h)) for each, h in ((x, known(x, 0.7, 5.6, 12)) for x in (alone, there))
+    )
+    assert not system.near.sea.amplitude.any() and np.isfinite(system.bodies.reach).all()
+    assert pulled.variables["hinge_force"][1] == approx(given.variables["hinge_force"][1], rel=1e-3, abs=1.0)

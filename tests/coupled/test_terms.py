@@ -11,7 +11,7 @@ from solver.coupled.natural import require_stable
 from solver.coupled.preparation import prepare
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.mooring import Mooring
+from solver.mooring import Line, Mooring
 from solver.multibody.bodies import new_motion, pressure_room
 from solver.multibody.minimal import move, pressures
 from solver.scene import Float
@@ -144,11 +144,12 @@ def test_the_field_reaches_where_a_preload_brings_what_springs_alone_hold():
         item = replace(whole.floats[0], preload=(surge, 0.0, 0.0), **changes)
         return prepare(replace(whole, floats=(item,)), None)
 
-    far = pushed(12.0 * stiffness[0])
-    require_stable(far)
-    assert far.joints_at_rest[0] == approx(12.0)
-    assert far.terms > pushed(0.0).terms
-    with pytest.raises(SimulationFailed, match=r"barge surge rests at \+30.* place it where it rests, hold it by"):
-        require_stable(
-            pushed(30.0 * stiffness[0], mooring=Mooring(stiffness=(stiffness, (0, 0, 0), (0, 0, 0))), stiffness=0.0)
-        )
+    taut = Line(anchor=(100.0, 0, -50.0), fairlead=(5.0, 0, 0), length=80.0, weight=500.0, EA=1e7)
+    moored = {"mooring": Mooring(stiffness=(stiffness, (0, 0, 0), (0, 0, 0))), "stiffness": 0.0}
+    for springs in ({}, moored):
+        far = pushed(12.0 * stiffness[0], **springs)
+        require_stable(far)
+        assert far.joints_at_rest[0] == approx(12.0)
+        assert far.terms > pushed(0.0).terms
+    with pytest.raises(SimulationFailed, match=r"barge surge rests at \+\d+.* place it where it rests, hold it by"):
+        require_stable(pushed(0.0, lines=(taut,)))
