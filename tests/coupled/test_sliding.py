@@ -81,7 +81,7 @@ def test_loads_are_those_of_each_wave_where_the_float_is():
 def test_what_does_not_slide_along_the_waves_has_loads_at_rest():
     item, h = moored()
     waves = prepare(item, h).waves
-    hinged = replace(item.floats[1], on=None, name="alone")
+    hinged = replace(item.floats[1], on="", name="alone")
     column = replace(hinged, hinge=(4.0, 0, -20.0), arm=(0, 0, 20.0))
     across = replace(item.floats[0], motion=("sway", "heave"))
     assert slide_along(item, waves) == [True, True]
@@ -123,7 +123,7 @@ def test_the_mean_force_of_a_wave_does_not_go_by_how_far_it_pushes():
 def test_a_float_that_drifts_from_its_neighbour_is_told_so_and_none_that_drift_together():
     """What they radiate and scatter to each other is that at their distance at rest."""
     item, h = moored(preload=6 * SOFT)
-    wall = replace(item.floats[1], name="wall", on=None, hinge=(4.0, 0, 1.5), motion=(), pto_damping=0.0)
+    wall = replace(item.floats[1], name="wall", on="", hinge=(4.0, 0, 1.5), motion=(), pto_damping=0.0)
     for floats, told in ((item.floats, False), ((item.floats[0], wall), True)):
         said = simulate(replace(item, floats=floats), h).attrs.get("warnings", "")
         assert ("along the waves, 2" in said and "its place at rest beside floats.wall" in said) is told
