@@ -90,6 +90,7 @@ def bodies(
         first_term=np.cumsum([0, *terms]),
         surface_terms=np.array(terms_of(scene, field, limits.radii(scene)), np.int64),
         first_along=np.cumsum([0, *places.terms]),
+        leader=np.array(places.leader, np.int64),
         reach=np.array(places.reach, float),
         **rules(scene, field),
         buoyancy=buoyancy,
@@ -281,9 +282,10 @@ def wave_rows(
     wanted += (("froude_krylov", scene.nonlinear, True),) * (near != field)
     # Still water has a frequency for form's sake, which the coefficients need not cover.
     known = hydrodynamics if scene.sea.amplitude.any() else None
-    reaches, tolerance = sliding.reaches(scene, field, near, terms, reach), scene.settings.field_tolerance
+    leaders, tolerance = sliding.leaders(scene, field), scene.settings.field_tolerance
+    reaches = sliding.reaches(scene, field, near, terms, reach)
     centres = tuple(tuple(f.centre.tolist()) for f in scene.floats)
-    return _rows(field, near, centres, support, known, terms, wanted, reaches, tolerance)
+    return _rows(field, near, centres, support, known, terms, wanted, leaders, reaches, tolerance)
 
 
 Wanted = tuple[tuple[str, tuple[bool, ...], bool], ...]  # kind of force, floats, whether only of waves not near
@@ -298,6 +300,7 @@ def _rows(
     hydrodynamics: Hydrodynamics | None,
     terms: tuple[int, ...],
     wanted: Wanted,
+    leaders: tuple[int, ...],
     reaches: tuple[float, ...],
     tolerance: float,
 ) -> tuple[np.ndarray, Layout, Places]:
@@ -309,7 +312,7 @@ def _rows(
     if hydrodynamics is not None:
         active = np.array([DOFS.index(d) for d in hydrodynamics.dofs])
         excitation[:, active] = _excitation(field, near, nb, hydrodynamics, wanted)
-    places = sliding.places(excitation[:, active], field.k, reaches, tolerance)
+    places = sliding.places(excitation[:, active], field.k, leaders, reaches, tolerance)
     swing = np.zeros((nb, 1, n))  # which asks for the system, see preparation
     moved = sliding.rows(np.concatenate([excitation[:, active], swing], axis=1), field.k, places)
     excitation[np.array(places.terms, int) > 0] = 0.0

@@ -79,7 +79,8 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMem
     )
     if any(places.terms):
         assert hydrodynamics is not None, "no wave loads follow a float without any"
-        swing = sliding.rows(along_waves(system, hydrodynamics)[:, None], waves.k, places)
+        swing = along_waves(system, hydrodynamics)[list(places.leader), None]
+        swing = sliding.rows(swing, waves.k, places)
         told = system.rows[layout.field][2 * body.first_term[-1] :]
         told.reshape(len(swing), -1, swing.shape[-1])[:, -1:] = swing
         shared(system.rows)

@@ -25,10 +25,12 @@ MOST = 400  # polynomials
 
 
 class Places(NamedTuple):
-    """Of each float, how far it may slide along the waves [m], 0 where loads are those at rest, and by how many terms
-    its loads are told.
+    """Of each float whose place counts for its loads, how far that may be along the waves [m], by how many terms.
+
+    None and 0 where loads are those at rest.
     """
 
+    leader: tuple[int, ...]
     reach: tuple[float, ...]
     terms: tuple[int, ...]
 
@@ -39,23 +41,26 @@ def reaches(scene: Scene, waves: WaveField, near: WaveField, terms: Sequence[int
     near: of those whose pressure is integrated; terms: of its series about each float, which ends the way; reach: where
     none is.
     """
-    moved = slide_along(scene, waves)
-    if not any(moved) or not waves.sea.amplitude.any():
+    found = leaders(scene, waves)
+    if max(found, default=-1) < 0 or not waves.sea.amplitude.any():
         return (0.0,) * len(scene.floats)
-    ways = limits.ways(scene, near, terms) if near.sea.amplitude.any() else [reach] * len(moved)
-    return tuple(way if slides else 0.0 for slides, way in zip(moved, ways, strict=True))
+    ways = limits.ways(scene, near, terms) if near.sea.amplitude.any() else [reach] * len(found)
+    return tuple(way if leader >= 0 else 0.0 for leader, way in zip(found, ways, strict=True))
 
 
-def slide_along(scene: Scene, waves: WaveField) -> list[bool]:
-    """Which floats slide along the waves and have body-nonlinear pressure; what hangs on a float slides with it.
+def leaders(scene: Scene, waves: WaveField) -> tuple[int, ...]:
+    """Of each float with body-nonlinear pressure the one whose place counts, itself or what carries it; else -1.
 
-    On a lever so long that a turn of 1 rad takes it a radian of the mean wave it slides as well.
+    That is the last one from the support on that slides along the waves, or is on a lever so long that a turn of 1 rad
+    takes it a radian of the mean wave.
     """
-    slides: list[bool] = []
-    for f, carrier in zip(scene.floats, scene.carriers, strict=True):
-        heads = bool(np.any(limits.ahead(f, waves.direction) > limits.ROUNDING)) or _lever(f, waves) > waves.mean_length
-        slides.append(heads or (carrier >= 0 and slides[carrier]))
-    return [a and b for a, b in zip(slides, scene.nonlinear, strict=True)]
+    found: list[int] = []
+    for b, (f, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
+        slides = (
+            bool(np.any(limits.ahead(f, waves.direction) > limits.ROUNDING)) or _lever(f, waves) > waves.mean_length
+        )
+        found.append(b if slides else found[carrier] if carrier >= 0 else -1)
+    return tuple(a if nonlinear else -1 for a, nonlinear in zip(found, scene.nonlinear, strict=True))
 
 
 def _lever(f: Float, waves: WaveField) -> float:
@@ -64,7 +69,9 @@ def _lever(f: Float, waves: WaveField) -> float:
     return max((abs(float(arm @ waves.direction)) for arm in arms), default=0.0)
 
 
-def places(force: np.ndarray, k: np.ndarray, reach: Sequence[float], tolerance: float) -> Places:
+def places(
+    force: np.ndarray, k: np.ndarray, leader: tuple[int, ...], reach: Sequence[float], tolerance: float
+) -> Places:
     """Of loads (nb, nr, n) per wave: what is left out within reach (nb,) is below tolerance·Σ|Fⱼ| of each."""
     terms = [0] * len(reach)
     for b, (r, size) in enumerate(zip(reach, np.abs(force), strict=True)):
@@ -72,7 +79,7 @@ def places(force: np.ndarray, k: np.ndarray, reach: Sequence[float], tolerance: 
             left = np.cumsum(2 * np.abs(jv(np.arange(MOST)[:, None], k * r))[::-1], axis=0)[::-1]
             enough = np.all(left @ size.T <= tolerance * size.sum(axis=1), axis=1)
             terms[b] = int(np.argmax(enough)) if enough.any() else MOST
-    return Places(tuple(r if n else 0.0 for r, n in zip(reach, terms, strict=True)), tuple(terms))
+    return Places(leader, tuple(r if n else 0.0 for r, n in zip(reach, terms, strict=True)), tuple(terms))
 
 
 def rows(lines: np.ndarray, k: np.ndarray, to: Places) -> np.ndarray:

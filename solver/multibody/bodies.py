@@ -27,6 +27,7 @@ class Bodies(NamedTuple):
     first_term: np.ndarray  # (nb + 1,) of each in the series of the wave field around all of them
     surface_terms: np.ndarray  # (nb,) of the elevation across each
     first_along: np.ndarray  # (nb + 1,) of each in the series of linear wave loads over its place along the waves
+    leader: np.ndarray  # (nb,) the float whose place that is
     reach: np.ndarray  # (nb,) [m] to either side, of that series
     meshed: np.ndarray  # (nb,) hulls that are panel meshes, not of revolution
     rule: WettedQuadrature  # patch (nb, np, 7) stacked

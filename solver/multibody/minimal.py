@@ -26,7 +26,7 @@ from solver.multibody.joint_law import (
     coupled_loss,
 )
 
-SWINGS = 3  # rounds in which the place that swings are of is found: each leaves kX of the last one's error
+SWINGS = 5  # rounds in which the place that swings are of is found: each leaves kX of the last one's error
 SMALL = 0.03  # angles [rad] of which a series knows more than what trigonometry leaves
 
 
@@ -154,12 +154,12 @@ def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureR
             rule = _rule_of(bodies, b)
             pressure_load(motion.position[b], motion.rotation[b], rule, waves, room.quadrature, out[b])
         if bodies.first_along[b + 1] > bodies.first_along[b]:
-            _add_along(bodies, b, motion.position[b], field, out[b])
+            _add_along(bodies, b, motion, field, out[b])
 
 
 @part_kernel
-def _add_along(bodies: Bodies, b: int, x: np.ndarray, field: np.ndarray, out: np.ndarray) -> None:
-    """out += Σₙ Eₙ Tₙ(u), u = s/reach of where the float is along the waves but for what they swing it by.
+def _add_along(bodies: Bodies, b: int, motion: Motion, field: np.ndarray, out: np.ndarray) -> None:
+    """out += Σₙ Eₙ Tₙ(u), u = s/reach of where the float's leader is along the waves but for what they swing it by.
 
     That is the last row of each term, and itself of the place: see coupled.sliding.
     """
@@ -167,7 +167,8 @@ def _add_along(bodies: Bodies, b: int, x: np.ndarray, field: np.ndarray, out: np
     start = 2 * bodies.first_term[-1] + (nr + 1) * bodies.first_along[b]
     count = bodies.first_along[b + 1] - bodies.first_along[b]
     terms = field[start : start + (nr + 1) * count].reshape(count, nr + 1)
-    dx, dy = x[0] - bodies.reference[b, 0], x[1] - bodies.reference[b, 1]
+    x, rest = motion.position[bodies.leader[b]], bodies.reference[bodies.leader[b]]
+    dx, dy = x[0] - rest[0], x[1] - rest[1]
     s = dx * bodies.wave_direction[0] + dy * bodies.wave_direction[1]
     u = _within(s / bodies.reach[b])
     for _ in range(SWINGS):

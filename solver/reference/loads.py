@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from solver.coupled.assembly import joint_law
 from solver.coupled.energy import JOINT_DAMPING, PTO, RADIATION, WAVE, WORKS
-from solver.coupled.sliding import slide_along
+from solver.coupled.sliding import leaders
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.hull.mesh import Hull
@@ -215,7 +215,7 @@ class Floats:
         self.active = np.array([6 * b + i for b in range(nb) for i in (_index(h) if h else ())], int)
         self.convolution = Convolution(kernel, dt=dt, c=self.c, steps=steps) if kernel else None
         self.velocity = np.zeros((stages, self.active.size))
-        self.slides, self.swing = slide_along(scene, force.field), swing
+        self.leaders, self.swing = leaders(scene, force.field), swing
         self.rows = np.zeros((6 * nb, scene.sea.omega.size), complex)
         if h:
             self.rows[self.active] = _excitation(scene, h)
@@ -278,8 +278,8 @@ class Floats:
         self.velocity[stage] = v.ravel()[self.active]
         load = self.excitation[stage].reshape(nb, 6).copy()
         for b in range(nb):
-            if self.slides[b] and self.swing is not None:
-                load[b] = self._displaced(b, stage, frames.position[b], self.swing[b])
+            if self.leaders[b] >= 0 and self.swing is not None:
+                load[b] = self._displaced(b, self.leaders[b], stage, frames.position[self.leaders[b]], self.swing)
             load[b] += self.fields[stage](b, frames.position[b], frames.rotation[b])
         power = self.power[stage]
         power[:] = 0.0
@@ -299,12 +299,12 @@ class Floats:
                 self.force[stage, carrier] += back
         return load
 
-    def _displaced(self, b: int, stage: int, position: np.ndarray, swing: np.ndarray) -> np.ndarray:
-        """Excitation (6,) of a float with the waves' phases where it is, but for what they swing it by."""
+    def _displaced(self, b: int, leader: int, stage: int, position: np.ndarray, swing: np.ndarray) -> np.ndarray:
+        """Excitation (6,) of float b with the waves' phases where its leader is, but for what they swing that by."""
         field, turn = self.pressure.field, self.turn[:, stage]
-        s = way = (position - self.scene.floats[b].centre) @ field.direction
+        s = way = (position - self.scene.floats[leader].centre) @ field.direction
         for _ in range(SWINGS):
-            s = way - (swing * np.exp(1j * field.k * s) @ turn).real
+            s = way - (swing[leader] * np.exp(1j * field.k * s) @ turn).real
         excitation: np.ndarray = (self.rows[6 * b : 6 * b + 6] * np.exp(1j * field.k * s) @ turn).real
         return excitation
 

@@ -21,7 +21,7 @@ from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.moving import along_waves
 from solver.coupled.natural import require_stable, system_modes, with_usual_step
 from solver.coupled.problem import BEYOND, CONTACT, Output, whole_output
-from solver.coupled.sliding import slide_along
+from solver.coupled.sliding import leaders
 from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
@@ -171,7 +171,7 @@ def _case(
         rows = driven(system.support, system.waves)
         support = ElasticSupport(system.support, rows, nodes, A.sum(axis=1), A, dt)
     force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
-    swing = along_waves(system, h) if h is not None and any(slide_along(scene, system.waves)) else None
+    swing = along_waves(system, h) if h is not None and max(leaders(scene, system.waves)) >= 0 else None
     floats = Floats(scene, h, kernel, force, support, dt=dt, A=A, steps=steps, swing=swing)
     bodies, state = _at_rest(scene, system, floats, support, kernel)
     return Case(

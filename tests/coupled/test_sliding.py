@@ -9,7 +9,7 @@ from pytest import approx
 
 from solver.coupled.moving import along_waves
 from solver.coupled.preparation import prepare
-from solver.coupled.sliding import places, rows, slide_along
+from solver.coupled.sliding import leaders, places, rows
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.multibody.bodies import new_motion, pressure_room
 from solver.multibody.minimal import move, pressures
@@ -62,7 +62,7 @@ def test_loads_are_those_of_each_wave_where_the_float_is():
     system, (item, h) = prepare(*moored(0.6)), moored(0.6)
     force = (h.excitation(item.sea.omega, "diffraction") * item.sea.amplitude[:, None]).T.reshape(2, 6, -1)
     body, motion, rng, loads = system.bodies, new_motion(system.bodies), np.random.default_rng(2), np.empty((2, 2, 6))
-    swing = along_waves(system, h)
+    swing = along_waves(system, h)[[0, 0]]
     left = item.settings.field_tolerance * np.abs(force).sum(axis=-1).reshape(2, 2, 3).max(axis=-1)
     for t, share in zip(rng.uniform(0, 300, 8), rng.uniform(-0.7, 0.7, 8), strict=True):
         far, turn = share * body.reach[0], np.exp(-1j * item.sea.omega * t)
@@ -71,7 +71,7 @@ def test_loads_are_those_of_each_wave_where_the_float_is():
         pressures(body, motion, samples, pressure_room(body), loads[0])
         samples[2 * body.first_term[-1] :] = 0.0
         pressures(body, motion, samples, pressure_room(body), loads[1])
-        s = way = (motion.position - body.reference) @ system.waves.direction
+        s = way = ((motion.position - body.reference) @ system.waves.direction)[[0, 0]]
         for _ in range(9):
             s = way - (swing * np.exp(1j * system.waves.k * s[:, None]) @ turn).real
         expected = (force * np.exp(1j * system.waves.k * s[:, None])[:, None] @ turn).real
@@ -84,19 +84,19 @@ def test_what_does_not_slide_along_the_waves_has_loads_at_rest():
     hinged = replace(item.floats[1], on="", name="alone")
     column = replace(hinged, hinge=(4.0, 0, -20.0), arm=(0, 0, 20.0))
     across = replace(item.floats[0], motion=("sway", "heave"))
-    assert slide_along(item, waves) == [True, True]
-    for alone, slides in ((hinged, False), (column, True), (across, False)):
-        assert slide_along(replace(item, floats=(alone,)), waves) == [slides]
+    assert leaders(item, waves) == (0, 0)
+    for alone, leader in ((hinged, -1), (column, 0), (across, -1)):
+        assert leaders(replace(item, floats=(alone,)), waves) == (leader,)
     system = prepare(replace(item, settings=replace(item.settings, froude_krylov="linear")), h)
     assert system.bodies.reach.tolist() == [0, 0] and np.all(system.rows[system.layout.excitation].any(axis=1)[[0, 2]])
 
 
 def test_terms_are_as_few_as_the_reach_asks_for():
     force, k = np.ones((1, 3, 4), complex), np.array([0.1, 0.3, 0.9, 1.6])
-    counts = [places(force, k, (r,), 1e-4).terms[0] for r in (0.0, 0.1, 1.0, 10.0)]
+    counts = [places(force, k, (0,), (r,), 1e-4).terms[0] for r in (0.0, 0.1, 1.0, 10.0)]
     assert counts[0] == 0 and counts[1] < counts[2] < counts[3] < 1.6 * 10 + 20
-    assert places(0 * force, k, (10.0,), 1e-4).terms == (0,)
-    assert rows(force, k, places(force, k, (10.0,), 1e-4)).shape == (counts[3], 3, 4)
+    assert places(0 * force, k, (0,), (10.0,), 1e-4).terms == (0,)
+    assert rows(force, k, places(force, k, (0,), (10.0,), 1e-4)).shape == (counts[3], 3, 4)
 
 
 def test_only_what_keeps_the_phases_of_rest_is_told_to_have_strayed():
