@@ -22,6 +22,7 @@ from solver.scene import Float, Scene
 from solver.sea.field import WaveField
 
 MOST = 400  # polynomials
+FAR = 0.5  # [rad]: an arm that takes a float a radian of the mean wave within this turn is a long one
 
 
 class Places(NamedTuple):
@@ -51,15 +52,15 @@ def reaches(scene: Scene, waves: WaveField, near: WaveField, terms: Sequence[int
 def leaders(scene: Scene, waves: WaveField) -> tuple[int, ...]:
     """Of each float with body-nonlinear pressure the one whose place counts, itself or what carries it; else -1.
 
-    That is the last one from the support on that slides along the waves, or is on a lever so long that a turn of 1 rad
-    takes it a radian of the mean wave.
+    That is the last one from the support on that slides along the waves, or is on an arm long enough to do so, see FAR.
     """
     found: list[int] = []
+    if not any(scene.nonlinear):
+        return (-1,) * len(scene.floats)
     for b, (f, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
-        slides = (
-            bool(np.any(limits.ahead(f, waves.direction) > limits.ROUNDING)) or _lever(f, waves) > waves.mean_length
-        )
-        found.append(b if slides else found[carrier] if carrier >= 0 else -1)
+        slides = np.any(limits.ahead(f, waves.direction) > limits.ROUNDING)
+        moved = slides or FAR * _lever(f, waves) > waves.mean_length
+        found.append(b if moved else found[carrier] if carrier >= 0 else -1)
     return tuple(a if nonlinear else -1 for a, nonlinear in zip(found, scene.nonlinear, strict=True))
 
 
