@@ -50,7 +50,7 @@ def reaches(scene: Scene, waves: WaveField, near: WaveField, terms: Sequence[int
 
 
 def leaders(scene: Scene, waves: WaveField) -> tuple[int, ...]:
-    """Of each float with body-nonlinear pressure the one whose place counts, itself or what carries it; else -1.
+    """Of each float the one whose place counts, itself or what carries it; -1: none, of linear pressure for one.
 
     That is the last one from the support on that slides along the waves, or is on an arm long enough to do so, see FAR.
     """
@@ -61,7 +61,7 @@ def leaders(scene: Scene, waves: WaveField) -> tuple[int, ...]:
         slides = np.any(limits.ahead(f, waves.direction) > limits.ROUNDING)
         moved = slides or FAR * _lever(f, waves) > waves.mean_length
         found.append(b if moved else found[carrier] if carrier >= 0 else -1)
-    return tuple(a if nonlinear else -1 for a, nonlinear in zip(found, scene.nonlinear, strict=True))
+    return tuple(found)
 
 
 def _lever(f: Float, waves: WaveField) -> float:

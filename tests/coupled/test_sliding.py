@@ -100,8 +100,9 @@ def test_terms_are_as_few_as_the_reach_asks_for():
 
 
 def test_only_what_keeps_the_phases_of_rest_is_told_to_have_strayed():
-    item, h = moored(preload=6 * SOFT)
-    for kind, told in (("body-nonlinear", False), ("linear", True)):
+    (far, h), near = moored(preload=6 * SOFT), moored(preload=0.8 * SOFT)[0]
+    near = replace(near, sea=replace(near.sea, amplitude=near.sea.amplitude / 4))  # 1 m: 0.3 rad
+    for item, kind, told in ((far, "body-nonlinear", False), (far, "linear", True), (near, "linear", False)):
         kept = replace(item, settings=replace(item.settings, froude_krylov=kind))
         said = [text for text in simulate(kept, h).attrs.get("warnings", "").split("; ") if "phases of" in text]
         assert bool(said) is told
