@@ -30,7 +30,11 @@ if TYPE_CHECKING:
 
 
 class Peaked(Protocol):
-    """A spectrum of wind waves: besides its density, where that is largest."""
+    """A spectrum of wind waves: besides its height and density, where that is largest."""
+
+    @property
+    def Hs(self) -> float:
+        """[m]."""
 
     @property
     def peak_frequency(self) -> float:

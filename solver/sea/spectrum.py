@@ -12,6 +12,11 @@ from solver.quantities import require_positive
 class Spectrum(Protocol):
     """A spectrum, as realizations ask for it."""
 
+    @property
+    def Hs(self) -> float:
+        """4 √m₀ [m], m₀ = ∫ S dω over all frequencies."""
+        ...
+
     def density(self, omega: np.ndarray) -> np.ndarray:
         """S(ω) [m² s/rad], one-sided, for ω [rad/s]."""
         ...
@@ -115,6 +120,11 @@ class Tabulated:
             raise InputError("omega", _brief(self.omega), "needs at least two increasing frequencies [rad/s]")
         if not (np.all(self.S >= 0) and np.any(self.S > 0)):
             raise InputError("S", _brief(self.S), "must be >= 0, and somewhere > 0")
+
+    @property
+    def Hs(self) -> float:
+        """Significant wave height 4 √m₀ [m]."""
+        return float(4 * np.sqrt(np.trapezoid(self.S, self.omega)))
 
     def density(self, omega: np.ndarray) -> np.ndarray:
         """S(ω) [m² s/rad] for ω [rad/s]."""

@@ -8,7 +8,7 @@ from pytest import approx
 
 from solver.errors import InputError
 from solver.sea.realization import components, measured, realize, regular
-from solver.sea.spectrum import Jonswap, PiersonMoskowitz, Tabulated
+from solver.sea.spectrum import Jonswap, PiersonMoskowitz, Tabulated, WhiteNoise
 
 
 def elevation(sea, t):
@@ -99,6 +99,45 @@ def test_a_measured_record_says_what_it_leaves_out():
     assert "mean level 0.5 m" in note and "10.00% of the variance" in note and "repeats after 200 s" in note
     assert sea.parameters()["Hm0"] == approx(4 * 3 / np.sqrt(2))
     assert sea.parameters()["Tp"] == approx(10.0)
+
+
+TWO_METRES = PiersonMoskowitz(Hs=2.0, Tp=7.0)
+PEAK = 2 * np.pi / 7
+
+
+@pytest.mark.parametrize("spectrum", [TWO_METRES, PiersonMoskowitz(Hs=2.0, Tp=5.4, form="mean"), "table"])
+def test_what_a_band_leaves_out_of_a_spectrum_is_told(spectrum):
+    """Of Pierson-Moskowitz's variance exp(-5/4 (ωp/ω)⁴) lies below ω: at 1.2 ωp just over half."""
+    omega = np.linspace(0.3, 30, 20_000)  # beyond lies less than a millionth
+    whole = Tabulated(omega=omega, S=TWO_METRES.density(omega)) if spectrum == "table" else spectrum
+    peak = PEAK if spectrum == "table" else spectrum.peak_frequency
+    assert whole.Hs == approx(2.0, rel=1e-4)
+    above = 1 - np.exp(-1.25 / 1.2**4)
+    (note,) = realize(whole, components=300, band=(0.4 * peak, 1.2 * peak), seed=0).notes
+    assert f"Hm0 = {2 * np.sqrt(1 - above):.3g} m, and their spectrum has 2 m" in note and f"{above:.2%}"[:3] in note
+    assert f" {0.4 * peak:.4g} to {1.2 * peak:.4g} rad/s" in note
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_components_too_few_for_a_spectrum_are_told(count):
+    """One has √(S Δω) of the middle, 1.75 ωp."""
+    sea = realize(TWO_METRES, components=count, band=(0.5 * PEAK, 3 * PEAK), seed=0, intervals="even")
+    if count == 1:
+        variance = TWO_METRES.density(np.array([1.75 * PEAK]))[0] * 2.5 * PEAK
+        assert sea.parameters()["Hm0"] == approx(4 * np.sqrt(variance))
+    (note,) = sea.notes
+    assert note.startswith(f"components = {count} have Hm0 = {sea.parameters()['Hm0']:.3g} m")
+    assert ": 1.98 m without the 1.53% of its variance" in note
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_usual_seas_are_as_high_as_asked_and_say_nothing(seed):
+    """By default, and by 50 components of the narrowest spectrum."""
+    usual = {"band": (0.5 * PEAK, 3 * PEAK), "seed": seed}
+    for spectrum in (TWO_METRES, Jonswap(Hs=2.0, Tp=7.0, gamma=7.0)):
+        assert not realize(spectrum, components=130, **usual).notes
+        assert not realize(spectrum, components=50, **usual).notes
+    assert not realize(WhiteNoise(Hs=2.0, band=(0.3, 3.0)), components=1, band=(0.3, 3.0), seed=seed).notes
 
 
 @pytest.mark.parametrize(

@@ -131,6 +131,21 @@ def test_what_a_record_leaves_out_is_told_under_the_seas_own_name(study_with):
     assert any(text.startswith("sea_states.only: elevation record: mean level ") for text in told)
 
 
+@pytest.mark.parametrize(
+    ("sea", "waves", "told"),
+    [
+        ("{ Hs = 1.0, Tp = 7.0 }", "band = [0.85, 3.0]", "their spectrum has 1 m: 0.882 m without the 22.13%"),
+        ("{ Hs = 1.0, Tp = 7.0 }", "components = 1", "components = 1 have Hm0 = 0.816 m, and their spectrum has 1 m"),
+        ('{ kind = "spectrum", file = "spectrum.csv" }', "band = [1.0, 3.0]", "has 4.9 m: 4 m without the 33.33% of"),
+    ],
+)
+def test_a_sea_that_is_not_the_one_asked_for_is_told(study_with, sea, waves, told):
+    """As a triangle from 0.5 to 1 and to 2 rad/s: a third of its area lies below its peak."""
+    study = study_with(sea, waves=waves)
+    (text,) = (t for t in preflight.judge(study, expand(study.content), Engine()) if t.startswith("sea_states.only"))
+    assert told in text
+
+
 def test_seeds_and_component_counts_decide_nothing_where_nothing_is_random(study_with):
     sea = '{ kind = "components", file = "components.csv" }'
     assert len({task.id for task in expand(study_with(sea).content)}) == 1
