@@ -32,6 +32,9 @@ def problems(study: StudyFile) -> Iterator[InputError]:
         return
     if waves.form != "peak" and "form" not in realizations.keys_of(waves.spectrum):
         yield _foreign("waves", "form", waves.form, waves.spectrum)
+    # Whatever its value: it decides of no wave, and yet whoever gives it means it to.
+    if "gamma" in waves.model_fields_set and not any("gamma" in realizations.keys_of(each) for each in _shapes(study)):
+        yield _foreign("waves", "gamma", waves.gamma, waves.spectrum)
     rare = [label for label, sea in study.seas.items() if sea.occurrence is None]
     if 0 < len(rare) < len(study.seas):
         limit = "is missing: all sea states have one, or none"
@@ -70,6 +73,14 @@ def _shape(key: str, sea: Irregular, study: StudyFile) -> Iterator[InputError]:
         known = name in ("kind", "Hs", "Tp", "spectrum", "occurrence", *realizations.keys_of(shape))
         if not known and value not in (None, "peak"):  # whose period is the peak's, form = "peak" is true of it
             yield _foreign(key, name, value, shape)
+
+
+def _shapes(study: StudyFile) -> Iterator[Shape]:
+    """Of [waves], of sea states, and along axes."""
+    yield study.waves.spectrum
+    yield from (sea.spectrum for sea in study.seas.values() if isinstance(sea, Irregular) and sea.spectrum)
+    for axis in study.varied:
+        yield from (value for path, values in axis.keys.items() if path.endswith(".spectrum") for value in values)
 
 
 def _foreign(key: str, name: str, value: object, shape: Shape) -> InputError:

@@ -103,6 +103,34 @@ def test_jonswap_for_the_study_or_for_one_row(study_with, where):
     assert np.array_equal(scenes.sea(parameters).amplitude, known.amplitude)
 
 
+FOREIGN = r'waves\.gamma = {}: is for spectrum = "jonswap", not "pierson-moskowitz"'
+OTHERS = [
+    "{ Hs = 1.0, Tp = 8.0 }",
+    '{ kind = "regular", height = 1.0, period = 8.0 }',
+    '{ Hs = 1.0, Tp = 8.0, spectrum = "pierson-moskowitz" }',
+]
+
+
+@pytest.mark.parametrize("sea", OTHERS)
+@pytest.mark.parametrize("gamma", [3.3, 5.0])
+def test_a_gamma_that_no_sea_has_is_refused(study_with, sea, gamma):
+    """The default's value, too; as [waves] is part of what seeds the phases, another would only draw others."""
+    with pytest.raises(StudyError, match=FOREIGN.format(gamma)):
+        study_with(sea, waves=f"{BAND}\ngamma = {gamma}")
+    with pytest.raises(StudyError, match=FOREIGN.format(gamma)):
+        study_with(f'{sea}\n[[axes.together]]\nname = "peak"\n"waves.gamma" = [{gamma}, 1.0]\nnumber = [1, 2]')
+
+
+@pytest.mark.parametrize("values", [["jonswap", "jonswap"], ["pierson-moskowitz", "jonswap"]])
+@pytest.mark.parametrize("path", ["waves.spectrum", "sea.spectrum"])
+def test_a_gamma_of_some_seas_is_let_pass(study_with, path, values):
+    """A sea state's own spectrum, or one along an axis."""
+    row = "{ Hs = 1.0, Tp = 8.0 }\nother = { Hs = 1.0, Tp = 8.0, spectrum = 'jonswap' }"
+    study_with(row, waves=f"{BAND}\ngamma = 2.0")
+    along = f"\n[[axes.together]]\nname = 'shape'\n'{path}' = {values}\nnumber = [1, 2]"
+    study_with(f"{{ Hs = 1.0, Tp = 8.0 }}{along}", waves=f"{BAND}\ngamma = 2.0")
+
+
 def test_a_spectrum_from_a_file(study_with):
     """A triangle of 1.5 m²: Hm0 = 4 √1.5, the same in rad/s and in Hz but for the feet of the triangle."""
     sea = scenes.sea(first(study_with('{ kind = "spectrum", file = "spectrum.csv" }', waves="components = 400")))
