@@ -24,6 +24,7 @@ WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's
 FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
 LARGEST = 500.0  # [m]: no hull is longer, the longest ship has 458 m
 TONNES = 0.3, 25.0  # [t/m3] that frames are of, timber to heavy metal; some are of nothing, or next to it
+FEW = 10.0  # mean periods: from one record of so many to the next the std of a random sea scatters by a fifth
 RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
 
 
@@ -49,7 +50,7 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     if scene.platform is not None:
         sentences += _of_platform(scene, scene.platform)
-    sentences += [*_pushed(scene, joints), *_drifting(scene)]
+    sentences += [*_pushed(scene, joints), *_drifting(scene), *_too_short(scene)]
     rest = () if joints is None else (*_turned(scene, joints), *_risen(scene, joints))
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
@@ -276,3 +277,13 @@ def stopped(floats: Sequence[Float], friction: np.ndarray, load: np.ndarray) -> 
                 f" against {std:.4g} (std) and {most:.4g} at most by waves: it moves now and then, and only a run in"
                 " time tells how far"
             )
+
+
+def _too_short(scene: Scene) -> Iterator[str]:
+    """A sentence for a record of a sea of several waves that has few of their mean periods."""
+    length, mean = scene.settings.duration, scene.sea.parameters()["Tz"]
+    if scene.sea.omega.size > 1 and length < FEW * mean:  # no mean period in still water
+        yield (
+            f"record.duration: {length:g} s are {length / mean:.2g} mean periods of the waves, {mean:.3g} s, and less"
+            f" than {FEW:g} tell little of a sea: is it in other units?"
+        )

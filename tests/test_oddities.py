@@ -14,6 +14,7 @@ from solver.run import simulate
 from solver.scene import EndStops
 from solver.sea.current import Current, CurrentSpeed
 from solver.sea.field import wave_field
+from solver.sea.realization import components, regular
 from tests.awkward import bare_legs, flap, soft_mooring, unequal_legs
 from tests.record.test_slow import soft
 from tests.test_balance import ball
@@ -176,3 +177,17 @@ def test_steel_in_tonnes_is_told(density, told_so):
     members = tuple(replace(m, material=replace(m.material, density=density)) for m in frame.members)
     platform = replace(item.platform, frame=replace(frame, members=members))
     assert any("density 7.85 kg/m3" in text for text in warnings(replace(item, platform=platform))) is told_so
+
+
+@pytest.mark.parametrize(("periods", "told_so"), [(0.5, True), (9.9, True), (10.1, False)])
+def test_a_record_of_few_mean_periods_is_told(periods, told_so):
+    """Those of zero up-crossings, 2π (m₀/m₂)^½ of two like waves; of one wave a single period tells all."""
+    item, _ = flap()
+    first, second = 1.0, 1.5
+    mean = 2 * np.pi * np.sqrt(2 / (first**2 + second**2))
+    several = components(amplitude=[0.1, 0.1], omega=[first, second], phase=[0.0, 1.0])
+    settings = replace(item.settings, duration=periods * mean, discard=0.0, ramp=0.0)
+    told = [text for text in warnings(replace(item, sea=several, settings=settings)) if "mean periods" in text]
+    assert [f"{periods * mean:g} s are {periods:.2g} mean" in text for text in told] == [True] * told_so
+    one = regular(height=0.2, period=2 * np.pi)
+    assert not any("mean periods" in text for text in warnings(replace(item, sea=one, settings=settings)))
