@@ -86,7 +86,9 @@ def spectrum(sea: Irregular | WhiteNoise | MeasuredSpectrum, waves: Waves) -> Sp
         case WhiteNoise():
             return shapes.WhiteNoise(Hs=sea.Hs, band=_needed(waves.band))
         case MeasuredSpectrum():
-            return shapes.Tabulated(**columns.read(sea.file, ("omega", "S")))
+            table = columns.read(sea.file, ("omega", "S"))
+            columns.require_rising(sea.file, "omega", table["omega"])
+            return shapes.Tabulated(**table)
         case Irregular():
             return shape(sea, waves)
 

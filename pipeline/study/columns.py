@@ -71,9 +71,10 @@ def require_rising(file: Attachment, name: str, values: np.ndarray) -> None:
     """Refuse a line whose number, of those read, is not above that of the one before; raises InputError."""
     falls = np.flatnonzero(~(np.diff(values) > 0))
     if falls.size:
-        before, value = values[falls[0] : falls[0] + 2].tolist()
-        line, unit = [line for line, _ in _rows(file)][falls[0] + 2], next(iter(QUANTITIES[name].units))
-        limit = f"line {line}, column {name}: {value} must be > {before} {unit}, the one before"
+        (number, header), *rows = _rows(file)
+        at, title, _ = _place(file, number, header, name)
+        (_, before), (line, cells) = rows[falls[0] : falls[0] + 2]
+        limit = f"line {line}, column {title}: {cells[at]} must be > {before[at]}, the one before"
         raise InputError("file", file, limit)
 
 
@@ -93,14 +94,17 @@ def _titles(header: Sequence[str]) -> list[str]:
 
 
 def _rows(file: Attachment) -> Iterator[tuple[int, list[str]]]:
-    """Line numbers and cells of the lines that say something."""
+    """Line numbers and cells of the lines that say something; a header that other marks than commas part is refused."""
     try:
         text = file.data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError("file", file, f"is not UTF-8 text (byte {error.start})") from None
-    for line, words in enumerate(text.splitlines(), 1):
-        if words.strip() and not words.lstrip().startswith("#"):
-            yield line, [cell.strip() for cell in words.split(",")]
+    lines = [(n, w) for n, w in enumerate(text.splitlines(), 1) if w.strip() and not w.lstrip().startswith("#")]
+    for mark, called in ((";", "semicolons"), ("\t", "tabs")):
+        if lines and mark in lines[0][1] and "," not in lines[0][1]:
+            limit = f"line {lines[0][0]}: commas must part columns, not {called}, and numbers have decimal points"
+            raise InputError("file", file, limit)
+    yield from ((line, [cell.strip() for cell in words.split(",")]) for line, words in lines)
 
 
 def _place(file: Attachment, line: int, header: Sequence[str], name: str) -> tuple[int, str, float]:
