@@ -83,19 +83,21 @@ class MeasuredSpectrum(Sea):
 
 
 class Regular(Sea):
-    """One wave of this height, crest to trough; at the origin the phase is that of its cosine at t = 0."""
+    """One wave of this height, crest to trough: height/2 cos(omega t - phase) at the origin."""
 
     kind: Annotated[Literal["regular"], KIND]
     height: Annotated[Positive, Unit("m"), "Wave height, crest to trough"]
     period: Annotated[Positive, Unit("s"), "Wave period"]
-    phase: Annotated[Number, Unit("rad"), "Of the cosine at the origin, at t = 0"] = 0.0
+    phase: Annotated[Number, Unit("rad"), "At the origin: height/2 cos(omega t - phase)"] = 0.0
 
 
 class Components(Sea):
     """Waves one by one from a file: amplitude [m], omega [rad/s] (or frequency [Hz]), phase [rad]."""
 
     kind: Annotated[Literal["components"], KIND]
-    file: Annotated[File, "CSV file beside the study: amplitude [m], omega [rad/s], phase [rad]"]
+    file: Annotated[
+        File, "CSV file beside the study: amplitude [m], omega [rad/s], phase [rad], of amplitude cos(omega t - phase)"
+    ]
 
 
 class Elevation(Sea):
