@@ -18,8 +18,9 @@ LEVEL = 0.95  # of the intervals
 HOUR, YEAR = 3600.0, 365.25 * 24.0  # [s], [h]
 ESTIMATES = ("value", "low", "high")
 WORDS = 2  # columns of a table that are words
-DAY, FULL = 24.0, 8700.0  # sums of occurrences that look like hours of a part of a year lie between [h]
-SHARES = (100.0, 1000.0)  # and sums that do not: percent and per mille
+DAY = 24.0  # the least sum of occurrences that looks like hours [h]
+FULL = 8700.0, 8800.0  # between these they are those of a year [h]
+SHARES = tuple(10.0**n for n in range(2, 7))  # and sums that are none: percent, per mille and so on
 
 
 class _Mean(NamedTuple):
@@ -87,14 +88,14 @@ def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
 
 
 def of_part(data: xr.Dataset) -> str:
-    """A sentence where occurrences look like hours that do not fill a year."""
+    """A sentence where occurrences look like hours that do not fill a year, or more than fill it."""
     total = float(data["occurrence"].sum()) if "occurrence" in data.coords else 0.0
-    if not DAY < total < FULL or np.isclose(total, SHARES, rtol=1e-2).any():
+    if total <= DAY or FULL[0] <= total <= FULL[1] or np.isclose(total, SHARES, rtol=1e-2).any():
         return ""
-    return (
-        f" The occurrences add up to {total:g}: if these are hours, they are {total / YEAR:.0%} of a year, and the rest"
-        " counts as if the same seas went on; with nothing in the rest a year has that share of it."
-    )
+    told = f" The occurrences add up to {total:g}: if these are hours, they are {total / YEAR:.0%} of a year, and"
+    if total > FULL[1]:
+        return f"{told} count as shares of one."
+    return f"{told} the rest counts as if the same seas went on; with nothing in the rest a year has that share of it."
 
 
 class Table(NamedTuple):

@@ -113,14 +113,18 @@ def test_a_regular_sea_has_one_realization_whatever_the_seeds():
         ([3000.0, 2000.0, 500.0], "63% of a year"),
         ([20.0, 4.5], "0% of a year"),
         ([8760.0], ""),
+        ([8000.0, 12000.0], "228% of a year, and count as shares of one."),
+        ([8784.0], ""),
+        ([1e4 - 20.0, 15.0], ""),
+        ([1e5], ""),
         ([0.5, 0.3, 0.2], ""),
         ([62.0, 30.2, 7.7], ""),
         ([999.0, 1.5], ""),
         (None, ""),
     ],
 )
-def test_hours_of_a_part_of_a_year_are_told(hours, share):
-    """Shares, percent and whole years are not; nor is a study that gives none."""
+def test_hours_of_another_time_than_a_year_are_told(hours, share):
+    """Shares, percent and their like, and one year are not; nor is a study that gives none."""
     data = dataset([[1e-6, 3e-6]] * len(hours or [1]))
     data = data if hours is None else data.assign_coords(occurrence=("sea_state", hours))
     console = Console(width=200)
