@@ -146,10 +146,9 @@ def test_the_field_reaches_where_a_preload_brings_what_springs_alone_hold():
 
     taut = Line(anchor=(100.0, 0, -50.0), fairlead=(5.0, 0, 0), length=80.0, weight=500.0, EA=1e7)
     moored = {"mooring": Mooring(stiffness=(stiffness, (0, 0, 0), (0, 0, 0))), "stiffness": 0.0}
-    for springs in ({}, moored):
-        far = pushed(12.0 * stiffness[0], **springs)
-        require_stable(far)
-        assert far.joints_at_rest[0] == approx(12.0)
-        assert far.terms > pushed(0.0).terms
+    far, alike = (pushed(12.0 * stiffness[0], **springs) for springs in ({}, moored))
+    require_stable(far)
+    assert far.joints_at_rest[0] == approx(12.0)
+    assert alike.terms == far.terms > pushed(0.0).terms
     with pytest.raises(SimulationFailed, match=r"barge surge rests at \+\d+.* place it where it rests, hold it by"):
         require_stable(pushed(0.0, lines=(taut,)))
