@@ -50,7 +50,7 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     if scene.platform is not None:
         sentences += _of_platform(scene, scene.platform)
-    sentences += [*_pushed(scene, joints), *_drifting(scene), *_too_short(scene)]
+    sentences += [*_pushed(scene, joints), *_drifting(scene), *_too_short(scene), *overdamped(scene)]
     rest = () if joints is None else (*_turned(scene, joints), *_risen(scene, joints))
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
@@ -287,3 +287,14 @@ def _too_short(scene: Scene) -> Iterator[str]:
             f"record.duration: {length:g} s are {length / mean:.2g} mean periods of the waves, {mean:.3g} s, and less"
             f" than {FEW:g} tell little of a sea: is it in other units?"
         )
+
+
+def overdamped(scene: Scene) -> Iterator[str]:
+    """A sentence for each axis whose `critical_damping` is that of no oscillation; a run makes linear damping of it."""
+    for f in scene.floats:
+        for axis, ratio in zip(f.motion, f.per_axis("critical_damping"), strict=True):
+            if ratio > 1:
+                yield (
+                    f"floats.{f.name}.critical_damping: {ratio:g} times the critical damping of {axis}, which swings no"
+                    " more from 1 on: is it in per cent?"
+                )

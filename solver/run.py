@@ -17,7 +17,7 @@ from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_errors
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.limits import field_error
-from solver.oddities import beyond_tables, met, strayed, swung, warnings
+from solver.oddities import beyond_tables, met, overdamped, strayed, swung, warnings
 from solver.record.accuracy import ATTEMPTS, first_guess, improved, overruled
 from solver.record.audit import audit, doubts
 from solver.record.bound import above
@@ -49,6 +49,7 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     clock = time.perf_counter()
     if hydrodynamics is None and needed(scene):
         hydrodynamics = coefficients(scene)
+    odd = [*overdamped(scene)]
     scene = with_critical_damping(scene, hydrodynamics)
     given = scene.settings
     finer: Better = _content
@@ -72,6 +73,8 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     if given.tolerance is not None:
         notes = (record.attrs["unmet"], *(overruled(given, record.attrs) if given.method == "time" else ()))
         asked = {"tolerance": given.tolerance, "unmet": "; ".join(note for note in notes if note)}
+    if odd:
+        asked["warnings"] = "; ".join(filter(None, (*odd, str(record.attrs.get("warnings", "")))))
     attrs = {**record.attrs, **asked, "repeated": repeated, "wall_time": time.perf_counter() - clock}
     return replace(record, attrs=attrs)
 

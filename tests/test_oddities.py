@@ -8,7 +8,7 @@ import pytest
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.limits import pushed
-from solver.oddities import beyond_tables, warnings
+from solver.oddities import beyond_tables, overdamped, warnings
 from solver.power_takeoff import PtoTable
 from solver.run import simulate
 from solver.scene import EndStops
@@ -191,3 +191,17 @@ def test_a_record_of_few_mean_periods_is_told(periods, told_so):
     assert [f"{periods * mean:g} s are {periods:.2g} mean" in text for text in told] == [True] * told_so
     one = regular(height=0.2, period=2 * np.pi)
     assert not any("mean periods" in text for text in warnings(replace(item, sea=one, settings=settings)))
+
+
+@pytest.mark.parametrize(("ratio", "told_so"), [(1.0, False), (5.0, True)])
+def test_more_than_critical_damping_is_told_before_and_by_the_record(ratio, told_so):
+    """Whose run knows linear damping alone; beside whatever else is odd."""
+    item, h = flap()
+    item = replace(item, settings=replace(item.settings, froude_krylov="linear"))
+    damped = replace(item, floats=(replace(item.floats[0], pto_damping=0.0, critical_damping=ratio),))
+    text = "floats.flap.critical_damping: 5 times the critical damping of hinge"
+    assert any(told.startswith(text) for told in warnings(damped)) is told_so
+    assert [told.startswith(text) for told in overdamped(damped)] == [True] * told_so
+    bare = lines_in(1.0, replace(damped, floats=(replace(damped.floats[0], critical_damping=0.5),)), h)
+    record = lines_in(1.0, damped, h).attrs.get("warnings", "")
+    assert record.startswith(text) is told_so and record.endswith(bare.attrs.get("warnings", ""))
