@@ -35,10 +35,10 @@ life: $(READY)
 	$(VENV)/bin/study run studies/buan-fatigue.toml
 	$(VENV)/bin/python -m studies.life
 
-# On two cores; a third process fills them while one waits for others or for the compiler. As on other machines:
+# On two cores; further processes fill them while some wait for others or for the compiler. As on other machines:
 # make test ORDER=7 OPENBLAS_NUM_THREADS=2 OPENBLAS_CORETYPE=Haswell, with a random order and random examples of that seed.
 test: $(READY)
-	$(VENV)/bin/python -m pytest -q -n 3 --dist worksteal -m "not slow" $(if $(ORDER),\
+	$(VENV)/bin/python -m pytest -q -n 4 --dist worksteal -m "not slow" $(if $(ORDER),\
 		--shuffle $(ORDER) --hypothesis-profile random --hypothesis-seed $(ORDER))
 
 # All that is too slow for `test`, and whether the tests notice deliberate faults (tests/mutations.toml): many hours.

@@ -172,12 +172,13 @@ def strayed(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray])
     if "motion" not in tables or not scene.settings.diffraction or not scene.sea.amplitude.any():
         return
     waves = wave_field(scene.sea, scene.water.depth, scene.water.gravity, scene.current)
-    ways = _along_waves(scene, axes, tables, waves.direction)
-    for f, way, nonlinear in zip(scene.floats, ways, scene.nonlinear, strict=True):
-        far, place = np.abs(way).max(), "where it is given, which the phases of linear wave loads are of"
-        if nonlinear:
-            apart = [np.abs(way - other).max() * scene.settings.interaction for other in ways]
-            other, far = scene.floats[int(np.argmax(apart))].name, max(apart)
+    ways = np.array(_along_waves(scene, axes, tables, waves.direction))
+    most = np.abs(ways).max(axis=1, initial=0.0)
+    for b, (f, nonlinear) in enumerate(zip(scene.floats, scene.nonlinear, strict=True)):
+        far, place = most[b], "where it is given, which the phases of linear wave loads are of"
+        if nonlinear:  # from one that went less far
+            apart = np.abs(ways[b] - ways).max(axis=1) * (most <= most[b]) * scene.settings.interaction
+            other, far = scene.floats[int(np.argmax(apart))].name, apart.max()
             place = f"its place at rest beside floats.{other}, by which they scatter and radiate waves to each other"
         if far > STRAYED * waves.mean_length:
             yield (

@@ -267,6 +267,7 @@ def test_who_gets_further_or_nearer_to_a_balance_may_try_again(error, last, near
     assert _nearer(error, last) is nearer
 
 
+@pytest.mark.slow
 def test_waves_that_begin_at_once_set_a_pile_swinging():
     """Shorter steps until the balance closes, as long as each comes nearer to it; the same numbers as by short ones."""
     pile = Member(
@@ -349,6 +350,7 @@ def test_default_step_is_stable_for_soft_and_stiff_platforms_and_light_and_heavy
     assert attrs["energy_residual"] < 1e-3 and attrs["repeated"] == ""
 
 
+@pytest.mark.slow
 def test_interpreted_and_compiled_kernels_agree(coefficients, tmp_path):
     """The same short runs without the compiler, in another process.
 

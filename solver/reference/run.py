@@ -171,7 +171,8 @@ def _case(
         rows = driven(system.support, system.waves)
         support = ElasticSupport(system.support, rows, nodes, A.sum(axis=1), A, dt)
     force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
-    swing = along_waves(system, h) if h is not None and max(leaders(scene, system.waves)) >= 0 else None
+    found = max(leaders(scene, system.waves), default=-1)
+    swing = along_waves(system, h) if h is not None and found >= 0 else None
     floats = Floats(scene, h, kernel, force, support, dt=dt, A=A, steps=steps, swing=swing)
     bodies, state = _at_rest(scene, system, floats, support, kernel)
     return Case(

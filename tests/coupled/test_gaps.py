@@ -38,6 +38,7 @@ def test_a_memory_fits_what_a_lid_damps(name):
     assert gaps.power(record) == approx(gaps.power(simulate(lines, h)), rel=0.02)
 
 
+@pytest.mark.slow
 def test_coefficients_have_the_lid_that_the_scene_says():
     item = gaps.scene(BOXES, 0.1, "frequency")
     with pytest.raises(InputError, match=r"settings.gap_damping = 0.2: must be 0.1, that of the coefficients"):

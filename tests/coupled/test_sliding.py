@@ -128,6 +128,7 @@ def test_a_float_that_drifts_from_its_neighbour_is_told_so_and_none_that_drift_t
     for floats, told in ((item.floats, False), ((item.floats[0], wall), True)):
         said = simulate(replace(item, floats=floats), h).attrs.get("warnings", "")
         assert ("along the waves, 2" in said and "its place at rest beside floats.wall" in said) is told
+        assert "floats.wall went" not in said
 
 
 @pytest.mark.parametrize("heading", [0.0, np.pi / 4])

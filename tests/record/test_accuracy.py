@@ -211,6 +211,7 @@ def test_a_run_that_meets_a_stop_late_is_judged_from_there():
     assert loads[0] == approx(loads[1], rel=0.01)
 
 
+@pytest.mark.slow
 def test_what_hits_do_between_samples_is_in_the_record():
     """The long steps of a big float's waves beside a small one on its stops; short ones have all in their samples.
 
@@ -345,6 +346,7 @@ def test_what_a_brake_holds_is_not_judged_by_its_rounding(scale):
         assert 0 < finer[part] < attrs[part] < 1e-3
 
 
+@pytest.mark.slow
 def test_what_a_brake_holds_on_legs_that_bend_is_not_judged():
     item, h = unequal_legs()
     braked = replace(item, floats=(replace(item.floats[0], coulomb=1e9),))

@@ -109,6 +109,7 @@ def test_what_has_nothing_to_say_is_refused():
     assert "node" not in ran(duck, outputs=("moments",), duration=20.0).coords
 
 
+@pytest.mark.slow
 def test_what_is_another_or_its_negative_is_looked_at_once(monkeypatch):
     """The answer is that of one by one: signs, fibres in their order, extremes, series, damage; not of unequal legs."""
     outputs = ("reactions", "section_forces", "member_stress", "fibre_stress", "fatigue", "leg_tops", "utilisation")
