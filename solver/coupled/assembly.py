@@ -283,7 +283,7 @@ def wave_rows(
     # Still water has a frequency for form's sake, which the coefficients need not cover.
     known = hydrodynamics if scene.sea.amplitude.any() else None
     leaders, tolerance = sliding.leaders(scene, field), scene.settings.field_tolerance
-    reaches = sliding.reaches(scene, field, near, terms, reach)
+    reaches = sliding.reaches(scene, leaders, near, terms, reach)
     centres = tuple(tuple(f.centre.tolist()) for f in scene.floats)
     return _rows(field, near, centres, support, known, terms, wanted, leaders, reaches, tolerance)
 

@@ -21,7 +21,6 @@ from solver import limits
 from solver.scene import Float, Scene
 from solver.sea.field import WaveField
 
-MOST = 400  # polynomials
 FAR = 0.5  # [rad]: an arm that takes a float a radian of the mean wave within this turn is a long one
 
 
@@ -36,17 +35,18 @@ class Places(NamedTuple):
     terms: tuple[int, ...]
 
 
-def reaches(scene: Scene, waves: WaveField, near: WaveField, terms: Sequence[int], reach: float) -> tuple[float, ...]:
-    """(nb,) [m] of the floats that slide along the waves.
+def reaches(
+    scene: Scene, leader: tuple[int, ...], near: WaveField, terms: Sequence[int], reach: float
+) -> tuple[float, ...]:
+    """(nb,) [m] of the floats that have a leader.
 
-    near: of those whose pressure is integrated; terms: of its series about each float, which ends the way; reach: where
-    none is.
+    near: of the waves whose pressure is integrated; terms: of its series about each float, which ends the way; reach:
+    where none is.
     """
-    found = leaders(scene, waves)
-    if max(found, default=-1) < 0 or not waves.sea.amplitude.any():
+    if max(leader, default=-1) < 0 or not scene.sea.amplitude.any():
         return (0.0,) * len(scene.floats)
-    ways = limits.ways(scene, near, terms) if near.sea.amplitude.any() else [reach] * len(found)
-    return tuple(way if leader >= 0 else 0.0 for leader, way in zip(found, ways, strict=True))
+    ways = limits.ways(scene, near, terms) if near.sea.amplitude.any() else [reach] * len(leader)
+    return tuple(way if a >= 0 else 0.0 for a, way in zip(leader, ways, strict=True))
 
 
 def leaders(scene: Scene, waves: WaveField) -> tuple[int, ...]:
@@ -77,9 +77,9 @@ def places(
     terms = [0] * len(reach)
     for b, (r, size) in enumerate(zip(reach, np.abs(force), strict=True)):
         if r > 0 and size.any():
-            left = np.cumsum(2 * np.abs(jv(np.arange(MOST)[:, None], k * r))[::-1], axis=0)[::-1]
-            enough = np.all(left @ size.T <= tolerance * size.sum(axis=1), axis=1)
-            terms[b] = int(np.argmax(enough)) if enough.any() else MOST
+            n = np.arange(int(1.2 * r * k.max()) + 40)  # beyond which Jₙ is nothing
+            left = np.cumsum(2 * np.abs(jv(n[:, None], k * r))[::-1], axis=0)[::-1]
+            terms[b] = int(np.argmax(np.all(left @ size.T <= tolerance * size.sum(axis=1), axis=1)))
     return Places(leader, tuple(r if n else 0.0 for r, n in zip(reach, terms, strict=True)), tuple(terms))
 
 
