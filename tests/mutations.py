@@ -18,7 +18,7 @@ import time
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 
 from pipeline.environment import sources
@@ -46,6 +46,7 @@ class Mutation:
         return f"{self.file}: {' '.join(self.old.split())} -> {' '.join(self.new.split())}"
 
 
+@cache
 def mutations() -> list[Mutation]:
     """All that the table lists."""
     parts = tomllib.loads(TABLE.read_text(encoding="utf-8"))["file"]

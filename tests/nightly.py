@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 LOGS = ROOT / "results" / "nightly"
-TARGETS = ("test-python", "faults", "fuzz", "kills", "validate", "stress", "paper")
+TARGETS = ("types", "test-python", "faults", "fuzz", "kills", "validate", "stress", "paper")
 CHECKS = {name: ("make", "--no-print-directory", name) for name in TARGETS} | {
     "slow": (sys.executable, "-m", "pytest", "-q", "-m", "slow"),
     "mutations": (sys.executable, "tests/mutations.py"),

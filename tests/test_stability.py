@@ -69,7 +69,9 @@ def test_what_nothing_carries_has_no_equilibrium(buan, coefficients):
         prepare(buan.scene("fixed", sea=calm(buan), floats=sinking), coefficients).start()
 
 
-@pytest.mark.parametrize("angle", [0.1, 0.9, 1.2, -0.3, -0.6])
+@pytest.mark.parametrize(
+    "angle", [0.1, 1.2, -0.6, *(pytest.param(angle, marks=pytest.mark.slow) for angle in (0.9, -0.3))]
+)
 def test_dropped_and_drowned_floats_come_back(buan, coefficients, angle):
     """Out of the water and slamming back, or submerged whole: energy closes, and they come to rest."""
     record = simulate(turned(buan, angle), coefficients)
@@ -336,8 +338,8 @@ def test_a_step_too_long_for_the_waves_is_refused(buan):
         buan.scene("fixed", time_step=0.47)
 
 
-@pytest.mark.parametrize("stiffer", [1e-2, 1e2, 1e6])
-@pytest.mark.parametrize("ratio", [0.05, 1.0, 1.5])
+@pytest.mark.parametrize("stiffer", [1e-2, pytest.param(1e2, marks=pytest.mark.slow), 1e6])
+@pytest.mark.parametrize("ratio", [0.05, pytest.param(1.0, marks=pytest.mark.slow), 1.5])
 def test_default_step_is_stable_for_soft_and_stiff_platforms_and_light_and_heavy_floats(
     buan, coefficients, stiffer, ratio
 ):

@@ -48,7 +48,8 @@ BALL_AT = heaving("ball", BALL, 5.0, pto_damping=2e3)
 
 
 @pytest.mark.parametrize(
-    ("method", "own", "apart"), [("frequency", True, 1e-6), ("time", False, 1e-6), ("time", True, 5e-3)]
+    ("method", "own", "apart"),
+    [("frequency", True, 1e-6), ("time", False, 1e-6), pytest.param("time", True, 5e-3, marks=pytest.mark.slow)],
 )
 def test_a_fixed_body_is_one_too_heavy_to_move(monkeypatch, method, own, apart):
     """Among others' waves, and for what it bears along x, which no inertia of its own heave touches.
@@ -66,7 +67,8 @@ def test_a_fixed_body_is_one_too_heavy_to_move(monkeypatch, method, own, apart):
     assert np.isnan(fixed["motion"][1][0]).all() and np.all(fixed["absorbed_power"][1][0] == 0)
 
 
-@pytest.mark.parametrize("method", ["frequency", pytest.param("time", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["frequency", "time"])
 def test_what_a_mesh_does_to_a_fixed_body_is_told_of_its_force(method):
     """It moves nothing and takes no power: what holds it is off by what nine times the panels change it by."""
     usual, fine = (simulate(scene(FIXED, method=method, tolerance=1e-4), h) for h in (known_alone(), known_alone(972)))

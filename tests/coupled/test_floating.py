@@ -102,7 +102,9 @@ def shaken(h, size, seed):
     return replace(h, **{name: x * (1 + size * random.normal(size=x.shape)) for name, x in matrices.items()})
 
 
-@pytest.mark.parametrize("settings", [{"duration": 60.0}, {"newton_tolerance": 1e-5, "time_step": 0.2}])
+@pytest.mark.parametrize(
+    "settings", [pytest.param({"duration": 60.0}, marks=pytest.mark.slow), {"newton_tolerance": 1e-5, "time_step": 0.2}]
+)
 @pytest.mark.parametrize("name", STILL)
 def test_rest_is_no_failure_whatever_the_last_bits(coefficients, name, settings):
     """Where next to nothing is exchanged the balance is judged against what Newton's tolerance and rounding leave.

@@ -84,6 +84,7 @@ def test_what_a_step_misses_falls_with_it():
     assert missed(prepare(calm, None), 0.3) == 0
 
 
+@pytest.mark.slow
 def test_modes_that_a_load_sets_swinging_are_kept():
     """One mode alone is asked for; the load rings the fourth."""
     omega = prepare(ringing(10.0, modes="all"), None).support.omega[3]

@@ -163,7 +163,9 @@ def same_bits(one, other):
         assert np.asarray(values).tobytes() == np.asarray(other.variables[name][1]).tobytes()
 
 
-@pytest.mark.parametrize("name", ["duck", "soft_mooring", "flap", "oblique"])
+@pytest.mark.parametrize(
+    "name", ["duck", "soft_mooring", *(pytest.param(n, marks=pytest.mark.slow) for n in ("flap", "oblique"))]
+)
 def test_mesh_effect_is_what_the_march_shows(name, monkeypatch):
     """Linear floats, with coefficients and with those off by their estimated error: statistics change by as much.
 
@@ -214,9 +216,8 @@ def test_linear_hydrostatics_have_a_potential_and_are_linear_about_one_axis():
     assert moment - moment[1] == approx(-h.hydrostatic_stiffness[4, 4] * angles, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    "preload", [pytest.param((0, 0, 0, 5e4, 0, 0), marks=pytest.mark.slow), (0, 0, 0, 5e4, 8e4, 0)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("preload", [(0, 0, 0, 5e4, 0, 0), (0, 0, 0, 5e4, 8e4, 0)])
 def test_a_float_that_rests_tilted_answers_alike_by_march_and_lines(preload):
     """Yaw by roll, which no buoyancy holds, is half of it where the tangent is not symmetric."""
     whole, h = moored_box(preload=preload)

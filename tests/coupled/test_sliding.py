@@ -43,7 +43,7 @@ def moored(heading=0.0, far=0.0, preload=0.0, **settings):
     return whole, known(whole, 0.7, 2.8, 12)
 
 
-@pytest.mark.parametrize("heading", [0.0, 0.6])
+@pytest.mark.parametrize("heading", [pytest.param(0.0, marks=pytest.mark.slow), 0.6])
 def test_a_float_pulled_along_the_waves_goes_as_one_let_go_there(heading):
     """By a wavelength of the shorter ones: all of the record but the place is that of the scene moved there."""
     far = 6.0

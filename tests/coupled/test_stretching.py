@@ -185,7 +185,14 @@ def test_seas_that_are_alike_share_their_stations():
 
 @pytest.mark.parametrize(
     ("made", "kind"),
-    [(unequal_legs, "wheeler"), (unequal_legs, "extrapolated"), (soft_ground, "wheeler"), (on_piles, "wheeler")],
+    [
+        (unequal_legs, "wheeler"),
+        (on_piles, "wheeler"),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in [(unequal_legs, "extrapolated"), (soft_ground, "wheeler")]
+        ),
+    ],
 )
 def test_a_run_keeps_its_energy(made, kind):
     """Legs of unequal height with a float, body-nonlinear, on springs and on piles, in waves at 30 degrees; the largest

@@ -78,6 +78,7 @@ def heave(record):
     return record.variables["motion"][1][0, 0, STATISTICS.index("std")]
 
 
+@pytest.mark.slow
 def test_what_swings_below_the_waves_is_told_though_no_line_has_it(spar):
     """Linear theory has a tenth of the heave; the mean of its square over some records."""
     item, h = spar

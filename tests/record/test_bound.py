@@ -32,7 +32,7 @@ def scene(item, depth):
 
 
 @pytest.mark.parametrize("motion, number, gain", [("heave", 1, 1.0), ("surge", 0, 2.0)])
-@pytest.mark.parametrize("depth", [inf, 9.0])
+@pytest.mark.parametrize("depth", [inf, pytest.param(9.0, marks=pytest.mark.slow)])
 def test_a_tuned_body_takes_just_that(motion, number, gain, depth):
     """ω²(M + A) = C by a mechanism's inertia or a spring, and as much damping as it radiates: P = G J/k, to 1 %."""
     known = solve((HULL,), np.zeros((1, 3)), depth=depth, density=1000.0, omega=np.linspace(0.9, 1.7, 5), panels=300)

@@ -55,10 +55,11 @@ def changed(a, b, item):
 @pytest.mark.parametrize(
     ("name", "damped", "duration"),
     [
-        ("big_beside_small", False, 40.0), ("big_beside_small", True, 40.0), ("soft_mooring", False, 40.0),
-        ("soft_mooring", False, 400.0), ("flap", True, 40.0), ("plate", False, 40.0),
-        pytest.param("duck", False, 40.0, marks=pytest.mark.slow),
-        pytest.param("plate", False, 600.0, marks=pytest.mark.slow),
+        ("big_beside_small", True, 40.0), ("soft_mooring", False, 40.0), ("flap", True, 40.0),
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in [
+            ("big_beside_small", False, 40.0), ("soft_mooring", False, 400.0), ("plate", False, 40.0),
+            ("duck", False, 40.0), ("plate", False, 600.0),
+        ]),
     ],
 )  # fmt: skip
 def test_mesh_effect_of_a_decay_is_what_the_march_shows(name, damped, duration):

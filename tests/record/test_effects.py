@@ -61,7 +61,9 @@ def test_joints_are_damped_as_in_the_frequency_domain(build, law, one):
 
 
 @pytest.mark.parametrize("waves", [60, 1])
-@pytest.mark.parametrize("quadratic", [(1e5, 1e6), (1e6, 1e7), (1e5, 1e8)])
+@pytest.mark.parametrize(
+    "quadratic", [(1e5, 1e8), *(pytest.param(law, marks=pytest.mark.slow) for law in [(1e5, 1e6), (1e6, 1e7)])]
+)
 def test_what_a_mesh_does_where_quadratic_damping_bounds_a_resonance_is_the_frequency_domains(quadratic, waves):
     """A buoy that hardly radiates as it pitches, which linear damping alone would let swing by ten times as much."""
     hull = Revolution.vertical_cylinder(radius=3.0, draft=3.0, freeboard=3.0)

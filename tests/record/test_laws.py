@@ -63,7 +63,10 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "elastic")) for n in CASES])
+QUICK = ("irregular", "hinge, body-nonlinear")
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n not in QUICK)) for n in CASES])
 def test_records_tell_what_their_tables_leave_out(name):
     """True error over estimate between 1/3 and 3."""
     item, h = CASES[name]()

@@ -91,7 +91,10 @@ def given(item, h, **settings):
     return replace(item, settings=replace(item.settings, **settings)), h
 
 
-@pytest.mark.parametrize(("build", "poor"), [(buoy, 0.03), (barge, 0.1), (drum, 0.03)])
+@pytest.mark.parametrize(
+    ("build", "poor"),
+    [(buoy, 0.03), *(pytest.param(*case, marks=pytest.mark.slow) for case in [(barge, 0.1), (drum, 0.03)])],
+)
 def test_what_a_poor_memory_changes_below_the_waves_is_told(build, poor):
     """Against the march with a good one, whose own misfit is told, too: within a factor of 3."""
     std, told = [], []
@@ -106,7 +109,10 @@ def test_what_a_poor_memory_changes_below_the_waves_is_told(build, poor):
     assert bad / 3 < np.abs(std[1] / std[0] - 1).max() < 3 * (bad + good)
 
 
-@pytest.mark.parametrize(("stiffness", "damping"), [(2e3, 0.0), (4e3, 0.0), (2e3, 300.0), (2e3, 3e3)])
+@pytest.mark.parametrize(
+    ("stiffness", "damping"),
+    [(2e3, 0.0), (2e3, 3e3), *(pytest.param(*case, marks=pytest.mark.slow) for case in [(4e3, 0.0), (2e3, 300.0)])],
+)
 def test_what_a_poor_memory_changes_of_what_hardly_dies_is_told(stiffness, damping):
     """Where the record's length, not damping, bounds the resonance: the root mean square of two seas."""
     off = []

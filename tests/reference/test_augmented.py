@@ -112,7 +112,7 @@ def test_forty_four_bars():
     assert tip(run)[-1] == approx([0.18051223, 0.98357274, 0], abs=1e-4)  # a tenth of the library's high precision
 
 
-@pytest.mark.parametrize("stages, order", [(2, 2), (3, 4)])
+@pytest.mark.parametrize("stages, order", [pytest.param(2, 2, marks=pytest.mark.slow), (3, 4)])
 def test_order_of_accuracy(stages, order):
     swing = solve_ivp(
         lambda _, y: [y[1], -9.81 * np.sin(y[0])], (0, 1.2), [-np.pi / 2, 0], rtol=1e-12, atol=1e-12, dense_output=True

@@ -69,7 +69,7 @@ def _crossed(b, i, j):
     [
         lambda steel, pipe: piles(steel, pipe, 1, 200),
         lambda steel, pipe: piles(steel, pipe, 20, 10),
-        lambda steel, pipe: piles(steel, pipe, 12, 20, 1e-9),
+        pytest.param(lambda steel, pipe: piles(steel, pipe, 12, 20, 1e-9), marks=pytest.mark.slow),
         pytest.param(lambda steel, pipe: piles(steel, pipe, 12, 20, 1e-5), marks=pytest.mark.slow),
         lambda steel, pipe: tower(steel, pipe, 4, 4),
     ],

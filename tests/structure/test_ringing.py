@@ -31,7 +31,7 @@ def rms(x):
     return np.sqrt(np.mean(x**2))
 
 
-@pytest.mark.parametrize("mode", [0, 1])
+@pytest.mark.parametrize("mode", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_sizes_are_those_of_another_integration(mode):
     t, Q, q = moved(lambda t: np.interp(t, BLOW.time, BLOW.force[:, 1]), mode)
     w, slow = OMEGA[mode], Q / OMEGA[mode] ** 2

@@ -1,10 +1,13 @@
 """Capytaine's Green function of a source under waves, and its meshes."""
 
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from filelock import FileLock
 
 from solver.hydrodynamics.hull.surface import merged
 from solver.hydrodynamics.library import capytaine
@@ -18,10 +21,16 @@ FAINT = 1e-11  # of the largest singular value, below which amplitudes would onl
 
 @cache
 def green_function() -> Any:
-    """Delhommeau's, with the finite-depth function as close as exponentials get to it."""
+    """Delhommeau's, with the finite-depth function as close as exponentials get to it.
+
+    The first on a machine makes its table, a quarter of a minute; who comes meanwhile waits and reads it.
+    """
     module = capytaine().green_functions.delhommeau
     module.find_best_exponential_decomposition = _exponentials
-    return module.Delhommeau()
+    with ExitStack() as held:
+        with suppress(OSError, NotImplementedError):  # a disk that is full, or has no locks: each for itself
+            held.enter_context(FileLock(Path(module.cache_directory(), "table.lock")))
+        return module.Delhommeau()
 
 
 def _exponentials(

@@ -506,7 +506,9 @@ def squares():
     return solve(hulls, centres, **LEVEL, omega=np.linspace(0.6, 2.0, 8), planar=False, panels=216)
 
 
-@pytest.mark.parametrize("angles", [(23, 0), (0, -40), (130, 0), (65, -110)])
+@pytest.mark.parametrize(
+    "angles", [(23, 0), (65, -110), *(pytest.param(angles, marks=pytest.mark.slow) for angles in ((0, -40), (130, 0)))]
+)
 def test_axes_turned_in_plan_are_named(angles):
     """Of two square boxes in waves along x, where a turn of either makes a force across of none."""
     given = told(squares())

@@ -3,16 +3,20 @@
 import os
 import subprocess
 import sys
+import threading
 from math import inf
+from pathlib import Path
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.table import FIRST, RATIO, clear, level_plates
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
+from solver.hydrodynamics.library import capytaine
 
 SPAR = Revolution.profile([[15.0, -29.0], [15.0, -28.9], [3.0, -28.9], [3.0, 8.0]])
 AT = np.zeros((1, 3))
@@ -21,6 +25,18 @@ AT = np.zeros((1, 3))
 def test_cells_are_those_of_the_table():
     z = -green_function().tabulated_z_range
     assert z == pytest.approx(FIRST * RATIO ** np.arange(1, len(z) + 1), rel=1e-9)
+
+
+def test_who_comes_while_it_is_made_waits_for_it(monkeypatch):
+    module, made = capytaine().green_functions.delhommeau, []
+    monkeypatch.setattr(module, "Delhommeau", lambda: made.append(True))
+    waiting = threading.Thread(target=green_function.__wrapped__)
+    with FileLock(Path(module.cache_directory(), "table.lock")):
+        waiting.start()
+        waiting.join(timeout=0.2)
+        assert not made
+    waiting.join()
+    assert made
 
 
 @pytest.mark.parametrize("home", [{"HOME": os.devnull}, {"XDG_CACHE_HOME": os.devnull}])

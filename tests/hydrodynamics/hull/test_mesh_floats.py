@@ -55,7 +55,7 @@ def test_a_meshed_float_moves_as_the_one_of_revolution(buan):
     assert np.sqrt(np.mean((ours - whole) ** 2)) < 3e-3 * np.sqrt(np.mean(whole**2))
 
 
-@pytest.mark.parametrize("motion", [("heave",), ("hinge",)])
+@pytest.mark.parametrize("motion", [("heave",), pytest.param(("hinge",), marks=pytest.mark.slow)])
 def test_decay_of_a_barge_as_on_the_reference_path(motion):
     """Panel-wise pressure of the paper and augmented coordinates, from 0.3 m or 0.2 rad."""
     item = hinged(BARGE, motion=motion, offset=0.3 if motion == ("heave",) else 0.2, pto_damping=0.0)
@@ -95,7 +95,7 @@ def test_linear_barge_off_its_reference_point_rests_level():
 @pytest.mark.parametrize(
     ("centre", "cog", "joint"),
     [
-        ((0.4, 0.0, 0.25), (0.45, 0.0, -0.2), {"motion": ("heave", "pitch")}),
+        pytest.param((0.4, 0.0, 0.25), (0.45, 0.0, -0.2), {"motion": ("heave", "pitch")}, marks=pytest.mark.slow),
         ((0.4, 0.3, 0.25), (0.45, 0.25, -0.2), {"motion": ("heave", "roll", "pitch")}),
         pytest.param(
             (0.4, 0.3, 0.25), (0.45, 0.25, -0.2),

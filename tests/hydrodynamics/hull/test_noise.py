@@ -71,8 +71,8 @@ def clean(shape, triangles, scale):
 
 
 @pytest.mark.parametrize("noise", NOISES)
-@pytest.mark.parametrize("scale", [1.0, MODEL])
-@pytest.mark.parametrize("file", FILES)
+@pytest.mark.parametrize("scale", [1.0, pytest.param(MODEL, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("file", [pytest.param(f, marks=[pytest.mark.slow] * (f != "hull.stl")) for f in FILES])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_corners_a_hair_off_change_nothing(shape, file, scale, noise):
     exact, h = clean(shape, file == "hull.stl", scale)
@@ -86,7 +86,7 @@ def test_corners_a_hair_off_change_nothing(shape, file, scale, noise):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("turn", [0.3, 0.7, 2.0])
+@pytest.mark.parametrize("turn", [0.7, *(pytest.param(turn, marks=pytest.mark.slow) for turn in (0.3, 2.0))])
 def test_a_mesh_shifted_and_turned_in_single_precision_is_the_mesh(shape, turn):
     exact, h = clean(shape, True, 1.0)
     R, away = turned((0, 0, 1), turn), np.array([5.0, -3.0, 2.0])
