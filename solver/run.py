@@ -173,6 +173,13 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     tables, channels = recorder.tables(), recorder.channels
     late, doubted = died(channels, tables), doubts(s, probe.errors(hydrodynamics))
     large = (*met(scene, tables), *swung(scene, channels.axes, tables), *strayed(scene, channels.axes, tables))
-    if odd := (*told, *large, *beyond, *late, *above(scene, recorder.mean_power), *doubted):
+    if odd := (
+        *told,
+        *large,
+        *beyond,
+        *late,
+        *above(scene, recorder.mean_power, attrs["stored_energy_change"]),
+        *doubted,
+    ):
         attrs["warnings"] = "; ".join(odd)
     return recorder.record(attrs, modes)

@@ -231,9 +231,12 @@ def _survival(study: StudyFile) -> Iterator[InputError]:
     unknown = set(study.axes.sea_state or ()) - study.sea_states.keys()
     if unknown or any(path.startswith("sea") for axis in study.varied for path in axis.keys):
         return  # which are judged elsewhere
-    heights = [seas.labels(sea).get("Hs", 0.0) for sea in study.seas.values()]
-    if not max(heights) > study.survival.Hs:
-        limit = f"no irregular sea of the study is above it: the highest has Hs = {max(heights):g} m"
+    try:
+        highest = max(map(seas.height, study.seas.values()))
+    except InputError:  # of a file, which is judged with its sea
+        return
+    if not highest > study.survival.Hs:
+        limit = f"no sea of the study is above it: the highest has Hs = {highest:g} m"
         yield InputError("survival.Hs", study.survival.Hs, limit)
 
 

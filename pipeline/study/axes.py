@@ -231,7 +231,7 @@ class Variant(Table):
 
 
 class Survival(Table):
-    """Other values of any keys in irregular seas above a significant wave height, by dotted paths or in tables."""
+    """Other values of any keys in seas above a significant wave height, 4√m₀ of those from files: paths or tables."""
 
     Hs: Annotated[Positive, Unit("m"), "Significant wave height above which they hold"]
     keys: Annotated[dict[str, Any], "Another value of any key of floats, left_out, platform or solver"] = Field(

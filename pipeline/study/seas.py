@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from pipeline.study import columns
@@ -149,6 +150,23 @@ def _known(sea: SeaState) -> dict[str, float]:
             return {"wave_height": sea.height, "wave_period": sea.period}
         case _:
             return {}
+
+
+def height(sea: SeaState) -> float:
+    """Significant wave height [m]: the one given, or 4√m₀ of what a file has; 0 of a regular wave and of none."""
+    match sea:
+        case Irregular() | WhiteNoise():
+            return sea.Hs
+        case MeasuredSpectrum():
+            omega, density = columns.read(sea.file, ("omega", "S")).values()
+            variance = np.trapezoid(density, omega)
+        case Components():
+            variance = np.sum(columns.read(sea.file, ("amplitude",))["amplitude"] ** 2) / 2
+        case Elevation():
+            variance = np.var(columns.read(sea.file, ("elevation",))["elevation"])
+        case _:
+            return 0.0
+    return 4 * math.sqrt(max(float(variance), 0.0))
 
 
 def alone(sea: SeaState) -> SeaState:

@@ -247,7 +247,7 @@ def cell(study: StudyFile, labels: Mapping[str, Label], varied: tuple[str, ...],
 def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     study = at_labels(study, labels)
     sea = study.sea_states[str(labels["sea_state"])]
-    if study.survival and seas.labels(sea).get("Hs", 0.0) > study.survival.Hs:
+    if study.survival and seas.height(sea) > study.survival.Hs:
         study = surviving(Same(study))
     spacing = float(labels["hinge_spacing"]) if study.axes.hinge_spacing else None
     floats = _floats(Same(study), spacing, labels["pto_damping"] if study.axes.pto_damping else None)

@@ -54,10 +54,13 @@ def _gain(item: Float) -> float:
     return 2.0 * bool(level.any()) + 1.0 * bool(np.any(np.abs(moved[:, 2]) > FAINT))
 
 
-def above(scene: Scene, power: np.ndarray) -> Iterator[str]:
-    """A sentence where the mean absorbed power (nb,) [W] is more than that."""
+def above(scene: Scene, power: np.ndarray, change: float = 0.0) -> Iterator[str]:
+    """A sentence where the mean absorbed power (nb,) [W] is more than that, and than what was stored at the start.
+
+    change: of the stored energy since then [J].
+    """
     most = largest_power(scene)
-    if power.size and scene.sea.amplitude.any() and power[0] > most:
+    if power.size and scene.sea.amplitude.any() and power[0] > most - min(change, 0.0) / scene.settings.duration:
         yield (
             f"floats.{scene.floats[0].name} absorbs {power[0]:.4g} W, more than the {most:.4g} W that linear theory"
             " lets a body of revolution take from these waves"

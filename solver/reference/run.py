@@ -134,7 +134,13 @@ def simulate_reference(
     told = warnings(scene, case.system.joints_at_rest)
     tables = recorder.tables()
     late, doubted = died(recorder.channels, tables), doubts(case.scene.settings, audited)
-    if odd := (*told, *met(scene, tables), *late, *above(scene, recorder.mean_power), *doubted):
+    if odd := (
+        *told,
+        *met(scene, tables),
+        *late,
+        *above(scene, recorder.mean_power, attrs["stored_energy_change"]),
+        *doubted,
+    ):
         attrs["warnings"] = "; ".join(odd)
     attrs["wall_time"] = time.perf_counter() - clock
     return recorder.record(attrs, system_modes(case.system, hydrodynamics))

@@ -85,5 +85,9 @@ def test_more_than_that_is_told():
     assert list(above(whole, np.array([0.99 * most]))) == []
     (told,) = above(whole, np.array([1.5 * most]))
     assert "floats.ball absorbs" in told and "linear theory" in told
+    # A float let go takes what it was lifted by, too.
+    lifted = -0.6 * most * whole.settings.duration
+    assert list(above(whole, np.array([1.5 * most]), lifted)) == []
+    assert list(above(whole, np.array([1.5 * most]), -lifted)) == [told]
     two = replace(whole, floats=(*whole.floats, replace(whole.floats[0], name="other", hinge=(30.0, 0, 0))))
     assert largest_power(two) == inf

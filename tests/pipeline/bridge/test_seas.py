@@ -141,6 +141,21 @@ def test_a_spectrum_from_a_file(study_with):
     assert hertz.parameters()["Hm0"] == approx(4 * np.sqrt(area), rel=2e-3)
 
 
+@pytest.mark.parametrize(("kind", "height"), [
+    ("spectrum", 4 * np.sqrt(1.5)), ("components", 4 * np.sqrt((0.1**2 + 0.2**2) / 2)), ("elevation", 4 * np.sqrt(0.5)),
+])  # fmt: skip
+def test_what_holds_in_high_seas_does_in_those_from_files(study_with, kind, height):
+    sea, brake = f'{{ kind = "{kind}", file = "{kind}.csv" }}', '"floats.only.coulomb" = 1e9'
+    for above, locked in ((0.999 * height, 1e9), (1.001 * height, 0.0)):
+        lower = f"low = {{ Hs = 0.1, Tp = 8.0 }}\nhigh = {{ Hs = 9.0, Tp = 8.0 }}\n[survival]\nHs = {above}\n{brake}"
+        tasks = {t.labels["sea_state"]: t for t in study_with(f"{sea}\n{lower}").tasks}
+        assert [tasks[s].parameters.floats[0].coulomb for s in ("only", "low", "high")] == [locked, 0.0, 1e9]
+    with pytest.raises(StudyError, match=f"survival.Hs = 9.0: no sea .* the highest has Hs = {height:g} m"):
+        study_with(f"{sea}\n[survival]\nHs = 9.0\n{brake}")
+    with pytest.raises(StudyError, match=r"x\.csv.*no such file"):
+        study_with(f'{{ kind = "{kind}", file = "x.csv" }}\n[survival]\nHs = 9.0\n{brake}')
+
+
 def test_components_from_a_file(study_with):
     sea = scenes.sea(first(study_with('{ kind = "components", file = "components.csv" }', waves="")))
     t = np.linspace(0, 9, 10)

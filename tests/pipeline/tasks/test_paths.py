@@ -144,7 +144,7 @@ WRONG = [
     (f"{NAMELESS}'platform.marine_growth.0.depth' = 0.1", "platform.marine_growth are tables without names; * stands"),
     (f"{NAMELESS}'platform.marine_growth.*.thick' = 0.1", "did you mean platform.marine_growth.*.thickness?"),
     ("[survival]\n'floats.*.coulomb' = 1e9", "survival.Hs: is missing"),
-    ("[survival]\nHs = 50.0\n'floats.*.coulomb' = 1e9", "survival.Hs = 50.0: no irregular sea of the study is above"),
+    ("[survival]\nHs = 50.0\n'floats.*.coulomb' = 1e9", "survival.Hs = 50.0: no sea of the study is above"),
     ("[survival]\nHs = 0.5", "survival = {}: needs keys that change"),
     ("[survival]\nHs = 0.5\n'floats.*.coulom' = 1e9", "leads nowhere; did you mean floats.front.coulomb?"),
     ("[survival]\nHs = 0.5\n'floats.*.coulomb' = -1.0", 'survival."floats.*.coulomb" = -1.0: must be >= 0'),
