@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.report.energy import powers
-from pipeline.report.yearly import LEVEL, Table, by_sea, cells, counted, named, over_seas, texts
+from pipeline.report.yearly import LEVEL, Table, by_sea, cells, counted, named, over_seas, prefix, texts
 
 if TYPE_CHECKING:
     import xarray as xr
 
 VARIABLE = "absorbed_power"
 CHOSEN = ("pto_damping", "hinge_spacing")  # and any axis of the floats' keys
-HEADER = ("", "most power with", "mean power [kW]", "low", "high", "realizations")
 NOTE = (
     f"Of all floats, mean over realizations; low and high: {LEVEL:.0%} by Student's t. All seas: by their occurrence."
     " A number at an end of its axis may be exceeded beyond."
@@ -24,11 +23,16 @@ NOTE = (
 
 def table(data: xr.Dataset) -> Table:
     """Of a study with several designs."""
-    return Table("Best in each sea state", HEADER, list(rows(data)) if VARIABLE in data else [], NOTE)
+    unit, scale = prefix(data[VARIABLE].sel(statistic="mean")) if VARIABLE in data else ("k", 1e3)
+    header = ("", "most power with", f"mean power [{unit}W]", "low", "high", "realizations")
+    return Table("Best in each sea state", header, list(rows(data, scale)) if VARIABLE in data else [], NOTE)
 
 
-def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
-    """Of every platform, of all seas together, if somebody said how often they come, and of each."""
+def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
+    """Of every platform, of all seas together, if somebody said how often they come, and of each; power over scale [W].
+
+    A design without a number in a sea is none of those that are compared in it.
+    """
     total = powers(data, VARIABLE).isel(float=-1, drop=True).compute()
     designs = [dim for dim in total.dims if total.sizes[dim] > 1 and _is_design(data[dim])]
     for labels, part in cells(total, VARIABLE, designs) if designs else ():
@@ -41,8 +45,10 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
                 continue
             at = first.argmax(designs)
             chosen = ", ".join(_told(first[dim], int(at[dim])) for dim in designs)
+            if (known := int(first.notnull().sum())) < first.size:
+                chosen += f" (of {known} among {first.size})"
             label, power = ", ".join(filter(None, [*labels, sea])), found.isel(at).values
-            yield label, chosen, *texts(power / 1e3), counted(some[VARIABLE].isel(at))
+            yield label, chosen, *texts(power / scale), counted(some[VARIABLE].isel(at))
 
 
 def _is_design(axis: xr.DataArray) -> bool:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from pipeline.report.yearly import HOUR, LEVEL, YEAR, Table, cells, counted, of_part, over_seas, realized, texts
+from pipeline.report.yearly import HOUR, LEVEL, YEAR, Table, cells, counted, of_part, over_seas, prefix, realized, texts
 
 if TYPE_CHECKING:
     import xarray as xr
 
 OF = {"absorbed_power": "absorbed", "electrical_power": "electrical"}  # by variable
 ALL = "all floats"
-HEADER = ("", "", "mean power [kW]", "low", "high", "energy a year [MWh]", "low", "high", "realizations")
+ABOVE = {"": "k", "k": "M"}  # prefixes, by the one a thousand times smaller
 NOTE = (
     f"Mean over realizations and sea states, these by their occurrence; low and high: {LEVEL:.0%} by Student's t"
     " of the realizations' power. With one realization there are none."
@@ -44,11 +44,14 @@ def powers(data: xr.Dataset, variable: str) -> xr.DataArray:
 
 def table(data: xr.Dataset) -> Table:
     """Of a study that says how often its sea states come."""
-    return Table("Energy", HEADER, list(rows(data)) if "occurrence" in data.coords else [], NOTE + of_part(data))
+    told = "occurrence" in data.coords and any(name in data for name in OF)
+    unit, scale = prefix(data[next(name for name in OF if name in data)].sel(statistic="mean")) if told else ("k", 1e3)
+    columns = f"mean power [{unit}W]", "low", "high", f"energy a year [{ABOVE[unit]}Wh]", "low", "high", "realizations"
+    return Table("Energy", ("", "", *columns), list(rows(data, scale)) if told else [], NOTE + of_part(data))
 
 
-def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
-    """Of every platform and other label, each float and all of them, as text."""
+def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
+    """Of every platform and other label, each float and all of them, as text; power over its scale [W]."""
     for variable, word in OF.items():
         if variable not in data:
             continue
@@ -58,5 +61,5 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
             for name in part["float"].values.tolist():
                 each, power = (of.sel({"float": name}) for of in (part[variable], found))
                 if each.notnull().any():
-                    figures = texts(power.values / 1e3), texts(power.values * YEAR / 1e6)
+                    figures = texts(power.values / scale), texts(power.values * YEAR / (1e3 * scale))
                     yield ", ".join([*labels, name]), word, *figures[0], *figures[1], counted(each)

@@ -12,6 +12,7 @@ import numpy as np
 
 from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, lanes
 from pipeline.report.report import Published
+from pipeline.report.yearly import prefix
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import axes as axes_of
 from pipeline.tasks.task import first_labels
@@ -40,7 +41,7 @@ class Measure(NamedTuple):
     scale: float
 
 
-POWER = Measure("power", "absorbed_power", "mean", "mean absorbed power [kW]", 1e3)
+POWER, FORCE = "absorbed_power", "hinge_force"
 ROTATION = Measure("rotation", "rotation", "rms", "RMS rotation [rad]", 1.0)
 AUDIT = (
     ("energy_residual", "energy residual [share of wave work]"),
@@ -128,7 +129,20 @@ class Results:
     @property
     def measures(self) -> list[Measure]:
         """Power and rotation, as far as they are there."""
-        return [quantity for quantity in (POWER, ROTATION) if self.has(quantity.variable)]
+        every = (*([self.power] if POWER in self.data else []), ROTATION)
+        return [quantity for quantity in every if self.has(quantity.variable)]
+
+    @cached_property
+    def power(self) -> Measure:
+        """Mean absorbed power, in the unit that suits it."""
+        unit, scale = prefix(self.data[POWER].sel(statistic="mean"))
+        return Measure("power", POWER, "mean", f"mean absorbed power [{unit}W]", scale)
+
+    @cached_property
+    def force(self) -> tuple[str, float]:
+        """Unit of hinge forces and its factor."""
+        unit, scale = prefix(self.data[FORCE])
+        return f"{unit}N", scale
 
     @property
     def carrying(self) -> dict[str, str]:
@@ -152,7 +166,7 @@ class Results:
         """Sea states as 2017 (1.39 m, 5.65 s)."""
         heights, periods = self.numbers("Hs", "wave_height"), self.numbers("Tp", "wave_period")
         rows = zip(self.seas, heights, periods, strict=False)  # figures have less room than studies
-        return [f"{n}\n{h:.2f} m, {t:.2f} s" if np.isfinite([h, t]).all() else n for n, h, t in rows]
+        return [f"{n}\n{h:#.3g} m, {t:#.3g} s" if np.isfinite([h, t]).all() else n for n, h, t in rows]
 
 
 def finite(values: xr.DataArray) -> np.ndarray:

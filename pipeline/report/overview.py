@@ -18,7 +18,7 @@ TEXT = 13.0  # points; a README shows a little more than half of it
 def overview(results: Results) -> Figure:
     """The scene, the envelopes along the legs, and the power in every sea state, as far as they are there."""
     count = len(envelopes.shown(results))
-    power = results.has(POWER.variable)
+    power = results.has(POWER)
     figure = canvas(*SIZE)
     widths = [2.0] + [0.85] * count + [1.3] * power
     panels = figure.subplots(1, len(widths), squeeze=False, width_ratios=widths)[0]
@@ -30,6 +30,6 @@ def overview(results: Results) -> Figure:
     for axes in panels[2 : 1 + count]:
         axes.tick_params(labelleft=False)
     if power:
-        draw_sea_states(panels[-1], results, POWER)
-        key(figure, results, POWER.variable)
+        draw_sea_states(panels[-1], results, results.power)
+        key(figure, results, POWER)
     return figure

@@ -16,7 +16,8 @@ import numpy as np
 
 from pipeline.bridge import realizations
 from pipeline.report.drawing import INK, canvas, colour
-from pipeline.report.strips import FORCE, directions
+from pipeline.report.figures import FORCE, POWER
+from pipeline.report.strips import directions
 from pipeline.results.netcdf import Variable
 from pipeline.results.records import decode
 from pipeline.results.variables import SERIES
@@ -105,13 +106,12 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
     if not series.records:
         return []
     bands = "Left: the whole record, the second over the first; right: the minute about the largest value."
-    power = ("absorbed_power", "absorbed power, [kW]", 1e3)
     return [
         ("Waves", "Elevation of one realization, and its spectrum beside theory.", lambda _: waves(series)),
         ("Response of the platform", f"First leg. {bands}", lambda _: draw(response(series))),
         ("Hinge forces", f"Of the hinge on the float. {bands}", lambda _: draw(forces(series))),
         ("Rotation", bands, lambda _: draw(floats(series, "rotation", "rotation, [rad]", 1.0))),
-        ("Absorbed power", bands, lambda _: draw(floats(series, *power))),
+        ("Absorbed power", bands, lambda _: draw(powers(series))),
     ]
 
 
@@ -133,13 +133,22 @@ def forces(series: Series) -> list[Row]:
     if not series.results.has(FORCE):
         return []
     platform = "elastic" if "elastic" in series.records else "fixed"
+    unit, scale = series.results.force
     return [
         Row(
-            f"{d} force on the float [kN]",
-            [line for f in series.floats for line in series.line(f, platform, FORCE, 1e3, float=f, direction=d)],
+            f"{d} force on the float [{unit}]",
+            [line for f in series.floats for line in series.line(f, platform, FORCE, scale, float=f, direction=d)],
         )
         for d in directions(series.results)
     ]
+
+
+def powers(series: Series) -> list[Row]:
+    """Fig. 17: what every float absorbs."""
+    if POWER not in series.results.data:
+        return []
+    scale = series.results.power.scale
+    return floats(series, POWER, f"absorbed power, [{'k' * (scale > 1)}W]", scale)
 
 
 def floats(series: Series, variable: str, words: str, scale: float) -> list[Row]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, decades, lanes
-from pipeline.report.figures import AUDIT, CROSS, SUPPORT, Results, finite, key, series
+from pipeline.report.figures import AUDIT, CROSS, FORCE, SUPPORT, Results, finite, key, series
 from pipeline.results.dataset import once
 
 if TYPE_CHECKING:
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAUGHT = 1e-6  # share of the largest below which a component is zero but for rounding
-FORCE = "hinge_force"
 
 
 def directions(results: Results) -> list[str]:
@@ -38,7 +37,7 @@ def hinge_forces(results: Results) -> Figure | None:
             _extremes(axes, results, item, direction)
             axes.set_title(f"{item}, {direction}")
     for direction, axes in zip(shown, grid[-1], strict=True):
-        axes.set_xlabel(f"{direction} force of the hinge on the float [kN]")
+        axes.set_xlabel(f"{direction} force of the hinge on the float [{results.force[0]}]")
     key(figure, results, FORCE)
     return figure
 
@@ -53,12 +52,12 @@ def _extremes(axes: Axes, results: Results, item: str, direction: str) -> None:
     for (_, support, look), lane in zip(rows, lanes(len(rows)), strict=True):
         for place, sea in enumerate(results.seas):
             for statistic in ("max", "min"):
-                numbers = finite(values.sel(platform=support, sea_state=sea, statistic=statistic)) / 1e3
+                numbers = finite(values.sel(platform=support, sea_state=sea, statistic=statistic)) / results.force[1]
                 axes.plot(numbers, np.full(numbers.size, place + lane), "o", linestyle="", **look)
                 labels = {"sea_state": sea, "platform": support, "float": item, "direction": direction}
                 theirs = results.theirs(FORCE, statistic, **labels)
                 if theirs is not None:
-                    axes.plot(theirs / 1e3, place + lane, CROSS, color=PAPER, markeredgewidth=1.1)
+                    axes.plot(theirs / results.force[1], place + lane, CROSS, color=PAPER, markeredgewidth=1.1)
 
 
 def audit(results: Results) -> Figure | None:

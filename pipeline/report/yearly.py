@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 LEVEL = 0.95  # of the intervals
+PLAIN = 100.0  # below which numbers are told without a prefix [W or N]
 HOUR, YEAR = 3600.0, 365.25 * 24.0  # [s], [h]
 ESTIMATES = ("value", "low", "high")
 WORDS = 2  # columns of a table that are words
@@ -134,6 +135,11 @@ def counted(values: xr.DataArray) -> str:
     some = values.notnull()
     count = some.sum("seed").values if "seed" in some.dims else some.values
     return "/".join(map(str, np.unique(np.asarray(count, int))))
+
+
+def prefix(values: xr.DataArray) -> tuple[str, float]:
+    """Of the unit in which numbers are told, and its factor: thousands, or the unit itself of a model's."""
+    return ("", 1.0) if float(abs(values).max()) < PLAIN else ("k", 1e3)
 
 
 def texts(numbers: np.ndarray) -> list[str]:

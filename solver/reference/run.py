@@ -109,6 +109,7 @@ def simulate_reference(
         errors = np.maximum(errors, gaps)
         progress(times[-1] / (case.steps * case.system.dt))
     work, stored = _works(case), _stored(case, frames)
+    change = float(stored - before)
     residual = energy_residual(work, stored, np.array([before, case.system.least_energy(case.steps)]))
     if not residual <= BALANCE:
         raise unbalanced(residual, BALANCE, times[-1], case.system)
@@ -117,7 +118,7 @@ def simulate_reference(
     attrs = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, work, strict=True)},
-        "stored_energy_change": float(stored - before),
+        "stored_energy_change": change,
         "constraint_drift": float(errors[0]),
         "constraint_drift_velocity": float(errors[1]),
         "constraint_drift_acceleration": float(errors[2]),
@@ -138,7 +139,7 @@ def simulate_reference(
         *told,
         *met(scene, tables),
         *late,
-        *above(scene, recorder.mean_power, attrs["stored_energy_change"]),
+        *above(scene, recorder.mean_power, change),
         *doubted,
     ):
         attrs["warnings"] = "; ".join(odd)

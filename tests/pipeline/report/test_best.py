@@ -32,9 +32,20 @@ def test_each_sea_has_its_best_and_a_year_another():
 
 def test_of_seas_that_nobody_said_the_occurrence_of_each_stands_by_itself():
     data = dataset([4, 3.9, np.nan], [np.nan] * 3)
-    assert [line[:3] for line in rows(data.sel(platform="elastic"))] == [("mild", "pto_damping 100000 (an end)", "4")]
+    assert [line[:3] for line in rows(data.sel(platform="elastic"))] == [
+        ("mild", "pto_damping 100000 (an end) (of 2 among 3)", "4")
+    ]
     assert not table(data.sel(pto_damping=[1e5])).lines and not table(xr.Dataset()).lines
-    assert [line[:2] for line in rows(data.isel(sea_state=0, platform=0))] == [("", "pto_damping 100000 (an end)")]
+    assert [line[:2] for line in rows(data.isel(sea_state=0, platform=0))] == [
+        ("", "pto_damping 100000 (an end) (of 2 among 3)")
+    ]
+
+
+def test_a_models_power_is_told_in_watts():
+    large = dataset([4, 3.9, 1], [1, 9, 9.5])
+    for data, unit in ((large, "kW"), (1e-3 * large, "W")):
+        told = table(data)
+        assert told.header[2] == f"mean power [{unit}]" and [line[2] for line in told.lines[:2]] == ["4", "9.5"]
 
 
 def test_several_axes_are_one_design():

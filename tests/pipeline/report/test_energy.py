@@ -78,4 +78,7 @@ def test_nothing_is_told_where_nobody_said_how_often_seas_come():
     with console.capture() as drawn:
         show(table(dataset(MIRRORED)), console)
     assert "energy a year [MWh]" in drawn.get() and ALL in drawn.get()
+    model = table(1e-3 * dataset(MIRRORED))
+    assert model.header[2] == "mean power [W]" and model.header[5] == "energy a year [kWh]"
+    assert model.lines == table(dataset(MIRRORED)).lines
     assert "of a year" in table(dataset(MIRRORED, occurrence=[4000.0, 1000.0])).note

@@ -87,8 +87,10 @@ def test_lines_are_the_series_in_the_units_shown(results):
     bare = dataclasses.replace(results, data=results.data.drop_vars(["hinge_force", "float"]))
     assert [line.name for line in series.response(series.Series(bare))[0].lines] == ["", ""]
     (x,) = series.forces(series.Series(results))  # y and z are zero
-    assert x.words == "x force on the float [kN]"
-    assert x.lines[0].values.max() == pytest.approx(50.0, abs=1.0)  # the spike on a wave of 1 kN
+    assert x.words == "x force on the float [N]"  # as the statistics are
+    assert x.lines[0].values.max() == pytest.approx(50e3, abs=1e3)  # the spike on a wave of 1 kN
+    large = dataclasses.replace(results, data=1e3 * results.data[["hinge_force"]])
+    assert large.force == ("kN", 1e3)
 
 
 def test_the_close_up_is_about_the_largest_value(results):
