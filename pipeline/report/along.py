@@ -19,6 +19,7 @@ REGULAR = ("wave_height", "wave_period")  # which keys of a regular sea are, tha
 MOST = 6  # quantities that change together which have a row of panels each
 DECADE = 10.0  # largest over smallest number, from which equal ratios have a logarithmic scale
 EVEN = 0.25  # of their mean, by which steps of the logarithm may differ from it: 1, 2, 5, 10, 20 are even
+MANY, LOW = 8, 0.25  # so many numbers of which half lie in the lowest quarter, as samples of even ratios do
 
 
 def along(results: Results, dim: str) -> Figure | None:
@@ -48,12 +49,13 @@ def abscissae(results: Results, dim: str) -> list[str]:
 
 
 def in_ratios(places: np.ndarray) -> bool:
-    """Whether numbers are even in the logarithm, over a decade or more; two alone are even on any scale."""
+    """Whether numbers are even in the logarithm, over a decade or more, or scattered so; two are even on any scale."""
     known = np.unique(places)
     if known.size < 3 or not 0 < DECADE * known[0] <= known[-1]:
         return False
     steps = np.diff(np.log(known))
-    return bool((abs(steps - steps.mean()) <= EVEN * steps.mean()).all())
+    crowded = known.size >= MANY and np.median(known) - known[0] < LOW * np.ptp(known)
+    return bool(crowded or (abs(steps - steps.mean()) <= EVEN * steps.mean()).all())
 
 
 def _values(results: Results, quantity: Measure, dim: str, sea: str) -> xr.DataArray:

@@ -229,6 +229,8 @@ def test_few_sea_states_have_a_line_each_along_an_axis(results, count, told):
         ((0.0, 1.0, 10.0, 100.0), "linear"),
         ((-100.0, -10.0, -1.0), "linear"),
         ((1.0, 10.0, 100.0, np.inf), "linear"),
+        ((1.1, 1.2, 1.9, 2.8, 3.0, 6.0, 8.0, 20.0), "log"),  # drawn by their logarithm
+        ((1.1, 2.9, 4.0, 9.0, 11.0, 12.0, 17.0, 20.0), "linear"),
     ],
 )
 def test_numbers_in_equal_ratios_stand_on_a_logarithmic_scale(results, values, scale):
