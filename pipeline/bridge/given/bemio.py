@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 def read(file: Attachment, _density: float, _gravity: float) -> Given:
     """Bodies of six motions each; netCDF-4 is HDF5, so its library reads both."""
     import netCDF4
+    from scipy.linalg import block_diag
 
     from solver.hydrodynamics.bem.given import Given
     from solver.scene import DOFS
@@ -30,20 +31,23 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
         if any(group["hydro_coeffs/added_mass/all"].shape[0] != len(DOFS) for group in groups):
             raise ValueError(f"has bodies with other motions than {', '.join(DOFS)}")
         A, B = (_rows(groups, f"hydro_coeffs/{name}/all") for name in ("added_mass", "radiation_damping"))
-        infinite = np.concatenate([np.asarray(b["hydro_coeffs/added_mass/inf_freq"][:]) for b in groups])
+        infinite, restoring = (
+            _each(groups, f"hydro_coeffs/{name}") for name in ("added_mass/inf_freq", "linear_restoring_stiffness")
+        )
         total, incident = (_force(groups, f"hydro_coeffs/excitation{part}") for part in ("", "/froude-krylov"))
         return Given(
             name=file.name,
             omega=omega,
             added_mass=rho * A,
             radiation_damping=rho * omega[:, None, None] * B,
-            added_mass_inf=rho * infinite.reshape(6 * len(groups), -1),
+            added_mass_inf=None if infinite is None else rho * infinite.reshape(6 * len(groups), -1),
             headings=np.radians(_flat(common, "wave_dir")),
             excitation=rho * g * total,
             froude_krylov=rho * g * incident if np.isfinite(incident).all() and incident.any() else None,
             columns=tuple((b, dof) for b in range(len(groups)) for dof in DOFS),
             bodies=tuple(_text(group["properties"], "name") for group in groups),
             points=np.array([_flat(group["properties"], "cg") for group in groups]),
+            stiffness=None if restoring is None else rho * g * block_diag(*restoring),
             depth=_depth(common),
             density=rho,
             gravity=g,
@@ -56,6 +60,14 @@ def _number(name: str) -> int:
 
 def _flat(group: Any, name: str) -> np.ndarray:
     return np.asarray(group[name][:], float).ravel()
+
+
+def _each(groups: list[Any], name: str) -> np.ndarray | None:
+    """(nb, ...) of each body; None where there is none."""
+    try:
+        return np.array([np.asarray(group[name][:], float) for group in groups])
+    except (IndexError, KeyError):
+        return None
 
 
 def _rows(groups: list[Any], name: str) -> np.ndarray:

@@ -193,7 +193,9 @@ def read_out(file: Attachment, density: float, _gravity: float) -> Given:
             rows = lines(block.group(1), f"period {period:g} s,", width=4, keys=2, least=least).table
             radiation += [[period, *row] for row in np.nan_to_num(rows).tolist()]
         force += _out_forces(part, period)
-    table = _Table(np.array(radiation), np.array(force), np.zeros((0, 3)), np.zeros((0, 7)))
+    heave = [float(found) for found in re.findall(rf"C\(3,3\),C\(3,4\),C\(3,5\):\s*{number}", text)]
+    stiffness = np.array([[6 * b + 3, 6 * b + 3, value] for b, value in enumerate(heave)]).reshape(-1, 3)
+    table = _Table(np.array(radiation), np.array(force), stiffness, np.zeros((0, 7)))
     if not len(table.radiation) or not len(table.force):
         raise ValueError("has no added mass, or no exciting forces")
     points = places[:, :3] if len(places) else None

@@ -91,9 +91,22 @@ def adopted(
     there = np.isin(index, moved)
     judged = {name: np.outer(there, there) for name in curves} | {"diffraction": there}
     error = {n: off + judged[n] * (perhaps[n] - curves[n]) for n, off in _between(h)._asdict().items()}
-    if six.froude_krylov is not None:  # what the file's mesh does to that force it does as much to the other
-        error["diffraction"] += there * (six.froude_krylov[:, 0] - expected)[:, index]
+    # What the file's mesh does to the incident wave's force it does as much to the other.
+    error["diffraction"] += there * _incident_misfit(six, floats, expected)[:, index]
     return replace(h, error=MeshError(**error))
+
+
+def _incident_misfit(six: Given, floats: Floats, expected: np.ndarray) -> np.ndarray:
+    """By how much a file's Froude-Krylov force is off its hulls' (nw, 6 nb), where it is told; else by its waterplanes,
+    whose heave stiffness tells the size of its meshes, and nothing where neither is."""
+    if six.froude_krylov is not None:
+        return six.froude_krylov[:, 0] - expected
+    if six.stiffness is None:
+        return np.zeros_like(expected)
+    told = np.diagonal(six.stiffness)[2::6]
+    exact = floats.sea.density * floats.sea.gravity * np.array([hull.waterplane[0] for hull in floats.hulls])
+    share = np.divide(told - exact, exact, out=np.zeros(told.size), where=(told > 0) & (exact > 0))
+    return expected * np.repeat(share, 6)
 
 
 def _curves(six: Given, expected: np.ndarray, index: np.ndarray) -> dict[str, Any]:
@@ -226,7 +239,6 @@ def _about(six: Given, centres: np.ndarray) -> Given:
         added_mass_inf=None if infinite is None else T.T @ infinite @ T,
         excitation=six.excitation @ T,
         froude_krylov=None if six.froude_krylov is None else six.froude_krylov @ T,
-        stiffness=None,  # heave's own does not change, its other entries are not used
         points=centres,
     )
 

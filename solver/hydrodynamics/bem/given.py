@@ -25,7 +25,7 @@ class Given:
     columns: tuple[tuple[int, str], ...]  # (n,) number of the body, and which motion
     bodies: tuple[str, ...]  # (nb,) their names; empty where they have none
     points: np.ndarray | None = None  # (nb, 3) [m] of rotations and moments; None: the floats' own
-    stiffness: np.ndarray | None = None  # (n, n) hydrostatic, of which heave's own is compared
+    stiffness: np.ndarray | None = None  # (n, n) hydrostatic, of which heave's own is used, which is about no point
     depth: float | None = None
     density: float | None = None
     gravity: float | None = None

@@ -635,6 +635,18 @@ def test_where_moments_are_about_is_told_by_long_waves_or_is_in_the_error():
         assert np.all((-told_of / off).real > 0.5) and np.all((-told_of / off).real < 1.0)
 
 
+def test_a_waterplane_that_is_off_is_in_the_error_of_forces():
+    """As much as the same share of Froude-Krylov's force, told by itself, would be."""
+    h, share = ours(), np.repeat([0.97, 1.02], 6)
+    heave = np.diag(np.diag(h.hydrostatic_stiffness) * share * np.tile([0, 0, 1, 0, 0, 0], 2))
+    incident = h.froude_krylov * share
+    plain, by_plane = (taken(told(stiffness=C)).error.diffraction for C in (None, heave))
+    whole = h.diffraction + incident
+    by_force = taken(told(excitation=whole[:, None], froude_krylov=incident[:, None])).error.diffraction
+    assert by_plane - plain == pytest.approx(h.froude_krylov * (share - 1), abs=1e-9 * np.abs(h.froude_krylov).max())
+    assert by_force == pytest.approx(by_plane, abs=2e-3 * np.abs(h.froude_krylov).max())
+
+
 @pytest.mark.slow
 def test_what_a_files_mesh_does_to_the_froude_krylov_force_is_in_the_error():
     """The whole force is as told; the diffraction's is what remains of it, and has the incident wave's error or not."""

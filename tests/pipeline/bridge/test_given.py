@@ -144,7 +144,7 @@ def put(data, name, dims, values):
     data.createVariable(name, "f8", dims)[...] = values
 
 
-def bemio_file(path, h):
+def bemio_file(path, h, bare=False):
     """BEMIO's groups: rows (6, 12, nw) of each body without units, phases of Re{X exp(+iωt)}."""
     rho, g, w = h.density, h.gravity, h.omega
     force = (h.diffraction + h.froude_krylov).conj() / (rho * g)
@@ -166,7 +166,9 @@ def bemio_file(path, h):
                 coefficients.createGroup(n) for n in ("added_mass", "radiation_damping", "excitation")
             )
             sized(added, "all", np.moveaxis(h.added_mass[:, six] / rho, 0, 2))
-            sized(added, "inf_freq", h.added_mass_inf[six] / rho)
+            if not bare:
+                sized(added, "inf_freq", h.added_mass_inf[six] / rho)
+                sized(coefficients, "linear_restoring_stiffness", h.hydrostatic_stiffness[six, six] / (rho * g))
             sized(damping, "all", np.moveaxis(h.radiation_damping[:, six] / (rho * w[:, None, None]), 0, 2))
             for group, values in ((excitation, force), (excitation.createGroup("froude-krylov"), incident)):
                 sized(group, "re", values.real.T[six, None])
@@ -220,6 +222,8 @@ def wamit_out(path, h, L=2.0, water="", angles=(0.0, 0.0), motions=range(1, 7)):
     lines = [f" Gravity: {h.gravity}   Length scale: {L}", f" Water depth: {h.depth}   {water}"]
     for (x, y, z), angle in zip(h.centres, angles, strict=True):
         lines.append(f" XBODY = {x} YBODY = {y} ZBODY = {z} PHIBODY = {angle}")
+    for C in np.diag(h.hydrostatic_stiffness)[2::6] / (h.density * h.gravity * L**2):
+        lines.append(f"    C(3,3),C(3,4),C(3,5): {C:12.5f}     0.00000     0.00000")
     kept = {str(6 * b + i) for b in (0, 1) for i in motions}
     first, third = ([line.split() for line in rows] for rows in wamit_rows(on_own_axes(h, angles), L))
     words = [row for row in first if kept.issuperset(row[1:3])], [row for row in third if row[2] in kept]
@@ -265,6 +269,12 @@ def test_every_format_reads_back_what_was_written(ours, tmp_path):
         given = reading.read(attached(tmp_path / name), RHO, G)
         close(given, ours, rel=1e-6)
         assert given.points == pytest.approx(CENTRES), name
+        if name in ("pair.h5", "pair.out"):
+            heave = np.diag(ours.hydrostatic_stiffness)[2::6]
+            assert np.diagonal(given.stiffness)[2::6] == pytest.approx(heave, rel=1e-4), name
+    bemio_file(tmp_path / "bare.h5", ours, bare=True)
+    bare = reading.read(attached(tmp_path / "bare.h5"), RHO, G)
+    assert bare.added_mass_inf is None and bare.stiffness is None
     texts = {k: (tmp_path / f"pair{k}").read_text() for k in (".1", ".3", ".hst")}
     whole = Attachment.of("pair.1", json.dumps(texts).encode())
     close(reading.read(whole, RHO, G), ours, rel=1e-6)
