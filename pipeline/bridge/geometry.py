@@ -201,6 +201,13 @@ def _solved(geometry: Geometry) -> dict[str, Any]:
     }
 
 
+def bem_pace() -> float:
+    """Time that boundary elements take on this machine over what `bem_time` says."""
+    from solver.hydrodynamics.bem import cost
+
+    return cost.pace()
+
+
 def bem_time(geometry: Geometry) -> float:
     """Processor time [s] that boundary elements will take, to a factor of 3."""
     from solver.hydrodynamics.bem import cost

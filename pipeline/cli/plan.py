@@ -10,7 +10,7 @@ from pathlib import Path
 from statistics import median
 
 from pipeline.bridge.cache import Cache
-from pipeline.bridge.geometry import Geometry, bem_time, geometry_of
+from pipeline.bridge.geometry import Geometry, bem_pace, bem_time, geometry_of
 from pipeline.results.status import Status, read_status
 from pipeline.results.store import Entry
 from pipeline.tasks.task import Label, Task
@@ -99,9 +99,9 @@ def _work(method: str, length: float) -> float:
 
 
 def _effort(fresh: Collection[Geometry]) -> float:
-    """Processor time of solutions [s]."""
+    """Time of solutions by one worker [s]."""
     some = [bem_time(one) for one in sorted(fresh, key=lambda one: one.key)[:SOLUTIONS]]
-    return sum(some) / len(some) * len(fresh)
+    return sum(some) / len(some) * len(fresh) * bem_pace()
 
 
 def _others(results: Path) -> Iterator[Status]:

@@ -80,6 +80,7 @@ def table() -> None:
     free, seabed, factored = parts()
     print(f"Green function of a pair of panels: {free:.2g} s, above a seabed {seabed:.2g} s;", end=" ")
     print(f"factorization over panels cubed: {factored:.2g} s")
+    print(f"this machine takes {cost.pace():.2f} times as long as the one of cost.py, as `study plan` takes it")
     table_time = seconds(lambda: Delhommeau(tabulation_cache_dir=None))
     print(f"the Green function's table, once for each machine: {table_time:.0f} s")
     for name, whole in problems():

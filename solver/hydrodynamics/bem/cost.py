@@ -1,6 +1,10 @@
 """How long boundary elements take, told before there are panels or a Green function."""
 
+import time
+from statistics import median
+
 import numpy as np
+from scipy.linalg import lu_factor
 
 from solver.hydrodynamics.bem.problem import Problem
 from solver.hydrodynamics.bem.seabed import Box, pays
@@ -11,11 +15,22 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 FREE, SEABED = 3.7e-7, 2.9e-6  # Green function of a pair of panels, in deep water and above a seabed that matters
 NODE = 8e-10  # what each of a body's nodes adds to one in deep water, see `seabed`
 FACTORED = 1e-10  # a system's factorization, over the cube of its panels
+PROBE, PROBES = 400, 5  # panels of a system, and how often it is factorized, to see how fast a machine is
 
 
 def seconds(problem: Problem) -> float:
     """Processor time [s] to solve a problem, to a factor of 3: Green function and factorizations, of hulls alone."""
     return sum(_together(alone) for alone in problem.apart.values()) if problem.flow else 0.0
+
+
+def pace() -> float:
+    """How many times as long as that this machine takes, beside all else that it does now: by factorizations."""
+    matrix = np.eye(PROBE) + 1j * np.random.default_rng(0).random((PROBE, PROBE))
+    clock = []
+    for _ in range(PROBES + 2):  # the first loads the library
+        lu_factor(matrix)
+        clock.append(time.perf_counter())
+    return float(median(np.diff(clock))) / (FACTORED * PROBE**3)
 
 
 def _together(problem: Problem) -> float:

@@ -1,5 +1,6 @@
 """The time that boundary elements will take: by pairs of panels that a solution then asks the Green function for."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -75,3 +76,10 @@ def test_factorizations_count_where_nothing_is_symmetric():
     problem = bem.Problem.of((BALL, RAFT), apart, depth=np.inf, omega=np.array([1.0]))
     mirrored = replace(problem, centres=np.array([[0.0, 0, 0], [30, 0, 0]]))
     assert cost.seconds(problem) > 1.9 * cost.seconds(mirrored)
+
+
+def test_a_machine_s_pace_goes_by_the_time_of_a_factorization(monkeypatch):
+    """On one that takes half a second each time, whatever the first takes."""
+    clock = itertools.accumulate([9.0, *cost.PROBES * [0.5], 0.5])
+    monkeypatch.setattr(cost.time, "perf_counter", clock.__next__)
+    assert cost.pace() == approx(0.5 / (cost.FACTORED * cost.PROBE**3))

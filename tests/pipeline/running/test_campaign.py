@@ -877,7 +877,10 @@ def test_where_nothing_is_solved_for_none_is_told_of(small, cli):
     assert "\npressure of the undisturbed waves on 1 float: " in told and "coefficients" not in told
 
 
-def test_plan_tells_states_and_time_from_past_runs(small, cli):
+def test_plan_tells_states_and_time_from_past_runs(small, cli, monkeypatch):
+    monkeypatch.setattr("pipeline.cli.plan.bem_pace", lambda: 60.0)
+    assert "after 1 boundary element solutions, about 26 s; " in cli("plan", "--workers", "2")
+    monkeypatch.setattr("pipeline.cli.plan.bem_pace", lambda: 1.0)
     told = cli("plan", "--workers", "1")  # twelve records of 3,700 s; a geometry with one float
     assert "to run: 12 tasks after 1 boundary element solutions, about 1 s; about 12 s on 1 workers, at 3600 " in told
     assert "about 6 s on 2 workers" in cli("plan")
