@@ -57,6 +57,12 @@ class Axis(NamedTuple):
         """What keys have with one of the labels, where that is another value than the study's own."""
         return {path: values[place] for path, values in self.keys.items() if values[place] is not UNCHANGED}
 
+    @property
+    def coordinates(self) -> dict[str, tuple[str | float | int, ...]]:
+        """What goes with the labels: values of keys, by their paths, and others, by their words."""
+        keys = {path: labels(values) for path, values in self.keys.items() if path not in self.partial}
+        return keys | {words.partition(" ")[0]: labels(values) for words, values in self.beside.items()}
+
 
 class Span(Table):
     """Numbers between two, all equally likely, or all ratios."""

@@ -1,24 +1,29 @@
-"""Parts of a study: platform=fixed,seed=0..3; an axis named twice means either value, two dots all numbers between."""
+"""Parts of a study: platform=fixed,seed=0..3; what is named twice may have either value, two dots mean all between."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+
+import numpy as np
 
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import Label, axes, dimension
+from pipeline.tasks.task import Coordinate, Label, coordinates
 from pipeline.tasks.tasklist import Tasks
 
 
 def select(study: Study, text: str) -> Tasks:
-    """The tasks, each once, whose labels are all among those asked for."""
+    """The tasks, each once, that have one of the values asked for along each coordinate that is named."""
     if not text:
         return study.tasks.unique
-    chosen = Tasks.of(study.content, _wanted(study, text)).unique
-    if not len(chosen):
-        raise StudyError(study.path, [f"--select = {text}: the variants have no such task; their axes say which"])
-    return chosen
+    tasks = Tasks.unnamed(study.content)
+    kept = np.ones(len(tasks), bool)
+    for (_, along, values), wanted in _wanted(study, text).items():
+        kept &= np.isin(tasks.places(along), [place for place, value in enumerate(values) if value in wanted])
+    if not kept.any():
+        raise StudyError(study.path, [f"--select = {text}: no task has all of that; `study plan` lists them all"])
+    return tasks.part(kept).named.unique
 
 
 def find(study: Study, words: Iterable[str]) -> set[str]:
@@ -37,19 +42,18 @@ def find(study: Study, words: Iterable[str]) -> set[str]:
     return chosen
 
 
-def _wanted(study: Study, text: str) -> dict[str, set[Label]]:
-    table = axes(study.content)
-    wanted: dict[str, set[Label]] = {}
+def _wanted(study: Study, text: str) -> Mapping[Coordinate, Set[Label]]:
+    known = coordinates(study.content)
+    wanted: dict[Coordinate, set[Label]] = {}
     for pair in _pairs(text):
-        axis, equals, word = (part.strip() for part in pair.partition("="))
+        name, equals, word = (part.strip() for part in pair.partition("="))
         if not equals:
             raise StudyError(
                 study.path, [f"--select = {pair}: must be axis=value,axis=value, an axis again for each value"]
             )
-        axis = dimension(study.content, axis)
-        if axis not in table:
-            raise StudyError(study.path, [f"--select = {axis}: unknown axis; {_suggest(axis, list(table))}"])
-        wanted.setdefault(axis, set()).update(_labels(study, axis, word, table[axis]))
+        if name not in known:
+            raise StudyError(study.path, [f"--select = {name}: unknown axis; {_suggest(name, list(known))}"])
+        wanted.setdefault(known[name], set()).update(_values(study, name, word, known[name].values))
     return wanted
 
 
@@ -64,7 +68,7 @@ def _pairs(text: str) -> Iterator[str]:
     yield text[start:]
 
 
-def _labels(study: Study, axis: str, word: str, known: Sequence[Label]) -> list[Label]:
+def _values(study: Study, name: str, word: str, known: Sequence[Label]) -> list[Label]:
     named = [x for x in known if str(x) == word or (not isinstance(x, str) and _number(word) == x)]
     least, dots, most = word.partition("..")
     low, high = _number(least or "-inf"), _number(most or "inf")
@@ -74,7 +78,7 @@ def _labels(study: Study, axis: str, word: str, known: Sequence[Label]) -> list[
         return named
     raise StudyError(
         study.path,
-        [f"--select = {axis}={word}: no such value; {_suggest(word, [str(v) for v in known])}"],
+        [f"--select = {name}={word}: no such value; {_suggest(word, [str(v) for v in known])}"],
     )
 
 

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from pipeline.study import seas
 from pipeline.study.attachments import Attachment, CoefficientFile
@@ -208,6 +208,24 @@ def dimensions(study: StudyFile) -> list[str]:
 def dimension(study: StudyFile, key: str) -> str:
     """The dimension along which a key is varied, by its dotted path; a word that is no such path stays as it is."""
     return {path: axis.name for axis in study.varied for path in axis.keys}.get(key, key)
+
+
+class Coordinate(NamedTuple):
+    """A value with each label of a dimension: the label itself, or that of a key."""
+
+    key: str
+    dimension: str
+    values: tuple[Label, ...]
+
+
+def coordinates(study: StudyFile) -> dict[str, Coordinate]:
+    """What goes along the axes, by each of its names: a dimension's, a key's path, the dataset's for it."""
+    found: dict[str, Coordinate] = {}
+    for axis in study.varied:
+        for key, values in axis.coordinates.items():
+            one = Coordinate(axis.name if axis.own else key, axis.name, values)
+            found |= {key: one, axis.names.get(key, key): one}
+    return found | {name: Coordinate(name, name, values) for name, values in axes(study).items()}
 
 
 def blocks(study: StudyFile) -> list[dict[str, Set[Label]]]:

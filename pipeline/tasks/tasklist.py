@@ -5,10 +5,10 @@ A task costs 16 bytes here, so that a million of them are no burden.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
-from types import MappingProxyType
 from typing import TypeVar
 
 import numpy as np
@@ -29,38 +29,46 @@ class Tasks:
     ids: np.ndarray  # (n,) u8, an id is 16 hexadecimal digits
 
     @classmethod
-    def of(cls, study: StudyFile, wanted: Mapping[str, Set[Label]] = MappingProxyType({})) -> Tasks:
-        """The tasks in all cells, or in those with one of the wanted labels along each axis; cells may share one."""
-        cells = np.sort(np.concatenate([_cells(axes(study), _both(part, wanted)) for part in blocks(study)]))
-        bare = cls(study=study, cells=cells, ids=np.zeros(len(cells), "u8"))
-        ids = (int(bare.task(int(number)).id, 16) for number in passing(cells, len(cells), "naming tasks"))
-        return cls(study=study, cells=cells, ids=np.fromiter(ids, "u8", len(cells)))
+    def of(cls, study: StudyFile) -> Tasks:
+        """The tasks in all cells; cells may share one."""
+        return cls.unnamed(study).named
+
+    @classmethod
+    def unnamed(cls, study: StudyFile) -> Tasks:
+        """The tasks in all cells, without their ids, which take time."""
+        cells = np.sort(np.concatenate([_cells(axes(study), part) for part in blocks(study)]))
+        return cls(study=study, cells=cells, ids=np.zeros(len(cells), "u8"))
+
+    @property
+    def named(self) -> Tasks:
+        """The same tasks with their ids."""
+        ids = (int(self.task(int(number)).id, 16) for number in passing(self.cells, len(self), "naming tasks"))
+        return Tasks(study=self.study, cells=self.cells, ids=np.fromiter(ids, "u8", len(self)))
 
     @property
     def unique(self) -> Tasks:
         """Every task once, where it stands first."""
-        return self._part(np.sort(np.unique(self.ids, return_index=True)[1]))
+        return self.part(np.sort(np.unique(self.ids, return_index=True)[1]))
 
     def where(self, wanted: Callable[[Task], bool]) -> Tasks:
         """The tasks for which `wanted` holds."""
-        return self._part(np.fromiter((n for n, task in enumerate(self.passing()) if wanted(task)), "i8"))
+        return self.part(np.fromiter((n for n, task in enumerate(self.passing()) if wanted(task)), "i8"))
 
     def fastest(self, names: Set[str]) -> Tasks:
         """The same tasks in the order in which these axes vary fastest."""
-        places = dict(zip(self._table, np.unravel_index(self.cells, [*map(len, self._table.values())]), strict=True))
-        slowest_first = sorted(places, key=lambda name: name in names)
-        return self._part(np.lexsort([places[name] for name in reversed(slowest_first)]))
+        slowest_first = sorted(self._table, key=lambda name: name in names)
+        return self.part(np.lexsort([self.places(name) for name in reversed(slowest_first)]))
 
     def ordered(self, place: Callable[[str], tuple[str, int]]) -> Tasks:
         """The same tasks in the order of their ids' places, those of one place as they stand."""
         places = [place(f"{known:016x}") for known in self.ids.tolist()]
-        return self._part(np.array(sorted(range(len(places)), key=places.__getitem__), "i8"))
+        return self.part(np.array(sorted(range(len(places)), key=places.__getitem__), "i8"))
 
     def split(self, key: Callable[[Task], Key]) -> dict[Key, Tasks]:
         """Groups with the same key, in the order in which the keys come."""
         numbers: dict[Key, int] = {}
         mine = np.fromiter((numbers.setdefault(key(task), len(numbers)) for task in self.passing()), "i8", len(self))
-        return {one: self._part(np.flatnonzero(mine == number)) for one, number in numbers.items()}
+        return {one: self.part(np.flatnonzero(mine == number)) for one, number in numbers.items()}
 
     def __len__(self) -> int:
         return len(self.cells)
@@ -72,6 +80,12 @@ class Tasks:
     def passing(self, words: str = "looking at tasks") -> Iterator[Task]:
         """The tasks, one after another, for a pass that may take long."""
         return passing(self, len(self), words)
+
+    def places(self, name: str) -> np.ndarray:
+        """Where each cell (n,) is along an axis."""
+        counts = [*map(len, self._table.values())]
+        axis = list(self._table).index(name)
+        return self.cells // math.prod(counts[axis + 1 :]) % counts[axis]
 
     def labels(self, number: int) -> dict[str, Label]:
         """Labels of a cell along every axis."""
@@ -85,7 +99,8 @@ class Tasks:
         """The task in a cell."""
         return cell(self.study, self.labels(number), self._varied, known)
 
-    def _part(self, chosen: np.ndarray) -> Tasks:
+    def part(self, chosen: np.ndarray) -> Tasks:
+        """Those at these places, or for which that is true."""
         return Tasks(study=self.study, cells=self.cells[chosen], ids=self.ids[chosen])
 
     @cached_property
@@ -99,12 +114,6 @@ class Tasks:
     @cached_property
     def _varied(self) -> tuple[str, ...]:
         return tuple(dimensions(self.study))
-
-
-def _both(part: Mapping[str, Set[Label]], wanted: Mapping[str, Set[Label]]) -> dict[str, Set[Label]]:
-    """The labels that two selections share, along each axis that either of them names."""
-    shared = {name: part[name] & wanted[name] for name in part.keys() & wanted.keys()}
-    return {**wanted, **part, **shared}
 
 
 def _cells(table: Mapping[str, Sequence[Label]], wanted: Mapping[str, Set[Label]]) -> np.ndarray:

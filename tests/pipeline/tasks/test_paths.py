@@ -427,6 +427,54 @@ def test_parts_are_chosen_by_name_path_or_range(small):
         select(study, "mass=3000..4000")
 
 
+TOGETHER = """[[axes.together]]
+name = "tune"
+"length [m]" = [5.0, 1.0, 3.0, 1.0]
+"floats.front.stiffness" = [3.0, 2.0, 2.0, 1.0]
+"floats.front.cog" = [[0.0, 0.0, 0.3], [0.0, 0.0, 0.1], [0.0, 0.0, 0.2], [0.0, 0.0, 0.1]]
+"""
+SAMPLES = """[samples]
+count = 12
+"floats.front.damping" = { mean = 1.0, std = 0.5 }
+"floats.*.coulomb" = { from = 0.1, to = 10.0, spacing = "log" }
+"""
+
+
+@pytest.fixture
+def designs(small):
+    """Paired values, some of them twice and all on the numbers of their dimension, and samples."""
+    small.write_text(small.read_text().replace("[sea_states", f"{TOGETHER}{SAMPLES}[sea_states", 1))
+    return load(small)
+
+
+LENGTHS = [5.0, 1.0, 3.0, 1.0]
+CHOSEN = {
+    "floats.front.stiffness=2": lambda f, tune: f.stiffness == 2.0,
+    "floats.front.stiffness=2.5..": lambda f, tune: f.stiffness == 3.0,
+    "stiffness=1,floats.front.stiffness=3": lambda f, tune: f.stiffness != 2.0,
+    "floats.front.cog=[0.0, 0.0, 0.1]": lambda f, tune: f.cog[2] == 0.1,
+    "length=1": lambda f, tune: LENGTHS[tune - 1] == 1.0,
+    "length=1,stiffness=2": lambda f, tune: tune == 2,
+    "tune=1,tune=4": lambda f, tune: tune in (1, 4),
+    "floats.front.damping=0.9..1.3": lambda f, tune: 0.9 <= f.damping <= 1.3,
+    "damping=..1,coulomb=1..,stiffness=..2": lambda f, tune: f.damping <= 1.0 <= f.coulomb and f.stiffness <= 2.0,
+}
+
+
+@pytest.mark.parametrize("text", CHOSEN)
+def test_parts_are_chosen_by_the_values_that_tasks_have(designs, text):
+    """Of keys that change together and of samples: as the tasks' own tables tell."""
+    tasks = select(designs, "platform=fixed,seed=0")
+    right = {t.id for t in tasks if CHOSEN[text](t.parameters.floats[0], t.labels["tune"])}
+    assert {t.id for t in select(designs, f"{text},platform=fixed,seed=0")} == right
+    assert 0 < len(right) < len(tasks)
+
+
+def test_no_task_has_what_two_of_a_dimension_have(designs):
+    with pytest.raises(StudyError, match="stiffness=1,length=5: no task has all of that"):
+        select(designs, "stiffness=1,length=5")
+
+
 def test_variants_are_named_sets_of_values_and_change_nothing_else(small):
     text = small.read_text()
     plain = list(load(small).tasks)
@@ -555,7 +603,7 @@ def test_a_variant_may_go_along_parts_of_the_axes(small):
     assert list(study.tasks.cells) == sorted(study.tasks.cells)
     assert len(select(study, "variant=deep,platform=fixed,stiffness=0")) == 1
     assert len(select(study, "seed=1,sea_state=rough,platform=fixed,stiffness=1e4")) == 3
-    with pytest.raises(StudyError, match="variant=deep,seed=0: the variants have no such task"):
+    with pytest.raises(StudyError, match="variant=deep,seed=0: no task has all of that"):
         select(study, "variant=deep,seed=0")
 
 
