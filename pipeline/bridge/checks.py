@@ -29,7 +29,7 @@ from pipeline.tasks.task import (
     axes,
     blocks,
     cell,
-    dimension,
+    coordinates,
     firsts,
     standing_for,
     supports,
@@ -56,6 +56,7 @@ def problems(study: StudyFile) -> list[InputError]:
     later: tuple[Judge, ...] = (
         _overlaps,
         _variants,
+        _empty,
         partial(_at_each_value, judge=_contents),
         partial(_at_each_value, judge=_scenes),
         _together,
@@ -248,20 +249,29 @@ def _place(axis: Axis, path: str, label: Label) -> str:
 
 def _variants(study: StudyFile) -> Iterator[InputError]:
     """Parts of axes that the study does not have."""
-    table = axes(study)
+    table, known = axes(study), coordinates(study)
     for name, variant in study.variants.items():
         for key, values in variant.axes.items():
-            where, along = f"variants.{name}.axes.{key}", dimension(study, key)
-            if along == "variant" or along not in table:
-                known = ", ".join(other for other in table if other != "variant")
-                yield InputError(where, list(values), f"must be an axis of the study: {known}")
+            where = f"variants.{name}.axes.{key}"
+            if key not in known or known[key].dimension == "variant":
+                others = ", ".join(other for other in table if other != "variant")
+                yield InputError(where, list(values), f"must be an axis of the study: {others}")
                 continue
             if not values:
                 yield InputError(where, "[]", "needs at least one value")
-            known = ", ".join(map(str, table[along][:MOST_NAMED]))
-            for value, label in zip(values, standing_for(values, table[along]), strict=True):
-                if label is None:
-                    yield InputError(where, told(value), f"must be on the study's own axis: {known}")
+            own = list(dict.fromkeys(known[key].values))
+            listed = ", ".join(map(str, own[:MOST_NAMED]))
+            for value, found in zip(values, standing_for(values, own), strict=True):
+                if found is None:
+                    yield InputError(where, told(value), f"must be on the study's own axis: {listed}")
+
+
+def _empty(study: StudyFile) -> Iterator[InputError]:
+    """Variants along parts of one dimension that have nothing in common."""
+    for part in blocks(study):
+        for along in (name for name, labels in part.items() if not labels):
+            (variant,) = part["variant"]
+            yield InputError(f"variants.{variant}.axes", along, "has no label with all of the values given")
 
 
 def _axes(study: StudyFile) -> Iterator[InputError]:

@@ -205,11 +205,6 @@ def dimensions(study: StudyFile) -> list[str]:
     return [name for name, values in axes(study).items() if name in given or len(values) > 1]
 
 
-def dimension(study: StudyFile, key: str) -> str:
-    """The dimension along which a key is varied, by its dotted path; a word that is no such path stays as it is."""
-    return {path: axis.name for axis in study.varied for path in axis.keys}.get(key, key)
-
-
 class Coordinate(NamedTuple):
     """A value with each label of a dimension: the label itself, or that of a key."""
 
@@ -232,13 +227,16 @@ def blocks(study: StudyFile) -> list[dict[str, Set[Label]]]:
     """The parts that make up the study, as labels along some axes, in their order: all of it, or one a variant."""
     if not any(variant.axes for variant in study.variants.values()):
         return [{}]
-    table = axes(study)
+    table, known = axes(study), coordinates(study)
     parts: list[dict[str, Set[Label]]] = []
     for name, variant in study.variants.items():
-        along = {dimension(study, key): values for key, values in variant.axes.items()}
-        wanted = {key: set(standing_for(values, table[key])) for key, values in along.items()}
-        kept = {key: dict.fromkeys(label for label in table[key] if label in wanted[key]).keys() for key in along}
-        parts.append({**kept, "variant": {name}})
+        part: dict[str, Set[Label]] = {"variant": {name}}
+        for key, values in variant.axes.items():
+            _, along, own = known[key]
+            wanted = set(standing_for(values, own))
+            labels = (label for label, value in zip(table[along], own, strict=True) if value in wanted)
+            part[along] = dict.fromkeys(label for label in labels if label in part.get(along, table[along])).keys()
+        parts.append(part)
     return parts
 
 

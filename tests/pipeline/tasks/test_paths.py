@@ -1,6 +1,7 @@
 """Axes over any key: what a path reaches, what each task becomes, and what is wrong with a path or its values."""
 
 import re
+import tomllib
 from pathlib import Path
 from typing import get_args
 
@@ -11,7 +12,7 @@ from pydantic import BaseModel
 from pipeline.bridge.checks import problems
 from pipeline.bridge.loading import load
 from pipeline.results.variables import VARIABLES
-from pipeline.study.axes import TAKEN
+from pipeline.study.axes import TAKEN, Samples
 from pipeline.study.paths import PathError, with_value
 from pipeline.study.reading import StudyError
 from pipeline.study.schema import StudyFile
@@ -137,6 +138,12 @@ def test_above_a_height_other_values_hold_and_calm_seas_keep_their_tasks(small):
     assert lifted == {"calm": ["front"], "rough": []}
 
 
+TOGETHER = """[[axes.together]]
+name = "tune"
+"length [m]" = [5.0, 1.0, 3.0, 1.0]
+"floats.front.stiffness" = [3.0, 2.0, 2.0, 1.0]
+"floats.front.cog" = [[0.0, 0.0, 0.3], [0.0, 0.0, 0.1], [0.0, 0.0, 0.2], [0.0, 0.0, 0.1]]
+"""
 NAMELESS = "[[platform.marine_growth]]\ndepth = 0.0\nthickness = 0.05\ndensity = 1300.0\n[variants.a]\n[variants.b]\n"
 WRONG = [
     (f"{NAMELESS}'platform.marine_growth' = 0.1", ("without names; go on with * for all of them, and a key: platform."
@@ -203,6 +210,10 @@ WRONG = [
     ("[variants.a]\naxes.seeds = [0]", "variants.a.axes.seeds = [0]: must be an axis of the study: sea_state, "),
     ("[variants.a]\naxes.variant = ['a']", "variants.a.axes.variant = ['a']: must be an axis of the study: sea_state"),
     ("[variants.a]\naxes.seed = [0, 7]", "variants.a.axes.seed = 7: must be on the study's own axis: 0, 1"),
+    (f"{TOGETHER}[variants.a]\naxes.stiffness = [7.0, 1.0]",
+     "variants.a.axes.stiffness = 7.0: must be on the study's own axis: 3.0, 2.0, 1.0"),
+    (f"{TOGETHER}[variants.a]\naxes = {{ stiffness = [2.0], tune = [1, 4] }}",
+     "variants.a.axes = tune: has no label with all of the values given"),
     ("[variants.a]\naxes.seed = []", "variants.a.axes.seed = []: needs at least one value"),
     ("[variants.a]\naxes.seed = 0", "variants.a.axes.seed = 0: must be a list of values"),
     ("[variants.a]\ntitle = 3", "variants.a.title = 3: must be a string"),
@@ -427,17 +438,14 @@ def test_parts_are_chosen_by_name_path_or_range(small):
         select(study, "mass=3000..4000")
 
 
-TOGETHER = """[[axes.together]]
-name = "tune"
-"length [m]" = [5.0, 1.0, 3.0, 1.0]
-"floats.front.stiffness" = [3.0, 2.0, 2.0, 1.0]
-"floats.front.cog" = [[0.0, 0.0, 0.3], [0.0, 0.0, 0.1], [0.0, 0.0, 0.2], [0.0, 0.0, 0.1]]
-"""
 SAMPLES = """[samples]
 count = 12
 "floats.front.damping" = { mean = 1.0, std = 0.5 }
 "floats.*.coulomb" = { from = 0.1, to = 10.0, spacing = "log" }
 """
+
+
+A_SAMPLE = Samples.model_validate(tomllib.loads(SAMPLES)["samples"]).axis.keys["floats.front.damping"][4]
 
 
 @pytest.fixture
@@ -531,6 +539,27 @@ def test_a_variant_goes_along_what_is_no_number(small):
         "solver.radiation = 1: must be on the study's own axis: true, false",
         'platform.legs = ["arm"]: must be on the study\'s own axis: ["leg"], []',
     ]
+
+
+PARTS = {
+    '"floats.front.stiffness" = [2.0]': lambda f, tune: f.stiffness == 2.0,
+    '"floats.front.stiffness" = [1.0, 3.0]': lambda f, tune: f.stiffness != 2.0,
+    'stiffness = [2.0], "floats.front.cog" = [[0.0, 0.0, 0.1]]': lambda f, tune: tune == 2,
+    "length = [1.0], tune = [3, 4]": lambda f, tune: tune == 4,
+    '"floats.front.damping" = [A_SAMPLE]': lambda f, tune: f.damping == A_SAMPLE,
+}
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_variant_goes_along_the_values_of_keys(designs, small, part):
+    """That change together, and of samples, by a path or by the dataset's name."""
+    given = f"[variants.all]\n[variants.part]\naxes = {{ {part.replace('A_SAMPLE', repr(A_SAMPLE))} }}\n"
+    small.write_text(small.read_text().replace("[sea_states", f"{given}[sea_states", 1))
+    tasks = [t for t in load(small).tasks if t.labels["platform"] == "fixed"]
+    rows = {word: [t for t in tasks if t.labels["variant"] == word] for word in ("all", "part")}
+    right = {t.id for t in rows["all"] if PARTS[part](t.parameters.floats[0], t.labels["tune"])}
+    assert {t.id for t in rows["part"]} == right
+    assert 0 < len(right) < len({t.id for t in rows["all"]})
 
 
 NONLINEAR = """[variants.nonlinear]
