@@ -21,14 +21,13 @@ from pipeline.results.variables import KNOBS, SLIDING, along, axis_units, meanin
 from pipeline.study import seas
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import MODEL_VERSION, Label, axes, dimensions, sea_at
+from pipeline.tasks.task import MODEL_VERSION, Label, axes, dimensions
 
 ALONG_MODE = "natural_frequency"
 LOWEST = 6  # modes: a table of the whole dataset has a row for every combination of labels, with all 708 too many
 SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
 NO_TASK = "no task"  # the state of a cell that its variant does not go along
-SEAS = ("sea.", "sea_states.")  # what paths begin with that change seas
 LAYOUT = 6  # raise it when the dataset's form changes, so that it is written anew
 
 
@@ -217,17 +216,14 @@ def _of_seas(
     study: Study, table: Mapping[str, Sequence[Label]], outer: Sequence[str]
 ) -> Iterator[tuple[str, Variable]]:
     """The numbers by which people know the seas of the tasks: along sea states, and along what else changes them."""
-    changing = {axis.name for axis in study.content.varied if any(path.startswith(SEAS) for path in axis.keys)}
-    dims = [name for name in table if name == "sea_state" or name in changing]
+    dims, cells, met, _ = study.tasks.seas
     shape = tuple(len(table[name]) for name in dims)
-    places = dict(zip(table, np.unravel_index(study.tasks.cells, [*map(len, table.values())]), strict=True))
-    cells, first = np.unique(np.ravel_multi_index([places[name] for name in dims], shape), return_index=True)
-    known = [seas.labels(sea_at(study.content, study.tasks.labels(int(n)))) for n in study.tasks.cells[first]]
+    known = [seas.labels(sea) for sea in met]
     there = np.isin(np.arange(math.prod(shape)), cells).reshape(shape)
     for name in dict.fromkeys(key for one in known for key in one):
         numbers = np.full(shape, np.nan)
         numbers[there] = [one.get(name, np.nan) for one in known]
-        yield name, _where_it_differs(Variable(tuple(dims), numbers, meaning(name)), there, outer)
+        yield name, _where_it_differs(Variable(dims, numbers, meaning(name)), there, outer)
 
 
 def _where_it_differs(variable: Variable, there: np.ndarray, outer: Sequence[str]) -> Variable:

@@ -9,15 +9,26 @@ import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from pipeline.study.schema import StudyFile
-from pipeline.tasks.task import Label, Task, axes, blocks, cell, dimensions
+from pipeline.study.seas import SeaState
+from pipeline.tasks.task import Label, Task, axes, blocks, cell, dimensions, sea_at
 from pipeline.terminal import passing
 
 Key = TypeVar("Key", bound=Hashable)
+SEAS = ("sea.", "sea_states.")  # what paths begin with that change seas
+
+
+class Seas(NamedTuple):
+    """The seas of tasks, along the axes that change them."""
+
+    dims: tuple[str, ...]
+    numbers: np.ndarray  # (m,), of the cells along these axes that have tasks
+    each: list[SeaState]  # m
+    places: np.ndarray  # (n,), which of them each task has
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -98,6 +109,16 @@ class Tasks:
     def task(self, number: int, known: str = "") -> Task:
         """The task in a cell."""
         return cell(self.study, self.labels(number), self._varied, known)
+
+    @cached_property
+    def seas(self) -> Seas:
+        """The seas of the tasks."""
+        changing = {axis.name for axis in self.study.varied if any(path.startswith(SEAS) for path in axis.keys)}
+        dims = tuple(name for name in self._table if name == "sea_state" or name in changing)
+        along = np.ravel_multi_index([self.places(name) for name in dims], [len(self._table[name]) for name in dims])
+        numbers, first, places = np.unique(along, return_index=True, return_inverse=True)
+        each = [sea_at(self.study, self.labels(int(cell))) for cell in self.cells[first]]
+        return Seas(dims, numbers, each, places)
 
     def part(self, chosen: np.ndarray) -> Tasks:
         """Those at these places, or for which that is true."""

@@ -430,7 +430,7 @@ def test_parts_are_chosen_by_name_path_or_range(small):
     each = len(select(study, "platform=fixed,mass=2000"))
     parts = {
         "mass=2000": 1, "floats.*.mass=2000": 1, "mass=2000..2100": 3, "mass=2100..": 3, "mass=..2049": 1,
-        "mass=2000,mass=2200": 2, "mass=0..9e9": 5,
+        "mass=2000,mass=2200": 2, "mass=2000,floats.*.mass=2200": 2, "mass=0..9e9": 5,
     }  # fmt: skip
     for text, share in parts.items():
         assert len(select(study, f"platform=fixed,{text}")) == share * each
@@ -476,6 +476,82 @@ def test_parts_are_chosen_by_the_values_that_tasks_have(designs, text):
     right = {t.id for t in tasks if CHOSEN[text](t.parameters.floats[0], t.labels["tune"])}
     assert {t.id for t in select(designs, f"{text},platform=fixed,seed=0")} == right
     assert 0 < len(right) < len(tasks)
+
+
+@pytest.mark.parametrize("word", ["21544", "21544.3", "2.15e4", "21544.34", "21544.35", "2.1544e4"])
+def test_a_number_may_be_typed_to_fewer_digits(small, word):
+    """Rounded, or cut; 21544.3469003 of a range."""
+    study = varied(small, '"floats.*.pto_damping" = { from = 1e4, to = 1e5, count = 10, spacing = "log" }')
+    assert {task.labels["pto_damping"] for task in select(study, f"pto_damping={word}")} == {21544.3469003}
+    assert {task.labels["pto_damping"] for task in select(study, "pto_damping=1e5,pto_damping=35938")} == {
+        35938.1366380,
+        1e5,
+    }
+
+
+@pytest.mark.parametrize("word", ["2.2e4", "21545", "21500", "-21544", "21544.36", "inf", "0.000"])
+def test_a_number_that_is_none_of_the_axis_is_told_with_those_there(small, word):
+    study = varied(small, '"floats.*.pto_damping" = { from = 1e4, to = 1e5, count = 10, spacing = "log" }')
+    with pytest.raises(StudyError, match=f"={word}: no such value; known: 10000.0, 12915.4966501, .*, 100000.0"):
+        select(study, f"pto_damping={word}")
+
+
+@pytest.mark.parametrize("word", ["2005", "2005.1"])
+def test_digits_of_two_values_are_too_few(small, word):
+    study = varied(small, '"floats.*.mass" = { from = 2000.05, to = 2009.95, count = 100 }')
+    with pytest.raises(StudyError, match=rf"mass={word}: no such value; known about there: 2004\.[01]5, .*, 20.*[^,]$"):
+        select(study, f"mass={word}")
+    assert len(select(study, "mass=2005.05,seed=0,sea_state=calm,platform=fixed")) == 1
+
+
+SCATTER = """regular = { kind = "regular", height = 0.4, period = 5.0 }
+[variants.a]
+[variants.higher]
+"sea_states.calm.Hs" = 0.6
+"""
+IN_SEAS = {
+    "Hs=0.6": lambda sea: sea.Hs == 0.6,
+    "Hs=..0.6": lambda sea: sea.Hs <= 0.6,
+    "Hs=0.5,Hs=0.6,Tp=5": lambda sea: sea.Hs in (0.5, 0.6) and sea.Tp == 5.0,
+    "Tp=4..,variant=higher": lambda sea: sea.Tp >= 4.0,
+}
+
+
+@pytest.mark.parametrize("text", IN_SEAS)
+def test_seas_are_chosen_by_their_height_and_period(small, text):
+    """As each task has it, whatever changes it; a regular wave has no Hs."""
+    lines = small.read_text().replace('["calm", "rough"]', '["calm", "rough", "regular"]')
+    small.write_text(lines + SCATTER)
+    study = load(small)
+    tasks = [t for t in study.tasks if t.labels["platform"] == "fixed"]
+    chosen = [t for t in tasks if "variant" not in text or t.labels["variant"] == "higher"]
+    seas = {t.id: t.parameters.sea_state for t in chosen}
+    right = {name for name, sea in seas.items() if hasattr(sea, "Hs") and IN_SEAS[text](sea)}
+    assert {t.id for t in select(study, f"platform=fixed,{text}")} == right
+    assert 0 < len(right) < len({t.id for t in tasks})
+    with pytest.raises(StudyError, match=r"Hs=0.7: no such value; known: 0.5, 0.6, "):
+        select(study, "Hs=0.7")
+
+
+def test_a_key_is_chosen_by_any_path_that_leads_to_it(small):
+    small.write_text(with_more(small, ("second", 9.5)))
+    study = varied(small, '"floats.front.mass" = [2147.0, 2000.0]', '"floats.*.stiffness" = [0.0, 1e4]',
+                   '"floats.second.damping" = [0.0, 5.0]', '"floats.front.damping" = [0.0, 7.0]')  # fmt: skip
+    for text, name, value in (
+        ("floats.*.mass=2e3", "mass", 2e3),
+        ("floats.f*.mass=2000", "mass", 2e3),
+        ("floats.second.stiffness=1e4", "stiffness", 1e4),
+    ):
+        assert {task.labels[name] for task in select(study, text)} == {value}
+    both = "name one: floats.front.damping or floats.second.damping"
+    with pytest.raises(StudyError, match=re.escape(f"floats.*.damping: goes along several axes; {both}")):
+        select(study, "floats.*.damping=7")
+    with pytest.raises(
+        StudyError, match=r"damping: unknown axis; did you mean floats.second.damping or floats.front.d"
+    ):
+        select(study, "damping=7")
+    with pytest.raises(StudyError, match=r"floats.second.mass: unknown axis"):
+        select(study, "floats.second.mass=2147")
 
 
 def test_no_task_has_what_two_of_a_dimension_have(designs):
