@@ -7,7 +7,7 @@ their width, boxes 0.5 to 3 m deep have a fifth of the error, with twice the pan
 
 import numpy as np
 
-from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull import mending, surface
 
 SHARP = np.pi / 6  # edges that turn by less are left as they are [rad]
 CUT = 0.25  # of a panel's width, from the edge on
@@ -19,7 +19,7 @@ def jutting(panels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     Panels may meet along parts of their sides: then it is the sides of both.
     """
-    vertices, faces, _ = surface.welded(panels.reshape(-1, 3), np.arange(4 * len(panels)).reshape(-1, 4))
+    vertices, faces, _ = mending.welded(panels.reshape(-1, 3), np.arange(4 * len(panels)).reshape(-1, 4))
     sides, owner = surface.edges(faces)
     pairs, side = surface.cut_where_corners_lie(vertices, sides, np.arange(len(sides)))
     _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)

@@ -6,7 +6,7 @@ Curves are sharp edges and rims between corners.
 import numpy as np
 import scipy  # sparse and spatial are slow to import, and the command line needs scenes but rarely meshes
 
-from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull import mending, surface
 
 SHARP = np.cos(np.pi / 6)  # of the angle between normals, below which the edge between two panels is one of the hull
 CORNER = 0.5  # cosine of an edge's turn, below which it has a corner there
@@ -32,7 +32,7 @@ class Original:
     def __init__(self, panels: np.ndarray, side: float):
         corners = surface.triangles(panels)
         faces = np.arange(3 * len(corners)).reshape(-1, 3)[:, [0, 1, 2, 2]]
-        self.points, faces, _ = surface.welded(corners.reshape(-1, 3), faces)
+        self.points, faces, _ = mending.welded(corners.reshape(-1, 3), faces)
         self.faces = faces[:, :3]
         vectors = surface.area_vectors(self.points[self.faces])
         self.normals = vectors / np.linalg.norm(vectors, axis=1)[:, None]

@@ -11,7 +11,7 @@ import numpy as np
 import scipy  # spatial is slow to import, and the command line needs scenes but rarely meshes
 
 from solver.errors import InputError
-from solver.hydrodynamics.hull import meshfile, shells, surface
+from solver.hydrodynamics.hull import mending, meshfile, shells, surface
 from solver.hydrodynamics.hull.edges import jutting
 
 ALIKE = 1e-5  # of the hull's size, within which a mirror image coincides with the hull
@@ -50,18 +50,18 @@ class PanelHull:
         vertices, faces = np.asarray(vertices, float), np.asarray(faces)
         # Whether the hull is symmetric or not: what is cut there has no slivers then, what is mirrored no slits.
         vertices = surface.onto(vertices, [0, 1, 2], np.ptp(vertices[faces.ravel()], axis=0).max())
-        vertices, faces, cleaned = surface.welded(vertices, faces)
+        vertices, faces, cleaned = mending.welded(vertices, faces)
         if not len(faces):
             raise InputError(key, name, "has no panel with an area")
         lowest = vertices[faces.ravel(), 2].min()
         if not lowest < 0:
             limit = "must reach below still water, z = 0 m: hull.origin is the file's point that comes to lie there"
             raise InputError(key, f"{name}, lowest point at z = {lowest:g} m", limit)
-        given, (faces, rim, part, turned) = faces, surface.oriented(vertices, faces, key, name)
+        given, (faces, rim, part, turned) = faces, mending.oriented(vertices, faces, key, name)
         inner = shells.within(vertices[faces], part, not len(rim), key, name)
         if inner.any():
             cleaned += [f"left out: {inner.sum()} panels of surfaces within another, where no water is"]
-            faces, rim, _, turned = surface.oriented(vertices, given[~inner], key, name)
+            faces, rim, _, turned = mending.oriented(vertices, given[~inner], key, name)
         holes = vertices[rim[vertices[rim, 2].min(axis=1) < 0]]
         for array in (vertices, faces, holes):
             array.setflags(write=False)

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.errors import InputError
-from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull import mending, surface
 
 LARGER, SMALLER = 1 * surface.WELD, 10 * surface.WELD  # of the extent: hairs; the faces at a corner go less far than it
 FEW = 2**14  # pairs of boxes that are compared one by one
@@ -28,7 +28,7 @@ class Shell:
     def of(cls, panels: np.ndarray) -> "Shell":
         """Of panels (n, 4, 3) [m]."""
         triangles = surface.triangles(panels)[:, [0, 1, 2, 2]]
-        vertices, faces, _ = surface.welded(triangles.reshape(-1, 3), np.arange(4 * len(triangles)).reshape(-1, 4))
+        vertices, faces, _ = mending.welded(triangles.reshape(-1, 3), np.arange(4 * len(triangles)).reshape(-1, 4))
         return cls(vertices, faces[:, :3])
 
     @cached_property

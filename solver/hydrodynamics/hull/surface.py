@@ -1,4 +1,4 @@
-"""Surfaces of triangles and quadrilaterals: mending, clipping, splitting.
+"""Surfaces of triangles and quadrilaterals: edges, clipping, splitting.
 
 Indexed: vertices (nv, 3) [m], faces (nf, 4); loose: panels (n, 4, 3) [m], corners not shared.
 Corners run counter-clockwise seen from the water; a triangle gives its last corner twice.
@@ -8,8 +8,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy  # sparse and spatial are slow to import, and the command line needs scenes but rarely meshes
-
-from solver.errors import InputError
 
 PAIRS = 2**20  # of points and triangles at a time
 WELD = 1e-6  # of the extent: closer points are one; files in single precision hold 1e-7
@@ -58,23 +56,10 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
 
 
-def _areas(panels: np.ndarray) -> np.ndarray:
+def areas(panels: np.ndarray) -> np.ndarray:
     """[m²] (n,) of panels (n, 4, 3), of the triangles on both sides of their first diagonal."""
     halves = (area_vectors(panels[:, corners]) for corners in ([0, 1, 2], [0, 2, 3]))
     return np.asarray(sum(np.linalg.norm(half, axis=1) for half in halves))
-
-
-def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Coinciding points made one, panels without area and duplicates left out; and notes of both."""
-    extent = np.ptp(vertices[faces.ravel()], axis=0).max()
-    vertices, faces = _one_each(vertices, faces)
-    faces = _collapsed(faces)
-    flat = _areas(vertices[faces]) <= (WELD * extent) ** 2 / 2
-    _, kept = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
-    twice = np.ones(len(faces), bool)
-    twice[kept] = False
-    counts = [(flat.sum(), "without area"), ((twice & ~flat).sum(), "given twice")]
-    return vertices, faces[~(flat | twice)], [f"left out: {n} panels {what}" for n, what in counts if n]
 
 
 def connected(links: np.ndarray, count: int) -> tuple[int, np.ndarray]:
@@ -84,19 +69,12 @@ def connected(links: np.ndarray, count: int) -> tuple[int, np.ndarray]:
     return int(parts), part
 
 
-def _one_each(vertices: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def one_each(vertices: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Points that coincide made one, and the indices of all into what is left."""
     extent = np.ptp(vertices[indices.ravel()], axis=0).max()
     near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
     _, place = connected(near, len(vertices))
     return vertices[np.unique(place, return_index=True)[1]], place[indices]
-
-
-def _collapsed(faces: np.ndarray) -> np.ndarray:
-    """Quadrilaterals of which two neighbouring corners are one, as triangles."""
-    same = faces == np.roll(faces, -1, axis=1)
-    shift = np.where(same.any(axis=1), same.argmax(axis=1) - 2, 0)
-    return faces[np.arange(len(faces))[:, None], (np.arange(4) + shift[:, None]) % 4]
 
 
 def edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -112,7 +90,7 @@ def unmatched(lines: np.ndarray) -> np.ndarray:
     ends = lines.reshape(-1, 3)
     if not len(ends):
         return lines
-    vertices, pairs = _one_each(ends, np.arange(len(ends)).reshape(-1, 2))
+    vertices, pairs = one_each(ends, np.arange(len(ends)).reshape(-1, 2))
     pairs, _ = cut_where_corners_lie(vertices, pairs, np.zeros(len(pairs), int))
     return vertices[pairs[_alone(pairs)]]
 
@@ -128,36 +106,9 @@ def outlines(lines: np.ndarray) -> tuple[int, np.ndarray]:
     """How many separate outlines edges (n, 2, 3) make up, and the outline (n,) of each edge."""
     if not len(lines):
         return 0, np.zeros(0, int)
-    vertices, pairs = _one_each(lines.reshape(-1, 3), np.arange(2 * len(lines)).reshape(-1, 2))
+    vertices, pairs = one_each(lines.reshape(-1, 3), np.arange(2 * len(lines)).reshape(-1, 2))
     count, part = connected(pairs, len(vertices))
     return count, part[pairs[:, 0]]
-
-
-def oriented(
-    vertices: np.ndarray, faces: np.ndarray, key: str, name: str
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[str]]:
-    """Faces wound alike with normals out of the body, open edges (ne, 2), each face's part, notes of what was turned.
-
-    Panels may meet along parts of their sides, with corners of one on a side of another. A part's volume is
-    ∫ z n_z dS, which a rim at z = 0 leaves unchanged: inside out where it is negative.
-    """
-    pairs, owner = cut_where_corners_lie(vertices, *edges(faces))
-    _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
-    if count.max() > 2:
-        point = vertices[pairs[np.argmax(count[place] > 2), 0]]
-        raise InputError(key, name, f"{count.max()} panels meet at an edge near {point_text(point)}: two may")
-    order = np.argsort(place, kind="stable")
-    shared = order[count[place[order]] == 2].reshape(-1, 2)
-    turned, part = _consistent(len(faces), owner[shared], pairs[shared[:, 0], 0] == pairs[shared[:, 1], 0])
-    if turned is None:
-        raise InputError(key, name, "is a surface with one side only, so it encloses nothing")
-    faces = np.where(turned[:, None], _reversed(faces), faces)
-    corners = vertices[faces]
-    inside_out = np.bincount(part, _column_volume(corners)) < 0
-    faces = np.where(inside_out[part][:, None], _reversed(faces), faces)
-    notes = [f"turned: {turned.sum()} panels wound against their neighbours"] if turned.any() else []
-    notes += ["the mesh was inside out: its normals were turned into the water"] if inside_out.any() else []
-    return faces, pairs[count[place] == 1], part, notes
 
 
 def _alone(pairs: np.ndarray) -> np.ndarray:
@@ -192,11 +143,7 @@ def point_text(point: np.ndarray) -> str:
     return "(" + ", ".join(f"{x:.4g}" for x in point) + ") m"
 
 
-def _reversed(faces: np.ndarray) -> np.ndarray:
-    return mirrored((np.zeros((1, 3)), faces), np.array([1.0, 1.0, -1.0]))[1]
-
-
-def _column_volume(panels: np.ndarray) -> np.ndarray:
+def column_volume(panels: np.ndarray) -> np.ndarray:
     """∫ z n_z dS (n,) of each panel."""
     total = np.zeros(len(panels))
     for corners in (panels[:, :3], panels[:, [0, 2, 3]]):
@@ -206,28 +153,7 @@ def _column_volume(panels: np.ndarray) -> np.ndarray:
 
 def volume(panels: np.ndarray) -> float:
     """Between wetted panels (n, 4, 3) and still water [m³], ∫ z n_z dS."""
-    return float(_column_volume(panels).sum())
-
-
-def _consistent(count: int, neighbours: np.ndarray, against: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
-    """Faces to turn (count,) so that neighbours (n, 2) agree, None where no choice does; and each one's part."""
-    a, b = neighbours.T if len(neighbours) else np.zeros((2, 0), int)
-    parts, part = connected(neighbours.reshape(-1, 2), count)
-    turned = np.zeros(count, bool)
-    if not against.any():
-        return turned, part
-    graph = scipy.sparse.coo_array((np.where(against, 2.0, 1.0), (a, b)), shape=(count, count)).tocsr()
-    differs = graph.todok()
-    for start in np.unique(part, return_index=True)[1]:
-        sequence, before = scipy.sparse.csgraph.breadth_first_order(graph, start, directed=False)
-        for face in sequence[1:]:
-            other = before[face]
-            turned[face] = turned[other] ^ (max(differs[face, other], differs[other, face]) > 1)
-    # The fewer of each part are turned.
-    many = np.bincount(part, turned, parts) > np.bincount(part, minlength=parts) / 2
-    turned ^= many[part]
-    agree = np.all((turned[a] ^ turned[b]) == against)
-    return (turned if agree else None), part
+    return float(column_volume(panels).sum())
 
 
 def turns_round(panels: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -292,7 +218,7 @@ def below(panels: np.ndarray, axis: int = 2, *, sign: int = 1) -> np.ndarray:
     whole = inside & (level.max(axis=1) <= 0)
     cut = [piece for p, h in zip(panels[inside & ~whole], level[inside & ~whole], strict=True) for piece in _cut(p, h)]
     pieces = onto(np.concatenate([panels[whole], np.array(cut).reshape(-1, 4, 3)]), [axis], extent)
-    return pieces[_areas(pieces) > (WELD * extent) ** 2]
+    return pieces[areas(pieces) > (WELD * extent) ** 2]
 
 
 def onto(points: np.ndarray, axes: list[int], extent: float) -> np.ndarray:

@@ -9,7 +9,7 @@ from pytest import approx
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem, problem
-from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull import mending, surface
 from solver.hydrodynamics.hull.coarse import coarse, fewer
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -85,7 +85,7 @@ def quality(panels):
 
 def rim(panels):
     """Edges (n, 2, 3) of one panel alone."""
-    vertices, faces, _ = surface.welded(panels.reshape(-1, 3), loose(panels)[1])
+    vertices, faces, _ = mending.welded(panels.reshape(-1, 3), loose(panels)[1])
     pairs, _ = surface.edges(faces)
     return vertices[pairs[surface._alone(pairs)]]
 
