@@ -44,7 +44,7 @@ MOST_AXES = 24  # over keys, each of which is a dimension of the dataset
 MOST_FLOATS = 100
 MOST_TRIED = 10  # values of an axis, with as many of another
 MOST_NAMED = 20  # labels of an axis in a message
-SHORT = {"pto_damping": "floats.*.pto_damping", "hinge_spacing": "floats.*.hinge"}  # what named axes decide, last
+SHORT = {"pto_damping": "floats.*.pto_damping", "hinge_spacing": "floats.*.hinge.0"}  # what named axes decide, last
 NUMERICS = "record.", "solver."  # tables of what makes the solver's settings
 SURVIVING = ("floats", "left_out", "platform", "solver")  # tables and keys of which others may hold in high seas
 

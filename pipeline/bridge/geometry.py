@@ -12,6 +12,7 @@ from pipeline.bridge import platforms, scenes
 from pipeline.bridge.hulls import hull, offset
 from pipeline.study import seas
 from pipeline.study.attachments import CoefficientFile
+from pipeline.study.axes import last
 from pipeline.study.hulls import Hull
 from pipeline.study.schema import StudyFile, Water
 from pipeline.study.settings import Solver
@@ -40,7 +41,7 @@ def of_joints(study: StudyFile) -> set[str]:
 
 
 def _of_joint(path: str) -> bool:
-    return path.startswith("floats.") and path.rpartition(".")[2] in UNLOADED
+    return path.startswith("floats.") and last(path).partition(".")[0] in UNLOADED
 
 
 class Body(Table):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
-from pipeline.study.axes import Axis, labels
+from pipeline.study.axes import Axis, labels, last
 from pipeline.study.paths import unit
 
 
@@ -283,10 +283,12 @@ def along(axis: Axis, motions: Collection[str]) -> Iterator[tuple[str, tuple[Any
 
 
 def _of_path(path: str, shown: Sequence[object], motions: Collection[str]) -> dict[str, str]:
-    attrs = {"long_name": f"{path.rpartition('.')[2].replace('_', ' ')} ({path})"}
+    attrs = {"long_name": f"{last(path).replace('_', ' ')} ({path})"}
     if isinstance(shown[0], str):
         return attrs
     turning, _, sliding = unit(path).partition(" or ")
+    if "." in last(path) and (sliding or "," in turning):
+        return attrs  # a place of a list whose numbers have several units
     if sliding and set(motions) & SLIDING and set(motions) - SLIDING:
         return attrs  # some of the axes turn and some slide
     return {"units": _udunits(sliding if sliding and set(motions) <= SLIDING else turning), **attrs}

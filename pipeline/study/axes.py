@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn
@@ -39,6 +39,8 @@ TAKEN = frozenset((
 ))  # fmt: skip
 UNCHANGED = object()
 WORD = re.compile(r"([A-Za-z_]\w*)(?: \[([^\[\]]+)\])?")  # length [m]
+LAST = re.compile(r"[^.]*(\.\d+)*$")
+OTHERWISE = {"pto_damping": '"floats.*.pto_damping"', "hinge_spacing": '"floats.NAME.hinge.0", a float\'s x,'}
 DIGITS = 12  # of a range's numbers, so that 0.1 + 0.2 is written as 0.3
 
 
@@ -134,6 +136,7 @@ class Together(Table):
             lengths = ", ".join(f"{key} {len(values)}" for key, values in lists.items())
             _refuse(next(iter(lists)), f"lists of one dimension must be of one length: {lengths}")
         beside, keys = _by_dots(lists)
+        _require_paths(beside)
         if strange := [key for key in beside if not WORD.fullmatch(key)]:
             _refuse(strange[0], 'must be a dotted path, or a word with its unit in brackets: "length [m]"')
         if not keys:
@@ -187,6 +190,7 @@ class Samples(Table):
         if not isinstance(data, dict):
             return data
         named, paths = _by_dots(_flat(cls, data))
+        _require_paths(named)
         if not paths:
             _refuse("", "needs ranges of keys by their dotted paths: { from, to } or { mean, std }")
         return named | {"keys": paths}
@@ -262,13 +266,19 @@ def variant_axis(variants: Mapping[str, Variant]) -> Axis:
 
 def named(axes: Sequence[Axis], others: Collection[str]) -> tuple[Axis, ...]:
     """With the name of each key: its last word, or its whole path where two would clash; others: further dimensions."""
-    lasts = {path: path.rpartition(".")[2] for axis in axes for path in axis.keys if path not in axis.partial}
+    lasts = {path: last(path) for axis in axes for path in axis.keys if path not in axis.partial}
     dimensions = (axis.name for axis in axes if not axis.own)
     beside = (words.partition(" ")[0] for axis in axes for words in axis.beside)
     several = (last for last, count in Counter(lasts.values()).items() if count > 1)
     taken = TAKEN.union(others, dimensions, beside, several)
     names = {path: path if last in taken else last for path, last in lasts.items()}
     return tuple(axis._replace(name=names[axis.name] if axis.own else axis.name, names=names) for axis in axes)
+
+
+def last(path: str) -> str:
+    """The key at the end of a path, with the place in its list: Hs, hinge.0."""
+    found = LAST.search(path)
+    return found[0] if found else path
 
 
 def by_path(table: Mapping[str, Any], above: str = "", *, ranges: bool = False) -> dict[str, Any]:
@@ -324,6 +334,12 @@ def _by_dots(table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Keys of the table itself, and dotted paths."""
     paths = {key: value for key, value in table.items() if "." in key}
     return {key: value for key, value in table.items() if key not in paths}, paths
+
+
+def _require_paths(words: Iterable[str]) -> None:
+    for word in words:
+        if path := OTHERWISE.get(word.partition(" ")[0]):
+            _refuse(word, f"is an axis by itself; here {path} is varied instead")
 
 
 def _rounded(numbers: np.ndarray) -> tuple[float, ...]:

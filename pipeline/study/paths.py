@@ -1,4 +1,4 @@
-"""A study with another value at a dotted path: floats.rear.hull.radius, platform.sections.*.thickness, sea.Hs."""
+"""A study with another value at a dotted path: floats.rear.hull.radius, floats.*.hinge.0, sea.Hs."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from typing import Any, NamedTuple, NoReturn, get_args
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from pipeline.study.axes import last
 from pipeline.study.inherit import KINDS, of_another_kind
 from pipeline.study.reading import describe, dotted, limit_of
 from pipeline.study.schema import StudyFile, units
 from pipeline.study.tables import Table
 
 ALL = "*"
+LISTS = ("nodes", "foundation")  # of which each is a list, by name
 SEA = "sea"  # stands for every sea state that the study has tasks in
 FIXED = ("axes", "title", "variants", "samples")  # what no axis varies
 OWN = ("platform", "survival")  # tables by which a study has the tasks that it has: no value brings them in
@@ -77,8 +79,10 @@ def keys_at(study: StudyFile, path: str) -> Iterator[tuple[str, ...]]:
 
 
 def unit(path: str) -> str:
-    """Of the key at the end of a path; empty for words."""
-    return units().get(path.rpartition(".")[2], "")
+    """Of the key at the end of a path, or in whose list that is; empty for words."""
+    key, *places = last(path).split(".")
+    above = path.removesuffix(last(path)).rstrip(".").rpartition(".")[2]
+    return units().get(above if places and above in LISTS else key, "")
 
 
 def _in_seas(study: StudyFile, path: str) -> list[str]:
@@ -122,9 +126,19 @@ def _below(item: Any, rest: str, put: Put, above: str) -> Any:
         if not rest:
             raise PathError(_inside(item, above[:-1]))
         return _changed(item, rest, put, above)
-    if rest:
-        raise PathError(f"leads nowhere: {above[:-1]} is no table; give its whole value")
-    return put.value
+    return _in_list(item, rest, put, above[:-1]) if rest else put.value
+
+
+def _in_list(values: Any, rest: str, put: Put, name: str) -> tuple[Any, ...]:
+    """A list with the value at one of its places, or in the list that is there."""
+    head, _, deeper = rest.partition(".")
+    if not isinstance(values, tuple):
+        raise PathError(f"leads nowhere: {name} is no table; give its whole value")
+    if not (head.isdecimal() and int(head) < len(values)):
+        raise PathError(f"leads nowhere: {name} is a list of {len(values)}, the first of which is {name}.0")
+    place = int(head)
+    new = _in_list(values[place], deeper, put, f"{name}.{head}") if deeper else put.value
+    return (*values[:place], new, *values[place + 1 :])
 
 
 def _table(node: Table, path: str, put: Put, above: str) -> Table:
@@ -140,12 +154,13 @@ def _table(node: Table, path: str, put: Put, above: str) -> Table:
         if kind is None:
             raise PathError(f"leads nowhere: the study has no [{above}{key}]")
         child = _made(kind, rest, put, f"{above}{key}")
-    if rest and not _is_container(child):
-        raise PathError(f"leads nowhere: {above}{key} is no table; give its whole value")
     if not rest and _is_container(child):
         raise PathError(_inside(child, f"{above}{key}"))
+    new: Any
     if rest and isinstance(child, Mapping) and not child:  # names that the study lacks, with what is given of each
         _, new = put.table(rest)
+    elif rest and not _is_container(child):
+        new = _in_list(child, rest, put, f"{above}{key}")
     else:
         new = _changed(child, rest, put, f"{above}{key}.") if rest else put.value
     given = {name: getattr(node, name) for name in node.model_fields_set}

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from pipeline.study import seas
 from pipeline.study.attachments import Attachment, CoefficientFile
-from pipeline.study.axes import told, word
+from pipeline.study.axes import last, told, word
 from pipeline.study.floats import Float
 from pipeline.study.layout import hinge_nodes, spaced
 from pipeline.study.paths import with_values
@@ -320,7 +320,7 @@ def _common_damping(study: StudyFile) -> tuple[float, ...] | None:
 def _varies_floats(study: StudyFile, *keys: str) -> bool:
     """Whether an axis over a path varies one of these keys of a float."""
     paths = (path for axis in study.varied for path in axis.keys)
-    return any(path.startswith("floats.") and path.rpartition(".")[2] in keys for path in paths)
+    return any(path.startswith("floats.") and last(path).partition(".")[0] in keys for path in paths)
 
 
 def _spacing(study: StudyFile) -> tuple[float, ...] | None:

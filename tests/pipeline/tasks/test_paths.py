@@ -11,8 +11,8 @@ from pydantic import BaseModel
 
 from pipeline.bridge.checks import problems
 from pipeline.bridge.loading import load
-from pipeline.results.variables import VARIABLES
-from pipeline.study.axes import TAKEN, Samples
+from pipeline.results.variables import VARIABLES, along, meaning_of
+from pipeline.study.axes import TAKEN, Axis, Samples
 from pipeline.study.paths import PathError, with_value
 from pipeline.study.reading import StudyError
 from pipeline.study.schema import StudyFile
@@ -31,6 +31,9 @@ REACHED = [
     ("floats.front.mass", 2000.0, lambda p: p.floats[0].mass),
     ("floats.*.hull.radius", 0.9, lambda p: p.floats[0].hull.radius),
     ("floats.front.hinge", (-1.5, 0.0, 2.5), lambda p: p.floats[0].hinge),
+    ("floats.front.hinge.0", -1.8, lambda p: p.floats[0].hinge[0]),
+    ("floats.*.arm.2", -2.5, lambda p: p.floats[0].arm[2]),
+    ("platform.nodes.foot.2", -49.0, lambda p: p.platform.nodes["foot"][2]),
     ("platform.damping_ratio", 0.02, lambda p: p.platform.damping_ratio),
     ("platform.sections.tube.thickness", 0.04, lambda p: p.platform.sections["tube"].thickness),
     ("platform.members.leg.elements", 6, lambda p: p.platform.members[0].elements),
@@ -167,7 +170,16 @@ WRONG = [
     ('"platform.members" = [1.0]', "leads to tables; go on with one of their names or * for all, and a key: "),
     ('"platform.nodes" = [1.0]', "leads to several; go on with one of the names or * for all: "),
     ('"floats.front.mass.kg" = [1.0]', "leads nowhere: floats.front.mass is no table; give its whole value"),
-    ('"floats.front.hinge.0" = [1.0]', "floats.front.hinge is no table; give its whole value"),
+    ('"floats.front.hinge.3" = [1.0]', "floats.front.hinge is a list of 3, the first of which is floats.front.hinge.0"),
+    ('"floats.front.hinge.x" = [1.0]', "leads nowhere: floats.front.hinge is a list of 3"),
+    ('"floats.front.hinge.0.0" = [1.0]', "leads nowhere: floats.front.hinge.0 is no table"),
+    ('"platform.nodes.foot.-1" = [1.0]', "leads nowhere: platform.nodes.foot is a list of 3"),
+    ('"floats.front.hinge.0" = ["far"]', 'axes."floats.front.hinge.0" = far: must be a number [m]'),
+    ("[[axes.together]]\nname = 'a'\n'water.depth' = [50.0]\nhinge_spacing = [3.0]",
+     'axes.together[0].hinge_spacing = [3.0]: is an axis by itself; here "floats.NAME.hinge.0", a float\'s x, is'),
+    ("[[axes.together]]\nname = 'a'\n'water.depth' = [50.0]\n'pto_damping [N]' = [3.0]",
+     'is an axis by itself; here "floats.*.pto_damping" is varied instead'),
+    ("[samples]\ncount = 2\nhinge_spacing = { from = 2.0, to = 4.0 }", 'samples.hinge_spacing = '),
     ('"floats.front.hull.height" = ["tall"]', 'axes."floats.front.hull.height" = tall: must be a number [m]'),
     ('"platform.sections.pipe.diameter" = [1.0]', "leads nowhere: platform.sections has tube"),
     ('"solver.modes" = [0]', 'axes."solver.modes" = 0: must be'),
@@ -292,6 +304,62 @@ def test_a_range_of_whole_numbers_is_of_whole_numbers(small):
     assert told.endswith(
         "axes.seed = {'from': 0, 'to': 7, 'count': 31}: must be whole numbers, and this range has 0.233333333333"
     )
+
+
+def test_places_of_a_list_are_sampled_as_whole_lists_would_be_varied(small):
+    """The same tasks; what two floats' distance is then varies, too, and is told by no single number."""
+    text = with_more(small, ("second", 9.5))
+    sampled = "[samples]\ncount = 3\n'floats.front.hinge.0' = { from = -3.0, to = -1.0 }\n'floats.*.hinge.1' = "
+    small.write_text(text.replace("[sea_states", f"{sampled}{{ from = 0.0, to = 0.5 }}\n[sea_states", 1))
+    study = load(small)
+    assert "hinge_spacing" not in axes(study.content)
+    (axis,) = study.content.varied
+    x, y = (axis.keys[path] for path in ("floats.front.hinge.0", "floats.*.hinge.1"))
+    assert [*axis.names.values()] == ["hinge.0", "hinge.1"] and len({*x, *y}) == 6
+    shown = {name: (values, attrs["units"]) for name, values, attrs in along(axis, ["hinge"])}
+    assert shown == {"hinge.0": (x, "m"), "hinge.1": (y, "m")}
+    places = {
+        f: [[at, across, 2.6] for at, across in zip(xs, y, strict=True)]
+        for f, xs in (("front", x), ("second", [9.5] * 3))
+    }
+    group = "[[axes.together]]\nname = 'a'\n" + "\n".join(
+        f"'floats.{f}.hinge' = {values}" for f, values in places.items()
+    )
+    small.write_text(text.replace("[sea_states", f"{group}\n[sea_states", 1))
+    assert {t.id for t in load(small).tasks} == {t.id for t in study.tasks}
+    small.write_text(text)
+    assert {t.id for t in study.tasks}.isdisjoint(t.id for t in load(small).tasks)
+
+
+def test_what_else_of_hinges_varies_beside_their_distance_and_their_x_does_not(small):
+    small.write_text(with_more(small, ("second", 9.5)))
+    text = small.read_text()
+    content = varied(small, "hinge_spacing = [3.0, 4.0]", '"floats.*.hinge.1" = [0.0, 0.5]').content
+    assert {t.parameters.floats[1].hinge for t in expand(content)} == {
+        (x, y, 2.6) for x in (1.5, 2.0) for y in (0.0, 0.5)
+    }
+    small.write_text(text)
+    with pytest.raises(StudyError, match=r'hinge\.0": is varied along two dimensions'):
+        varied(small, "hinge_spacing = [3.0, 4.0]", '"floats.front.hinge.0" = [2.5, 2.6]')
+
+
+UNITS = {
+    "floats.front.inertia.1": "kg m2",
+    "floats.front.hull.points.3.1": "m",
+    "platform.nodes.foot.2": "m",
+    "platform.nodes.7.0": "m",
+    "floats.front.damping.1": None,  # of N m s/rad and N s/m
+    "platform.foundation.foot.4": None,
+    "platform.members.leg.start_spring.3": None,
+    "floats.front.axis.0": "1",
+    "floats.front.damping": "N m s rad-1",
+}
+
+
+@pytest.mark.parametrize("path", UNITS)
+def test_a_place_of_a_list_has_the_unit_of_the_list_where_that_is_one(path):
+    axis = Axis("a", (1, 2), {path: (1.0, 2.0)}, own=True)
+    assert meaning_of(axis, ["hinge"]).get("units") == UNITS[path]
 
 
 def test_a_dimension_has_the_last_word_or_the_whole_path_where_two_would_clash(small):
