@@ -262,7 +262,7 @@ def _spectral(of: dict[str, str], pattern: str, words: str) -> dict[str, str]:
 
 def meaning_of(axis: Axis, motions: Collection[str]) -> dict[str, str]:
     """Attributes of a dimension over keys: unit and path of its only key; motions: of all floats' joints."""
-    if axis.name in COORDINATES:
+    if axis.name in COORDINATES and not any(" or " in unit(path) for path in axis.keys):  # which goes by the motions
         return COORDINATES[axis.name].attrs()
     if not axis.own:
         units = {} if isinstance(axis.labels[0], str) else {"units": "1"}

@@ -150,7 +150,9 @@ class Axes(Table):
 
     sea_state: Annotated[tuple[Label, ...] | None, "Labels of [sea_states]; left out, all of them"] = None
     platform: Annotated[tuple[Support, ...] | None, "What carries the floats, and whether there are any"] = None
-    pto_damping: Annotated[tuple[NotNegative, ...] | None, Unit("N m s/rad"), "Damping of every power take-off"] = None
+    pto_damping: Annotated[
+        tuple[NotNegative, ...] | None, Unit("N m s/rad or N s/m"), "Damping of every power take-off"
+    ] = None
     hinge_spacing: Annotated[tuple[Positive, ...] | None, Unit("m"), "Distance of the two hinges along x"] = None
     seed: Annotated[tuple[Seed, ...] | None, "Numbers of the realizations of random seas"] = None
     together: Annotated[tuple[Together, ...], "Keys that change together, along one dimension"] = ()

@@ -13,6 +13,7 @@ from pipeline.bridge.loading import load
 from pipeline.cli.cli import app
 from pipeline.study import reference
 from pipeline.study.inherit import merged
+from pipeline.study.schema import tables, unit_of
 from studies import keys as page
 
 STUDIES = Path(__file__).parents[3] / "studies"
@@ -131,3 +132,12 @@ def test_the_schema_notices(line):
 def test_the_schema_lets_pass_what_is_good():
     assert VALID.is_valid({"water": {"depth": float("inf")}})
     assert not VALID.is_valid({"title": "nothing"})
+
+
+def test_a_key_has_the_same_unit_in_every_table():
+    """Units are asked for by the key alone."""
+    symbols = {}
+    for table in tables():
+        for key, field in table.model_fields.items():
+            symbols.setdefault(key, set()).add(unit_of(field))
+    assert not {key: found for key, found in symbols.items() if len(found - {"-"}) > 1}

@@ -362,6 +362,15 @@ def test_a_place_of_a_list_has_the_unit_of_the_list_where_that_is_one(path):
     assert meaning_of(axis, ["hinge"]).get("units") == UNITS[path]
 
 
+@pytest.mark.parametrize(
+    ("motions", "unit"), [(["hinge"], "N m s rad-1"), (["heave"], "N s m-1"), (["heave", "pitch"], None)]
+)
+def test_damping_has_the_unit_that_goes_with_the_motions(motions, unit):
+    """Also where its dimension is called as the axis over all power take-offs is."""
+    axis = Axis("pto_damping", (1.0, 2.0), {"floats.front.pto_damping": (1.0, 2.0)}, own=True)
+    assert meaning_of(axis, motions).get("units") == unit
+
+
 def test_a_dimension_has_the_last_word_or_the_whole_path_where_two_would_clash(small):
     study = varied(
         small, '"water.depth" = [50.0]', '"floats.front.mass" = [2147.0]', '"platform.sections.tube.diameter" = [1.0]',
