@@ -1,5 +1,8 @@
 """Meshes as files have them made surfaces: points that coincide made one, copies left out, panels wound alike."""
 
+from collections import Counter
+from collections.abc import Sequence
+
 import numpy as np
 import scipy  # sparse is slow to import, and the command line needs scenes but rarely meshes
 
@@ -7,23 +10,87 @@ from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
 
 
-def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Coinciding points made one, panels without area and duplicates left out; and notes of both."""
+def once(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str], int]:
+    """Of panels with the same corners in a file one; a note of the others, and how many were wound the other way.
+
+    One between neighbours closes a surface, to which `oriented` turns it; of a plate's two sides one closes nothing.
+    """
+    vertices, faces = surface.one_each(vertices, faces, surface.SAME)
+    faces = _collapsed(faces)
+    first, _, sense = _stacks(vertices, faces)
+    copies, against = len(faces) - len(first), int(np.sum(sense < 0))
+    note = f"left out: {copies} panels given twice" + (f", {against} of them wound the other way" if against else "")
+    return vertices, faces[np.sort(first)], [note] if copies else [], against
+
+
+def welded(
+    vertices: np.ndarray, faces: np.ndarray, planes: Sequence[int] = ()
+) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Points near planes 0 of some axes on them, coinciding ones made one; and notes of panels that are left out.
+
+    Those are without area, duplicates, or folds: what is so thin that its two sides have come to lie on each other.
+    Their edges run against each other: without both of them their neighbours meet. Of two wound alike one has to stay.
+    """
     extent = np.ptp(vertices[faces.ravel()], axis=0).max()
-    vertices, faces = surface.one_each(vertices, faces)
+    near = surface.onto(vertices, planes, extent)
+    moved = np.any(near != vertices, axis=1)[faces].any(axis=1)
+    vertices, faces = surface.one_each(near, faces)
     faces = _collapsed(faces)
     flat = surface.areas(vertices[faces]) <= (surface.WELD * extent) ** 2 / 2
-    _, kept = np.unique(_corners(faces), axis=0, return_index=True)
-    twice = np.ones(len(faces), bool)
-    twice[kept] = False
-    counts = [(flat.sum(), "without area"), ((twice & ~flat).sum(), "given twice")]
-    return vertices, faces[~(flat | twice)], [f"left out: {n} panels {what}" for n, what in counts if n]
+    flat |= np.any(faces[:, :2] == faces[:, 2:], axis=1)  # folded along a diagonal
+    folded = _flattened(vertices, faces, moved)
+    rest = np.flatnonzero(~(flat | folded))
+    first, stack, sense = _stacks(vertices, faces[rest])
+    even = np.bincount(stack, sense) == 0
+    folded[rest[even[stack]]] = True
+    kept = rest[np.sort(first[~even])]
+    area = surface.areas(vertices[faces[folded]]).sum() / 2
+    thin = f"of what is thinner than {2 * surface.ON * extent:.2g} m and so folds flat, {area:.2g} m2 on each side"
+    lone, double = np.sum(flat & ~folded), np.sum(~(flat | folded)) - len(kept)
+    counts = [(lone, "without area"), (double, "given twice"), (folded.sum(), thin)]
+    return vertices, faces[kept], [f"left out: {n} panels {what}" for n, what in counts if n]
 
 
-def _corners(faces: np.ndarray) -> np.ndarray:
-    """Of each panel, in order, whichever it begins at and however it is wound: three and -1 of triangles."""
-    triangle = (faces[:, 2] == faces[:, 3])[:, None]
-    return np.sort(np.where(triangle & (np.arange(4) == 3), -1, faces), axis=1)
+def _flattened(vertices: np.ndarray, faces: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """Which panels (nf,) in a plane 0 cover what others there cover the other way round, some `moved` (nf,) onto it.
+
+    However each side is cut: in a plane, patches with the same rim are the same.
+    """
+    folded = np.zeros(len(faces), bool)
+    for axis in range(3):
+        some = np.flatnonzero(np.all(vertices[faces, axis] == 0, axis=1))
+        patch, rims = _patches(faces[some])
+        backs = [frozenset((line, -way) for line, way in rim) for rim in rims]
+        gone: set[frozenset[tuple[int, int]]] = set()
+        known = set(rims)
+        for rim, back, new in zip(rims, backs, np.bincount(patch, moved[some], len(rims)), strict=True):
+            if new and back in known:
+                gone |= {rim, back}
+        folded[some] |= np.array([rim in gone for rim in rims], bool)[patch]
+    return folded
+
+
+def _patches(faces: np.ndarray) -> tuple[np.ndarray, list[frozenset[tuple[int, int]]]]:
+    """Each panel's patch (nf,), up to the edges of one or more than two, and the rim of each: edges, and which way."""
+    pairs, owner = surface.edges(faces)
+    _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(place, kind="stable")
+    patches, patch = surface.connected(owner[order[count[place[order]] == 2].reshape(-1, 2)], len(faces))
+    ways = [Counter[int]() for _ in range(patches)]
+    for n, line, way in zip(patch[owner], place, np.where(pairs[:, 0] < pairs[:, 1], 1, -1), strict=True):
+        ways[n][line] += way
+    return patch, [frozenset((line, way) for line, way in rim.items() if way) for rim in ways]
+
+
+def _stacks(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of panels with the same corners: the first (n,) of each stack, each one's stack (nf,), and 1 or -1 (nf,) for
+    the way that it is wound, as the first or against it."""
+    triangle = (faces[:, 2] == faces[:, 3])[:, None]  # repeats its last corner, whichever that is
+    corners = np.sort(np.where(triangle & (np.arange(4) == 3), -1, faces), axis=1)
+    _, first, stack = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    a, b, c, d = np.moveaxis(vertices[faces], 1, 0)
+    normals = np.cross(c - a, d - b)
+    return first, stack, np.where(np.sum(normals * normals[first[stack]], axis=1) < 0, -1, 1)
 
 
 def _collapsed(faces: np.ndarray) -> np.ndarray:

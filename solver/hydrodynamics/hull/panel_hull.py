@@ -48,21 +48,26 @@ class PanelHull:
         """The hull of a mesh (nv, 3), (nf, 4): welded, wound outwards, and refused where it is no hull."""
         key = meshfile.KEY
         vertices, faces = np.asarray(vertices, float), np.asarray(faces)
+        vertices, faces, copies, against = mending.once(vertices, faces)
         # Whether the hull is symmetric or not: what is cut there has no slivers then, what is mirrored no slits.
-        vertices = surface.onto(vertices, [0, 1, 2], np.ptp(vertices[faces.ravel()], axis=0).max())
-        vertices, faces, cleaned = mending.welded(vertices, faces)
+        vertices, faces, cleaned = mending.welded(vertices, faces, [0, 1, 2])
+        cleaned += copies
         if not len(faces):
             raise InputError(key, name, "has no panel with an area")
         lowest = vertices[faces.ravel(), 2].min()
         if not lowest < 0:
             limit = "must reach below still water, z = 0 m: hull.origin is the file's point that comes to lie there"
             raise InputError(key, f"{name}, lowest point at z = {lowest:g} m", limit)
-        given, (faces, rim, part, turned) = faces, mending.oriented(vertices, faces, key, name)
+        told = ", ".join([name, *cleaned])
+        given, (faces, rim, part, turned) = faces, mending.oriented(vertices, faces, key, told)
         inner = shells.within(vertices[faces], part, not len(rim), key, name)
         if inner.any():
             cleaned += [f"left out: {inner.sum()} panels of surfaces within another, where no water is"]
             faces, rim, _, turned = mending.oriented(vertices, given[~inner], key, name)
         holes = vertices[rim[vertices[rim, 2].min(axis=1) < 0]]
+        near = surface.point_text(holes[0].mean(axis=0)) if len(holes) else ""
+        if against and near:
+            raise InputError(key, told, f"is open below still water near {near}: plates need a thickness")
         for array in (vertices, faces, holes):
             array.setflags(write=False)
         hull = cls(
@@ -71,8 +76,7 @@ class PanelHull:
         )  # fmt: skip
         if not hull.volume > LEAST * np.ptp(vertices, axis=0).max() ** 3:
             limit = "must be > 0"
-            if len(holes):
-                near = surface.point_text(holes[0].mean(axis=0))
+            if near:
                 limit += f": it is open below still water, at {len(holes)} edges, the first near {near}"
             raise InputError(key, f"{name}, displaced volume {hull.volume:g} m3", limit)
         return hull

@@ -11,6 +11,7 @@ import scipy  # sparse and spatial are slow to import, and the command line need
 
 PAIRS = 2**20  # of points and triangles at a time
 WELD = 1e-6  # of the extent: closer points are one; files in single precision hold 1e-7
+SAME = 1e-12  # of the extent: closer points are one in the file itself, but for rounding as it was shifted and turned
 ON = 1e-5  # of the extent: what is closer to still water or to a plane of symmetry lies on it, as in turned files
 TIE = 1e-3  # of a length: sides that differ by less are as long as each other, whatever noise their corners have
 
@@ -69,10 +70,10 @@ def connected(links: np.ndarray, count: int) -> tuple[int, np.ndarray]:
     return int(parts), part
 
 
-def one_each(vertices: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points that coincide made one, and the indices of all into what is left."""
+def one_each(vertices: np.ndarray, indices: np.ndarray, within: float = WELD) -> tuple[np.ndarray, np.ndarray]:
+    """Points that coincide `within` a share of the extent made one, and the indices of all into what is left."""
     extent = np.ptp(vertices[indices.ravel()], axis=0).max()
-    near = scipy.spatial.cKDTree(vertices).query_pairs(WELD * extent, output_type="ndarray")
+    near = scipy.spatial.cKDTree(vertices).query_pairs(within * extent, output_type="ndarray")
     _, place = connected(near, len(vertices))
     return vertices[np.unique(place, return_index=True)[1]], place[indices]
 
@@ -221,7 +222,7 @@ def below(panels: np.ndarray, axis: int = 2, *, sign: int = 1) -> np.ndarray:
     return pieces[areas(pieces) > (WELD * extent) ** 2]
 
 
-def onto(points: np.ndarray, axes: list[int], extent: float) -> np.ndarray:
+def onto(points: np.ndarray, axes: Sequence[int], extent: float) -> np.ndarray:
     """Points (..., 3) of a surface of some extent [m], those near the planes 0 of some axes moved onto them."""
     near = (np.abs(points) < ON * extent) & np.isin(np.arange(3), axes)
     return np.where(near, 0.0, points)
