@@ -131,7 +131,7 @@ def test_a_float_that_drifts_from_its_neighbour_is_told_so_and_none_that_drift_t
         assert "floats.wall went" not in said
 
 
-@pytest.mark.parametrize("heading", [0.0, np.pi / 4])
+@pytest.mark.parametrize("heading", [pytest.param(0.0, marks=pytest.mark.slow), np.pi / 4])
 def test_a_float_held_on_both_axes_goes_as_far_along_oblique_waves_as_along_others(heading):
     """A buoy pulled 20 m, all of it along the waves, and the field about it is as good there."""
     far, ahead = 20.0, np.array([np.cos(heading), np.sin(heading)])

@@ -88,7 +88,7 @@ def test_drag_of_a_flat_ellipse(phase):
 @pytest.mark.parametrize(
     "mean", [(-5.0, 0.0, 0.0), (-5.0, 0.3, 0.8), (-5.0, 3.0, -2.0), (-5.0, 20.0, 9.0), (-5.0, 0, 1e4)]
 )
-@pytest.mark.parametrize("flat", [False, True])
+@pytest.mark.parametrize("flat", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_stress_of_the_most_compressive_fibre(mean, flat):
     """Against all instants of its own lines; as large as they come in an hour, on average."""
     random, mean = np.random.default_rng(3), np.array(mean, float)
@@ -176,7 +176,9 @@ def repeating(item, height):
     ), 2 * np.pi / unit
 
 
-@pytest.mark.parametrize("name", sorted(SCENES))
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in ("flap", "oblique"))) for n in sorted(SCENES)]
+)
 def test_small_linear_waves_are_the_marchs(name):
     """std of every coordinate, force, displacement and stress, mean power, all means: to 0.5 %."""
     item, h = SCENES[name]()

@@ -77,7 +77,7 @@ CASES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("one", [False, True], ids=["sea", "wave"])
+@pytest.mark.parametrize("one", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["sea", "wave"])
 @pytest.mark.parametrize(("build", "law"), CASES)
 def test_what_linear_damping_leaves_is_told(build, law, one):
     """Against the march, within a factor of 3; which is most of the error."""

@@ -176,7 +176,7 @@ JOINTS = {
         ("hinge", False),
         pytest.param("heave", True, marks=pytest.mark.slow),
         ("surge heave pitch", False),
-        ("surge heave pitch", True),
+        pytest.param("surge heave pitch", True, marks=pytest.mark.slow),
         pytest.param("pitch heave", True, marks=pytest.mark.slow),
     ],
 )
@@ -209,7 +209,7 @@ def test_stops_and_limits_in_both_formulations(coefficients):
 
 
 @pytest.mark.parametrize(
-    "diffraction, radiation", [pytest.param(False, True, marks=pytest.mark.slow), (True, False), (False, False)]
+    "diffraction, radiation", [(True, False), *(pytest.param(False, r, marks=pytest.mark.slow) for r in (True, False))]
 )
 def test_switches_and_linear_floats(coefficients, diffraction, radiation):
     item = scene(duration=3.0, froude_krylov="linear", diffraction=diffraction, radiation=radiation, ramp=0.0)

@@ -45,7 +45,8 @@ def test_sizes_are_those_of_another_integration(mode):
     assert told.whole[mode] == approx(w * rms(q), rel=1e-3)
 
 
-@pytest.mark.parametrize("step", [0.4, pytest.param(0.1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [0.4, 0.1])
 def test_what_a_march_makes_of_a_blow_differs_by_what_is_told(step):
     """Through start, middle and end of each step."""
 

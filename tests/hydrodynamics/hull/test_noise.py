@@ -73,7 +73,7 @@ def clean(shape, triangles, scale):
 @pytest.mark.parametrize("noise", NOISES)
 @pytest.mark.parametrize("scale", [1.0, pytest.param(MODEL, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("file", [pytest.param(f, marks=[pytest.mark.slow] * (f != "hull.stl")) for f in FILES])
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shape", [pytest.param(n, marks=[pytest.mark.slow] * (n == "skew")) for n in SHAPES])
 def test_corners_a_hair_off_change_nothing(shape, file, scale, noise):
     exact, h = clean(shape, file == "hull.stl", scale)
     content = FILES[file](noisy(SHAPES[shape], noise) * scale)

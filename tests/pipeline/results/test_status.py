@@ -76,7 +76,7 @@ CHANGES = st.lists(st.tuples(PLACES, JSON | HUGE), max_size=2)
 OTHERS = JSON.map(lambda value: json.dumps(value).encode()) | st.binary()
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=12)
 @given(changes=CHANGES, other=st.none() | OTHERS, verbs=st.lists(st.sampled_from(VERBS), min_size=1, max_size=1))
 @example(changes=[], other=DEEP, verbs=VERBS)
 @example(changes=[], other=b'{"parameters": ' * 900 + b"{}" + b"}" * 900, verbs=VERBS)

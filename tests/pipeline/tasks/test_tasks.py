@@ -5,6 +5,7 @@ import json
 
 import pytest
 from hypothesis import given
+from hypothesis import settings as examples
 from hypothesis import strategies as st
 
 from pipeline.bridge.geometry import geometry_of
@@ -185,6 +186,7 @@ def test_older_versions_are_known_by_name(buan_tables):
     assert newer.older_ids == every
 
 
+@examples(max_examples=30)
 @given(
     st.recursive(
         st.floats(allow_nan=False, allow_infinity=False) | st.text() | st.booleans() | st.none(),
