@@ -2,9 +2,10 @@
 
 import gc
 import os
-from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
+from hashlib import sha256
 from typing import Any, Protocol, TypeVar, overload
 
 # What LLVM does beyond its first level takes a sixth of the compiler's time and makes no march faster.
@@ -65,23 +66,39 @@ def _load(cache: Any, signature: Any, target: Any) -> Any:
 FunctionCache.load_overload = _load
 
 
+@contextmanager
+def _alone(cache: Any, part: str = "") -> Iterator[None]:
+    """Other processes wait that want the same part of a kernel's cache."""
+    with ExitStack() as held:
+        with suppress(OSError, NotImplementedError):  # a disk that is full, or has no locks: each for itself
+            os.makedirs(cache.cache_path, exist_ok=True)
+            file = os.path.join(cache.cache_path, f"{cache._impl.filename_base}{part}.lock")
+            held.enter_context(FileLock(file, is_singleton=True))
+        yield
+
+
 def _compile_once(dispatcher: Any, signature: Any, compiled: Any = Dispatcher.compile) -> Any:
-    """Of processes that need the same kernel one compiles it, and the others wait to load it.
+    """Of processes that need the same kernel, for the same types, one compiles it, and the others wait to load it.
 
     They wait for each other in no circle, as kernels do not call each other in one.
     """
     cache = dispatcher._cache
     if cache.cache_path is None or signature in dispatcher.overloads:
         return compiled(dispatcher, signature)
-    with ExitStack() as held:
-        with suppress(OSError, NotImplementedError):  # a disk that is full, or has no locks: each for itself
-            os.makedirs(cache.cache_path, exist_ok=True)
-            file = os.path.join(cache.cache_path, f"{cache._impl.filename_base}.lock")
-            held.enter_context(FileLock(file, is_singleton=True))
+    with _alone(cache, f".{sha256(str(signature).encode()).hexdigest()[:16]}"):
         return compiled(dispatcher, signature)
 
 
 Dispatcher.compile = _compile_once  # type: ignore[assignment, method-assign]
+
+
+def _save(cache: Any, signature: Any, data: Any, saved: Any = FunctionCache.save_overload) -> None:
+    """One at a time: numba reads a kernel's index, adds to it and writes it."""
+    with _alone(cache):
+        saved(cache, signature, data)
+
+
+FunctionCache.save_overload = _save
 
 
 class _Plain(JITCodeLibrary):  # type: ignore[misc]

@@ -4,16 +4,12 @@ import os
 import random
 import shutil
 import tempfile
-from contextlib import nullcontext
 from dataclasses import replace
-from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from filelock import FileLock
 from hypothesis import HealthCheck, settings
-from numba.core.dispatcher import Dispatcher
 
 from pipeline.environment import importing
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -85,30 +81,6 @@ def pytest_collection_modifyitems(config, items):
             files.setdefault(item.path, []).append(item)
         mixed = dice.sample(list(files.values()), len(files))
         items[:] = [item for group in mixed for item in dice.sample(group, len(group))]
-
-
-@pytest.fixture(scope="session", autouse=True)
-def one_compiler(tmp_path_factory):
-    """A kernel that one worker compiles the others wait for and read from numba's cache; they would all compile it too.
-
-    Whoever waits holds those alone that call the kernel, so none waits for ever.
-    """
-    if "PYTEST_XDIST_WORKER" not in os.environ:
-        yield
-        return
-    folder, compiled = tmp_path_factory.getbasetemp().parent, Dispatcher.compile
-
-    @cache
-    def lock(kernel):
-        return FileLock(folder / f"{kernel.__module__}.{kernel.__name__}.lock")
-
-    def alone(self, signature):
-        with lock(self.py_func) if self.py_func.__module__.startswith("solver.") else nullcontext():
-            return compiled(self, signature)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Dispatcher, "compile", alone)
-        yield
 
 
 def frame(stiffer=1.0):

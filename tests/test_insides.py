@@ -6,9 +6,11 @@ import pickle
 import re
 import subprocess
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 
+import numba
 import numpy as np
 import pytest
 from numba import __version__ as numba_version
@@ -162,7 +164,22 @@ def test_a_kernel_is_compiled_where_nothing_can_be_locked(monkeypatch):
 
     monkeypatch.setattr(kernels, "FileLock", full)
     assert kernel(first_row_sum)(np.eye(2)) == 1.0
-    assert len(asked) == 1
+    assert asked
+
+
+def test_a_kernel_for_other_types_waits_for_no_other_but_in_its_index(monkeypatch, tmp_path):
+    asked = []
+
+    def noted(file, **_):
+        asked.append(os.path.basename(file))
+        return nullcontext()
+
+    monkeypatch.setattr(kernels, "FileLock", noted)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    function = kernel(first_row_sum)
+    assert [function(np.eye(2, dtype=kind)) for kind in ("f8", "f4")] == [1.0, 1.0]
+    one, index, other, same = asked
+    assert one != other and index == same
 
 
 @pytest.fixture
