@@ -26,7 +26,10 @@ def lines_in(waves, item, h):
     return simulate(replace(item, sea=sea, settings=replace(item.settings, method="frequency")), h)
 
 
-@pytest.mark.parametrize(("make", "table", "axis"), [(flap, "rotation", "hinge"), (soft_mooring, "motion", "pitch")])
+@pytest.mark.parametrize(
+    ("make", "table", "axis"),
+    [pytest.param(flap, "rotation", "hinge", marks=pytest.mark.slow), (soft_mooring, "motion", "pitch")],
+)
 def test_a_linear_model_tells_of_angles_that_are_not_small(make, table, axis):
     item, h = make()
     item = replace(item, settings=replace(item.settings, froude_krylov="linear"))

@@ -26,7 +26,13 @@ def test_importing_the_package_loads_nothing_heavy():
     subprocess.run([sys.executable, "-c", program], check=True, cwd=ROOT)
 
 
-@pytest.mark.parametrize("before", ["pass", "import solver.run", "from solver.run import simulate"])
+@pytest.mark.parametrize(
+    "before",
+    [
+        "import solver.run",
+        *(pytest.param(text, marks=pytest.mark.slow) for text in ("pass", "from solver.run import simulate")),
+    ],
+)
 def test_simulate_is_the_function_whatever_was_imported_before(before):
     program = f"{before}\nfrom solver import simulate\nassert simulate.__name__ == 'simulate', simulate"
     subprocess.run([sys.executable, "-c", program], check=True, cwd=ROOT)

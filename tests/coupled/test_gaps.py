@@ -27,7 +27,8 @@ def known(item):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", [pytest.param(RING, marks=pytest.mark.slow), BOXES])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [RING, BOXES])
 def test_a_memory_fits_what_a_lid_damps(name):
     """And floats give as much power in time as in the frequency domain; without a lid neither, see studies.validate."""
     march, lines = (gaps.scene(name, 0.1, method) for method in ("time", "frequency"))

@@ -82,7 +82,7 @@ def test_linear_laws_have_the_statistics_of_lines():
     (hemisphere, {"coulomb": 1e4}, 1e4),
     (pair, {"pto_damping": 1e5, "force_limit": 1.5e4}, 1.5e4), (hinged, {"pto_damping": 2e5, "force_limit": 3e3}, 3e3),
 ])  # fmt: skip
-@pytest.mark.parametrize("one", [False, True], ids=["sea", "wave"])
+@pytest.mark.parametrize("one", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["sea", "wave"])
 def test_forces_and_power_are_the_marchs(build, law, limit, one):
     """Power's std was 50 to 80 % high in a sea, the force's 10 to 20 % low: within 12 and 4 %; and both are bounded."""
     item, h = given(build, law, one=one)

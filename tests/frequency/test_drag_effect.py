@@ -90,7 +90,9 @@ CASES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=[pytest.mark.slow] * (n % 2)) for n, case in enumerate(CASES)]
+)
 def test_what_linear_drag_leaves_is_told(case):
     """Means, rms and std of displacements and stresses, within a factor of 2.5."""
     both, true = records(*case), 0.0

@@ -103,7 +103,7 @@ SMALL = [
 
 
 @pytest.mark.parametrize(
-    "law", [pytest.param(law, marks=[pytest.mark.slow] * (n % 3 > 0)) for n, law in enumerate(SMALL)]
+    "law", [pytest.param(law, marks=[pytest.mark.slow] * (n % 4 > 0)) for n, law in enumerate(SMALL)]
 )
 def test_what_linear_damping_leaves_is_told_of_a_model(law):
     compare(*given(cylinder, law, one=False))

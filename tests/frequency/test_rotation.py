@@ -23,7 +23,14 @@ from tests.frequency.test_frequency import linear, repeating
 
 @pytest.mark.parametrize(
     ("name", "height"),
-    [("duck", 0.03), ("flap", 0.01), ("oblique", 0.03), ("big_beside_small", 0.03), ("unequal_legs", 0.03)],
+    [
+        ("duck", 0.03),
+        ("unequal_legs", 0.03),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (("flap", 0.01), ("oblique", 0.03), ("big_beside_small", 0.03))
+        ),
+    ],
 )
 def test_mean_angles_are_the_marchs(name, height):
     """c.o.g. off the reference point, a foot below, two that differ, a platform that moves.

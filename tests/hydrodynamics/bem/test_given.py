@@ -710,7 +710,8 @@ def test_froude_krylov_moments_tell_where_they_are_about(name):
         assert doubt[:2] == pytest.approx([0.0, 0.0], abs=0.01 * may) and 0.6 < -side * doubt[2] / (0.8 * may) < 1.0
 
 
-@pytest.mark.parametrize("count", [5, pytest.param(12, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [5, 12])
 def test_a_float_about_a_spar_with_a_plate_is_known(count):
     """Near each other each takes of the other's force along."""
     spar = Revolution.profile([(0, -35.0), (15.0, -35.0), (15.0, -34.0), (3.0, -34.0), (3.0, 5.0), (0, 5.0)])
@@ -726,7 +727,7 @@ def test_a_float_about_a_spar_with_a_plate_is_known(count):
             agreement.agreed(replace(given, excitation=factor * given.excitation), floats, right.froude_krylov)
 
 
-@pytest.mark.parametrize(("heading", "dof"), [(0.0, 1), (np.pi / 2, 0)])
+@pytest.mark.parametrize(("heading", "dof"), [(0.0, 1), pytest.param(np.pi / 2, 0, marks=pytest.mark.slow)])
 def test_a_force_that_is_what_another_body_scatters_is_known(heading, dof):
     """Of a small float beside a large one, across the waves; of other sizes or signs it is none of right ones."""
     hulls = tuple(Revolution.vertical_cylinder(radius=r, draft=0.75 * r, freeboard=1.0) for r in (4.0, 1.2))

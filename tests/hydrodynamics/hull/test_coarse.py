@@ -152,7 +152,9 @@ ROUNDED = {
 }
 
 
-@pytest.mark.parametrize("name", ROUNDED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in ("noise", "lopsided"))) for n in ROUNDED]
+)
 def test_corners_that_rounding_moved_off_a_cut_leave_no_slivers(name):
     shape, each = ROUNDED[name]
     for how in each:
