@@ -67,13 +67,12 @@ FunctionCache.load_overload = _load
 
 
 @contextmanager
-def _alone(cache: Any, part: str = "") -> Iterator[None]:
-    """Other processes wait that want the same part of a kernel's cache."""
+def one_at_a_time(folder: str, name: str) -> Iterator[None]:
+    """Other processes wait that make what has this name in a folder."""
     with ExitStack() as held:
         with suppress(OSError, NotImplementedError):  # a disk that is full, or has no locks: each for itself
-            os.makedirs(cache.cache_path, exist_ok=True)
-            file = os.path.join(cache.cache_path, f"{cache._impl.filename_base}{part}.lock")
-            held.enter_context(FileLock(file, is_singleton=True))
+            os.makedirs(folder, exist_ok=True)
+            held.enter_context(FileLock(os.path.join(folder, f"{name}.lock"), is_singleton=True))
         yield
 
 
@@ -85,7 +84,8 @@ def _compile_once(dispatcher: Any, signature: Any, compiled: Any = Dispatcher.co
     cache = dispatcher._cache
     if cache.cache_path is None or signature in dispatcher.overloads:
         return compiled(dispatcher, signature)
-    with _alone(cache, f".{sha256(str(signature).encode()).hexdigest()[:16]}"):
+    types = sha256(str(signature).encode()).hexdigest()[:16]
+    with one_at_a_time(cache.cache_path, f"{cache._impl.filename_base}.{types}"):
         return compiled(dispatcher, signature)
 
 
@@ -94,7 +94,7 @@ Dispatcher.compile = _compile_once  # type: ignore[assignment, method-assign]
 
 def _save(cache: Any, signature: Any, data: Any, saved: Any = FunctionCache.save_overload) -> None:
     """One at a time: numba reads a kernel's index, adds to it and writes it."""
-    with _alone(cache):
+    with one_at_a_time(cache.cache_path, cache._impl.filename_base):
         saved(cache, signature, data)
 
 

@@ -1,16 +1,14 @@
 """Capytaine's Green function of a source under waves, and its meshes."""
 
 from collections.abc import Callable
-from contextlib import ExitStack, suppress
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from filelock import FileLock
 
 from solver.hydrodynamics.hull.surface import merged
 from solver.hydrodynamics.library import capytaine
+from solver.kernels import one_at_a_time
 
 # Growth of the exponentials whose sum is the finite-depth function, over all that bodies and images have to do with:
 # amplitudes alone are fitted, which leaves 1e-5 of it from kh = 0.1 on.
@@ -27,9 +25,7 @@ def green_function() -> Any:
     """
     module = capytaine().green_functions.delhommeau
     module.find_best_exponential_decomposition = _exponentials
-    with ExitStack() as held:
-        with suppress(OSError, NotImplementedError):  # a disk that is full, or has no locks: each for itself
-            held.enter_context(FileLock(Path(module.cache_directory(), "table.lock")))
+    with one_at_a_time(module.cache_directory(), "table"):
         return module.Delhommeau()
 
 
