@@ -27,10 +27,11 @@ settings.register_profile("same", UNTIMED, derandomize=True)
 settings.register_profile("random", UNTIMED)
 settings.load_profile("same")
 
-BEGIN = (  # with which each of three workers begins
-    ("tests/pipeline/study/", "tests/pipeline/tasks/", "tests/pipeline/report/"),
+BEGIN = (  # with which each of four workers begins
     ("tests/coupled/",),
-    ("tests/hydrodynamics/bem/",),
+    ("tests/frequency/",),
+    ("tests/hydrodynamics/bem/", "tests/sea/", "tests/hydrodynamics/hull/"),
+    ("tests/pipeline/report/", "tests/pipeline/study/", "tests/pipeline/tasks/", "tests/structure/"),
 )
 
 HULL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
@@ -60,21 +61,23 @@ def pytest_addoption(parser):
     parser.addoption("--shuffle", metavar="SEED", help="run files, and the tests within each, in a random order")
 
 
+@pytest.hookimpl(trylast=True)  # after what is not asked for has left
 def pytest_collection_modifyitems(config, items):
     """No test may lean on another one: any order is as good, and fixtures of a file are still made once.
 
-    Three workers begin with a third each: one of these with what compiles the time loop, the others with what needs
-    none, and would wait for it.
+    Four workers begin with a quarter each: two of these with what compiles a time loop, without and with laws of several
+    zones, the others with what needs none, and would wait for it.
     """
-    begin, others = [[] for _ in BEGIN], []
-    for item in items:
-        path = item.path.as_posix()
-        rank = next((n for n, folders in enumerate(BEGIN) if any(f in path for f in folders)), None)
-        (others if rank is None else begin[rank]).append(item)
-    third = -(-len(items) // len(begin))
+    begin, quarter = [[] for _ in BEGIN], -(-len(items) // len(BEGIN))
+    for part, folders in zip(begin, BEGIN, strict=True):
+        part += [item for folder in folders for item in items if folder in item.path.as_posix()][:quarter]
+    taken = {item for part in begin for item in part}
+    others = [item for item in items if item not in taken]
     for part in begin:
-        part += [others.pop(0) for _ in range(min(len(others), third - len(part)))]
-    items[:] = [item for part in (*begin, others) for item in part]
+        missing = quarter - len(part)
+        part += others[:missing]
+        del others[:missing]
+    items[:] = [item for part in begin for item in part]
     if (seed := config.getoption("shuffle")) is not None:
         dice, files = random.Random(seed), {}
         for item in items:
