@@ -5,6 +5,7 @@ import random
 import shutil
 import tempfile
 from dataclasses import replace
+from itertools import islice
 from types import SimpleNamespace
 
 import numpy as np
@@ -65,19 +66,14 @@ def pytest_addoption(parser):
 def pytest_collection_modifyitems(config, items):
     """No test may lean on another one: any order is as good, and fixtures of a file are still made once.
 
-    Four workers begin with a quarter each: two of these with what compiles a time loop, without and with laws of several
-    zones, the others with what needs none, and would wait for it.
+    Four workers begin with a quarter each: two of these with what compiles a time loop, without and with laws of
+    several zones, the others with what needs none, and would wait for it.
     """
-    begin, quarter = [[] for _ in BEGIN], -(-len(items) // len(BEGIN))
-    for part, folders in zip(begin, BEGIN, strict=True):
-        part += [item for folder in folders for item in items if folder in item.path.as_posix()][:quarter]
-    taken = {item for part in begin for item in part}
-    others = [item for item in items if item not in taken]
-    for part in begin:
-        missing = quarter - len(part)
-        part += others[:missing]
-        del others[:missing]
-    items[:] = [item for part in begin for item in part]
+    quarter = -(-len(items) // len(BEGIN))
+    first = [[i for folder in folders for i in items if folder in i.path.as_posix()][:quarter] for folders in BEGIN]
+    taken = {item for part in first for item in part}
+    others = iter([item for item in items if item not in taken])
+    items[:] = [item for part in first for item in (*part, *islice(others, quarter - len(part)))]
     if (seed := config.getoption("shuffle")) is not None:
         dice, files = random.Random(seed), {}
         for item in items:
