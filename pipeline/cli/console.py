@@ -69,8 +69,8 @@ class Tally:
             self.short += 1
             if self.short <= FEW:
                 self.unmet.append(f"not met: {task.id} {task}: {entry.unmet}")
-        if entry.state == "failed" and (error := entry.status.error):
-            self._blame(task, f"{error.kind}: {error.message}")
+        if entry.failure:
+            self._blame(task, entry.failure)
 
     def _blame(self, task: Task, reason: str) -> None:
         """Scenes that are alike fail alike: a reason is told once, with the first of its tasks."""

@@ -118,8 +118,8 @@ def _states(results: Results) -> str:
 
 
 def troubles(results: Results) -> list[str]:
-    """Tasks that are not done, the first of them by name."""
-    return _named(results, "status", "done")
+    """Tasks that are not done, the first of them by name, and why."""
+    return _named(results, "status", "done", "failure")
 
 
 def unmet(results: Results) -> list[str]:
@@ -137,8 +137,8 @@ def warnings(results: Results) -> list[str]:
     return lines + ([f"and {len(counts) - MANY} more"] if len(counts) > MANY else [])
 
 
-def _named(results: Results, name: str, usual: str) -> list[str]:
-    """Tasks of which a word is not the usual one, where they stand first, and that word."""
+def _named(results: Results, name: str, usual: str, more: str = "") -> list[str]:
+    """Tasks of which a word is not the usual one, where they stand first, and that word, with more of them if any."""
     if name not in results.data:
         return []
     words = results.data[name]
@@ -147,7 +147,8 @@ def _named(results: Results, name: str, usual: str) -> list[str]:
     for place in places[:MANY]:
         cell = words[tuple(place)]
         labels = ", ".join(f"{dim} {cell[dim].values}" for dim in words.dims)
-        lines.append(f"{labels}: {cell.values}".removeprefix(": "))
+        reason = str(results.data[more].values[tuple(place)]) if more in results.data else ""
+        lines.append(f"{labels}: {cell.values}{': ' if reason else ''}{reason}".removeprefix(": "))
     return lines + ([f"and {len(places) - MANY} more"] if len(places) > MANY else [])
 
 

@@ -27,8 +27,9 @@ ALONG_MODE = "natural_frequency"
 LOWEST = 6  # modes: a table of the whole dataset has a row for every combination of labels, with all 708 too many
 SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
+TOLD = ("failure", "unmet", "warnings")  # of an entry, in words
 NO_TASK = "no task"  # the state of a cell that its variant does not go along
-LAYOUT = 6  # raise it when the dataset's form changes, so that it is written anew
+LAYOUT = 7  # raise it when the dataset's form changes, so that it is written anew
 
 
 Cell = tuple[int, ...]
@@ -64,7 +65,7 @@ def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int
     shape = tuple(len(values) for values in table.values())
     store.root.mkdir(parents=True, exist_ok=True)
     arrays = Arrays(shape, store.root)
-    kinds = {"status": "U8", "task": "U16", "unmet": "O", "warnings": "O"}
+    kinds = {"status": "U8", "task": "U16"} | dict.fromkeys(TOLD, "O")
     words = {name: np.full(shape, "", dtype=kind) for name, kind in kinds.items()}
     words["status"][...] = NO_TASK
     words["task"].ravel()[study.tasks.cells] = [f"{number:016x}" for number in study.tasks.ids.tolist()]
@@ -74,7 +75,9 @@ def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int
     for _, beside in groupby(looked, lambda one: one[1].record if one[1].place else one[0]):
         places, entries = zip(*beside, strict=True)
         for cell, entry, state in zip(places, entries, _fill(arrays, places, entries), strict=True):
-            words["status"][cell], words["unmet"][cell], words["warnings"][cell] = state, entry.unmet, entry.warnings
+            words["status"][cell] = state
+            for name in TOLD:
+                words[name][cell] = getattr(entry, name)
     with appearing(path) as part:
         to_file(part, *_dataset(study, table, arrays, words))
     states, numbers = np.unique(words["status"][once(words["task"])], return_counts=True)
@@ -131,7 +134,7 @@ def _fingerprint(study: Study, store: Store) -> str:
     digest.update(json.dumps([LAYOUT, words, dimensions(study.content)], sort_keys=True).encode())
     for task in study.tasks.passing("looking at records"):
         entry = store.look(task)
-        made = [task.written_labels, task.id, entry.state, entry.status.content]
+        made = [task.written_labels, task.id, entry.state, entry.status.content, entry.failure]
         digest.update(json.dumps(made).encode())
     return digest.hexdigest()
 

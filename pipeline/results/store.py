@@ -69,6 +69,12 @@ class Entry:
         """What is odd about its record, in sentences; empty if nothing is."""
         return self.status.warnings if self.state in ("done", "stale") else ""
 
+    @property
+    def failure(self) -> str:
+        """Why it failed; empty if it did not."""
+        error = self.status.error if self.state == "failed" else None
+        return f"{error.kind}: {error.message}" if error else ""
+
 
 def together(entries: Sequence[Entry]) -> Mapping[str, Variable]:
     """Variables of the records of one file, with the dimension `task` where several differ; raises as `made` does."""

@@ -150,6 +150,7 @@ VARIABLES = {
     "wall_time": Meaning("s", "Time that the task took to compute"),
     "status": Meaning(None, "Outcome of the task: done, failed, missing, stale (older model), damaged; or no task"),
     "task": Meaning(None, "Identity of the task"),
+    "failure": Meaning(None, "Why the task failed, empty if it did not"),
     "unmet": Meaning(None, "What was asked of the task and not met, empty if all was"),
     "warnings": Meaning(None, "What is odd about the task, empty if nothing is"),
 }

@@ -33,7 +33,7 @@ Support = Literal["elastic", "fixed", "elastic-no-floats"]
 # Dimensions, coordinates and outputs of datasets that are some key's last word, which no axis over it may take.
 TAKEN = frozenset((
     "sea_state", "platform", "seed", "float", "axis", "line", "leg", "direction", "height", "statistic", "mode",
-    "system_mode", "component", "variant", "variant_title", "sample", "status", "task", "unmet", "axis_unit",
+    "system_mode", "component", "variant", "variant_title", "sample", "status", "task", "failure", "unmet", "axis_unit",
     "elapsed_time", "wall_time", "foot", "node", "member", "tube", "end", "force", "moment", "fibre", "member_fibre",
     "motion", "rotation", "rao", "utilisation", "warnings",
 ))  # fmt: skip

@@ -130,7 +130,10 @@ def test_a_study_that_varies_nothing(results):
     alone = figures.Results(study=results.study, data=one)
     assert len(titles(alone)) == 5
     assert page.troubles(alone) == []
-    assert page.troubles(figures.Results(study=results.study, data=one.assign(status="failed"))) == ["failed"]
+    failed = one.assign(status="failed", failure="SimulationFailed: it swung through")
+    assert page.troubles(figures.Results(study=results.study, data=failed)) == [
+        "failed: SimulationFailed: it swung through"
+    ]
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -246,10 +249,12 @@ def test_a_task_of_several_cells_is_counted_named_and_drawn_once(results):
     data["task"][0, :, 1] = data["task"][0, :, 0]
     data["task"][0, 2], data["status"][0, 2], data["status"][0, 0] = "", "no task", "failed"
     data["wall_time"][0, 2] = np.nan
+    data["failure"] = xr.full_like(data["status"], "", object)
+    data["failure"][0, 0] = "SimulationFailed: too steep"
     shared = replace(results, data=data)
     assert dict(page.facts(shared))["Tasks"] == "6 done, 2 failed of 8"
     assert page.troubles(shared) == [
-        "sea_state calm, platform elastic, seed 0: failed",
+        "sea_state calm, platform elastic, seed 0: failed: SimulationFailed: too steep",
         "sea_state rough, platform elastic, seed 1: failed",
     ]
     with plain():

@@ -562,6 +562,10 @@ def test_dimensions_and_labels(collected):
 def test_failed_cells_are_nan_with_their_status(collected):
     data, _ = collected
     assert (data.status.sel(seed=666) == "failed").all()
+    told = data.failure.astype(str)
+    assert (told.sel(seed=666) == told.values[data.status == "failed"][0]).all()
+    assert told.values[data.status == "failed"][0].startswith("RuntimeError: ")
+    assert (told.where(data.status == "done", "") == "").all()
     assert (data.status.sel(seed=0) == "done").all()
     assert data.wave_elevation.sel(seed=666).isnull().all()
     assert data.wave_elevation.sel(seed=0).notnull().all()
