@@ -26,6 +26,7 @@ from solver.record.decay import died
 from solver.record.probe import Probe, sharpest_bend
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
+from solver.record.unknown import without_unknown
 from solver.scene import Scene
 
 # What the record says of how it was computed.
@@ -73,7 +74,8 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     if given.tolerance is not None:
         notes = (record.attrs["unmet"], *(overruled(given, record.attrs) if given.method == "time" else ()))
         asked = {"tolerance": given.tolerance, "unmet": "; ".join(note for note in notes if note)}
-    if odd:
+    record, unknown = without_unknown(record, scene, hydrodynamics)
+    if odd := odd + unknown:
         asked["warnings"] = "; ".join(filter(None, (*odd, str(record.attrs.get("warnings", "")))))
     attrs = {**record.attrs, **asked, "repeated": repeated, "wall_time": time.perf_counter() - clock}
     return replace(record, attrs=attrs)

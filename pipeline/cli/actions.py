@@ -76,7 +76,7 @@ def rerun(study: Study, store: Store, results: Path, tasks: Tasks, place: Place)
         run(study, store, results, tasks, place)
         changed = [not compare(task, old[task.id], _record(store, task)) for task in tasks]
         refresh(study, store)
-    return max(finish(Tally.of(looked(tasks, store)), study), FAILED if any(changed) else DONE)
+    return max(finish(Tally.of(looked(tasks, store)), study, store), FAILED if any(changed) else DONE)
 
 
 def _record(store: Store, task: Task) -> Mapping[str, Variable] | None:

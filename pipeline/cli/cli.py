@@ -143,7 +143,7 @@ def run(
         collected = Tally.of(looked(study.tasks.unique, store)).counts["done"]
         what.append(f"table of all {collected} that are done of the study's {whole}")
     say("; ".join([str(tally), *what, *map(str, paths)]))
-    raise typer.Exit(finish(tally, study))
+    raise typer.Exit(finish(tally, study, store))
 
 
 @app.command()
@@ -292,7 +292,7 @@ def report(
     store = store_of(study, results)
     path = store.root / "statistics.nc"
     if not (path.exists() or store.begun()):
-        raise StudyError(study.path, [f"{path}: not there yet; `study run {study.path}` makes it"])
+        raise StudyError(study.path, [f"{path}: not there yet; `{store.command('run', study.path)}` makes it"])
     if why := dataset.outdated(study, store):
         _, counts = dataset.collect(study, store)
         say(f"{path}: {why}, and is collected again: " + ", ".join(f"{n} {state}" for state, n in counts.items()), err)
@@ -319,15 +319,16 @@ def verify(
     by_state = tasks.split(lambda task: store.look(task, checksums=True).state)
     counts: Counter[str] = Counter({state: len(members) for state, members in by_state.items()})
     say(str(Tally(counts)))
+    again = f"`{store.command('run', study.path)}` makes it again"
     for task in by_state.get("damaged", ()):
-        say(f"damaged: {task.id} {task}; `study run {study.path}` makes it again", err)
+        say(f"damaged: {task.id} {task}; {again}", err)
     spoilt = [Cache(results).path(geometry.key) for geometry in broken(tasks, results)]
     for path in spoilt:
-        say(f"damaged: {path}; `study run {study.path}` makes it again", err)
+        say(f"damaged: {path}; {again}", err)
     done = [task.id for task in by_state.get("done", ())]
     chosen = set(random.sample(done, min(rerun_, len(done))))  # any will do, if only none is favoured
-    again = tasks.where(lambda task: task.id in chosen)
-    code = actions.rerun(study, store, results, again, Place()) if chosen else DONE
+    repeated = tasks.where(lambda task: task.id in chosen)
+    code = actions.rerun(study, store, results, repeated, Place()) if chosen else DONE
     raise typer.Exit(FAILED if counts["damaged"] or spoilt else code)
 
 

@@ -95,7 +95,7 @@ class Tally:
         return f"{self.counts.total()} tasks: {states}{words}"
 
 
-def finish(tally: Tally, study: Study) -> int:
+def finish(tally: Tally, study: Study, store: Store) -> int:
     """List what was asked and not met, and what failed, with reason; the exit status."""
     for line in tally.unmet:
         say(line, err)
@@ -106,9 +106,10 @@ def finish(tally: Tally, study: Study) -> int:
         say(f"failed: {'; '.join(tasks)}{f' and {others} more' if others else ''}: {reason}", err)
     count = tally.counts["failed"]
     if unlisted := count - tally.failed.total():
-        say(f"and {unlisted} more that `study plan {study.path}` lists", err)
+        say(f"and {unlisted} more that `{store.command('plan', study.path)}` lists", err)
     if count:
-        say(f"see `study show {study.path} TASK`, repeat with `study rerun {study.path} --failed`", err)
+        see, repeat = store.command("show", study.path, "TASK"), store.command("rerun", study.path, "--failed")
+        say(f"see `{see}`, repeat with `{repeat}`", err)
     return FAILED if count else DONE
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import io
 from collections.abc import Iterator, Mapping
@@ -75,8 +76,11 @@ def to_file(path: Path, variables: Mapping[str, Variable], attrs: Mapping[str, A
     """A netCDF-4 file on the disk, for what need not fit in memory."""
     import netCDF4
 
-    with netCDF4.Dataset(path, "w") as file:
-        _write(file, variables, attrs)
+    try:
+        with netCDF4.Dataset(path, "w") as file:
+            _write(file, variables, attrs)
+    except RuntimeError as error:  # what HDF5 makes of any trouble with a disk
+        raise OSError(errno.EIO, f"cannot be written ({error}): is the disk full?", str(path)) from error
 
 
 def _write(file: netCDF4.Dataset, variables: Mapping[str, Variable], attrs: Mapping[str, Any]) -> None:

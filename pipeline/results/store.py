@@ -13,6 +13,7 @@ import ctypes
 import hashlib
 import json
 import os
+import shlex
 import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -99,9 +100,11 @@ def appearing(path: Path) -> Iterator[Path]:
         yield part
         flush([part], path.parent)
         settle(part, path)
-    except BaseException:
+    except BaseException as error:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename in (None, str(part)):
+            error.filename = str(path)
         raise
 
 
@@ -176,9 +179,15 @@ class Store:
     """The tasks folder of one study."""
 
     def __init__(self, results: Path, study: str):
+        self.results = results
         self.root = results / study
         self.tasks = self.root / "tasks"
         self.packs = Packs(self.root / "packs")
+
+    def command(self, verb: str, study: Path, *words: str) -> str:
+        """What to type about a study whose results are here."""
+        where = [] if self.results == Path("results") else ["--results", str(self.results)]
+        return shlex.join(["study", verb, str(study), *words, *where])
 
     def folder(self, task_id: str) -> Path:
         """Where a task's files are."""

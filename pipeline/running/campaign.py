@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import shlex
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -96,8 +95,7 @@ class Campaign:
 
     def command(self, task: Task) -> str:
         """The command that reproduces a task."""
-        where = [] if self.results == Path("results") else ["--results", str(self.results)]
-        return shlex.join(["study", "rerun", str(self.study), task.id, *where])
+        return self.store.command("rerun", self.study, task.id)
 
 
 @dataclass(eq=False)

@@ -14,7 +14,7 @@ from scipy.interpolate import make_interp_spline
 
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.bem import agreement
-from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError, symmetric
+from solver.hydrodynamics.bem.coefficients import DOFS, LACKING, PLANAR, Hydrodynamics, MeshError, symmetric
 from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.incident import Sea
@@ -27,6 +27,7 @@ TOLD = 1e-3  # relative, to which water and heading must be those of the study
 LOPSIDED = 0.2  # of the largest entry's scale: more asymmetry is no error of a mesh
 ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
 FEW = 0.25  # of the frequencies: irregular ones are no more of them, or lie above the largest damping's
+PUSHED = 1e-3  # of the largest wave force along a float's axes: less along another is none
 SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do; less where all are close
 
 
@@ -49,7 +50,8 @@ def adopted(
     """The coefficients of `hulls` with `names` at `centres` (nb, 3) [m], from a file; InputError where they cannot be.
 
     points: (nb, 3) [m] of rotations and moments where the file does not tell; the centres by default.
-    needed: motions that each float has, so that the file must; others that it lacks are without load. All by default.
+    needed: motions that each float has, so that the file must. All by default. Forces of waves along others that it
+    lacks are not known: the settings name them, see `lacking`.
     waves: lowest and highest [rad/s] that the file must reach.
     memory: whether one will be fitted to these, for which added mass at infinite frequency must be known.
     """
@@ -59,7 +61,7 @@ def adopted(
     dofs = PLANAR if planar else DOFS
     lengths = motion_lengths(hulls, DOFS)
     each = needed or [dofs] * len(hulls)
-    six = _complete(given, names, each, heading)
+    six, told = _complete(given, names, each, heading)
     if six.points is None and points is not None:  # as far from the centres wherever the file's body is
         six = replace(_about(replace(six, points=points), centres), points=None)
     moved = np.array([6 * b + k for b, those in enumerate(each) for k, dof in enumerate(DOFS) if dof in those], int)
@@ -77,22 +79,24 @@ def adopted(
     added, unsure = infinite(six, _scales(six, lengths)["added_mass"], moved, names, memory=memory)
     A, B = symmetric(six.added_mass), symmetric(six.radiation_damping)
     index = np.array([6 * b + DOFS.index(d) for b in range(len(hulls)) for d in dofs])
-    curves = _curves(replace(six, added_mass=A, radiation_damping=B, added_mass_inf=added), expected, index)
+    # Without any of the waves' that is scattered, where that is not told.
+    curves = _curves(replace(six, added_mass=A, radiation_damping=B, added_mass_inf=added), expected, index, told)
     h = Hydrodynamics(
         omega=omega,
         **curves,
         froude_krylov=expected[:, index],
-        settings=MappingProxyType({"method": f"from {given.name}", "note": note}),
+        settings=MappingProxyType({"method": f"from {given.name}", "note": note} | _lacking(expected, told)),
         **at_rest(hulls, centres, dofs, sea),
     )
     # With A and B as lopsided as they are told: half of what is between their halves.
     other = replace(six, points=centres - doubt, added_mass_inf=added + unsure, radiation_damping=damping)
-    perhaps = _curves(_about(other, centres), expected, index)
+    perhaps = _curves(_about(other, centres), expected, index, told)
     there = np.isin(index, moved)
-    judged = {name: np.outer(there, there) for name in curves} | {"diffraction": there}
+    pushed = there | (told & (np.arange(told.size) % 6 < 3))[index]  # joints bear forces along what they hold
+    judged = {name: np.outer(there, there) for name in curves} | {"diffraction": pushed}
     error = {n: off + judged[n] * (perhaps[n] - curves[n]) for n, off in _between(h)._asdict().items()}
     # What the file's mesh does to the incident wave's force it does as much to the other.
-    error["diffraction"] += there * _incident_misfit(six, floats, expected)[:, index]
+    error["diffraction"] += pushed * _incident_misfit(six, floats, expected)[:, index]
     return replace(h, error=MeshError(**error))
 
 
@@ -109,8 +113,16 @@ def _incident_misfit(six: Given, floats: Floats, expected: np.ndarray) -> np.nda
     return expected * np.repeat(share, 6)
 
 
-def _curves(six: Given, expected: np.ndarray, index: np.ndarray) -> dict[str, Any]:
-    """What a file gives of some columns (n,), of which errors are told."""
+def _lacking(expected: np.ndarray, told: np.ndarray) -> dict[str, Any]:
+    """A setting with the columns of forces, along motions that joints hold, which waves push and a file lacks."""
+    size = np.abs(expected).max(axis=0).reshape(-1, 6)
+    pushed = (size > PUSHED * size[:, :3].max(axis=1, keepdims=True)) & (np.arange(6) < 3)
+    lacking = np.flatnonzero(pushed.ravel() & ~told)
+    return {LACKING: " ".join(map(str, lacking.tolist()))} if lacking.size else {}
+
+
+def _curves(six: Given, expected: np.ndarray, index: np.ndarray, told: np.ndarray) -> dict[str, Any]:
+    """What a file gives of some columns (n,), of which errors are told; told (6 nb,): those it has."""
     incident, infinite = six.froude_krylov, six.added_mass_inf
     assert infinite is not None
     scattered = six.excitation[:, 0] - (expected if incident is None else incident[:, 0])
@@ -118,7 +130,7 @@ def _curves(six: Given, expected: np.ndarray, index: np.ndarray) -> dict[str, An
         "added_mass": six.added_mass[:, index[:, None], index],
         "radiation_damping": six.radiation_damping[:, index[:, None], index],
         "added_mass_inf": infinite[np.ix_(index, index)],
-        "diffraction": scattered[:, index],
+        "diffraction": np.where(told, scattered, 0.0)[:, index],
     }
 
 
@@ -169,7 +181,10 @@ def _form_problems(given: Given, count: int, heading: float) -> list[InputError]
         problems.append(_problem(given, "has numbers that are not finite"))
     if not np.any(_same_heading(given, heading)):
         known = ", ".join(f"{h:.4g}" for h in given.headings)
-        problems.append(InputError("waves.heading", heading, f"must be one of {known} rad, those of {given.name}"))
+        limit = f"must be one of {known} rad, those of {given.name}"
+        if np.any(_same_heading(replace(given, headings=np.radians(given.headings)), heading)):
+            limit += "; or are the file's in degrees, which must be in rad?"
+        problems.append(InputError("waves.heading", heading, limit))
     return problems
 
 
@@ -181,8 +196,10 @@ def _same_heading(given: Given, heading: float) -> np.ndarray:
     return np.abs(np.exp(1j * given.headings) - np.exp(1j * heading)) < TOLD
 
 
-def _complete(given: Given, names: Sequence[str], needed: Sequence[Sequence[str]], heading: float) -> Given:
-    """At increasing frequencies, for one heading, six columns for each float in the floats' order."""
+def _complete(
+    given: Given, names: Sequence[str], needed: Sequence[Sequence[str]], heading: float
+) -> tuple[Given, np.ndarray]:
+    """At increasing frequencies, for one heading, six columns for each float in the floats' order, and which it has."""
     order = _order(given, names)
     place = {(order.index(b), dof): i for i, (b, dof) in enumerate(given.columns)}
     lacking = [f"{dof} of {names[b]}" for b, dofs in enumerate(needed) for dof in dofs if (b, dof) not in place]
@@ -202,7 +219,7 @@ def _complete(given: Given, names: Sequence[str], needed: Sequence[Sequence[str]
         whole[:, 0, target] = values[rows][:, np.flatnonzero(_same_heading(given, heading))[0], source]
         return whole
 
-    return replace(
+    six = replace(
         given,
         omega=given.omega[rows],
         added_mass=matrix(given.added_mass[rows]),
@@ -216,6 +233,7 @@ def _complete(given: Given, names: Sequence[str], needed: Sequence[Sequence[str]
         bodies=tuple(names),
         headings=np.array([heading]),
     )
+    return six, np.isin(np.arange(n), target)
 
 
 def _order(given: Given, names: Sequence[str]) -> list[int]:
@@ -259,6 +277,8 @@ def _radiation_problems(
     six: Given, scale: dict[str, np.ndarray], moved: np.ndarray, names: Sequence[str]
 ) -> list[InputError]:
     """Matrices that no body in water has: lopsided, giving energy away or keeping it; of motions that there are."""
+    if not moved.size:
+        return []
     both: Any = (slice(None), moved[:, None], moved)
     words = [word(names, column) for column in moved]
     own = six.radiation_damping[:, moved, moved]

@@ -23,6 +23,7 @@ from solver.sea.dispersion import wavenumbers
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")
+LACKING = "lacking"  # the setting that has the columns, of six a body, that a file does not tell
 EACH_ALONE = "each alone"  # what the settings say of bodies that do not interact
 ROUGH = 3  # order of the divided differences by which a curve is rough
 RESOLVED = 1e-3  # of the largest singular value: poles too broad to be told from a smooth rest are left to that
@@ -262,6 +263,11 @@ def symmetric(matrix: np.ndarray) -> np.ndarray:
 def coarser(h: Hydrodynamics | None) -> list[str]:
     """Which hulls the boundary elements saw in fewer panels than their meshes have."""
     return [note for note in [h.settings.get("coarser", "")] if note] if h is not None else []
+
+
+def lacking(h: Hydrodynamics) -> list[tuple[int, int]]:
+    """Body and direction, from 0, of forces of waves that a file does not tell."""
+    return [(column // 6, column % 6) for column in map(int, h.settings.get(LACKING, "").split())]
 
 
 def coefficient_errors(h: Hydrodynamics | None) -> dict[str, float]:

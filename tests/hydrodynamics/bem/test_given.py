@@ -19,6 +19,10 @@ from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
 from solver.hydrodynamics.radiation.infinite import damping_share, infinite_added_mass
+from solver.run import simulate
+from solver.scene import Float, Scene, Settings, Water
+from solver.sea.realization import realize
+from solver.sea.spectrum import PiersonMoskowitz
 from tests.once import solve
 
 HULLS = (
@@ -569,6 +573,7 @@ def test_what_cannot_be_used_is_refused():
     assert refused(told(density=1000.0), match="that of theirs.nc").key == "water.density"
     assert refused(told(depth=np.inf), match="must be inf, that of theirs.nc").key == "water.depth"
     assert refused(told(headings=np.array([0.0])), match="must be one of 0 rad").key == "waves.heading"
+    refused(told(headings=np.degrees([0.3])), match="must be one of 17.19 rad, .* in degrees")
     few = {n: getattr(told(), n)[:4] for n in ("omega", "added_mass", "radiation_damping", "excitation")}
     refused(told(**few), match="has 4 different frequencies, needs 8")
     wrong = told().excitation.copy()
@@ -603,6 +608,58 @@ def test_motions_that_a_float_cannot_have_may_be_left_out():
     heaving = adopted(given, HULLS, CENTRES, NAMES, **WATER, planar=False, needed=[("heave",), ("heave",)])
     assert heaving.added_mass[:, kept[:, None], kept] == pytest.approx(h.added_mass[:, kept[:, None], kept])
     assert np.abs(heaving.added_mass[:, 0]).max() == 0
+
+
+def without(given, *dofs):
+    """Of motions that a file leaves out."""
+    kept = np.flatnonzero([dof not in dofs for _, dof in given.columns])
+    fewer = {n: getattr(given, n)[:, kept[:, None], kept] for n in ("added_mass", "radiation_damping")}
+    forces = {n: f if (f := getattr(given, n)) is None else f[..., kept] for n in ("excitation", "froude_krylov")}
+    infinite = given.added_mass_inf[np.ix_(kept, kept)]
+    return replace(given, **fewer, **forces, added_mass_inf=infinite, columns=tuple(given.columns[i] for i in kept))
+
+
+@pytest.mark.parametrize("incident", [True, False])
+def test_a_force_on_a_joint_that_a_file_lacks_is_no_number(incident):
+    """Of a heaving ball pushed along x; with or without a Froude-Krylov force in the file, its own heave is known."""
+    h = alone()
+    whole = told(h, froude_krylov=h.froude_krylov[:, None] if incident else None)
+    ball = Float(
+        name="front", hull=ALONE["hulls"][0], mass=float(h.displaced_mass[0]), inertia=(1e3,) * 3, motion=("heave",),
+        hinge=(2.0, 0.0, 0.0), pto_damping=1e3,
+    )  # fmt: skip
+    sea = realize(PiersonMoskowitz(Hs=0.2, Tp=4.0), components=20, band=(0.8, 4.0), seed=0, heading=SEA["heading"])
+    water = Water(**{key: SEA[key] for key in ("depth", "density", "gravity")})
+    scene = Scene(water=water, sea=sea, floats=(ball,), settings=Settings(method="frequency", froude_krylov="linear"))
+    records = []
+    for given in (whole, without(whole, "surge", "pitch"), without(whole, "yaw")):
+        known = adopted(given, **ALONE, **SEA, planar=False, needed=[("heave",)])
+        records.append(simulate(scene, known))
+    force, lacking, unmoved = (record.variables["hinge_force"][1][0] for record in records)
+    assert np.isfinite(force).all() and unmoved == pytest.approx(force) and "lacks" not in records[2].attrs.get("warnings", "")
+    assert np.isnan(lacking[0]).all() and lacking[1:] == pytest.approx(force[1:])
+    told_of = "coefficients: the file lacks surge of front, so its hinge_force along x is not known"
+    assert told_of in records[1].attrs["warnings"]
+    assert records[1].variables["motion"][1] == pytest.approx(records[0].variables["motion"][1])
+
+
+def test_what_a_files_mesh_does_to_a_force_that_a_joint_bears_is_in_the_error():
+    """Of a motion that it holds; what a file lacks of such has none, nor any of a wave's force that is scattered."""
+    h = alone()
+    coarse = h.froude_krylov * np.where(np.arange(6) == 0, 1.08, 1.0)
+    seen = told(h, excitation=(h.diffraction + coarse)[:, None], froude_krylov=coarse[:, None])
+    held, lacking = (
+        adopted(each, **ALONE, **SEA, planar=False, needed=[("heave",)]) for each in (seen, without(seen, "surge"))
+    )
+    off = held.error.diffraction[:, 0] - taken(told(h), **ALONE, **SEA).error.diffraction[:, 0]
+    assert off == pytest.approx(0.08 * h.froude_krylov[:, 0], rel=1e-6)
+    assert not lacking.error.diffraction[:, 0].any() and not lacking.diffraction[:, 0].any()
+
+
+def test_floats_that_cannot_move_may_have_coefficients_from_a_file():
+    h = alone()
+    fixed = adopted(told(h), **ALONE, **SEA, planar=False, needed=[()])
+    assert fixed.diffraction == pytest.approx(h.diffraction)
 
 
 def test_moments_about_another_point_than_told_are_seen_by_long_waves_alone():
@@ -650,12 +707,14 @@ def test_a_waterplane_that_is_off_is_in_the_error_of_forces():
 @pytest.mark.slow
 def test_what_a_files_mesh_does_to_the_froude_krylov_force_is_in_the_error():
     """The whole force is as told; the diffraction's is what remains of it, and has the incident wave's error or not."""
-    h, there = boxy(), np.arange(6) != 1  # sway is left out
-    coarse = 1.03 * h.froude_krylov * there
-    whole = h.diffraction * there + coarse
-    seen = told(h, excitation=whole[:, None], froude_krylov=coarse[:, None])
+    h, there = boxy(), np.arange(6) != 1
+    coarse = 1.03 * h.froude_krylov
+    seen = told(h, excitation=(h.diffraction + coarse)[:, None], froude_krylov=coarse[:, None])
     moving = [tuple(np.array(DOFS)[there])]
-    part, right = (adopted(each, *BOX.values(), **SEA, planar=False, needed=moving) for each in (seen, told(h)))
+    part, right = (
+        adopted(each, *BOX.values(), **SEA, planar=False, needed=moving)
+        for each in (without(seen, "sway"), without(told(h), "sway"))
+    )
     assert part.diffraction == pytest.approx(h.diffraction * there)
     off = part.error.diffraction - right.error.diffraction
     assert off[:, 2] == pytest.approx(0.03 * h.froude_krylov[:, 2], abs=1e-3 * np.abs(h.froude_krylov[:, 2]).max())

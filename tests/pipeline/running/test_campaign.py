@@ -296,7 +296,8 @@ def test_copied_results_are_found_and_made_again(small, cli, tmp_path):
     other = one.with_name(f"{geometry_of(next(iter(load(small).tasks)).parameters).key}.nc")
     right = other.read_bytes()
     other.write_bytes(one.read_bytes())
-    assert f"damaged: {other}; `study run" in cli("verify", code=1)
+    again = f"`study run {small} --results {tmp_path / 'r'}` makes it again"
+    assert f"damaged: {other}; {again}" in cli("verify", code=1)
     told = cli("run", "--workers", "1")
     assert re.search(r"hydrodynamic coefficients of 1 float: [\d.]+ s, summed over workers\n", told)
     assert other.read_bytes() == right

@@ -171,6 +171,14 @@ def test_disk_full(tmp_path):
         done = here("run", path, "--results", full, "--workers", 1)
         assert f"200 tasks: 200 done; {200 - kept} run now" in done.stdout, done.stderr
         assert not list(full.rglob("*.part"))
+        (dataset,) = full.rglob("statistics.nc")
+        dataset.unlink()
+        with contextlib.suppress(OSError), (full / "others").open("wb", buffering=0) as file:
+            while True:
+                file.write(bytes(4096))
+        done = here("collect", path, "--results", full)
+        assert done.returncode == 1 and f"{dataset}: " in done.stderr and "Traceback" not in done.stderr
+        assert not list(full.rglob("*.part")) and not dataset.exists()
 
 
 def test_read_only_results(tmp_path, small_study):
