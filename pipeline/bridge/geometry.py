@@ -122,9 +122,10 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     memory = (memory or sum(map(len, ways)) <= MANY) and flow
     some = memory and any(len(each) < all_motions for each in ways)
     least = first_solved(parameters.water.depth, parameters.water.gravity)
+    unit = np.sqrt(parameters.water.gravity / max(h.largest_radius for h in hulls))
     return Geometry(
         **place,
-        band=seas.band(parameters.sea_state, parameters.waves, least),
+        band=seas.band(parameters.sea_state, parameters.waves, least, float(unit)),
         panels=panels,
         interaction=parameters.solver.interaction or len(floats) == 1,
         gap_damping=parameters.solver.gap_damping,

@@ -22,6 +22,8 @@ Gamma = Annotated[Number, Field(ge=1, le=7), Unit("-")]
 # Ends of the band of an irregular sea without waves.band, over its peak's frequency. Of Pierson-Moskowitz's variance
 # exp(-5/4 / x^4) lies below x: 2e-9 below the first; and 1.5 % above the second, where waves are short and steps small.
 USUAL_BAND = (0.5, 3.0)
+FINE = 4  # steps of an octave in which the upper end of what coefficients must cover goes
+DIGITS = 9  # of a number of steps
 PEAK_OVER_MEAN = 2 * math.pi / (0.8 * 692) ** 0.25  # Tp / T1 of Pierson-Moskowitz, in the form of ITTC
 PERIOD = "What Tp holds: the peak period, or the mean period T1"
 
@@ -201,13 +203,17 @@ def frequencies(sea: SeaState, waves: Waves) -> tuple[float, float] | None:
             return waves.band
 
 
-def band(sea: SeaState, waves: Waves, least: float = 0.0) -> tuple[float, float] | None:
+def band(sea: SeaState, waves: Waves, least: float = 0.0, unit: float = 1.0) -> tuple[float, float] | None:
     """Frequencies that coefficients must cover; None if any will do.
 
-    Without waves.band whole octaves, so that waves of about the same period share their coefficients; not below
-    `least` [rad/s], where the waves are not.
+    Without waves.band steps of an octave at its low end and a quarter of one at its high, where panels cost with ω⁸, so
+    that waves of about the same period share their coefficients; not below `least` [rad/s], where the waves are not.
+    The steps are of `unit` [rad/s], which goes with the scene's size, so that a model has its original's.
     """
     if waves.band is not None or (span := frequencies(sea, waves)) is None:
         return waves.band
     low, high = span
-    return max(2.0 ** math.floor(math.log2(low)), min(low, least)), 2.0 ** math.ceil(math.log2(high))
+    # Rounded: a model's are its original's but for the last digits.
+    below = unit * 2.0 ** math.floor(round(math.log2(low / unit), DIGITS))
+    above = unit * 2.0 ** (math.ceil(round(FINE * math.log2(high / unit), DIGITS)) / FINE)
+    return max(below, min(low, least)), above

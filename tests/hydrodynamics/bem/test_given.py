@@ -636,7 +636,11 @@ def test_a_force_on_a_joint_that_a_file_lacks_is_no_number(incident):
         known = adopted(given, **ALONE, **SEA, planar=False, needed=[("heave",)])
         records.append(simulate(scene, known))
     force, lacking, unmoved = (record.variables["hinge_force"][1][0] for record in records)
-    assert np.isfinite(force).all() and unmoved == pytest.approx(force) and "lacks" not in records[2].attrs.get("warnings", "")
+    assert (
+        np.isfinite(force).all()
+        and unmoved == pytest.approx(force)
+        and "lacks" not in records[2].attrs.get("warnings", "")
+    )
     assert np.isnan(lacking[0]).all() and lacking[1:] == pytest.approx(force[1:])
     told_of = "coefficients: the file lacks surge of front, so its hinge_force along x is not known"
     assert told_of in records[1].attrs["warnings"]
