@@ -1,0 +1,64 @@
+"""Whether a record of one wave still has what is left of its start."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solver.record.channels import Channels
+from solver.record.settling import Settling
+from solver.run import simulate
+
+PERIOD = 2 * np.pi / 1.2
+
+
+def notes(scene, motion, step=0.05):
+    """Of positions (m, nj) that a function has of time, in blocks."""
+    settling, s = Settling(scene, 2), scene.settings
+    times = np.arange(0.0, s.discard + s.duration, step)
+    for block in np.array_split(times, 7):
+        settling.add(block, motion(block))
+    return list(settling.notes(Channels(scene, None)))
+
+
+def in_a_wave(buan, **changes):
+    given = {"sea": buan.regular(0.1, 1.2), "duration": 100.0, "discard": 10.0, "ramp": 5.0} | changes
+    return buan.scene("fixed", **given)
+
+
+def swinging(share, slow=0.3):
+    """Two axes in a wave, one of which has so much more at the start, which dies within the record."""
+    return lambda t: np.stack(
+        [
+            0.1 + 0.05 * np.cos(1.2 * t),
+            0.3 + 0.04 * np.cos(1.2 * t) + share * 0.04 * np.exp(-t / 40) * np.cos(slow * t),
+        ],
+        axis=1,
+    )
+
+
+def test_what_is_left_of_the_start_is_named_by_the_axis(buan):
+    scene = in_a_wave(buan)
+    assert notes(scene, swinging(0.0)) == []
+    (note,) = notes(scene, swinging(1.0))
+    assert note.startswith("floats.rear: hinge is not periodic yet, its std 0.03")
+
+
+def test_whole_periods_are_compared(buan):
+    """Whatever the record's length is of the wave's; not a record of less than three, and no random sea."""
+    for periods in (3.1, 4.4, 5.9):
+        assert notes(in_a_wave(buan, duration=periods * PERIOD), swinging(0.0), step=0.005) == []
+    assert notes(in_a_wave(buan, duration=2.9 * PERIOD), swinging(1.0)) == []
+    assert notes(in_a_wave(buan, sea=buan.sea()), swinging(1.0)) == []
+
+
+def test_an_axis_that_hardly_moves_is_not_judged(buan):
+    assert notes(in_a_wave(buan), lambda t: 1e-4 * swinging(1.0)(t)) == []
+
+
+@pytest.mark.slow
+def test_a_run_says_so(buan, coefficients):
+    early = in_a_wave(buan, discard=0.0)
+    late = replace(early, settings=replace(early.settings, discard=40.0))
+    told = [str(simulate(scene, coefficients).attrs.get("warnings", "")) for scene in (early, late)]
+    assert ["not periodic" in words for words in told] == [True, False]
