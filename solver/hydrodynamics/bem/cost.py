@@ -9,7 +9,6 @@ from scipy.linalg import lu_factor
 from solver.hydrodynamics.bem.problem import Problem
 from solver.hydrodynamics.bem.seabed import Box, pays
 from solver.hydrodynamics.hull import mesh as meshes
-from solver.hydrodynamics.hull.panel_hull import PanelHull
 
 # Processor time [s] on the machine of README's times: `python -m studies.benchmark.boundary` prints what it is here.
 FREE, SEABED = 3.7e-7, 2.9e-6  # Green function of a pair of panels, in deep water and above a seabed that matters
@@ -52,7 +51,7 @@ def _together(problem: Problem) -> float:
 def _panels(problem: Problem) -> int:
     """Of the hulls in the finest mesh."""
     base = (
-        meshes.halved_count(hull, count, narrow=problem.meshing.narrow) if isinstance(hull, PanelHull) else count
+        meshes.halved_count(hull, count, narrow=problem.meshing.narrow)
         for hull, count in zip(problem.meshed, problem.base, strict=True)
     )
     return sum(base) * problem.divisions[0] ** 2

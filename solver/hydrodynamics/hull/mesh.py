@@ -108,8 +108,8 @@ def halving(hull: PanelHull, count: int) -> Halving:
 
 
 @lru_cache(maxsize=64)
-def halved_count(hull: PanelHull, count: int, *, narrow: bool = True) -> int:
-    """How many panels `panels` makes of a mesh that is not divided further."""
+def halved_count(hull: Hull, count: int, *, narrow: bool = True) -> int:
+    """How many panels `panels` makes of a hull, not divided further: of one with a thin plate several times `count`."""
     return len(panels(hull, count, narrow=narrow)[1])
 
 
