@@ -36,7 +36,7 @@ def straight_down(item: Float) -> float:
 def turned_over(item: Float) -> Iterator[InputError]:
     """Offsets from which a run would end where it begins."""
     for name, offset in zip(item.motion, item.per_axis("offset"), strict=True):
-        if name not in DOFS[:3]:
+        if name not in DOFS[:3] and offset:
             low, high = turning_bounds(item, name)
             if not low < offset < high:
                 limit = f"must be within {low:+.3g} to {high:+.3g} rad of {name}, or the float is let go turned over"
