@@ -14,13 +14,40 @@ def once(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarra
     """Of panels with the same corners in a file one; a note of the others, and how many were wound the other way.
 
     One between neighbours closes a surface, to which `oriented` turns it; of a plate's two sides one closes nothing.
+    None of a wall between two bodies, each of which has it.
     """
     vertices, faces = surface.one_each(vertices, faces, surface.SAME)
     faces = _collapsed(faces)
-    first, _, sense = _stacks(vertices, faces)
-    copies, against = len(faces) - len(first), int(np.sum(sense < 0))
+    first, stack, sense = _stacks(vertices, faces)
+    inside = _walls(vertices, faces[first], np.bincount(stack, sense) == 0)
+    alike = ~np.isin(stack, np.flatnonzero(inside))
+    copies, against = int(alike.sum() - np.sum(~inside)), int(np.sum(sense[alike] < 0))
     note = f"left out: {copies} panels given twice" + (f", {against} of them wound the other way" if against else "")
-    return vertices, faces[np.sort(first)], [note] if copies else [], against
+    walls = f"left out: {inside.sum()} panels of walls between bodies, on either side"
+    notes = [text for text, some in ((note, copies), (walls, inside.any())) if some]
+    return vertices, faces[np.sort(first[~inside])], notes, against
+
+
+def _walls(vertices: np.ndarray, faces: np.ndarray, both: np.ndarray) -> np.ndarray:
+    """Which faces (n, 4), of those that are there either way round (n,), lie where others close without them.
+
+    A patch of such is a wall where two others meet at every edge of its rim.
+    """
+    two, rest = faces[both], faces[~both]
+    wall = np.zeros(len(faces), bool)
+    if not (len(two) and surface.areas(vertices[rest]).any()):
+        return wall
+    pairs, owner = surface.edges(np.concatenate([two, rest]))
+    _, place = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True)
+    own = owner < len(two)
+    mine, others = (np.bincount(place[some], minlength=place.max() + 1) for some in (own, ~own))
+    patch, _ = _patches(two)
+    rim = own & (mine[place] == 1)
+    closed, all_ = (
+        np.bincount(patch[owner[some]], minlength=patch.max() + 1) for some in (rim & (others[place] == 2), rim)
+    )
+    wall[both] = ((closed == all_) & (all_ > 0))[patch]
+    return wall
 
 
 def welded(

@@ -40,6 +40,18 @@ def test_a_mesh_of_two_sided_panels_is_its_surface(kind):
     assert PanelHull.of(*loose(np.concatenate([panels[:, orders[-1]], panels]))).volume == approx(4 * 2 * 0.7)
 
 
+@pytest.mark.parametrize("kind", ORDERS)
+def test_a_wall_that_two_bodies_share_is_inside_of_one(kind):
+    """Whichever corner its panels begin at."""
+    panels, orders = ORDERS[kind]
+    beside = (panels * [-1, 1, 1] + [0.6 + 4.0, 0, 0])[:, orders[-1]]  # mirrored in its wall x = 2.3, wound outwards
+    hull = PanelHull.of(*loose(np.concatenate([panels, beside])))
+    per = len(panels) // 6
+    assert hull.closed and len(hull.faces) == 10 * per and hull.volume == approx(2 * 4 * 2 * 0.7)
+    assert hull.notes == (f"left out: {per} panels of walls between bodies, on either side",)
+    assert surface.areas(hull.wetted).sum() == approx(8 * 2 + 2 * (8 + 2) * 0.7)
+
+
 def sharp(half, stations=4):
     """Quadrilaterals of a V-shaped boat of 8 m, half as wide as `half` [m] 0.1 m before its stem."""
     x = np.interp(np.linspace(0, 3, stations), range(4), [-4.0, 0.0, 3.9, 4.0])
