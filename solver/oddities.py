@@ -23,6 +23,7 @@ SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's is 1240
 FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
 LARGEST = 500.0  # [m]: no hull is longer, the longest ship has 458 m
+FAR = 10.0  # hulls' sizes, from their reference point: no centre of gravity is as far
 TONNES = 0.3, 25.0  # [t/m3] that frames are of, timber to heavy metal; some are of nothing, or next to it
 FEW = 10.0  # mean periods: from one record of so many to the next the std of a random sea scatters by a fifth
 RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
@@ -71,6 +72,11 @@ def _of_units(item: Float) -> Iterator[str]:
     if item.hull.size > LARGEST:
         where = f"floats.{item.name}.hull: reaches {item.hull.size:.4g} m, as no hull does"
         yield f"{where}: is it in other units{item.in_millimetres}?"
+    if (away := float(np.linalg.norm(item.cog))) > FAR * item.hull.size:
+        where = (
+            f"floats.{item.name}.cog: lies {away:.4g} m from the reference point of a hull of {item.hull.size:.4g} m"
+        )
+        yield f"{where}: is it in other units?"
     if item.end_stops is None:
         return
     low, high = (np.abs(item.per_axis(f"end_stops.{end}")) for end in ("lower", "upper"))

@@ -26,7 +26,6 @@ from solver.record.decay import died
 from solver.record.probe import Probe, sharpest_bend
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
-from solver.record.settling import Settling
 from solver.record.unknown import without_unknown
 from solver.scene import Scene
 
@@ -132,7 +131,6 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     s = scene.settings
     steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))
     recorder, probe = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies), Probe(system)
-    settling = Settling(scene, recorder.channels.owner.size)
     state = system.start()
     before, done, bend = copied(state), 0, sharpest_bend(scene)
     furthest = np.abs(np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z))
@@ -140,7 +138,6 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     ranged = any(points is not None for f in scene.floats for points in f.pto_points)
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
-        settling.add(times, output.z[:, output.z.shape[1] - recorder.channels.owner.size :])
         if ranged:
             joints = np.stack([output.z, output.dz])[..., output.z.shape[1] - state.z.size :]
             low, high = np.minimum(low, joints.min(axis=1)), np.maximum(high, joints.max(axis=1))
@@ -183,7 +180,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         *large,
         *beyond,
         *late,
-        *settling.notes(channels),
+        *recorder.settling.notes(channels),
         *above(scene, recorder.mean_power, attrs["stored_energy_change"]),
         *doubted,
     ):

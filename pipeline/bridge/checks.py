@@ -334,7 +334,8 @@ def _left_out(study: StudyFile) -> Iterator[InputError]:
     for name in study.left_out:
         if name not in names:
             yield InputError("left_out", name, f"must be one of the floats: {', '.join(names[:MOST_NAMED])}")
-    if study.left_out and not set(names) - set(study.left_out) and not study.platform:
+    nothing = study.left_out and not set(names) - set(study.left_out) and not study.platform
+    if nothing and not study.survival:  # in high seas alone there may be nothing in the water
         yield InputError("left_out", list(study.left_out), "leaves nothing to simulate")
     for f in study.floats:
         if f.on in study.left_out and f.name not in study.left_out:

@@ -14,10 +14,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 VARIABLE = "absorbed_power"
+SAME = 1e-6  # of a power: by less two do not differ
 CHOSEN = ("pto_damping", "hinge_spacing")  # and any axis of the floats' keys
 NOTE = (
     f"Of all floats, mean over realizations; low and high: {LEVEL:.0%} by Student's t. All seas: by their occurrence."
-    " A number at an end of its axis may be exceeded beyond."
+    " A number at an end of its axis may be exceeded beyond. Compared are designs that have all realizations of a sea."
 )
 
 
@@ -31,7 +32,7 @@ def table(data: xr.Dataset) -> Table:
 def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
     """Of every platform, of all seas together, if somebody said how often they come, and of each; power over scale [W].
 
-    A design without a number in a sea is none of those that are compared in it.
+    A design without a number in a sea, or in a realization that another has, is none of those that are compared in it.
     """
     total = powers(data, VARIABLE).isel(float=-1, drop=True).compute()
     designs = [dim for dim in total.dims if total.sizes[dim] > 1 and _is_design(data[dim])]
@@ -40,11 +41,12 @@ def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
             if some[VARIABLE].sizes.get("sea_state", 1) > 1 and "occurrence" not in some.coords:
                 continue
             found = over_seas(some[VARIABLE], some)
-            first = found.sel(estimate="value", drop=True)
+            first = found.sel(estimate="value", drop=True).where(_whole(some[VARIABLE], designs))
             if not first.fillna(0.0).any():  # nor is there a best of none that takes power
                 continue
             at = first.argmax(designs)
-            chosen = ", ".join(_told(first[dim], int(at[dim])) for dim in designs)
+            beside = {dim: first.isel({other: at[other] for other in designs if other != dim}) for dim in designs}
+            chosen = ", ".join(_told(beside[dim], int(at[dim])) for dim in designs)
             if (known := int(first.notnull().sum())) < first.size:
                 chosen += f" (of {known} among {first.size})"
             label, power = ", ".join(filter(None, [*labels, sea])), found.isel(at).values
@@ -55,7 +57,25 @@ def _is_design(axis: xr.DataArray) -> bool:
     return axis.name in CHOSEN or "floats." in axis.attrs.get("long_name", "")
 
 
-def _told(axis: xr.DataArray, number: int) -> str:
-    """One of an axis's values, and whether it is the last of some numbers to either side."""
+def _whole(each: xr.DataArray, designs: list[str]) -> xr.DataArray:
+    """Which designs have all realizations that any has: of those that failed in some the others tell too much."""
+    number = each.notnull().sum("seed") if "seed" in each.dims else each.notnull()
+    whole = number == number.max(designs)
+    return whole.all("sea_state") if "sea_state" in whole.dims else whole
+
+
+def _told(power: xr.DataArray, number: int) -> str:
+    """One of an axis's values with those that go along, and whether it is the last of some numbers to either side.
+
+    power: along the axis. Numbers of samples have no end, nor has an axis that does not matter one that does.
+    """
+    (dim,) = power.dims
+    axis = power[dim]
+    label = named(dim, axis.values[number])
+    along = [named(str(name).rpartition("floats.")[2], of.values[number]) for name, of in axis.coords.items()
+             if name != dim and of.dims == (dim,)]  # fmt: skip
+    if along:
+        return f"{label} ({', '.join(along)})"
+    matters = float(power.max() - power.min()) > SAME * abs(float(power.max()))
     ends = np.issubdtype(axis.dtype, np.number) and axis.values[number] in (axis.values.min(), axis.values.max())
-    return named(axis.name, axis.values[number]) + " (an end)" * bool(ends)
+    return label + " (an end)" * bool(ends and matters)

@@ -32,10 +32,15 @@ def energies(data: xr.Dataset, variable: str = "absorbed_power", weights: Any = 
 
 
 def powers(data: xr.Dataset, variable: str) -> xr.DataArray:
-    """Mean power in each task [W], of the floats and, last, of all."""
+    """Mean power in each task [W], of the floats and, last, of all; none of floats that are lifted out in some seas."""
     import xarray as xr
 
-    each = realized(data, data[variable].sel(statistic="mean", drop=True))
+    each = data[variable].sel(statistic="mean", drop=True)
+    if "status" in data and "sea_state" in each.dims:
+        works = each.notnull().any([dim for dim in ("sea_state", "seed") if dim in each.dims])
+        lifted = works & each.isnull() & data["status"].isin(["done", "stale"])
+        each = each.where(~lifted, 0.0)
+    each = realized(data, each)
     if each.sizes["float"] == 1:
         return each
     total = each.sum("float", min_count=1).assign_coords(float=ALL)

@@ -118,9 +118,12 @@ def cells(values: xr.DataArray, name: str, inner: Collection[Hashable]) -> Itera
 
 
 def by_sea(part: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset]]:
-    """All sea states of a part together, and each of several by itself; one that is no dimension has no name."""
+    """All sea states of a part together, and each of several by itself; one that is no dimension has no name.
+
+    A single one has its own.
+    """
     seas = np.atleast_1d(part["sea_state"].values).tolist() if "sea_state" in part[name].dims else []
-    yield "all seas" if seas else "", part
+    yield "all seas" if len(seas) > 1 else "".join(map(str, seas)), part
     if len(seas) > 1:
         yield from ((str(sea), part.sel(sea_state=[sea])) for sea in seas)
 

@@ -290,7 +290,10 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
 @lru_cache(maxsize=128)  # one for tasks that share it
 def surviving(same: Same[StudyFile]) -> StudyFile:
     """The study with the values that hold above survival.Hs; PathError where that cannot be."""
-    return with_values(same.table, same.table.survival.keys if same.table.survival else {})
+    keys = dict(same.table.survival.keys) if same.table.survival else {}
+    if "left_out" in keys:  # what the study leaves out does not come back
+        keys["left_out"] = [*dict.fromkeys([*same.table.left_out, *keys["left_out"]])]
+    return with_values(same.table, keys)
 
 
 @lru_cache(maxsize=128)  # one for tasks that share it

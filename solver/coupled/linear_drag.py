@@ -28,6 +28,8 @@ from scipy.special import ellipe, ellipkm1, erf
 from solver.kernels import whole_kernel
 
 PHASES = 64  # of a harmonic: its mean of |u|³ is then exact to 1e-5
+TURNS = 2 * np.pi * np.arange(PHASES) / PHASES
+NARROW = 1e-6  # of an ellipse's length: what goes with a narrower side goes as its limit, to as much squared
 ROUND = 1e-6  # of two variances that count as the same
 AGREED = 1e-8  # of two numbers: their arithmetic-geometric mean is theirs, to rounding
 STEADY = 1e-9  # times its mean: the std of a number that does not vary
@@ -152,28 +154,52 @@ def _along(mean: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def harmonic_in_stream(mean: np.ndarray, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """F (…, d) and K (…, d, d), which differs least in mean square, of velocities mean + Re{U exp(-iωt)}, (…, d)."""
-    u = _over_a_period(U)
-    whole = mean[..., None] + u
-    drag = np.linalg.norm(whole, axis=-2, keepdims=True) * whole
-    squares = u @ np.swapaxes(u, -1, -2)
-    return drag.mean(axis=-1), drag @ np.swapaxes(u, -1, -2) @ np.linalg.pinv(squares, hermitian=True)
+    """F (…, d) and K (…, d, d), which differs least in mean square, of velocities mean + Re{U exp(-iωt)}, (…, d).
+
+    Along an axis of the ellipse K is 2⟨|w|w cos⟩/a or 2⟨|w|w sin⟩/b; along others, and a side too narrow for that, its
+    limit, 2⟨∂|w|w/∂w sin²⟩: see of_harmonic. None where nothing varies.
+    """
+    p, q, a, b = _ellipse(U)
+    cos, sin = np.cos(TURNS), np.sin(TURNS)
+    whole = mean[..., None] + (a * p)[..., None] * cos + (b * q)[..., None] * sin
+    size = np.linalg.norm(whole, axis=-2, keepdims=True)
+    drag = size * whole
+    wide, varies = b > NARROW * a, a > 0
+    along, across = (2 * (drag * weight).mean(axis=-1) for weight in (cos, sin))
+    along = np.divide(along, a, out=np.zeros(along.shape), where=varies)
+    across = np.divide(across, b, out=np.zeros(across.shape), where=varies & wide)
+    d = U.shape[-1]
+    weighted = np.divide(whole * sin**2, size, out=np.zeros(whole.shape), where=size > 0)
+    outer = np.einsum("...in,...jn->...ij", weighted, whole)
+    slope = 2 * (outer / TURNS.size + (size[..., 0, :] * sin**2).mean(axis=-1)[..., None, None] * np.eye(d))
+    q = q * (wide & varies)
+    rest = np.eye(d) - _outer(p, p) - _outer(q, q)
+    return drag.mean(axis=-1), _outer(along, p) + _outer(across, q) + varies[..., None] * (slope @ rest)
 
 
 def of_harmonic(U: np.ndarray) -> np.ndarray:
-    """K (…, d, d) [m/s] of velocities Re{U exp(-iωt)}, U (…, d) [m/s]."""
-    u = _over_a_period(U)
-    size = np.linalg.norm(u, axis=-2, keepdims=True)
-    return (size * u) @ np.swapaxes(u, -1, -2) @ np.linalg.pinv(u @ np.swapaxes(u, -1, -2), hermitian=True)
+    """K (…, d, d) [m/s] of velocities Re{U exp(-iωt)}, U (…, d) [m/s]: 2⟨|u| cos²⟩ along the ellipse u = a cos + b sin,
 
-
-def _over_a_period(U: np.ndarray) -> np.ndarray:
-    """Re{U exp(-iωt)} (…, d, PHASES) of U (…, d), from where it is largest: to either side of that it is alike.
-
-    What goes with the narrow side of a flat ellipse is then not drowned by errors of what goes with the other.
+    2⟨|u| sin²⟩ across, as in the limit of no width, too: of a flow in a plane what crosses that is rounding.
     """
-    largest = np.exp(-0.5j * np.angle(np.sum(U * U, axis=-1, keepdims=True)))
-    return ((U * largest)[..., None] * np.exp(-2j * np.pi * np.arange(PHASES) / PHASES)).real
+    p, _, a, b = _ellipse(U)
+    size = np.hypot(a * np.cos(TURNS), b * np.sin(TURNS))
+    along, across = (2 * (size * weight**2).mean(axis=-1)[..., None, None] for weight in (np.cos(TURNS), np.sin(TURNS)))
+    return (along - across) * _outer(p, p) + across * np.eye(U.shape[-1])
+
+
+def _ellipse(U: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Unit vectors p and q (…, d) of the axes of Re{U exp(-iωt)}, and half its widths a >= b (…, 1); zero of none."""
+    turned = U * np.exp(-0.5j * np.angle(np.sum(U * U, axis=-1, keepdims=True)))
+    a = np.linalg.norm(turned.real, axis=-1, keepdims=True)
+    p = np.divide(turned.real, a, out=np.zeros(U.shape), where=a > 0)
+    other = turned.imag - np.sum(turned.imag * p, axis=-1, keepdims=True) * p
+    b = np.linalg.norm(other, axis=-1, keepdims=True)
+    return p, np.divide(other, b, out=np.zeros(U.shape), where=b > 0), a, b
+
+
+def _outer(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return x[..., :, None] * y[..., None, :]
 
 
 def of_lines(u: np.ndarray) -> np.ndarray:

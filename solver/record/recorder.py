@@ -16,6 +16,7 @@ from solver.record.channels import ELEVATION, Channels, Labelled, Record, bound
 from solver.record.corners import ends_of, missed
 from solver.record.fatigue import crossing_rate
 from solver.record.sampling import Cuts
+from solver.record.settling import Settling
 from solver.record.spectra import Harmonics, all_lines, bands, cross_spectra, lines_of, moments
 from solver.scene import Scene
 from solver.statistics import STATISTICS, Statistics
@@ -72,6 +73,7 @@ class Recorder:
         waves = scene.settings.spectra and scene.sea.amplitude.any()
         self.bands = bands(scene.sea.omega, scene.settings.duration) if waves else None
         self.moments = "moments" in scene.settings.outputs
+        self.settling = Settling(scene)
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block; statistics begin after `discard` and end after `duration`."""
@@ -83,6 +85,7 @@ class Recorder:
         forces, steel = self._forces(kept, output, samples), self.channels.steel
         smooth = self._smooth(output.lead[kept] == UNCUT)
         channels = dict(self._channels(kept, output, samples, forces))
+        self.settling.add(times[kept], channels)
         self._enlarge(output.p[kept], forces, smooth)
         if steel is not None and forces is not None and steel.counts:
             for at, end in steel.ends(forces).items():

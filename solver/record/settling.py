@@ -1,49 +1,76 @@
-"""Whether motions in one wave are periodic yet: their std in whole periods at either end of the record."""
+"""Whether a record of one wave is periodic yet: the std of what moves in whole periods at either end of it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from solver.record.channels import Channels
+from solver.record.channels import DIMS, Channels
 from solver.scene import Scene, unit_along
 from solver.statistics import FAINT
 
 SETTLED = 0.02  # of a std: what the record's first and last periods may differ by
 PARTS = 3  # of the record, of which the first and the last are compared
+JUDGED = {"rotation": "rad", "motion": "", "top_displacement": "m", "bottom_stress": "Pa"}  # units, of an axis its own
 
 
 class Settling:
     """Sums over the first third of a record and its last, as far as they are of whole periods of a single wave."""
 
-    def __init__(self, scene: Scene, axes: int):
+    def __init__(self, scene: Scene):
         s, sea = scene.settings, scene.sea
         self.period = 2 * np.pi / sea.omega[0] if sea.omega.size == 1 and sea.amplitude.any() else np.inf
         whole = self.period * (s.duration // (PARTS * self.period)) if np.isfinite(self.period) else 0.0
         end = s.discard + s.duration
-        self.parts = np.array([(s.discard, s.discard + whole), (end - whole, end)]) if whole else np.zeros((0, 2))
-        self.sums = np.zeros((len(self.parts), 3, axes))  # of ones, of positions, of their squares
+        self.parts = [(s.discard, s.discard + whole), (end - whole, end)] if whole else []
+        self.sums: dict[str, np.ndarray] = {}  # (2, 3, …) of ones, of values, of their squares
 
-    def add(self, times: np.ndarray, joints: np.ndarray) -> None:
-        """Take in positions (m, nj) of the joints' axes at times (m,) [s]."""
+    def add(self, times: np.ndarray, channels: Mapping[str, np.ndarray]) -> None:
+        """Take in channels (m, …) at times (m,) [s]."""
         for n, (begin, end) in enumerate(self.parts):
-            inside = joints[(times > begin) & (times <= end)]
-            self.sums[n] += [np.ones(inside.shape).sum(axis=0), inside.sum(axis=0), (inside**2).sum(axis=0)]
+            inside = (times > begin) & (times <= end)
+            for name in JUDGED.keys() & channels.keys():
+                x = channels[name][inside]
+                sums = self.sums.setdefault(name, np.zeros((len(self.parts), 3, *x.shape[1:])))
+                sums[n] += [np.full(x.shape[1:], len(x)), x.sum(axis=0), (x**2).sum(axis=0)]
 
     def notes(self, channels: Channels) -> Iterator[str]:
-        """A sentence for the axis that is farthest from being periodic, if one is, of those that move."""
-        if not len(self.parts) or not self.sums[:, 0].all():
-            return
-        count, total, squares = np.moveaxis(self.sums, 1, 0)
-        first, last = np.sqrt(np.maximum(squares / count - (total / count) ** 2, 0.0))
-        floats = [channels.scene.floats[b] for b in channels.owner]
-        reach = [1.0 if unit_along(n) == "m" else f.hull.size for f, n in zip(floats, channels.names, strict=True)]
-        largest = np.maximum(first, last)
-        moves = largest * reach > FAINT * np.abs(channels.scene.sea.amplitude).max()
-        off = np.where(moves, np.abs(first - last) / np.maximum(largest, 1e-300), 0.0)
-        j = int(off.argmax()) if off.size else 0
-        if off.size and off[j] > SETTLED:
-            yield (
-                f"floats.{floats[j].name}: {channels.names[j]} is not periodic yet, its std {first[j]:.3g}"
-                f" {unit_along(channels.names[j])} in the record's first third and {last[j]:.3g} in its last: what is"
-                " left of the start is in all statistics; a longer discard takes it out"
-            )
+        """A sentence for what is farthest from being periodic, if anything is, of what moves."""
+        worst, told = SETTLED, ""
+        height = np.abs(channels.scene.sea.amplitude).max(initial=0.0)
+        for name, sums in self.sums.items():
+            if not sums[:, 0].all():
+                continue
+            count, total, squares = np.moveaxis(sums, 1, 0)
+            first, last = np.sqrt(np.maximum(squares / count - (total / count) ** 2, 0.0))
+            largest = np.fmax(first, last)
+            least = FAINT * np.nanmax(largest, initial=0.0)
+            if name in ("rotation", "motion"):
+                least = np.maximum(FAINT * height / _reach(channels, name), 0.0)
+            off = np.nan_to_num(np.abs(first - last) / np.maximum(largest, 1e-300) * (largest > least))
+            at = np.unravel_index(off.argmax(), off.shape)
+            if off[at] > worst:
+                worst = off[at]
+                unit = JUDGED[name] or unit_along(channels.axes[at[-1]])
+                told = (
+                    f"{_of(channels, name, at)} is not periodic yet, its std {first[at]:.3g} {unit} in the record's"
+                    f" first third and {last[at]:.3g} in its last: what is left of the start is in all statistics; a"
+                    " longer discard takes it out"
+                )
+        if told:
+            yield told
+
+
+def _reach(channels: Channels, name: str) -> np.ndarray:
+    """By how much a float of hinges, or of several axes, moves for their units [m]."""
+    sizes = np.array([f.hull.size for f in channels.scene.floats])
+    if name == "rotation":
+        return sizes
+    return np.where([unit_along(axis) == "m" for axis in channels.axes], 1.0, sizes[:, None])
+
+
+def _of(channels: Channels, name: str, at: tuple[np.intp, ...]) -> str:
+    """What a number of a channel is of."""
+    if "float" in DIMS[name]:
+        axis = "rotation" if name == "rotation" else channels.axes[at[1]]
+        return f"floats.{channels.scene.floats[at[0]].name}: {axis}"
+    return f"platform: {name} of leg {at[0] + 1}" + (f" along {'xyz'[at[1]]}" if len(at) > 1 else "")

@@ -266,6 +266,22 @@ def test_a_harmonic_in_a_current():
     assert mean_drag == approx([0], abs=1e-12) and slope == approx(linear_drag.of_harmonic(np.array([0.8 + 0j])))
 
 
+@pytest.mark.parametrize("angle", [0.0, np.pi / 6, 0.7, 0.9])
+def test_of_a_flow_in_a_plane_rounding_across_it_changes_nothing(angle):
+    """Of an ellipse so narrow K is 8/3π along and half of that across (∂|u|u/∂u of what is out of phase)."""
+    e, t = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    turned = np.column_stack([e, t])
+    exact = turned @ np.diag([8, 4]) @ turned.T / (3 * np.pi)
+    stream = 0.2 * e + 0.1 * t
+    mean_drag, of_stream = linear_drag.harmonic_in_stream(stream, e + 1e-4j * t)
+    for noise in (1e-5, 1e-7, 3e-8, 1e-9, 1e-15, 0.0):
+        for phase in (1j, 1.0, 0.6 + 0.8j):
+            U = np.exp(0.4j) * (e + noise * phase * t)
+            assert linear_drag.of_harmonic(U) == approx(exact, abs=1e-3)  # phases: 64
+            F, K = linear_drag.harmonic_in_stream(stream, U)
+            assert F == approx(mean_drag, abs=2e-5) and K == approx(of_stream, abs=5e-5)
+
+
 LINES = np.array([5, 6, 7, 9, 11, 14, 17]) * 0.11
 PHASE = np.arange(7.0) ** 2
 

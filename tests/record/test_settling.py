@@ -14,11 +14,11 @@ PERIOD = 2 * np.pi / 1.2
 
 def notes(scene, motion, step=0.05):
     """Of positions (m, nj) that a function has of time, in blocks."""
-    settling, s = Settling(scene, 2), scene.settings
+    settling, s, channels = Settling(scene), scene.settings, Channels(scene, None)
     times = np.arange(0.0, s.discard + s.duration, step)
     for block in np.array_split(times, 7):
-        settling.add(block, motion(block))
-    return list(settling.notes(Channels(scene, None)))
+        settling.add(block, dict(channels.motions(motion(block))))
+    return list(settling.notes(channels))
 
 
 def in_a_wave(buan, **changes):
@@ -41,7 +41,7 @@ def test_what_is_left_of_the_start_is_named_by_the_axis(buan):
     scene = in_a_wave(buan)
     assert notes(scene, swinging(0.0)) == []
     (note,) = notes(scene, swinging(1.0))
-    assert note.startswith("floats.rear: hinge is not periodic yet, its std 0.03")
+    assert note.startswith("floats.rear: rotation is not periodic yet, its std 0.03")
 
 
 def test_whole_periods_are_compared(buan):
