@@ -277,9 +277,9 @@ def test_of_a_flow_in_a_plane_rounding_across_it_changes_nothing(angle):
     for noise in (1e-5, 1e-7, 3e-8, 1e-9, 1e-15, 0.0):
         for phase in (1j, 1.0, 0.6 + 0.8j):
             U = np.exp(0.4j) * (e + noise * phase * t)
-            assert linear_drag.of_harmonic(U) == approx(exact, abs=1e-3)  # phases: 64
+            assert linear_drag.of_harmonic(U) == approx(exact, abs=2e-3)  # phases: 64
             F, K = linear_drag.harmonic_in_stream(stream, U)
-            assert F == approx(mean_drag, abs=2e-5) and K == approx(of_stream, abs=5e-5)
+            assert approx(mean_drag, abs=2e-5) == F and approx(of_stream, abs=5e-5) == K
 
 
 LINES = np.array([5, 6, 7, 9, 11, 14, 17]) * 0.11

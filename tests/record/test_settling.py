@@ -56,6 +56,17 @@ def test_an_axis_that_hardly_moves_is_not_judged(buan):
     assert notes(in_a_wave(buan), lambda t: 1e-4 * swinging(1.0)(t)) == []
 
 
+def test_legs_are_judged_without_floats_too(buan):
+    """By their tops and the stress at their feet, however little they move."""
+    scene = buan.scene("elastic-no-floats", sea=buan.regular(0.1, 1.2), duration=100.0, discard=10.0, ramp=5.0)
+    channels = Channels(scene, None)
+    for share, expected in ((0.0, []), (1.0, ["platform: bottom_stress of leg 2 is not periodic yet"])):
+        settling, t = Settling(scene), np.arange(0.0, 110.0, 0.05)
+        stress = 1e3 * swinging(share)(t)
+        settling.add(t, {"bottom_stress": stress, "top_displacement": 1e-9 * np.stack([swinging(0.0)(t)] * 3, axis=2)})
+        assert [note.partition(",")[0] for note in settling.notes(channels)] == expected
+
+
 @pytest.mark.slow
 def test_a_run_says_so(buan, coefficients):
     early = in_a_wave(buan, discard=0.0)

@@ -76,3 +76,28 @@ def test_where_nothing_takes_power_nothing_is_best():
     rough = whole.assign(absorbed_power=whole.absorbed_power.where(whole.sea_state == "rough", 0.0))
     assert [line[0] for line in rows(rough)] == ["rough"]
     assert [line[0] for line in rows(whole.assign(absorbed_power=-whole.absorbed_power))] == ["mild", "rough"]
+
+
+def test_designs_that_failed_in_a_realization_that_another_has_are_not_compared():
+    """The first damping takes most in the realization that it has, and less than the second there."""
+    data = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(platform=0, drop=True)
+    data.absorbed_power[0, 0, 0] = np.nan
+    assert [line[:2] for line in rows(data)] == [
+        ("mild", "pto_damping 200000 (of 2 among 3)"),
+        ("rough", "pto_damping 400000 (an end)"),
+    ]
+
+
+def test_a_sample_has_no_end_and_tells_its_values():
+    """Nor an axis whose keys do nothing."""
+    data = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(platform=0, drop=True).rename(pto_damping="sample")
+    data = data.assign_coords(sample=("sample", [1, 2, 3], {"long_name": "floats.only.mass"}))
+    data = data.assign_coords({"floats.only.mass": ("sample", [5e3, 6e3, 7e3])})
+    assert [line[1] for line in rows(data)] == ["sample 1 (only.mass 5000)", "sample 3 (only.mass 7000)"]
+    alike = dataset([4, 4, 4], [1, 1, 1])
+    assert {line[1] for line in rows(alike)} == {"pto_damping 100000"}
+
+
+def test_a_single_sea_has_its_name():
+    one = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(sea_state=[1], platform=0, drop=True)
+    assert [line[0] for line in rows(one)] == ["rough"]

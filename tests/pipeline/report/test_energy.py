@@ -82,3 +82,18 @@ def test_nothing_is_told_where_nobody_said_how_often_seas_come():
     assert model.header[2] == "mean power [W]" and model.header[5] == "energy a year [kWh]"
     assert model.lines == table(dataset(MIRRORED)).lines
     assert "of a year" in table(dataset(MIRRORED, occurrence=[4000.0, 1000.0])).note
+
+
+def test_a_float_that_is_lifted_out_in_some_seas_takes_nothing_there():
+    """Its task is done; of one that failed nothing is known, and a float that is in no sea has no line."""
+    data = dataset(MIRRORED)
+    data["status"] = ("sea_state", "seed"), np.full((2, 2), "done")
+    data.absorbed_power[1, :, 0] = np.nan
+    power = energies(data).power.sel(estimate="value")
+    assert power.values == approx([0.75 * 1.5e3, 0.75 * 1.5e3 + 0.25 * 5e3, 0.75 * 3e3 + 0.25 * 5e3])
+    data.absorbed_power[1] = np.nan
+    assert energies(data).power.sel(estimate="value").values[-1] == approx(0.75 * 3e3)
+    data.absorbed_power[:, :, 0] = np.nan
+    assert [line[0] for line in rows(data)] == ["rear", ALL]
+    data["status"][1] = "failed"
+    assert np.isnan(energies(data).power.sel(estimate="value").values).all()

@@ -75,7 +75,7 @@ def test_what_is_not_known_is_not_told():
 def test_rows_are_of_each_label_whatever_its_axis_is_called():
     """Numbers, and names that the reckoning or xarray might have for itself."""
     data = dataset([[1e-6, 3e-6]]).expand_dims(cell=[0.5, 1.5], method=["time"], estimate=[1])
-    assert [line[0] for line in rows(data)] == [f"cell {x}, time, estimate 1, all seas" for x in (0.5, 1.5)]
+    assert [line[0] for line in rows(data)] == [f"cell {x}, time, estimate 1, s0" for x in (0.5, 1.5)]
 
 
 @pytest.mark.parametrize("held", [True, False])

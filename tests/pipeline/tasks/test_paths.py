@@ -139,6 +139,10 @@ def test_above_a_height_other_values_hold_and_calm_seas_keep_their_tasks(small):
                      .replace('["elastic", "fixed", "elastic-no-floats"]', '["elastic"]'))  # fmt: skip
     lifted = {t.labels["sea_state"]: [f.name for f in t.parameters.floats] for t in load(small).tasks}
     assert lifted == {"calm": ["front"], "rough": []}
+    more = with_more(small, ("second", 9.5), ("third", 19.0)).replace('["elastic"]', '["fixed"]')
+    small.write_text('left_out = ["third"]\n' + more)  # which does not come back
+    lifted = {t.labels["sea_state"]: [f.name for f in t.parameters.floats] for t in load(small).tasks}
+    assert lifted == {"calm": ["front", "second"], "rough": ["second"]}
 
 
 TOGETHER = """[[axes.together]]
