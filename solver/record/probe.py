@@ -243,8 +243,8 @@ def statistics_error(
     least = least_sizes(system, stds) if moves else {"hinge_force": least_force(scene)}
     # What is on or off between two samples has another std where they are nearer.
     other = ("time", "wave_elevation", "latched", "declutched", *(() if moves else (*MOTIONS, *POWERS)))
-    driven = ({name: x for name, x in of.items() if name not in other} for of in samples)
-    return error(*driven, least, longer)
+    driven = [{name: x for name, x in of.items() if name not in other} for of in samples]
+    return error(*driven, least, longer) if driven[-1] else 0.0  # of waves alone, where nothing is in the water
 
 
 def least_sizes(system: System, stds: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

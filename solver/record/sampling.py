@@ -56,15 +56,13 @@ def between_samples(
     anywhere in a gap: those of m gaps that are near each other have a sum e, and the mean errs by (Σ e²)^½/m.
     """
     known = cut or {}
-    each = (_between(x, known.get(name), least.get(name, np.zeros(())), longer) for name, x in samples.items())
-    return max(each, default=0.0)
+    return max(_between(x, known.get(name), least.get(name, np.zeros(())), longer) for name, x in samples.items())
 
 
 def from_start(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float) -> float:
     """The same of a record that begins at rest or as it is let go, half a step before the first of these samples."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        each = (_from_start(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
-        return max(each, default=0.0)
+        return max(_from_start(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
 
 
 def at_ends(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float) -> float:
@@ -72,7 +70,7 @@ def at_ends(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], 
 
     Means of v over a time T by samples h apart err by h/2 (v(0) + v(T) - 2v̄)/T, as a rule by h/T ⟨|v - v̄|⟩/2^½.
     """
-    return max((_at_ends(x, least.get(name, np.zeros(())), longer) for name, x in samples.items()), default=0.0)
+    return max(_at_ends(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
 
 
 def of_every_other(samples: Mapping[str, np.ndarray], cut: Cut, coarse: Cut) -> dict[str, Cuts]:

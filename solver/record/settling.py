@@ -8,7 +8,7 @@ from solver.record.channels import DIMS, Channels
 from solver.scene import Scene, unit_along
 from solver.statistics import FAINT
 
-SETTLED = 0.02  # of a std: what the record's first and last periods may differ by
+SETTLED = 0.01  # of a std: what the record's first and last periods may differ by
 PARTS = 3  # of the record, of which the first and the last are compared
 JUDGED = {"rotation": "rad", "motion": "", "top_displacement": "m", "bottom_stress": "Pa"}  # units, of an axis its own
 

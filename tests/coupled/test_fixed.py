@@ -183,3 +183,10 @@ def test_linear_scenes_may_drift_as_far_as_they_do():
 @cache
 def solo():
     return solve((BALL,), np.zeros((1, 3)), depth=DEPTH, omega=np.linspace(0.5, 7.0, 22), panels=108)
+
+
+def test_where_floats_are_lifted_out_there_are_the_waves_alone():
+    empty = Scene(water=Water(depth=DEPTH), sea=SEA, settings=Settings(duration=60.0, discard=10.0, ramp=10.0))
+    record = simulate(empty)
+    assert record.attrs["estimated_error"] == 0.0 and [*record.variables] == ["wave_elevation"]
+    assert record.variables["wave_elevation"][1].shape == (5,)
