@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -57,7 +57,7 @@ def _is_design(axis: xr.DataArray) -> bool:
     return axis.name in CHOSEN or "floats." in axis.attrs.get("long_name", "")
 
 
-def _whole(each: xr.DataArray, designs: list[str]) -> xr.DataArray:
+def _whole(each: xr.DataArray, designs: Sequence[Hashable]) -> xr.DataArray:
     """Which designs have all realizations that any has: of those that failed in some the others tell too much."""
     number = each.notnull().sum("seed") if "seed" in each.dims else each.notnull()
     whole = number == number.max(designs)

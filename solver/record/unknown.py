@@ -26,8 +26,8 @@ def without_unknown(record: Record, scene: Scene, h: Hydrodynamics | None) -> tu
             bearer = scene.carriers[bearer]
         held, axes = (", ".join(names[d] for d in along) for names in (DOFS, "xyz"))
         sentences.append(f"coefficients: the file lacks {held} of {f.name}, so its {OUTPUT} along {axes} is not known")
-    parts = (_masked(of, cells) for of in (record.variables, record.series))
-    return replace(record, **dict(zip(("variables", "series"), parts, strict=True))), sentences
+    known = replace(record, variables=_masked(record.variables, cells), series=_masked(record.series, cells))
+    return known, sentences
 
 
 def _masked(of: Mapping[str, Labelled], cells: set[tuple[int, int]]) -> dict[str, Labelled]:
