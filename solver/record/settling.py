@@ -45,7 +45,7 @@ class Settling:
             largest = np.fmax(first, last)
             least = FAINT * np.nanmax(largest, initial=0.0)
             if name in ("rotation", "motion"):
-                least = np.maximum(FAINT * height / _reach(channels, name), 0.0)
+                least = FAINT * height / _reach(channels, name)
             off = np.nan_to_num(np.abs(first - last) / np.maximum(largest, 1e-300) * (largest > least))
             at = np.unravel_index(off.argmax(), off.shape)
             if off[at] > worst:

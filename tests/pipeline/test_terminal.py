@@ -2,6 +2,7 @@
 
 import io
 from collections import Counter
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -10,6 +11,7 @@ from rich.console import Console
 from pipeline import terminal
 from pipeline.cli import console
 from pipeline.cli.console import Tally, finish
+from pipeline.results.store import Store
 
 
 @pytest.fixture
@@ -58,26 +60,23 @@ class Word(str):
 
 def failures(*reasons):
     """Tasks 0, 1, ... that fail for these reasons."""
-    errors = [SimpleNamespace(kind="InputError", message=reason) for reason in reasons]
-    return Tally.of(
-        (Word(n), SimpleNamespace(state="failed", unmet="", status=SimpleNamespace(error=error)))
-        for n, error in enumerate(errors)
-    )
+    entries = (SimpleNamespace(state="failed", unmet="", failure=f"InputError: {reason}") for reason in reasons)
+    return Tally.of((Word(n), entry) for n, entry in enumerate(entries))
 
 
 def test_a_reason_is_told_once_with_the_first_tasks_that_it_is_of(capsys, monkeypatch):
     """One of five tasks with others between; then more reasons than are listed."""
-    study = SimpleNamespace(path="a.toml")
-    assert finish(failures("x", "y", "x", "x", "z", "x", "x"), study) == 1
+    study, store = SimpleNamespace(path="a.toml"), Store(Path("elsewhere"), "a")
+    assert finish(failures("x", "y", "x", "x", "z", "x", "x"), study, store) == 1
     assert capsys.readouterr().err.splitlines()[:-1] == [
         "failed: task 0; task 2; task 3 and 2 more: InputError: x",
         "failed: task 1: InputError: y",
         "failed: task 4: InputError: z",
     ]
     monkeypatch.setattr(console, "MANY", 2)
-    finish(failures("x", "y", "z", "z", "x"), study)
+    finish(failures("x", "y", "z", "z", "x"), study, store)
     assert capsys.readouterr().err.splitlines()[:-1] == [
         "failed: task 0; task 4: InputError: x",
         "failed: task 1: InputError: y",
-        "and 2 more that `study plan a.toml` lists",
+        "and 2 more that `study plan a.toml --results elsewhere` lists",
     ]
