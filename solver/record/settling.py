@@ -6,7 +6,7 @@ import numpy as np
 
 from solver.record.channels import DIMS, Channels
 from solver.scene import Scene, unit_along
-from solver.statistics import FAINT
+from solver.statistics import FAINT, STATISTICS, Statistics
 
 SETTLED = 0.01  # of a std: what the record's first and last periods may differ by
 PARTS = 3  # of the record, of which the first and the last are compared
@@ -14,7 +14,7 @@ JUDGED = {"rotation": "rad", "motion": "", "top_displacement": "m", "bottom_stre
 
 
 class Settling:
-    """Sums over the first third of a record and its last, as far as they are of whole periods of a single wave."""
+    """Statistics of the first third of a record and its last, as far as they are of whole periods of a single wave."""
 
     def __init__(self, scene: Scene):
         s, sea = scene.settings, scene.sea
@@ -22,42 +22,44 @@ class Settling:
         whole = self.period * (s.duration // (PARTS * self.period)) if np.isfinite(self.period) else 0.0
         end = s.discard + s.duration
         self.parts = [(s.discard, s.discard + whole), (end - whole, end)] if whole else []
-        self.sums: dict[str, np.ndarray] = {}  # (2, 3, …) of ones, of values, of their squares
+        self.statistics: dict[str, list[Statistics]] = {}  # of channels in each part
+        self.shapes: dict[str, tuple[int, ...]] = {}
 
     def add(self, times: np.ndarray, channels: Mapping[str, np.ndarray]) -> None:
         """Take in channels (m, …) at times (m,) [s]."""
         for n, (begin, end) in enumerate(self.parts):
             inside = (times > begin) & (times <= end)
             for name in JUDGED.keys() & channels.keys():
-                x = channels[name][inside]
-                sums = self.sums.setdefault(name, np.zeros((len(self.parts), 3, *x.shape[1:])))
-                sums[n] += [np.full(x.shape[1:], len(x)), x.sum(axis=0), (x**2).sum(axis=0)]
+                self.shapes[name] = channels[name].shape[1:]
+                parts = self.statistics.setdefault(name, [Statistics() for _ in self.parts])
+                parts[n].add(channels[name].reshape(len(times), -1)[inside])
 
     def notes(self, channels: Channels) -> Iterator[str]:
         """A sentence for what is farthest from being periodic, if anything is, of what moves."""
-        worst, told = SETTLED, ""
+        off, sentence = max(self._apart(channels), default=(0.0, ""))
+        if off > SETTLED:
+            yield sentence
+
+    def _apart(self, channels: Channels) -> Iterator[tuple[float, str]]:
+        """Of each channel by how much the stds of a number of it differ at most, of the larger, and that in words."""
         height = np.abs(channels.scene.sea.amplitude).max(initial=0.0)
-        for name, sums in self.sums.items():
-            if not sums[:, 0].all():
+        for name, parts in self.statistics.items():
+            if not all(part.count for part in parts):
                 continue
-            count, total, squares = np.moveaxis(sums, 1, 0)
-            first, last = np.sqrt(np.maximum(squares / count - (total / count) ** 2, 0.0))
+            first, last = (part.table()[:, STATISTICS.index("std")].reshape(self.shapes[name]) for part in parts)
             largest = np.fmax(first, last)
             least = FAINT * np.nanmax(largest, initial=0.0)
             if name in ("rotation", "motion"):
                 least = FAINT * height / _reach(channels, name)
             off = np.nan_to_num(np.abs(first - last) / np.maximum(largest, 1e-300) * (largest > least))
             at = np.unravel_index(off.argmax(), off.shape)
-            if off[at] > worst:
-                worst = off[at]
-                unit = JUDGED[name] or unit_along(channels.axes[at[-1]])
-                told = (
-                    f"{_of(channels, name, at)} is not periodic yet, its std {first[at]:.3g} {unit} in the record's"
-                    f" first third and {last[at]:.3g} in its last: what is left of the start is in all statistics; a"
-                    " longer discard takes it out"
-                )
-        if told:
-            yield told
+            unit = JUDGED[name] or unit_along(channels.axes[at[-1]])
+            sentence = (
+                f"{_of(channels, name, at)} is not periodic yet, its std {first[at]:.3g} {unit} in the record's first"
+                f" third and {last[at]:.3g} in its last: what is left of the start is in all statistics; a longer"
+                " discard takes it out"
+            )
+            yield float(off[at]), sentence
 
 
 def _reach(channels: Channels, name: str) -> np.ndarray:
