@@ -127,7 +127,7 @@ def _find_values(lower: Any, found: Any = Lower._find_singly_assigned_variable) 
     } - must_use_alloca(blocks)
 
 
-Lower._find_singly_assigned_variable = _find_values  # type: ignore[method-assign]
+Lower._find_singly_assigned_variable = _find_values
 
 
 class _Plain(JITCodeLibrary):  # type: ignore[misc]

@@ -226,7 +226,7 @@ def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -
         for axis, angle in zip(axes, of_axes, strict=True):
             if axis not in DOFS[:3] and angle > SWUNG:
                 yield (
-                    f"floats.{f.name}: the std of {axis} is {angle:.2g} rad, and the linear model is one of small"
+                    f"floats.{f.name}: the std of {axis} is {angle:.2g} rad, and linear pressure is one of small"
                     " angles: what they leave out goes with their square, and is no part of the estimated error"
                 )
 

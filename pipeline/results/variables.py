@@ -140,7 +140,7 @@ VARIABLES = {
         "1", "Relative error by what linear damping leaves of the joints' loads, in the frequency domain"
     ),
     "rotation_effect": Meaning(
-        "1", "Relative error by what arms' rotation drives at resonances below the waves, in the frequency domain"
+        "1", "Relative error by arms' exact rotation, also at resonances below the waves, in the frequency domain"
     ),
     "shapes_effect": Meaning("1", "Relative error that the frame's left-out shapes make in the linear response"),
     "elements_effect": Meaning("1", "Relative error that the frame's elements make in the linear response"),

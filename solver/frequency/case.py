@@ -24,6 +24,7 @@ from solver.multibody.of_axes import DAMPERS, damped, dampers
 from solver.oddities import warnings
 from solver.record.channels import Channels
 from solver.record.effects import unlike
+from solver.record.response import carried
 from solver.scene import Float, Scene
 
 OTHERS = tuple(f.name for f in fields(Float) if f.name not in DAMPERS)
@@ -302,6 +303,17 @@ class Case:
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:
         """JᵀW (nz,) and W (nb, 6) of the floats."""
         return loads_at_rest(self.system.resting)
+
+    def carried(self, w: np.ndarray, P: np.ndarray, load: np.ndarray) -> np.ndarray:
+        """By the frame at frequencies w (nw,), of modes P and loads on them (nm, nw): see response.carried."""
+        return carried(self.system.structure, self.to_carriers, w, P, load)
+
+    def shift(self, load: np.ndarray) -> np.ndarray:
+        """C⁻¹ f (n,) of a steady load (n,); what nothing holds stays where it is."""
+        free = self.modes.shapes[:, self.modes.omega == 0]
+        count = free.shape[1]
+        held = np.block([[self.model.stiffness, free], [free.T, np.zeros((count, count))]])
+        return np.linalg.solve(held, np.append(load, np.zeros(count)))[: load.size]
 
     def law(self, floats: tuple[Float, ...]) -> JointLaw:
         """Of the same joints with these floats' dampers."""

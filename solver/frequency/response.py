@@ -17,7 +17,6 @@ from solver.lines import lengths, real_by_complex
 from solver.multibody import linearised, of_axes
 from solver.multibody.joint_law import JointLaw
 from solver.record.effects import cancelled, force_error, response_error
-from solver.record.response import carried
 from solver.scene import Scene
 
 AGREED = 1e-5  # error of any coordinate's std, relative to itself, at which the drag is that of its own result
@@ -30,7 +29,7 @@ UNBOUNDED = 1e6  # times the sum of the waves' amplitudes: no damping holds what
 
 
 class Mean(NamedTuple):
-    """What waves in a current change of the means at rest: drag goes by the square of the velocity."""
+    """What waves change of the means at rest: drag in a current, by the velocity's square, and arms that turn."""
 
     x: np.ndarray  # (n,) of the model's coordinates
     wrench: np.ndarray  # (nb, 6)
@@ -85,7 +84,7 @@ def respond_in(case: Case, law: JointLaw) -> Response:
         X=X,
         Z=real_by_complex(model.shape, last.X).T,
         wrench=wrench,
-        carried=_carried(case, omega, last.X[:nm], case.modal + drag.modes.T),
+        carried=case.carried(omega, last.X[:nm], case.modal + drag.modes.T),
         drag=drag,
         damping=last.damping,
         pto=last.pto,
@@ -108,14 +107,9 @@ def _mean(case: Case, rate: np.ndarray) -> Mean:
     drag, load = stations.mean(rate), np.zeros(n)
     more = drag - frame.drag * np.linalg.norm(stations.stream, axis=0) * stations.stream
     load[:nm] = np.tensordot(frame.station, more, axes=2)
-    x = np.linalg.lstsq(model.stiffness, load, rcond=None)[0]
-    carried = _carried(case, np.zeros(1), x[:nm, None], load[:nm, None])[0].real
+    x = case.shift(load)
+    carried = case.carried(np.zeros(1), x[:nm, None], load[:nm, None])[0].real
     return Mean(x=x, wrench=model.wrench[0] @ x, carried=carried, drag=drag)
-
-
-def _carried(case: Case, w: np.ndarray, P: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """By the case's frame: see carried."""
-    return carried(case.system.structure, case.to_carriers, w, P, load)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

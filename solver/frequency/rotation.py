@@ -12,15 +12,22 @@ spectrum S of φᵀ(JᵀW)₂ is flat there, with the variance
 
 No line of the linear response has it: `rotation_effect` tells how much it is. What second-order motions add has no
 mean, for those are rates of something that stays. By the mean the coordinates shift by C⁻¹⟨(JᵀW)₂⟩, as the march's do
-(`python -m studies.validate frequency-domain`), 0.02 rad of Buan's front float.
+(`python -m studies.validate frequency-domain`), 0.02 rad of Buan's front float. The record's means have it.
 
-The record's means are those at rest all the same, and the linear model is about these. In Buan's representative sea,
-platform fixed, it would have 2.6 and 1.0 % more power about the shifted ones, and a march that preloads hold at rest on
-average has 2.6 and 2.2 % less than the linear model; by itself it has 0.3 and 1.3 % less. What else is of third order,
-levers averaged over their turn and motions at sums and differences of two frequencies, takes more than the shift gives;
-it is told from these differences and not derived. The shift without it would be worse than neither.
+The linear model is about those at rest all the same. In Buan's representative sea, platform fixed, it would have 2.6
+and 1.0 % more power about the shifted ones, and a march that preloads hold at rest on average has 2.6 and 2.2 % less
+than the linear model; by itself it has 0.3 and 1.3 % less. What else is of third order, levers averaged over their turn
+and motions at sums and differences of two frequencies, takes more than the shift gives; the shift without it would be
+worse than neither. How much all of it is goes with the angles' variance σ²: a load that keeps its direction works on
+average at exp(-½σ²) of its lever, and power by the square of what it moves and of what bears it, so that
+
+    1 - exp(-2σ²)
+
+is its order within a factor of 3 of what marches differ by, but for stresses of a frame, of which sums of frequencies
+near its resonance make more: see tests/frequency/test_rotation.py. Of one wave see harmonics.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -29,23 +36,27 @@ import numpy as np
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import jacobian
 from solver.coupled.support import KNOWN
-from solver.coupled.system import Resting
+from solver.coupled.system import Resting, known_differences
 from solver.frequency.case import Case
 from solver.frequency.gaussian import covariance
+from solver.frequency.harmonics import turning_effect
+from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.lines import lengths
+from solver.multibody.joint_law import JointLaw
 from solver.record.slow import LIGHTLY, below
 from solver.statistics import FAINT
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
+ROUNDING = 1e-12  # of the largest variance
 REACH = 2.0  # standard deviations of a band of frequencies, each as wide as waves are apart
 
 
 class _Turning(NamedTuple):
-    """How the loads on nz coordinates change with them, to second order."""
+    """How the levers of nz coordinates change with them."""
 
     levers: np.ndarray  # ∂ᵢJ (nz, nb, 6, nz)
-    curvature: np.ndarray  # ∂ᵢ∂ⱼ(JᵀW)_k in still water (nz, 3nz, 3nz), k first
+    angles: np.ndarray  # (nz,) which of them turn a lever
 
 
 class _Swinging(NamedTuple):
@@ -61,28 +72,59 @@ class _Swinging(NamedTuple):
     band: np.ndarray  # g (np,) [s/rad] of each
 
 
-def mean_shift(case: Case, response: Response) -> np.ndarray:
-    """(n,) of the linear model's coordinates [m, rad, ...], besides the shift by drag in a current."""
-    turning, model, z = _turning(case.system.resting), case.model, response.Z
-    rate, moving = -1j * response.omega[:, None], response.wrench.copy()
-    for k, slope in enumerate(model.wrench):
-        moving -= np.einsum("wn,bdn->wbd", rate**k * response.X, slope)
-    together = covariance(z, moving.reshape(len(moving), -1)).reshape(turning.levers.shape[:3])
-    states = _states(response.omega, z)
-    load = np.einsum("ibd,ibdk->k", together, turning.levers)
-    load += 0.5 * np.einsum("kij,ij->k", turning.curvature, covariance(states, states))
-    return np.linalg.lstsq(model.stiffness, model.shape.T @ load, rcond=None)[0]
+def turned(case: Case, response: Response) -> Response:
+    """With what it adds to the means; where no joint turns, nothing."""
+    if not _turning(case.system.resting).angles.any():
+        return response
+    x, wrench = mean_shift(case, response)
+    was, nm = response.mean, case.model.modes.shape[1]
+    carried = case.carried(np.zeros(1), x[:nm, None], np.zeros((nm, 1)))[0].real
+    mean = was._replace(x=was.x + x, wrench=was.wrench + wrench, carried=was.carried + carried)
+    return replace(response, mean=mean)
 
 
-def rotation_effect(case: Case, response: Response) -> float:
-    """Relative error of any std by what arms' rotation drives below the waves; power, by rates, errs less."""
-    slow = slow_motions(case, response)
+def mean_shift(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray]:
+    """Of the linear model's coordinates (n,) [m, rad, ...] and the loads on the floats (nb, 6), without drag's."""
+    model, resting, borne = case.model, case.system.resting, response.wrench
+    levers, states = _turning(resting).levers, _states(response.omega, response.Z)
+    nz, n = levers.shape[0], states.shape[1]
+    together = covariance(states, np.concatenate([states, borne.reshape(len(borne), -1)], axis=1))
+    load, wrench = _in_still_water(resting, together[:, :n])
+    slopes = known_differences(resting).wrench.reshape(3, -1, nz).swapaxes(1, 2).reshape(n, -1)
+    load += np.tensordot(together[:nz, n:] - together[:nz, :n] @ slopes, levers.reshape(nz, -1, nz), 2)
+    x = case.shift(model.shape.T @ load)
+    return x, wrench + model.wrench[0] @ x
+
+
+def _in_still_water(resting: Resting, of_states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """½ Σᵢⱼ ⟨sᵢsⱼ⟩ ∂ᵢ∂ⱼ of JᵀW (nz,) and W (nb, 6), along principal directions of the covariance of s (3nz, 3nz)."""
+    body, _, z = resting.value
+    variance, ways = np.linalg.eigh(of_states)
+    used = variance > ROUNDING * variance.max(initial=0.0)
+    sides = NEAR * np.concatenate([ways[:, used].T, -ways[:, used].T, np.zeros((1, len(ways)))])
+    at, rate, acceleration = np.split(sides, 3, axis=-1)
+    half, n = variance[used] / (2 * NEAR**2), int(used.sum())
+    load, wrench = balance(body, z + at, rate, acceleration)
+    curved = (np.tensordot(half, f[:n] + f[n : 2 * n] - 2 * f[-1], 1) for f in (load, wrench))
+    return next(curved), next(curved)
+
+
+def rotation_effect(case: Case, law: JointLaw, response: Response, frame: Forces) -> float:
+    """Relative error of any std, mean power or force by angles that are not small, or what they drive below the waves.
+
+    Of one wave, see harmonics.
+    """
+    angles = _turning(case.system.resting).angles
+    if case.waves.size == 1:
+        return turning_effect(case, law, response, frame) if angles.any() else 0.0
+    angle = lengths(response.Z.T[angles]).max(initial=0.0) / np.sqrt(2)
+    slow, finite = slow_motions(case, response), float(-np.expm1(-2 * angle**2))
     if not slow.any():
-        return 0.0
+        return finite
     std = lengths(response.X.T) / np.sqrt(2)
     moved = case.model.length * std
     used = moved > FAINT * moved.max()
-    return float(np.max(np.hypot(1, slow[used] / std[used]), initial=1.0) - 1)
+    return max(finite, float(np.max(np.hypot(1, slow[used] / std[used]), initial=1.0) - 1))
 
 
 def slow_motions(case: Case, response: Response) -> np.ndarray:
@@ -124,18 +166,19 @@ def _swinging(case: Case) -> tuple[_Swinging, ...]:
     model, omega, shapes = case.model, case.waves, below(case.system, case.hydrodynamics)
     if not (shapes.omega.size and case.system.scene.floats):
         return ()
-    turning, width, found = _turning(case.system.resting), np.ptp(omega) / (omega.size - 1), []
+    resting, width, found = case.system.resting, np.ptp(omega) / (omega.size - 1), []
+    turns, curves = _turning(resting).levers, _curvature(resting)
     order = np.argsort(omega)
     for own, shape, radiated in zip(shapes.omega, shapes.shapes, shapes.radiated, strict=True):
         along = model.shape @ shape
-        levers = (turning.levers @ along).reshape(along.size, -1).T
+        levers = (turns @ along).reshape(along.size, -1).T
         still = np.moveaxis(model.wrench.reshape(3, len(levers), -1), 1, 2) @ levers
         begin, end = np.searchsorted(omega[order], [omega + own - REACH * width, omega + own + REACH * width])
         higher = order[np.concatenate([np.arange(*ends) for ends in zip(begin, end, strict=True)])]
         pairs = np.stack([higher, np.repeat(np.arange(omega.size), end - begin)])
         off = (np.subtract(*omega[pairs]) - own) / width
         band = np.exp(-0.5 * off**2) / (width * np.sqrt(2 * np.pi))
-        curvature = np.tensordot(along, turning.curvature, 1)
+        curvature = np.tensordot(along, curves, 1)
         found.append(_Swinging(own, shape, radiated, levers, still, curvature, pairs, band))
     return tuple(found)
 
@@ -144,12 +187,22 @@ def _swinging(case: Case) -> tuple[_Swinging, ...]:
 def _turning(resting: Resting) -> _Turning:
     """Scenes that differ in their seas and dampers alone share it."""
     body, _, z = resting.value
-    steps, ways = NEAR * np.eye(z.size), NEAR * np.eye(3 * z.size)
-    levers = np.array([jacobian(body, z + h) - jacobian(body, z - h) for h in steps]) / (2 * NEAR)
+    steps = NEAR * np.eye(z.size)
+    slopes = [jacobian(body, z + h) - jacobian(body, z - h) for h in steps]
+    levers = np.reshape(slopes, (z.size, body.axes.size, 6, z.size)) / (2 * NEAR)
+    turns = np.any(jacobian(body, z)[:, 3:], axis=(0, 1))
+    return _Turning(levers, turns & levers.any(axis=(1, 2, 3)))
+
+
+@lru_cache(maxsize=KNOWN)
+def _curvature(resting: Resting) -> np.ndarray:
+    """∂ᵢ∂ⱼ(JᵀW)_k in still water (nz, 3nz, 3nz), k first."""
+    body, _, z = resting.value
+    ways = NEAR * np.eye(3 * z.size)
     i, j = np.triu_indices(3 * z.size)
     states = np.stack([ways[i] + ways[j], -ways[i] - ways[j], ways[i] - ways[j], ways[j] - ways[i]])
     at, rate, acceleration = np.split(states, 3, axis=-1)
     load = balance(body, z + at, rate, acceleration)[0]
     curvature = np.empty((z.size, 3 * z.size, 3 * z.size))
     curvature[:, i, j] = curvature[:, j, i] = (load[0] + load[1] - load[2] - load[3]).T / (2 * NEAR) ** 2
-    return _Turning(levers, curvature)
+    return curvature

@@ -19,7 +19,7 @@ from solver.frequency.outputs import (
     tables_of,
 )
 from solver.frequency.response import Response, respond, respond_in
-from solver.frequency.rotation import rotation_effect
+from solver.frequency.rotation import rotation_effect, turned
 from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
@@ -44,7 +44,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     require_waves(scene)
     case = case_of(scene, hydrodynamics)
     law, channels, support = case.law(scene.floats), case.channels, case.system.support
-    response = respond_in(case, law)
+    response = turned(case, respond_in(case, law))
     frame = frame_forces(case, response)
     linear, waves, omega = list(outputs(case, response, frame)), case.waves.size, case.omega
     tables = tables_of(case, linear) | dict(of_squares(case, response, frame, law))
@@ -67,7 +67,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         "law_effect": _law_effect(case, response, scene),
         "drag_effect": of_drag.error,
         "linearisation_effect": UNTOLD if slipping else response.linearisation_effect,
-        "rotation_effect": rotation_effect(case, response),
+        "rotation_effect": rotation_effect(case, law, response, frame),
     }
     errors["estimated_error"] = together(errors.values())
     attrs: dict[str, float | str] = {

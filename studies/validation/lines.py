@@ -171,8 +171,9 @@ def _turning(known: Hydrodynamics | None) -> list[Check]:
     half, _ = both(replace(item, sea=replace(item.sea, amplitude=item.sea.amplitude / 2)), known, duration=LONG)
     linear = replace(item, settings=replace(item.settings, froude_krylov="linear", method="frequency"))
     case = case_of(linear, known)
-    stiffness, shift = np.diag(case.model.stiffness), mean_shift(case, respond(linear, known))
-    rest, angle, angle_of_half = (r.variables["rotation"][1][:, 2] for r in (lines, march, half))
+    stiffness, shift = np.diag(case.model.stiffness), mean_shift(case, respond(linear, known))[0]
+    rest = case.system.equilibrium[0]
+    angle, angle_of_half = (r.variables["rotation"][1][:, 2] for r in (march, half))
     moved = both(_preloaded(item, stiffness * shift), known, duration=LONG)[1]
     held = both(_preloaded(item, -stiffness * (angle - rest)), known, duration=LONG)[0]
     taken = {name: r.variables["absorbed_power"][1][:, 2] for name, r in

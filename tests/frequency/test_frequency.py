@@ -152,16 +152,29 @@ def test_extremes_of_many_hours():
 
 
 def test_power_of_a_gaussian_rate():
-    """⟨c v²⟩ and its std √2 cσ² for one axis; two axes that do not know each other add in squares."""
-    omega = np.linspace(0.8, 1.2, 30)
-    V = np.zeros((30, 2), complex)
+    """⟨c v²⟩ and its std √2 cσ² for one axis, by many lines; two axes that do not know each other add in squares."""
+    count = 3000
+    omega = np.linspace(0.8, 1.2, 2 * count)
+    V = np.zeros((omega.size, 2), complex)
     V[::2, 0], V[1::2, 1] = 0.1, 0.2
-    c, power = np.array([2.0, 3.0]), 0.5 * np.array([15 * 0.01, 15 * 0.04])
+    c, power = np.array([2.0, 3.0]), 0.5 * np.array([count * 0.01, count * 0.04])
     table = gaussian.power_table(c, V, omega, 3600.0)
     assert table[2] == approx(c @ power)
-    assert table[4] == approx(np.sqrt(2) * np.linalg.norm(c * power))
+    assert table[4] == approx(np.sqrt(2) * np.linalg.norm(c * power), rel=3e-4)
     one = gaussian.power_table(c[:1], V[:1, :1], omega[:1], 3600.0)
     assert one == approx([0.02, 0, 0.01, np.sqrt(0.375) * 0.02, 0.02 / np.sqrt(8)], abs=1e-9)
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_power_of_few_lines_varies_less_than_a_gaussians(count):
+    """Of two axes that know each other, beside a long sample at frequencies of which no two pairs have the same sum."""
+    random = np.random.default_rng(count)
+    V = random.normal(size=(count, 2)) + 1j * random.normal(size=(count, 2))
+    omega, c = np.array([1, 4, 13, 40, 121])[:count], np.array([2.0, 3.0])
+    t = 2 * np.pi * np.arange(500) / 500
+    power = (np.exp(-1j * np.outer(t, omega)) @ V).real ** 2 @ c
+    table = gaussian.power_table(c, V, omega.astype(float), 1e4)
+    assert table[2:] == approx([power.mean(), np.sqrt(np.mean(power**2)), power.std()])
 
 
 def repeating(item, height):

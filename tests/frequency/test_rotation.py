@@ -18,7 +18,7 @@ from solver.sea.realization import components, realize, regular
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.statistics import STATISTICS
 from tests.awkward import SCENES, known, scene
-from tests.frequency.test_frequency import linear, repeating
+from tests.frequency.test_frequency import LINES, linear, repeating
 
 
 @pytest.mark.parametrize(
@@ -45,7 +45,7 @@ def test_mean_angles_are_the_marchs(name, height):
     item = linear(item, **numerics, **lasting, time_step=period / 400)
     lines = linear(item, method="frequency")
     case = case_of(lines, h)
-    shift = mean_shift(case, respond(lines, h))
+    shift = mean_shift(case, respond(lines, h))[0]
     joints = len(item.floats)
     found = simulate(item, h).variables["rotation"][1][:, 2] - case.system.equilibrium[0][-joints:]
     assert np.abs(shift[-joints:] - found).max() < 0.05 * np.abs(found).max()
@@ -56,8 +56,84 @@ def test_mean_angles_grow_with_the_waves_height_squared():
     angles = []
     for height in (0.5, 1.0):
         lines = linear(replace(item, sea=replace(item.sea, amplitude=height * item.sea.amplitude)), method="frequency")
-        angles.append(mean_shift(case_of(lines, h), respond(lines, h)))
+        angles.append(mean_shift(case_of(lines, h), respond(lines, h))[0])
     assert angles[1] == approx(4 * angles[0], rel=1e-6)
+
+
+def swinging(name, angle, waves):
+    """A linear scene in which a float's angle has a std in these waves, as the frequency domain has it."""
+    item, h = SCENES[name]()
+    item = linear(waves(item), method="frequency")
+    std = np.linalg.norm(respond(item, h).Z[:, -len(item.floats) :], axis=0).max() / np.sqrt(2)
+    return replace(item, sea=replace(item.sea, amplitude=angle / std * item.sea.amplitude)), h
+
+
+def marched(item, h, period, count):
+    """The march's tables, after the start has died away."""
+    lasting = {"duration": count * period, "discard": 40 * period, "ramp": 5 * period, "ramp_form": "cosine"}
+    numerics = {"memory_tolerance": 1e-3, "time_step": period / 400, "newton_tolerance": 1e-10}
+    return simulate(linear(item, method="time", **lasting, **numerics), h).variables
+
+
+def largest(march, lines, names):
+    """Largest relative difference of a std, or of a mean power, of what is not small beside others."""
+    worst = 0.0
+    for name in names:
+        at = STATISTICS.index("mean" if name == "absorbed_power" else "std")
+        exact, told = (np.nan_to_num(x[name][1][..., at]) for x in (march, lines))
+        used = told > 0.02 * told.max()
+        worst = max(worst, np.abs(exact[used] / told[used] - 1).max())
+    return worst
+
+
+BORNE = ("rotation", "absorbed_power", "hinge_force")
+
+
+@pytest.mark.parametrize(
+    ("name", "angle"),
+    [
+        ("duck", 0.1),
+        ("unequal_legs", 0.03),
+        pytest.param("flap", 0.1, marks=pytest.mark.slow),
+        pytest.param("oblique", 0.1, marks=pytest.mark.slow),
+        pytest.param("model_scale", 0.1, marks=pytest.mark.slow),
+        pytest.param("unequal_legs", 0.1, marks=pytest.mark.slow),
+    ],
+)
+def test_what_turning_changes_in_one_wave_is_told_as_the_march_shows(name, angle):
+    """Angles, power, joints' forces and stresses; of the legs three times the waves' frequency makes most of that."""
+
+    def one(item):
+        largest = np.abs(item.sea.amplitude).argmax()
+        omega = item.sea.omega[largest : largest + 1]
+        waves = components(amplitude=np.array([0.01]), omega=omega, phase=np.zeros(1), heading=item.sea.heading)
+        return replace(item, sea=waves)
+
+    item, h = swinging(name, angle, one)
+    lines = simulate(item, h)
+    names = (*BORNE, *(["bottom_stress"] if item.platform else []))
+    march = marched(item, h, 2 * np.pi / item.sea.omega[0], 4)
+    assert lines.attrs["rotation_effect"] == approx(largest(march, lines.variables, names), rel=0.25)
+
+
+@pytest.mark.parametrize(
+    "name", ["duck", "model_scale", *(pytest.param(n, marks=pytest.mark.slow) for n in ("flap", "oblique"))]
+)
+def test_in_a_sea_it_is_told_within_a_factor_of_three(name):
+    item, h = swinging(name, 0.1, lambda item: repeating(item, 0.01)[0])
+    lines, march = simulate(item, h), marched(item, h, 2 * np.pi * LINES[0] / item.sea.omega[0], 1)
+    told = lines.attrs["rotation_effect"]
+    assert told == approx(1 - np.exp(-2 * 0.1**2))
+    assert 1 / 3 < largest(march, lines.variables, BORNE) / told < 3
+    for key in ("rotation", "hinge_force"):
+        exact, found = (np.nan_to_num(x[key][1][..., 2]) for x in (march, lines.variables))
+        assert np.abs(exact - found).max() < 0.03 * march[key][1][..., 3].max()
+
+
+def test_a_wave_that_no_round_agrees_for_is_not_told():
+    item, h = SCENES["duck"]()
+    high = linear(replace(item, sea=regular(height=30.0, period=4.0)), method="frequency")
+    assert simulate(high, h).attrs["rotation_effect"] == 1.0
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +181,7 @@ def test_it_grows_with_the_waves_height_squared_and_one_wave_has_none(spar):
     low_std, high_std = (slow_motions(case_of(each, h), respond(each, h)) for each in (low, high))
     assert high_std == approx(4 * low_std, rel=1e-6) and high_std[0] > 0
     one = replace(low, sea=regular(height=0.5, period=5.0))
-    assert simulate(one, h).attrs["rotation_effect"] == 0.0
+    assert slow_motions(case_of(one, h), respond(one, h)).max() == 0.0
 
 
 def test_what_only_slides_has_none():
