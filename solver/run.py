@@ -26,6 +26,7 @@ from solver.record.decay import died
 from solver.record.probe import Probe, sharpest_bend
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
+from solver.record.starting import from_rest
 from solver.record.unknown import without_unknown
 from solver.scene import Scene
 
@@ -181,6 +182,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         *beyond,
         *late,
         *recorder.settling.notes(channels),
+        *from_rest(system, hydrodynamics),
         *above(scene, recorder.mean_power, attrs["stored_energy_change"]),
         *doubted,
     ):

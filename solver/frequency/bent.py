@@ -65,8 +65,9 @@ def borne_table(
 def absorbed_table(load: Load, V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
     """(5,) of P = Σ fᵢ(vᵢ) vᵢ of axes with rates of lines V (nw, n).
 
-    Two axes' powers go together as squares of their rates do, by ρᵢⱼ². What the largest is above the mean is the
-    largest eigenvalue of ρᵢⱼ √(pᵢpⱼ), p of each alone: that of linear laws, see gaussian.power_table.
+    Two axes' powers go together as squares of their rates do, by ρᵢⱼ², and vary less by few lines as theirs do. What
+    the largest is above the mean is the largest eigenvalue of ρᵢⱼ √(pᵢpⱼ), p of each alone: that of linear laws, see
+    gaussian.power_table.
     """
     if len(V) == 1:
         v = gaussian.sampled(V)
@@ -79,6 +80,7 @@ def absorbed_table(load: Load, V: np.ndarray, omega: np.ndarray, duration: float
     std = np.sqrt((gaussian.WEIGHTS @ power**2 - each**2).clip(min=0.0))
     above = np.sqrt((np.max(load(fastest) * fastest, axis=0) - each).clip(min=0.0))
     alike = np.divide(S, np.outer(sigma, sigma), out=np.zeros(S.shape), where=np.outer(sigma, sigma) > 0)
-    mean, total = each.sum(), np.sqrt(std @ alike**2 @ std)
+    linear = np.divide(each, sigma**2, out=np.zeros(each.size), where=sigma > 0)
+    mean, total = each.sum(), np.sqrt(std @ alike**2 @ std) * gaussian.of_lines(linear, V)
     largest = mean + np.linalg.eigvalsh(alike * np.outer(above, above)).max(initial=0.0)
     return np.array([largest, 0.0, mean, np.hypot(mean, total), total])

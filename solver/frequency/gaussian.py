@@ -83,8 +83,7 @@ def _largest(m0: float, m2: float, most: float, duration: float) -> float:
 def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
     """(5,) of P = Σ cᵢ vᵢ² for dampings c (n,) and rates of lines V (nw, n).
 
-    Mean Σ cᵢσᵢ², variance 2 tr (CS)² of a Gaussian process; each line of it has an amplitude that does not vary, which
-    takes ¼(Σ cᵢ|vᵢ|²)² + ⅛|Σ cᵢvᵢ²|² of it: 3/8 of two lines', 1 % of a hundred's. The largest is that of the strongest
+    Mean Σ cᵢσᵢ², variance 2 tr (CS)² of a Gaussian process, see `of_lines`; the largest is that of the strongest
     principal rate, whose square has 2N peaks of exponential distribution, and the others' mean.
     """
     if len(V) == 1:
@@ -93,11 +92,21 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
         V, c = V[:, c > 0], c[c > 0]
     m0, m2, most = _sums(V, omega)
     principal = np.linalg.eigvals(c[:, None] * covariance(V, V)).real if c.size > 1 else 0.5 * c * m0
-    steady = np.sum((np.abs(V) ** 2 @ c) ** 2 / 4 + np.abs(V**2 @ c) ** 2 / 8)
-    mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2) - steady)
+    mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2)) * of_lines(c, V)
     strongest = principal.max(initial=0.0)
     largest = min(mean + strongest * _beyond(m0, m2, duration), float(c @ most**2))
     return np.array([largest, 0.0, mean, np.hypot(mean, std), std])
+
+
+def of_lines(c: np.ndarray, V: np.ndarray) -> float:
+    """Std of Σ cᵢ vᵢ² over that of a Gaussian process, (1 - Σ (¼(Σ cᵢ|vᵢ|²)² + ⅛|Σ cᵢvᵢ²|²)/2 tr (CS)²)^½.
+
+    For a line's amplitude does not vary; no two pairs of lines have the same sum or difference of frequencies. 0.79 of
+    two equal lines, 0.995 of 130 of a sea.
+    """
+    whole = 2 * c @ covariance(V, V) ** 2 @ c
+    steady = np.sum((np.abs(V) ** 2 @ c) ** 2 / 4 + np.abs(V**2 @ c) ** 2 / 8)
+    return float(np.sqrt(1 - steady / whole)) if whole > 0 else 1.0
 
 
 def _sums(X: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

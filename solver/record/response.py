@@ -1,5 +1,7 @@
 """The linear response of a scene in its own sea, drag linearised by the water's own velocity."""
 
+import math
+
 import numpy as np
 
 from solver.coupled import linear_drag
@@ -26,9 +28,9 @@ def in_waves(system: System, h: Hydrodynamics | None) -> tuple[np.ndarray, np.nd
     drag = np.zeros(water.shape, complex)
     if support is not None and drag.size:
         drag = system.structure.drag * linear_drag.by_station(_equivalent(support.stream, water), water)
-    flat = drag.reshape(len(drag), station[0].size)
+    flat = drag.reshape(len(drag), math.prod(station.shape[1:]))
     Y = impedance(system, h, omega) if h is not None else np.zeros((omega.size, 0, 0))
-    force = force_of_waves(system, h, flat @ station.reshape(len(station), station[0].size).T)
+    force = force_of_waves(system, h, flat @ station.reshape(len(station), flat.shape[1]).T)
     return linear_model(system).response(omega, Y, force), flat
 
 
