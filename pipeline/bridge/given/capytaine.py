@@ -34,7 +34,7 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
             _ordered(data, name, (counted, DIRECTION, "influenced_dof"))
             for name in ("diffraction_force", "Froude_Krylov_force")
         )
-        columns, bodies = _columns(labels)
+        columns, bodies = _columns(labels, _labels(data, "body") if "body" in data.variables else [])
         infinite = A[np.isinf(omega)][0] if np.isinf(omega).any() else _plain(data, "added_mass_inf")
         finite = np.isfinite(omega) & (omega > 0)
         headings = _plain(data, DIRECTION)
@@ -64,12 +64,15 @@ def _labels(data: Any, name: str) -> list[str]:
     return [str(word).strip() for word in stored]
 
 
-def _columns(labels: list[str]) -> tuple[tuple[tuple[int, str], ...], tuple[str, ...]]:
-    """Body and motion of "front__Surge", or of "Surge" where there is one body; what is no rigid motion is refused."""
+def _columns(labels: list[str], named: list[str]) -> tuple[tuple[tuple[int, str], ...], tuple[str, ...]]:
+    """Body and motion of "front__Surge", or of "Surge" where there is one body, and the bodies, all that the file has
+    `named`, of which some may be fixed; what is no rigid motion is refused.
+    """
     from solver.scene import DOFS
 
     split = [label.rpartition("__") for label in labels]
-    bodies = tuple(dict.fromkeys(body for body, _, _ in split))
+    moving = dict.fromkeys(body for body, _, _ in split)
+    bodies = tuple(named if moving.keys() <= set(named) else moving)
     for label, (_, _, dof) in zip(labels, split, strict=True):
         if dof.lower() not in DOFS:
             raise ValueError(f"{label} is none of the motions of rigid bodies, {', '.join(DOFS)}")
@@ -106,10 +109,6 @@ def _number(data: Any, name: str, attribute: str) -> float | None:
 
 
 def _points(data: Any, bodies: tuple[str, ...]) -> np.ndarray | None:
-    """Of the bodies in this order; the file's own goes by names where it has them."""
+    """Of the bodies; NaN of fixed ones."""
     points = _plain(data, "rotation_center")
-    if points is None or points.size != 3 * len(bodies):
-        return None
-    named = _labels(data, "body") if "body" in data.variables else list(bodies)
-    order = [named.index(body) for body in bodies] if set(named) == set(bodies) else slice(None)
-    return np.asarray(points.reshape(-1, 3)[order])
+    return None if points is None or points.size != 3 * len(bodies) else points.reshape(-1, 3)

@@ -29,7 +29,7 @@ class _Case(NamedTuple):
     """What Nemoh.cal says."""
 
     columns: tuple[tuple[int, str], ...]
-    points: np.ndarray | None
+    points: np.ndarray  # of each body, NaN where it turns about none
     density: float
     gravity: float
     depth: float
@@ -68,7 +68,7 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
         excitation=excitation,
         froude_krylov=incident,
         columns=columns,
-        bodies=("",) * (1 + columns[-1][0]),
+        bodies=("",) * len(case.points) if case else (),
         points=case.points if case else None,
         depth=case.depth if case else None,
         density=case.density if case else None,
@@ -120,7 +120,7 @@ def _case(text: str) -> _Case:
     if any(_numbers(rows, 2)):
         raise ValueError(f"{CASE}: waves must be measured at the origin, XEFF YEFF = 0 0")
     columns: list[tuple[int, str]] = []
-    points: list[tuple[float, ...] | None] = []
+    points: list[tuple[float, ...]] = []
     for body in range(_count(rows)):
         del rows[:2]  # mesh file, its size
         motions = [_motion(_numbers(rows, 7)) for _ in range(_count(rows))]
@@ -132,9 +132,8 @@ def _case(text: str) -> _Case:
         about = {point for _, point in motions if point is not None}
         if len(about) > 1:
             raise ValueError(f"{CASE}: body {body + 1} turns about several points")
-        points.append(about.pop() if about else None)
-    known = None if None in points else np.array(points)
-    return _Case(tuple(columns), known, density, gravity, depth if depth > 0 else math.inf)
+        points.append(about.pop() if about else (math.nan,) * 3)
+    return _Case(tuple(columns), np.array(points), density, gravity, depth if depth > 0 else math.inf)
 
 
 def _numbers(rows: _Rows, count: int) -> list[float]:

@@ -78,12 +78,14 @@ def _given(
     depth: float | None = None,
     points: np.ndarray | None = None,
 ) -> Given:
-    """Arrays with units from the rows."""
+    """Arrays with units from the rows; without points nothing says how many bodies without motions come after them."""
     from solver.hydrodynamics.bem.given import Given
     from solver.scene import DOFS
 
     period, i, j = table.radiation[:, 0], *(table.radiation[:, k].astype(int) - 1 for k in (1, 2))
-    n = 6 * (1 + max(i.max(), j.max()) // 6)
+    forces = [_motions(rows[:, 2]) for rows in (table.force, table.incident) if len(rows)]
+    numbered = set().union({0}, i, j, *forces, _motions(table.stiffness[:, :2].ravel()))
+    n = 6 * max(1 + int(max(numbered)) // 6, 0 if points is None else len(points))
     turns = np.arange(n) % 6 >= 3
     unit = density * length ** (3.0 + turns[:, None] + turns)
     periods = np.unique(period[period > 0])
@@ -107,7 +109,6 @@ def _given(
         stiffness[rows, columns] = table.stiffness[:, 2]
         stiffness *= density * gravity * length ** (2.0 + turns[:, None] + turns)
     forced = _force(table.force, periods, headings, turns, length)
-    forces = (_motions(rows[:, 2]) for rows in (table.force, table.incident) if len(rows))
     present = np.array(sorted(_motions(table.radiation[real, 1]).intersection(*forces)), int)
     return Given(
         name=name,
@@ -121,7 +122,7 @@ def _given(
         if not len(table.incident)
         else density * gravity * _force(table.incident, periods, headings, turns, length)[..., present],
         columns=tuple((k // 6, DOFS[k % 6]) for k in present),
-        bodies=("",) * (n // 6),
+        bodies=() if points is None else ("",) * (n // 6),
         points=points,
         stiffness=None if stiffness is None else stiffness[np.ix_(present, present)],
         depth=depth,

@@ -56,14 +56,13 @@ def adopted(
     memory: whether one will be fitted to these, for which added mass at infinite frequency must be known.
     """
     centres = np.asarray(centres, float).reshape(-1, 3)
-    refuse([*_water_problems(given, depth, density, gravity), *_form_problems(given, len(hulls), heading)])
     sea = Sea(depth=depth, density=density, gravity=gravity, heading=heading)
     dofs = PLANAR if planar else DOFS
     lengths = motion_lengths(hulls, DOFS)
     each = needed or [dofs] * len(hulls)
+    refuse([*_water_problems(given, depth, density, gravity), *_form_problems(given, each, heading)])
     six, told = _complete(given, names, each, heading)
-    if six.points is None and points is not None:  # as far from the centres wherever the file's body is
-        six = replace(_about(replace(six, points=points), centres), points=None)
+    six = _about_own(six, centres if points is None else points, centres)
     moved = np.array([6 * b + k for b, those in enumerate(each) for k, dof in enumerate(DOFS) if dof in those], int)
     refuse(_radiation_problems(six, _scales(six, lengths), moved, names))
     omega = six.omega
@@ -168,11 +167,13 @@ def _water_problems(given: Given, depth: float, density: float, gravity: float) 
     ]
 
 
-def _form_problems(given: Given, count: int, heading: float) -> list[InputError]:
+def _form_problems(given: Given, needed: Sequence[Sequence[str]], heading: float) -> list[InputError]:
     """Bodies, frequencies, headings and numbers that cannot be used whatever they mean."""
     problems = []
-    if len(given.bodies) != count:
-        problems.append(_problem(given, f"has {len(given.bodies)} bodies, the study has {count} floats"))
+    has, count = len(given.bodies) or 1 + max((b for b, _ in given.columns), default=-1), len(needed)
+    fixed = not given.bodies and has < count and not any(needed[has:])  # of bodies that nothing counts the last ones
+    if has != count and not fixed:
+        problems.append(_problem(given, f"has {has} bodies, the study has {count} floats"))
     if len(given.omega) < FEWEST or len(np.unique(given.omega)) < len(given.omega):
         limit = f"has {len(np.unique(given.omega))} different frequencies, needs {FEWEST} at least, each once"
         problems.append(_problem(given, limit))
@@ -240,6 +241,14 @@ def _order(given: Given, names: Sequence[str]) -> list[int]:
     """Number in the file of each float: by name where the file has the floats' names, else as they come."""
     theirs, ours = [b.casefold() for b in given.bodies], [n.casefold() for n in names]
     return [theirs.index(n) for n in ours] if sorted(theirs) == sorted(ours) else list(range(len(names)))
+
+
+def _about_own(six: Given, own: np.ndarray, centres: np.ndarray) -> Given:
+    """With the floats' own points (nb, 3) [m] for those that a file does not tell; where it tells none, rotations and
+    moments about `centres`, of which the own ones are as far wherever the file's body is."""
+    if six.points is None or np.isnan(six.points).all():
+        return replace(_about(replace(six, points=own), centres), points=None)
+    return replace(six, points=np.where(np.isnan(six.points), own, six.points))
 
 
 def _about(six: Given, centres: np.ndarray) -> Given:

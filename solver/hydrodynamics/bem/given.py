@@ -23,8 +23,8 @@ class Given:
     excitation: np.ndarray  # (nw, nh, n) complex, of incident and scattered wave [N/m]
     froude_krylov: np.ndarray | None  # (nw, nh, n) complex, of the incident wave
     columns: tuple[tuple[int, str], ...]  # (n,) number of the body, and which motion
-    bodies: tuple[str, ...]  # (nb,) their names; empty where they have none
-    points: np.ndarray | None = None  # (nb, 3) [m] of rotations and moments; None: the floats' own
+    bodies: tuple[str, ...]  # (nb,) their names, empty where they have none; () where only columns tell how many
+    points: np.ndarray | None = None  # (nb, 3) [m] of rotations and moments; None and NaN: the floats' own
     stiffness: np.ndarray | None = None  # (n, n) hydrostatic, of which heave's own is used, which is about no point
     depth: float | None = None
     density: float | None = None

@@ -115,29 +115,32 @@ def with_our_own(path, h):
     return compute(parameters, cache.encode(known, "own"))
 
 
-def capytaine_file(path, h, names=("front", "rear"), form="NETCDF4"):
-    """A dataset as capytaine writes it: bodies and motions in words, complex numbers apart."""
+def capytaine_file(path, h, names=("front", "rear"), form="NETCDF4", kept=range(12)):
+    """A dataset as capytaine writes it: words for bodies, motions, complex numbers; a fixed body has no point."""
+    kept = np.array(kept)
     with netCDF4.Dataset(path, "w", format=form) as data:
-        labels = [f"{name}__{dof.capitalize()}" for name in names for dof in h.dofs]
+        labels = [f"{names[k // 6]}__{h.dofs[k % 6].capitalize()}" for k in kept]
         sizes = {"omega": len(h.omega) + 1, "wave_direction": 2, "complex": 2, "body": 2, "space_coordinate": 3}
-        for name, size in {**sizes, "influenced_dof": 12, "radiating_dof": 12}.items():
+        for name, size in {**sizes, "influenced_dof": len(kept), "radiating_dof": len(kept)}.items():
             data.createDimension(name, size)
         for name in ("influenced_dof", "radiating_dof"):
             data.createVariable(name, str, (name,))[:] = np.array(labels, object)
         put(data, "omega", ("omega",), np.append(h.omega, np.inf))
         put(data, "wave_direction", ("wave_direction",), [0.7, h.heading])
-        put(data, "rotation_center", ("body", "space_coordinate"), h.centres)
+        moves = np.isin([0, 1], kept // 6)[:, None]
+        put(data, "rotation_center", ("body", "space_coordinate"), np.where(moves, h.centres, np.nan))
+        data.createVariable("body", str, ("body",))[:] = np.array(names, object)
         for name, value in {"water_depth": h.depth, "rho": h.density, "g": h.gravity}.items():
             put(data, name, (), value)
         A = np.concatenate([h.added_mass, h.added_mass_inf[None]])
         B = np.concatenate([h.radiation_damping, 0 * h.added_mass_inf[None]])
         dims = ("omega", "radiating_dof", "influenced_dof")
-        put(data, "added_mass", dims, np.swapaxes(A, 1, 2))
-        put(data, "radiation_damping", dims, np.swapaxes(B, 1, 2))
+        put(data, "added_mass", dims, np.swapaxes(A, 1, 2)[:, kept[:, None], kept])
+        put(data, "radiation_damping", dims, np.swapaxes(B, 1, 2)[:, kept[:, None], kept])
         for name, force in {"diffraction_force": h.diffraction, "Froude_Krylov_force": h.froude_krylov}.items():
             whole = np.full((2, len(h.omega) + 1, 2, 12), np.nan)
             whole[0, :-1, 1], whole[1, :-1, 1], whole[:, :-1, 0] = force.real, force.imag, 9.0
-            put(data, name, ("complex", "omega", "wave_direction", "influenced_dof"), whole)
+            put(data, name, ("complex", "omega", "wave_direction", "influenced_dof"), whole[..., kept])
 
 
 def put(data, name, dims, values):
@@ -182,12 +185,12 @@ def sized(group, name, values):
     group.createVariable(name, "f8", [f"{name}_{i}" for i in range(values.ndim)])[...] = values
 
 
-def wamit_rows(h, L=1.0):
+def wamit_rows(h, L=1.0, kept=range(12)):
     """Lines of .1 and .3: numbers without units for a length scale L."""
     turns = np.arange(12) % 6 >= 3
     unit = h.density * L ** (3.0 + turns[:, None] + turns)
     force = (h.diffraction + h.froude_krylov).conj() / (h.density * h.gravity * L ** (2.0 + turns))
-    pairs = [(i, j) for i in range(12) for j in range(12)]
+    pairs = [(i, j) for i in kept for j in kept]
     first = [f" 0.0 {i + 1} {j + 1} {h.added_mass_inf[i, j] / unit[i, j]:.9e}" for i, j in pairs]
     third = []
     for w, A, B, X in zip(h.omega, h.added_mass, h.radiation_damping, force, strict=True):
@@ -195,13 +198,13 @@ def wamit_rows(h, L=1.0):
         first += [f"{head} {i + 1} {j + 1} {A[i, j] / unit[i, j]:.9e} {B[i, j] / unit[i, j] / w:.9e}" for i, j in pairs]
         third += [
             f"{head} 0.0 {i + 1} {abs(x):.9e} {np.degrees(np.angle(x)):.9e} {x.real:.9e} {x.imag:.9e}"
-            for i, x in enumerate(X)
+            for i, x in zip(kept, X[list(kept)], strict=True)
         ]
     return first, third
 
 
-def wamit_files(folder, h, L=1.0):
-    first, third = wamit_rows(h, L)
+def wamit_files(folder, h, L=1.0, kept=range(12)):
+    first, third = wamit_rows(h, L, kept)
     (folder / "pair.1").write_text("\n".join(first))
     (folder / "pair.3").write_text("\n".join(third))
     C = h.hydrostatic_stiffness / (h.density * h.gravity)
@@ -217,16 +220,14 @@ def on_own_axes(h, angles):
     return replace(h, **matrices, **{n: getattr(h, n) @ turn.T for n in ("diffraction", "froude_krylov")})
 
 
-def wamit_out(path, h, L=2.0, water="", angles=(0.0, 0.0), motions=range(1, 7)):
+def wamit_out(path, h, L=2.0, water="", angles=(0.0, 0.0), kept=range(12), restoring=True):
     """The printed output for a length scale L, with the bodies' places and angles [deg]; phases have decimals here."""
     lines = [f" Gravity: {h.gravity}   Length scale: {L}", f" Water depth: {h.depth}   {water}"]
     for (x, y, z), angle in zip(h.centres, angles, strict=True):
         lines.append(f" XBODY = {x} YBODY = {y} ZBODY = {z} PHIBODY = {angle}")
-    for C in np.diag(h.hydrostatic_stiffness)[2::6] / (h.density * h.gravity * L**2):
+    for C in np.diag(h.hydrostatic_stiffness)[2::6] / (h.density * h.gravity * L**2) if restoring else ():
         lines.append(f"    C(3,3),C(3,4),C(3,5): {C:12.5f}     0.00000     0.00000")
-    kept = {str(6 * b + i) for b in (0, 1) for i in motions}
-    first, third = ([line.split() for line in rows] for rows in wamit_rows(on_own_axes(h, angles), L))
-    words = [row for row in first if kept.issuperset(row[1:3])], [row for row in third if row[2] in kept]
+    words = [[line.split() for line in rows] for rows in wamit_rows(on_own_axes(h, angles), L, kept)]
     for period in dict.fromkeys(row[0] for row in words[0]):
         lines += [
             "",
@@ -289,11 +290,11 @@ def test_wamits_bodies_may_have_axes_turned_in_plan(ours, tmp_path, angles):
     path = tmp_path / "pair.out"
     wamit_out(path, few, angles=angles)
     close(reading.read(attached(path), RHO, G), few, rel=1e-6)
-    wamit_out(path, few, angles=angles, motions=(1, 2, 3))
+    wamit_out(path, few, angles=angles, kept=(0, 1, 2, 6, 7, 8))
     force = (few.diffraction + few.froude_krylov)[::-1, [0, 1, 2, 6, 7, 8]]
     forces = reading.read(attached(path), RHO, G).excitation[:, 0]
     assert forces == pytest.approx(force, rel=0, abs=1e-6 * np.abs(force).max())
-    wamit_out(path, few, angles=angles, motions=(1, 3, 5))
+    wamit_out(path, few, angles=angles, kept=(0, 2, 4, 6, 8, 10))
     with pytest.raises(InputError, match="turned in plan need both of surge and sway, and of roll and pitch"):
         reading.read(attached(path), RHO, G)
 
@@ -302,9 +303,11 @@ def test_points_of_a_capytaine_file_go_by_the_bodies_names(ours, tmp_path):
     """Which need not be in the order in which its labels name them."""
     capytaine_file(tmp_path / "pair.nc", ours)
     with netCDF4.Dataset(tmp_path / "pair.nc", "a") as data:
-        data.createVariable("body", str, ("body",))[:] = np.array(["rear", "front"], object)
+        data["body"][:] = np.array(["rear", "front"], object)
         data["rotation_center"][:] = CENTRES[::-1]
-    assert reading.read(attached(tmp_path / "pair.nc"), RHO, G).points == pytest.approx(CENTRES)
+    given = reading.read(attached(tmp_path / "pair.nc"), RHO, G)
+    assert given.points == pytest.approx(CENTRES[::-1]) and given.bodies == ("rear", "front")
+    assert given.columns[0] == (1, "surge")
     with netCDF4.Dataset(tmp_path / "one.nc", "w") as data:
         data.createVariable("body", str, ())[...] = "front"
         data.createDimension("space_coordinate", 3)
@@ -312,22 +315,23 @@ def test_points_of_a_capytaine_file_go_by_the_bodies_names(ours, tmp_path):
         assert capytaine._points(data, ("",)) == pytest.approx(CENTRES[:1])
 
 
-def nemoh_files(folder, h, about=-2.0, wrapped=False):
+def nemoh_files(folder, h, about=-2.0, wrapped=False, kept=range(12)):
     """Nemoh's tables in `folder`/Results and Nemoh.cal above them; moments about a point `about` z."""
+    kept = np.array(kept)
     low = np.eye(12)
     for b in (0, 1):  # a rotation about a point below moves the reference point
         low[6 * b : 6 * b + 2, 6 * b + 3 : 6 * b + 5] = [[0, -about], [about, 0]]
     A, B = (low.T @ x @ low for x in (h.added_mass, h.radiation_damping))
     (folder / "Results").mkdir(exist_ok=True)
     motion = "Motion of body {} in DoF {}"
-    radiated = [(motion.format(j // 6 + 1, j % 6 + 1), np.stack([A[..., j], B[..., j]], -1)) for j in range(12)]
-    whole, incident = (polar(force @ low) for force in (h.diffraction + h.froude_krylov, h.froude_krylov))
+    columns = {motion.format(j // 6 + 1, j % 6 + 1): np.stack([A[:, kept, j], B[:, kept, j]], -1) for j in kept}
+    whole, incident = (polar(force @ low)[:, kept] for force in (h.diffraction + h.froude_krylov, h.froude_krylov))
     for name, zones in {
-        "RadiationCoefficients.tec": radiated,
+        "RadiationCoefficients.tec": columns.items(),
         "ExcitationForce.tec": [("Excitation force - beta = 0.000 deg", whole)],
         "FKForce.tec": [("FKforce - beta = 0.000 deg", incident)],
     }.items():
-        lines = ['VARIABLES="w (rad/s)"', *(f'"a {b} {j}" "b {b} {j}"' for b in (1, 2) for j in range(1, 7))]
+        lines = ['VARIABLES="w (rad/s)"', *(f'"a {j // 6 + 1} {j % 6 + 1}" "b"' for j in kept)]
         for title, values in zones:
             lines.append(f'Zone t="{title}",I= {len(h.omega)},F=POINT')
             for w, row in zip(h.omega, values, strict=True):
@@ -336,11 +340,57 @@ def nemoh_files(folder, h, about=-2.0, wrapped=False):
         (folder / "Results" / name).write_text("\n".join(lines) + "\n")
     case = ["--- Environment", f"{h.density} ! RHO", f"{h.gravity} ! G", f"{h.depth} ! DEPTH", "0. 0. ! XEFF YEFF"]
     case += ["--- Bodies", "2 ! Number of bodies"]
-    for x, y, _ in h.centres:
+    for b, (x, y, _) in enumerate(h.centres):
         six = [f"1 {a} 0. 0. 0." for a in ("1. 0. 0.", "0. 1. 0.", "0. 0. 1.")]
         six += [f"2 {a} {x} {y} {about}" for a in ("1. 0. 0.", "0. 1. 0.", "0. 0. 1.")]
-        case += ["--- Body", "a.dat", "4 1", "6", *six, "6", *six, "1", "more"]
+        told = [six[k % 6] for k in kept if k // 6 == b]
+        case += ["--- Body", "a.dat", "4 1", *2 * [str(len(told)), *told], "1", "more"]
     (folder / "Nemoh.cal").write_text("\n".join([*case, "--- Load cases", "24 0.5 7.5"]))
+
+
+FIXED = {  # of each format a file whose front or rear has no motions
+    "pair.nc": lambda folder, h, kept: capytaine_file(folder / "pair.nc", h, kept=kept),
+    "other.nc": lambda folder, h, kept: capytaine_file(folder / "other.nc", h, names=("a", "b"), kept=kept),
+    "pair.1": lambda folder, h, kept: (wamit_files(folder, h, kept=kept), (folder / "pair.hst").unlink()),
+    "pair.hst": lambda folder, h, kept: wamit_files(folder, h, kept=kept),
+    "pair.out": lambda folder, h, kept: wamit_out(folder / "pair.out", h, kept=kept),
+    "bare.out": lambda folder, h, kept: wamit_out(folder / "bare.out", h, kept=kept, restoring=False),
+    "Results/RadiationCoefficients.tec": lambda folder, h, kept: nemoh_files(folder, h, kept=kept),
+}
+
+
+@pytest.mark.parametrize("name", FIXED)
+@pytest.mark.parametrize("moves", [0, 1])
+def test_a_fixed_body_needs_no_motions_in_a_file_wherever_it_comes(ours, tmp_path, name, moves):
+    """Its forces alone are not known; the moments of the other one are about the point that its file tells."""
+    kept = range(6 * moves, 6 * moves + 6)
+    FIXED[name](tmp_path, ours, kept)
+    given = reading.read(run_of(tmp_path / name), RHO, G)
+    water = {"depth": DEPTH, "density": RHO, "gravity": G, "heading": 0.0, "planar": False}
+    names, needed = ("front", "rear"), [ours.dofs if b == moves else () for b in (0, 1)]
+    whole = adopted(given, (BALL, BALL), CENTRES, names, **water, needed=needed)
+    both = (slice(None), np.array(kept)[:, None], np.array(kept))
+    for one, other in (
+        (whole.added_mass[both], ours.added_mass[both]),
+        (whole.radiation_damping[both], ours.radiation_damping[both]),
+        (whole.diffraction[:, kept], ours.diffraction[:, kept]),
+    ):
+        assert np.abs(one - other).max() <= 1e-6 * np.abs(other).max()
+    assert not np.delete(whole.diffraction, kept, axis=1).any()
+    uncounted = name in ("pair.1", "pair.hst") and not moves
+    with pytest.raises(InputError, match="has 1 bodies, the" if uncounted else f"lacks surge of {names[1 - moves]}, "):
+        adopted(given, (BALL, BALL), CENTRES, names, **water)
+
+
+def test_a_file_that_counts_its_bodies_has_all_floats(ours, tmp_path):
+    """A fixed float may not come on top of them: its boundary elements had no such body in the water."""
+    for name in ("pair.out", "Results/RadiationCoefficients.tec"):
+        FIXED[name](tmp_path, ours, range(12))
+        given = reading.read(run_of(tmp_path / name), RHO, G)
+        three, water = (BALL, BALL, BALL), {"depth": DEPTH, "density": RHO, "gravity": G, "heading": 0.0}
+        needed = [ours.dofs, ours.dofs, ()]
+        with pytest.raises(InputError, match="has 2 bodies, the study has 3 floats"):
+            adopted(given, three, np.zeros((3, 3)), ("a", "b", "c"), **water, planar=False, needed=needed)
 
 
 def polar(force):
