@@ -51,6 +51,7 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
             depth=_depth(common),
             density=rho,
             gravity=g,
+            time_sign=1,
         )
 
 

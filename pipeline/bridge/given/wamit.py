@@ -128,6 +128,7 @@ def _given(
         depth=depth,
         density=density,
         gravity=gravity,
+        time_sign=1,
     )
 
 

@@ -29,6 +29,7 @@ class Given:
     depth: float | None = None
     density: float | None = None
     gravity: float | None = None
+    time_sign: int = -1  # of iωt in the file's own numbers; these are their conjugates where it is +1
 
 
 def turned(given: Given, angles: np.ndarray) -> Given:

@@ -12,8 +12,6 @@ from solver.hydrodynamics.bem.given import Given, turned
 
 IN_PHASE = 0.5  # cosine of the phase, force-weighted: of less some convention is another
 BETTER = 0.85  # of another convention that explains the difference
-# Turning the waves round turns the Froude-Krylov force into its conjugate, so that the two cannot be told apart.
-TIME = "is of the other sign of time, Re{X exp(+iωt)}, or of waves from the other side"
 TURNS = 6  # rounds until angles agree with the added mass that they turn
 FEW = 5  # bodies whose orders are tried
 LEAST = 5.0  # degrees: of less a turn changes no force by more than it may be off
@@ -36,10 +34,7 @@ def _convention(six: Given, floats: Floats, expected: np.ndarray, long: Long) ->
     told, fits, rows = long.told, long.fits, long.rows
     columns = felt(fits)
     tries = [
-        (
-            _cosine(told.conj(), fits, columns),
-            f"{TIME}; Re{{X exp(-iωt)}} is needed, and headings are directions that waves travel to",
-        ),
+        (_cosine(told.conj(), fits, columns), _backwards(six)),
         (_cosine(-told, fits, columns), "has the opposite sign"),
         (_cosine(1j * told, fits, columns), "is a quarter of a period off: phases refer to a crest at x = y = 0"),
         (_cosine(-1j * told, fits, columns), "is a quarter of a period off: phases refer to a crest at x = y = 0"),
@@ -49,6 +44,16 @@ def _convention(six: Given, floats: Floats, expected: np.ndarray, long: Long) ->
         tries.append((_cosine(other.excitation[rows, 0], fit, felt(fit)), text))
     best, text = max(tries, key=lambda scored: scored[0])
     return text if best >= BETTER else ""
+
+
+def _backwards(six: Given) -> str:
+    """Of time or waves, in the sign of the file's own numbers.
+
+    Turning the waves round turns the Froude-Krylov force into its conjugate, so that the two cannot be told apart.
+    """
+    needed, other = (f"Re{{X exp({sign}iωt)}}" for sign in ("+-" if six.time_sign > 0 else "-+"))
+    text = f"is of the other sign of time, {other}, or of waves from the other side; {needed} is needed"
+    return f"{text}, and headings are directions that waves travel to"
 
 
 def _slip(six: Given, floats: Floats) -> str:

@@ -235,6 +235,8 @@ def test_a_heave_plate_in_another_order_is_named():
 def test_every_other_convention_is_named():
     h, force = ours(), told().excitation
     refused(told(excitation=force.conj()), match=r"other sign of time, Re\{X exp\(\+iωt\)\}")
+    own = r"Re\{X exp\(-iωt\)\}, or of waves from the other side; Re\{X exp\(\+iωt\)\} is needed"
+    refused(told(excitation=force.conj(), time_sign=1), match=own)  # as the file has it, of which these are conjugates
     refused(told(excitation=-force), match="opposite sign")
     refused(told(excitation=1j * force), match="quarter of a period")
     refused(shuffled(h), match="bodies in another order: rear, front")

@@ -525,6 +525,21 @@ def judged(path):
     return str(caught.value)
 
 
+def test_the_sign_of_time_is_told_as_each_format_has_it(ours, study, tmp_path):
+    """Of the conjugate force; WAMIT and BEMIO need the sign that capytaine and Nemoh do not."""
+    back = replace(ours, **{n: getattr(ours, n).conj() for n in ("diffraction", "froude_krylov")})
+    wamit_files(tmp_path, back)
+    wamit_out(tmp_path / "pair.out", back)
+    bemio_file(tmp_path / "pair.h5", back)
+    capytaine_file(tmp_path / "pair.nc", back)
+    nemoh_files(tmp_path, back)
+    for name in ("pair.1", "pair.out", "pair.h5", "pair.nc", "Results/RadiationCoefficients.tec"):
+        other, needed = ("-", "+") if name in ("pair.1", "pair.out", "pair.h5") else ("+", "-")
+        said = judged(study(name))
+        assert f"other sign of time, Re{{X exp({other}iωt)}}, or of waves from the other side; " in said, name
+        assert f"; Re{{X exp({needed}iωt)}} is needed" in said, name
+
+
 def test_misfits_are_said_before_anything_runs(ours, study, tmp_path):
     wamit_files(tmp_path, ours)
 
