@@ -10,11 +10,12 @@ Tables = dict[str, Any]
 BASE = "base"
 FILES = ("file", "coefficients")  # keys that name files
 KINDS = ("shape", "kind")  # keys that decide which others a table has
+FORMS = ({"from", "to"}, {"mean", "std"})  # of ranges, which their keys tell apart
 
 
 def merged(base: Any, upper: Any) -> Any:
     """Tables key by key, lists of named tables name by name; all else, and a table of another kind, is replaced."""
-    if isinstance(base, dict) and isinstance(upper, dict) and not of_another_kind(base, upper):
+    if isinstance(base, dict) and isinstance(upper, dict) and not _replaces(base, upper):
         return base | {key: merged(base[key], value) if key in base else value for key, value in upper.items()}
     if _named(base) and _named(upper):
         mine = {item["name"]: item for item in upper}
@@ -24,9 +25,17 @@ def merged(base: Any, upper: Any) -> Any:
     return upper
 
 
+def _replaces(base: Mapping[str, Any], upper: Mapping[str, Any]) -> bool:
+    """Whether a table is of another kind, or form, than one of a file, where a sea with an Hs may not say its kind."""
+    said = {"kind": "irregular"} | dict(base) if "Hs" in base else base
+    one, other = FORMS
+    mixed = any(base.keys() & a and upper.keys() & b for a, b in ((one, other), (other, one)))
+    return mixed or of_another_kind(said, upper)
+
+
 def of_another_kind(base: Mapping[str, Any], upper: Mapping[str, Any]) -> bool:
-    """Whether both say what they are, and not the same: a cone has no use for a sphere's draft."""
-    return any(key in base and upper.get(key, base[key]) != base[key] for key in KINDS)
+    """Whether both say in a word what they are, and not the same: a cone has no use for a sphere's draft."""
+    return any(isinstance(upper.get(key), str) and upper[key] != base.get(key, upper[key]) for key in KINDS)
 
 
 def _named(value: Any) -> bool:

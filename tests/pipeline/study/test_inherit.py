@@ -29,6 +29,34 @@ def test_a_table_of_another_kind_takes_nothing_over():
     assert merged(base, other) == other
 
 
+@pytest.mark.parametrize(
+    ("base", "upper", "left"),
+    [
+        ('{ Hs = 0.7, Tp = 5.0 }', '{ kind = "regular", height = 0.5, period = 6.0 }', {"height": 0.5, "period": 6.0}),
+        ('{ Hs = 0.7, Tp = 5.0 }', '{ kind = "irregular", Tp = 6.0 }', {"Hs": 0.7, "Tp": 6.0}),
+        ('{ kind = "white-noise", Hs = 0.7 }', '{ kind = "irregular", Hs = 0.5, Tp = 6.0 }', {"Hs": 0.5, "Tp": 6.0}),
+        ('{ kind = "regular", height = 0.5, period = 6.0 }', "{ height = 0.4 }", {"height": 0.4, "period": 6.0}),
+    ],
+)  # fmt: skip
+def test_a_sea_that_leaves_its_kind_out_is_irregular(small, tmp_path, base, upper, left):
+    (tmp_path / "sea.toml").write_text(f'base = "small.toml"\n[sea_states]\nnew = {base}\n')
+    (tmp_path / "above.toml").write_text(f'base = "sea.toml"\n[sea_states]\nnew = {upper}\n')
+    sea = load(tmp_path / "above.toml").content.sea_states["new"]
+    assert {key: getattr(sea, key) for key in sea.model_fields_set - {"kind"}} == left
+
+
+def test_seas_may_have_any_label():
+    base = {"sea_states": {"calm": {"Hs": 1.0, "Tp": 5.0}, "kind": {"Hs": 1.0, "Tp": 6.0}}}
+    both = merged(base, {"sea_states": {"kind": {"Hs": 2.0}, "shape": {"Hs": 3.0}}})["sea_states"]
+    assert both == {"calm": base["sea_states"]["calm"], "kind": {"Hs": 2.0, "Tp": 6.0}, "shape": {"Hs": 3.0}}
+
+
+def test_a_sample_of_another_form_takes_nothing_over():
+    span, normal = {"from": 1.0, "to": 3.0, "spacing": "log"}, {"mean": 2.0, "std": 0.1}
+    assert merged(span, normal) == normal and merged(normal, {"from": 1.0, "to": 2.0}) == {"from": 1.0, "to": 2.0}
+    assert merged(span, {"to": 2.0}) == span | {"to": 2.0} and merged(normal, {"std": 0.2}) == normal | {"std": 0.2}
+
+
 def test_only_what_differs_is_different(small, tmp_path):
     (tmp_path / "heavy.toml").write_text('base = "small.toml"\n[[floats]]\nname = "front"\npto_damping = 2e5\n')
     base, heavy = load(small), load(tmp_path / "heavy.toml")
