@@ -32,18 +32,24 @@ def energies(data: xr.Dataset, variable: str = "absorbed_power", weights: Any = 
 
 
 def powers(data: xr.Dataset, variable: str) -> xr.DataArray:
-    """Mean power in each task [W], of the floats and, last, of all; none of floats that are lifted out in some seas."""
+    """Mean power in each task [W], of the floats and, last, of all; none of floats that are lifted out in some seas.
+
+    Electrical power of a float without an efficiency, which is 1 each way, is what it absorbs: the mean of what a
+    spring exchanges is 0. All are the floats that have numbers in some sea; unknown is their sum where one's is.
+    """
     import xarray as xr
 
     each = data[variable].sel(statistic="mean", drop=True)
+    if variable == "electrical_power":
+        each = each.fillna(data["absorbed_power"].sel(statistic="mean", drop=True))
+    works = each.notnull().any([dim for dim in ("sea_state", "seed") if dim in each.dims])
     if "status" in data and "sea_state" in each.dims:
-        works = each.notnull().any([dim for dim in ("sea_state", "seed") if dim in each.dims])
         lifted = works & each.isnull() & data["status"].isin(["done", "stale"])
         each = each.where(~lifted, 0.0)
     each = realized(data, each)
     if each.sizes["float"] == 1:
         return each
-    total = each.sum("float", min_count=1).assign_coords(float=ALL)
+    total = each.where(works, 0.0).sum("float", skipna=False).where(works.any("float")).assign_coords(float=ALL)
     return xr.concat([each, total], dim="float", coords="minimal", compat="override")
 
 

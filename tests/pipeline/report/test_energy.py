@@ -97,3 +97,30 @@ def test_a_float_that_is_lifted_out_in_some_seas_takes_nothing_there():
     assert [line[0] for line in rows(data)] == ["rear", ALL]
     data["status"][1] = "failed"
     assert np.isnan(energies(data).power.sel(estimate="value").values).all()
+
+
+def test_electrical_power_of_a_float_without_an_efficiency_is_what_it_absorbs():
+    """Of all floats as well; without any where the float was left out, and in a sea where it is lifted nothing."""
+    data = dataset(MIRRORED)
+    data["electrical_power"] = data.absorbed_power * xr.DataArray([0.8, np.nan], dims="float")
+    power = energies(data, "electrical_power").power.sel(estimate="value")
+    front, rear = (0.75 * mean[0] + 0.25 * mean[1] for mean in ((1.5e3, 7e3), (1.5e3, 5e3)))
+    assert power.values == approx([0.8 * front, rear, 0.8 * front + rear])
+    data["status"] = ("sea_state", "seed"), np.full((2, 2), "done")
+    data.absorbed_power[1, :, 1] = np.nan
+    assert energies(data, "electrical_power").power.sel({"float": ALL})[0] == approx(0.8 * front + 0.75 * 1.5e3)
+    data.absorbed_power[:, :, 1] = np.nan
+    assert energies(data, "electrical_power").power.sel({"float": ALL})[0] == approx(0.8 * front)
+    data.absorbed_power[...] = data.electrical_power[...] = np.nan
+    assert not list(rows(data))
+
+
+def test_the_sum_is_unknown_where_a_floats_number_is():
+    """In a realization that one has and another lacks; means are of the others."""
+    data = dataset(MIRRORED)
+    data["status"] = ("sea_state", "seed"), [["done", "failed"], ["done", "done"]]
+    data.absorbed_power[0, 1, 0] = np.nan
+    assert energies(data).power.sel(estimate="value")[-1] == approx(0.75 * 3e3 + 0.25 * 12e3)
+    data.absorbed_power[0, 0, 1] = np.nan
+    data["status"][0] = "failed"
+    assert np.isnan(energies(data).power.sel(estimate="value")[-1])
