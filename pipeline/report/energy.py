@@ -5,7 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from pipeline.report.yearly import HOUR, LEVEL, YEAR, Table, cells, counted, of_part, over_seas, prefix, realized, texts
+from pipeline.report.yearly import (
+    FAILED,
+    HOUR,
+    LEVEL,
+    YEAR,
+    Table,
+    cells,
+    counted,
+    failures,
+    of_part,
+    of_survivors,
+    over_seas,
+    prefix,
+    realized,
+    texts,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,12 +38,16 @@ def energies(data: xr.Dataset, variable: str = "absorbed_power", weights: Any = 
     """`power` [W] and `energy` of a year [J] over all sea states, dimensions `estimate` and `float`: see `over_seas`.
 
     variable: "absorbed_power" or "electrical_power" of a collected dataset; weights (sea_state,): its `occurrence`,
-    else equal ones. Of several floats the last is `all floats`, whose interval is that of their sum.
+    else equal ones. Of several floats the last is `all floats`, whose interval is that of their sum. Means leave out
+    realizations that failed, `failed_realizations` of all sea states.
     """
-    power = over_seas(powers(data, variable), data if weights is None else weights)
+    import xarray as xr
+
+    each = powers(data, variable)
+    power = over_seas(each, data if weights is None else weights)
     energy = power * YEAR * HOUR
     power.attrs, energy.attrs = {"units": "W"}, {"units": "J"}
-    return power.to_dataset(name="power").assign(energy=energy)
+    return xr.Dataset({"power": power, "energy": energy, FAILED: failures(each)})
 
 
 def powers(data: xr.Dataset, variable: str) -> xr.DataArray:
@@ -46,11 +65,10 @@ def powers(data: xr.Dataset, variable: str) -> xr.DataArray:
     if "status" in data and "sea_state" in each.dims:
         lifted = works & each.isnull() & data["status"].isin(["done", "stale"])
         each = each.where(~lifted, 0.0)
-    each = realized(data, each)
-    if each.sizes["float"] == 1:
-        return each
-    total = each.where(works, 0.0).sum("float", skipna=False).where(works.any("float")).assign_coords(float=ALL)
-    return xr.concat([each, total], dim="float", coords="minimal", compat="override")
+    if each.sizes["float"] > 1:
+        total = each.where(works, 0.0).sum("float", skipna=False).where(works.any("float")).assign_coords(float=ALL)
+        each = xr.concat([each, total], dim="float", coords="minimal", compat="override")
+    return realized(data, each)
 
 
 def table(data: xr.Dataset) -> Table:
@@ -58,7 +76,8 @@ def table(data: xr.Dataset) -> Table:
     told = "occurrence" in data.coords and any(name in data for name in OF)
     unit, scale = prefix(data[next(name for name in OF if name in data)].sel(statistic="mean")) if told else ("k", 1e3)
     columns = f"mean power [{unit}W]", "low", "high", f"energy a year [{ABOVE[unit]}Wh]", "low", "high", "realizations"
-    return Table("Energy", ("", "", *columns), list(rows(data, scale)) if told else [], NOTE + of_part(data))
+    lines = list(rows(data, scale)) if told else []
+    return Table("Energy", ("", "", *columns), lines, NOTE + of_part(data) + of_survivors(lines))
 
 
 def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:

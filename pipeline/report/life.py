@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeline.report.yearly import (
     ESTIMATES,
+    FAILED,
     HOUR,
     LEVEL,
     YEAR,
@@ -16,7 +17,9 @@ from pipeline.report.yearly import (
     by_sea,
     cells,
     counted,
+    failures,
     of_part,
+    of_survivors,
     over_seas,
     realized,
     texts,
@@ -37,21 +40,27 @@ def lives(data: xr.Dataset, variable: str = "damage", weights: Any = None) -> xr
     """`damage` [1/h] and `life` [s] over all sea states, dimension `estimate`: see `over_seas`.
 
     variable: "damage" or "damage_top" of a collected dataset; weights (sea_state,): its `occurrence`, else equal ones.
-    No interval goes below zero. Life is 1/D, the interval's ends change places; of no damage it has no end.
+    No interval goes below zero. Life is 1/D, the interval's ends change places; of no damage it has no end. Means leave
+    out realizations that failed, `failed_realizations` of all sea states.
     """
+    return _lives(realized(data, data[variable]), data if weights is None else weights)
+
+
+def _lives(each: xr.DataArray, weights: Any) -> xr.Dataset:
     import xarray as xr
 
-    damage = over_seas(realized(data, data[variable]), data if weights is None else weights)
+    damage = over_seas(each, weights)
     damage = damage.where(~(damage < 0), 0.0)
     with np.errstate(divide="ignore"):
         life = (HOUR / damage).isel(estimate=[0, 2, 1]).assign_coords(estimate=list(ESTIMATES))
     damage.attrs, life.attrs = {"units": "h-1"}, {"units": "s"}
-    return xr.Dataset({"damage": damage, "life": life})
+    return xr.Dataset({"damage": damage, "life": life, FAILED: failures(each)})
 
 
 def table(data: xr.Dataset) -> Table:
     """Of a study that reckons damage."""
-    return Table("Fatigue", HEADER, list(rows(data)), NOTE + of_part(data))
+    lines = list(rows(data))
+    return Table("Fatigue", HEADER, lines, NOTE + of_part(data) + of_survivors(lines))
 
 
 def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
@@ -65,7 +74,7 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
 
 def _of_cell(part: xr.Dataset, variable: str, words: list[str], end: str) -> Iterator[tuple[str, ...]]:
     for name, some in by_sea(part, variable):
-        found = lives(some, variable)
+        found = _lives(some[variable], some)
         first = found.damage.sel(estimate="value", drop=True)
         label = ", ".join(filter(None, [*words, name]))
         if first.isnull().all():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Hashable, Iterator
+from collections.abc import Collection, Hashable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -21,6 +21,9 @@ ESTIMATES = ("value", "low", "high")
 WORDS = 2  # columns of a table that are words
 DAY = 24.0  # the least sum of occurrences that looks like hours [h]
 FULL = 8700.0, 8800.0  # between these they are those of a year [h]
+RUN = ("done", "stale", "failed")  # statuses of tasks that have run
+FAILED = "failed_realizations"
+SURVIVORS = " Realizations that failed, as a rule the roughest, are in no mean."
 SHARES = tuple(10.0**n for n in range(2, 7))  # and sums that are none: percent, per mille and so on
 
 
@@ -43,7 +46,7 @@ def over_seas(each: xr.DataArray, weights: Any) -> xr.DataArray:
     import xarray as xr
     from scipy import stats
 
-    mean, error, freedom = _weighted(_means(each), weights)
+    mean, error, freedom = _weighted(_means(each.drop_vars(FAILED, errors="ignore")), weights)
     with np.errstate(invalid="ignore", divide="ignore"):
         # Where no realization differs there is no scatter, and no degree of freedom either.
         half = (stats.t.ppf((1 + LEVEL) / 2, freedom) * error).where(error != 0, 0.0)
@@ -52,13 +55,28 @@ def over_seas(each: xr.DataArray, weights: Any) -> xr.DataArray:
 
 
 def realized(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
-    """Values where a realization has a task of its own: a regular or still sea has one, whatever the seed."""
+    """Values where a realization has a task of its own: a regular or still sea has one, whatever the seed.
+
+    With them goes, as a coordinate, where such a task has run and left no number that others of its cell have.
+    """
     import xarray as xr
 
-    if "task" not in data or "seed" not in data["task"].dims:
-        return values
-    along: dict[str, Any] = {"input_core_dims": [["seed"]], "output_core_dims": [["seed"]], "vectorize": True}
-    return values.where(xr.apply_ufunc(once, data["task"].compute(), **along))
+    own: Any = True
+    if "task" in data and "seed" in data["task"].dims:
+        along: dict[str, Any] = {"input_core_dims": [["seed"]], "output_core_dims": [["seed"]], "vectorize": True}
+        own = xr.apply_ufunc(once, data["task"].compute(), **along)
+    has = values.notnull()
+    lacks = own & ~has & has.any(_tasks(values))
+    return values.where(own).assign_coords({FAILED: lacks & data["status"].isin(RUN) if "status" in data else lacks})
+
+
+def failures(values: xr.DataArray) -> xr.DataArray:
+    """How many realizations of all sea states failed, of values that are `realized`: their means leave them out."""
+    return values[FAILED].sum(_tasks(values[FAILED])).drop_vars(FAILED, errors="ignore")
+
+
+def _tasks(values: xr.DataArray) -> list[Hashable]:
+    return [dim for dim in values.dims if dim in ("sea_state", "seed")]
 
 
 def _means(each: xr.DataArray) -> _Mean:
@@ -134,10 +152,17 @@ def named(dim: Hashable, label: Any) -> str:
 
 
 def counted(values: xr.DataArray) -> str:
-    """Numbers of realizations, of all sea states."""
+    """Numbers of realizations, of the sea states with the fewest and the most, and of those that failed in all."""
     some = values.notnull()
-    count = some.sum("seed").values if "seed" in some.dims else some.values
-    return "/".join(map(str, np.unique(np.asarray(count, int))))
+    count = some.sum("seed") if "seed" in some.dims else some
+    least, most = int(count.min()), int(count.max())
+    failed = int(failures(values))
+    return f"{least}" + f" to {most}" * (least < most) + f", {failed} failed" * (failed > 0)
+
+
+def of_survivors(lines: Iterable[tuple[str, ...]]) -> str:
+    """A sentence where realizations failed, as the last column has it."""
+    return SURVIVORS if any("failed" in line[-1] for line in lines) else ""
 
 
 def prefix(values: xr.DataArray) -> tuple[str, float]:

@@ -7,7 +7,7 @@ from rich.console import Console
 from scipy import stats
 
 from pipeline.report.energy import ALL, energies, rows, table
-from pipeline.report.yearly import show
+from pipeline.report.yearly import SURVIVORS, show
 
 HOURS = 365.25 * 24
 STATISTICS = ["max", "min", "mean", "rms", "std"]
@@ -67,7 +67,7 @@ def test_a_single_float_and_a_single_realization():
 
 
 def test_a_sea_state_without_a_number_leaves_none():
-    assert [line[2:] for line in rows(dataset([[[np.nan] * 2], [[1e3] * 2]]))] == [(*6 * ["-"], "0/1")] * 3
+    assert [line[2:] for line in rows(dataset([[[np.nan] * 2], [[1e3] * 2]]))] == [(*6 * ["-"], "0 to 1, 1 failed")] * 3
 
 
 def test_nothing_is_told_where_nobody_said_how_often_seas_come():
@@ -121,6 +121,9 @@ def test_the_sum_is_unknown_where_a_floats_number_is():
     data["status"] = ("sea_state", "seed"), [["done", "failed"], ["done", "done"]]
     data.absorbed_power[0, 1, 0] = np.nan
     assert energies(data).power.sel(estimate="value")[-1] == approx(0.75 * 3e3 + 0.25 * 12e3)
+    assert energies(data).failed_realizations.values.tolist() == [1, 0, 1]
+    assert [line[-1] for line in rows(data)] == ["1 to 2, 1 failed", "2", "1 to 2, 1 failed"]
+    assert table(data).note.endswith(SURVIVORS) and not table(dataset(MIRRORED)).note.endswith(SURVIVORS)
     data.absorbed_power[0, 0, 1] = np.nan
     data["status"][0] = "failed"
     assert np.isnan(energies(data).power.sel(estimate="value")[-1])

@@ -8,7 +8,7 @@ from rich.console import Console
 from scipy import stats
 
 from pipeline.report.life import NOTE, lives, rows, table
-from pipeline.report.yearly import LEVEL, of_part, show
+from pipeline.report.yearly import LEVEL, SURVIVORS, of_part, show
 
 YEAR = 365.25 * 24
 
@@ -103,8 +103,25 @@ def test_a_regular_sea_has_one_realization_whatever_the_seeds():
     found = lives(data).damage.isel(leg=0, fibre=0).values
     assert found == approx([3e-6, np.nan, np.nan], nan_ok=True)
     every, regular, irregular = rows(data)
-    assert (every[-1], regular[-1], irregular[-1]) == ("1/3", "1", "3")
+    assert (every[-1], regular[-1], irregular[-1]) == ("1 to 3", "1", "3")
     assert regular[3:5] == every[3:5] == ("-", "-") and "-" not in irregular
+
+
+def test_realizations_that_failed_are_told_those_that_have_not_run_are_not():
+    """Nor is what no task stands for, a regular sea's other seeds, or a platform without legs."""
+    data = dataset([[4e-6] * 3, [1e-6, np.nan, np.nan]]).expand_dims(platform=["elastic", "fixed"]).copy(deep=True)
+    data.damage[1] = np.nan
+    data["task"] = (("sea_state", "seed"), [["a", "a", "a"], ["b", "c", "d"]])
+    data["status"] = (("sea_state", "seed"), [["done"] * 3, ["done", "failed", "missing"]])
+    assert [line[-1] for line in rows(data)] == ["1, 1 failed", "1", "1, 1 failed"]
+    assert lives(data).failed_realizations.isel(leg=0, fibre=0).values.tolist() == [1, 0]
+    assert table(data).note.endswith(SURVIVORS)
+    failed = data.where(data.sea_state != "s0").assign(
+        task=data.task, status=data.status.where([[False], [True]], "failed")
+    )
+    assert lives(failed).failed_realizations.isel(platform=0, leg=0, fibre=0) == 2
+    data["status"][1, 1] = "missing"
+    assert not lives(data).failed_realizations.any() and SURVIVORS not in table(data).note
 
 
 @pytest.mark.parametrize(
