@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.report.energy import powers
+from pipeline.report.energy import OF, powers
 from pipeline.report.yearly import LEVEL, Table, by_sea, cells, counted, named, over_seas, prefix, texts
 
 if TYPE_CHECKING:
     import xarray as xr
 
-VARIABLE = "absorbed_power"
+POWERS = ("electrical_power", "absorbed_power")  # the first that there is: what a design is for
 SAME = 1e-6  # of a power: by less two do not differ
 CHOSEN = ("pto_damping", "hinge_spacing")  # and any axis of the floats' keys
+TITLE = "Best in each sea state"
 NOTE = (
     f"Of all floats, mean over realizations; low and high: {LEVEL:.0%} by Student's t. All seas: by their occurrence."
     " A number at an end of its axis may be exceeded beyond. Compared are designs that have all realizations of a sea."
@@ -24,24 +25,27 @@ NOTE = (
 
 def table(data: xr.Dataset) -> Table:
     """Of a study with several designs."""
-    unit, scale = prefix(data[VARIABLE].sel(statistic="mean")) if VARIABLE in data else ("k", 1e3)
-    header = ("", "most power with", f"mean power [{unit}W]", "low", "high", "realizations")
-    return Table("Best in each sea state", header, list(rows(data, scale)) if VARIABLE in data else [], NOTE)
+    variable = next((name for name in POWERS if name in data), "")
+    if not variable:
+        return Table(TITLE, (), [], NOTE)
+    unit, scale = prefix(data[variable].sel(statistic="mean"))
+    header = ("", "most power with", f"mean {OF[variable]} power [{unit}W]", "low", "high", "realizations")
+    return Table(TITLE, header, list(rows(data, variable, scale)), NOTE)
 
 
-def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
+def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
     """Of every platform, of all seas together, if somebody said how often they come, and of each; power over scale [W].
 
     A design without a number in a sea, or in a realization that another has, is none of those that are compared in it.
     """
-    total = powers(data, VARIABLE).isel(float=-1, drop=True).compute()
+    total = powers(data, variable).isel(float=-1, drop=True).compute()
     designs = [dim for dim in total.dims if total.sizes[dim] > 1 and _is_design(data[dim])]
-    for labels, part in cells(total, VARIABLE, designs) if designs else ():
-        for sea, some in by_sea(part, VARIABLE):
-            if some[VARIABLE].sizes.get("sea_state", 1) > 1 and "occurrence" not in some.coords:
+    for labels, part in cells(total, variable, designs) if designs else ():
+        for sea, some in by_sea(part, variable):
+            if some[variable].sizes.get("sea_state", 1) > 1 and "occurrence" not in some.coords:
                 continue
-            found = over_seas(some[VARIABLE], some)
-            first = found.sel(estimate="value", drop=True).where(_whole(some[VARIABLE], designs))
+            found = over_seas(some[variable], some)
+            first = found.sel(estimate="value", drop=True).where(_whole(some[variable], designs))
             if not first.fillna(0.0).any():  # nor is there a best of none that takes power
                 continue
             at = first.argmax(designs)
@@ -50,7 +54,7 @@ def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
             if (known := int(first.notnull().sum())) < first.size:
                 chosen += f" (of {known} among {first.size})"
             label, power = ", ".join(filter(None, [*labels, sea])), found.isel(at).values
-            yield label, chosen, *texts(power / scale), counted(some[VARIABLE].isel(at))
+            yield label, chosen, *texts(power / scale), counted(some[variable].isel(at))
 
 
 def _is_design(axis: xr.DataArray) -> bool:

@@ -21,10 +21,10 @@ ESTIMATES = ("value", "low", "high")
 WORDS = 2  # columns of a table that are words
 DAY = 24.0  # the least sum of occurrences that looks like hours [h]
 FULL = 8700.0, 8800.0  # between these they are those of a year [h]
+SHARES = tuple(10.0**n for n in range(2, 7))  # and sums that are none: percent, per mille and so on
 RUN = ("done", "stale", "failed")  # statuses of tasks that have run
 FAILED = "failed_realizations"
 SURVIVORS = " Realizations that failed, as a rule the roughest, are in no mean."
-SHARES = tuple(10.0**n for n in range(2, 7))  # and sums that are none: percent, per mille and so on
 
 
 class _Mean(NamedTuple):

@@ -3,9 +3,14 @@
 import numpy as np
 import xarray as xr
 
-from pipeline.report.best import rows, table
+from pipeline.report.best import rows as rows_of
+from pipeline.report.best import table
 
 DAMPINGS = [1e5, 2e5, 4e5]
+
+
+def rows(data):
+    return rows_of(data, "absorbed_power")
 
 
 def dataset(mild, rough, **coords):
@@ -45,7 +50,10 @@ def test_a_models_power_is_told_in_watts():
     large = dataset([4, 3.9, 1], [1, 9, 9.5])
     for data, unit in ((large, "kW"), (1e-3 * large, "W")):
         told = table(data)
-        assert told.header[2] == f"mean power [{unit}]" and [line[2] for line in told.lines[:2]] == ["4", "9.5"]
+        assert told.header[2] == f"mean absorbed power [{unit}]" and [line[2] for line in told.lines[:2]] == [
+            "4",
+            "9.5",
+        ]
 
 
 def test_several_axes_are_one_design():
@@ -101,3 +109,18 @@ def test_a_sample_has_no_end_and_tells_its_values():
 def test_a_single_sea_has_its_name():
     one = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(sea_state=[1], platform=0, drop=True)
     assert [line[0] for line in rows(one)] == ["rough"]
+
+
+def test_with_an_efficiency_the_best_is_that_of_electrical_power():
+    """Of all floats: what one without an efficiency absorbs is its own; the header says of which power it is."""
+    front = dataset([4, 5, 6], [7, 8, 9]).isel(platform=0, drop=True)
+    share = xr.DataArray([0.8, 0.8, 0.5], dims="pto_damping")
+    front = front.assign(electrical_power=share * front.absorbed_power)
+    rear = dataset([0, 0, 0], [0, 0, 2]).isel(platform=0, drop=True).assign_coords({"float": ["rear"]})
+    rear = rear.assign(electrical_power=np.nan * rear.absorbed_power)
+    told = table(xr.concat([front, rear], dim="float"))
+    assert told.header[2] == "mean electrical power [kW]"
+    assert [line[:3] for line in told.lines] == [
+        ("mild", "pto_damping 200000", "4"),
+        ("rough", "pto_damping 400000 (an end)", "6.5"),
+    ]
